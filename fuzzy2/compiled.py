@@ -1,0 +1,35 @@
+"""Compile scalar kernels with numba: cached on disk where that is possible, without the interpreter lock.
+
+Both packages compile with this one decorator. Numba does not notice when a function in *another* module changed, so a
+kernel and everything it calls live in one module.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, TypeVar
+
+import numba
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def compiled(function: Function) -> Function:
+    """Compile ``function`` on its first call, to code that releases the interpreter lock and divides as IEEE 754 does.
+
+    Parameters
+    ----------
+    function : callable
+        A function of scalars and contiguous arrays in the subset of Python that numba compiles.
+
+    Returns
+    -------
+    callable
+        The compiled function. Where no directory for the cache can be written it is compiled anew in every process.
+    """
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    try:
+        compiled_function: Function = numba.njit(cache=True, **options)(function)
+    except RuntimeError:  # "no locator available": site-packages and home are both read-only
+        compiled_function = numba.njit(**options)(function)
+    return compiled_function

@@ -1,0 +1,74 @@
+"""Dynamics and control of the 3-PSP parallel robot on Pinocchio.
+
+``psp3.load("psp3")`` returns the robot. Names are imported when they are first used, so ``import psp3`` costs little more than
+``import pinocchio``.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from psp3 import trajectories
+    from psp3.closed_loop_robot import ClosedLoopRobot
+    from psp3.controllers import PD, PID, ComputedTorque, FeedForward, GravityCompensatedPD
+    from psp3.errors import PSP3Error
+    from psp3.loading import load
+    from psp3.natural_orthogonal_complement import NaturalOrthogonalComplement
+    from psp3.parameters import PARAMETER_SETS, Parameters
+    from psp3.robot import PSP3, Pose
+    from psp3.simulation import Result, load_result, simulate
+
+_HOMES = {
+    "ClosedLoopRobot": "closed_loop_robot",
+    "ComputedTorque": "controllers",
+    "FeedForward": "controllers",
+    "GravityCompensatedPD": "controllers",
+    "NaturalOrthogonalComplement": "natural_orthogonal_complement",
+    "PARAMETER_SETS": "parameters",
+    "PD": "controllers",
+    "PID": "controllers",
+    "PSP3": "robot",
+    "PSP3Error": "errors",
+    "Parameters": "parameters",
+    "Pose": "robot",
+    "Result": "simulation",
+    "load": "loading",
+    "load_result": "simulation",
+    "simulate": "simulation",
+}
+
+__all__ = [
+    "PARAMETER_SETS",
+    "PD",
+    "PID",
+    "PSP3",
+    "ClosedLoopRobot",
+    "ComputedTorque",
+    "FeedForward",
+    "GravityCompensatedPD",
+    "NaturalOrthogonalComplement",
+    "PSP3Error",
+    "Parameters",
+    "Pose",
+    "Result",
+    "load",
+    "load_result",
+    "simulate",
+    "trajectories",
+]
+
+__version__ = "0.1.0"
+
+
+def __getattr__(name: str) -> Any:
+    if name == "trajectories":
+        return importlib.import_module("psp3.trajectories")
+    if name in _HOMES:
+        return getattr(importlib.import_module(f"psp3.{_HOMES[name]}"), name)
+    raise AttributeError(f"module 'psp3' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

@@ -1,0 +1,554 @@
+r"""Closed form of the 3-PSP robot's kinematics and dynamics, compiled: the fast one of the two implementations.
+
+Everything follows from three coordinates that are *linear* in the nut heights: the slope
+:math:`p = u + iv = \tan\theta\, e^{i\beta}` of the star (tilt :math:`\theta` toward azimuth :math:`\beta`) and the mean height,
+
+.. math::
+
+    u + iv = -\frac{2}{3d} \sum_k a_k e^{i\alpha_k}, \qquad \bar a = \frac13 \sum_k a_k, \qquad
+    c = \cos\theta = (1 + u^2 + v^2)^{-1/2}.
+
+The star's arms meet at 120° in the plane of the three nuts, so its center is the Fermat point of the nut triangle, and
+
+.. math::
+
+    C_x + iC_y &= \tfrac d4 \Big[ \tfrac{c^3}{(1+c)^2} p^4 - c\, \bar p^2 \Big], \qquad
+    C_z = \bar a + \tfrac d2 \tfrac{c^2}{1+c} \operatorname{Re} p^3, \\
+    b_k &= \tfrac{d}{2c} \Big[ 1 + c + \tfrac{2c^2}{1+c} \operatorname{Re}(p^2 e^{i\alpha_k}) \Big], \qquad n = c\,(u, v, 1),
+
+where :math:`n` is the star's own axis and its rotation is the shortest one that takes :math:`e_z` to :math:`n`. No angle is
+evaluated anywhere, so nothing is singular at the level pose. The change of coordinates is linear, so mass matrix and Coriolis
+matrix are transformed like tensors, without further terms.
+
+Kernels take flat, contiguous arrays of ``n`` rows, write to a flat array and return -1, or the first row that is not
+finite or whose arm lengths are not all positive. :mod:`psp3.robot` is the face that people use.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fuzzy2.compiled import compiled
+
+HALF_SQRT3 = 0.8660254037844386
+
+# Columns of the parameter array, see Parameters.as_array.
+RADIUS, TOOL, SLIDING_MASS, STAR_MASS, STAR_X, STAR_Y, STAR_Z, PHI_INERTIA, THETA_INERTIA, GRAVITY = range(10)
+
+
+@compiled
+def _slope(a1, a2, a3, d):
+    """Slope (u, v) and mean height of the plane through the nuts."""
+    factor = -2.0 / (3.0 * d)
+    return factor * (a1 - 0.5 * (a2 + a3)), factor * HALF_SQRT3 * (a2 - a3), (a1 + a2 + a3) / 3.0
+
+
+@compiled
+def _cosine(u, v):
+    """Cosine of the tilt, c, and k = c²/(1+c), which is (1 − c)/(u² + v²) without the division 0/0."""
+    c = 1.0 / math.sqrt(1.0 + u * u + v * v)
+    return c, c * c / (1.0 + c)
+
+
+@compiled
+def _center(u, v, c, k, d):
+    """Star center relative to (0, 0, mean height)."""
+    p2x, p2y = u * u - v * v, 2.0 * u * v
+    k4 = 0.25 * d * k * c / (1.0 + c)
+    return (
+        k4 * (p2x * p2x - p2y * p2y) - 0.25 * d * c * p2x,
+        2.0 * k4 * p2x * p2y + 0.25 * d * c * p2y,
+        0.5 * d * k * (u * p2x - v * p2y),
+    )
+
+
+@compiled
+def _arms(u, v, c, k, d):
+    """Arm lengths b_1, b_2, b_3."""
+    p2x, p2y = u * u - v * v, 2.0 * u * v
+    scale = 0.5 * d / c
+    return (
+        scale * (1.0 + c + 2.0 * k * p2x),
+        scale * (1.0 + c + 2.0 * k * (-0.5 * p2x - HALF_SQRT3 * p2y)),
+        scale * (1.0 + c + 2.0 * k * (-0.5 * p2x + HALF_SQRT3 * p2y)),
+    )
+
+
+@compiled
+def _is_valid(u, v, c, k, d):
+    """Whether the slope is finite and all three arm lengths are positive."""
+    b1, b2, b3 = _arms(u, v, c, k, d)
+    return b1 > 0.0 and b2 > 0.0 and b3 > 0.0 and b1 + b2 + b3 < math.inf
+
+
+@compiled
+def _finite(array, i):
+    """Whether three numbers from ``i`` on are finite."""
+    return math.isfinite(array[i]) and math.isfinite(array[i + 1]) and math.isfinite(array[i + 2])
+
+
+@compiled
+def _term(f, f1, f2, u, v, q, qu, qv, quu, quv, qvv):
+    """Value, gradient and second derivatives of f(u² + v²) q(u, v), given f, f', f'' and those of q."""
+    fu, fv = 2.0 * u * f1, 2.0 * v * f1
+    fuu, fuv, fvv = 2.0 * f1 + 4.0 * u * u * f2, 4.0 * u * v * f2, 2.0 * f1 + 4.0 * v * v * f2
+    return (
+        fu * q + f * qu,
+        fv * q + f * qv,
+        fuu * q + 2.0 * fu * qu + f * quu,
+        fuv * q + fu * qv + fv * qu + f * quv,
+        fvv * q + 2.0 * fv * qv + f * qvv,
+    )
+
+
+@compiled
+def _center_derivatives(u, v, c, d):
+    """Derivatives (u, v, uu, uv, vv) of the star center's three coordinates."""
+    # c, c^3/(1+c)^2 and c^2/(1+c) with their first and second derivatives with respect to u² + v².
+    c1, c2 = -0.5 * c**3, 0.75 * c**5
+    plus = 1.0 + c
+    g = c**3 / plus**2
+    g_c, g_cc = c * c * (3.0 + c) / plus**3, 6.0 * c / plus**4
+    k = c * c / plus
+    k_c, k_cc = (2.0 * c + c * c) / plus**2, 2.0 / plus**3
+    g1, g2 = g_c * c1, g_cc * c1 * c1 + g_c * c2
+    k1, k2 = k_c * c1, k_cc * c1 * c1 + k_c * c2
+
+    uu, vv, uv = u * u, v * v, u * v
+    # Re p^4, Im p^4, Re p^3 and their derivatives; those of Re p^2 and Im p^2 are written out below.
+    x4 = _term(
+        g, g1, g2, u, v, uu * uu - 6.0 * uu * vv + vv * vv, 4.0 * u * (uu - 3.0 * vv), -4.0 * v * (3.0 * uu - vv),
+        12.0 * (uu - vv), -24.0 * uv, -12.0 * (uu - vv),
+    )  # fmt: skip
+    y4 = _term(
+        g, g1, g2, u, v, 4.0 * uv * (uu - vv), 4.0 * v * (3.0 * uu - vv), 4.0 * u * (uu - 3.0 * vv),
+        24.0 * uv, 12.0 * (uu - vv), -24.0 * uv,
+    )  # fmt: skip
+    x2 = _term(c, c1, c2, u, v, uu - vv, 2.0 * u, -2.0 * v, 2.0, 0.0, -2.0)
+    y2 = _term(c, c1, c2, u, v, 2.0 * uv, 2.0 * v, 2.0 * u, 0.0, 2.0, 0.0)
+    z3 = _term(k, k1, k2, u, v, u * (uu - 3.0 * vv), 3.0 * (uu - vv), -6.0 * uv, 6.0 * u, -6.0 * v, -6.0 * u)
+    q, h = 0.25 * d, 0.5 * d
+    x = (q * (x4[0] - x2[0]), q * (x4[1] - x2[1]), q * (x4[2] - x2[2]), q * (x4[3] - x2[3]), q * (x4[4] - x2[4]))
+    y = (q * (y4[0] + y2[0]), q * (y4[1] + y2[1]), q * (y4[2] + y2[2]), q * (y4[3] + y2[3]), q * (y4[4] + y2[4]))
+    z = (h * z3[0], h * z3[1], h * z3[2], h * z3[3], h * z3[4])
+    return x, y, z
+
+
+@compiled
+def _tip_derivatives(u, v, c, d, h):
+    """Derivatives (u, v, uu, uv, vv) of the tip's three coordinates: those of the center plus h n."""
+    x, y, z = _center_derivatives(u, v, c, d)
+    c1, c2 = -0.5 * c**3, 0.75 * c**5
+    nx = _term(c, c1, c2, u, v, u, 1.0, 0.0, 0.0, 0.0, 0.0)
+    ny = _term(c, c1, c2, u, v, v, 0.0, 1.0, 0.0, 0.0, 0.0)
+    nz = _term(c, c1, c2, u, v, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    return (
+        (x[0] + h * nx[0], x[1] + h * nx[1], x[2] + h * nx[2], x[3] + h * nx[3], x[4] + h * nx[4]),
+        (y[0] + h * ny[0], y[1] + h * ny[1], y[2] + h * ny[2], y[3] + h * ny[3], y[4] + h * ny[4]),
+        (z[0] + h * nz[0], z[1] + h * nz[1], z[2] + h * nz[2], z[3] + h * nz[3], z[4] + h * nz[4]),
+    )
+
+
+@compiled
+def _reduced(u, v, c, k, du, dv, p):
+    """Mass and Coriolis matrix of the star and the ball bodies' rotations in the coordinates (u, v, mean height).
+
+    Returns the six entries of the mass matrix (uu, uv, vv, uz, vz, zz) and the Coriolis matrix's six (uu, uv, vu, vv, zu, zv);
+    its third column is zero. Each rotation enters as in eq. 3.3, W' (I (dW/dt + w x W) + w x I W), in axes fixed to the body.
+    """
+    d, m = p[RADIUS], p[STAR_MASS]
+    x, y, z = _center_derivatives(u, v, c, d)
+    # Time derivatives of the center's Jacobian.
+    xu, xv = x[2] * du + x[3] * dv, x[3] * du + x[4] * dv
+    yu, yv = y[2] * du + y[3] * dv, y[3] * du + y[4] * dv
+    zu, zv = z[2] * du + z[3] * dv, z[3] * du + z[4] * dv
+    m_uu = m * (x[0] * x[0] + y[0] * y[0] + z[0] * z[0])
+    m_uv = m * (x[0] * x[1] + y[0] * y[1] + z[0] * z[1])
+    m_vv = m * (x[1] * x[1] + y[1] * y[1] + z[1] * z[1])
+    c_uu = m * (x[0] * xu + y[0] * yu + z[0] * zu)
+    c_uv = m * (x[0] * xv + y[0] * yv + z[0] * zv)
+    c_vu = m * (x[1] * xu + y[1] * yu + z[1] * zu)
+    c_vv = m * (x[1] * xv + y[1] * yv + z[1] * zv)
+
+    # Angular velocity in star axes, W (du, dv): for the shortest rotation it differs from that in base axes by the sign of z.
+    ix, iy, iz = p[STAR_X], p[STAR_Y], p[STAR_Z]
+    rate = u * du + v * dv
+    dc = -(c**3) * rate
+    plus = 1.0 + c
+    dk = (2.0 * c + c * c) / plus**2 * dc
+    s, ds = c * k, dc * k + c * dk
+    wxu, wxv = s * u * v, -c + s * v * v
+    wyu, wyv = c - s * u * u, -s * u * v
+    wzu, wzv = k * v, -k * u
+    duv = du * v + u * dv
+    dwxu, dwxv = ds * u * v + s * duv, -dc + ds * v * v + 2.0 * s * v * dv
+    dwyu, dwyv = dc - ds * u * u - 2.0 * s * u * du, -ds * u * v - s * duv
+    dwzu, dwzv = dk * v + k * dv, -dk * u - k * du
+    ox, oy, oz = wxu * du + wxv * dv, wyu * du + wyv * dv, wzu * du + wzv * dv
+    m_uu += ix * wxu * wxu + iy * wyu * wyu + iz * wzu * wzu
+    m_uv += ix * wxu * wxv + iy * wyu * wyv + iz * wzu * wzv
+    m_vv += ix * wxv * wxv + iy * wyv * wyv + iz * wzv * wzv
+    # Columns of I (dW/dt + w x W) + w x I W. The first cross product is the rotation of the body axes; it vanishes in C v.
+    hxu = ix * (dwxu + oy * wzu - oz * wyu) + oy * iz * wzu - oz * iy * wyu
+    hyu = iy * (dwyu + oz * wxu - ox * wzu) + oz * ix * wxu - ox * iz * wzu
+    hzu = iz * (dwzu + ox * wyu - oy * wxu) + ox * iy * wyu - oy * ix * wxu
+    hxv = ix * (dwxv + oy * wzv - oz * wyv) + oy * iz * wzv - oz * iy * wyv
+    hyv = iy * (dwyv + oz * wxv - ox * wzv) + oz * ix * wxv - ox * iz * wzv
+    hzv = iz * (dwzv + ox * wyv - oy * wxv) + ox * iy * wyv - oy * ix * wxv
+    c_uu += wxu * hxu + wyu * hyu + wzu * hzu
+    c_uv += wxu * hxv + wyu * hyv + wzu * hzv
+    c_vu += wxv * hxu + wyv * hyu + wzv * hzu
+    c_vv += wxv * hxv + wyv * hyv + wzv * hzv
+
+    # First and second ball bodies: tan phi = x, sin theta = -c y in the axes of the leg, where (x, y) is the slope.
+    c_square = c * c
+    dc_square = -2.0 * c_square * c_square * rate
+    for leg in range(3):
+        if leg == 0:
+            ca, sa = 1.0, 0.0
+        elif leg == 1:
+            ca, sa = -0.5, HALF_SQRT3
+        else:
+            ca, sa = -0.5, -HALF_SQRT3
+        lx, ly = u * ca + v * sa, v * ca - u * sa
+        dlx, dly = du * ca + dv * sa, dv * ca - du * sa
+        q_square = 1.0 + lx * lx
+        q = math.sqrt(q_square)
+        dq = lx * dlx / q
+        phi_x = 1.0 / q_square
+        dphi_x = -2.0 * lx * dlx / (q_square * q_square)
+        theta_x, theta_y = lx * ly * c_square / q, -q * c_square
+        dtheta_x = (dlx * ly + lx * dly) * c_square / q + lx * ly * dc_square / q - lx * ly * c_square * dq / q_square
+        dtheta_y = -dq * c_square - q * dc_square
+        # Gradients with respect to (u, v) and their time derivatives.
+        pu, pv, dpu, dpv = phi_x * ca, phi_x * sa, dphi_x * ca, dphi_x * sa
+        tu, tv = theta_x * ca - theta_y * sa, theta_x * sa + theta_y * ca
+        dtu, dtv = dtheta_x * ca - dtheta_y * sa, dtheta_x * sa + dtheta_y * ca
+        jp, jt = p[PHI_INERTIA], p[THETA_INERTIA]
+        m_uu += jp * pu * pu + jt * tu * tu
+        m_uv += jp * pu * pv + jt * tu * tv
+        m_vv += jp * pv * pv + jt * tv * tv
+        c_uu += jp * pu * dpu + jt * tu * dtu
+        c_uv += jp * pu * dpv + jt * tu * dtv
+        c_vu += jp * pv * dpu + jt * tv * dtu
+        c_vv += jp * pv * dpv + jt * tv * dtv
+    return m_uu, m_uv, m_vv, m * z[0], m * z[1], m, c_uu, c_uv, c_vu, c_vv, m * zu, m * zv
+
+
+@compiled
+def _equation(heights, i, speeds, j, p, out, o):
+    """Write M (9), C (9) and G (3) of one pose to ``out`` from ``o`` on; return whether the pose is valid."""
+    d = p[RADIUS]
+    u, v, _ = _slope(heights[i], heights[i + 1], heights[i + 2], d)
+    c, k = _cosine(u, v)
+    if not _is_valid(u, v, c, k, d):
+        return False
+    du, dv, _ = _slope(speeds[j], speeds[j + 1], speeds[j + 2], d)
+    m_uu, m_uv, m_vv, m_uz, m_vz, m_zz, c_uu, c_uv, c_vu, c_vv, c_zu, c_zv = _reduced(u, v, c, k, du, dv, p)
+    factor = -2.0 / (3.0 * d)
+    third = 1.0 / 3.0
+    gravity = p[GRAVITY]
+    for r in range(3):
+        # Row r of the transposed change of coordinates: derivatives of u, v and the mean height with respect to a_r.
+        ur = factor if r == 0 else -0.5 * factor
+        vr = 0.0 if r == 0 else (factor * HALF_SQRT3 if r == 1 else -factor * HALF_SQRT3)
+        mu, mv, mz = ur * m_uu + vr * m_uv + third * m_uz, ur * m_uv + vr * m_vv + third * m_vz, ur * m_uz + vr * m_vz + third * m_zz
+        cu, cv = ur * c_uu + vr * c_vu + third * c_zu, ur * c_uv + vr * c_vv + third * c_zv
+        for s in range(3):
+            us = factor if s == 0 else -0.5 * factor
+            vs = 0.0 if s == 0 else (factor * HALF_SQRT3 if s == 1 else -factor * HALF_SQRT3)
+            out[o + 3 * r + s] = mu * us + mv * vs + mz * third
+            out[o + 9 + 3 * r + s] = cu * us + cv * vs
+        out[o + 4 * r] += p[SLIDING_MASS]
+        out[o + 18 + r] = gravity * (p[SLIDING_MASS] + mz)
+    return True
+
+
+@compiled
+def _solve(m, o, b0, b1, b2):
+    """Solve M x = b by Cholesky's method for the symmetric positive definite 3×3 matrix stored from ``o`` on."""
+    l00 = math.sqrt(m[o])
+    l10, l20 = m[o + 3] / l00, m[o + 6] / l00
+    l11 = math.sqrt(m[o + 4] - l10 * l10)
+    l21 = (m[o + 7] - l20 * l10) / l11
+    l22 = math.sqrt(m[o + 8] - l20 * l20 - l21 * l21)
+    y0 = b0 / l00
+    y1 = (b1 - l10 * y0) / l11
+    y2 = (b2 - l20 * y0 - l21 * y1) / l22
+    x2 = y2 / l22
+    x1 = (y1 - l21 * x2) / l11
+    return (y0 - l10 * x1 - l20 * x2) / l00, x1, x2
+
+
+@compiled
+def forward_kinematics(heights, p, out):
+    """Write star center (3), rotation (9), arm lengths (3) and tip (3) of every row, 18 numbers each."""
+    d, h = p[RADIUS], p[TOOL]
+    for row in range(heights.size // 3):
+        u, v, mean = _slope(heights[3 * row], heights[3 * row + 1], heights[3 * row + 2], d)
+        c, k = _cosine(u, v)
+        x, y, z = _center(u, v, c, k, d)
+        z += mean
+        b1, b2, b3 = _arms(u, v, c, k, d)
+        if not (b1 > 0.0 and b2 > 0.0 and b3 > 0.0 and b1 + b2 + b3 < math.inf):
+            return row
+        o = 18 * row
+        out[o], out[o + 1], out[o + 2] = x, y, z
+        out[o + 3], out[o + 4], out[o + 5] = 1.0 - k * u * u, -k * u * v, c * u
+        out[o + 6], out[o + 7], out[o + 8] = -k * u * v, 1.0 - k * v * v, c * v
+        out[o + 9], out[o + 10], out[o + 11] = -c * u, -c * v, c
+        out[o + 12], out[o + 13], out[o + 14] = b1, b2, b3
+        out[o + 15], out[o + 16], out[o + 17] = x + h * c * u, y + h * c * v, z + h * c
+    return -1
+
+
+@compiled
+def configuration(heights, p, out):
+    """Write (a, phi, theta, lambda, b) of legs 1, 2 and 3 of every row, 15 numbers each (eq. 3.5)."""
+    d = p[RADIUS]
+    for row in range(heights.size // 3):
+        u, v, _ = _slope(heights[3 * row], heights[3 * row + 1], heights[3 * row + 2], d)
+        c, k = _cosine(u, v)
+        if not _is_valid(u, v, c, k, d):
+            return row
+        arms = _arms(u, v, c, k, d)
+        for leg in range(3):
+            ca = 1.0 if leg == 0 else -0.5
+            sa = 0.0 if leg == 0 else (HALF_SQRT3 if leg == 1 else -HALF_SQRT3)
+            x, y = u * ca + v * sa, v * ca - u * sa
+            o = 15 * row + 5 * leg
+            out[o] = heights[3 * row + leg]
+            out[o + 1] = math.atan(x)
+            out[o + 2] = -math.atan(y / math.sqrt(1.0 + x * x))
+            out[o + 3] = math.atan2(-k * x * y, 1.0 - k * y * y)
+            out[o + 4] = arms[leg]
+    return -1
+
+
+@compiled
+def equation_of_motion(heights, speeds, p, out):
+    """Write M (9), C (9) and G (3) of every row, 21 numbers each (eq. 3.2–3.4)."""
+    for row in range(heights.size // 3):
+        if not (_finite(speeds, 3 * row) and _equation(heights, 3 * row, speeds, 3 * row, p, out, 21 * row)):
+            return row
+    return -1
+
+
+@compiled
+def inverse_dynamics(heights, speeds, accelerations, p, work, out):
+    """Write the screw forces M a + C v + G of every row (eq. 3.1); ``work`` holds 21 numbers."""
+    for row in range(heights.size // 3):
+        i = 3 * row
+        if not (_finite(speeds, i) and _finite(accelerations, i) and _equation(heights, i, speeds, i, p, work, 0)):
+            return row
+        for r in range(3):
+            force = work[18 + r]
+            for s in range(3):
+                force += work[3 * r + s] * accelerations[i + s] + work[9 + 3 * r + s] * speeds[i + s]
+            out[i + r] = force
+    return -1
+
+
+@compiled
+def _accelerations(heights, i, speeds, j, f0, f1, f2, p, work):
+    """Accelerations of one state under the given forces; ``work`` holds 21 numbers. NaN where the pose is not valid."""
+    if not _equation(heights, i, speeds, j, p, work, 0):
+        return math.nan, math.nan, math.nan
+    v0, v1, v2 = speeds[j], speeds[j + 1], speeds[j + 2]
+    return _solve(
+        work,
+        0,
+        f0 - work[9] * v0 - work[10] * v1 - work[11] * v2 - work[18],
+        f1 - work[12] * v0 - work[13] * v1 - work[14] * v2 - work[19],
+        f2 - work[15] * v0 - work[16] * v1 - work[17] * v2 - work[20],
+    )
+
+
+@compiled
+def forward_dynamics(heights, speeds, forces, p, work, out):
+    """Write the accelerations M⁻¹ (tau − C v − G) of every row; ``work`` holds 21 numbers."""
+    for row in range(heights.size // 3):
+        i = 3 * row
+        x0, x1, x2 = _accelerations(heights, i, speeds, i, forces[i], forces[i + 1], forces[i + 2], p, work)
+        if not math.isfinite(x0 + x1 + x2):
+            return row
+        out[i], out[i + 1], out[i + 2] = x0, x1, x2
+    return -1
+
+
+@compiled
+def energies(heights, speeds, p, work, out):
+    """Write kinetic and potential energy of every row, 2 numbers each; ``work`` holds 21 numbers."""
+    d = p[RADIUS]
+    for row in range(heights.size // 3):
+        i = 3 * row
+        if not (_finite(speeds, i) and _equation(heights, i, speeds, i, p, work, 0)):
+            return row
+        kinetic = 0.0
+        for r in range(3):
+            for s in range(3):
+                kinetic += 0.5 * speeds[i + r] * work[3 * r + s] * speeds[i + s]
+        u, v, mean = _slope(heights[i], heights[i + 1], heights[i + 2], d)
+        c, k = _cosine(u, v)
+        _, _, z = _center(u, v, c, k, d)
+        out[2 * row] = kinetic
+        out[2 * row + 1] = p[GRAVITY] * (3.0 * p[SLIDING_MASS] * mean + p[STAR_MASS] * (mean + z))
+    return -1
+
+
+@compiled
+def tip_jacobian(heights, p, out):
+    """Write the Jacobian of the tip with respect to the heights of every row, 9 numbers each."""
+    d = p[RADIUS]
+    factor = -2.0 / (3.0 * d)
+    for row in range(heights.size // 3):
+        u, v, _ = _slope(heights[3 * row], heights[3 * row + 1], heights[3 * row + 2], d)
+        c, k = _cosine(u, v)
+        if not _is_valid(u, v, c, k, d):
+            return row
+        derivatives = _tip_derivatives(u, v, c, d, p[TOOL])
+        for r in range(3):
+            along = factor * derivatives[r][0]
+            across = factor * HALF_SQRT3 * derivatives[r][1]
+            rise = 1.0 / 3.0 if r == 2 else 0.0
+            o = 9 * row + 3 * r
+            out[o], out[o + 1], out[o + 2] = along + rise, -0.5 * along + across + rise, -0.5 * along - across + rise
+    return -1
+
+
+@compiled
+def _tip_step(u, v, x, y, d, h):
+    """Residual, determinant and Newton step of the map from slope to horizontal tip position."""
+    c, k = _cosine(u, v)
+    cx, cy, _ = _center(u, v, c, k, d)
+    rx, ry = x - cx - h * c * u, y - cy - h * c * v
+    dx, dy, _ = _tip_derivatives(u, v, c, d, h)
+    determinant = dx[0] * dy[1] - dx[1] * dy[0]
+    return rx, ry, determinant, (dy[1] * rx - dx[1] * ry) / determinant, (dx[0] * ry - dy[0] * rx) / determinant
+
+
+# Beyond the fold the determinant is negative up to tilts of 70 degrees (checked on a grid for tools of 10 to 150 mm), so a
+# positive determinant below this slope (60 degrees) identifies the branch that is connected to home.
+LARGEST_TIP_SLOPE = 1.7320508075688772
+
+
+@compiled
+def tip_slope(x, y, d, h):
+    """Slope (u, v) that puts the tip at (x, y), on the branch connected to home; NaN where the tip is out of reach.
+
+    Newton's method, followed along the ray from the center to (x, y) in steps that are halved where it leaves the branch.
+    """
+    u, v, done, step = 0.0, 0.0, 0.0, 1.0
+    tiny = 1e-16 * (d + h)
+    while done < 1.0:
+        goal = min(1.0, done + step)
+        nu, nv = u, v
+        good = False
+        last = math.inf
+        for _ in range(40):
+            rx, ry, determinant, su, sv = _tip_step(nu, nv, goal * x, goal * y, d, h)
+            if not (determinant > 0.0 and nu * nu + nv * nv < LARGEST_TIP_SLOPE * LARGEST_TIP_SLOPE):
+                break
+            residual = math.hypot(rx, ry)
+            if residual <= tiny or (residual >= last and residual <= 64.0 * tiny):
+                good = True
+                break
+            if residual > 2.0 * last:
+                break
+            last = residual
+            nu += su
+            nv += sv
+        if good:
+            u, v, done = nu, nv, goal
+            step = 2.0 * step
+        else:
+            step = 0.5 * step if done + step < 1.0 else 0.5 * (1.0 - done)
+            if step < 1e-9:
+                return math.nan, math.nan
+    return u, v
+
+
+@compiled
+def inverse_kinematics_tip(tips, p, out):
+    """Write the heights that put the tip at each row of ``tips``; return -1 or the first row out of reach."""
+    d, h = p[RADIUS], p[TOOL]
+    for row in range(tips.size // 3):
+        o = 3 * row
+        u, v = tip_slope(tips[o], tips[o + 1], d, h)
+        c, k = _cosine(u, v)
+        if not _is_valid(u, v, c, k, d):
+            return row
+        _, _, z = _center(u, v, c, k, d)
+        mean = tips[o + 2] - h * c - z
+        # The plane through the nuts falls toward the slope's azimuth.
+        out[o], out[o + 1], out[o + 2] = mean - d * u, mean - d * (-0.5 * u + HALF_SQRT3 * v), mean - d * (-0.5 * u - HALF_SQRT3 * v)
+    return -1
+
+
+@compiled
+def tip_rates(heights, velocities, accelerations, p, speeds_out, accelerations_out):
+    """Write nut speeds and accelerations for given tip velocities and accelerations, row by row.
+
+    With x = f(u, v) the tip's horizontal position: (du, dv) = J⁻¹ dx and (ddu, ddv) = J⁻¹ (ddx − dJ (du, dv)).
+    """
+    d, h = p[RADIUS], p[TOOL]
+    for row in range(heights.size // 3):
+        o = 3 * row
+        u, v, _ = _slope(heights[o], heights[o + 1], heights[o + 2], d)
+        c, k = _cosine(u, v)
+        if not _is_valid(u, v, c, k, d):
+            return row
+        x, y, z = _tip_derivatives(u, v, c, d, h)
+        determinant = x[0] * y[1] - x[1] * y[0]
+        vx, vy = velocities[o], velocities[o + 1]
+        du, dv = (y[1] * vx - x[1] * vy) / determinant, (x[0] * vy - y[0] * vx) / determinant
+        ax = accelerations[o] - (x[2] * du * du + 2.0 * x[3] * du * dv + x[4] * dv * dv)
+        ay = accelerations[o + 1] - (y[2] * du * du + 2.0 * y[3] * du * dv + y[4] * dv * dv)
+        ddu, ddv = (y[1] * ax - x[1] * ay) / determinant, (x[0] * ay - y[0] * ax) / determinant
+        rise = velocities[o + 2] - z[0] * du - z[1] * dv
+        lift = accelerations[o + 2] - z[0] * ddu - z[1] * ddv - (z[2] * du * du + 2.0 * z[3] * du * dv + z[4] * dv * dv)
+        speeds_out[o], accelerations_out[o] = rise - d * du, lift - d * ddu
+        speeds_out[o + 1] = rise - d * (-0.5 * du + HALF_SQRT3 * dv)
+        accelerations_out[o + 1] = lift - d * (-0.5 * ddu + HALF_SQRT3 * ddv)
+        speeds_out[o + 2] = rise - d * (-0.5 * du - HALF_SQRT3 * dv)
+        accelerations_out[o + 2] = lift - d * (-0.5 * ddu - HALF_SQRT3 * ddv)
+    return -1
+
+
+@compiled
+def runge_kutta_step(state, forces, step, p, work):
+    """Advance ``state`` (heights, speeds) in place by one step of the classical Runge–Kutta method under constant forces.
+
+    ``work`` holds 27 numbers: 21 for the equation of motion and 6 for the intermediate state.
+    """
+    f0, f1, f2 = forces[0], forces[1], forces[2]
+    mid = work[21:27]
+    v0, v1, v2 = state[3], state[4], state[5]
+    a0, a1, a2 = _accelerations(state, 0, state, 3, f0, f1, f2, p, work)
+    half = 0.5 * step
+    mid[0], mid[1], mid[2] = state[0] + half * v0, state[1] + half * v1, state[2] + half * v2
+    mid[3], mid[4], mid[5] = v0 + half * a0, v1 + half * a1, v2 + half * a2
+    p0, p1, p2 = mid[3], mid[4], mid[5]
+    b0, b1, b2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p, work)
+    mid[0], mid[1], mid[2] = state[0] + half * p0, state[1] + half * p1, state[2] + half * p2
+    mid[3], mid[4], mid[5] = v0 + half * b0, v1 + half * b1, v2 + half * b2
+    q0, q1, q2 = mid[3], mid[4], mid[5]
+    c0, c1, c2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p, work)
+    mid[0], mid[1], mid[2] = state[0] + step * q0, state[1] + step * q1, state[2] + step * q2
+    mid[3], mid[4], mid[5] = v0 + step * c0, v1 + step * c1, v2 + step * c2
+    r0, r1, r2 = mid[3], mid[4], mid[5]
+    d0, d1, d2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p, work)
+    sixth = step / 6.0
+    state[0] += sixth * (v0 + 2.0 * (p0 + q0) + r0)
+    state[1] += sixth * (v1 + 2.0 * (p1 + q1) + r1)
+    state[2] += sixth * (v2 + 2.0 * (p2 + q2) + r2)
+    state[3] += sixth * (a0 + 2.0 * (b0 + c0) + d0)
+    state[4] += sixth * (a1 + 2.0 * (b1 + c1) + d1)
+    state[5] += sixth * (a2 + 2.0 * (b2 + c2) + d2)
+
+
+def empty_work() -> np.ndarray:
+    """Return a scratch array large enough for every kernel here; one per thread."""
+    return np.empty(27)

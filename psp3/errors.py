@@ -1,0 +1,183 @@
+"""Everything this package raises on purpose: each error carries the values it is about and says what to do.
+
+Errors about an argument are also :class:`ValueError`, so code that knows nothing of this package catches them too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from psp3.simulation import Result
+
+Array = NDArray[np.float64]
+
+
+def _numbers(values: Any) -> str:
+    return np.array2string(np.asarray(values), precision=6, separator=", ", threshold=12)
+
+
+class PSP3Error(Exception):
+    """Base of every error this package raises on purpose."""
+
+
+class UnknownName(PSP3Error, ValueError):
+    """A name that is looked up is not among the known ones."""
+
+    def __init__(self, kind: str, name: object, known: Sequence[str]) -> None:
+        self.name, self.known = name, tuple(known)
+        super().__init__(f"unknown {kind} {name!r}; known are {', '.join(known)}")
+
+
+class InvalidArray(PSP3Error, ValueError):
+    """An array has the wrong shape or holds numbers that are not finite."""
+
+    def __init__(self, name: str, shape: str, array: Any) -> None:
+        self.name, self.array = name, array
+        values = np.asarray(array)
+        if values.dtype.kind in "fiu":
+            bad = np.count_nonzero(~np.isfinite(values))
+            found = f"shape {values.shape}" + (f" with {bad} entries that are not finite: {_numbers(values)}" if bad else "")
+        else:
+            found = repr(array)[:80]
+        super().__init__(f"{name} must be finite numbers of shape {shape}, got {found}")
+
+
+class InvalidValue(PSP3Error, ValueError):
+    """A scalar argument is outside the values it can take."""
+
+    def __init__(self, name: str, value: object, requirement: str) -> None:
+        self.name, self.value = name, value
+        super().__init__(f"{name} must be {requirement}, got {value!r}")
+
+
+class UnreachablePose(PSP3Error, ValueError):
+    """The nut heights put the star's center outside the nut triangle: an arm length is not positive."""
+
+    def __init__(self, heights: Array, arms: Array) -> None:
+        self.heights, self.arms = heights, arms
+        super().__init__(
+            f"heights {_numbers(heights)} m ask for arm lengths {_numbers(arms)} m; every arm must be longer than 0: "
+            f"bring the heights closer together (any tilt below 70.53 degrees is safe)"
+        )
+
+
+class UnreachableTip(PSP3Error, ValueError):
+    """The tip is asked to go beyond the fold of the tip's map, where the branch connected to home ends."""
+
+    def __init__(self, tip: Array, radius: float, azimuth: float, reach: float) -> None:
+        self.tip, self.radius, self.azimuth, self.reach = tip, radius, azimuth, reach
+        super().__init__(
+            f"tip {_numbers(tip)} m is {1e3 * radius:.1f} mm from the vertical axis at azimuth {np.degrees(azimuth):.1f} degrees, "
+            f"where the robot reaches {1e3 * reach:.1f} mm; choose a smaller radius"
+        )
+
+
+class StrokeExceeded(PSP3Error, ValueError):
+    """A trajectory asks a nut to go beyond the end of its screw."""
+
+    def __init__(self, time: float, heights: Array, lower: Array, upper: Array) -> None:
+        self.time, self.heights, self.lower, self.upper = time, heights, lower, upper
+        super().__init__(
+            f"at t = {time:.6g} s the trajectory asks for heights {_numbers(heights)} m, outside the stroke "
+            f"{_numbers(lower)} to {_numbers(upper)} m; move or shrink the path"
+        )
+
+
+class OpenLoops(PSP3Error, ValueError):
+    """A configuration does not close the loops."""
+
+    def __init__(self, residual: float, tolerance: float) -> None:
+        self.residual, self.tolerance = residual, tolerance
+        super().__init__(
+            f"the configuration leaves the loops open by {residual:.3g} (m, rad; allowed {tolerance:.0e}); "
+            f"get a closed one from robot.configuration(heights)"
+        )
+
+
+class ClosureFailed(PSP3Error, ValueError):
+    """Newton's method did not close the loops for the given actuated coordinates."""
+
+    def __init__(self, positions: Array, residual: float, reached: float) -> None:
+        self.positions, self.residual, self.reached = positions, residual, reached
+        super().__init__(
+            f"the loops could not be closed at actuated positions {_numbers(positions)}: {100 * reached:.0f} % of the way from the "
+            f"reference pose the residual stays at {residual:.3g} (m, rad); the pose is outside the workspace or past a singularity"
+        )
+
+
+class InconsistentVelocity(PSP3Error, ValueError):
+    """A velocity would tear the loops apart."""
+
+    def __init__(self, residual: float, tolerance: float) -> None:
+        self.residual, self.tolerance = residual, tolerance
+        super().__init__(f"the velocity violates the loops by {residual:.3g} (m/s, rad/s; allowed {tolerance:.0e}); use v = L(q) @ speeds")
+
+
+class SingularConfiguration(PSP3Error, ValueError):
+    """The actuated joints do not determine the motion of the others here."""
+
+    def __init__(self, rank: int, needed: int, condition: float) -> None:
+        self.rank, self.needed, self.condition = rank, needed, condition
+        super().__init__(
+            f"the constraint Jacobian of the un-actuated joints has rank {rank} of {needed} (condition number {condition:.2g}); "
+            f"this configuration is singular (a ball joint of the 3-PSP at 90 degrees, for example)"
+        )
+
+
+class MobilityMismatch(PSP3Error, ValueError):
+    """The loops leave another number of degrees of freedom than there are actuated joints."""
+
+    def __init__(self, mobility: int, actuated: Sequence[str]) -> None:
+        self.mobility, self.actuated = mobility, tuple(actuated)
+        super().__init__(
+            f"the mechanism has {mobility} degrees of freedom but {len(actuated)} actuated joints ({', '.join(actuated)}); "
+            f"correct name_mot or the loops"
+        )
+
+
+class InvalidRobotFile(PSP3Error, ValueError):
+    """A URDF, SRDF or loop file cannot be used."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        self.path, self.reason = Path(path), reason
+        super().__init__(f"{path}: {reason}")
+
+
+class InvalidTrajectoryFile(PSP3Error, ValueError):
+    """A trajectory's CSV file cannot be used."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        self.path, self.reason = Path(path), reason
+        super().__init__(f"{path}: {reason}")
+
+
+class InvalidResultFile(PSP3Error, ValueError):
+    """A file is not a whole simulation result of this version."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        self.path, self.reason = Path(path), reason
+        super().__init__(f"{path}: {reason}")
+
+
+class SimulationStopped(PSP3Error, RuntimeError):
+    """Base of the errors that end a simulation early; ``result`` holds the part simulated so far."""
+
+    def __init__(self, message: str, time: float, heights: Array, speeds: Array, torque: Array, result: Result) -> None:
+        self.time, self.heights, self.speeds, self.torque, self.result = time, heights, speeds, torque, result
+        super().__init__(
+            f"{message} at t = {time:.6g} s: heights {_numbers(heights)} m, speeds {_numbers(speeds)} m/s, torque {_numbers(torque)} N"
+        )
+
+
+class SimulationDiverged(SimulationStopped):
+    """The simulated robot left the poses it can take: an arm, a stroke or the numbers themselves ran out."""
+
+
+class InvalidTorque(SimulationStopped):
+    """A controller returned a torque that is not three finite numbers."""
