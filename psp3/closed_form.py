@@ -31,6 +31,7 @@ import math
 import numpy as np
 
 from fuzzy2.compiled import compiled
+from psp3.arrays import Array
 
 HALF_SQRT3 = 0.8660254037844386
 
@@ -105,7 +106,7 @@ def _term(f, f1, f2, u, v, q, qu, qv, quu, quv, qvv):
 
 @compiled
 def _center_derivatives(u, v, c, d):
-    """Derivatives (u, v, uu, uv, vv) of the star center's three coordinates."""
+    """Return the derivatives (u, v, uu, uv, vv) of the star center's three coordinates."""
     # c, c^3/(1+c)^2 and c^2/(1+c) with their first and second derivatives with respect to u² + v².
     c1, c2 = -0.5 * c**3, 0.75 * c**5
     plus = 1.0 + c
@@ -138,7 +139,7 @@ def _center_derivatives(u, v, c, d):
 
 @compiled
 def _tip_derivatives(u, v, c, d, h):
-    """Derivatives (u, v, uu, uv, vv) of the tip's three coordinates: those of the center plus h n."""
+    """Return the derivatives (u, v, uu, uv, vv) of the tip's three coordinates: those of the center plus h n."""
     x, y, z = _center_derivatives(u, v, c, d)
     c1, c2 = -0.5 * c**3, 0.75 * c**5
     nx = _term(c, c1, c2, u, v, u, 1.0, 0.0, 0.0, 0.0, 0.0)
@@ -283,7 +284,7 @@ def _solve(m, o, b0, b1, b2):
 
 
 @compiled
-def forward_kinematics(heights, p, out):
+def forward_kinematics(heights: Array, p: Array, out: Array) -> int:
     """Write star center (3), rotation (9), arm lengths (3) and tip (3) of every row, 18 numbers each."""
     d, h = p[RADIUS], p[TOOL]
     for row in range(heights.size // 3):
@@ -305,7 +306,7 @@ def forward_kinematics(heights, p, out):
 
 
 @compiled
-def configuration(heights, p, out):
+def configuration(heights: Array, p: Array, out: Array) -> int:
     """Write (a, phi, theta, lambda, b) of legs 1, 2 and 3 of every row, 15 numbers each (eq. 3.5)."""
     d = p[RADIUS]
     for row in range(heights.size // 3):
@@ -328,7 +329,7 @@ def configuration(heights, p, out):
 
 
 @compiled
-def equation_of_motion(heights, speeds, p, out):
+def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> int:
     """Write M (9), C (9) and G (3) of every row, 21 numbers each (eq. 3.2–3.4)."""
     for row in range(heights.size // 3):
         if not (_finite(speeds, 3 * row) and _equation(heights, 3 * row, speeds, 3 * row, p, out, 21 * row)):
@@ -337,7 +338,7 @@ def equation_of_motion(heights, speeds, p, out):
 
 
 @compiled
-def inverse_dynamics(heights, speeds, accelerations, p, work, out):
+def inverse_dynamics(heights: Array, speeds: Array, accelerations: Array, p: Array, work: Array, out: Array) -> int:
     """Write the screw forces M a + C v + G of every row (eq. 3.1); ``work`` holds 21 numbers."""
     for row in range(heights.size // 3):
         i = 3 * row
@@ -367,7 +368,7 @@ def _accelerations(heights, i, speeds, j, f0, f1, f2, p, work):
 
 
 @compiled
-def forward_dynamics(heights, speeds, forces, p, work, out):
+def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, work: Array, out: Array) -> int:
     """Write the accelerations M⁻¹ (tau − C v − G) of every row; ``work`` holds 21 numbers."""
     for row in range(heights.size // 3):
         i = 3 * row
@@ -379,7 +380,7 @@ def forward_dynamics(heights, speeds, forces, p, work, out):
 
 
 @compiled
-def energies(heights, speeds, p, work, out):
+def energies(heights: Array, speeds: Array, p: Array, work: Array, out: Array) -> int:
     """Write kinetic and potential energy of every row, 2 numbers each; ``work`` holds 21 numbers."""
     d = p[RADIUS]
     for row in range(heights.size // 3):
@@ -399,7 +400,7 @@ def energies(heights, speeds, p, work, out):
 
 
 @compiled
-def tip_jacobian(heights, p, out):
+def tip_jacobian(heights: Array, p: Array, out: Array) -> int:
     """Write the Jacobian of the tip with respect to the heights of every row, 9 numbers each."""
     d = p[RADIUS]
     factor = -2.0 / (3.0 * d)
@@ -435,7 +436,7 @@ LARGEST_TIP_SLOPE = 1.7320508075688772
 
 
 @compiled
-def tip_slope(x, y, d, h):
+def tip_slope(x: float, y: float, d: float, h: float) -> tuple[float, float]:
     """Slope (u, v) that puts the tip at (x, y), on the branch connected to home; NaN where the tip is out of reach.
 
     Newton's method, followed along the ray from the center to (x, y) in steps that are halved where it leaves the branch.
@@ -471,7 +472,7 @@ def tip_slope(x, y, d, h):
 
 
 @compiled
-def inverse_kinematics_tip(tips, p, out):
+def inverse_kinematics_tip(tips: Array, p: Array, out: Array) -> int:
     """Write the heights that put the tip at each row of ``tips``; return -1 or the first row out of reach."""
     d, h = p[RADIUS], p[TOOL]
     for row in range(tips.size // 3):
@@ -488,7 +489,7 @@ def inverse_kinematics_tip(tips, p, out):
 
 
 @compiled
-def tip_rates(heights, velocities, accelerations, p, speeds_out, accelerations_out):
+def tip_rates(heights: Array, velocities: Array, accelerations: Array, p: Array, speeds_out: Array, accelerations_out: Array) -> int:
     """Write nut speeds and accelerations for given tip velocities and accelerations, row by row.
 
     With x = f(u, v) the tip's horizontal position: (du, dv) = J⁻¹ dx and (ddu, ddv) = J⁻¹ (ddx − dJ (du, dv)).
@@ -518,7 +519,7 @@ def tip_rates(heights, velocities, accelerations, p, speeds_out, accelerations_o
 
 
 @compiled
-def runge_kutta_step(state, forces, step, p, work):
+def runge_kutta_step(state: Array, forces: Array, step: float, p: Array, work: Array) -> None:
     """Advance ``state`` (heights, speeds) in place by one step of the classical Runge–Kutta method under constant forces.
 
     ``work`` holds 27 numbers: 21 for the equation of motion and 6 for the intermediate state.
@@ -549,6 +550,17 @@ def runge_kutta_step(state, forces, step, p, work):
     state[5] += sixth * (a2 + 2.0 * (b2 + c2) + d2)
 
 
-def empty_work() -> np.ndarray:
+@compiled
+def advance(state: Array, forces: Array, step: float, steps: int, p: Array, work: Array) -> bool:
+    """Take Runge–Kutta steps under constant forces; return whether the state reached is finite and a pose of the machine."""
+    for _ in range(steps):
+        runge_kutta_step(state, forces, step, p, work)
+    u, v, _ = _slope(state[0], state[1], state[2], p[RADIUS])
+    c, k = _cosine(u, v)
+    valid: bool = _is_valid(u, v, c, k, p[RADIUS]) and _finite(state, 3)
+    return valid
+
+
+def empty_work() -> Array:
     """Return a scratch array large enough for every kernel here; one per thread."""
     return np.empty(27)

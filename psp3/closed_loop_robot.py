@@ -221,6 +221,26 @@ class ClosedLoopRobot:
         shape, rows = self._rows(positions=positions)
         return np.array([self._close(start, row) for (row,) in rows]).reshape(*shape, self.model.nq)
 
+    def velocity(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
+        r"""Return the velocities of all joints, :math:`\dot q = L \dot q^a` (eq. 3.16).
+
+        Parameters
+        ----------
+        positions, speeds : (..., n) array_like
+            Actuated positions and speeds.
+
+        Returns
+        -------
+        (..., nv) ndarray
+            Joint velocities in the order of the model.
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, SingularConfiguration
+            See :meth:`configuration`.
+        """
+        return self._map(lambda position, speed: self._closed(position)[1] @ speed, positions=positions, speeds=speeds)
+
     # Projected dynamics
 
     def _orthogonal_complement(self, q: Array) -> Array:
@@ -236,7 +256,7 @@ class ClosedLoopRobot:
         return complement, solver
 
     def _closed(self, positions: Array) -> tuple[Array, Array, Array]:
-        """Configuration, L and the solver for the un-actuated joints at the given positions."""
+        """Return configuration, L and the solver for the un-actuated joints at the given positions."""
         q = self._close(self.q0, positions)
         jacobian, _ = self._constraint(q)
         return (q, *self._complement_of(jacobian))
@@ -412,7 +432,8 @@ class ClosedLoopRobot:
 
         def one(position: Array, speed: Array, force: Array) -> Array:
             q, complement, _ = self._closed(position)
-            return self.constrained_accelerations(q, complement @ speed, force)[self._actuated_v]
+            accelerations: Array = self.constrained_accelerations(q, complement @ speed, force)[self._actuated_v]
+            return accelerations
 
         return self._map(one, positions=positions, speeds=speeds, forces=forces)
 

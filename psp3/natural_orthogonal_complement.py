@@ -457,7 +457,7 @@ class NaturalOrthogonalComplement:
         return self._map(self._total_mass, q)
 
     def Omega(self, q: ArrayLike, v: ArrayLike) -> Array:
-        r"""Return the angular velocities as a block-diagonal matrix, :math:`\Omega_i = \operatorname{diag}(\omega_i \times, 0)` (eq. 3.36c).
+        r"""Return the angular velocities in blocks, :math:`\Omega_i = \operatorname{diag}(\omega_i \times, 0)` (eq. 3.36c).
 
         Parameters
         ----------
@@ -552,7 +552,8 @@ class NaturalOrthogonalComplement:
         """
 
         def one(q: Array, v: Array, accelerations: Array) -> Array:
-            return self._mass(q) @ accelerations + self._coriolis(q, v) @ v[self._actuated] + self._weight(q)
+            forces: Array = self._mass(q) @ accelerations + self._coriolis(q, v) @ v[self._actuated] + self._weight(q)
+            return forces
 
         return self._map(one, q, ("v", v, self.model.nv), ("accelerations", accelerations, self._actuated.size))
 

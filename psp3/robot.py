@@ -155,7 +155,7 @@ class PSP3(ClosedLoopRobot):
             If an arm length is not positive.
         """
         a = _three("heights", heights)
-        out = np.empty(a.shape[:-1] + (18,))
+        out = np.empty((*a.shape[:-1], 18))
         row = self._kernels.forward_kinematics(a.reshape(-1), self._p, out.reshape(-1))
         if row >= 0:
             self._refuse(row, heights=a)
@@ -185,7 +185,7 @@ class PSP3(ClosedLoopRobot):
             See :meth:`forward_kinematics`.
         """
         a = _three("heights", heights)
-        out = np.empty(a.shape[:-1] + (15,))
+        out = np.empty((*a.shape[:-1], 15))
         row = self._kernels.configuration(a.reshape(-1), self._p, out.reshape(-1))
         if row >= 0:
             self._refuse(row, heights=a)

@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 FRAME_RATE = 30.0
 """Frames per second of an animation; the browser interpolates between them."""
 
-VIEW_DIRECTION = (0.80, 0.52, 0.38)
+VIEW_DIRECTION = (0.47, 0.76, 0.44)
 """From the robot toward the camera: between arms 1 and 2, so that the third column stands behind the star."""
 
 FIELD_OF_VIEW = 24.0
@@ -52,8 +52,8 @@ SPACING = 0.72
 
 DESIRED_COLOR, ACTUAL_COLOR = "#0b7285", "#c2255c"
 
-TRACE_RADIUS = 0.0016
-"""WebGL draws lines one pixel wide, so the tip's traces are tubes of this radius [m]."""
+TRACE_RADIUS = 0.0014
+"""WebGL draws lines one pixel wide, so the tip's path is a tube of this radius [m]; the desired one is a translucent sleeve of twice it."""
 
 NUMPY_TYPES = {0x12: np.uint8, 0x15: np.int32, 0x16: np.uint32, 0x17: np.float32}
 """Types of the arrays in MeshCat's commands, by their MessagePack code."""
@@ -69,10 +69,10 @@ class _Satin(meshcat.geometry.GenericMaterial):  # type: ignore[misc]
 
 
 class _Flat(meshcat.geometry.MeshBasicMaterial):  # type: ignore[misc]
-    """A color that no light changes."""
+    """A color that no light changes, given as ``#rrggbb``."""
 
-    def __init__(self, color: str) -> None:
-        super().__init__(color=_hexadecimal([int(color[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]))
+    def __init__(self, color: str, opacity: float = 1.0) -> None:
+        super().__init__(color=_hexadecimal([int(color[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]), opacity=opacity)
 
 
 class _Tube(meshcat.geometry.Geometry):  # type: ignore[misc]
@@ -83,12 +83,20 @@ class _Tube(meshcat.geometry.Geometry):  # type: ignore[misc]
         self.path, self.radius = path, radius
 
     def lower(self, object_data: Any) -> dict[str, Any]:
-        curve = {"type": "CatmullRomCurve3", "curveType": "centripetal", "tension": 0.5, "closed": False, "points": self.path.tolist()}
+        segments = 2 * len(self.path)
+        curve = {
+            "type": "CatmullRomCurve3",
+            "curveType": "centripetal",
+            "tension": 0.5,
+            "closed": False,
+            "arcLengthDivisions": segments,
+            "points": self.path.tolist(),
+        }
         return {
             "uuid": self.uuid,
             "type": "TubeGeometry",
             "path": curve,
-            "tubularSegments": 2 * len(self.path),
+            "tubularSegments": segments,
             "radius": self.radius,
             "radialSegments": 8,
             "closed": False,
@@ -318,11 +326,14 @@ class Scene:
 
         tip, desired_tip = at_frames(result.tip), at_frames(result.desired.tip)
         root = visualizer.viewerRootNodeName
-        for name, path, color in (("desired", desired_tip, DESIRED_COLOR), ("actual", tip, ACTUAL_COLOR)):
+        for name, path, radius, material in (
+            ("actual", tip, TRACE_RADIUS, _Flat(ACTUAL_COLOR)),
+            ("desired", desired_tip, 2.0 * TRACE_RADIUS, _Flat(DESIRED_COLOR, opacity=0.5)),
+        ):
             distinct = path[np.append(True, np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-6)]
             self._viewer[f"{root}/{name}"].delete()
             if len(distinct) > 1:
-                self._viewer[f"{root}/{name}"].set_object(_Tube(distinct.round(5), TRACE_RADIUS), _Flat(color))
+                self._viewer[f"{root}/{name}"].set_object(_Tube(distinct.round(5), radius), material)
         marker = self._viewer[f"{root}/target"]
         marker.set_object(meshcat.geometry.Sphere(4.0 * TRACE_RADIUS), _Flat(DESIRED_COLOR))
 
