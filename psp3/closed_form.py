@@ -28,8 +28,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from fuzzy2.compiled import compiled
 from psp3.arrays import Array
 
@@ -239,48 +237,64 @@ def _reduced(u, v, c, k, du, dv, p):
 
 
 @compiled
-def _equation(heights, i, speeds, j, p, out, o):
-    """Write M (9), C (9) and G (3) of one pose to ``out`` from ``o`` on; return whether the pose is valid."""
+def _equation(heights, i, speeds, j, p):
+    """Whether a pose is valid, and its M (upper triangle by rows, 6), C (by rows, 9) and G (3)."""
     d = p[RADIUS]
     u, v, _ = _slope(heights[i], heights[i + 1], heights[i + 2], d)
     c, k = _cosine(u, v)
-    if not _is_valid(u, v, c, k, d):
-        return False
+    valid = _is_valid(u, v, c, k, d) and _finite(speeds, j)
     du, dv, _ = _slope(speeds[j], speeds[j + 1], speeds[j + 2], d)
     m_uu, m_uv, m_vv, m_uz, m_vz, m_zz, c_uu, c_uv, c_vu, c_vv, c_zu, c_zv = _reduced(u, v, c, k, du, dv, p)
-    factor = -2.0 / (3.0 * d)
-    third = 1.0 / 3.0
-    gravity = p[GRAVITY]
-    for r in range(3):
-        # Row r of the transposed change of coordinates: derivatives of u, v and the mean height with respect to a_r.
-        ur = factor if r == 0 else -0.5 * factor
-        vr = 0.0 if r == 0 else (factor * HALF_SQRT3 if r == 1 else -factor * HALF_SQRT3)
-        mu, mv, mz = ur * m_uu + vr * m_uv + third * m_uz, ur * m_uv + vr * m_vv + third * m_vz, ur * m_uz + vr * m_vz + third * m_zz
-        cu, cv = ur * c_uu + vr * c_vu + third * c_zu, ur * c_uv + vr * c_vv + third * c_zv
-        for s in range(3):
-            us = factor if s == 0 else -0.5 * factor
-            vs = 0.0 if s == 0 else (factor * HALF_SQRT3 if s == 1 else -factor * HALF_SQRT3)
-            out[o + 3 * r + s] = mu * us + mv * vs + mz * third
-            out[o + 9 + 3 * r + s] = cu * us + cv * vs
-        out[o + 4 * r] += p[SLIDING_MASS]
-        out[o + 18 + r] = gravity * (p[SLIDING_MASS] + mz)
-    return True
+    # Change of coordinates: derivatives of u, v and the mean height with respect to a_1, a_2, a_3 are the columns of
+    # [[f, -f/2, -f/2], [0, e, -e], [1/3, 1/3, 1/3]].
+    f = -2.0 / (3.0 * d)
+    g, e, third = -0.5 * f, f * HALF_SQRT3, 1.0 / 3.0
+    sliding, gravity = p[SLIDING_MASS], p[GRAVITY]
+    # Rows of the transposed change of coordinates times the reduced matrices.
+    z = third * m_zz
+    mu1, mv1, mz1 = f * m_uu + third * m_uz, f * m_uv + third * m_vz, f * m_uz + z
+    mu2, mv2, mz2 = g * m_uu + e * m_uv + third * m_uz, g * m_uv + e * m_vv + third * m_vz, g * m_uz + e * m_vz + z
+    mu3, mv3, mz3 = g * m_uu - e * m_uv + third * m_uz, g * m_uv - e * m_vv + third * m_vz, g * m_uz - e * m_vz + z
+    cu1, cv1 = f * c_uu + third * c_zu, f * c_uv + third * c_zv
+    cu2, cv2 = g * c_uu + e * c_vu + third * c_zu, g * c_uv + e * c_vv + third * c_zv
+    cu3, cv3 = g * c_uu - e * c_vu + third * c_zu, g * c_uv - e * c_vv + third * c_zv
+    return (
+        valid,
+        mu1 * f + mz1 * third + sliding,
+        mu1 * g + mv1 * e + mz1 * third,
+        mu1 * g - mv1 * e + mz1 * third,
+        mu2 * g + mv2 * e + mz2 * third + sliding,
+        mu2 * g - mv2 * e + mz2 * third,
+        mu3 * g - mv3 * e + mz3 * third + sliding,
+        cu1 * f,
+        cu1 * g + cv1 * e,
+        cu1 * g - cv1 * e,
+        cu2 * f,
+        cu2 * g + cv2 * e,
+        cu2 * g - cv2 * e,
+        cu3 * f,
+        cu3 * g + cv3 * e,
+        cu3 * g - cv3 * e,
+        gravity * (sliding + mz1),
+        gravity * (sliding + mz2),
+        gravity * (sliding + mz3),
+    )
 
 
 @compiled
-def _solve(m, o, b0, b1, b2):
-    """Solve M x = b by Cholesky's method for the symmetric positive definite 3×3 matrix stored from ``o`` on."""
-    l00 = math.sqrt(m[o])
-    l10, l20 = m[o + 3] / l00, m[o + 6] / l00
-    l11 = math.sqrt(m[o + 4] - l10 * l10)
-    l21 = (m[o + 7] - l20 * l10) / l11
-    l22 = math.sqrt(m[o + 8] - l20 * l20 - l21 * l21)
-    y0 = b0 / l00
-    y1 = (b1 - l10 * y0) / l11
-    y2 = (b2 - l20 * y0 - l21 * y1) / l22
-    x2 = y2 / l22
-    x1 = (y1 - l21 * x2) / l11
-    return (y0 - l10 * x1 - l20 * x2) / l00, x1, x2
+def _solve(m11, m12, m13, m22, m23, m33, b1, b2, b3):
+    """Solve M x = b by Cholesky's method for a symmetric positive definite 3×3 matrix."""
+    l11 = math.sqrt(m11)
+    l21, l31 = m12 / l11, m13 / l11
+    l22 = math.sqrt(m22 - l21 * l21)
+    l32 = (m23 - l31 * l21) / l22
+    l33 = math.sqrt(m33 - l31 * l31 - l32 * l32)
+    y1 = b1 / l11
+    y2 = (b2 - l21 * y1) / l22
+    y3 = (b3 - l31 * y1 - l32 * y2) / l33
+    x3 = y3 / l33
+    x2 = (y2 - l32 * x3) / l22
+    return (y1 - l21 * x2 - l31 * x3) / l11, x2, x3
 
 
 @compiled
@@ -332,69 +346,84 @@ def configuration(heights: Array, p: Array, out: Array) -> int:
 def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> int:
     """Write M (9), C (9) and G (3) of every row, 21 numbers each (eq. 3.2–3.4)."""
     for row in range(heights.size // 3):
-        if not (_finite(speeds, 3 * row) and _equation(heights, 3 * row, speeds, 3 * row, p, out, 21 * row)):
+        valid, m11, m12, m13, m22, m23, m33, c11, c12, c13, c21, c22, c23, c31, c32, c33, g1, g2, g3 = _equation(
+            heights, 3 * row, speeds, 3 * row, p
+        )
+        if not valid:
             return row
+        o = 21 * row
+        out[o], out[o + 1], out[o + 2] = m11, m12, m13
+        out[o + 3], out[o + 4], out[o + 5] = m12, m22, m23
+        out[o + 6], out[o + 7], out[o + 8] = m13, m23, m33
+        out[o + 9], out[o + 10], out[o + 11] = c11, c12, c13
+        out[o + 12], out[o + 13], out[o + 14] = c21, c22, c23
+        out[o + 15], out[o + 16], out[o + 17] = c31, c32, c33
+        out[o + 18], out[o + 19], out[o + 20] = g1, g2, g3
     return -1
 
 
 @compiled
-def inverse_dynamics(heights: Array, speeds: Array, accelerations: Array, p: Array, work: Array, out: Array) -> int:
-    """Write the screw forces M a + C v + G of every row (eq. 3.1); ``work`` holds 21 numbers."""
+def inverse_dynamics(heights: Array, speeds: Array, accelerations: Array, p: Array, out: Array) -> int:
+    """Write the screw forces M a + C v + G of every row (eq. 3.1)."""
     for row in range(heights.size // 3):
         i = 3 * row
-        if not (_finite(speeds, i) and _finite(accelerations, i) and _equation(heights, i, speeds, i, p, work, 0)):
+        valid, m11, m12, m13, m22, m23, m33, c11, c12, c13, c21, c22, c23, c31, c32, c33, g1, g2, g3 = _equation(heights, i, speeds, i, p)
+        if not (valid and _finite(accelerations, i)):
             return row
-        for r in range(3):
-            force = work[18 + r]
-            for s in range(3):
-                force += work[3 * r + s] * accelerations[i + s] + work[9 + 3 * r + s] * speeds[i + s]
-            out[i + r] = force
+        a1, a2, a3 = accelerations[i], accelerations[i + 1], accelerations[i + 2]
+        v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
+        out[i] = m11 * a1 + m12 * a2 + m13 * a3 + c11 * v1 + c12 * v2 + c13 * v3 + g1
+        out[i + 1] = m12 * a1 + m22 * a2 + m23 * a3 + c21 * v1 + c22 * v2 + c23 * v3 + g2
+        out[i + 2] = m13 * a1 + m23 * a2 + m33 * a3 + c31 * v1 + c32 * v2 + c33 * v3 + g3
     return -1
 
 
 @compiled
-def _accelerations(heights, i, speeds, j, f0, f1, f2, p, work):
-    """Accelerations of one state under the given forces; ``work`` holds 21 numbers. NaN where the pose is not valid."""
-    if not _equation(heights, i, speeds, j, p, work, 0):
+def _accelerations(heights, i, speeds, j, f1, f2, f3, p):
+    """Accelerations of one state under the given forces; NaN where the pose is not valid."""
+    valid, m11, m12, m13, m22, m23, m33, c11, c12, c13, c21, c22, c23, c31, c32, c33, g1, g2, g3 = _equation(heights, i, speeds, j, p)
+    if not valid:
         return math.nan, math.nan, math.nan
-    v0, v1, v2 = speeds[j], speeds[j + 1], speeds[j + 2]
+    v1, v2, v3 = speeds[j], speeds[j + 1], speeds[j + 2]
     return _solve(
-        work,
-        0,
-        f0 - work[9] * v0 - work[10] * v1 - work[11] * v2 - work[18],
-        f1 - work[12] * v0 - work[13] * v1 - work[14] * v2 - work[19],
-        f2 - work[15] * v0 - work[16] * v1 - work[17] * v2 - work[20],
+        m11,
+        m12,
+        m13,
+        m22,
+        m23,
+        m33,
+        f1 - c11 * v1 - c12 * v2 - c13 * v3 - g1,
+        f2 - c21 * v1 - c22 * v2 - c23 * v3 - g2,
+        f3 - c31 * v1 - c32 * v2 - c33 * v3 - g3,
     )
 
 
 @compiled
-def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, work: Array, out: Array) -> int:
-    """Write the accelerations M⁻¹ (tau − C v − G) of every row; ``work`` holds 21 numbers."""
+def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, out: Array) -> int:
+    """Write the accelerations M⁻¹ (tau − C v − G) of every row."""
     for row in range(heights.size // 3):
         i = 3 * row
-        x0, x1, x2 = _accelerations(heights, i, speeds, i, forces[i], forces[i + 1], forces[i + 2], p, work)
-        if not math.isfinite(x0 + x1 + x2):
+        x1, x2, x3 = _accelerations(heights, i, speeds, i, forces[i], forces[i + 1], forces[i + 2], p)
+        if not math.isfinite(x1 + x2 + x3):
             return row
-        out[i], out[i + 1], out[i + 2] = x0, x1, x2
+        out[i], out[i + 1], out[i + 2] = x1, x2, x3
     return -1
 
 
 @compiled
-def energies(heights: Array, speeds: Array, p: Array, work: Array, out: Array) -> int:
-    """Write kinetic and potential energy of every row, 2 numbers each; ``work`` holds 21 numbers."""
+def energies(heights: Array, speeds: Array, p: Array, out: Array) -> int:
+    """Write kinetic and potential energy of every row, 2 numbers each."""
     d = p[RADIUS]
     for row in range(heights.size // 3):
         i = 3 * row
-        if not (_finite(speeds, i) and _equation(heights, i, speeds, i, p, work, 0)):
+        valid, m11, m12, m13, m22, m23, m33, _, _, _, _, _, _, _, _, _, _, _, _ = _equation(heights, i, speeds, i, p)
+        if not valid:
             return row
-        kinetic = 0.0
-        for r in range(3):
-            for s in range(3):
-                kinetic += 0.5 * speeds[i + r] * work[3 * r + s] * speeds[i + s]
+        v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
         u, v, mean = _slope(heights[i], heights[i + 1], heights[i + 2], d)
         c, k = _cosine(u, v)
         _, _, z = _center(u, v, c, k, d)
-        out[2 * row] = kinetic
+        out[2 * row] = 0.5 * (m11 * v1 * v1 + m22 * v2 * v2 + m33 * v3 * v3) + m12 * v1 * v2 + m13 * v1 * v3 + m23 * v2 * v3
         out[2 * row + 1] = p[GRAVITY] * (3.0 * p[SLIDING_MASS] * mean + p[STAR_MASS] * (mean + z))
     return -1
 
@@ -519,28 +548,27 @@ def tip_rates(heights: Array, velocities: Array, accelerations: Array, p: Array,
 
 
 @compiled
-def runge_kutta_step(state: Array, forces: Array, step: float, p: Array, work: Array) -> None:
+def runge_kutta_step(state: Array, forces: Array, step: float, p: Array, mid: Array) -> None:
     """Advance ``state`` (heights, speeds) in place by one step of the classical Runge–Kutta method under constant forces.
 
-    ``work`` holds 27 numbers: 21 for the equation of motion and 6 for the intermediate state.
+    ``mid`` is scratch space of 6 numbers.
     """
     f0, f1, f2 = forces[0], forces[1], forces[2]
-    mid = work[21:27]
     v0, v1, v2 = state[3], state[4], state[5]
-    a0, a1, a2 = _accelerations(state, 0, state, 3, f0, f1, f2, p, work)
+    a0, a1, a2 = _accelerations(state, 0, state, 3, f0, f1, f2, p)
     half = 0.5 * step
     mid[0], mid[1], mid[2] = state[0] + half * v0, state[1] + half * v1, state[2] + half * v2
     mid[3], mid[4], mid[5] = v0 + half * a0, v1 + half * a1, v2 + half * a2
     p0, p1, p2 = mid[3], mid[4], mid[5]
-    b0, b1, b2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p, work)
+    b0, b1, b2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p)
     mid[0], mid[1], mid[2] = state[0] + half * p0, state[1] + half * p1, state[2] + half * p2
     mid[3], mid[4], mid[5] = v0 + half * b0, v1 + half * b1, v2 + half * b2
     q0, q1, q2 = mid[3], mid[4], mid[5]
-    c0, c1, c2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p, work)
+    c0, c1, c2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p)
     mid[0], mid[1], mid[2] = state[0] + step * q0, state[1] + step * q1, state[2] + step * q2
     mid[3], mid[4], mid[5] = v0 + step * c0, v1 + step * c1, v2 + step * c2
     r0, r1, r2 = mid[3], mid[4], mid[5]
-    d0, d1, d2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p, work)
+    d0, d1, d2 = _accelerations(mid, 0, mid, 3, f0, f1, f2, p)
     sixth = step / 6.0
     state[0] += sixth * (v0 + 2.0 * (p0 + q0) + r0)
     state[1] += sixth * (v1 + 2.0 * (p1 + q1) + r1)
@@ -551,16 +579,11 @@ def runge_kutta_step(state: Array, forces: Array, step: float, p: Array, work: A
 
 
 @compiled
-def advance(state: Array, forces: Array, step: float, steps: int, p: Array, work: Array) -> bool:
+def advance(state: Array, forces: Array, step: float, steps: int, p: Array, mid: Array) -> bool:
     """Take Runge–Kutta steps under constant forces; return whether the state reached is finite and a pose of the machine."""
     for _ in range(steps):
-        runge_kutta_step(state, forces, step, p, work)
+        runge_kutta_step(state, forces, step, p, mid)
     u, v, _ = _slope(state[0], state[1], state[2], p[RADIUS])
     c, k = _cosine(u, v)
     valid: bool = _is_valid(u, v, c, k, p[RADIUS]) and _finite(state, 3)
     return valid
-
-
-def empty_work() -> Array:
-    """Return a scratch array large enough for every kernel here; one per thread."""
-    return np.empty(27)

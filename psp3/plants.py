@@ -54,7 +54,7 @@ class RungeKutta:
     def __init__(self, robot: PSP3, steps: int = 1) -> None:
         from psp3 import closed_form
 
-        self._advance, self._p, self._work = closed_form.advance, robot.parameters.as_array(), closed_form.empty_work()
+        self._advance, self._p, self._scratch = closed_form.advance, robot.parameters.as_array(), np.empty(6)
         self._steps = _whole("steps", steps)
         self._state = np.zeros(6)
 
@@ -64,7 +64,7 @@ class RungeKutta:
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return heights and speeds after ``duration`` [s] under constant forces [N], each (3,), or None."""
-        valid = self._advance(self._state, forces, duration / self._steps, self._steps, self._p, self._work)
+        valid = self._advance(self._state, forces, duration / self._steps, self._steps, self._p, self._scratch)
         return (self._state[:3], self._state[3:]) if valid else None
 
 

@@ -59,13 +59,11 @@ NUMPY_TYPES = {0x12: np.uint8, 0x15: np.int32, 0x16: np.uint32, 0x17: np.float32
 """Types of the arrays in MeshCat's commands, by their MessagePack code."""
 
 
-class _Satin(meshcat.geometry.GenericMaterial):  # type: ignore[misc]
+class _Satin(meshcat.geometry.MeshPhongMaterial):  # type: ignore[misc]
     """Machined, anodized or painted metal: every part of the robot has this finish, in its own color."""
 
-    _type = "MeshStandardMaterial"
-
     def __init__(self, color: ArrayLike) -> None:
-        super().__init__(color=_hexadecimal(color), metalness=0.45, roughness=0.38)
+        super().__init__(color=_hexadecimal(color), specular=0x303030, shininess=50)
 
 
 class _Flat(meshcat.geometry.MeshBasicMaterial):  # type: ignore[misc]
@@ -83,7 +81,7 @@ class _Tube(meshcat.geometry.Geometry):  # type: ignore[misc]
         self.path, self.radius = path, radius
 
     def lower(self, object_data: Any) -> dict[str, Any]:
-        segments = 2 * len(self.path)
+        segments = len(self.path)
         curve = {
             "type": "CatmullRomCurve3",
             "curveType": "centripetal",
@@ -300,7 +298,7 @@ class Scene:
             corners = visualizer.corners(self.robot.q0) + offset
             points.append(corners)
             if name:
-                above = np.append(offset[:2], corners[:, 2].max() + 0.06)
+                above = np.append(offset[:2], corners[:, 2].max() + 0.1)
                 points.append(above[None])
                 texts.append({"text": name, "point": above.round(4)})
             self._visualizers.append(visualizer)

@@ -1,0 +1,35 @@
+"""Numbers printed in the thesis, for comparison only: nothing is computed from them.
+
+Source: H. R. Hassanzadeh, "A New Type-II Fuzzy Logic Based Controller for Non-linear Dynamical Systems with Application to a
+3-PSP Parallel Robot", Master's thesis, Ferdowsi University of Mashhad; Tables 5.1, 5.2, 6.1 and 6.3.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+
+import numpy as np
+
+TABLE_5_1_HEIGHTS = np.array([[0.10, 0.20, 0.05], [0.15, 0.25, 0.15], [0.05, 0.15, 0.05]])
+"""Nut heights of the three configurations as printed [m]. The third height of the last two contradicts Table 5.2."""
+
+TABLE_5_1_SPEEDS = np.array([[0.15, 0.12, 0.10], [0.25, 0.22, 0.20], [0.25, 0.22, 0.20]])
+"""Nut speeds of the three configurations [m/s]."""
+
+TABLE_5_1_MASS = np.array([[10.0161, -0.5288, -0.6026], [-0.5288, 9.2516, 0.0091], [-0.6026, 0.0091, 9.4782]])
+"""Mass matrix of Table 5.1 [kg]; entry 21 is printed as −0.528."""
+
+TABLE_5_1_CORIOLIS = np.array([[10.0159, 0.0004, -0.0163], [0.0481, -0.0247, -0.0234], [0.0346, 0.0124, -0.0560]])
+"""Coriolis matrix of Table 5.1 as printed [kg/s]; entry 11 must be 0.0159 and entry 31 0.0436 for its rows to sum to zero."""
+
+TABLE_5_1_GRAVITY = np.array([87.1237, 85.6256, 87.1237])
+"""Gravity vector of Table 5.1 [N]."""
+
+TABLE_5_2 = MappingProxyType({"Δq12": -0.10, "Δq̇12": 0.03, "Δq13": 0.05, "Δq̇13": 0.05, "Δq23": 0.15, "Δq̇23": 0.02})
+"""Differences of Table 5.2, the same for all three configurations [m, m/s]."""
+
+TABLE_6_1 = MappingProxyType({"PD": (1000.0, 100.0), "CTC": (10.0, 1.0)})
+"""Proportional and derivative gains of Table 6.1."""
+
+TABLE_6_3 = MappingProxyType({"PD": 4.6339, "CTC": 0.0241})
+"""Sums of squared errors of the two classical controllers in Table 6.3 [m²]."""
