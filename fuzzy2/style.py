@@ -90,7 +90,7 @@ def parameters(theme: str = "light") -> dict[str, Any]:
         "savefig.dpi": 150.0,
         "savefig.edgecolor": background,
         "savefig.facecolor": background,
-        # The same figure gives the same file, and its letters are outlines: it looks alike in every browser.
+        # Letters as outlines look alike in every browser; the salt gives the same figure the same identifiers.
         "svg.fonttype": "path",
         "svg.hashsalt": "psp3",
         "text.color": text,
@@ -122,7 +122,7 @@ def style(theme: str = "light") -> Iterator[None]:
     ValueError
         If there is no such theme.
     """
-    settings = parameters(theme)
+    settings: Any = parameters(theme)  # matplotlib lists every key it knows in the type of its argument
     from matplotlib import rc_context
 
     with rc_context(settings):

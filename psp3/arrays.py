@@ -10,6 +10,25 @@ from psp3.errors import InvalidArray
 Array = NDArray[np.float64]
 
 
+def as_floats(name: str, values: ArrayLike, shape: str) -> Array:
+    """Return ``values`` as a contiguous float array; ``shape`` is what the error says was expected.
+
+    Raises
+    ------
+    InvalidArray
+        If they are not real numbers. Complex ones are refused: their imaginary part would be lost without a word.
+    """
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind not in "fiubO":
+            raise InvalidArray(name, shape, values)
+        return np.ascontiguousarray(array, dtype=np.float64)
+    except InvalidArray:
+        raise
+    except (TypeError, ValueError) as error:
+        raise InvalidArray(name, shape, values) from error
+
+
 def finite_rows(name: str, values: ArrayLike, width: int) -> Array:
     """Return ``values`` as a contiguous array of shape (..., width) of finite numbers.
 
@@ -18,10 +37,33 @@ def finite_rows(name: str, values: ArrayLike, width: int) -> Array:
     InvalidArray
         If the last dimension is not ``width`` or an entry is not a finite number.
     """
-    try:
-        array = np.ascontiguousarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise InvalidArray(name, f"(..., {width})", values) from error
-    if array.shape[-1:] != (width,) or np.ndim(values) == 0 or not np.isfinite(array).all():
-        raise InvalidArray(name, f"(..., {width})", array)
+    shape = f"(..., {width})"
+    array = as_floats(name, values, shape)
+    # ascontiguousarray makes a row of a scalar, which must not pass for one of width 1.
+    if array.shape[-1:] != (width,) or (width == 1 and np.ndim(values) == 0) or not np.isfinite(array).all():
+        raise InvalidArray(name, shape, values)
     return array
+
+
+def one_row(name: str, values: ArrayLike, width: int) -> Array:
+    """Return ``values`` as an array of shape (width,) of finite numbers; raise :class:`InvalidArray` if they are not."""
+    array = finite_rows(name, values, width)
+    if array.shape != (width,):
+        raise InvalidArray(name, f"({width},)", array)
+    return array
+
+
+def together(**arrays: Array) -> list[Array]:
+    """Broadcast the leading dimensions of arrays (..., n) against each other; their last dimensions stay.
+
+    Raises
+    ------
+    InvalidArray
+        If the leading dimensions do not go together.
+    """
+    try:
+        shape = np.broadcast_shapes(*(array.shape[:-1] for array in arrays.values()))
+    except ValueError as error:
+        shapes = " and ".join(f"{name} {array.shape}" for name, array in arrays.items())
+        raise InvalidArray(shapes, "(..., n) with leading dimensions that go together", next(iter(arrays.values()))) from error
+    return [np.ascontiguousarray(np.broadcast_to(array, (*shape, array.shape[-1]))) for array in arrays.values()]

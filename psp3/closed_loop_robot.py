@@ -11,7 +11,7 @@ the 3-PSP or the thesis's natural orthogonal complement, so each of the three ch
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, finite_rows
+from psp3.arrays import Array, finite_rows, one_row, together
 from psp3.errors import ClosureFailed, InvalidRobotFile, MobilityMismatch, SingularConfiguration, UnknownName
 from psp3.loops import constraint_models, read_loops
 from psp3.rank import dependent_solver
@@ -72,6 +72,9 @@ class ClosedLoopRobot:
         self.constraint_models = pin.StdVec_RigidConstraintModel()
         self.constraint_models.extend(list(constraint_models))
         self.actuated = tuple(actuated)
+        for name in self.actuated:
+            if not model.existJointName(name):
+                raise UnknownName("actuated joint", name, tuple(model.names)[1:])
         joints = [model.joints[model.getJointId(name)] for name in self.actuated]
         self._actuated_q = np.array([joint.idx_q for joint in joints], dtype=int)
         self._actuated_v = np.array([joint.idx_v for joint in joints], dtype=int)
@@ -82,7 +85,7 @@ class ClosedLoopRobot:
             self._constraint_data.append(constraint.createData())
             # Constraint data must not be shared between algorithms of Pinocchio: results would be silently wrong.
             self._dynamics_data.append(constraint.createData())
-        self.q0 = pin.neutral(model) if q0 is None else np.array(q0, dtype=float)
+        self.q0 = pin.neutral(model) if q0 is None else one_row("q0", q0, model.nq)
         self._check_mobility()
         self.q0 = self._close(self.q0, self.q0[self._actuated_q])
 
@@ -107,7 +110,12 @@ class ClosedLoopRobot:
         model, visual_model = read_tree(urdf)
         content = read_loops(loops)
         closures = constraint_models(model, content, loops)
-        q0 = reference_poses(model, srdf).get("home") if srdf is not None else None
+        q0 = None
+        if srdf is not None:
+            poses = reference_poses(model, srdf)
+            if "home" not in poses:
+                raise InvalidRobotFile(srdf, f"has no pose 'home'; it has {', '.join(poses) or 'none'}")
+            q0 = poses["home"]
         return cls(model, closures, content.actuated, q0, visual_model)
 
     def _check_mobility(self) -> None:
@@ -179,19 +187,12 @@ class ClosedLoopRobot:
                     raise ClosureFailed(positions, residual, done)
         return q
 
-    def _rows(self, **arguments: ArrayLike) -> tuple[tuple[int, ...], Iterator[tuple[Array, ...]]]:
-        """Check and broadcast arguments of shape (..., n); return the leading shape and the rows."""
+    def _map(self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: ArrayLike) -> Array:
+        """Apply a function of rows (n,), with a result of the given shape, to arguments (..., n)."""
         width = len(self.actuated)
-        arrays = np.broadcast_arrays(*(finite_rows(name, values, width) for name, values in arguments.items()))
-        shape = arrays[0].shape[:-1]
-        return shape, zip(*(array.reshape(-1, width) for array in arrays), strict=True)
-
-    def _map(self, function: Callable[..., Array], **arguments: ArrayLike) -> Array:
-        shape, rows = self._rows(**arguments)
-        results = [function(*row) for row in rows]
-        if not results:
-            return np.zeros((*shape, len(self.actuated)))
-        return np.array(results).reshape(shape + np.shape(results[0]))
+        arrays = together(**{name: finite_rows(name, values, width) for name, values in arguments.items()})
+        rows = zip(*(array.reshape(-1, width) for array in arrays), strict=True)
+        return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
 
     def configuration(self, positions: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations that close the loops at the given actuated positions.
@@ -217,9 +218,8 @@ class ClosedLoopRobot:
         ClosureFailed
             If the pose cannot be reached without opening a loop.
         """
-        start = self.q0 if guess is None else np.asarray(guess, dtype=float)
-        shape, rows = self._rows(positions=positions)
-        return np.array([self._close(start, row) for (row,) in rows]).reshape(*shape, self.model.nq)
+        start = self.q0 if guess is None else one_row("guess", guess, self.model.nq)
+        return self._map(lambda row: self._close(start, row), (self.model.nq,), positions=positions)
 
     def velocity(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         r"""Return the velocities of all joints, :math:`\dot q = L \dot q^a` (eq. 3.16).
@@ -239,7 +239,7 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        return self._map(lambda position, speed: self._closed(position)[1] @ speed, positions=positions, speeds=speeds)
+        return self._map(lambda position, speed: self._closed(position)[1] @ speed, (self.model.nv,), positions=positions, speeds=speeds)
 
     # Projected dynamics
 
@@ -257,7 +257,7 @@ class ClosedLoopRobot:
 
     def _closed(self, positions: Array) -> tuple[Array, Array, Array]:
         """Return configuration, L and the solver for the un-actuated joints at the given positions."""
-        q = self._close(self.q0, positions)
+        q = self.configuration(positions)
         jacobian, _ = self._constraint(q)
         return (q, *self._complement_of(jacobian))
 
@@ -340,9 +340,8 @@ class ClosedLoopRobot:
                     coriolis[:, j] = (both - base - alone) / (2.0 * scale)
             return np.concatenate([mass.ravel(), coriolis.ravel(), gravity])
 
-        shape, _ = self._rows(positions=positions, speeds=speeds)
-        packed = self._map(one, positions=positions, speeds=speeds)
-        square = (*shape, n, n)
+        packed = self._map(one, (2 * n * n + n,), positions=positions, speeds=speeds)
+        square = (*packed.shape[:-1], n, n)
         return packed[..., : n * n].reshape(square), packed[..., n * n : 2 * n * n].reshape(square), packed[..., 2 * n * n :]
 
     def mass_matrix(self, positions: ArrayLike) -> Array:
@@ -382,7 +381,7 @@ class ClosedLoopRobot:
             forces: Array = complement.T @ pin.rnea(self.model, self.data, q, v, complement @ acceleration + self._drift(q, v, solver))
             return forces
 
-        return self._map(one, positions=positions, speeds=speeds, accelerations=accelerations)
+        return self._map(one, (len(self.actuated),), positions=positions, speeds=speeds, accelerations=accelerations)
 
     def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return all joint accelerations of the tree under actuator forces, from Pinocchio's ``constraintDynamics``.
@@ -435,7 +434,7 @@ class ClosedLoopRobot:
             accelerations: Array = self.constrained_accelerations(q, complement @ speed, force)[self._actuated_v]
             return accelerations
 
-        return self._map(one, positions=positions, speeds=speeds, forces=forces)
+        return self._map(one, (len(self.actuated),), positions=positions, speeds=speeds, forces=forces)
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
         """Return the Jacobian of a frame with respect to the actuated coordinates, in base axes at the frame's origin.
@@ -468,7 +467,7 @@ class ClosedLoopRobot:
             jacobian = pin.getFrameJacobian(self.model, self.data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
             return np.asarray(jacobian @ complement)
 
-        return self._map(one, positions=positions)
+        return self._map(one, (6, len(self.actuated)), positions=positions)
 
     def kinetic_energy(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the kinetic energy [J], of shape (...,)."""
@@ -477,16 +476,15 @@ class ClosedLoopRobot:
             q, complement, _ = self._closed(position)
             return np.asarray(pin.computeKineticEnergy(self.model, self.data, q, complement @ speed))
 
-        return self._map(one, positions=positions, speeds=speeds)
+        return self._map(one, (), positions=positions, speeds=speeds)
 
     def potential_energy(self, positions: ArrayLike) -> Array:
         """Return the potential energy in the field of gravity [J], of shape (...,); zero with all masses at the base's height."""
 
         def one(position: Array) -> Array:
-            q = self._close(self.q0, position)
-            return np.asarray(pin.computePotentialEnergy(self.model, self.data, q))
+            return np.asarray(pin.computePotentialEnergy(self.model, self.data, self.configuration(position)))
 
-        return self._map(one, positions=positions)
+        return self._map(one, (), positions=positions)
 
 
 def read_tree(urdf: str | Path) -> tuple[pin.Model, Any]:

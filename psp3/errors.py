@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +23,18 @@ def _numbers(values: Any) -> str:
 
 
 class PSP3Error(Exception):
-    """Base of every error this package raises on purpose."""
+    """Base of every error this package raises on purpose. They can be pickled, so they cross process boundaries whole."""
+
+    _arguments: tuple[Any, ...]
+
+    def __new__(cls, *arguments: Any) -> Self:
+        """Remember the arguments, from which a pickled error is made again."""
+        error = super().__new__(cls, *arguments)
+        error._arguments = arguments
+        return error
+
+    def __reduce__(self) -> tuple[type[PSP3Error], tuple[Any, ...]]:
+        return type(self), self._arguments
 
 
 class UnknownName(PSP3Error, ValueError):
@@ -39,12 +50,15 @@ class InvalidArray(PSP3Error, ValueError):
 
     def __init__(self, name: str, shape: str, array: Any) -> None:
         self.name, self.array = name, array
-        values = np.asarray(array)
+        try:
+            values = np.asarray(array)
+        except ValueError:  # rows of different lengths
+            values = np.asarray(None)
         if values.dtype.kind in "fiu":
             bad = np.count_nonzero(~np.isfinite(values))
             found = f"shape {values.shape}" + (f" with {bad} entries that are not finite: {_numbers(values)}" if bad else "")
         else:
-            found = repr(array)[:80]
+            found = repr(array)[:80].replace("\n", " ")
         super().__init__(f"{name} must be finite numbers of shape {shape}, got {found}")
 
 
@@ -181,3 +195,14 @@ class SimulationDiverged(SimulationStopped):
 
 class InvalidTorque(SimulationStopped):
     """A controller returned a torque that is not three finite numbers."""
+
+
+class MotionDiverged(PSP3Error, RuntimeError):
+    """A simulated motion leaves the range of the numbers, or a force on the way is not a finite number."""
+
+    def __init__(self, time: float, position: float, speed: float, force: float) -> None:
+        self.time, self.position, self.speed, self.force = time, position, speed, force
+        super().__init__(
+            f"the motion diverges at t = {time:.6g} s: position {position:.6g} m, speed {speed:.6g} m/s, force {force:.6g} N; "
+            f"check the gains (error_dynamics.is_stable) and the model, alpha and beta"
+        )

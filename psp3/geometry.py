@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, finite_rows
+from psp3.arrays import Array, as_floats, finite_rows, together
 from psp3.errors import InvalidArray, InvalidValue, UnreachablePose
 
 SCREW_AZIMUTHS = np.array([0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0])
@@ -18,6 +18,14 @@ SCREW_AZIMUTHS = np.array([0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0])
 
 LARGEST_TIP_SLOPE = np.sqrt(3.0)
 """Tangent of the largest tilt at which a given tip is looked for, 60 degrees; the fold lies at 33 to 38 degrees."""
+
+
+def _column(name: str, values: ArrayLike) -> Array:
+    """Return finite numbers of any shape (...,) as (..., 1)."""
+    column = as_floats(name, values, "(...,)").reshape((*np.shape(values), 1))
+    if not np.isfinite(column).all():
+        raise InvalidArray(name, "(...,)", values)
+    return column
 
 
 def heights_of_tilt(height: ArrayLike, tilt: ArrayLike, azimuth: ArrayLike, screw_radius: float) -> Array:
@@ -53,15 +61,7 @@ def heights_of_tilt(height: ArrayLike, tilt: ArrayLike, azimuth: ArrayLike, scre
     UnreachablePose
         If an arm length comes out negative or zero, which needs a tilt of at least 70.53°.
     """
-    values = {"height": height, "tilt": tilt, "azimuth": azimuth}
-    for name, value in values.items():
-        try:
-            finite = np.isfinite(np.asarray(value, dtype=float)).all()
-        except (TypeError, ValueError):
-            finite = False
-        if not finite:
-            raise InvalidArray(name, "(...,)", value)
-    z, theta, phi = (array[..., np.newaxis] for array in np.broadcast_arrays(*(np.asarray(v, dtype=float) for v in values.values())))
+    z, theta, phi = together(height=_column("height", height), tilt=_column("tilt", tilt), azimuth=_column("azimuth", azimuth))
     if (np.abs(theta) >= 0.5 * np.pi).any():
         raise InvalidValue("tilt", float(np.abs(theta).max()), "less than 90 degrees (pi/2 rad)")
     half = np.tan(0.5 * theta) ** 2
@@ -102,6 +102,13 @@ def arm_lengths(heights: ArrayLike, screw_radius: float) -> Array:
     """
     a = finite_rows("heights", heights, 3)
     nuts = np.stack(np.broadcast_arrays(screw_radius * np.cos(SCREW_AZIMUTHS), screw_radius * np.sin(SCREW_AZIMUTHS), a), axis=-1)
+    # Absurd heights overflow to lengths that are not numbers; the caller's check says so better than a warning.
+    with np.errstate(over="ignore", invalid="ignore"):
+        return _fermat_arms(nuts)
+
+
+def _fermat_arms(nuts: Array) -> Array:
+    """Signed distances from the Fermat point of triangles (..., 3, 3) to their corners."""
     edges = np.roll(nuts, -2, axis=-2) - np.roll(nuts, -1, axis=-2)
     squares = (edges**2).sum(axis=-1)
     area = 0.5 * np.linalg.norm(np.cross(edges[..., 0, :], edges[..., 1, :]), axis=-1, keepdims=True)
@@ -153,6 +160,11 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
     -------
     (...,) ndarray
         Radius of the fold [m]; :math:`\sqrt{h^2 + d^2/4} - d/2` at the azimuths of the screws, where it is least.
+
+    Raises
+    ------
+    InvalidArray
+        If an azimuth is not finite.
     """
     from scipy.optimize import brentq
 
@@ -170,5 +182,5 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
             direction = brentq(lambda b: np.angle(_fold(b, screw_radius, tool_length)) - folded, lower, upper, xtol=1e-14)
         return abs(_fold(direction, screw_radius, tool_length))
 
-    angles = np.asarray(azimuth, dtype=float)
+    angles = _column("azimuth", azimuth)[..., 0]
     return np.array([reach(float(angle)) for angle in angles.ravel()]).reshape(angles.shape)

@@ -113,7 +113,7 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
         )
         models[-1].name = f"{pair[0]}-{pair[1]}"
     for name in loops.actuated:
-        if not model.existJointName(name):
+        if not model.existJointName(name) or name == model.names[0]:
             known = ", ".join(list(model.names)[1:])
             raise InvalidRobotFile(path, f"name_mot: the robot has no joint {name!r}; its joints are {known}")
         joint = model.joints[model.getJointId(name)]

@@ -20,12 +20,15 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, finite_rows
-from psp3.errors import InconsistentVelocity, OpenLoops
+from psp3.arrays import Array, finite_rows, together
+from psp3.errors import InconsistentVelocity, MobilityMismatch, OpenLoops, UnknownName
 from psp3.rank import dependent_solver
 
 CLOSURE_TOLERANCE = 1e-6
 """Dynamics is refused where a loop is open by more than this [m, rad]."""
+
+MOBILITY_TOLERANCE = 1e-5
+"""L must satisfy the loops' velocity equations to this share; far above rounding, far below a wrong number of actuators."""
 
 VELOCITY_TOLERANCE = 1e-8
 """A velocity is refused where it violates the loops by more than this share of its size."""
@@ -66,12 +69,19 @@ class NaturalOrthogonalComplement:
         self.robot = robot
         self.model = robot.model
         self._data = self.model.createData()
-        self._loops = list(getattr(robot, "constraint_models", ()))
-        names = tuple(getattr(robot, "actuated", tuple(self.model.names)[1:]))
-        joints = [self.model.joints[self.model.getJointId(name)] for name in names]
+        # The robots of example-robot-data say None where they have no loops.
+        self._loops = list(getattr(robot, "constraint_models", None) or ())
+        known = tuple(self.model.names)[1:]
+        self._names = tuple(getattr(robot, "actuated", None) or known)
+        for name in self._names:
+            if name not in known:
+                raise UnknownName("actuated joint", name, known)
+        joints = [self.model.joints[self.model.getJointId(name)] for name in self._names]
         self._actuated = np.concatenate([np.arange(joint.idx_v, joint.idx_v + joint.nv) for joint in joints])
         self._dependent = np.setdiff1d(np.arange(self.model.nv), self._actuated)
         bodies = self.model.njoints - 1
+        self._rows = sum(loop.residualSize() for loop in self._loops)
+        self._twist_rows = 6 * bodies
         self._joints = range(1, bodies + 1)
         # Joint j moves body i if it lies between the base and body i.
         self._moves = np.zeros((bodies + 1, self.model.nv))
@@ -90,16 +100,17 @@ class NaturalOrthogonalComplement:
 
     # Rows: one configuration at a time, because Pinocchio takes one at a time
 
-    def _map(self, function: Callable[..., Array], q: ArrayLike, *others: tuple[str, ArrayLike, int]) -> Array:
-        named = [("q", q, self.model.nq), *others]
-        arrays = [finite_rows(name, values, width) for name, values, width in named]
-        shape = np.broadcast_shapes(*(array.shape[:-1] for array in arrays))
-        rows = [np.broadcast_to(array, (*shape, array.shape[-1])).reshape(-1, array.shape[-1]) for array in arrays]
-        results = np.array([function(*row) for row in zip(*rows, strict=True)])
-        return results.reshape(shape + results.shape[1:])
+    def _map(self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: tuple[ArrayLike, int]) -> Array:
+        """Apply a function of one configuration, with a result of the given shape, to arguments with leading dimensions."""
+        arrays = together(**{name: finite_rows(name, values, width) for name, (values, width) in arguments.items()})
+        rows = zip(*(array.reshape(-1, array.shape[-1]) for array in arrays), strict=True)
+        return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
 
-    def _with_velocity(self, function: Callable[..., Array], q: ArrayLike, v: ArrayLike) -> Array:
-        return self._map(function, q, ("v", v, self.model.nv))
+    def _at(self, function: Callable[[Array], Array], shape: tuple[int, ...], q: ArrayLike) -> Array:
+        return self._map(function, shape, q=(q, self.model.nq))
+
+    def _moving(self, function: Callable[[Array, Array], Array], shape: tuple[int, ...], q: ArrayLike, v: ArrayLike) -> Array:
+        return self._map(function, shape, q=(q, self.model.nq), v=(v, self.model.nv))
 
     def _place(self, q: Array, v: Array | None = None) -> None:
         """Let Pinocchio compute placements and joint Jacobians at q, and their rates if there is a velocity."""
@@ -166,13 +177,16 @@ class NaturalOrthogonalComplement:
         complement = np.zeros((self.model.nv, self._actuated.size))
         complement[self._actuated] = np.eye(self._actuated.size)
         complement[self._dependent] = -inverse @ jacobian[:, self._actuated]
+        # With more actuated joints than degrees of freedom no L keeps the loops closed, and the pseudo-inverse only comes near.
+        if np.abs(jacobian @ complement).max(initial=0.0) > MOBILITY_TOLERANCE * np.abs(jacobian).max(initial=1.0):
+            raise MobilityMismatch(self.model.nv - int(np.linalg.matrix_rank(jacobian, tol=MOBILITY_TOLERANCE)), self._names)
         return complement, inverse, jacobian
 
     def _check_velocity(self, q: Array, v: Array) -> None:
         # L itself, not only Φ, so that a singular configuration is reported as what it is.
         _, _, jacobian = self._complement(q)
         residual = float(np.abs(jacobian @ v).max(initial=0.0))
-        tolerance = VELOCITY_TOLERANCE * max(1.0, float(np.abs(v).max(initial=0.0)))
+        tolerance = VELOCITY_TOLERANCE * float(np.abs(v).max(initial=0.0))
         if not residual <= tolerance:
             raise InconsistentVelocity(residual, tolerance)
 
@@ -290,7 +304,7 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._map(self._constraint, q)
+        return self._at(self._constraint, (self._rows,), q)
 
     def constraint_jacobian(self, q: ArrayLike) -> Array:
         r"""Return the constraint Jacobian :math:`\Phi = \partial\phi/\partial q` (eq. 3.19), away from closure too.
@@ -312,7 +326,7 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._map(self._constraint_jacobian, q)
+        return self._at(self._constraint_jacobian, (self._rows, self.model.nv), q)
 
     def L(self, q: ArrayLike) -> Array:
         r"""Return the joint orthogonal complement, :math:`\dot q = L \dot q^a` (eq. 3.16).
@@ -336,7 +350,7 @@ class NaturalOrthogonalComplement:
         SingularConfiguration
             If the actuated joints do not determine the others, as in a gimbal configuration.
         """
-        return self._map(lambda row: self._complement(row)[0], q)
+        return self._at(lambda row: self._complement(row)[0], (self.model.nv, self._actuated.size), q)
 
     def L_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the rate of L, from :math:`\Phi L = 0`: :math:`\dot L^u = -(\Phi^u)^{-1} \dot\Phi L`.
@@ -355,7 +369,7 @@ class NaturalOrthogonalComplement:
         InvalidArray, InconsistentVelocity, SingularConfiguration
             If an argument is malformed, the velocity would open the loops, or the configuration is singular.
         """
-        return self._with_velocity(self._complement_dot, q, v)
+        return self._moving(self._complement_dot, (self.model.nv, self._actuated.size), q, v)
 
     def K(self, q: ArrayLike) -> Array:
         r"""Return the twists of all bodies per unit of joint velocity, :math:`t_i = K_i \dot q` (eq. 3.27–3.30).
@@ -379,11 +393,11 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._map(self._twists, q)
+        return self._at(self._twists, (self._twist_rows, self.model.nv), q)
 
     def K_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
         """Return the rate of K, of shape (..., 6 r, nv); arguments and errors as in :meth:`L_dot`."""
-        return self._with_velocity(self._twists_dot, q, v)
+        return self._moving(self._twists_dot, (self._twist_rows, self.model.nv), q, v)
 
     def T(self, q: ArrayLike) -> Array:
         r"""Return the natural orthogonal complement, :math:`t = T \dot q^a` (eq. 3.31).
@@ -406,7 +420,7 @@ class NaturalOrthogonalComplement:
         InvalidArray, SingularConfiguration
             See :meth:`L`.
         """
-        return self._map(self._natural, q)
+        return self._at(self._natural, (self._twist_rows, self._actuated.size), q)
 
     def T_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the rate of T (eq. 3.35).
@@ -432,7 +446,7 @@ class NaturalOrthogonalComplement:
         InvalidArray, InconsistentVelocity, SingularConfiguration
             See :meth:`L_dot`.
         """
-        return self._with_velocity(self._natural_dot, q, v)
+        return self._moving(self._natural_dot, (self._twist_rows, self._actuated.size), q, v)
 
     def M_total(self, q: ArrayLike) -> Array:
         r"""Return the block-diagonal mass matrix of the free bodies, :math:`M_i = \operatorname{diag}(R I_i R^T, m_i 1)` (eq. 3.36b).
@@ -454,7 +468,7 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._map(self._total_mass, q)
+        return self._at(self._total_mass, (self._twist_rows, self._twist_rows), q)
 
     def Omega(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the angular velocities in blocks, :math:`\Omega_i = \operatorname{diag}(\omega_i \times, 0)` (eq. 3.36c).
@@ -474,7 +488,7 @@ class NaturalOrthogonalComplement:
         InvalidArray, InconsistentVelocity, SingularConfiguration
             See :meth:`L_dot`.
         """
-        return self._with_velocity(self._spin, q, v)
+        return self._moving(self._spin, (self._twist_rows, self._twist_rows), q, v)
 
     def w_g(self) -> Array:
         r"""Return the weights of the bodies as wrenches, :math:`w^g_i = [0; m_i g]` (eq. 3.36a).
@@ -506,7 +520,7 @@ class NaturalOrthogonalComplement:
         InvalidArray, OpenLoops, SingularConfiguration
             If q is malformed, does not close the loops, or is singular.
         """
-        return self._map(self._mass, q)
+        return self._at(self._mass, (self._actuated.size, self._actuated.size), q)
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return :math:`C = T^T M_\text{total} \dot T + T^T \Omega M_\text{total} T` (eq. 3.3).
@@ -525,11 +539,11 @@ class NaturalOrthogonalComplement:
         InvalidArray, OpenLoops, InconsistentVelocity, SingularConfiguration
             See :meth:`mass_matrix` and :meth:`L_dot`.
         """
-        return self._with_velocity(self._coriolis, q, v)
+        return self._moving(self._coriolis, (self._actuated.size, self._actuated.size), q, v)
 
     def gravity(self, q: ArrayLike) -> Array:
         r"""Return :math:`G = -T^T w^g` (eq. 3.4), of shape (..., n); errors as in :meth:`mass_matrix`."""
-        return self._map(self._weight, q)
+        return self._at(self._weight, (self._actuated.size,), q)
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, accelerations: ArrayLike) -> Array:
         r"""Return the actuator forces :math:`\tau = M \ddot q^a + C \dot q^a + G` (eq. 3.1).
@@ -555,7 +569,8 @@ class NaturalOrthogonalComplement:
             forces: Array = self._mass(q) @ accelerations + self._coriolis(q, v) @ v[self._actuated] + self._weight(q)
             return forces
 
-        return self._map(one, q, ("v", v, self.model.nv), ("accelerations", accelerations, self._actuated.size))
+        n = self._actuated.size
+        return self._map(one, (n,), q=(q, self.model.nq), v=(v, self.model.nv), accelerations=(accelerations, n))
 
     def equation_of_motion(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array, Array]:
         """Return M, C and G at actuated positions and speeds, so that a controller can be driven by the thesis's model.
@@ -578,6 +593,8 @@ class NaturalOrthogonalComplement:
         PSP3Error
             If the robot has no closed configuration there, see ``robot.configuration``.
         """
-        q = np.asarray(self.robot.configuration(heights))
-        v = np.einsum("...ij,...j->...i", self.L(q), finite_rows("speeds", speeds, self._actuated.size))
+        n = self._actuated.size
+        positions, rates = together(heights=finite_rows("heights", heights, n), speeds=finite_rows("speeds", speeds, n))
+        q = np.asarray(self.robot.configuration(positions))
+        v = np.einsum("...ij,...j->...i", self.L(q), rates)
         return self.mass_matrix(q), self.coriolis_matrix(q, v), self.gravity(q)

@@ -71,10 +71,16 @@ class Parameters:
     def __post_init__(self) -> None:
         positive = {"screw_radius", "tool_length", "nut_mass", "ball_mass", "star_mass"}
         for field in fields(self):
-            values = np.asarray(getattr(self, field.name), dtype=float)
+            value = getattr(self, field.name)
+            shape = (3,) if field.name.endswith(("nut_inertia", "star_inertia")) else ()
             strict = field.name in positive
-            if not np.isfinite(values).all() or (values < 0).any() or (strict and (values == 0).any()):
-                raise InvalidValue(field.name, getattr(self, field.name), "finite and positive" if strict else "finite and not negative")
+            requirement = f"{'three numbers' if shape else 'a number'}, finite and {'positive' if strict else 'not negative'}"
+            try:
+                values = np.asarray(value, dtype=float)
+            except (TypeError, ValueError) as error:
+                raise InvalidValue(field.name, value, requirement) from error
+            if values.shape != shape or not np.isfinite(values).all() or (values < 0).any() or (strict and (values == 0).any()):
+                raise InvalidValue(field.name, value, requirement)
 
     @property
     def total_mass(self) -> float:
@@ -132,6 +138,6 @@ def named_parameters(parameters: str | Parameters) -> Parameters:
     """
     if isinstance(parameters, Parameters):
         return parameters
-    if parameters not in PARAMETER_SETS:
+    if not isinstance(parameters, str) or parameters not in PARAMETER_SETS:
         raise UnknownName("parameter set", parameters, list(PARAMETER_SETS))
     return PARAMETER_SETS[parameters]

@@ -218,7 +218,7 @@ def _tables_5(outcome: Reproduction) -> None:
     rows = []
     for name, values in differences.items():
         agree = np.isclose(values, published.TABLE_5_2[name], atol=1e-9)
-        verdict = "reproduced" if agree.all() else f"contradicts configuration {' and '.join(str(i + 1) for i in np.flatnonzero(~agree))}"
+        verdict = "reproduced" if agree.all() else f"contradicts configurations {' and '.join(str(i + 1) for i in np.flatnonzero(~agree))}"
         rows.append([name, f"{published.TABLE_5_2[name]: .2f}", "  ".join(f"{value: .2f}" for value in values), verdict])
     lifted = np.array([symmetric.mass_matrix(a[0] + shift) for shift in (-0.05, 0.05)])
     change = float(np.abs(lifted - symmetric.mass_matrix(a[0])).max())

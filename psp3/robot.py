@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Any, NoReturn, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, finite_rows
+from psp3.arrays import Array, as_floats, finite_rows, together
 from psp3.closed_loop_robot import ClosedLoopRobot
-from psp3.errors import InvalidArray, UnknownName, UnreachablePose, UnreachableTip
+from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
 from psp3.geometry import arm_lengths, heights_of_tilt, tip_reach
 from psp3.parameters import Parameters
 
@@ -299,7 +299,7 @@ class PSP3(ClosedLoopRobot):
         InvalidArray, UnreachablePose
             See :meth:`forward_kinematics`.
         """
-        a, dx, ddx = _together(
+        a, dx, ddx = together(
             heights=_three("heights", heights),
             velocity=finite_rows("velocity", velocity, 3),
             acceleration=finite_rows("acceleration", acceleration, 3),
@@ -338,7 +338,7 @@ class PSP3(ClosedLoopRobot):
         """
         a, v = _three("heights", heights), _three("speeds", speeds)
         if a.shape != v.shape:
-            a, v = _together(heights=a, speeds=v)
+            a, v = together(heights=a, speeds=v)
         if a.ndim == 1:
             # One state, as in a control loop: handing out plain slices saves a fifth of the time.
             out = np.empty(21)
@@ -384,7 +384,7 @@ class PSP3(ClosedLoopRobot):
         """
         a, v, w = _three("heights", heights), _three("speeds", speeds), _three("accelerations", accelerations)
         if not a.shape == v.shape == w.shape:
-            a, v, w = _together(heights=a, speeds=v, accelerations=w)
+            a, v, w = together(heights=a, speeds=v, accelerations=w)
         out = np.empty(a.shape)
         row = self._kernels.inverse_dynamics(a.ravel(), v.ravel(), w.ravel(), self._p, out.ravel())
         if row >= 0:
@@ -411,7 +411,7 @@ class PSP3(ClosedLoopRobot):
         """
         a, v, f = _three("heights", heights), _three("speeds", speeds), _three("forces", forces)
         if not a.shape == v.shape == f.shape:
-            a, v, f = _together(heights=a, speeds=v, forces=f)
+            a, v, f = together(heights=a, speeds=v, forces=f)
         out = np.empty(a.shape)
         row = self._kernels.forward_dynamics(a.ravel(), v.ravel(), f.ravel(), self._p, out.ravel())
         if row >= 0:
@@ -419,7 +419,7 @@ class PSP3(ClosedLoopRobot):
         return out
 
     def _energies(self, heights: ArrayLike, speeds: ArrayLike) -> Array:
-        a, v = _together(heights=_three("heights", heights), speeds=_three("speeds", speeds))
+        a, v = together(heights=_three("heights", heights), speeds=_three("speeds", speeds))
         out = np.empty((*a.shape[:-1], 2))
         row = self._kernels.energies(a.ravel(), v.ravel(), self._p, out.ravel())
         if row >= 0:
@@ -440,7 +440,11 @@ class PSP3(ClosedLoopRobot):
             if not np.isfinite(array.reshape(-1, 3)[row]).all():
                 raise InvalidArray(name, "(..., 3)", array)
         heights = arguments["heights"].reshape(-1, 3)[row]
-        raise UnreachablePose(heights, arm_lengths(heights, self.parameters.screw_radius))
+        arms = arm_lengths(heights, self.parameters.screw_radius)
+        if (arms > 0.0).all():
+            others = {name: array.reshape(-1, 3)[row].tolist() for name, array in arguments.items() if name != "heights"}
+            raise InvalidValue(" and ".join(others), others, "small enough for a finite result")
+        raise UnreachablePose(heights, arms)
 
 
 _REST = np.zeros(3)
@@ -449,19 +453,8 @@ _FLOAT = np.dtype(np.float64)
 
 def _three(name: str, values: ArrayLike) -> Array:
     """Return ``values`` as a contiguous float array of shape (..., 3). Whether they are finite is seen by the kernels."""
-    try:
-        array = np.ascontiguousarray(values, _FLOAT)
-    except (TypeError, ValueError) as error:
-        raise InvalidArray(name, "(..., 3)", values) from error
-    if array.shape != (3,) and array.shape[-1] != 3:
+    ready = type(values) is np.ndarray and values.dtype is _FLOAT
+    array: Array = np.ascontiguousarray(values) if ready else as_floats(name, values, "(..., 3)")
+    if array.shape != (3,) and (array.shape[-1] != 3 or np.ndim(values) == 0):
         raise InvalidArray(name, "(..., 3)", values)
     return array
-
-
-def _together(**arrays: Array) -> list[Array]:
-    """Broadcast arrays of shape (..., 3) against each other."""
-    try:
-        return [np.ascontiguousarray(array) for array in np.broadcast_arrays(*arrays.values())]
-    except ValueError as error:
-        shapes = " and ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise InvalidArray(shapes, "(..., 3) with leading dimensions that go together", next(iter(arrays.values()))) from error

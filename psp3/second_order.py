@@ -23,7 +23,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.errors import InvalidArray, InvalidValue, PSP3Error
+from psp3.errors import InvalidArray, InvalidValue, MotionDiverged
 
 Array = NDArray[np.float64]
 
@@ -59,17 +59,6 @@ class Desired(NamedTuple):
     position: float
     speed: float
     acceleration: float
-
-
-class MotionDiverged(PSP3Error, RuntimeError):
-    """A simulated motion leaves the range of the numbers, or a force on the way is not a finite number."""
-
-    def __init__(self, time: float, position: float, speed: float, force: float) -> None:
-        self.time, self.position, self.speed, self.force = time, position, speed, force
-        super().__init__(
-            f"the motion diverges at t = {time:.6g} s: position {position:.6g} m, speed {speed:.6g} m/s, force {force:.6g} N; "
-            f"check the gains (error_dynamics.is_stable) and the model, alpha and beta"
-        )
 
 
 def _finite(name: str, value: object) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 import zipfile
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,9 +13,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, finite_rows
+from psp3.arrays import Array, one_row
 from psp3.controllers import Controller
-from psp3.errors import InvalidArray, InvalidResultFile, InvalidTorque, InvalidValue, SimulationDiverged
+from psp3.errors import InvalidResultFile, InvalidTorque, InvalidValue, SimulationDiverged
 from psp3.plants import Plant, RungeKutta
 from psp3.robot import PSP3
 from psp3.trajectories import Motion, Trajectory, check_stroke
@@ -87,15 +88,12 @@ def load_result(path: str | Path) -> Result:
         If the file is missing, truncated, of another kind or version, or its arrays do not fit together.
     """
     try:
-        with np.load(path, allow_pickle=False) as file:
-            content = {name: file[name] for name in file.files}
-    except (OSError, ValueError, EOFError, zipfile.BadZipFile, zipfile.LargeZipFile, AttributeError) as error:
+        # Opened here, because np.load leaves a file that it cannot read open.
+        with Path(path).open("rb") as file:
+            archive = np.load(file, allow_pickle=False)
+            content = {name: archive[name] for name in archive.files}
+    except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
         raise InvalidResultFile(path, f"is not a whole result file ({error})") from error
-    except Exception as error:
-        # A damaged member can fail in the decompressor with an error class of its own.
-        if type(error).__module__ == "zlib":
-            raise InvalidResultFile(path, f"is damaged ({error})") from error
-        raise
     found = str(content.pop("format", "none"))
     if found != FORMAT:
         raise InvalidResultFile(path, f"has format {found!r}, this version reads {FORMAT!r}")
@@ -175,12 +173,15 @@ def simulate(
     desired = trajectory(t)
     check_stroke(robot, t, desired)
     limit = _torque_limit(torque_limit)
-    heights = desired.heights[0] if initial_heights is None else _vector("initial_heights", initial_heights)
-    speeds = np.zeros(3) if initial_speeds is None else _vector("initial_speeds", initial_speeds)
+    heights = desired.heights[0] if initial_heights is None else one_row("initial_heights", initial_heights, 3)
+    speeds = np.zeros(3) if initial_speeds is None else one_row("initial_speeds", initial_speeds, 3)
     robot.forward_kinematics(heights)
+    lower, upper = robot.stroke
+    if (heights < lower).any() or (heights > upper).any():
+        raise InvalidValue("initial_heights", heights.tolist(), f"within the stroke, {lower.tolist()} to {upper.tolist()} m")
 
     all_heights, all_speeds, all_torque = np.empty((3, steps + 1, 3))
-    (low1, low2, low3), (high1, high2, high3) = (bound.tolist() for bound in robot.stroke)
+    (low1, low2, low3), (high1, high2, high3) = (lower.tolist(), upper.tolist())
 
     def result(samples: int) -> Result:
         return Result(
@@ -236,13 +237,6 @@ def _three_numbers(values: object) -> Array | None:
         return array if math.isfinite(one + two + three) else None
     except (TypeError, ValueError):
         return None
-
-
-def _vector(name: str, values: ArrayLike) -> Array:
-    array = finite_rows(name, values, 3)
-    if array.shape != (3,):
-        raise InvalidArray(name, "(3,)", array)
-    return array
 
 
 def _torque_limit(limit: ArrayLike | None) -> Array | None:

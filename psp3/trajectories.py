@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, finite_rows
+from psp3.arrays import Array, as_floats, finite_rows, one_row
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue, StrokeExceeded
 from psp3.robot import PSP3
 
@@ -118,10 +118,7 @@ def check_stroke(robot: PSP3, t: Array, motion: Motion) -> None:
 
 def finite_times(t: ArrayLike) -> Array:
     """Return times as a float array of any shape; raise :class:`InvalidArray` if one is not finite."""
-    try:
-        times = np.asarray(t, dtype=float)
-    except (TypeError, ValueError) as error:
-        raise InvalidArray("t", "(...,)", t) from error
+    times = as_floats("t", t, "(...,)").reshape(np.shape(t))
     if not np.isfinite(times).all():
         raise InvalidArray("t", "(...,)", times)
     return times
@@ -137,13 +134,6 @@ def _finite(name: str, value: float) -> float:
     if not np.isfinite(value):
         raise InvalidValue(name, value, "finite")
     return float(value)
-
-
-def _point(name: str, value: ArrayLike) -> Array:
-    point = finite_rows(name, value, 3)
-    if point.shape != (3,):
-        raise InvalidArray(name, "(3,)", point)
-    return point
 
 
 class Helix(Trajectory):
@@ -220,7 +210,7 @@ class Hold(Trajectory):
 
     def __init__(self, tip: ArrayLike | None = None, robot: PSP3 | None = None) -> None:
         super().__init__(robot)
-        self.tip = np.array([0.0, 0.0, self.robot.parameters.tool_length]) if tip is None else _point("tip", tip)
+        self.tip = np.array([0.0, 0.0, self.robot.parameters.tool_length]) if tip is None else one_row("tip", tip, 3)
 
     def _tip(self, t: Array) -> tuple[Array, Array, Array]:
         tip = np.broadcast_to(self.tip, (*t.shape, 3)).copy()
@@ -232,7 +222,7 @@ class _Segment(Trajectory):
 
     def __init__(self, start: ArrayLike, end: ArrayLike, duration: float, robot: PSP3 | None = None) -> None:
         super().__init__(robot)
-        self.start, self.end = _point("start", start), _point("end", end)
+        self.start, self.end = one_row("start", start, 3), one_row("end", end, 3)
         self.duration: float = _positive("duration", duration)
 
     def _progress(self, x: Array) -> tuple[Array, Array, Array]:

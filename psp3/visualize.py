@@ -103,7 +103,7 @@ class _Tube(meshcat.geometry.Geometry):  # type: ignore[misc]
 
 def _hexadecimal(color: ArrayLike) -> int:
     """Return an sRGB color, given by numbers in [0, 1], as three.js wants it: in linear light, 0xRRGGBB."""
-    red, green, blue = (round(255.0 * float(value) ** 2.2) for value in np.asarray(color)[:3])
+    red, green, blue = (int(np.rint(255.0 * value**2.2)) for value in np.asarray(color, dtype=float)[:3])
     return (red << 16) + (green << 8) + blue
 
 
@@ -251,11 +251,12 @@ class Scene:
         Raises
         ------
         InvalidValue
-            If the mapping is empty.
+            If there is no result, or one without a sample.
         """
         named = dict(results) if isinstance(results, Mapping) else {"": results}
-        if not named:
-            raise InvalidValue("results", results, "one simulation result or more")
+        samples = {name: len(result.t) for name, result in named.items()}
+        if not samples or min(samples.values()) == 0:
+            raise InvalidValue("results", samples, "one simulation result or more, none of them empty (number of samples by name)")
         self._arrange(tuple(named), in_motion=True)
         animations: list[dict[str, Any]] = []
         for visualizer, result in zip(self._visualizers, named.values(), strict=True):
@@ -492,7 +493,7 @@ def write_animation(robot: ClosedLoopRobot, results: Result | Mapping[str, Resul
     Raises
     ------
     InvalidValue
-        If the mapping is empty.
+        If there is no result, or one without a sample.
     """
     scene = Scene(robot)
     scene.animate(results)

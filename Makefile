@@ -1,0 +1,81 @@
+# Set-up and jobs of psp3. On a machine with Python 3.11 or newer, make and pip:
+#
+#   make reproduce   install, and run the main job
+#   make test        install what the tests need, and run them
+#   make lint        check style and types
+#   make bench       measure speed
+#   make clean       remove what these commands made, but not results/
+#
+# Everything is installed into .venv. Each step leaves a stamp there, and runs again only when what it depends on has changed.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+# Not the user's, which may name other versions or hold an older psp3.
+unexport PYTHONPATH PYTHONHOME
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
+
+# Every module with compiled functions, and the decorator that compiles them.
+KERNELS := $(shell grep -rl --include='*.py' -e 'import compiled' -e '^def compiled' psp3 fuzzy2)
+
+.DEFAULT_GOAL := help
+.DELETE_ON_ERROR:
+.SUFFIXES:
+.PHONY: help reproduce test lint bench clean
+
+help:
+	@sed -n 's/^#   make/  make/p' Makefile
+
+reproduce: $(VENV)/.compiled
+	@echo "Running the main job: psp3 reproduce"
+	@$(BIN)/psp3 reproduce
+
+test: $(VENV)/.compiled $(VENV)/.test
+	@echo "Running the tests"
+	@$(BIN)/python -m pytest --numprocesses=logical
+
+lint: $(VENV)/.dev
+	@echo "Checking style (ruff) and types (mypy)"
+	@$(BIN)/ruff check
+	@$(BIN)/ruff format --check
+	@$(BIN)/mypy
+
+bench: $(VENV)/.compiled $(VENV)/.test
+	@echo "Measuring speed"
+	@set -e; for benchmark in benchmarks/*.py; do $(BIN)/python "$$benchmark"; done
+
+clean:
+	@echo "Removing the virtual environment, caches and builds (results/ stays)"
+	@rm -rf $(VENV) build dist htmlcov .coverage .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(VENV)/.made:
+	@command -v $(PYTHON) >/dev/null || { echo "$(PYTHON) is not installed; name a Python 3.11 or newer: make PYTHON=..." >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.version_info >= (3, 11) or sys.exit("psp3 needs Python 3.11 or newer, and $(PYTHON) is %d.%d; name another: make PYTHON=..." % sys.version_info[:2])'
+	@echo "Making the virtual environment $(VENV)"
+	@if $(PYTHON) -c 'import ensurepip' 2>/dev/null; then $(PYTHON) -m venv $(VENV); else \
+		$(PYTHON) -m venv --without-pip $(VENV) && $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check pip; fi
+	@touch $@
+
+# The three installations follow one another, so that make -j never runs two at once.
+$(VENV)/.run: $(VENV)/.made pyproject.toml constraints.txt
+	@echo "Installing psp3 and what it runs on (a minute or two, 1 GiB)"
+	@$(INSTALL) --editable .
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.run
+	@echo "Installing what the tests need"
+	@$(INSTALL) --editable '.[test]'
+	@touch $@
+
+$(VENV)/.dev: $(VENV)/.test
+	@echo "Installing what the checks need"
+	@$(INSTALL) --editable '.[dev]'
+	@touch $@
+
+# Numba does not notice when a function that a cached one calls has changed in another module, so the cache goes as a whole.
+$(VENV)/.compiled: $(VENV)/.run $(KERNELS)
+	@echo "Compiling the numerical kernels"
+	@find psp3 fuzzy2 \( -name '*.nbi' -o -name '*.nbc' \) -delete
+	@$(BIN)/python -m psp3.warm_up
+	@touch $@

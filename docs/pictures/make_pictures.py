@@ -1,0 +1,76 @@
+"""Draw the pictures of the documentation anew: ``python docs/pictures/make_pictures.py``.
+
+Needs Chromium and its driver (``apt-get install chromium chromium-driver``), selenium and pillow.
+"""
+
+from __future__ import annotations
+
+import io
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+
+import psp3
+from psp3.visualize import Scene
+
+HERE = Path(__file__).parent
+HEIGHT, WHOLE_WIDTH, CLOSE_WIDTH = 620, 400, 500
+HEIGHTS = psp3.load().inverse_kinematics(height=0.03, tilt=np.radians(18.0), azimuth=np.radians(200.0))
+
+RENDER_WITHOUT_A_SCREEN = ("--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+
+LOOK_AT_THE_STAR = """
+const [center, zoom] = arguments;
+viewer.controls.target.set(center[0], center[2], -center[1]);
+viewer.camera.position.y += 0.9;
+viewer.camera.zoom = zoom;
+light.shadow.radius = 1;
+"""
+
+
+def picture(browser: webdriver.Chrome, scene: Scene, width: int, script: str = "", *arguments: object) -> Image.Image:
+    """Render a scene, after running a script in its page."""
+    metrics = {"width": width, "height": HEIGHT, "deviceScaleFactor": 2, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+    with tempfile.TemporaryDirectory() as directory:
+        page = Path(directory) / "scene.html"
+        scene.write_html(page)
+        browser.get(page.as_uri())
+        browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
+        browser.execute_script("light.shadow.mapSize.set(4096, 4096); light.shadow.map.dispose(); light.shadow.map = null")
+        browser.execute_script(f"viewer.gui.domElement.style.visibility = 'hidden'; {script}; viewer.render()", *arguments)
+        return Image.open(io.BytesIO(browser.get_screenshot_as_png())).convert("RGB")
+
+
+def robot(browser: webdriver.Chrome) -> Image.Image:
+    """Return the whole robot and, beside it, its star from nearby."""
+    scene = Scene(psp3.load())
+    scene.show(HEIGHTS)
+    center = scene.robot.forward_kinematics(HEIGHTS).center.tolist()
+    whole = picture(browser, scene, WHOLE_WIDTH)
+    close = picture(browser, scene, CLOSE_WIDTH, LOOK_AT_THE_STAR, center, 1.95)
+    both = Image.new("RGB", (whole.width + close.width, whole.height))
+    both.paste(whole, (0, 0))
+    both.paste(close, (whole.width, 0))
+    return both.resize((both.width // 2, both.height // 2), Image.Resampling.LANCZOS)
+
+
+def main() -> None:
+    """Write every picture beside this file."""
+    options = webdriver.ChromeOptions()
+    options.binary_location = "/usr/bin/chromium"
+    for argument in RENDER_WITHOUT_A_SCREEN:
+        options.add_argument(argument)
+    browser = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
+    try:
+        robot(browser).save(HERE / "robot.png", optimize=True)
+    finally:
+        browser.quit()
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Tests of both packages; run them with ``pytest`` from the root of the repository."""

@@ -1,0 +1,1 @@
+"""Tests of fuzzy2, one file per module."""

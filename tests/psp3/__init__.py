@@ -1,0 +1,1 @@
+"""Tests of psp3, one file per module."""

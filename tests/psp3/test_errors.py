@@ -1,0 +1,90 @@
+"""Errors: one family, each with the values it is about, in the message and as attributes."""
+
+from __future__ import annotations
+
+import inspect
+import pickle
+
+import numpy as np
+import pytest
+
+from psp3 import errors
+
+HEIGHTS = np.array([0.1, 0.2, 0.3])
+
+EXAMPLES = [
+    (errors.UnknownName("robot", "psp4", ["psp3", "delta"]), {"name": "psp4", "known": ("psp3", "delta")}, ["robot 'psp4'", "psp3, delta"]),
+    (
+        errors.InvalidArray("heights", "(..., 3)", np.array([1.0, np.nan, 2.0])),
+        {"name": "heights"},
+        ["heights", "(..., 3)", "1 entries", "nan"],
+    ),
+    (errors.InvalidArray("speeds", "(..., 3)", np.zeros((2, 4))), {"name": "speeds"}, ["speeds", "shape (2, 4)"]),
+    (errors.InvalidArray("heights", "(..., 3)", "text"), {"name": "heights", "array": "text"}, ["'text'"]),
+    (errors.InvalidValue("tilt", 2.0, "less than pi/2"), {"name": "tilt", "value": 2.0}, ["tilt", "less than pi/2", "2.0"]),
+    (
+        errors.UnreachablePose(HEIGHTS, np.array([0.2, -0.01, 0.2])),
+        {"heights": HEIGHTS, "arms": np.array([0.2, -0.01, 0.2])},
+        ["0.1", "-0.01", "70.53"],
+    ),
+    (
+        errors.UnreachableTip(np.array([0.03, 0.0, 0.1]), 0.03, 0.5, 0.0239),
+        {"tip": np.array([0.03, 0.0, 0.1]), "radius": 0.03, "azimuth": 0.5, "reach": 0.0239},
+        ["30.0 mm", "28.6 degrees", "23.9 mm"],
+    ),
+    (
+        errors.StrokeExceeded(1.25, HEIGHTS, np.full(3, -0.4), np.full(3, 0.4)),
+        {"time": 1.25, "heights": HEIGHTS, "lower": np.full(3, -0.4), "upper": np.full(3, 0.4)},
+        ["1.25 s", "0.2", "-0.4", "0.4"],
+    ),
+    (errors.OpenLoops(0.0123, 1e-6), {"residual": 0.0123, "tolerance": 1e-6}, ["0.0123", "1e-06", "robot.configuration(heights)"]),
+    (
+        errors.ClosureFailed(HEIGHTS, 0.5, 0.25),
+        {"positions": HEIGHTS, "residual": 0.5, "reached": 0.25},
+        ["0.2", "0.5", "25 %"],
+    ),
+    (errors.InconsistentVelocity(0.75, 1e-8), {"residual": 0.75, "tolerance": 1e-8}, ["0.75", "1e-08", "v = L(q) @ speeds"]),
+    (errors.SingularConfiguration(11, 12, 1.5e16), {"rank": 11, "needed": 12, "condition": 1.5e16}, ["11 of 12", "1.5e+16"]),
+    (errors.MobilityMismatch(3, ["a1", "a2"]), {"mobility": 3, "actuated": ("a1", "a2")}, ["3 degrees of freedom", "2 actuated", "a1, a2"]),
+    (errors.InvalidRobotFile("some.yaml", "lacks the key type"), {"reason": "lacks the key type"}, ["some.yaml", "lacks the key type"]),
+    (errors.InvalidTrajectoryFile("some.csv", "no rows"), {"reason": "no rows"}, ["some.csv", "no rows"]),
+    (errors.InvalidResultFile("some.npz", "cut off"), {"reason": "cut off"}, ["some.npz", "cut off"]),
+]
+
+
+@pytest.mark.parametrize(
+    ("error", "attributes", "words"), EXAMPLES, ids=lambda value: type(value).__name__ if isinstance(value, Exception) else ""
+)
+def test_error_carries_its_values_and_names_them(error: Exception, attributes: dict[str, object], words: list[str]) -> None:
+    assert isinstance(error, errors.PSP3Error)
+    assert isinstance(error, ValueError)
+    for name, value in attributes.items():
+        np.testing.assert_array_equal(getattr(error, name), value)
+    for word in words:
+        assert word in str(error)
+    assert "\n" not in str(error)
+
+
+@pytest.mark.parametrize(
+    ("error", "attributes", "words"), EXAMPLES, ids=lambda value: type(value).__name__ if isinstance(value, Exception) else ""
+)
+def test_error_survives_the_way_back_from_a_worker_process(error: Exception, attributes: dict[str, object], words: list[str]) -> None:
+    """Studies run in worker processes; an error that cannot be unpickled takes the whole pool down instead of being reported."""
+    copy = pickle.loads(pickle.dumps(error))
+    assert type(copy) is type(error)
+    assert str(copy) == str(error)
+    for name, value in attributes.items():
+        np.testing.assert_array_equal(getattr(copy, name), value)
+
+
+def test_every_error_about_an_argument_has_an_example_here() -> None:
+    """Those that end a motion on the way are RuntimeErrors and are tested where they are raised."""
+    classes = [cls for _, cls in inspect.getmembers(errors, inspect.isclass) if issubclass(cls, errors.PSP3Error)]
+    assert {cls for cls in classes if issubclass(cls, ValueError)} == {type(error) for error, _, _ in EXAMPLES}
+    assert all(issubclass(cls, ValueError | RuntimeError) for cls in classes if cls is not errors.PSP3Error)
+
+
+def test_long_arrays_do_not_flood_the_message() -> None:
+    error = errors.InvalidArray("heights", "(..., 3)", np.full((10_000, 3), np.nan))
+    assert "30000 entries" in str(error)
+    assert len(str(error)) < 400
