@@ -19,7 +19,8 @@ Array = NDArray[np.float64]
 
 
 def _numbers(values: Any) -> str:
-    return np.array2string(np.asarray(values), precision=6, separator=", ", threshold=12)
+    text = np.array2string(np.asarray(values), precision=6, separator=", ", threshold=12, suppress_small=True)
+    return " ".join(text.split())
 
 
 class PSP3Error(Exception):
@@ -56,7 +57,7 @@ class InvalidArray(PSP3Error, ValueError):
             values = np.asarray(None)
         if values.dtype.kind in "fiu":
             bad = np.count_nonzero(~np.isfinite(values))
-            found = f"shape {values.shape}" + (f" with {bad} entries that are not finite: {_numbers(values)}" if bad else "")
+            found = f"shape {values.shape}" + (f", {bad} of its entries not finite: {_numbers(values)}" if bad else "")
         else:
             found = repr(array)[:80].replace("\n", " ")
         super().__init__(f"{name} must be finite numbers of shape {shape}, got {found}")

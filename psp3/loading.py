@@ -51,7 +51,13 @@ def load(name: str = "psp3", parameters: str | Parameters = "default") -> PSP3:
     home = reference_poses(model, ROBOT_FILES / "psp3.srdf")["home"]
     for leg in (1, 2, 3):
         home[model.joints[model.getJointId(f"b{leg}")].idx_q] = numbers.screw_radius
-    return PSP3(model, closures, loops.actuated, home, visual_model, numbers)
+    robot = PSP3(model, closures, loops.actuated, home, visual_model, numbers)
+    for pose in list(model.referenceConfigurations):
+        # The file's poses are those of the default screw radius; their tilts are kept, so that every pose stays possible.
+        heights = np.array(pose.data())[[model.joints[model.getJointId(name)].idx_q for name in loops.actuated]]
+        wider = numbers.screw_radius / Parameters().screw_radius
+        model.referenceConfigurations[pose.key()] = robot.configuration(heights.mean() + wider * (heights - heights.mean()))
+    return robot
 
 
 def set_parameters(model: pin.Model, parameters: Parameters) -> None:

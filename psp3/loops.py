@@ -57,7 +57,7 @@ def read_loops(path: str | Path) -> Loops:
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InvalidRobotFile(path, f"cannot be read as YAML ({error})") from error
+        raise InvalidRobotFile(path, f"cannot be read as YAML ({getattr(error, 'strerror', None) or error})") from error
     if not isinstance(content, dict):
         raise InvalidRobotFile(path, "must hold the keys closed_loop, type and name_mot")
     missing = [key for key in ("closed_loop", "type", "name_mot") if key not in content]

@@ -1,4 +1,4 @@
-"""Figures of the thesis, one function each, named after the number in the thesis.
+"""Figures: those of the thesis, one function each, named after the number there; forces along a path; maps of the workspace.
 
 Every function draws into the axes it is given, or into those of a new figure, and returns them; ``axes[0].figure`` is the figure
 to save. Nothing here touches ``matplotlib.pyplot``. The look is that of matplotlib's settings in force::
@@ -475,9 +475,9 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
         (speeds, motion.speeds, nuts, "Nut speeds", "speed [m/s]"),
         (accelerations, motion.accelerations, nuts, "Nut accelerations", "acceleration [m/s²]"),
     ):
-        # Thin over thick: lines that coincide, as in a motion along arm 1, all stay visible.
-        for column, name, width in zip(values.T, names, (3.0, 2.0, 1.0), strict=True):
-            panel.plot(forces.t, column, label=name, linewidth=width)
+        # Lines that coincide, as in a motion along arm 1, show through the gaps of those drawn over them.
+        for column, name, dashes in zip(values.T, names, ("-", (0, (6, 2)), (0, (2, 2))), strict=True):
+            panel.plot(forces.t, column, label=name, linestyle=dashes)
         panel.set(ylabel=label)
         panel.set_title(title)
     tip.legend(ncols=3)

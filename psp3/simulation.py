@@ -93,7 +93,7 @@ def load_result(path: str | Path) -> Result:
             archive = np.load(file, allow_pickle=False)
             content = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
-        raise InvalidResultFile(path, f"is not a whole result file ({error})") from error
+        raise InvalidResultFile(path, f"is not a whole result file ({getattr(error, 'strerror', None) or error})") from error
     found = str(content.pop("format", "none"))
     if found != FORMAT:
         raise InvalidResultFile(path, f"has format {found!r}, this version reads {FORMAT!r}")

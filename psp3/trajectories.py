@@ -376,7 +376,7 @@ def _read_table(path: Path) -> tuple[tuple[str, ...], Array]:
     try:
         lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InvalidTrajectoryFile(path, f"cannot be read ({error})") from error
+        raise InvalidTrajectoryFile(path, f"cannot be read ({getattr(error, 'strerror', None) or error})") from error
     header = [name.strip() for name in lines[0]] if lines else []
     for columns in (("t", "x", "y", "z"), ("t", "a1", "a2", "a3")):
         if set(columns) <= set(header):

@@ -171,8 +171,8 @@ def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> Workspace
         values = getattr(some, field.name)
         array = np.full((theta.size, *values.shape[1:]), np.nan)
         array[rows] = values
-        whole[field.name] = array.reshape(*theta.shape, *values.shape[1:])
-    return WorkspaceMap(**whole | {"tilt": theta, "azimuth": phi})
+        whole[field.name] = array.reshape((*theta.shape, *values.shape[1:]))
+    return WorkspaceMap(**whole | {"tilt": theta.copy(), "azimuth": phi.copy()})
 
 
 def map_over_reach(robot: PSP3, share: ArrayLike, azimuth: ArrayLike) -> WorkspaceMap:

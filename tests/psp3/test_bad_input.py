@@ -71,7 +71,7 @@ def test_numbers_that_are_not_finite_are_refused(robot: psp3.PSP3, method: str, 
 @pytest.mark.parametrize(
     "bad",
     [0.1, [], [0.1, 0.2], np.zeros(4), np.zeros((3, 1)), np.zeros((2, 2)), np.zeros((3, 0)), None, "high", ["a", "b", "c"], {"a1": 0.1}],
-    ids=str,
+    ids=["scalar", "empty", "two", "four", "column", "square", "no columns", "None", "text", "texts", "mapping"],
 )
 def test_wrong_shapes_and_kinds_are_refused(robot: psp3.PSP3, method: str, position: int, bad: Any) -> None:
     with pytest.raises(InvalidArray, match=METHODS[method][position]):
@@ -99,17 +99,19 @@ def test_leading_dimensions_that_do_not_go_together_are_refused(robot: psp3.PSP3
         getattr(robot, method)(*arguments)
 
 
+@pytest.mark.parametrize("leg", [0, 1, 2])
 @pytest.mark.parametrize("method", OF_A_POSE)
-def test_heights_with_an_arm_that_is_not_positive_are_refused(robot: psp3.PSP3, method: str) -> None:
-    """Alone and in a batch, with the arm lengths of that row by the law of cosines."""
-    for heights in (FOLDED, np.stack([np.zeros(3), FOLDED, np.zeros(3)])):
+def test_heights_with_an_arm_that_is_not_positive_are_refused(robot: psp3.PSP3, method: str, leg: int) -> None:
+    """Each arm in turn, alone and in a batch, with the arm lengths of that row by the law of cosines."""
+    folded = np.roll(FOLDED, leg)
+    for heights in (folded, np.stack([np.zeros(3), folded, np.zeros(3)])):
         with pytest.raises(UnreachablePose, match=r"70\.53") as caught:
             call(robot, method, 0, heights)
-        assert_array_equal(caught.value.heights, FOLDED)
-        assert caught.value.arms[0] < 0.0 < caught.value.arms[1]
+        assert_array_equal(caught.value.heights, folded)
         assert isinstance(caught.value, ValueError)
+        x, y, z = np.roll(caught.value.arms, -leg)
+        assert x < 0.0 < min(y, z)
         # Two arms at 120 degrees: l² = x² + y² + x y for the sides, whatever the signs.
-        x, y, z = caught.value.arms
         d = robot.parameters.screw_radius
         assert_allclose(y * y + z * z + y * z, 3 * d * d + 1.0, rtol=1e-12)
         assert_allclose(x * x + y * y + x * y, 3 * d * d + 0.25, rtol=1e-12)

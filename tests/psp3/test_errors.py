@@ -17,7 +17,7 @@ EXAMPLES = [
     (
         errors.InvalidArray("heights", "(..., 3)", np.array([1.0, np.nan, 2.0])),
         {"name": "heights"},
-        ["heights", "(..., 3)", "1 entries", "nan"],
+        ["heights", "(..., 3)", "1 of its entries not finite", "nan"],
     ),
     (errors.InvalidArray("speeds", "(..., 3)", np.zeros((2, 4))), {"name": "speeds"}, ["speeds", "shape (2, 4)"]),
     (errors.InvalidArray("heights", "(..., 3)", "text"), {"name": "heights", "array": "text"}, ["'text'"]),
@@ -84,7 +84,19 @@ def test_every_error_about_an_argument_has_an_example_here() -> None:
     assert all(issubclass(cls, ValueError | RuntimeError) for cls in classes if cls is not errors.PSP3Error)
 
 
+@pytest.mark.parametrize("shape", [(2, 3), (4, 3), (12,), (2, 2, 3), (500, 3)])
+def test_messages_stay_on_one_line(shape: tuple[int, ...]) -> None:
+    """Numpy breaks lines between rows and at 75 characters; the command line promises one clear line."""
+    values = np.linspace(0.123456, 0.987654, int(np.prod(shape))).reshape(shape)
+    for error in (
+        errors.InvalidArray("heights", "(..., 3)", np.where(values < 0.2, np.nan, values)),
+        errors.UnreachablePose(values, values),
+        errors.ClosureFailed(values, 0.5, 0.2),
+    ):
+        assert "\n" not in str(error)
+
+
 def test_long_arrays_do_not_flood_the_message() -> None:
     error = errors.InvalidArray("heights", "(..., 3)", np.full((10_000, 3), np.nan))
-    assert "30000 entries" in str(error)
+    assert "30000 of its entries" in str(error)
     assert len(str(error)) < 400

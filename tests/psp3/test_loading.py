@@ -191,6 +191,14 @@ def test_reference_poses_close_the_loops_and_are_those_of_the_closed_form() -> N
     assert_allclose(robot.forward_kinematics(poses["tilted"][index]).rotation[2, 2], np.cos(np.radians(25)), rtol=1e-14)
 
 
+def test_reference_poses_fit_a_robot_of_other_lengths() -> None:
+    """Poses that the model carries along are poses of this robot: loops open by less than 1e-12 with screws farther apart."""
+    robot = psp3.load("psp3", psp3.Parameters(screw_radius=0.25))
+    noc = psp3.NaturalOrthogonalComplement(robot)
+    for pose in robot.model.referenceConfigurations:
+        assert np.abs(noc.constraint(pose.data())).max() < 1e-12, pose.key()
+
+
 def test_stroke_is_that_of_the_urdf() -> None:
     lower, upper = psp3.load("psp3").stroke
     assert_array_equal(lower, np.full(3, -0.4))
