@@ -66,4 +66,5 @@ def together(**arrays: Array) -> list[Array]:
     except ValueError as error:
         shapes = " and ".join(f"{name} {array.shape}" for name, array in arrays.items())
         raise InvalidArray(shapes, "(..., n) with leading dimensions that go together", next(iter(arrays.values()))) from error
-    return [np.ascontiguousarray(np.broadcast_to(array, (*shape, array.shape[-1]))) for array in arrays.values()]
+    # Copies, because views made by broadcasting are read-only, and numba would compile every kernel anew for those.
+    return [np.array(np.broadcast_to(array, (*shape, array.shape[-1]))) for array in arrays.values()]

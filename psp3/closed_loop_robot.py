@@ -20,7 +20,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.arrays import Array, finite_rows, one_row, together
-from psp3.errors import ClosureFailed, InvalidRobotFile, MobilityMismatch, SingularConfiguration, UnknownName
+from psp3.errors import ClosureFailed, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, SingularConfiguration, UnknownName
 from psp3.loops import constraint_models, read_loops
 from psp3.rank import dependent_solver
 
@@ -33,6 +33,8 @@ LARGEST_PREDICTED_STEP = 0.3
 
 class ClosedLoopRobot:
     """A robot given as a tree, loop closures and actuated joints; arguments and results are in actuated coordinates.
+
+    One object serves one thread at a time, because it computes in one ``data``.
 
     Parameters
     ----------
@@ -217,9 +219,23 @@ class ClosedLoopRobot:
             If the positions are not finite or of another shape.
         ClosureFailed
             If the pose cannot be reached without opening a loop.
+        JointLimitExceeded
+            If an un-actuated joint would be beyond its limits.
         """
         start = self.q0 if guess is None else one_row("guess", guess, self.model.nq)
-        return self._map(lambda row: self._close(start, row), (self.model.nq,), positions=positions)
+        return self._map(lambda row: self._within_limits(self._close(start, row)), (self.model.nq,), positions=positions)
+
+    def _within_limits(self, q: Array) -> Array:
+        """Return q, provided that no un-actuated joint is beyond its limits; those of the motors are not its business."""
+        for name, joint in zip(self.model.names, self.model.joints, strict=True):
+            if joint.nq != 1 or name in self.actuated:
+                continue
+            position, lower, upper = (
+                float(vector[joint.idx_q]) for vector in (q, self.model.lowerPositionLimit, self.model.upperPositionLimit)
+            )
+            if not lower <= position <= upper:
+                raise JointLimitExceeded(str(name), position, lower, upper)
+        return q
 
     def velocity(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         r"""Return the velocities of all joints, :math:`\dot q = L \dot q^a` (eq. 3.16).

@@ -126,6 +126,14 @@ class ClosureFailed(PSP3Error, ValueError):
         )
 
 
+class JointLimitExceeded(PSP3Error, ValueError):
+    """The loops close only with an un-actuated joint beyond its limits."""
+
+    def __init__(self, joint: str, position: float, lower: float, upper: float) -> None:
+        self.joint, self.position, self.lower, self.upper = joint, position, lower, upper
+        super().__init__(f"the loops close with joint {joint!r} at {position:.6g}, outside its limits {lower:.6g} to {upper:.6g} (m, rad)")
+
+
 class InconsistentVelocity(PSP3Error, ValueError):
     """A velocity would tear the loops apart."""
 

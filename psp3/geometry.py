@@ -159,7 +159,8 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
     Returns
     -------
     (...,) ndarray
-        Radius of the fold [m]; :math:`\sqrt{h^2 + d^2/4} - d/2` at the azimuths of the screws, where it is least.
+        Radius of the fold [m]; :math:`\sqrt{h^2 + d^2/4} - d/2` at the azimuths of the screws, where it is least. A tool longer than
+        0.866 d does not fold before the tilt of 60° where the inverse kinematics ends; then it is the radius at that tilt.
 
     Raises
     ------

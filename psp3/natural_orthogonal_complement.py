@@ -166,8 +166,9 @@ class NaturalOrthogonalComplement:
                 # A velocity that keeps the loops closed leaves the relative placement, and so Jlog6, constant.
                 rows.append(pin.Jlog6(relative) @ twist_rate)
             else:
-                twist = to_second @ difference
-                rows.append(relative.rotation @ (twist_rate[:3] + _skew((twist @ v)[3:]) @ twist[:3]))
+                # The relative rotation turns the rows, too, but what it turns vanishes for every velocity that keeps the loops closed,
+                # and only its product with L is ever used.
+                rows.append(relative.rotation @ twist_rate[:3])
         return np.concatenate(rows)
 
     def _complement(self, q: Array) -> tuple[Array, Array, Array]:

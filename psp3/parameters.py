@@ -81,6 +81,8 @@ class Parameters:
                 raise InvalidValue(field.name, value, requirement) from error
             if values.shape != shape or not np.isfinite(values).all() or (values < 0).any() or (strict and (values == 0).any()):
                 raise InvalidValue(field.name, value, requirement)
+            if shape:
+                object.__setattr__(self, field.name, tuple(values.tolist()))
 
     @property
     def total_mass(self) -> float:

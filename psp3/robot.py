@@ -327,7 +327,7 @@ class PSP3(ClosedLoopRobot):
         M : (..., 3, 3) ndarray
             Symmetric, positive definite [kg].
         C : (..., 3, 3) ndarray
-            The only matrix, linear in the speeds, for which dM/dt − 2C is skew [kg/s].
+            The only matrix with the right C v for which dM/dt − 2C is skew and C (1, 1, 1) = 0 [kg/s].
         G : (..., 3) ndarray
             Weight carried by each screw, g M 1 [N].
 

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.errors import InvalidArray, InvalidValue, PSP3Error, UnreachablePose, UnreachableTip
+from psp3.errors import InvalidArray, InvalidValue, JointLimitExceeded, PSP3Error, UnreachablePose, UnreachableTip
 
 FOLDED = np.array([0.0, -0.5, 0.5])
 """Nut 1 between the others, 1 m apart: the angle there is above 120 degrees, so arm 1 would have to be negative."""
@@ -152,9 +152,9 @@ def test_absurd_speeds_are_not_blamed_on_the_heights(robot: psp3.PSP3) -> None:
     assert not isinstance(caught.value, UnreachablePose)
 
 
-@pytest.mark.parametrize("model", ["closed_form", "noc"])
+@pytest.mark.parametrize("model", ["closed_form", "noc", "pinocchio"])
 def test_models_of_the_machine_refuse_a_folded_triangle(robot: psp3.PSP3, model: str) -> None:
-    with pytest.raises(UnreachablePose):
+    with pytest.raises(JointLimitExceeded if model == "pinocchio" else UnreachablePose):
         robot.dynamics(model).equation_of_motion(FOLDED, np.zeros(3))
 
 

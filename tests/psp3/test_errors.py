@@ -43,6 +43,11 @@ EXAMPLES = [
         {"positions": HEIGHTS, "residual": 0.5, "reached": 0.25},
         ["0.2", "0.5", "25 %"],
     ),
+    (
+        errors.JointLimitExceeded("b1", -0.031, 0.0, 0.6),
+        {"joint": "b1", "position": -0.031, "lower": 0.0, "upper": 0.6},
+        ["'b1'", "-0.031", "0 to 0.6"],
+    ),
     (errors.InconsistentVelocity(0.75, 1e-8), {"residual": 0.75, "tolerance": 1e-8}, ["0.75", "1e-08", "v = L(q) @ speeds"]),
     (errors.SingularConfiguration(11, 12, 1.5e16), {"rank": 11, "needed": 12, "condition": 1.5e16}, ["11 of 12", "1.5e+16"]),
     (errors.MobilityMismatch(3, ["a1", "a2"]), {"mobility": 3, "actuated": ("a1", "a2")}, ["3 degrees of freedom", "2 actuated", "a1, a2"]),
