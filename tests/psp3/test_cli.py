@@ -367,11 +367,17 @@ def test_recorded_page_holds_the_pose_or_the_motion(psp3_command: Run) -> None:
     assert all(f'"text":"{name}"' in moving for name in ("pd", "ctc"))
 
 
+def heed_interrupts() -> None:
+    """Undo what a shell does to jobs in the background: they ignore interrupts, and so would what they start."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
 @pytest.mark.parametrize("options", [(), ("--heights", "0.02,0,-0.02")])
 def test_viewer_serves_until_interrupted(options: tuple[str, ...]) -> None:
     process = subprocess.Popen(
-        [*PROGRAM, "view", "--port", "7310", *options], env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
-    )
+        [*PROGRAM, "view", "--port", "7310", *options], env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=heed_interrupts,
+    )  # fmt: skip
     try:
         assert process.stdout is not None
         url = process.stdout.readline().split()[0]
