@@ -1,0 +1,67 @@
+"""Checks of arguments that every module shares: a real number in its range, or an error that says which."""
+
+from __future__ import annotations
+
+import itertools
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzy2.errors import InvalidValue
+
+Array = NDArray[np.float64]
+
+
+def real(name: str, value: object, requirement: str = "a finite number") -> float:
+    """Return ``value`` as a float; raise :class:`InvalidValue` if it is not a finite real number."""
+    number = maybe_infinite(name, value, requirement)
+    if math.isinf(number):
+        raise InvalidValue(name, value, requirement)
+    return number
+
+
+def maybe_infinite(name: str, value: object, requirement: str = "a number") -> float:
+    """Return ``value`` as a float that may be infinite; raise :class:`InvalidValue` if it is not a real number."""
+    if isinstance(value, str | bytes | bool | np.bool_):
+        raise InvalidValue(name, value, requirement)
+    try:
+        number = float(value)  # type: ignore[arg-type] # whatever has no float is refused below
+    except (TypeError, ValueError) as error:
+        raise InvalidValue(name, value, requirement) from error
+    if math.isnan(number):
+        raise InvalidValue(name, value, requirement)
+    return number
+
+
+def positive(name: str, value: object) -> float:
+    """Return ``value`` as a float; raise :class:`InvalidValue` if it is not a finite number above 0."""
+    number = real(name, value, "a finite number above 0")
+    if number <= 0.0:
+        raise InvalidValue(name, value, "a finite number above 0")
+    return number
+
+
+def grade(name: str, value: object) -> float:
+    """Return ``value`` as a float; raise :class:`InvalidValue` if it is not in (0, 1]."""
+    number = real(name, value, "above 0 and at most 1")
+    if not 0.0 < number <= 1.0:
+        raise InvalidValue(name, value, "above 0 and at most 1")
+    return number
+
+
+def ascending(name: str, values: tuple[float, ...]) -> None:
+    """Raise :class:`InvalidValue` if a value is smaller than the one before it."""
+    if any(after < before for before, after in itertools.pairwise(values)):
+        raise InvalidValue(name, values, "in ascending order")
+
+
+def reals(name: str, values: ArrayLike) -> Array:
+    """Return ``values`` as an array of floats, which may be NaN; raise :class:`InvalidValue` if they are not real numbers."""
+    try:
+        array = np.asarray(values)
+        if array.dtype.kind in "fiubO":
+            return np.asarray(array, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        raise InvalidValue(name, values, "real numbers") from error
+    raise InvalidValue(name, values, "real numbers")

@@ -1,0 +1,161 @@
+"""Everything this package raises on purpose: each error carries the values it is about and says what to do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, Self
+
+import numpy as np
+
+
+class Fuzzy2Error(Exception):
+    """Base of every error this package raises on purpose. They can be pickled, so they cross process boundaries whole."""
+
+    _arguments: tuple[Any, ...]
+
+    def __new__(cls, *arguments: Any) -> Self:
+        """Remember the arguments, from which a pickled error is made again."""
+        error = super().__new__(cls, *arguments)
+        error._arguments = arguments
+        return error
+
+    def __reduce__(self) -> tuple[type[Fuzzy2Error], tuple[Any, ...]]:
+        return type(self), self._arguments
+
+
+class UnknownName(Fuzzy2Error, ValueError):
+    """A name that is looked up is not among the known ones."""
+
+    def __init__(self, kind: str, name: object, known: Sequence[str]) -> None:
+        self.name, self.known = name, tuple(known)
+        super().__init__(f"unknown {kind} {name!r}; known are {', '.join(known)}")
+
+
+class InvalidValue(Fuzzy2Error, ValueError):
+    """An argument is outside the values it can take."""
+
+    def __init__(self, name: str, value: object, requirement: str) -> None:
+        self.name, self.value = name, value
+        shown = np.array2string(value, threshold=12) if isinstance(value, np.ndarray) else repr(value)[:120]
+        super().__init__(f"{name} must be {requirement}, got {shown}")
+
+
+class NotApplicable(Fuzzy2Error, ValueError):
+    """A theorem or a shortcut was asked for where its conditions do not hold."""
+
+    def __init__(self, what: str, reason: str) -> None:
+        self.what, self.reason = what, reason
+        super().__init__(f"{what} does not apply: {reason}")
+
+
+class InvalidRule(Fuzzy2Error, ValueError):
+    """A rule cannot be read, or does not fit the variables."""
+
+    def __init__(self, number: int, text: str, reason: str) -> None:
+        self.number, self.text, self.reason = number, text, reason
+        super().__init__(f"rule {number} ({text}) {reason}")
+
+
+class MalformedFile(Fuzzy2Error, ValueError):
+    """A file is not what its format prescribes; ``place`` is the line, or the path within the document."""
+
+    def __init__(self, source: str, place: str, reason: str) -> None:
+        self.source, self.place, self.reason = source, place, reason
+        super().__init__(f"{source}, {place}: {reason}")
+
+
+class NotExpressible(Fuzzy2Error, ValueError):
+    """A file format has no way to write something, or this package has no equivalent of what a file says."""
+
+    def __init__(self, what: str, where: str, reason: str) -> None:
+        self.what, self.where, self.reason = what, where, reason
+        super().__init__(f"{what} cannot be expressed in {where}: {reason}")
+
+
+class TooManyEmbeddedSets(Fuzzy2Error, ValueError):
+    """An enumeration of embedded sets would not end in reasonable time."""
+
+    def __init__(self, count: int, limit: int) -> None:
+        self.count, self.limit = count, limit
+        super().__init__(
+            f"there are {count:,} embedded sets, and at most {limit:,} are enumerated; "
+            "take fewer points or coarser secondary sets, or reduce by alpha-planes"
+        )
+
+
+class ApproximationWarning(UserWarning):
+    """An approximation is used where it need not be close, see :mod:`fuzzy2.approximate_reduction`."""
+
+    def __init__(self, what: str, validity: float, limit: float) -> None:
+        self.what, self.validity, self.limit = what, validity, limit
+        super().__init__(
+            f"{what} has a validity measure of {validity:.3g}, above {limit:g}: the approximate type-reduced set may be far from "
+            "the exact one; reduce by alpha-planes, or use narrower type-2 sets"
+        )
+
+    def __reduce__(self) -> tuple[type[ApproximationWarning], tuple[str, float, float]]:
+        return type(self), (self.what, self.validity, self.limit)
+
+
+class NotNumbers(Fuzzy2Error, TypeError):
+    """Samples are of a type that cannot be read as a table of numbers."""
+
+    def __init__(self, name: str, reason: str) -> None:
+        self.name, self.reason = name, reason
+        super().__init__(f"{name} cannot be read as numbers: {reason}")
+
+
+class UnsupportedRule(Fuzzy2Error, ValueError):
+    """No sample says what a rule of the grid concludes."""
+
+    def __init__(self, number: int, text: str, firing: float, least: float, count: int) -> None:
+        self.number, self.text, self.firing, self.least, self.count = number, text, firing, least, count
+        super().__init__(
+            f"rule {number} (IF {text}) is fired by no sample more than {firing:.3g}, and at least {least:g} is needed "
+            f"({count} such rules); add samples there, use fewer terms, or learner='strict'"
+        )
+
+
+class NotFitted(Fuzzy2Error, ValueError, AttributeError):
+    """An estimator is asked before it has learned."""
+
+    def __init__(self, estimator: str) -> None:
+        self.estimator = estimator
+        super().__init__(f"this {estimator} is not fitted yet: call fit first")
+
+
+class WrongFeatures(Fuzzy2Error, ValueError):
+    """Inputs have other columns than those an estimator learned from."""
+
+    def __init__(
+        self, estimator: str, expected: int, given: int, expected_names: Sequence[str] = (), given_names: Sequence[str] = ()
+    ) -> None:
+        self.estimator, self.expected, self.given = estimator, expected, given
+        self.expected_names, self.given_names = tuple(expected_names), tuple(given_names)
+        if not given_names:
+            super().__init__(f"X has {given} features, but {estimator} is expecting {expected} features as input")
+            return
+        lines = ["The feature names should match those that were passed during fit."]
+        unseen = sorted(set(given_names) - set(expected_names))
+        missing = sorted(set(expected_names) - set(given_names))
+        if unseen:
+            lines += ["Feature names unseen at fit time:", *(f"- {name}" for name in unseen)]
+        if missing:
+            lines += ["Feature names seen at fit time, yet now missing:", *(f"- {name}" for name in missing)]
+        if not unseen and not missing:
+            lines.append("Feature names must be in the same order as they were in fit.")
+        super().__init__("\n".join(lines) + "\n")
+
+
+class FeatureNamesWarning(UserWarning):
+    """Columns have names where an estimator learned from samples without, or the other way round."""
+
+    def __init__(self, estimator: str, was_fitted_with_names: bool) -> None:
+        self.estimator, self.was_fitted_with_names = estimator, was_fitted_with_names
+        if was_fitted_with_names:
+            super().__init__(f"X does not have valid feature names, but {estimator} was fitted with feature names")
+        else:
+            super().__init__(f"X has feature names, but {estimator} was fitted without feature names")
+
+    def __reduce__(self) -> tuple[type[FeatureNamesWarning], tuple[str, bool]]:
+        return type(self), (self.estimator, self.was_fitted_with_names)

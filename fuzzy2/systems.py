@@ -1,0 +1,1018 @@
+r"""Type-1, interval type-2 and general type-2 fuzzy logic systems: many inputs, one rule base, many outputs (eq. 1.63–1.83, 1.117–1.124).
+
+A system is inputs (a list of sets per input), rules (which set of each input a rule asks for) and consequents. Evaluating it takes
+three steps: membership grades, firing intervals :math:`[\underline f_r, \overline f_r]` of the rules (the meet of the grades of their
+antecedents, eq. 1.79), and type reduction of the consequents weighted with them. The type-reduced set is the answer with its
+uncertainty; its middle is the crisp output. **Where no rule fires there is no answer: NaN, never 0**; :meth:`validate` says
+where that is.
+
+Gaussian, triangular and trapezoidal terms under minimum or product are evaluated by one compiled loop; any other set or t-norm works,
+too, at NumPy's speed.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzy2.approximate_reduction import VALIDITY_LIMIT, approximate_generalized_centroid
+from fuzzy2.checks import Array, reals
+from fuzzy2.errors import ApproximationWarning, InvalidValue, NotApplicable, UnknownName
+from fuzzy2.fuzzifiers import Fuzzifier, NonSingletonFuzzifier, SingletonFuzzifier
+from fuzzy2.general_type2 import GeneralType2Set
+from fuzzy2.interval_type2 import IntervalType2Set
+from fuzzy2.numbers import GaussianNumber
+from fuzzy2.rules import Rule, parse_rules
+from fuzzy2.t_norms import BinaryFunction, TConorm, TNorm, t_conorm, t_norm
+from fuzzy2.type1 import Type1Set
+from fuzzy2.type_reduction import METHODS, generalized_centroid
+
+TYPE_REDUCTIONS = ("center_of_sets", "height", "modified_height", "centroid", "center_of_sums")
+"""Names of the ways from firing intervals to a type-reduced set."""
+
+AnySet = Type1Set | IntervalType2Set | GeneralType2Set
+
+
+@dataclass(frozen=True)
+class Report:
+    """What :meth:`FuzzySystem.validate` found; ``ok`` if nothing.
+
+    Parameters
+    ----------
+    uncovered : (k, p) ndarray
+        Points of a grid over the inputs' domains where no rule fires by more than the threshold.
+    coverage : float
+        Share of the grid that is covered.
+    unused_terms : list of (input, term)
+        Terms that no rule asks for.
+    duplicate_rules : list of (rule, rule)
+        Rules with the same antecedents and the same consequents.
+    conflicting_rules : list of (rule, rule)
+        Rules with the same antecedents and different consequents.
+    """
+
+    uncovered: Array
+    coverage: float
+    unused_terms: list[tuple[str, str]]
+    duplicate_rules: list[tuple[int, int]]
+    conflicting_rules: list[tuple[int, int]]
+
+    @property
+    def ok(self) -> bool:
+        """Whether nothing was found."""
+        return not (len(self.uncovered) or self.unused_terms or self.duplicate_rules or self.conflicting_rules)
+
+    def __str__(self) -> str:
+        if self.ok:
+            return "every region is covered, every term is used, no rules repeat or contradict each other"
+        lines = []
+        if len(self.uncovered):
+            low, high = self.uncovered.min(axis=0), self.uncovered.max(axis=0)
+            box = " x ".join(f"[{a:.4g}, {b:.4g}]" for a, b in zip(low, high, strict=True))
+            lines.append(f"no rule fires on {100.0 * (1.0 - self.coverage):.1f} % of the input space, all of it within {box}")
+        lines += [f"no rule asks whether {name} is {term}" for name, term in self.unused_terms]
+        lines += [f"rules {a + 1} and {b + 1} are the same" for a, b in self.duplicate_rules]
+        lines += [f"rules {a + 1} and {b + 1} ask for the same and say different things" for a, b in self.conflicting_rules]
+        return "; ".join(lines)
+
+
+class Linear:
+    r"""Consequents of Takagi, Sugeno and Kang: :math:`z_{rj}(x) = c_{rj0} + \sum_i c_{rji} x_i`, with a spread if they are intervals.
+
+    Parameters
+    ----------
+    coefficients : (R, m, p + 1) array_like
+        Constant term first, then the slopes.
+    spreads : (R, m, p + 1) array_like, optional
+        Half-widths of the coefficients; then :math:`z` is an interval of half-width :math:`s_{rj0} + \sum_i s_{rji} |x_i|`.
+    """
+
+    def __init__(self, coefficients: ArrayLike, spreads: ArrayLike | None = None) -> None:
+        self.coefficients = reals("coefficients", coefficients)
+        self.spreads = np.zeros_like(self.coefficients) if spreads is None else reals("spreads", spreads)
+        if self.coefficients.ndim != 3 or not np.isfinite(self.coefficients).all():
+            raise InvalidValue("coefficients", self.coefficients, "finite numbers of shape (R, m, p + 1)")
+        if self.spreads.shape != self.coefficients.shape or not (self.spreads >= 0.0).all() or not np.isfinite(self.spreads).all():
+            raise InvalidValue("spreads", self.spreads, "finite, not negative, of the shape of the coefficients")
+
+    def at(self, X: Array) -> Array:
+        """Return the consequents (n, R, m, 2) at inputs (n, p)."""
+        with_constant = np.concatenate([np.ones((len(X), 1)), X], axis=1)
+        middle = np.einsum("rmi,ni->nrm", self.coefficients, with_constant)
+        spread = np.einsum("rmi,ni->nrm", self.spreads, np.abs(with_constant))
+        return np.stack([middle - spread, middle + spread], axis=-1)
+
+
+class FuzzySystem:
+    """What the three kinds of systems share; use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`.
+
+    Parameters
+    ----------
+    inputs : list of lists of sets, or mapping from names to mappings from names to sets
+        The terms of every input.
+    rules : (R, p) array_like of int, or text or rule objects
+        Number of the term of each input that a rule asks for; -1 where the input plays no part. Or rules in words, ``IF error is
+        Small and rate is Zero THEN force is Weak``, as text with a rule a line or as :class:`fuzzy2.Rule` objects; then inputs
+        have names, and the consequents are the terms of the outputs by name.
+    consequents : (R, m) or (R, m, 2) array_like, Linear, sets, or mapping from outputs to mappings from terms
+        Numbers, intervals, linear functions of the inputs, or sets: one per rule, or a list per rule with one per output. For rules in
+        words, what each term of each output means: a number, an interval or a set.
+    t_norm : str or callable
+        How the grades of a rule's antecedents are combined: ``"product"``, ``"min"``, any name of :mod:`fuzzy2.t_norms`, or a function.
+    type_reduction : str
+        ``"center_of_sets"`` (consequents by their centroids), ``"height"`` and ``"modified_height"`` (by their highest points; the
+        latter divides weights by squared spreads), ``"centroid"`` and ``"center_of_sums"`` (on a grid of the output, rules united by
+        the t-conorm or summed). All but the first need consequents that are sets.
+    method : str
+        Exact method of type reduction, see :func:`fuzzy2.generalized_centroid`; they all give the same.
+    t_conorm : str or callable
+        How the rules' outputs are united under ``"centroid"``.
+    fuzzifier : Fuzzifier, or one for each input
+        How inputs become fuzzy sets, see :mod:`fuzzy2.fuzzifiers`; singleton by default.
+    input_names, output_names : sequence of str, optional
+        Names; ``x1, x2, ...`` and ``y1, y2, ...`` by default.
+    term_names : sequence of sequences of str, optional
+        Names of the terms of every input; ``term1, ...`` by default.
+    resolution : int
+        Points of the output grid of ``"centroid"`` and ``"center_of_sums"``.
+
+    Raises
+    ------
+    InvalidValue
+        If shapes do not go together, a rule asks for a term that is not there, or a set is of a kind the system cannot take.
+    UnknownName
+        If a t-norm, a type reduction or a method is unknown.
+    """
+
+    _kinds: tuple[type, ...] = ()
+    _kind_names = ""
+
+    def __init__(
+        self,
+        inputs: Sequence[Sequence[Any]] | Mapping[str, Mapping[str, Any]],
+        rules: ArrayLike | str | Iterable[str | Rule],
+        consequents: Any,
+        t_norm: str | TNorm | BinaryFunction = "product",
+        type_reduction: str = "center_of_sets",
+        method: str = "eiasc",
+        *,
+        t_conorm: str | TConorm | BinaryFunction = "max",
+        fuzzifier: Fuzzifier | Sequence[Fuzzifier] | None = None,
+        input_names: Sequence[str] | None = None,
+        output_names: Sequence[str] | None = None,
+        term_names: Sequence[Sequence[str]] | None = None,
+        resolution: int = 501,
+    ) -> None:
+        if isinstance(inputs, Mapping):
+            input_names, term_names = list(inputs), [list(terms) for terms in inputs.values()]
+            inputs = [list(terms.values()) for terms in inputs.values()]
+        if isinstance(consequents, Mapping):
+            rules, consequents, output_names = _read_rules(rules, consequents, input_names, term_names)
+        self.inputs: tuple[tuple[Any, ...], ...] = tuple(tuple(terms) for terms in inputs)
+        self._check_inputs()
+        self.rules = self._checked_rules(rules)
+        self.t_norm, self.t_conorm = _norm_named(t_norm), _conorm_named(t_conorm)
+        if type_reduction not in TYPE_REDUCTIONS:
+            raise UnknownName("type reduction", type_reduction, TYPE_REDUCTIONS)
+        if method not in METHODS:
+            raise UnknownName("type-reduction method", method, METHODS)
+        self.type_reduction, self.method, self.fuzzifier = type_reduction, method, fuzzifier
+        self._fuzzifiers = self._checked_fuzzifiers(fuzzifier)
+        if resolution < 2 or resolution != int(resolution):
+            raise InvalidValue("resolution", resolution, "a whole number of at least 2")
+        self.resolution = int(resolution)
+        self.consequents, self._sets, self._intervals = self._checked_consequents(consequents)
+        if type_reduction != "center_of_sets" and self._sets is None:
+            raise NotApplicable(f"type reduction {type_reduction!r}", "the consequents are no sets; use center_of_sets")
+        self.n_outputs = int(self._intervals.shape[1])
+        self._row = (len(self.inputs),)
+        self.input_names = _names("input_names", input_names, len(self.inputs), "x")
+        self.output_names = _names("output_names", output_names, self.n_outputs, "y")
+        given = [None] * len(self.inputs) if term_names is None else list(term_names)
+        if len(given) != len(self.inputs):
+            raise InvalidValue("term_names", term_names, f"a list of names for each of the {len(self.inputs)} inputs")
+        self.term_names = tuple(_names("term_names", names, len(terms), "term") for names, terms in zip(given, self.inputs, strict=True))
+        self._table = self._compiled_table()
+        self._fast = self._table is not None and type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear)
+        # Looked up once: a control loop calls a system a thousand times a second.
+        self._kernels = _kernels()
+
+    def __repr__(self) -> str:
+        return (
+            f"{type(self).__name__}({len(self.inputs)} inputs, {len(self.rules)} rules, {self.n_outputs} outputs, "
+            f"t_norm={self.t_norm.name!r}, type_reduction={self.type_reduction!r})"
+        )
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_kernels"}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state, _kernels=_kernels())
+
+    # Construction
+
+    def _check_inputs(self) -> None:
+        if not self.inputs or not all(self.inputs):
+            raise InvalidValue("inputs", self.inputs, "a list of at least one set for each of at least one input")
+        for number, terms in enumerate(self.inputs, start=1):
+            for term in terms:
+                if not isinstance(term, self._kinds):
+                    raise InvalidValue(f"a term of input {number}", term, self._kind_names)
+
+    def _checked_fuzzifiers(self, given: Fuzzifier | Sequence[Fuzzifier] | None) -> tuple[Fuzzifier, ...] | None:
+        """Return a fuzzifier for each input, or None if all are singleton."""
+        if given is None:
+            return None
+        each = (given,) * len(self.inputs) if isinstance(given, Fuzzifier) else tuple(given)
+        if len(each) != len(self.inputs) or not all(isinstance(one, Fuzzifier) for one in each):
+            raise InvalidValue("fuzzifier", given, f"a fuzzifier, or one for each of the {len(self.inputs)} inputs")
+        for one in each:
+            if isinstance(one, NonSingletonFuzzifier) and not isinstance(one.shape, self._kinds):
+                raise InvalidValue("the shape of a fuzzifier", one.shape, self._kind_names)
+        return None if all(isinstance(one, SingletonFuzzifier) for one in each) else each
+
+    def _checked_rules(self, rules: Any) -> NDArray[np.int64]:
+        given = np.asarray(rules)
+        if given.ndim != 2 or given.shape[1] != len(self.inputs) or given.shape[0] == 0 or given.dtype.kind not in "iu":
+            raise InvalidValue("rules", given, f"whole numbers of shape (R, {len(self.inputs)}), a row for each rule")
+        counts = np.array([len(terms) for terms in self.inputs])
+        bad = np.argwhere((given < -1) | (given >= counts))
+        if len(bad):
+            row, column = (int(index) for index in bad[0])
+            raise InvalidValue(
+                f"rule {row + 1}, input {column + 1}",
+                int(given[row, column]),
+                f"the number of one of its {counts[column]} terms, from 0, or -1 for no part",
+            )
+        return given.astype(np.int64)
+
+    def _checked_consequents(self, consequents: Any) -> tuple[Any, list[list[Any]] | None, Array]:
+        """Return the consequents as given, the sets if they are sets, and their intervals (R, m, 2)."""
+        count = len(self.rules)
+        if isinstance(consequents, Linear):
+            if consequents.coefficients.shape[0] != count or consequents.coefficients.shape[2] != len(self.inputs) + 1:
+                raise InvalidValue(
+                    "consequents", consequents.coefficients.shape, f"coefficients of shape ({count}, m, {len(self.inputs) + 1})"
+                )
+            return consequents, None, np.zeros((*consequents.coefficients.shape[:2], 2))
+        sets = _as_sets(consequents)
+        if sets is not None:
+            if len(sets) != count or len({len(row) for row in sets}) != 1:
+                raise InvalidValue("consequents", len(sets), f"a set, or a list with a set for each output, for each of {count} rules")
+            for row in sets:
+                for item in row:
+                    if not isinstance(item, self._kinds):
+                        raise InvalidValue("a consequent", item, self._kind_names)
+            return sets, sets, np.array([[_centroid_interval(item) for item in row] for row in sets])
+        try:
+            values = np.asarray(consequents, dtype=float)
+        except (TypeError, ValueError) as error:
+            raise InvalidValue("consequents", consequents, f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}") from error
+        if values.ndim == 2:
+            values = np.stack([values, values], axis=-1)
+        if values.ndim != 3 or values.shape[0] != count or values.shape[1] == 0 or values.shape[2] != 2:
+            raise InvalidValue("consequents", values, f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}")
+        if not np.isfinite(values).all() or (values[..., 0] > values[..., 1]).any():
+            raise InvalidValue("consequents", values, "finite, with left ends not above right ends")
+        return consequents if isinstance(consequents, np.ndarray) else np.asarray(consequents, dtype=float), None, values
+
+    def _compiled_table(self) -> Array | None:
+        """Return the system as one array for the compiled loop, or None if that cannot evaluate it."""
+        if self.t_norm.name not in ("min", "product") or self._fuzzifiers is not None:
+            return None
+        rows = []
+        for number, terms in enumerate(self.inputs):
+            for term in terms:
+                row = self._kernel_row(term)
+                if row is None:
+                    return None
+                rows.append((float(number), *row))
+        return self._reduction_table(rows)
+
+    def _reduction_table(self, rows: list[tuple[float, ...]]) -> Array:
+        count, outputs = self._intervals.shape[:2]
+        offsets = np.cumsum([0, *(len(terms) for terms in self.inputs[:-1])])
+        antecedents = np.where(self.rules >= 0, self.rules + offsets, -1)
+        left, right = self._intervals[..., 0], self._intervals[..., 1]
+        least, greatest = left.min(axis=0), right.max(axis=0)
+        return np.concatenate(
+            [
+                [len(self.inputs), len(rows), count, outputs, 0.0 if self.t_norm.name == "min" else 1.0, 0.0],
+                np.ravel(rows),
+                antecedents.ravel() if rows else np.full(self.rules.size, -1.0),
+                (left - least).ravel(),
+                (greatest - right).ravel(),
+                least,
+                greatest,
+                np.sort(left - least, axis=0).T.ravel(),
+                np.sort(greatest - right, axis=0).T.ravel(),
+                np.argsort(left - least, axis=0, kind="stable").T.ravel(),
+                np.argsort(greatest - right, axis=0, kind="stable").T.ravel(),
+            ]
+        ).astype(float)
+
+    def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
+        row: tuple[float, ...] | None = term.kernel_row()
+        return row
+
+    # Evaluation
+
+    def _rows(self, X: ArrayLike) -> tuple[tuple[int, ...], Array]:
+        """Return the leading shape and the inputs as (n, p)."""
+        given = np.ascontiguousarray(X, dtype=np.float64) if type(X) is np.ndarray and X.dtype.kind == "f" else reals("X", X)
+        if given.shape[-1:] != (len(self.inputs),) or np.ndim(X) == 0:
+            raise InvalidValue("X", given.shape, f"of shape (..., {len(self.inputs)})")
+        return given.shape[:-1], np.ascontiguousarray(given).reshape(-1, len(self.inputs))
+
+    def _refuse(self, rows: Array) -> None:
+        bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
+        if bad.size:
+            raise InvalidValue("X", rows[bad[0]], "finite")
+
+    def __call__(self, X: ArrayLike) -> Array:
+        """Return the crisp outputs, the middles of the type-reduced intervals.
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (..., m) ndarray
+            Outputs; NaN where no rule fires.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        if self._fast:
+            return self._evaluate(X, crisp=True)
+        return np.asarray(self.type_reduced(X).mean(axis=-1))
+
+    def type_reduced(self, X: ArrayLike) -> Array:
+        """Return the type-reduced intervals.
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (..., m, 2) ndarray
+            Left and right ends; NaN where no rule fires. No confidence intervals: how often they cover the truth is not known.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        if self._fast:
+            return self._evaluate(X, crisp=False)
+        shape, rows = self._rows(X)
+        self._refuse(rows)
+        reduced = self._reduce(rows, self._firing(rows))
+        return reduced.reshape(*shape, self.n_outputs, 2)
+
+    def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
+        assert self._table is not None
+        if type(X) is np.ndarray and X.dtype is _FLOAT and X.shape == self._row:
+            out: Array = np.empty(self.n_outputs) if crisp else np.empty(2 * self.n_outputs)
+            if self._kernels.evaluate(self._table, np.ascontiguousarray(X), 0.0, crisp, out) >= 0:
+                self._refuse(X[np.newaxis])
+            return out if crisp else out.reshape(-1, 2)
+        shape, rows = self._rows(X)
+        results: Array = np.empty((*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2))
+        if self._kernels.evaluate(self._table, rows.ravel(), 0.0, crisp, results.ravel()) >= 0:
+            self._refuse(rows)
+        return results
+
+    def firing(self, X: ArrayLike) -> Array:
+        """Return the firing intervals of the rules (eq. 1.79, 1.123).
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (..., R, 2) ndarray
+            Lower and upper firing strengths.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        shape, rows = self._rows(X)
+        self._refuse(rows)
+        return self._firing(rows).reshape(*shape, len(self.rules), 2)
+
+    def _firing(self, rows: Array) -> Array:
+        if self._table is not None:
+            out = np.empty((len(rows), len(self.rules), 2))
+            self._kernels.firing(self._table, rows.ravel(), 0.0, out.ravel())
+            return out
+        return self._combine(self._grades(rows))
+
+    def _grades(self, rows: Array) -> list[Array]:
+        """Lower and upper grades (n, terms, 2) of every input."""
+        if self._fuzzifiers is not None:
+            return [
+                np.stack([fuzzifier.firing(term, rows[:, i], self.t_norm) for term in terms], axis=1)
+                for i, (terms, fuzzifier) in enumerate(zip(self.inputs, self._fuzzifiers, strict=True))
+            ]
+        return [
+            np.stack([np.stack([term.lower(rows[:, i]), term.upper(rows[:, i])], axis=-1) for term in terms], axis=1)
+            for i, terms in enumerate(self.inputs)
+        ]
+
+    def _combine(self, grades: list[Array]) -> Array:
+        strengths = np.ones((len(grades[0]), len(self.rules), 2))
+        for i, of_input in enumerate(grades):
+            asked = self.rules[:, i]
+            chosen = of_input[:, np.maximum(asked, 0)]
+            strengths = np.where((asked >= 0)[:, np.newaxis], self.t_norm(strengths, chosen), strengths)
+        return strengths
+
+    def _reduce(self, rows: Array, strengths: Array) -> Array:
+        """Type-reduced intervals (n, m, 2) of firing intervals (n, R, 2)."""
+        if self.type_reduction == "center_of_sets":
+            if isinstance(self.consequents, Linear):
+                intervals = self.consequents.at(rows)
+                return generalized_centroid(np.moveaxis(intervals, 2, 1), strengths[:, np.newaxis], self.method)
+            intervals = np.moveaxis(self._intervals, 1, 0)
+            return generalized_centroid(intervals[np.newaxis], strengths[:, np.newaxis], self.method)
+        assert self._sets is not None
+        return np.stack([self._reduce_output([row[j] for row in self._sets], strengths) for j in range(self.n_outputs)], axis=1)
+
+    def _reduce_output(self, sets: list[Any], strengths: Array) -> Array:
+        if self.type_reduction in ("height", "modified_height"):
+            points = np.array([_highest_point(item) for item in sets])
+            heights = np.array([[float(item.lower(at)), float(item.upper(at))] for item, at in zip(sets, points, strict=True)])
+            weights = self.t_norm(strengths, heights)
+            if self.type_reduction == "modified_height":
+                weights = weights / np.array([_spread(item) for item in sets])[:, np.newaxis] ** 2
+            return generalized_centroid(points, weights, self.method)
+        grid = _grid(sets, self.resolution)
+        shapes = np.array([[item.lower(grid), item.upper(grid)] for item in sets])
+        reduced = np.empty((len(strengths), 2))
+        for start in range(0, len(strengths), 64):
+            # A block at a time, so that memory stays that of a block however many inputs there are.
+            block = strengths[start : start + 64]
+            clipped = self.t_norm(block[..., np.newaxis], shapes[np.newaxis])
+            if self.type_reduction == "centroid":
+                united = self.t_conorm.reduce(clipped, axis=1) if clipped.shape[1] > 1 else clipped[:, 0]
+            else:
+                united = clipped.sum(axis=1)
+            reduced[start : start + 64] = generalized_centroid(grid, np.moveaxis(united, 1, 2), self.method)
+        return reduced
+
+    def gradient(self, X: ArrayLike) -> Array:
+        r"""Return the derivatives of the crisp outputs with respect to the inputs.
+
+        At a fixed switch point each end is a weighted average, so that
+        :math:`\partial y / \partial w_r = (z_r - y) / \sum w`; the weights are differentiated by central differences of the
+        terms' grades. Where a switch point changes, the output has a kink and the derivative is that of one side.
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (..., m, p) ndarray
+            Derivatives; NaN where no rule fires.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        shape, rows = self._rows(X)
+        self._refuse(rows)
+        slopes = np.empty((len(rows), self.n_outputs, len(self.inputs)))
+        for i, terms in enumerate(self.inputs):
+            left, right = _domain(terms)
+            # Six points: the truncation error is of sixth order in a step of 1/1000 of the input's range.
+            step = 1e-3 * (right - left)
+            shift = np.zeros(len(self.inputs))
+            shift[i] = step
+            near, middle, far = (self.__call__(rows + k * shift) - self.__call__(rows - k * shift) for k in (1, 2, 3))
+            slopes[..., i] = (45.0 * near - 9.0 * middle + far) / (60.0 * step)
+        return slopes.reshape(*shape, self.n_outputs, len(self.inputs))
+
+    # Looking at a system
+
+    def validity(self, X: ArrayLike) -> Array:
+        r"""Return how far the firing strengths are from crisp, :math:`\sum \Delta_r / \sum h_r` (eq. 1.88, 1.104).
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (...,) ndarray
+            0 where all firing is crisp; the thesis's approximate reducers need it small against 1. NaN where no rule fires.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        strengths = self.firing(X)
+        low, high = strengths[..., 0].sum(axis=-1), strengths[..., 1].sum(axis=-1)
+        with np.errstate(invalid="ignore"):
+            ratio: Array = np.where(high > 0.0, (high - low) / (high + low), np.nan)
+        return ratio
+
+    def domain(self) -> Array:
+        """Return the range of each input from the peak of its lowest term to that of its highest, of shape (p, 2)."""
+        return np.array([_range(terms) for terms in self.inputs])
+
+    def validate(self, points: int = 15, threshold: float = 1e-3, domain: ArrayLike | None = None) -> Report:
+        """Look for regions that no rule covers, terms that no rule uses, and rules that repeat or contradict each other.
+
+        Parameters
+        ----------
+        points : int
+            Grid points per input; with many inputs a seeded sample of 100 000 points of the grid is looked at.
+        threshold : float
+            A point counts as covered if some rule's upper firing strength is above this.
+        domain : (p, 2) array_like, optional
+            Ranges of the inputs to look at; :meth:`domain` by default.
+
+        Returns
+        -------
+        Report
+            What was found; ``report.ok`` if nothing.
+        """
+        ranges = self.domain() if domain is None else reals("domain", domain)
+        if ranges.shape != (len(self.inputs), 2) or not np.isfinite(ranges).all() or (ranges[:, 0] > ranges[:, 1]).any():
+            raise InvalidValue("domain", ranges, f"finite ranges of shape ({len(self.inputs)}, 2)")
+        axes = [np.linspace(low, high, points) for low, high in ranges]
+        if points ** len(axes) <= 100_000:
+            grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+        else:
+            rng = np.random.default_rng(0)
+            grid = np.stack([rng.choice(axis, 100_000) for axis in axes], axis=-1)
+        covered = np.concatenate(
+            [self._firing(grid[start : start + 4096])[..., 1].max(axis=-1) > threshold for start in range(0, len(grid), 4096)]
+        )
+        unused = [
+            (self.input_names[i], self.term_names[i][t])
+            for i, terms in enumerate(self.inputs)
+            for t in range(len(terms))
+            if t not in self.rules[:, i]
+        ]
+        duplicates, conflicts = [], []
+        first: dict[tuple[int, ...], int] = {}
+        for r, rule in enumerate(map(tuple, self.rules.tolist())):
+            if rule not in first:
+                first[rule] = r
+            elif self._same_consequent(first[rule], r):
+                duplicates.append((first[rule], r))
+            else:
+                conflicts.append((first[rule], r))
+        return Report(grid[~covered], float(covered.mean()), unused, duplicates, conflicts)
+
+    def _same_consequent(self, a: int, b: int) -> bool:
+        if self._sets is not None:
+            return self._sets[a] == self._sets[b]
+        if isinstance(self.consequents, Linear):
+            both = (self.consequents.coefficients, self.consequents.spreads)
+            return all(np.array_equal(values[a], values[b]) for values in both)
+        return np.array_equal(self._intervals[a], self._intervals[b])
+
+    def embedded_outputs(self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None) -> Iterator[Array]:
+        """Yield outputs of type-1 systems that the system contains (Fig. 7): a type-2 system is many type-1 systems at once.
+
+        Each takes one number from the firing interval of every rule and one from every consequent: first the two extreme choices of
+        all switch points of the first output, then random ones. All outputs lie in the type-reduced interval.
+
+        Parameters
+        ----------
+        x : (p,) array_like
+            One input.
+        count : int
+            How many random type-1 systems.
+        rng : numpy.random.Generator, optional
+            Where the random choices come from; seeded with 0 by default.
+
+        Yields
+        ------
+        (m,) ndarray
+            Output of one embedded type-1 system.
+        """
+        shape, rows = self._rows(x)
+        self._refuse(rows)
+        if shape or self.type_reduction != "center_of_sets":
+            raise NotApplicable("embedded_outputs", "it takes one input of a center-of-sets system")
+        strengths = self._firing(rows)[0]
+        intervals = self.consequents.at(rows)[0] if isinstance(self.consequents, Linear) else self._intervals
+        generator = np.random.default_rng(0) if rng is None else rng
+        choices: list[tuple[Array, Array]] = []
+        for end in (0, 1):
+            rank = np.argsort(np.argsort(intervals[:, 0, end], kind="stable"))
+            choices += [
+                (np.where((rank < k) == (end == 0), strengths[:, 1], strengths[:, 0]), intervals[..., end]) for k in range(len(rank) + 1)
+            ]
+        for _ in range(count):
+            share, where = generator.random(len(strengths)), generator.random(intervals.shape[:2])
+            weights = strengths[:, 0] + share * (strengths[:, 1] - strengths[:, 0])
+            choices.append((weights, intervals[..., 0] + where * (intervals[..., 1] - intervals[..., 0])))
+        for weights, values in choices:
+            if weights.sum() > 0.0:
+                yield weights @ values / weights.sum()
+
+
+class Type1System(FuzzySystem):
+    """Type-1 fuzzy logic system; its output is crisp, and its type-reduced interval a point unless its consequents are intervals.
+
+    Parameters
+    ----------
+    inputs, rules, consequents, t_norm, type_reduction, method
+        See :class:`FuzzySystem`; all sets of type 1.
+    """
+
+    _kinds = (Type1Set,)
+    _kind_names = "a type-1 set"
+
+
+class IntervalType2System(FuzzySystem):
+    """Interval type-2 fuzzy logic system: terms of type 1 and interval type-2 terms mix freely.
+
+    Parameters
+    ----------
+    inputs, rules, consequents, t_norm, type_reduction, method
+        See :class:`FuzzySystem`; sets of type 1 or interval type-2 sets.
+    """
+
+    _kinds = (Type1Set, IntervalType2Set)
+    _kind_names = "a type-1 or an interval type-2 set"
+
+
+class GeneralType2System(FuzzySystem):
+    r"""General type-2 fuzzy logic system, by α-planes with exact reduction or by the thesis's Gaussian corollary.
+
+    Under minimum secondary grades the α-plane of a firing set is made of the α-planes of its terms, so every α-plane is an interval
+    type-2 system, reduced exactly; the crisp output weights their middles with α. The Gaussian corollary (eq. 1.107–1.109) takes
+    the rules' firing as Gaussian numbers instead: its crisp output is that of the type-1 system of the principal memberships,
+    whatever the uncertainty, and only its standard deviation is new.
+
+    Parameters
+    ----------
+    inputs, rules, consequents, t_norm, type_reduction, method
+        See :class:`FuzzySystem`; sets of any type.
+    reduction : {"alpha_planes", "gaussian"}
+        Which of the two.
+    levels : int
+        Number of α-planes, at :math:`\alpha = 1/L, 2/L, \dots, 1`.
+    grade_t_norm : {"min", "product"}
+        T-norm of the secondary grades. α-planes need the minimum; the Gaussian corollary takes both.
+
+    Raises
+    ------
+    NotApplicable
+        If α-planes are asked for under product grades, where the result would depend on the grid, or the Gaussian corollary with terms
+        that have no Gaussian secondary grades, another t-norm than the product, or another type reduction than center of sets.
+    """
+
+    _kinds = (Type1Set, IntervalType2Set, GeneralType2Set)
+    _kind_names = "a fuzzy set"
+
+    def __init__(
+        self,
+        inputs: Sequence[Sequence[Any]] | Mapping[str, Mapping[str, Any]],
+        rules: ArrayLike | str | Iterable[str | Rule],
+        consequents: Any,
+        t_norm: str | TNorm | BinaryFunction = "product",
+        type_reduction: str = "center_of_sets",
+        method: str = "eiasc",
+        *,
+        reduction: Literal["alpha_planes", "gaussian"] = "alpha_planes",
+        levels: int = 5,
+        grade_t_norm: str = "min",
+        **options: Any,
+    ) -> None:
+        if reduction not in ("alpha_planes", "gaussian"):
+            raise UnknownName("reduction", reduction, ("alpha_planes", "gaussian"))
+        if levels < 1 or levels != int(levels):
+            raise InvalidValue("levels", levels, "a whole number of at least 1")
+        if grade_t_norm not in ("min", "product"):
+            raise UnknownName("t-norm of secondary grades", grade_t_norm, ("min", "product"))
+        self.reduction, self.levels, self.grade_t_norm = reduction, int(levels), grade_t_norm
+        self.alphas = np.arange(1, self.levels + 1) / self.levels
+        # Half-widths of the α-planes of a Gaussian, in standard deviations.
+        self._widths = np.sqrt(-2.0 * np.log(self.alphas))
+        super().__init__(inputs, rules, consequents, t_norm, type_reduction, method, **options)
+        # The interval systems' short way would forget the secondary grades.
+        self._fast = False
+        self._planes: list[IntervalType2System] | None = None
+        left, right = np.moveaxis(self._intervals, -1, 0)
+        # An interval consequent counts as a Gaussian whose two standard deviations reach its ends.
+        self._middles, self._spreads = 0.5 * (left + right), 0.25 * (right - left)
+        if reduction == "gaussian":
+            self._check_corollary()
+            self._warn_of_validity()
+        elif grade_t_norm != "min":
+            raise NotApplicable("reduction by alpha-planes", "it needs minimum secondary grades; under the product it depends on the grid")
+
+    def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
+        from fuzzy2.general_type2 import GaussianType2Set
+
+        if isinstance(term, GaussianType2Set):
+            principal = term.principal.kernel_row()
+            # Kind 2 of the kernels: a Gaussian principal membership, one standard deviation for all vertical slices, no bounds.
+            unbounded = np.isinf(term.domain).all()
+            if principal is None or principal[0] != 0 or callable(term.sigma) or not unbounded:
+                return None
+            return (2.0, *principal[1:7], float(term.sigma), 0.0)
+        row: tuple[float, ...] | None = term.kernel_row()
+        return row
+
+    def alpha_cuts(self, X: ArrayLike) -> Array:
+        """Return the type-reduced set by its α-cuts.
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (..., m, L, 2) ndarray
+            Ends of the cuts at ``alphas``; NaN where no rule fires.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        shape, rows = self._rows(X)
+        self._refuse(rows)
+        if self._table is not None and self.type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear):
+            planes = np.empty((len(rows), self.levels, self.n_outputs, 2))
+            self._kernels.evaluate_planes(self._table, rows.ravel(), self._widths, planes.ravel())
+        else:
+            planes = np.stack([self._plane(level).type_reduced(rows) for level in range(self.levels)], axis=1)
+        return planes.swapaxes(1, 2).reshape(*shape, self.n_outputs, self.levels, 2)
+
+    def _plane(self, level: int) -> IntervalType2System:
+        """Return the interval type-2 system of one α-plane."""
+        if self._planes is None:
+            self._planes = []
+            for alpha in self.alphas:
+
+                def cut(item: Any, alpha: float = float(alpha)) -> Any:
+                    return item.alpha_plane(alpha) if isinstance(item, GeneralType2Set) else item
+
+                fuzzifiers = self._fuzzifiers and tuple(
+                    NonSingletonFuzzifier(cut(one.shape)) if isinstance(one, NonSingletonFuzzifier) else one for one in self._fuzzifiers
+                )
+                consequents = self.consequents
+                if self._sets is not None:
+                    consequents = [[cut(item) for item in row] for row in self._sets]
+                plane = IntervalType2System(
+                    [[cut(term) for term in terms] for terms in self.inputs], self.rules, consequents, self.t_norm,
+                    self.type_reduction, self.method, t_conorm=self.t_conorm, fuzzifier=fuzzifiers, resolution=self.resolution,
+                )  # fmt: skip
+                self._planes.append(plane)
+        return self._planes[level]
+
+    def __call__(self, X: ArrayLike) -> Array:
+        """Return the crisp outputs, of shape (..., m); see :class:`GeneralType2System` for how, and :meth:`FuzzySystem.__call__`."""
+        if self.reduction == "gaussian":
+            return self._corollary(X).mean
+        middles = self.alpha_cuts(X).mean(axis=-1)
+        return np.asarray(middles @ (self.alphas / self.alphas.sum()))
+
+    def type_reduced(self, X: ArrayLike) -> Array:
+        """Return the lowest α-cut, (..., m, 2), or mean and standard deviation under the Gaussian corollary.
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (..., m, 2) ndarray
+            Ends of the cut at ``alphas[0]``, or (mean, standard deviation); NaN where no rule fires.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        if self.reduction == "gaussian":
+            number = self._corollary(X)
+            return np.stack([number.mean, number.sigma], axis=-1)
+        return self.alpha_cuts(X)[..., 0, :]
+
+    def _check_corollary(self) -> None:
+        from fuzzy2.general_type2 import GaussianType2Set
+
+        name = "the Gaussian corollary"
+        if self.t_norm.name != "product" or self.type_reduction != "center_of_sets" or self._fuzzifiers is not None:
+            raise NotApplicable(name, "it needs the product t-norm, center of sets and a singleton fuzzifier")
+        if isinstance(self.consequents, Linear):
+            raise NotApplicable(name, "its consequents are numbers or sets, not functions of the inputs")
+        for terms in self.inputs:
+            for term in terms:
+                if not isinstance(term, GaussianType2Set | Type1Set):
+                    raise NotApplicable(name, f"{term!r} has no Gaussian secondary grades")
+
+    def _numbers(self, rows: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation of every rule's firing, (n, R) each, by eq. 1.30."""
+        from fuzzy2.general_type2 import GaussianType2Set
+
+        mean = np.ones((len(rows), len(self.rules)))
+        variance = np.zeros_like(mean)
+        for i, terms in enumerate(self.inputs):
+            x = rows[:, i]
+            principal = np.stack([(t.principal if isinstance(t, GaussianType2Set) else t).membership(x) for t in terms], axis=1)
+            sigma = np.stack([t.spread(x) if isinstance(t, GaussianType2Set) else np.zeros_like(x) for t in terms], axis=1)
+            asked = self.rules[:, i]
+            m = np.where(asked >= 0, principal[:, np.maximum(asked, 0)], 1.0)
+            s = np.where(asked >= 0, sigma[:, np.maximum(asked, 0)], 0.0)
+            variance = variance * m**2 + mean**2 * s**2
+            mean = mean * m
+        return mean, np.sqrt(variance)
+
+    def _corollary(self, X: ArrayLike) -> GaussianNumber:
+        shape, rows = self._rows(X)
+        self._refuse(rows)
+        if self._table is not None:
+            out = np.empty((*shape, self.n_outputs, 2))
+            product = self.grade_t_norm == "product"
+            self._kernels.evaluate_corollary(self._table, rows.ravel(), self._middles, self._spreads, product, out.ravel())
+            return GaussianNumber(out[..., 0], out[..., 1], self._number_norm)
+        mean, sigma = self._numbers(rows)
+        points = GaussianNumber(self._middles.T, self._spreads.T, self._number_norm)
+        weights = GaussianNumber(mean[:, np.newaxis], sigma[:, np.newaxis], self._number_norm)
+        value = approximate_generalized_centroid(points, weights, self._number_norm).value
+        assert isinstance(value, GaussianNumber)
+        return GaussianNumber(value.mean.reshape(*shape, self.n_outputs), value.sigma.reshape(*shape, self.n_outputs), self._number_norm)
+
+    @property
+    def _number_norm(self) -> Literal["product", "min"]:
+        return "product" if self.grade_t_norm == "product" else "min"
+
+    def validity(self, X: ArrayLike) -> Array:
+        r"""Return the validity of the approximation, :math:`k \sum \Delta_r / \sum h_r` with k = 2 for the corollary (eq. 1.109).
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (...,) ndarray
+            Small against 1 where the corollary can be trusted. Under α-planes, that of the lowest plane's firing intervals.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        if self.reduction != "gaussian":
+            return self._plane(0).validity(X)
+        shape, rows = self._rows(X)
+        self._refuse(rows)
+        mean, sigma = self._numbers(rows)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratio = np.where(mean.sum(axis=1) > 0.0, 2.0 * sigma.sum(axis=1) / mean.sum(axis=1), np.nan)
+        return np.asarray(ratio.reshape(shape))
+
+    def _warn_of_validity(self) -> None:
+        """Warn once, at construction, where the corollary is far from exact in the middles of the terms."""
+        centers = [[_highest_point(term) for term in terms] for terms in self.inputs]
+        rows = np.array(
+            [[points[max(t, 0)] if t >= 0 else points[0] for t, points in zip(rule, centers, strict=True)] for rule in self.rules]
+        )
+        worst = float(np.nanmax(self.validity(rows)))
+        if worst > VALIDITY_LIMIT:
+            warnings.warn(ApproximationWarning("the Gaussian corollary of this system", worst, VALIDITY_LIMIT), stacklevel=4)
+
+
+_FLOAT = np.dtype(np.float64)
+
+
+def _kernels() -> Any:
+    """Return the compiled loops; numba is loaded with the first system."""
+    from fuzzy2 import kernels
+
+    return kernels
+
+
+def _norm_named(given: str | TNorm | BinaryFunction) -> TNorm:
+    return t_norm(given)
+
+
+def _conorm_named(given: str | TConorm | BinaryFunction) -> TConorm:
+    return t_conorm(given)
+
+
+def _read_rules(
+    rules: Any, outputs: Mapping[str, Mapping[str, Any]], input_names: Sequence[str] | None, term_names: Sequence[Sequence[str]] | None
+) -> tuple[NDArray[np.int64], Any, list[str]]:
+    """Return rules in words as numbers of terms, the consequent of each rule, and the names of the outputs."""
+    if input_names is None or term_names is None:
+        raise InvalidValue(
+            "inputs", None, "a mapping from names to terms by name, or go with input_names and term_names, for rules in words"
+        )
+    antecedents, numbers = parse_rules(rules, dict(zip(input_names, term_names, strict=True)), outputs)
+    meanings = [list(terms.values()) for terms in outputs.values()]
+    consequents = [[meanings[j][t] for j, t in enumerate(row)] for row in numbers]
+    if not any(isinstance(item, AnySet) for row in consequents for item in row):
+        intervals = [[tuple(np.broadcast_to(np.asarray(item, dtype=float), 2)) for item in row] for row in consequents]
+        return antecedents, np.array(intervals), list(outputs)
+    return antecedents, consequents, list(outputs)
+
+
+def _names(what: str, given: Sequence[str] | None, count: int, stem: str) -> tuple[str, ...]:
+    if given is None:
+        return tuple(f"{stem}{i + 1}" for i in range(count))
+    names = tuple(given)
+    if len(names) != count or len(set(names)) != count or not all(isinstance(name, str) and name for name in names):
+        raise InvalidValue(what, names, f"{count} different names")
+    return names
+
+
+def _as_sets(consequents: Any) -> list[list[Any]] | None:
+    """Return sets as a list of lists, or None if they are no sets."""
+    if isinstance(consequents, np.ndarray) and consequents.dtype.kind != "O":
+        return None
+    try:
+        rows = [[row] if isinstance(row, AnySet) else list(row) for row in consequents]
+    except TypeError:
+        return None
+    if not any(isinstance(item, AnySet) for row in rows for item in row):
+        return None
+    return rows
+
+
+def _centroid_interval(item: Any) -> tuple[float, float]:
+    """Centroid of a consequent, which is computed once; of a general type-2 set that of its lowest plane."""
+    ends = np.ravel(item.alpha_plane(1.0).centroid() if isinstance(item, GeneralType2Set) else item.centroid())
+    return float(ends[0]), float(ends[-1])
+
+
+def _highest_point(item: Any) -> float:
+    """Middle of the points of greatest membership, of the principal membership for type-2 sets."""
+    if isinstance(item, GeneralType2Set):
+        item = item.principal
+    elif isinstance(item, IntervalType2Set):
+        item = item.upper
+    left, right = item.maxima
+    return 0.5 * (float(left) + float(right))
+
+
+def _range(terms: Sequence[Any]) -> tuple[float, float]:
+    """Range from the lowest to the highest peak of the terms of an input; that of the domain if they have one peak."""
+    peaks = [_highest_point(term) for term in terms]
+    return (min(peaks), max(peaks)) if max(peaks) > min(peaks) else _domain(terms)
+
+
+def _domain(terms: Sequence[Any]) -> tuple[float, float]:
+    """Range on which sets live: their supports where those are bounded, else where their membership exceeds exp(-12.5)."""
+    left, right = np.inf, -np.inf
+    for item in terms:
+        upper = item.upper
+        ends = upper.support
+        if not np.isfinite(ends).all():
+            points = item.landmarks
+            grades = upper(points)
+            inside = points[grades > np.exp(-12.5) * grades.max()]
+            ends = (
+                max(ends[0], float(inside.min())),
+                min(ends[1], float(inside.max())),
+            )
+        left, right = min(left, ends[0]), max(right, ends[1])
+    return left, right
+
+
+def _grid(sets: Sequence[Any], resolution: int) -> Array:
+    return np.linspace(*_domain(sets), resolution)
+
+
+def _spread(item: Any) -> float:
+    """Width of a consequent, for the modified height reducer: half of its cut at exp(-1/2), a Gaussian's standard deviation."""
+    upper = item.principal if isinstance(item, GeneralType2Set) else item.upper
+    left, right = upper.alpha_cut(np.exp(-0.5) * upper.height)
+    if not right > left:
+        raise NotApplicable("modified height type reduction", f"the consequent {item!r} has no width to divide by")
+    return 0.5 * float(right - left)
