@@ -20,6 +20,21 @@ def warm_up() -> None:
     robot.forward_dynamics(rest, rest, rest)
     robot.kinetic_energy(rest, rest)
     simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01)
+    _warm_up_fuzzy_systems()
+
+
+def _warm_up_fuzzy_systems() -> None:
+    from fuzzy2 import Gaussian, GaussianType2Set, GeneralType2System, IntervalType2System, generalized_centroid
+
+    terms, rules, consequents = [[Gaussian(0.0, 1.0)]], [[0]], [[1.0]]
+    system = IntervalType2System(terms, rules, consequents)
+    general = GeneralType2System([[GaussianType2Set(Gaussian(0.0, 1.0), 0.01)]], rules, consequents, reduction="gaussian")
+    for one in (system, general, GeneralType2System(terms, rules, consequents)):
+        for x in (np.zeros(1), np.zeros((2, 1))):
+            one(x)
+            one.type_reduced(x)
+            one.firing(x)
+    generalized_centroid([1.0], [[0.5, 1.0]])
 
 
 if __name__ == "__main__":

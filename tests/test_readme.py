@@ -11,12 +11,18 @@ ROOT = Path(__file__).resolve().parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
-def test_example_runs_and_prints_what_it_says(capsys: pytest.CaptureFixture[str]) -> None:
-    (code,) = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
+EXAMPLES = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
+
+
+@pytest.mark.parametrize("code", EXAMPLES, ids=["robot", "fuzzy"])
+def test_examples_print_what_they_say(code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Numbers in the comment behind ``print`` are those printed, to the digits given."""
     exec(compile(code, "README.md", "exec"), {})
-    printed = float(capsys.readouterr().out)
-    (promised,) = re.findall(r"# (0\.\d+) m, from starting at rest", code)
-    assert round(printed, 4) == float(promised)
+    numbers = re.compile(r"-?\d+\.\d+")
+    (comment,) = re.findall(r"print\(.*\)  # (.*)", code)
+    printed = [float(number) for number in numbers.findall(capsys.readouterr().out)]
+    promised = numbers.findall(comment)
+    assert [f"{value:.{len(text.split('.')[1])}f}" for value, text in zip(printed, promised, strict=True)] == promised
 
 
 def test_links_lead_to_files() -> None:
