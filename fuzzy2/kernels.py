@@ -159,11 +159,10 @@ def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: 
 # (inputs p, terms T, rules R, outputs m, t-norm code, consequents are crisp), then follow
 #   terms       T rows of 10: index of the input, then what kernel_row() gives
 #   rules       R rows of p: index of the term, or -1 where the input plays no part
-#   left        R rows of m: left ends of the consequents, above the least of their output
-#   right       R rows of m: right ends of the consequents, below the greatest of their output
+#   ends        R rows of 2 m: left ends of the consequents, above the least of their output, then right ends, below the greatest
 #   least, greatest   m numbers each
-#   sorted      m rows of R, twice: the distances of left in ascending order, then those of right
-#   orders      m rows of R, twice: the rules in that order
+#   sorted      2 m rows of R: these distances in ascending order
+#   orders      2 m rows of R: the rules in that order
 HEADER = 6
 TERM = 10
 
@@ -255,31 +254,27 @@ def _exact_end(table, z, order, rules, low, high, scratch):
 
 
 @compiled
-def _center_of_sets(table, low, high, scratch, left, right, out, oo, crisp):
+def _center_of_sets(table, low, high, scratch, moments, out, oo, crisp):
     """Write the type-reduced interval, or its middle, of every output; return nothing. NaN where no rule fires."""
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    z_left = HEADER + TERM * terms + rules * inputs
-    z_right = z_left + rules * outputs
-    extremes = z_right + rules * outputs
+    ends = HEADER + TERM * terms + rules * inputs
+    extremes = ends + 2 * rules * outputs
     in_order = extremes + 2 * outputs
     orders = in_order + 2 * rules * outputs
     extra = scratch[5]
     mass, fires = 0.0, 0.0
-    for j in range(outputs):
-        left[j] = right[j] = 0.0
+    for j in range(2 * outputs):
+        moments[j] = 0.0
     for r in range(rules):
         weight = low[r]
         mass += weight
         fires = max(fires, high[r])
         extra[r] = high[r] - weight
         if weight > 0.0:
-            # Slices, so that the compiler sees plain rows and adds several outputs at once.
-            row = table[z_left + outputs * r : z_left + outputs * (r + 1)]
-            for j in range(outputs):
-                left[j] += weight * row[j]
-            row = table[z_right + outputs * r : z_right + outputs * (r + 1)]
-            for j in range(outputs):
-                right[j] += weight * row[j]
+            # A slice, so that the compiler sees a plain row and adds several outputs at once.
+            row = table[ends + 2 * outputs * r : ends + 2 * outputs * (r + 1)]
+            for j in range(2 * outputs):
+                moments[j] += weight * row[j]
     for j in range(outputs):
         least = greatest = math.nan
         # The left end as it is, then the right end mirrored: distances grow from the extreme point inward and take upper weights up to
@@ -289,7 +284,7 @@ def _center_of_sets(table, low, high, scratch, left, right, out, oo, crisp):
                 break
             z = in_order + rules * (j + outputs * end)
             order = orders + rules * (j + outputs * end)
-            moment = left[j] if end == 0 else right[j]
+            moment = moments[j + outputs * end]
             weight = mass
             settled = fires > TINY
             i = 0
@@ -325,7 +320,7 @@ def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> i
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)
-    left, right = np.empty(outputs), np.empty(outputs)
+    moments = np.empty(2 * outputs)
     scratch = np.empty((6, rules))
     per_row = outputs if crisp else 2 * outputs
     for row in range(x.size // inputs):
@@ -333,7 +328,7 @@ def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> i
             if not math.isfinite(x[row * inputs + i]):
                 return row
         _fire(table, x, row * inputs, width, grades, low, high)
-        _center_of_sets(table, low, high, scratch, left, right, out, row * per_row, crisp)
+        _center_of_sets(table, low, high, scratch, moments, out, row * per_row, crisp)
     return -1
 
 
@@ -343,7 +338,7 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)
-    left, right = np.empty(outputs), np.empty(outputs)
+    moments = np.empty(2 * outputs)
     scratch = np.empty((6, rules))
     for row in range(x.size // inputs):
         for i in range(inputs):
@@ -351,7 +346,7 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
                 return row
         for plane in range(widths.size):
             _fire(table, x, row * inputs, widths[plane], grades, low, high)
-            _center_of_sets(table, low, high, scratch, left, right, out, 2 * outputs * (row * widths.size + plane), False)
+            _center_of_sets(table, low, high, scratch, moments, out, 2 * outputs * (row * widths.size + plane), False)
     return -1
 
 
@@ -425,10 +420,10 @@ def reduce_firing(table: Array, strengths: Array, crisp: bool, out: Array) -> No
     """Write outputs for firing intervals (rows, R, 2) that were computed elsewhere."""
     rules, outputs = int(table[2]), int(table[3])
     low, high = np.empty(rules), np.empty(rules)
-    left, right = np.empty(outputs), np.empty(outputs)
+    moments = np.empty(2 * outputs)
     scratch = np.empty((6, rules))
     per_row = outputs if crisp else 2 * outputs
     for row in range(strengths.size // (2 * rules)):
         for r in range(rules):
             low[r], high[r] = strengths[2 * (row * rules + r)], strengths[2 * (row * rules + r) + 1]
-        _center_of_sets(table, low, high, scratch, left, right, out, row * per_row, crisp)
+        _center_of_sets(table, low, high, scratch, moments, out, row * per_row, crisp)
