@@ -42,7 +42,7 @@ lint: $(VENV)/.dev
 
 bench: $(VENV)/.compiled $(VENV)/.test
 	@echo "Measuring speed"
-	@set -e; for benchmark in benchmarks/*.py; do $(BIN)/python "$$benchmark"; done
+	@set -e; for benchmark in benchmarks/bench_*.py; do $(BIN)/python "$$benchmark"; done
 
 clean:
 	@echo "Removing the virtual environment, caches and builds (results/ stays)"

@@ -1,14 +1,11 @@
 """Measure one call from Python of the robot's functions beside Pinocchio and MuJoCo on the same tree: ``make bench``.
 
-Medians of many short runs, interleaved, so that a slow spell of the machine hits every row alike. The ratios compare within
-one run; absolute times depend on the machine. An empty compiled call shows what a call costs before anything is computed.
+See ``timing.py`` for how.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
-import platform
 import statistics
 import time
 from collections.abc import Callable
@@ -16,18 +13,12 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
+from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
 
 import psp3
-from fuzzy2.compiled import compiled
 from psp3.loading import ROBOT_FILES
 
-BARS = {"forward_kinematics": 3.0, "equation_of_motion": 5.0, "inverse_dynamics": 4.0, "forward_dynamics": 5.0}
-REFERENCE_EMPTY_CALL = 0.8  # [us] what an empty compiled call may cost for the bars to hold as they are
-
-
-@compiled
-def _empty(x, y):  # type: ignore[no-untyped-def]
-    return -1
+BARS = {"forward_kinematics": 3.0, "equation_of_motion": 5.0, "inverse_dynamics": 4.0, "forward_dynamics": 5.0}  # [us]
 
 
 def contenders() -> dict[str, Callable[[], object]]:
@@ -47,7 +38,7 @@ def contenders() -> dict[str, Callable[[], object]]:
     pin.initConstraintDynamics(model, data, closures, closure_data)
     settings = pin.ProximalSettings(1e-12, 0.0, 1)
     functions: dict[str, Callable[[], object]] = {
-        "empty compiled call": lambda: _empty(heights, speeds),
+        EMPTY_CALL: empty_call(),
         "forward_kinematics": lambda: robot.forward_kinematics(heights),
         "equation_of_motion": lambda: robot.equation_of_motion(heights, speeds),
         "inverse_dynamics": lambda: robot.inverse_dynamics(heights, speeds, accelerations),
@@ -73,27 +64,6 @@ def contenders() -> dict[str, Callable[[], object]]:
     return functions
 
 
-def measure(functions: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
-    """Median time of one call in microseconds, by name."""
-    samples: dict[str, list[float]] = {name: [] for name in functions}
-    loops = {}
-    for name, function in functions.items():
-        function()
-        start = time.perf_counter()
-        for _ in range(5):
-            function()
-        # About two milliseconds a sample: long against the clock and cold caches, short against what disturbs.
-        loops[name] = max(1, round(2e-3 / ((time.perf_counter() - start) / 5 + 1e-9)))
-    for _ in range(rounds):
-        for name, function in functions.items():
-            count = range(loops[name])
-            start = time.perf_counter()
-            for _ in count:
-                function()
-            samples[name].append((time.perf_counter() - start) / len(count) * 1e6)
-    return {name: statistics.median(values) for name, values in samples.items()}
-
-
 def simulation_times(rounds: int = 5) -> dict[str, float]:
     """Median wall time of a 10 s simulation at 2 ms in seconds, by controller."""
     robot = psp3.load("psp3")
@@ -117,20 +87,18 @@ def main() -> None:
     parser.add_argument("--out", type=Path, default=Path("results/bench_robot.json"), help="where the numbers go")
     arguments = parser.parse_args()
     medians = measure(contenders(), arguments.rounds)
-    empty, base = medians["empty compiled call"], medians["equation_of_motion"]
-    scale = max(1.0, empty / REFERENCE_EMPTY_CALL)
-    print(f"one call from Python, median of {arguments.rounds} samples (Python {platform.python_version()}, pin {pin.__version__})\n")
+    scale, base = bar_scale(medians), medians["equation_of_motion"]
+    versions = environment("pin", "numba")
+    print(f"one call from Python, median of {arguments.rounds} samples ({', '.join(map(' '.join, versions.items()))})\n")
     print(f"{'function':36s}{'µs':>9s}{'× equation_of_motion':>22s}{'bar [µs]':>11s}")
     for name, median in medians.items():
-        bar = f"{BARS[name] * scale:.1f}" if name in BARS else ""
-        verdict = "" if name not in BARS else (" met" if median <= BARS[name] * scale else " MISSED")
-        print(f"{name:36s}{median:9.2f}{median / base:22.2f}{bar:>11s}{verdict}")
+        bar = BARS[name] * scale if name in BARS else None
+        print(f"{name:36s}{median:9.2f}{median / base:22.2f}{bar_and_verdict(median, bar)}")
     simulations = simulation_times()
     print()
     for name, seconds in simulations.items():
         print(f"10 s simulation at 2 ms, RK4, {name:16s}{seconds:9.3f} s   (bar 0.15 s for ComputedTorque)")
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    arguments.out.write_text(json.dumps({"microseconds": medians, "simulation_seconds": simulations}, indent=2) + "\n")
+    write_results(arguments.out, {"versions": versions, "microseconds": medians, "simulation_seconds": simulations})
 
 
 if __name__ == "__main__":

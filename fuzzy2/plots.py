@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.checks import Array, reals
 from fuzzy2.errors import InvalidValue
+from fuzzy2.extension import discrete_points, is_discrete
 from fuzzy2.general_reduction import TypeReducedPlanes, TypeReducedPoints
 from fuzzy2.general_type2 import GaussianType2Set, GeneralType2Set
 from fuzzy2.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma, IntervalType2Set
@@ -116,6 +117,14 @@ def _draw_type1(axes: Axes, fuzzy_set: Type1Set, domain: tuple[float, float], co
     axes.plot(points, fuzzy_set(points), color=color, label=label, **line)
     if isinstance(fuzzy_set, SampledSet) and len(fuzzy_set) <= 50:
         axes.plot(fuzzy_set.points, fuzzy_set.grades, linestyle="none", marker="o", markersize=3.0, color=color)
+
+
+def _draw_discrete(axes: Axes, fuzzy_set: Type1Set, color: str, label: str | None, width: float) -> None:
+    points, grades = discrete_points(fuzzy_set)
+    # Lines, not stems made of a collection, so that legend and thickness are those of the curves of other sets.
+    up_and_down = np.stack([np.zeros_like(grades), grades, np.full_like(grades, np.nan)], axis=-1)
+    axes.plot(np.repeat(points, 3), up_and_down.ravel(), color=color, label=label, linewidth=width)
+    axes.plot(points, grades, linestyle="none", marker="o", markersize=2.0 + 1.5 * width, color=color)
 
 
 def _draw_footprint(axes: Axes, fuzzy_set: IntervalType2Set, domain: tuple[float, float], color: str, label: str | None) -> None:
@@ -358,7 +367,7 @@ def figure_of_operations(first: FuzzySet, second: FuzzySet, t_norm: TNormLike = 
 def figure_of_join_and_meet(
     F: Type1Set, G: Type1Set, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None, axes: Sequence[Axes] | None = None
 ) -> Panels:
-    """Draw two secondary memberships, their join and their meet (eq. 1.12; after Fig. 5).
+    """Draw two secondary memberships, their join and their meet (eq. 1.12; after Fig. 5); discrete ones as stems.
 
     Parameters
     ----------
@@ -382,14 +391,22 @@ def figure_of_join_and_meet(
     panels = _given(axes, 3) or _new(6.0, 6.0, 3, sharex=True)
     results = {"Join": join(F, G, t_norm=t_norm, grade_t_norm=grade_t_norm), "Meet": meet(F, G, t_norm=t_norm, grade_t_norm=grade_t_norm)}
     domain, colors = _domain([F, G, *results.values()]), _colors()
+    # Among discrete sets there is nothing between the points, and joins are no interpolations of joins.
+    discrete = is_discrete(F) and is_discrete(G)
     for operand, color, name in ((F, colors[0], "F"), (G, colors[1], "G")):
+        if discrete:
+            _draw_discrete(panels[0], operand, color, name, 1.6)
+            continue
         _draw_type1(panels[0], operand, domain, color, name)
         for panel in panels[1:]:
             _draw_type1(panel, operand, domain, _muted(), None, linewidth=0.9, linestyle="--")
     panels[0].set_title("Two fuzzy numbers")
     panels[0].legend(loc="upper right")
     for panel, (name, result) in zip(panels[1:], results.items(), strict=True):
-        _draw_type1(panel, result, domain, colors[2], name.lower(), linewidth=2.2)
+        if discrete:
+            _draw_discrete(panel, result, colors[2], name.lower(), 2.2)
+        else:
+            _draw_type1(panel, result, domain, colors[2], name.lower(), linewidth=2.2)
         panel.set_title(f"{name} of F and G")
     for panel in panels:
         _label_memberships(panel, domain, "membership \N{GREEK SMALL LETTER THETA}", "grade")

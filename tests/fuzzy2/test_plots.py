@@ -175,6 +175,16 @@ def test_figure_5_shows_join_and_meet() -> None:
     assert meet.get_xlabel() == "membership θ"
 
 
+def test_join_and_meet_of_discrete_sets_are_stems() -> None:
+    """By hand: maxima and minima of the four pairs, each with the smaller of both grades, and of equal ones the best."""
+    _, join, meet = plots.figure_of_join_and_meet(SampledSet([0.2, 0.6], [0.5, 1.0]), SampledSet([0.4, 0.6], [1.0, 0.3]))
+    for panel, points, grades in ((join, [0.4, 0.6], [0.5, 1.0]), (meet, [0.2, 0.4, 0.6], [0.5, 1.0, 0.3])):
+        theta, drawn = (np.asarray(values, dtype=float) for values in panel.lines[1].get_data())
+        np.testing.assert_array_equal([theta, drawn], [points, grades])
+        assert panel.lines[1].get_linestyle() == "None"
+        np.testing.assert_array_equal(panel.lines[0].get_ydata(), [end for grade in grades for end in (0.0, grade, np.nan)])
+
+
 def test_sets_of_every_type_share_axes() -> None:
     shapes = {
         "triangle": Triangular(0.0, 1.0, 2.0),
