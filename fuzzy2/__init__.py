@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fuzzy2.defuzzification import defuzzify
     from fuzzy2.errors import ApproximationWarning, Fuzzy2Error
     from fuzzy2.extension import extend
+    from fuzzy2.fine_tuning import FineTuning, fine_tune
     from fuzzy2.fuzzifiers import NonSingletonFuzzifier, SingletonFuzzifier
     from fuzzy2.general_reduction import (
         alpha_plane_centroid,
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from fuzzy2.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma, IntervalType2Set
     from fuzzy2.join_meet import join, meet, negation
     from fuzzy2.json_files import from_json, load, save, to_json
-    from fuzzy2.learning import WangMendel
+    from fuzzy2.learning import WangMendel, gaussian_partition
     from fuzzy2.noise import add_noise, mean_variation_from_snr, snr_from_mean_variation
     from fuzzy2.numbers import FuzzyNumber, GaussianNumber, IntervalNumber, gaussian_meet, gaussian_meet_error
     from fuzzy2.relations import cartesian_product, compose
@@ -51,6 +52,7 @@ _NAMES = {
     "defuzzification": ("defuzzify",),
     "errors": ("ApproximationWarning", "Fuzzy2Error"),
     "extension": ("extend",),
+    "fine_tuning": ("FineTuning", "fine_tune"),
     "fuzzifiers": ("NonSingletonFuzzifier", "SingletonFuzzifier"),
     "general_reduction": (
         "alpha_plane_centroid",
@@ -62,7 +64,7 @@ _NAMES = {
     "interval_type2": ("GaussianUncertainMean", "GaussianUncertainSigma", "IntervalType2Set"),
     "join_meet": ("join", "meet", "negation"),
     "json_files": ("from_json", "load", "save", "to_json"),
-    "learning": ("WangMendel",),
+    "learning": ("WangMendel", "gaussian_partition"),
     "noise": ("add_noise", "mean_variation_from_snr", "snr_from_mean_variation"),
     "numbers": ("FuzzyNumber", "GaussianNumber", "IntervalNumber", "gaussian_meet", "gaussian_meet_error"),
     "relations": ("cartesian_product", "compose"),
@@ -89,6 +91,7 @@ _HOMES = {name: module for module, names in _NAMES.items() for name in names}
 __all__ = [
     "ApproximationWarning",
     "Bell",
+    "FineTuning",
     "FunctionalSet",
     "FunctionalType2Set",
     "Fuzzy2Error",
@@ -133,10 +136,12 @@ __all__ = [
     "exhaustive_centroid",
     "exhaustive_generalized_centroid",
     "extend",
+    "fine_tune",
     "format_rules",
     "from_json",
     "gaussian_meet",
     "gaussian_meet_error",
+    "gaussian_partition",
     "generalized_centroid",
     "intersection",
     "join",

@@ -15,7 +15,7 @@ import numpy as np
 from fuzzy2.checks import Array
 from fuzzy2.errors import NotExpressible
 from fuzzy2.interval_type2 import IntervalType2Set
-from fuzzy2.systems import FuzzySystem, IntervalType2System, Linear, Type1System
+from fuzzy2.systems import FuzzySystem, IntervalType2System, Linear, Type1System, _domain
 from fuzzy2.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.type1 import Truncated, Type1Set
 
@@ -103,8 +103,8 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         if known.get(norm.name) is not norm:
             raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
     inputs = tuple(
-        Variable(name, (float(low), float(high)), dict(zip(names, terms, strict=True)))
-        for name, names, terms, (low, high) in zip(system.input_names, system.term_names, system.inputs, system.domain(), strict=True)
+        Variable(name, _limits(_domain(terms)), dict(zip(names, terms, strict=True)))
+        for name, names, terms in zip(system.input_names, system.term_names, system.inputs, strict=True)
     )
     consequents = system.consequents
     if isinstance(consequents, list):
@@ -182,8 +182,6 @@ def _cut(term: Any, ends: tuple[float, float]) -> Any:
 
 def _whole(column: list[Any]) -> tuple[tuple[float, float], list[Any]]:
     """Return the range on which output sets are evaluated, and the sets before they were cut off at its ends."""
-    from fuzzy2.systems import _domain
-
     ends = _domain(column)
 
     def whole(term: Type1Set) -> Type1Set:

@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.checks import Array, positive, reals
 from fuzzy2.errors import InvalidValue, NotApplicable
+from fuzzy2.fuzzifiers import Fuzzifier, SingletonFuzzifier
 from fuzzy2.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.systems import FuzzySystem, IntervalType2System, Type1System
 from fuzzy2.type1 import Gaussian
@@ -77,7 +78,7 @@ def fine_tune(
     rng : numpy.random.Generator
         Chooses the validation samples.
     learning_rate : float
-        Largest change of a parameter per epoch, roughly, in the units above.
+        Largest change of a parameter per epoch, roughly, in the units above; at most 1.
     most_epochs : int
         Epochs at most.
     patience : int
@@ -102,7 +103,8 @@ def fine_tune(
     Adam: D. P. Kingma and J. Ba, "Adam: a method for stochastic optimization", ICLR 2015.
     """
     inputs, outputs = _samples(system, X, y)
-    positive("learning_rate", learning_rate)
+    if positive("learning_rate", learning_rate) > 1.0:
+        raise InvalidValue("learning_rate", learning_rate, "at most 1, a step as wide as the range of the samples")
     for name, value in (("most_epochs", most_epochs), ("patience", patience)):
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
             raise InvalidValue(name, value, "a whole number of at least 1")
@@ -118,6 +120,7 @@ def fine_tune(
 
     tunable = TunableSystem(system, input_scales=_scales(np.ptp(inputs, axis=0)), output_scales=_scales(outputs.std(axis=0)))
     parameters = best = tunable.parameters
+    tunable.objective(parameters, inputs, outputs)  # in the order of the samples, so that an error names the right one
     first, second = np.zeros_like(parameters), np.zeros_like(parameters)
     error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
     smallest = tunable.objective(parameters, inputs[validation], outputs[validation])[0]
@@ -128,9 +131,10 @@ def fine_tune(
         step = first / (1.0 - _FIRST_DECAY**epoch) / (np.sqrt(second / (1.0 - _SECOND_DECAY**epoch)) + _TINY)
         parameters = tunable.admissible(parameters - learning_rate * step)
         try:
-            error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
-            validation_error = tunable.objective(parameters, inputs[validation], outputs[validation])[0]
-        except InvalidValue:  # a step so large that no rule fires at some sample any more
+            with np.errstate(over="ignore", invalid="ignore"):  # what overflows makes terms that are refused
+                error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
+                validation_error = tunable.objective(parameters, inputs[validation], outputs[validation])[0]
+        except InvalidValue:  # steps so large that no rule fires at some sample any more
             break
         training_errors.append(error)
         validation_errors.append(validation_error)
@@ -238,7 +242,8 @@ class TunableSystem:
         given = self._given
         return type(given)(
             self._terms(parameters), given.rules, self._consequents(parameters), given.t_norm, given.type_reduction, given.method,
-            input_names=given.input_names, output_names=given.output_names, term_names=given.term_names,
+            t_conorm=given.t_conorm, fuzzifier=given.fuzzifier, input_names=given.input_names, output_names=given.output_names,
+            term_names=given.term_names, resolution=given.resolution,
         )  # fmt: skip
 
     def objective(self, parameters: Array, X: Array, y: Array) -> tuple[float, Array]:
@@ -356,12 +361,12 @@ def _grade_slopes(term: Any, x: Array, grades: Array) -> Array:
             if end == 1:  # between the means the upper grade is 1 and stays so
                 deviation = np.where(below | above, deviation, 0.0)
             for k in (0, 1):
-                slopes[:, end, k] = np.where(which == k, grades[:, end] * deviation / sigmas[0] ** 2, 0.0)
+                slopes[:, end, k] = np.where(which == k, grades[:, end] * deviation / sigmas[0] / sigmas[0], 0.0)
             slopes[:, end, 2] = grades[:, end] * (deviation / sigmas[0]) ** 2
         else:
             sigma, k = (sigmas[end], end) if len(sigmas) == 2 else (sigmas[0], 0)
             deviation = x - means[0]
-            slopes[:, end, 0] = grades[:, end] * deviation / sigma**2
+            slopes[:, end, 0] = grades[:, end] * deviation / sigma / sigma
             slopes[:, end, 1 + k] = grades[:, end] * (deviation / sigma) ** 2
     return slopes
 
@@ -384,7 +389,10 @@ def _check_tunable(system: FuzzySystem) -> None:
                 raise NotApplicable(what, f"the term {term!r} of {name} is no Gaussian")
     if not isinstance(system.consequents, np.ndarray):
         raise NotApplicable(what, "the consequents are neither numbers nor intervals; put the sets' centroids in their place")
-    if system.t_norm.name not in ("product", "min") or system.type_reduction != "center_of_sets" or system.fuzzifier is not None:
+    given = system.fuzzifier
+    fuzzifiers = () if given is None else (given,) if isinstance(given, Fuzzifier) else given
+    singleton = all(isinstance(one, SingletonFuzzifier) for one in fuzzifiers)
+    if system.t_norm.name not in ("product", "min") or system.type_reduction != "center_of_sets" or not singleton:
         raise NotApplicable(what, "it needs the product or minimum t-norm, center of sets and a singleton fuzzifier")
 
 

@@ -330,13 +330,12 @@ def test_strict_fills_few_cells_of_a_curve_and_the_default_all() -> None:
 
 
 def test_a_rule_that_no_sample_fires_is_named_with_its_firing() -> None:
-    """Samples on a diagonal: the cell off it is fired most from the ends, by 1/16 with 2 terms and 16**-4 at a distance of two."""
-    diagonal = np.linspace(0.0, 1.0, 9)[:, np.newaxis] * [1.0, 2.0]
-    assert WangMendel().fit(diagonal, diagonal[:, 0]).best_firing_.min() > 1e-3
-    with pytest.raises(UnsupportedRule, match="x1 is Low and x2 is Level6") as caught:
-        WangMendel(n_terms=[2, 6]).fit(np.array([[0.0, 0.0], [1.0, 1.0], [1.0, 0.0]]), [1.0, 2.0, 3.0])
-    # The best are both corners next to it: one term away in x1, by hand 1/16; five away in x2, 16**-25. So x2 decides.
-    assert caught.value.firing < 1e-3 or caught.value.number > 0
+    """Two corners of a 3 x 3 grid: each of the other corners is two terms away in one input, which makes 16**-4 of 1 by hand."""
+    with pytest.raises(UnsupportedRule, match=r"rule 3 \(IF x1 is Low and x2 is High\).*1.53e-05.*2 such rules") as caught:
+        WangMendel(n_terms=3).fit([[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0])
+    assert caught.value.firing == pytest.approx(16.0**-4, rel=1e-12)
+    # With two terms a cell is one away, and 1/16 is enough.
+    assert WangMendel().fit([[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0]).best_firing_.min() == pytest.approx(1.0 / 16.0, rel=1e-12)
 
 
 # scikit-learn's conventions
