@@ -386,7 +386,10 @@ class PSP3(ClosedLoopRobot):
         if not a.shape == v.shape == w.shape:
             a, v, w = together(heights=a, speeds=v, accelerations=w)
         out = np.empty(a.shape)
-        row = self._kernels.inverse_dynamics(a.ravel(), v.ravel(), w.ravel(), self._p, out.ravel())
+        if a.ndim == 1:
+            row = self._kernels.inverse_dynamics(a, v, w, self._p, out)
+        else:
+            row = self._kernels.inverse_dynamics(a.ravel(), v.ravel(), w.ravel(), self._p, out.ravel())
         if row >= 0:
             self._refuse(row, heights=a, speeds=v, accelerations=w)
         return out
@@ -413,7 +416,10 @@ class PSP3(ClosedLoopRobot):
         if not a.shape == v.shape == f.shape:
             a, v, f = together(heights=a, speeds=v, forces=f)
         out = np.empty(a.shape)
-        row = self._kernels.forward_dynamics(a.ravel(), v.ravel(), f.ravel(), self._p, out.ravel())
+        if a.ndim == 1:
+            row = self._kernels.forward_dynamics(a, v, f, self._p, out)
+        else:
+            row = self._kernels.forward_dynamics(a.ravel(), v.ravel(), f.ravel(), self._p, out.ravel())
         if row >= 0:
             self._refuse(row, heights=a, speeds=v, forces=f)
         return out
