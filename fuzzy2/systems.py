@@ -422,6 +422,11 @@ class FuzzySystem:
             return out
         return self._combine(self._grades(rows))
 
+    def _coverage(self, rows: Array) -> Array:
+        """Return the upper firing strength of the rule that fires most, (n,)."""
+        strongest: Array = self._firing(rows)[..., 1].max(axis=-1)
+        return strongest
+
     def _grades(self, rows: Array) -> list[Array]:
         """Lower and upper grades (n, terms, 2) of every input."""
         if self._fuzzifiers is not None:
@@ -566,9 +571,7 @@ class FuzzySystem:
         else:
             rng = np.random.default_rng(0)
             grid = np.stack([rng.choice(axis, 100_000) for axis in axes], axis=-1)
-        covered = np.concatenate(
-            [self._firing(grid[start : start + 4096])[..., 1].max(axis=-1) > threshold for start in range(0, len(grid), 4096)]
-        )
+        covered = np.concatenate([self._coverage(grid[start : start + 4096]) > threshold for start in range(0, len(grid), 4096)])
         unused = [
             (self.input_names[i], self.term_names[i][t])
             for i, terms in enumerate(self.inputs)
@@ -722,11 +725,23 @@ class GeneralType2System(FuzzySystem):
         left, right = np.moveaxis(self._intervals, -1, 0)
         # An interval consequent counts as a Gaussian whose two standard deviations reach its ends.
         self._middles, self._spreads = 0.5 * (left + right), 0.25 * (right - left)
+        uncertain = self._sets is not None and any(isinstance(item, GeneralType2Set) for row in self._sets for item in row)
+        # The loop over the planes takes the same consequents in all of them; general type-2 ones have a centroid on each.
+        self._one_loop = (
+            self._table is not None and type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear) and not uncertain
+        )
         if reduction == "gaussian":
+            if uncertain:
+                raise NotApplicable(
+                    "the Gaussian corollary", "its consequents are numbers, intervals, or sets of type 1 or interval type 2"
+                )
             self._check_corollary()
             self._warn_of_validity()
         elif grade_t_norm != "min":
             raise NotApplicable("reduction by alpha-planes", "it needs minimum secondary grades; under the product it depends on the grid")
+        elif uncertain:
+            # A consequent whose planes have no centroid is refused here and not at the first call.
+            self._plane(0)
 
     def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
         from fuzzy2.general_type2 import GaussianType2Set
@@ -761,12 +776,28 @@ class GeneralType2System(FuzzySystem):
         """
         shape, rows = self._rows(X)
         self._refuse(rows)
-        if self._table is not None and self.type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear):
+        if self._one_loop:
             planes = np.empty((len(rows), self.levels, self.n_outputs, 2))
             self._kernels.evaluate_planes(self._table, rows.ravel(), self._widths, planes.ravel())
         else:
             planes = np.stack([self._plane(level).type_reduced(rows) for level in range(self.levels)], axis=1)
         return planes.swapaxes(1, 2).reshape(*shape, self.n_outputs, self.levels, 2)
+
+    def _firing(self, rows: Array) -> Array:
+        """Return the firing intervals on the lowest α-plane."""
+        if self._table is None:
+            return self._plane(0)._firing(rows)
+        out = np.empty((len(rows), len(self.rules), 2))
+        self._kernels.firing(self._table, rows.ravel(), float(self._widths[0]), out.ravel())
+        return out
+
+    def _coverage(self, rows: Array) -> Array:
+        # A low plane of a Gaussian secondary reaches above 0 everywhere; the highest one, alpha = 1, says where rules really fire.
+        return self._plane(self.levels - 1)._coverage(rows)
+
+    def embedded_outputs(self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None) -> Iterator[Array]:
+        """Yield outputs of type-1 systems within the lowest α-plane; see :meth:`FuzzySystem.embedded_outputs`."""
+        yield from self._plane(0).embedded_outputs(x, count, rng)
 
     def _plane(self, level: int) -> IntervalType2System:
         """Return the interval type-2 system of one α-plane."""

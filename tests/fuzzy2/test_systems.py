@@ -194,6 +194,35 @@ def test_alpha_planes_are_interval_systems(consequents: Array, X: Array) -> None
     np.testing.assert_array_equal(system.type_reduced(X), cuts[..., 0, :])
 
 
+def test_general_type_2_consequents_have_a_centroid_on_every_plane(X: Array) -> None:
+    """Each plane against the interval system of the planes of terms and consequents, firing included: 1e-12."""
+    sets = [
+        fuzzy2.GaussianType2Set(principal=fuzzy2.Gaussian(mean=m, sigma=0.3), sigma=0.05, domain=(-4.0, 4.0))
+        for m in np.linspace(-2.0, 2.0, 8)
+    ]
+    system = GeneralType2System(principal(), GRID_RULES, sets, levels=3)
+    cuts = system.alpha_cuts(X[:5])
+    for level, alpha in enumerate(system.alphas):
+        terms = [[t.alpha_plane(alpha) for t in of_input] for of_input in principal()]
+        plane = IntervalType2System(terms, GRID_RULES, [item.alpha_plane(alpha) for item in sets])
+        np.testing.assert_allclose(cuts[:, :, level], plane.type_reduced(X[:5]), atol=1e-12)
+        if level == 0:
+            np.testing.assert_allclose(system.firing(X[:5]), plane.firing(X[:5]), atol=1e-14)
+            assert (system.firing(X[:5])[..., 0] < system.firing(X[:5])[..., 1]).all()
+    with pytest.raises(NotApplicable, match="consequents"):
+        GeneralType2System(principal(), GRID_RULES, sets, reduction="gaussian")
+    unbounded = [fuzzy2.GaussianType2Set(principal=item.principal, sigma=0.05) for item in sets]
+    with pytest.raises(NotApplicable):
+        GeneralType2System(principal(), GRID_RULES, unbounded)
+
+
+def test_validate_looks_at_the_principal_memberships() -> None:
+    """Low planes of Gaussian secondaries reach above 0 everywhere; the gap between the terms must still be found."""
+    terms = [[fuzzy2.GaussianType2Set(principal=fuzzy2.Gaussian(mean=m, sigma=0.2), sigma=0.05) for m in (-2.0, 2.0)]]
+    report = GeneralType2System(terms, [[0], [1]], [[0.0], [1.0]]).validate(points=41)
+    assert 0.3 < report.coverage < 0.6
+
+
 @pytest.mark.parametrize("grades", ["min", "product"])
 def test_gaussian_corollary_is_the_type_1_system_with_a_spread(grades: str, consequents: Array, X: Array) -> None:
     """The crisp output does not depend on the uncertainty at all (eq. 1.107), and the spread is eq. 1.108 written out: 1e-12."""
