@@ -243,6 +243,17 @@ def test_gaussian_corollary_is_the_type_1_system_with_a_spread(grades: str, cons
         assert system.validity(x) == pytest.approx(2.0 * s.sum() / m.sum(), rel=1e-12)
 
 
+@pytest.mark.parametrize("grades", ["min", "product"])
+def test_interval_consequents_of_the_corollary_reach_two_standard_deviations(grades: str, X: Array) -> None:
+    """Crisp terms, so that eq. 1.108 keeps the consequents' part alone: sums of h (right − left)/4 over sum h; 1e-12."""
+    z = np.sort(np.random.default_rng(8).normal(size=(8, 1, 2)), axis=-1)
+    system = GeneralType2System(gaussian(), GRID_RULES, z, reduction="gaussian", grade_t_norm=grades)
+    h = Type1System(gaussian(), GRID_RULES, np.zeros((8, 1))).firing(X[0])[:, 0]
+    parts = h * (z[:, 0, 1] - z[:, 0, 0]) / 4.0
+    spread = (np.sqrt((parts**2).sum()) if grades == "product" else parts.sum()) / h.sum()
+    np.testing.assert_allclose(system.type_reduced(X[0])[0], [h @ z[:, 0].mean(axis=1) / h.sum(), spread], rtol=1e-12)
+
+
 def test_one_warning_at_construction_and_none_per_call(consequents: Array, X: Array) -> None:
     with pytest.warns(ApproximationWarning) as caught:
         system = GeneralType2System(principal(0.05), GRID_RULES, consequents, reduction="gaussian")
