@@ -444,3 +444,23 @@ def test_malformed_inputs_are_refused(bad: object, consequents: Array) -> None:
         for method in (system, system.type_reduced, system.firing, system.validity):
             with pytest.raises(InvalidValue, match="X"):
                 method(bad)  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("norm", ["product", "min"])
+@pytest.mark.parametrize("crisp", [True, False])
+def test_many_rows_give_what_each_row_gives(norm: str, crisp: bool) -> None:
+    """To the last bit: rows side by side take the steps of a single row in the same order.
+
+    The rows reach far out, where lower firing strengths vanish, firing strengths differ by more digits than a float has or
+    no rule fires, and consequents repeat, so that comparisons tie.
+    """
+    generator = np.random.default_rng(5)
+    z = np.round(generator.normal(size=(8, 4)), 1)
+    z[:, 1] = 1.0
+    intervals = np.stack([z, z + np.abs(np.round(generator.normal(size=z.shape), 1))], axis=-1)
+    X = np.concatenate([generator.uniform(-2.0, 2.0, (200, 3)), generator.uniform(-40.0, 40.0, (150, 3)), np.zeros((5, 3))])
+    for consequents in (z, intervals):
+        system = IntervalType2System(uncertain(), GRID_RULES, consequents, t_norm=norm)
+        evaluate = system if crisp else system.type_reduced
+        assert np.isnan(evaluate(X)).any()
+        np.testing.assert_array_equal(evaluate(X), np.array([evaluate(x) for x in X]))
