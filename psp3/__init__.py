@@ -14,16 +14,20 @@ if TYPE_CHECKING:
     from psp3.closed_loop_robot import ClosedLoopRobot
     from psp3.controllers import PD, PID, ComputedTorque, FeedForward, GravityCompensatedPD
     from psp3.errors import PSP3Error
+    from psp3.fuzzy_computed_torque import FuzzyComputedTorque
     from psp3.loading import load
     from psp3.natural_orthogonal_complement import NaturalOrthogonalComplement
     from psp3.parameters import PARAMETER_SETS, Parameters
     from psp3.robot import PSP3, Pose
+    from psp3.runs import Run
     from psp3.simulation import Result, load_result, simulate
+    from psp3.study import Study
 
 _HOMES = {
     "ClosedLoopRobot": "closed_loop_robot",
     "ComputedTorque": "controllers",
     "FeedForward": "controllers",
+    "FuzzyComputedTorque": "fuzzy_computed_torque",
     "GravityCompensatedPD": "controllers",
     "NaturalOrthogonalComplement": "natural_orthogonal_complement",
     "PARAMETER_SETS": "parameters",
@@ -34,6 +38,8 @@ _HOMES = {
     "Parameters": "parameters",
     "Pose": "robot",
     "Result": "simulation",
+    "Run": "runs",
+    "Study": "study",
     "load": "loading",
     "load_result": "simulation",
     "simulate": "simulation",
@@ -47,12 +53,15 @@ __all__ = [
     "ClosedLoopRobot",
     "ComputedTorque",
     "FeedForward",
+    "FuzzyComputedTorque",
     "GravityCompensatedPD",
     "NaturalOrthogonalComplement",
     "PSP3Error",
     "Parameters",
     "Pose",
     "Result",
+    "Run",
+    "Study",
     "load",
     "load_result",
     "simulate",

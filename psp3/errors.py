@@ -215,3 +215,95 @@ class MotionDiverged(PSP3Error, RuntimeError):
             f"the motion diverges at t = {time:.6g} s: position {position:.6g} m, speed {speed:.6g} m/s, force {force:.6g} N; "
             f"check the gains (error_dynamics.is_stable) and the model, alpha and beta"
         )
+
+
+class NotTrained(PSP3Error, RuntimeError):
+    """A fuzzy controller is asked for a torque before it has learned anything."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"this {name} has learned nothing yet; call fit(trajectory) or learn(record), or load a trained one")
+
+
+class InvalidControllerFile(PSP3Error, ValueError):
+    """A file is not a trained controller, or one for another robot."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        self.path, self.reason = Path(path), reason
+        super().__init__(f"{path}: {reason}")
+
+
+class UnusableEstimate(PSP3Error, ValueError):
+    """What was learned holds no mass matrix at all: even the average over the rules is not positive definite."""
+
+    def __init__(self, mass: Array) -> None:
+        self.mass = mass
+        super().__init__(
+            f"the average mass matrix of the rules, {_numbers(mass)}, is not positive definite, so there is nothing to fall back on; "
+            f"learn from more samples or less noise"
+        )
+
+
+class InvalidStudyFile(PSP3Error, ValueError):
+    """A file does not hold the results of a study: it is missing, damaged or another program's."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        self.path, self.reason = Path(path), reason
+        super().__init__(f"{path}: {reason}")
+
+
+class StudyMismatch(PSP3Error, ValueError):
+    """A file holds the results of another study, or of another version of this one."""
+
+    def __init__(self, path: str | Path, what: str, found: object, expected: object) -> None:
+        self.path, self.what, self.found, self.expected = Path(path), what, found, expected
+        super().__init__(f"{path} holds another study: its {what} is {found}, not {expected}; give another file, this one stays as it is")
+
+
+class StudyFileNotWritable(PSP3Error, RuntimeError):
+    """Results cannot be written to a study's file; ``kept`` of them are in it and stay there."""
+
+    def __init__(self, path: str | Path, reason: str, kept: int = 0) -> None:
+        self.path, self.reason, self.kept = Path(path), reason, kept
+        safe = f"; the {kept} results in it are safe, and once it can be written the study goes on from there" if kept else ""
+        super().__init__(f"{path} cannot be written to: {reason}{safe}")
+
+
+class StudyInUse(PSP3Error, RuntimeError):
+    """Another study is writing to the same file."""
+
+    def __init__(self, path: str | Path, holder: str) -> None:
+        self.path, self.holder = Path(path), holder
+        super().__init__(f"{path} is being written to by {holder}; wait until that study has ended, or give another file")
+
+
+class RunsFailed(PSP3Error, RuntimeError):
+    """Runs of a study raised errors; the results of the others are kept. ``failures`` holds each run with its error in words."""
+
+    def __init__(self, path: str | Path, failures: Sequence[tuple[object, str]], not_started: int) -> None:
+        self.path, self.failures, self.not_started = Path(path), tuple(failures), not_started
+        run, reason = self.failures[0]
+        more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
+        given_up = f"; after so many failures {not_started} others were not started" if not_started else ""
+        super().__init__(f"{run} failed{more}: {reason}{given_up}; the results of the others are in {path}")
+
+
+class SchedulerUnavailable(PSP3Error, RuntimeError):
+    """A dask scheduler cannot be used, or was lost."""
+
+    def __init__(self, address: str, reason: str) -> None:
+        self.address, self.reason = address, reason
+        super().__init__(f"scheduler {address}: {reason}")
+
+
+class StudyInterrupted(KeyboardInterrupt):
+    """Ctrl-C ended a study; its file holds ``done`` of ``total`` runs and is valid.
+
+    Not a :class:`PSP3Error`: whoever interrupts wants out, and ``except Exception`` must not stop that.
+    """
+
+    def __init__(self, path: str | Path, done: int, total: int) -> None:
+        self.path, self.done, self.total = Path(path), done, total
+        super().__init__(
+            f"interrupted after {done} of {total} runs, which are in {path}; run the same study again and it goes on from there"
+        )

@@ -9,9 +9,10 @@ import zlib
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from psp3.arrays import Array, one_row
 from psp3.controllers import Controller
@@ -20,8 +21,15 @@ from psp3.plants import Plant, RungeKutta
 from psp3.robot import PSP3
 from psp3.trajectories import Motion, Trajectory, check_stroke
 
-FORMAT = "psp3-result-1"
+FORMAT = "psp3-result-2"
 """Written into every result file; a file with another mark is refused."""
+
+_REPORTED: dict[str, tuple[tuple[int, ...], type]] = {
+    "covered": ((), np.bool_),
+    "fell_back": ((), np.bool_),
+    "torque_interval": ((3, 2), np.float64),
+}
+"""What a controller may say of its last call: shape and type of each."""
 
 
 @dataclass(frozen=True)
@@ -40,6 +48,10 @@ class Result:
         Screw forces applied from each sample on [N].
     tip : (N, 3) ndarray
         Tip in base axes [m].
+    covered, fell_back : (N,) ndarray of bool, optional
+        Whether the controller was inside its trained range, and whether it fell back on its average; of controllers that say so.
+    torque_interval : (N, 3, 2) ndarray, optional
+        Torque as the fuzzy number that was defuzzified, see :attr:`psp3.FuzzyComputedTorque.torque_interval` [N].
     """
 
     t: Array
@@ -48,6 +60,9 @@ class Result:
     desired: Motion
     torque: Array
     tip: Array
+    covered: NDArray[np.bool_] | None = None
+    fell_back: NDArray[np.bool_] | None = None
+    torque_interval: Array | None = None
 
     def save(self, path: str | Path) -> Path:
         """Write the result to an ``.npz`` file, all at once, and return its path.
@@ -60,6 +75,7 @@ class Result:
         path = Path(path)
         arrays = {name: getattr(self, name) for name in ("t", "heights", "speeds", "torque", "tip")}
         arrays |= {f"desired_{name}": values for name, values in self.desired._asdict().items()}
+        arrays |= {name: getattr(self, name) for name in _REPORTED if getattr(self, name) is not None}
         partial = path.with_name(path.name + ".part")
         try:
             with partial.open("wb") as file:
@@ -98,14 +114,16 @@ def load_result(path: str | Path) -> Result:
     if found != FORMAT:
         raise InvalidResultFile(path, f"has format {found!r}, this version reads {FORMAT!r}")
     expected = {"t", "heights", "speeds", "torque", "tip", *(f"desired_{name}" for name in Motion._fields)}
-    if set(content) != expected:
+    if not expected <= set(content) <= expected | set(_REPORTED):
         raise InvalidResultFile(path, f"must hold the arrays {', '.join(sorted(expected))}; it holds {', '.join(sorted(content))}")
     samples = content["t"].shape
     for name, array in content.items():
-        if len(samples) != 1 or array.shape != (samples if name == "t" else (*samples, 3)) or array.dtype != np.float64:
+        shape, kind = _REPORTED.get(name, ((), np.float64) if name == "t" else ((3,), np.float64))
+        if len(samples) != 1 or array.shape != (*samples, *shape) or array.dtype != kind:
             raise InvalidResultFile(path, f"array {name} has shape {array.shape} and type {array.dtype}")
     desired = Motion(*(content[f"desired_{name}"] for name in Motion._fields))
-    return Result(content["t"], content["heights"], content["speeds"], desired, content["torque"], content["tip"])
+    reported = {name: content.get(name) for name in _REPORTED}
+    return Result(content["t"], content["heights"], content["speeds"], desired, content["torque"], content["tip"], **reported)
 
 
 def simulate(
@@ -130,7 +148,8 @@ def simulate(
     robot : PSP3
         The robot that is simulated.
     controller : Controller
-        Called at every control period, at the end of the simulation too; its force is held until the next call.
+        Called at every control period, at the end of the simulation too; its force is held until the next call. If it has attributes
+        ``covered``, ``fell_back`` or ``torque_interval``, the result has them for every sample.
     trajectory : Trajectory
         The desired motion.
     duration : float
@@ -181,6 +200,9 @@ def simulate(
         raise InvalidValue("initial_heights", heights.tolist(), f"within the stroke, {lower.tolist()} to {upper.tolist()} m")
 
     all_heights, all_speeds, all_torque = np.empty((3, steps + 1, 3))
+    reported: dict[str, Any] = {
+        name: np.empty((steps + 1, *shape), kind) for name, (shape, kind) in _REPORTED.items() if hasattr(controller, name)
+    }
     (low1, low2, low3), (high1, high2, high3) = (lower.tolist(), upper.tolist())
 
     def result(samples: int) -> Result:
@@ -191,6 +213,7 @@ def simulate(
             Motion(*(array[:samples] for array in desired)),
             all_torque[:samples],
             robot.forward_kinematics(all_heights[:samples]).tip,
+            **{name: array[:samples] for name, array in reported.items()},
         )
 
     controller.reset()
@@ -211,6 +234,8 @@ def simulate(
         if limit is not None:
             torque = np.clip(torque, -limit, limit)
         all_torque[k] = torque
+        for name, array in reported.items():
+            array[k] = getattr(controller, name)
         if k == steps:
             break
         state = plant.advance(torque, period)

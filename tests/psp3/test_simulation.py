@@ -222,11 +222,11 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     np.savez(path, t=np.zeros(3))
     with pytest.raises(InvalidResultFile, match="format 'none'"):
         psp3.load_result(path)
-    np.savez(path, format=np.array("psp3-result-1"), t=np.zeros(3))
+    np.savez(path, format=np.array("psp3-result-2"), t=np.zeros(3))
     with pytest.raises(InvalidResultFile, match="must hold"):
         psp3.load_result(path)
     names = ["t", "heights", "speeds", "torque", "tip", *(f"desired_{name}" for name in Motion._fields)]
-    np.savez(path, format=np.array("psp3-result-1"), **{name: np.zeros(3) for name in names})
+    np.savez(path, format=np.array("psp3-result-2"), **{name: np.zeros(3) for name in names})
     with pytest.raises(InvalidResultFile, match="shape"):
         psp3.load_result(path)
     np.savez(path, allow_pickle=True, t=np.array([{}]))

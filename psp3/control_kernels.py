@@ -1,0 +1,225 @@
+"""Compiled control loops: one step of the fuzzy computed-torque controller, and whole runs of every controller of chapter 6.
+
+A controller is one array of floats, so that a call hands over one table and not a dozen arrays. It starts with
+(kind, kp, kv, what to do outside, planes L, product grades, size of the fuzzy system's table), then follow
+
+  ranges      4 lower and 4 upper ends of the trained inputs
+  fallback    18 numbers, used where an estimate cannot be
+  alphas, widths   L numbers each, see ``fuzzy2.kernels.evaluate_planes``
+  table       the fuzzy system, see ``fuzzy2.kernels``
+  middles, spreads   R rows of 18 each, see ``fuzzy2.kernels.evaluate_corollary``; for that kind only
+
+``p`` are the robot's parameters as ``closed_form`` takes them.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy2.compiled import compiled
+from fuzzy2.kernels import evaluate, evaluate_corollary, evaluate_planes
+from psp3.closed_form import advance, equation_of_motion
+
+Array = NDArray[np.float64]
+
+FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE, INTERVAL, PLANES, COROLLARY = range(7)
+CLAMP, CRISP = range(2)
+
+HEADER = 7
+OUTPUTS = 18
+"""Estimated numbers: the upper triangle of M, C and G."""
+
+STEP = 11
+"""Numbers that ``fuzzy_torque`` writes: torque (3), left or mean (3), right or standard deviation (3), covered, fell back."""
+
+_RANGES = HEADER
+_FALLBACK = HEADER + 8
+_ALPHAS = HEADER + 8 + OUTPUTS
+
+
+@compiled
+def _is_positive_definite(m):
+    """Whether M, given by its upper triangle, is finite and positive definite, by its leading minors."""
+    m11, m12, m13, m22, m23, m33 = m[0], m[1], m[2], m[3], m[4], m[5]
+    second = m11 * m22 - m12 * m12
+    determinant = m33 * second - m11 * m23 * m23 + 2.0 * m12 * m13 * m23 - m22 * m13 * m13
+    return m11 > 0.0 and second > 0.0 and determinant > 0.0 and math.isfinite(determinant)
+
+
+@compiled
+def _estimate(controller, x, crisp, middle, spread):
+    """Write M, C and G estimated at the four differences: crisp values; middles and half-widths, or means and standard deviations."""
+    kind, planes, size = int(controller[0]), int(controller[4]), int(controller[6])
+    start = _ALPHAS + 2 * planes
+    table = controller[start : start + size]
+    if kind == COROLLARY:
+        rules = int(table[2])
+        after = start + size
+        middles = controller[after : after + rules * OUTPUTS].reshape(rules, OUTPUTS)
+        spreads = controller[after + rules * OUTPUTS : after + 2 * rules * OUTPUTS].reshape(rules, OUTPUTS)
+        numbers = np.empty(2 * OUTPUTS)
+        evaluate_corollary(table, x, middles, spreads, controller[5] > 0.0, numbers)
+        for j in range(OUTPUTS):
+            crisp[j] = middle[j] = numbers[2 * j]
+            spread[j] = numbers[2 * j + 1]
+        return
+    ends = np.empty(max(planes, 1) * 2 * OUTPUTS)
+    if kind == INTERVAL:
+        evaluate(table, x, 0.0, False, ends)
+    else:
+        evaluate_planes(table, x, controller[_ALPHAS + planes : start], ends)
+    # What is shown of a general type-2 estimate is its lowest plane, the first.
+    for j in range(OUTPUTS):
+        middle[j], spread[j] = 0.5 * (ends[2 * j] + ends[2 * j + 1]), 0.5 * (ends[2 * j + 1] - ends[2 * j])
+        crisp[j] = middle[j]
+    if kind == PLANES:
+        total = 0.0
+        for plane in range(planes):
+            total += controller[_ALPHAS + plane]
+        for j in range(OUTPUTS):
+            moment = 0.0
+            for plane in range(planes):
+                o = 2 * (plane * OUTPUTS + j)
+                moment += controller[_ALPHAS + plane] * (0.5 * (ends[o] + ends[o + 1]))
+            crisp[j] = moment / total
+
+
+@compiled
+def _apply(m, servo, speeds, out, o):
+    """Write the force M servo + C speeds + G of eighteen numbers."""
+    s1, s2, s3 = servo[0], servo[1], servo[2]
+    out[o] = m[0] * s1 + m[1] * s2 + m[2] * s3
+    out[o + 1] = m[1] * s1 + m[3] * s2 + m[4] * s3
+    out[o + 2] = m[2] * s1 + m[4] * s2 + m[5] * s3
+    for i in range(3):
+        out[o + i] += m[6 + 3 * i] * speeds[0] + m[7 + 3 * i] * speeds[1] + m[8 + 3 * i] * speeds[2] + m[15 + i]
+
+
+@compiled
+def _width(spread, servo, speeds, i, squares):
+    """Spread of entry i of M servo + C speeds + G: spreads add up (Theorem 1.4), or their squares (1.5, product grades)."""
+    width = spread[15 + i] * spread[15 + i] if squares else spread[15 + i]
+    for j in range(3):
+        a, b = min(i, j), max(i, j)
+        one, two = abs(servo[j]) * spread[a * (5 - a) // 2 + b], abs(speeds[j]) * spread[6 + 3 * i + j]
+        width += one * one + two * two if squares else one + two
+    return math.sqrt(width) if squares else width
+
+
+@compiled
+def _exact(heights, speeds, p, full, m):
+    """Write the exact eighteen numbers, or NaN where the pose is none of the machine's."""
+    if equation_of_motion(heights, speeds, p, full) >= 0:
+        full[:] = math.nan
+    m[0], m[1], m[2], m[3], m[4], m[5] = full[0], full[1], full[2], full[4], full[5], full[8]
+    for k in range(12):
+        m[6 + k] = full[9 + k]
+
+
+@compiled
+def _servo(controller, heights, speeds, desired, servo):
+    """Write the acceleration that the servo asks for; ``desired`` holds heights, speeds and accelerations."""
+    for i in range(3):
+        servo[i] = desired[6 + i] + controller[2] * (desired[3 + i] - speeds[i]) + controller[1] * (desired[i] - heights[i])
+
+
+@compiled
+def fuzzy_torque(controller: Array, p: Array, heights: Array, speeds: Array, desired: Array, added: Array, out: Array) -> None:
+    """Write one step of the fuzzy computed-torque controller, ``STEP`` numbers.
+
+    ``desired`` holds heights, speeds and accelerations; ``added`` is empty, or eighteen numbers that are added to the estimates.
+    """
+    x = np.empty(4)
+    x[0], x[1], x[2], x[3] = heights[0] - heights[1], heights[0] - heights[2], speeds[0] - speeds[1], speeds[0] - speeds[2]
+    clamp, covered = int(controller[3]) == CLAMP, True
+    for i in range(4):
+        low, high = controller[_RANGES + i], controller[_RANGES + 4 + i]
+        if not low <= x[i] <= high:
+            covered = False
+            if clamp:
+                x[i] = min(max(x[i], low), high)
+    crisp, middle, spread, servo = np.empty(OUTPUTS), np.empty(OUTPUTS), np.zeros(OUTPUTS), np.empty(3)
+    fell_back = False
+    if covered or clamp:
+        total = x[0] + x[1] + x[2] + x[3]
+        if math.isfinite(total):
+            _estimate(controller, x, crisp, middle, spread)
+            for j in range(added.size):
+                crisp[j] += added[j]
+                middle[j] += added[j]
+            for j in range(OUTPUTS):
+                total += crisp[j] + spread[j]
+        if not (math.isfinite(total) and _is_positive_definite(crisp)):
+            fell_back = True
+            for j in range(OUTPUTS):
+                crisp[j] = middle[j] = controller[_FALLBACK + j]
+                spread[j] = 0.0
+    else:
+        _exact(heights, speeds, p, np.empty(21), crisp)
+        middle[:] = crisp
+    _servo(controller, heights, speeds, desired, servo)
+    _apply(crisp, servo, speeds, out, 0)
+    _apply(middle, servo, speeds, out, 3)
+    corollary = int(controller[0]) == COROLLARY
+    for i in range(3):
+        width = _width(spread, servo, speeds, i, corollary and controller[5] > 0.0)
+        if corollary:
+            out[6 + i] = width
+        else:
+            out[3 + i], out[6 + i] = out[3 + i] - width, out[3 + i] + width
+    out[9], out[10] = 1.0 if covered else 0.0, 1.0 if fell_back else 0.0
+
+
+@compiled
+def run(
+    controller: Array, model: Array, plant: Array, desired: Array, state: Array, period: float, measured: Array, added: Array,
+    samples: Array,
+) -> int:  # fmt: skip
+    """Let a controller steer the robot; return the number of samples written.
+
+    ``model`` and ``plant`` are parameters as the controller knows them and as they are; ``desired`` (N, 9) heights, speeds and
+    accelerations; ``state`` (6,) where the robot starts, changed in place; ``measured`` (N, 6) or (0, 6) what measurement adds to
+    heights and speeds; ``added`` (N, 18) or (0, 18) what is added to the model's M, C and G. ``samples`` (N, 11) gets heights,
+    speeds, torque, covered and fell back. Fewer than N samples are written if the robot leaves the poses it can take.
+    """
+    kind = int(controller[0])
+    seen, step, values, full, servo = np.empty(6), np.zeros(STEP), np.empty(OUTPUTS), np.empty(21), np.empty(3)
+    scratch, none = np.empty(6), np.empty(0)
+    for k in range(desired.shape[0]):
+        for i in range(6):
+            seen[i] = state[i] + (measured[k, i] if measured.shape[0] > 0 else 0.0)
+        heights, speeds, wanted = seen[:3], seen[3:], desired[k]
+        step[9], step[10] = 1.0, 0.0
+        if kind >= INTERVAL:
+            fuzzy_torque(controller, model, heights, speeds, wanted, added[k] if added.shape[0] > 0 else none, step)
+        else:
+            if kind == FEED_FORWARD:
+                _exact(wanted[:3], wanted[3:6], model, full, values)
+            elif kind != PD:
+                _exact(heights, speeds, model, full, values)
+            if kind != PD and added.shape[0] > 0:
+                for j in range(OUTPUTS):
+                    values[j] += added[k, j]
+            if kind == FEED_FORWARD:
+                _apply(values, wanted[6:], wanted[3:6], step, 0)
+            elif kind == COMPUTED_TORQUE:
+                _servo(controller, heights, speeds, wanted, servo)
+                _apply(values, servo, speeds, step, 0)
+            else:
+                for i in range(3):
+                    step[i] = controller[1] * (wanted[i] - heights[i]) + controller[2] * (wanted[3 + i] - speeds[i])
+                    if kind == GRAVITY_COMPENSATED_PD:
+                        step[i] += values[15 + i]
+        for i in range(6):
+            samples[k, i] = state[i]
+        for i in range(3):
+            samples[k, 6 + i] = step[i]
+        samples[k, 9], samples[k, 10] = step[9], step[10]
+        if not math.isfinite(step[0] + step[1] + step[2]):
+            return k
+        if k + 1 < desired.shape[0] and not advance(state, step[:3], period, 1, plant, scratch):
+            return k + 1
+    return int(desired.shape[0])

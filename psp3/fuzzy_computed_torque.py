@@ -1,0 +1,488 @@
+r"""The controller of chapter 5: computed torque with M, C and G estimated by a fuzzy system from four differences.
+
+.. math:: \tau = \alpha\,(\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad \alpha = M, \quad \beta = C \dot a + G
+
+M, C and G are fuzzy numbers, the type-reduced outputs of one rule base; so are :math:`\alpha`, :math:`\beta` and the torque, which is
+defuzzified last. Intervals and Gaussian numbers are affine (Theorems 1.4, 1.5): their crisp torque is the same when M, C and G are
+defuzzified first. That is what :meth:`FuzzyComputedTorque.torque` does, in one compiled call, and
+:meth:`FuzzyComputedTorque.torque_number` goes the thesis's way.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import Fuzzy2Error
+from fuzzy2.json_files import from_json, to_json
+from fuzzy2.learning import KINDS, LEARNERS, WangMendel
+from fuzzy2.noise import mean_variation_from_snr
+from fuzzy2.numbers import GaussianNumber, IntervalNumber
+from fuzzy2.systems import FuzzySystem, GeneralType2System
+from fuzzy2.text_files import read_text, write_text
+from psp3 import control_kernels as kernels
+from psp3.arrays import Array, one_row
+from psp3.controllers import _gain
+from psp3.errors import InvalidControllerFile, InvalidValue, NotTrained, UnknownName, UnusableEstimate
+from psp3.loading import load
+from psp3.parameters import Parameters
+from psp3.records import DURATION, INPUT_NAMES, OUTPUT_NAMES, Record, differences, record, unpack
+from psp3.robot import PSP3
+from psp3.trajectories import Motion, Trajectory
+
+FORMAT = "psp3-fuzzy-computed-torque-1"
+"""Written into every controller file; a file with another mark is refused."""
+
+OUTSIDE = ("clamp", "crisp")
+"""What to do outside of the trained range: take the nearest inputs in it, or the exact M, C and G."""
+
+REDUCTIONS = ("alpha_planes", "gaussian")
+"""Type reductions of the general type-2 controller."""
+
+FuzzyNumbers = IntervalNumber | GaussianNumber
+
+_FLOAT = np.dtype(np.float64)
+_NONE = np.empty(0)
+
+
+class _Named(np.ndarray[Any, np.dtype[np.float64]]):
+    """An array whose columns have names, so that errors of learning speak of Δq12 and not of x1."""
+
+    columns = INPUT_NAMES
+
+
+class FuzzyComputedTorque:
+    r"""Computed torque with learned M, C and G: type-1, interval type-2 or general type-2.
+
+    Parameters
+    ----------
+    kind : {"it2", "t1", "gt2"}
+        Kind of the estimators: interval type-2 (Gaussian terms of uncertain mean, center of sets: the thesis's), type-1 (the same
+        with mean variation zero), or general type-2 (Gaussian secondary grades: the thesis's future work).
+    robot : PSP3, optional
+        The robot to learn from; ``psp3.load("psp3")`` by default.
+    kp, kv : float
+        Gains of the servo, 10 [1/s²] and 1 [1/s] in Table 6.1.
+    n_terms : int
+        Terms of every input; two make 16 rules.
+    learner : str
+        How rules are learned, see :class:`fuzzy2.WangMendel`; by default every rule takes the sample that fires it most.
+    snr_db : float
+        Signal-to-noise ratio of the recorded M, C and G [dB]: noise of that power is added to the samples, and the mean variation
+        follows from it. Infinite by default.
+    mean_variation : float, optional
+        Distance of the terms' smallest and largest mean from the middle as a share of each input's range; by default
+        :func:`fuzzy2.mean_variation_from_snr` of ``snr_db``, which is 0 without noise.
+    levels : int
+        α-planes of a general type-2 system, each reduced exactly.
+    reduction : {"alpha_planes", "gaussian"}
+        Of a general type-2 system. By the Gaussian corollary the torque is that of ``"t1"``, whatever the uncertainty, and only its
+        spread is new: cheap monitoring.
+    outside : {"clamp", "crisp"}
+        What to do outside of the range of the training inputs: take the nearest inputs within, or the exact M, C and G.
+
+    Attributes
+    ----------
+    system_ : fuzzy2 system
+        What was learned: 4 inputs, 18 outputs in the order of :data:`psp3.records.OUTPUT_NAMES`. M is symmetric, because its
+        lower triangle is its upper one.
+    ranges_ : (2, 4) ndarray
+        Smallest and largest training inputs.
+    fallback_ : (18,) ndarray
+        Average over the rules. It takes the place of an estimate that is not finite, or whose M is not positive definite.
+
+    Raises
+    ------
+    InvalidValue, UnknownName
+        If a parameter is not what it must be.
+
+    Notes
+    -----
+    Source: thesis chapter 5, Figs. 47 and 48. The text says that defuzzifying first is right for interval systems only; it is for
+    Gaussian numbers as well, and wrong for other shapes.
+    """
+
+    system_: FuzzySystem
+    ranges_: Array
+    fallback_: Array
+
+    def __init__(
+        self,
+        kind: str = "it2",
+        robot: PSP3 | None = None,
+        *,
+        kp: float = 10.0,
+        kv: float = 1.0,
+        n_terms: int = 2,
+        learner: str = "strongest",
+        snr_db: float = math.inf,
+        mean_variation: float | None = None,
+        levels: int = 5,
+        reduction: str = "alpha_planes",
+        outside: str = "clamp",
+    ) -> None:
+        for what, name, known in (
+            ("kind of controller", kind, KINDS), ("learner", learner, LEARNERS),
+            ("reduction", reduction, REDUCTIONS), ("way outside of the trained range", outside, OUTSIDE),
+        ):  # fmt: skip
+            if name not in known:
+                raise UnknownName(what, name, known)
+        self.kind, self.learner, self.reduction, self.outside = kind, learner, reduction, outside
+        self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
+        self.n_terms, self.levels = n_terms, levels
+        self.snr_db = checked_snr(snr_db)
+        if kind == "t1":
+            mean_variation = 0.0
+        self.mean_variation = float(mean_variation_from_snr(self.snr_db)) if mean_variation is None else mean_variation
+        self.robot = load("psp3") if robot is None else robot
+        self._controller: Array | None = None
+        self._parameters = self.robot.parameters.as_array()
+        self._wanted, self._step = np.empty(9), np.full(kernels.STEP, np.nan)
+
+    def __repr__(self) -> str:
+        trained = "not trained" if self._controller is None else f"{len(self.system_.rules)} rules"
+        return f"{type(self).__name__}({self.kind!r}, kp={self.kp:g}, kv={self.kv:g}, mean_variation={self.mean_variation:.3g}, {trained})"
+
+    # Learning
+
+    def fit(self, trajectory: Trajectory, duration: float = DURATION, samples: int = 209, rng: np.random.Generator | None = None) -> Self:
+        """Learn as in chapter 5: track a trajectory with the crisp controller of the same gains, record, and learn from samples.
+
+        Parameters
+        ----------
+        trajectory : Trajectory
+            The path to learn on; the thesis's is a helix.
+        duration : float
+            Length of the training run [s].
+        samples : int
+            Number of samples, spread evenly over the recorded inputs.
+        rng : numpy.random.Generator, optional
+            Source of the noise on the samples; a new one by default. Not used at an infinite signal-to-noise ratio.
+
+        Returns
+        -------
+        FuzzyComputedTorque
+            The controller itself.
+
+        Raises
+        ------
+        InvalidValue
+            If an input does not change on the trajectory, or a parameter is not what it must be.
+        fuzzy2.UnsupportedRule
+            If no sample fires some rule by more than 0.001.
+        UnusableEstimate
+            If the average mass matrix is not positive definite.
+        """
+        return self.learn(record(self.robot, trajectory, duration, kp=self.kp, kv=self.kv), samples, rng)
+
+    def learn(self, recorded: Record, samples: int = 209, rng: np.random.Generator | None = None) -> Self:
+        """Learn from a record; see :meth:`fit`."""
+        chosen = recorded.sample(samples)
+        inputs, outputs = recorded.inputs[chosen], recorded.outputs[chosen]
+        if math.isfinite(self.snr_db):
+            rng = np.random.default_rng() if rng is None else rng
+            # The power of the signal is the mean square over the whole run, mean included, so it does not depend on the samples.
+            amplitude = recorded.rms * 10.0 ** (-self.snr_db / 20.0)
+            outputs = outputs + amplitude * rng.standard_normal(outputs.shape)
+        learner = WangMendel(
+            self.n_terms, self.kind, self.mean_variation, self.learner, reduction=self.reduction, levels=self.levels
+        )  # fmt: skip
+        system = learner.fit(inputs.view(_Named), outputs).system_
+        system.output_names = OUTPUT_NAMES
+        self._take(system, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
+        return self
+
+    def _take(self, system: FuzzySystem, ranges: Array) -> None:
+        fallback = np.asarray(system.consequents, dtype=float).mean(axis=0)
+        mass = unpack(fallback)[0]
+        if not np.isfinite(fallback).all() or np.linalg.eigvalsh(mass)[0] <= 0.0:
+            raise UnusableEstimate(mass)
+        self.system_, self.ranges_, self.fallback_ = system, ranges, fallback
+        kind, levels, product, alphas, widths, after = kernels.INTERVAL, 0, False, _NONE, _NONE, _NONE
+        if isinstance(system, GeneralType2System):
+            if system.reduction == "gaussian":
+                kind, product = kernels.COROLLARY, system.grade_t_norm == "product"
+                after = np.concatenate([moments.ravel() for moments in system.moments])
+            else:
+                kind, levels, alphas, widths = kernels.PLANES, system.levels, system.alphas, system.widths
+        assert system.table is not None
+        header = [kind, self.kp, self.kv, OUTSIDE.index(self.outside), levels, product, system.table.size]
+        self._controller = np.concatenate([header, ranges.ravel(), fallback, alphas, widths, system.table, after]).astype(np.float64)
+        self.reset()
+
+    @property
+    def controller(self) -> Array:
+        """The trained controller as the one array that :mod:`psp3.control_kernels` takes."""
+        if self._controller is None:
+            raise NotTrained(type(self).__name__)
+        return self._controller
+
+    # Control
+
+    def reset(self) -> None:
+        """Forget the last call; what was learned stays."""
+        self._step[:] = np.nan
+
+    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the crisp torque, of shape (3,) [N].
+
+        Parameters
+        ----------
+        t : float
+            Time [s]; not used.
+        heights, speeds : (3,) array_like
+            Nut heights [m] and speeds [m/s].
+        desired : Motion
+            Desired heights, speeds and accelerations, (3,) each.
+
+        Returns
+        -------
+        (3,) ndarray
+            Screw forces.
+
+        Raises
+        ------
+        NotTrained
+            If nothing was learned yet.
+        InvalidArray
+            If heights, speeds or the desired motion are not three finite numbers each.
+        """
+        if self._controller is None:
+            raise NotTrained(type(self).__name__)
+        wanted = self._wanted
+        try:
+            wanted[:3], wanted[3:6], wanted[6:] = desired.heights, desired.speeds, desired.accelerations
+        except ValueError:
+            self._refuse(heights, speeds, desired)
+            raise
+        if not (_is_plain(heights) and _is_plain(speeds)):
+            heights, speeds = one_row("heights", heights, 3), one_row("speeds", speeds, 3)
+        step = self._step
+        kernels.fuzzy_torque(self._controller, self._parameters, heights, speeds, wanted, _NONE, step)
+        torque = step[:3].copy()
+        if not math.isfinite(torque[0] + torque[1] + torque[2]):
+            self._refuse(heights, speeds, desired)
+        return torque
+
+    @staticmethod
+    def _refuse(heights: ArrayLike, speeds: ArrayLike, desired: Motion) -> None:
+        """Raise for what is not three finite numbers."""
+        one_row("heights", heights, 3)
+        one_row("speeds", speeds, 3)
+        for name in ("heights", "speeds", "accelerations"):
+            one_row(f"desired {name}", getattr(desired, name), 3)
+
+    @property
+    def torque_interval(self) -> Array:
+        """Ends of the torque interval of the last call (3, 2) [N], the lowest α-plane's for α-planes; (mean, sigma) by the corollary."""
+        return self._step[3:9].reshape(2, 3).T.copy()
+
+    @property
+    def covered(self) -> bool:
+        """Whether the inputs of the last call were within the trained range."""
+        return bool(self._step[9] > 0.0)
+
+    @property
+    def fell_back(self) -> bool:
+        """Whether the last estimate was unusable, and the average over the rules took its place."""
+        return bool(self._step[10] > 0.0)
+
+    def _inputs(self, heights: ArrayLike, speeds: ArrayLike) -> Array:
+        if self._controller is None:
+            raise NotTrained(type(self).__name__)
+        inputs = differences(heights, speeds)
+        return np.clip(inputs, *self.ranges_) if self.outside == "clamp" else inputs
+
+    def estimate(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array, Array]:
+        """Return the crisp estimates of M, C and G.
+
+        Parameters
+        ----------
+        heights, speeds : (..., 3) array_like
+            Nut heights [m] and speeds [m/s].
+
+        Returns
+        -------
+        M, C, G : (..., 3, 3), (..., 3, 3), (..., 3) ndarray
+            As the fuzzy system gives them, inputs clamped to the trained range if ``outside`` says so; no fallback.
+
+        Raises
+        ------
+        NotTrained, InvalidArray
+            As from :meth:`torque`.
+        """
+        return unpack(np.asarray(self.system_(self._inputs(heights, speeds))))
+
+    def estimated_numbers(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[FuzzyNumbers, FuzzyNumbers, FuzzyNumbers]:
+        """Return the estimates of M, C and G as arrays of fuzzy numbers, the type-reduced outputs.
+
+        Parameters
+        ----------
+        heights, speeds : (..., 3) array_like
+            Nut heights [m] and speeds [m/s].
+
+        Returns
+        -------
+        M, C, G : IntervalNumber or GaussianNumber
+            Of the shapes of :meth:`estimate`; by α-planes with the planes as a first dimension more, in the order of
+            ``system_.alphas``.
+
+        Raises
+        ------
+        NotTrained, InvalidArray
+            As from :meth:`torque`.
+        """
+        inputs = self._inputs(heights, speeds)
+        if not isinstance(self.system_, GeneralType2System):
+            ends = self.system_.type_reduced(inputs)
+        elif self.system_.reduction == "gaussian":
+            mean, sigma = np.moveaxis(self.system_.type_reduced(inputs), -1, 0)
+            grades: Any = self.system_.grade_t_norm
+            means, sigmas = unpack(mean), unpack(sigma)
+            numbers = [GaussianNumber(m, s, grades) for m, s in zip(means, sigmas, strict=True)]
+            return numbers[0], numbers[1], numbers[2]
+        else:
+            ends = np.moveaxis(self.system_.alpha_cuts(inputs), -2, 0)
+        left, right = unpack(ends[..., 0]), unpack(ends[..., 1])
+        intervals = [IntervalNumber(0.5 * (low + high), 0.5 * (high - low)) for low, high in zip(left, right, strict=True)]
+        return intervals[0], intervals[1], intervals[2]
+
+    def torque_number(self, heights: ArrayLike, speeds: ArrayLike, desired: Motion) -> FuzzyNumbers:
+        r"""Return the torque as a fuzzy number, :math:`\alpha\,(\ddot a_d + k_v \dot e + k_p e) + \beta` in fuzzy arithmetic.
+
+        Parameters
+        ----------
+        heights, speeds : (3,) array_like
+            Nut heights [m] and speeds [m/s].
+        desired : Motion
+            Desired heights, speeds and accelerations, (3,) each.
+
+        Returns
+        -------
+        IntervalNumber or GaussianNumber
+            Of shape (3,) [N]; by α-planes (L, 3), a row for each plane.
+
+        Raises
+        ------
+        NotTrained, InvalidArray
+            As from :meth:`torque`.
+        """
+        self._refuse(heights, speeds, desired)
+        a, v = one_row("heights", heights, 3), one_row("speeds", speeds, 3)
+        M, C, G = self.estimated_numbers(a, v)
+        servo = desired.accelerations + self.kv * (desired.speeds - v) + self.kp * (desired.heights - a)
+        alpha_part: Any = M @ servo
+        number: FuzzyNumbers = alpha_part + C @ v + G
+        return number
+
+    def defuzzify(self, number: FuzzyNumbers) -> Array:
+        r"""Return the crisp torque of a number: its middle or mean, or :math:`\sum_l \alpha_l c_l / \sum_l \alpha_l` over α-planes."""
+        middles = number.defuzzify()
+        if isinstance(self.system_, GeneralType2System) and self.system_.reduction == "alpha_planes":
+            return np.asarray(self.system_.alphas @ middles / self.system_.alphas.sum())
+        return middles
+
+    # Files
+
+    def save(self, path: str | Path) -> Path:
+        """Write the trained controller as JSON: the fuzzy system, gains, ranges and the parameters of the robot it was trained for.
+
+        Raises
+        ------
+        NotTrained
+            If nothing was learned yet.
+        """
+        if self._controller is None:
+            raise NotTrained(type(self).__name__)
+        content = {
+            "format": FORMAT, "kind": self.kind, "kp": self.kp, "kv": self.kv, "outside": self.outside, "learner": self.learner,
+            "n_terms": self.n_terms, "mean_variation": self.mean_variation, "inputs": INPUT_NAMES, "outputs": OUTPUT_NAMES,
+            "snr_db": self.snr_db if math.isfinite(self.snr_db) else "inf",
+            "ranges": self.ranges_.tolist(), "robot": self.robot.parameters.as_dict(), "system": to_json(self.system_),
+        }  # fmt: skip
+        write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", path)
+        return Path(path)
+
+    @classmethod
+    def load(cls, path: str | Path, robot: PSP3 | None = None) -> FuzzyComputedTorque:
+        """Read a controller that :meth:`save` wrote.
+
+        Parameters
+        ----------
+        path : path
+            The file.
+        robot : PSP3, optional
+            The robot it is meant for; by default one with the parameters in the file.
+
+        Returns
+        -------
+        FuzzyComputedTorque
+
+        Raises
+        ------
+        InvalidControllerFile
+            If the file is missing, malformed or of another version, or the controller was trained for other parameters of the robot,
+            or for other inputs or outputs or in another order.
+        """
+        try:
+            content = json.loads(read_text(path))
+            return cls._from(content, robot, path)
+        except InvalidControllerFile:
+            raise
+        except (OSError, Fuzzy2Error, ValueError, TypeError) as error:
+            raise InvalidControllerFile(path, f"is not a whole controller file ({error})") from error
+        except KeyError as error:
+            raise InvalidControllerFile(path, f"lacks {error.args[0]!r}") from error
+
+    @classmethod
+    def _from(cls, content: Any, robot: PSP3 | None, path: str | Path) -> FuzzyComputedTorque:
+        if not isinstance(content, dict) or content.get("format") != FORMAT:
+            found = content.get("format") if isinstance(content, dict) else type(content).__name__
+            raise InvalidControllerFile(path, f"has format {found!r}, this version reads {FORMAT!r}")
+        for what, names in (("inputs", INPUT_NAMES), ("outputs", OUTPUT_NAMES)):
+            if tuple(content[what]) != names:
+                raise InvalidControllerFile(path, f"has the {what} {', '.join(content[what])}, this version needs {', '.join(names)}")
+        parameters = Parameters(**content["robot"])
+        if robot is not None and robot.parameters != parameters:
+            given = robot.parameters.as_dict()
+            other = [f"{name} {value} (yours {given[name]})" for name, value in parameters.as_dict().items() if given[name] != value]
+            raise InvalidControllerFile(path, f"was trained for a robot with {', '.join(other)}; load it without a robot, or train anew")
+        system = from_json(content["system"])
+        ranges = np.asarray(content["ranges"], dtype=float)
+        if not isinstance(system, FuzzySystem) or len(system.inputs) != len(INPUT_NAMES) or system.n_outputs != len(OUTPUT_NAMES):
+            raise InvalidControllerFile(path, f"holds no fuzzy system of {len(INPUT_NAMES)} inputs and {len(OUTPUT_NAMES)} outputs")
+        if ranges.shape != (2, 4) or not np.isfinite(ranges).all() or not (ranges[0] < ranges[1]).all():
+            raise InvalidControllerFile(path, "has ranges that are not four smallest and four largest inputs")
+        if system.table is None:
+            raise InvalidControllerFile(path, "holds a fuzzy system that the compiled loop cannot evaluate")
+        options: dict[str, Any] = {}
+        if isinstance(system, GeneralType2System):
+            options = {"levels": system.levels, "reduction": system.reduction}
+        controller = cls(
+            content["kind"], load("psp3", parameters=parameters) if robot is None else robot, kp=content["kp"], kv=content["kv"],
+            n_terms=content["n_terms"], learner=content["learner"], snr_db=float(content["snr_db"]),
+            mean_variation=content["mean_variation"], outside=content["outside"], **options,
+        )  # fmt: skip
+        controller._take(system, ranges)
+        return controller
+
+
+def checked_snr(snr_db: float) -> float:
+    """Return a signal-to-noise ratio in decibels as a float; raise :class:`InvalidValue` if it is not a number above minus infinity."""
+    try:
+        ratio = float(snr_db)
+    except (TypeError, ValueError):
+        ratio = math.nan
+    if math.isnan(ratio) or ratio == -math.inf:
+        raise InvalidValue("snr_db", snr_db, "a number of decibels, or inf for no noise")
+    return ratio
+
+
+def _is_plain(row: object) -> bool:
+    """Whether the compiled loop can take a row as it is."""
+    return type(row) is np.ndarray and row.dtype is _FLOAT and row.shape == (3,) and row.flags.c_contiguous
