@@ -127,8 +127,8 @@ def _servo(controller, heights, speeds, desired, servo):
 
 
 @compiled
-def fuzzy_torque(controller: Array, p: Array, heights: Array, speeds: Array, desired: Array, added: Array, out: Array) -> None:
-    """Write one step of the fuzzy computed-torque controller, ``STEP`` numbers.
+def fuzzy_torque(controller: Array, p: Array, heights: Array, speeds: Array, desired: Array, added: Array, out: Array) -> bool:
+    """Write one step of the fuzzy computed-torque controller, ``STEP`` numbers; return whether the torque is finite.
 
     ``desired`` holds heights, speeds and accelerations; ``added`` is empty, or eighteen numbers that are added to the estimates.
     """
@@ -171,6 +171,21 @@ def fuzzy_torque(controller: Array, p: Array, heights: Array, speeds: Array, des
         else:
             out[3 + i], out[6 + i] = out[3 + i] - width, out[3 + i] + width
     out[9], out[10] = 1.0 if covered else 0.0, 1.0 if fell_back else 0.0
+    return math.isfinite(out[0] + out[1] + out[2])
+
+
+@compiled
+def control_step(
+    controller: Array, p: Array, heights: Array, speeds: Array, desired_heights: Array, desired_speeds: Array,
+    desired_accelerations: Array, out: Array,
+) -> int:  # fmt: skip
+    """Do as ``fuzzy_torque`` for rows that come one by one; return 1, 0 where the torque is not finite, or -1 for a row not of three."""
+    if not (heights.size == speeds.size == desired_heights.size == desired_speeds.size == desired_accelerations.size == 3):
+        return -1
+    desired = np.empty(9)
+    for i in range(3):
+        desired[i], desired[3 + i], desired[6 + i] = desired_heights[i], desired_speeds[i], desired_accelerations[i]
+    return 1 if fuzzy_torque(controller, p, heights, speeds, desired, np.empty(0), out) else 0
 
 
 @compiled

@@ -46,8 +46,8 @@ REDUCTIONS = ("alpha_planes", "gaussian")
 
 FuzzyNumbers = IntervalNumber | GaussianNumber
 
-_FLOAT = np.dtype(np.float64)
 _NONE = np.empty(0)
+_ROWS = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")
 
 
 class _Named(np.ndarray[Any, np.dtype[np.float64]]):
@@ -142,7 +142,7 @@ class FuzzyComputedTorque:
         self.robot = load("psp3") if robot is None else robot
         self._controller: Array | None = None
         self._parameters = self.robot.parameters.as_array()
-        self._wanted, self._step = np.empty(9), np.full(kernels.STEP, np.nan)
+        self.reset()
 
     def __repr__(self) -> str:
         trained = "not trained" if self._controller is None else f"{len(self.system_.rules)} rules"
@@ -214,6 +214,10 @@ class FuzzyComputedTorque:
         header = [kind, self.kp, self.kv, OUTSIDE.index(self.outside), levels, product, system.table.size]
         self._controller = np.concatenate([header, ranges.ravel(), fallback, alphas, widths, system.table, after]).astype(np.float64)
         self.reset()
+        row = np.zeros(3)
+        kernels.control_step(self._controller, self._parameters, row, row, row, row, row, self._step.copy())
+        # Compiled for contiguous rows of floats, and for nothing else: other rows are an error at once, not a minute's compilation.
+        kernels.control_step.disable_compile()  # type: ignore[attr-defined]
 
     @property
     def controller(self) -> Array:
@@ -226,7 +230,7 @@ class FuzzyComputedTorque:
 
     def reset(self) -> None:
         """Forget the last call; what was learned stays."""
-        self._step[:] = np.nan
+        self._step = np.full(kernels.STEP, np.nan)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the crisp torque, of shape (3,) [N].
@@ -254,28 +258,19 @@ class FuzzyComputedTorque:
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
-        wanted = self._wanted
+        # A new array in every call: the torque is a view of it, and stays what it is.
+        self._step = step = np.empty(kernels.STEP)
+        rows = (heights, speeds, desired.heights, desired.speeds, desired.accelerations)
         try:
-            wanted[:3], wanted[3:6], wanted[6:] = desired.heights, desired.speeds, desired.accelerations
-        except ValueError:
-            self._refuse(heights, speeds, desired)
-            raise
-        if not (_is_plain(heights) and _is_plain(speeds)):
-            heights, speeds = one_row("heights", heights, 3), one_row("speeds", speeds, 3)
-        step = self._step
-        kernels.fuzzy_torque(self._controller, self._parameters, heights, speeds, wanted, _NONE, step)
-        torque = step[:3].copy()
-        if not math.isfinite(torque[0] + torque[1] + torque[2]):
-            self._refuse(heights, speeds, desired)
+            done = kernels.control_step(self._controller, self._parameters, *rows, step)
+        except TypeError:
+            done = -1
+        if done != 1:
+            # Not contiguous rows of three finite floats: lists will do, the rest is refused.
+            a, v, a_d, v_d, acc_d = (one_row(name, row, 3) for name, row in zip(_ROWS, rows, strict=True))
+            kernels.control_step(self._controller, self._parameters, a, v, a_d, v_d, acc_d, step)
+        torque: Array = step[:3]
         return torque
-
-    @staticmethod
-    def _refuse(heights: ArrayLike, speeds: ArrayLike, desired: Motion) -> None:
-        """Raise for what is not three finite numbers."""
-        one_row("heights", heights, 3)
-        one_row("speeds", speeds, 3)
-        for name in ("heights", "speeds", "accelerations"):
-            one_row(f"desired {name}", getattr(desired, name), 3)
 
     @property
     def torque_interval(self) -> Array:
@@ -372,10 +367,10 @@ class FuzzyComputedTorque:
         NotTrained, InvalidArray
             As from :meth:`torque`.
         """
-        self._refuse(heights, speeds, desired)
-        a, v = one_row("heights", heights, 3), one_row("speeds", speeds, 3)
+        rows = (heights, speeds, desired.heights, desired.speeds, desired.accelerations)
+        a, v, *wanted = (one_row(name, row, 3) for name, row in zip(_ROWS, rows, strict=True))
         M, C, G = self.estimated_numbers(a, v)
-        servo = desired.accelerations + self.kv * (desired.speeds - v) + self.kp * (desired.heights - a)
+        servo = wanted[2] + self.kv * (wanted[1] - v) + self.kp * (wanted[0] - a)
         alpha_part: Any = M @ servo
         number: FuzzyNumbers = alpha_part + C @ v + G
         return number
@@ -481,8 +476,3 @@ def checked_snr(snr_db: float) -> float:
     if math.isnan(ratio) or ratio == -math.inf:
         raise InvalidValue("snr_db", snr_db, "a number of decibels, or inf for no noise")
     return ratio
-
-
-def _is_plain(row: object) -> bool:
-    """Whether the compiled loop can take a row as it is."""
-    return type(row) is np.ndarray and row.dtype is _FLOAT and row.shape == (3,) and row.flags.c_contiguous

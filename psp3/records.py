@@ -9,7 +9,7 @@ and of these alone. M is symmetric, so eighteen numbers hold all of them.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -33,6 +33,9 @@ OUTPUT_NAMES = (
     *("G1", "G2", "G3"),
 )
 """Outputs of the estimators, in order: the upper triangle of M [kg], C [kg/s] and G [N]."""
+
+STILL = 1e-9
+"""Range of an input below which it counts as not changing at all [m, m/s]: what is left is rounding."""
 
 _UPPER = np.triu_indices(3)
 
@@ -92,6 +95,7 @@ class Record:
     speeds: Array
     inputs: Array
     outputs: Array
+    _chosen: dict[int, NDArray[np.intp]] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     @property
     def rms(self) -> Array:
@@ -119,11 +123,17 @@ class Record:
         InvalidValue
             If the count is outside of these limits, or an input does not change at all.
         """
-        if count != int(count) or not 2 <= count <= len(self.t):
+        if isinstance(count, bool) or not isinstance(count, int | np.integer) or not 2 <= count <= len(self.t):
             raise InvalidValue("samples", count, f"a whole number from 2 to {len(self.t)}, the length of the record")
+        if count not in self._chosen:
+            # A study learns from the same samples again and again, with other noise on them.
+            self._chosen[count] = self._spread_evenly(count)
+        return self._chosen[count].copy()
+
+    def _spread_evenly(self, count: int) -> NDArray[np.intp]:
         span = np.ptp(self.inputs, axis=0)
-        if not (span > 0.0).all():
-            still = ", ".join(name for name, width in zip(INPUT_NAMES, span, strict=True) if not width > 0.0)
+        if not (span > STILL).all():
+            still = ", ".join(name for name, width in zip(INPUT_NAMES, span, strict=True) if not width > STILL)
             raise InvalidValue(
                 "trajectory", still, "one on which every difference input changes; choose a path that tilts the star both ways"
             )
