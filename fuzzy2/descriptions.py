@@ -15,6 +15,7 @@ import numpy as np
 from fuzzy2.checks import Array
 from fuzzy2.errors import NotExpressible
 from fuzzy2.interval_type2 import IntervalType2Set
+from fuzzy2.set_operations import complement
 from fuzzy2.systems import FuzzySystem, IntervalType2System, Linear, Type1System, _domain
 from fuzzy2.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.type1 import Truncated, Type1Set
@@ -64,6 +65,7 @@ class Description:
 def system_of(description: Description) -> FuzzySystem:
     """Return the system that a description is of; output sets are cut off at the ends of the range of their output."""
     consequents: Any
+    names = [list(output.terms) for output in description.outputs]
     if description.mamdani:
         cut = [[_cut(term, output.range) for term in output.terms.values()] for output in description.outputs]
         consequents = [[cut[j][term] for j, term in enumerate(said)] for _, said in description.rules]
@@ -83,8 +85,23 @@ def system_of(description: Description) -> FuzzySystem:
         input_names=[variable.name for variable in description.inputs],
         output_names=[variable.name for variable in description.outputs],
         term_names=[list(variable.terms) for variable in description.inputs],
-        **description.options,
+        consequent_names=[[names[j][term] for j, term in enumerate(said)] for _, said in description.rules],
+        input_ranges=[variable.range for variable in description.inputs],
+        **{"output_ranges": [variable.range for variable in description.outputs], **description.options},
     )
+
+
+def negated(variable: Variable, number: int) -> int:
+    """Return the number of the complement of a term, which becomes a term of its own, *not* with its name, if it is none yet."""
+    name = list(variable.terms)[number]
+    opposite = complement(variable.terms[name])
+    for other, term in enumerate(variable.terms.values()):
+        if term == opposite:
+            return other
+    while name in variable.terms:
+        name = f"not {name}"
+    variable.terms[name] = opposite
+    return len(variable.terms) - 1
 
 
 def description_of(system: FuzzySystem, where: str) -> Description:
@@ -103,12 +120,15 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         if known.get(norm.name) is not norm:
             raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
     inputs = tuple(
-        Variable(name, _limits(_domain(terms)), dict(zip(names, terms, strict=True)))
-        for name, names, terms in zip(system.input_names, system.term_names, system.inputs, strict=True)
+        Variable(name, ends or _limits(_domain(terms)), dict(zip(names, terms, strict=True)))
+        for name, ends, names, terms in zip(
+            system.input_names, system.input_ranges or (None,) * len(system.inputs), system.term_names, system.inputs, strict=True
+        )
     )
+    ranges = system.output_ranges or (None,) * system.n_outputs
     consequents = system.consequents
     if isinstance(consequents, list):
-        columns = [_whole([row[j] for row in consequents]) for j in range(system.n_outputs)]
+        columns = [_whole([row[j] for row in consequents], ends) for j, ends in enumerate(ranges)]
         if system.type_reduction not in ("centroid", "center_of_sums"):
             reason = 'output sets are united or summed there; take "centroid" or "center_of_sums", or numbers for consequents'
             raise NotExpressible(f"type reduction {system.type_reduction!r}", where, reason)
@@ -122,13 +142,14 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         intervals = np.moveaxis(values, 1, 0).astype(float).tolist()
         columns = [(_limits(column), [Constant(*row) for row in column]) for column in intervals]
     outputs, said = [], []
-    for name, (ends, column) in zip(system.output_names, columns, strict=True):
-        distinct: list[Any] = []
-        for term in column:
-            if term not in distinct:
-                distinct.append(term)
-        outputs.append(Variable(name, ends, {f"term{i + 1}": term for i, term in enumerate(distinct)}))
-        said.append([distinct.index(term) for term in column])
+    for j, (name, (limits, column)) in enumerate(zip(system.output_names, columns, strict=True)):
+        words = _numbered(column) if system.consequent_names is None else [row[j] for row in system.consequent_names]
+        terms: dict[str, Any] = {}
+        for word, term in zip(words, column, strict=True):
+            if terms.setdefault(word, term) != term:
+                raise NotExpressible(f"the name {word!r} for two consequents of {name}", where, "a name stands for one term")
+        outputs.append(Variable(name, ranges[j] or limits, terms))
+        said.append([list(terms).index(word) for word in words])
     return Description(
         inputs,
         tuple(outputs),
@@ -180,9 +201,18 @@ def _cut(term: Any, ends: tuple[float, float]) -> Any:
     return term if ends[0] <= left and right <= ends[1] else Truncated(term, *ends)
 
 
-def _whole(column: list[Any]) -> tuple[tuple[float, float], list[Any]]:
+def _numbered(column: list[Any]) -> list[str]:
+    """Return names for the terms of a column, numbered as they come; equal terms have one name."""
+    distinct: list[Any] = []
+    for term in column:
+        if term not in distinct:
+            distinct.append(term)
+    return [f"term{distinct.index(term) + 1}" for term in column]
+
+
+def _whole(column: list[Any], given: tuple[float, float] | None) -> tuple[tuple[float, float], list[Any]]:
     """Return the range on which output sets are evaluated, and the sets before they were cut off at its ends."""
-    ends = _domain(column)
+    ends = given or _domain(column)
 
     def whole(term: Type1Set) -> Type1Set:
         if not isinstance(term, Truncated):

@@ -243,7 +243,7 @@ class TunableSystem:
         return type(given)(
             self._terms(parameters), given.rules, self._consequents(parameters), given.t_norm, given.type_reduction, given.method,
             t_conorm=given.t_conorm, fuzzifier=given.fuzzifier, input_names=given.input_names, output_names=given.output_names,
-            term_names=given.term_names, resolution=given.resolution,
+            term_names=given.term_names, input_ranges=given.input_ranges, output_ranges=given.output_ranges, resolution=given.resolution,
         )  # fmt: skip
 
     def objective(self, parameters: Array, X: Array, y: Array) -> tuple[float, Array]:

@@ -9,14 +9,16 @@ Three layouts are known by what is in them:
   membership functions, with a height after their parameters.
 
 A system takes one t-norm for *and* and for the implication. A rule with *or* becomes one rule for each alternative, where that
-is the same: under the maximum. Weights, negations, defuzzifiers other than the centroid, and shapes without a class here are
-refused. MATLAB takes 101 points of an output's range, and so does a system that is read.
+is the same: under the maximum. A term that a rule negates has its complement as a term beside it, called *not* with its name, and
+is written as such a negation. Weights and defuzzifiers other than the centroid are refused. MATLAB takes 101 points of an output's
+range, and so does a system that is read.
 
-A file holds ranges of the inputs and names of output terms, which a system has not: they are not kept, and written anew.
+Not kept are terms of outputs, and complements, that no rule mentions.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import os
 import re
@@ -24,13 +26,39 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
-from fuzzy2.descriptions import SUM, Constant, Description, LinearFunction, Variable, alternatives, check_names, description_of, system_of
+from fuzzy2.descriptions import (
+    SUM,
+    Constant,
+    Description,
+    LinearFunction,
+    Variable,
+    alternatives,
+    check_names,
+    description_of,
+    negated,
+    system_of,
+)
 from fuzzy2.errors import Fuzzy2Error, InvalidValue, MalformedFile, NotExpressible
 from fuzzy2.interval_type2 import GaussianUncertainSigma, IntervalType2Set, NearestMeanGaussian
 from fuzzy2.rules import nearest_name
+from fuzzy2.set_operations import complement
 from fuzzy2.systems import FuzzySystem
 from fuzzy2.text_files import read_text, write_text
-from fuzzy2.type1 import Bell, Gaussian, Interval, Sigmoid, Singleton, Trapezoidal, Triangular, Type1Set
+from fuzzy2.type1 import (
+    Bell,
+    Complement,
+    Gaussian,
+    Interval,
+    PiShaped,
+    Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
+    Singleton,
+    Trapezoidal,
+    Triangular,
+    TwoSidedGaussian,
+    Type1Set,
+)
 
 SAMPLE_POINTS = 101
 """Points of an output's range that MATLAB takes for the centroid, unless it is told otherwise."""
@@ -68,9 +96,20 @@ class _Section(NamedTuple):
 
 
 def _gaussian_combination(sigma1: float, mean1: float, sigma2: float, mean2: float, height: float) -> Type1Set:
-    if abs(sigma1) != abs(sigma2) or mean1 > mean2 or height != 1.0:
-        raise NotExpressible("gauss2mf", "fuzzy2", "only one standard deviation on both sides, and means in ascending order, have a class")
-    return NearestMeanGaussian((mean1, mean2), abs(sigma1))
+    if abs(sigma1) == abs(sigma2) and mean1 <= mean2:
+        return _unscaled(NearestMeanGaussian((mean1, mean2), abs(sigma1)), height)
+    return _unscaled(TwoSidedGaussian((mean1, mean2), (abs(sigma1), abs(sigma2))), height)
+
+
+def _pi(a: float, b: float, c: float, d: float, height: float) -> Type1Set:
+    # Where the foot is not left of the shoulder, there is a step midway between them.
+    if math.isfinite(a) and a >= b:
+        a = b = 0.5 * a + 0.5 * b
+    if math.isfinite(d) and c >= d:
+        c = d = 0.5 * c + 0.5 * d
+    if b > c:
+        raise NotExpressible("pimf with shoulders that cross", "fuzzy2", "the second shoulder must not be left of the first one")
+    return PiShaped(a, b, c, d, height)
 
 
 def _unscaled(made: Type1Set, height: float) -> Type1Set:
@@ -84,14 +123,17 @@ _SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
     "trapmf": (4, Trapezoidal),
     "linsmf": (2, lambda a, b, height: Trapezoidal(a, b, math.inf, math.inf, height)),
     "linzmf": (2, lambda a, b, height: Trapezoidal(-math.inf, -math.inf, a, b, height)),
+    "smf": (2, lambda a, b, height: _pi(a, b, math.inf, math.inf, height)),
+    "zmf": (2, lambda a, b, height: _pi(-math.inf, -math.inf, a, b, height)),
+    "pimf": (4, _pi),
     "gaussmf": (2, lambda sigma, mean, height: Gaussian(mean, abs(sigma), height)),
     "gauss2mf": (4, _gaussian_combination),
     "gbellmf": (3, lambda width, slope, center, height: _unscaled(Bell(center, abs(width), slope), height)),
     "sigmf": (2, lambda slope, center, height: _unscaled(Sigmoid(center, slope), height)),
+    "dsigmf": (4, lambda s1, c1, s2, c2, height: _unscaled(SigmoidDifference((c1, c2), (s1, s2)), height)),
+    "psigmf": (4, lambda s1, c1, s2, c2, height: _unscaled(SigmoidProduct((c1, c2), (s1, s2)), height)),
 }
 """Shapes with the number of their parameters; what makes them takes the height last."""
-
-_SHAPES_WITHOUT_CLASS = ("smf", "zmf", "pimf", "dsigmf", "psigmf")
 
 
 def parse_fis(text: str, source: str = "text") -> FuzzySystem:
@@ -411,11 +453,14 @@ class _Reader:
         if count != len(section.rules):
             raise self.malformed(system.entries["NumRules"].number, f"NumRules is {count}, but there are {len(section.rules)} rules")
         rules = []
+        # A negation adds a term to its variable, which the numbers of the file do not count.
+        input_counts, output_counts = ([len(variable.terms) for variable in variables] for variables in (inputs, outputs))
         for line in section.rules:
             found = _RULE.fullmatch(line.value)
             if found is None:
                 raise self.malformed(line.number, f"expected '<inputs>, <outputs> (<weight>) : <1 or 2>', got {line.value[:60]!r}")
-            asked, said = self._numbers(line.number, found[1], inputs, "input"), self._numbers(line.number, found[2], outputs, "output")
+            asked = self._numbers(line.number, found[1], inputs, input_counts, "input")
+            said = self._numbers(line.number, found[2], outputs, output_counts, "output")
             if float(found[3]) != 1.0:
                 raise self.refused(line.number, f"the weight {found[3]}", "rules have no weights")
             if found[4] not in ("1", "2"):
@@ -432,19 +477,22 @@ class _Reader:
             rules += [(alternative, said) for alternative in alternatives(asked)]
         return tuple(rules)
 
-    def _numbers(self, line: int, text: str, variables: tuple[Variable, ...], kind: str) -> tuple[int, ...]:
+    def _numbers(self, line: int, text: str, variables: tuple[Variable, ...], counts: list[int], kind: str) -> tuple[int, ...]:
         words = text.split()
         if len(words) != len(variables):
             raise self.malformed(line, f"expected {len(variables)} numbers for the {kind}s, got {len(words)}")
         numbers = []
-        for word, variable in zip(words, variables, strict=True):
-            if re.fullmatch(r"-\d+", word):
-                raise self.refused(line, f"the negation {word}", "make the complement a term of its own")
-            if not re.fullmatch(r"\d{1,9}", word) or int(word) > len(variable.terms):
-                raise self.malformed(line, f"{variable.name} has membership functions 1 to {len(variable.terms)}, got {word!r}")
+        for word, variable, count in zip(words, variables, counts, strict=True):
+            if not re.fullmatch(r"-?\d{1,9}", word) or abs(int(word)) > count:
+                raise self.malformed(line, f"{variable.name} has membership functions 1 to {count}, got {word!r}")
             if kind == "output" and int(word) == 0:
                 raise self.refused(line, f"a rule that says nothing about {variable.name}", "each rule gives every output a term")
-            numbers.append(int(word) - 1)
+            number = abs(int(word)) - 1
+            if int(word) < 0:
+                if isinstance(list(variable.terms.values())[number], Constant | LinearFunction):
+                    raise self.refused(line, f"the negation {word}", "only sets have a complement")
+                number = negated(variable, number)
+            numbers.append(number)
         return tuple(numbers)
 
 
@@ -484,8 +532,6 @@ def _shape_with_height(kind: str, parameters: list[float]) -> Type1Set:
 
 
 def _named_shape(kind: str, parameters: list[float], height: float) -> Type1Set:
-    if kind in _SHAPES_WITHOUT_CLASS:
-        raise NotExpressible(f"the membership function {kind!r}", "fuzzy2", "no class here has its shape")
     if kind not in _SHAPES:
         raise NotExpressible(f"the membership function {kind!r}", "fuzzy2", f"known are {', '.join(_SHAPES)}")
     count, make = _SHAPES[kind]
@@ -521,15 +567,20 @@ class _Writer:
         if self.open_toolbox and not described.type2:
             self.refuse("a type-1 system", "that toolbox has type-2 systems only; write .fis")
         lines = ["[System]", f"Name={_quote(self.name)}", *self._system(), ""]
-        for i, variable in enumerate(described.inputs):
+        inputs, outputs = ([_without_complements(variable) for variable in of] for of in (described.inputs, described.outputs))
+        for i, (variable, _) in enumerate(inputs):
             lines += [f"[Input{i + 1}]", *self._variable(variable, True), ""]
-        for i, variable in enumerate(described.outputs):
+        for i, (variable, _) in enumerate(outputs):
             lines += [f"[Output{i + 1}]", *self._variable(variable, described.mamdani), ""]
         lines.append("[Rules]")
         for asked, said in described.rules:
             if max(asked) < 0:
                 self.refuse("a rule that asks for nothing", "it cannot be told from one that never fires")
-            lines.append(f"{' '.join(str(term + 1) for term in asked)}, {' '.join(str(term + 1) for term in said)} (1) : 1")
+            sides = (
+                " ".join(str(numbers[term] if term >= 0 else 0) for term, (_, numbers) in zip(terms, variables, strict=True))
+                for terms, variables in ((asked, inputs), (said, outputs))
+            )
+            lines.append(f"{', '.join(sides)} (1) : 1")
         return "\n".join(lines) + "\n"
 
     def _system(self) -> list[str]:
@@ -588,7 +639,7 @@ class _Writer:
     def _scale_and_lags(self, term: Any, lower: Type1Set, upper: Type1Set) -> tuple[float, tuple[float, float]]:
         if lower == upper:
             return 1.0, (0.0, 0.0)
-        if isinstance(lower, Gaussian) and isinstance(upper, Gaussian) and (lower.mean, lower.sigma) == (upper.mean, upper.sigma):
+        if isinstance(lower, Gaussian | PiShaped) and dataclasses.replace(lower, height=1.0) == upper:
             return lower.height, (0.0, 0.0)
         below, above = _corners(lower), _corners(upper)
         if below is None or above is None or below[1:3] != above[1:3]:
@@ -607,6 +658,15 @@ class _Writer:
             return "gaussmf", (one.sigma, one.mean), one.height
         if isinstance(one, NearestMeanGaussian):
             return "gauss2mf", (one.sigma, one.mean[0], one.sigma, one.mean[1]), 1.0
+        if isinstance(one, PiShaped) and (math.isfinite(one.a) or math.isfinite(one.d)):
+            corners = one.a, one.b, one.c, one.d
+            kind = "zmf" if math.isinf(one.a) else "smf" if math.isinf(one.d) else "pimf"
+            return kind, tuple(filter(math.isfinite, corners)), one.height
+        if isinstance(one, TwoSidedGaussian):
+            return "gauss2mf", (one.sigma[0], one.mean[0], one.sigma[1], one.mean[1]), 1.0
+        if isinstance(one, SigmoidDifference | SigmoidProduct):
+            (c1, c2), (s1, s2) = one.center, one.slope
+            return "dsigmf" if isinstance(one, SigmoidDifference) else "psigmf", (s1, c1, s2, c2), 1.0
         if isinstance(one, Bell):
             return "gbellmf", (one.width, one.slope, one.center), 1.0
         if isinstance(one, Sigmoid):
@@ -623,6 +683,28 @@ def _corners(one: Type1Set) -> tuple[float, float, float, float] | None:
     if isinstance(one, Interval):
         return one.left, one.left, one.right, one.right
     return (one.point,) * 4 if isinstance(one, Singleton) else None
+
+
+def _without_complements(variable: Variable) -> tuple[Variable, list[int]]:
+    """Return a variable without its complements, and the number from 1 of each of its terms, negative for a complement."""
+    terms = {name: term for name, term in variable.terms.items() if not _is_complement(term)}
+    numbers = []
+    for name, term in variable.terms.items():
+        sign, one = (-1, complement(term)) if _is_complement(term) else (1, term)
+        if name not in terms and one not in terms.values():
+            own = name.removeprefix("not ") or name
+            while own in variable.terms or own in terms:
+                own = f"not {own}"
+            terms[own] = one
+        place = list(terms).index(name) if sign > 0 else list(terms.values()).index(one)
+        numbers.append(sign * (place + 1))
+    return Variable(variable.name, variable.range, terms), numbers
+
+
+def _is_complement(term: Any) -> bool:
+    if isinstance(term, IntervalType2Set):
+        return isinstance(term.lower, Complement) and isinstance(term.upper, Complement)
+    return isinstance(term, Complement)
 
 
 def _lag(foot: float, lower_foot: float, shoulder: float) -> float:

@@ -1,13 +1,17 @@
 """Systems in the Fuzzy Markup Language of IEEE Std 1855-2016 (FML): type-1 systems of Mamdani, and of Takagi, Sugeno and Kang.
 
 The shapes that have a class here are read and written: triangles, trapezoids, shoulders (right and left linear), Gaussians,
-rectangles, singletons and linearly interpolated points; Gaussian shoulders are read, as they are on the domain of their variable. One
-t-norm serves for *and* and for the activation. A rule with *or* becomes one rule for each alternative, where that is the same:
-under the maximum. Weights, modifiers, complements, *else*, other defuzzifiers than the center of gravity, and the rule bases of
-Tsukamoto and AnYa are refused with their line.
+rectangles, singletons, linearly interpolated points, Gaussian shoulders, and S-, Z- and pi-shaped sets. The standard gives a pi
+shape two parameters and does not say which; here, as in its reference implementation JFML, they are the left foot and the top,
+and the right side mirrors the left one. Complements of all these are kept, and what the modifier ``not`` makes of a term becomes a
+term of its own.
 
-Where no rule fires a system answers NaN; so ``defaultValue`` is written ``NaN``, and that of a file is not used. Names of output terms
-and ranges of inputs are not kept. A document type declaration is refused: it could make a small file expand without end, or read
+One t-norm serves for *and* and for the activation. A rule with *or* becomes one rule for each alternative, where that is the same:
+under the maximum. Weights, other modifiers, *else*, other defuzzifiers than the center of gravity, and the rule bases of Tsukamoto
+and AnYa are refused with their line.
+
+Where no rule fires a system answers NaN; so ``defaultValue`` is written ``NaN``, and that of a file is not used. Terms of outputs
+that no rule mentions are not kept. A document type declaration is refused: it could make a small file expand without end, or read
 other files.
 
 The schema of the standard names the t-norms of Lukasiewicz and the drastic one ``BSUM`` and ``DRS``, like their t-conorms, its text
@@ -34,14 +38,25 @@ from fuzzy2.descriptions import (
     alternatives,
     check_names,
     description_of,
+    negated,
     system_of,
 )
 from fuzzy2.errors import Fuzzy2Error, MalformedFile, NotExpressible
-from fuzzy2.interval_type2 import NearestMeanGaussian
 from fuzzy2.rules import nearest_name
 from fuzzy2.systems import FuzzySystem
 from fuzzy2.text_files import read_text, write_text
-from fuzzy2.type1 import Gaussian, Interval, SampledSet, Singleton, Trapezoidal, Triangular, Type1Set
+from fuzzy2.type1 import (
+    Complement,
+    Gaussian,
+    Interval,
+    PiShaped,
+    SampledSet,
+    Singleton,
+    Trapezoidal,
+    Triangular,
+    TwoSidedGaussian,
+    Type1Set,
+)
 
 NAMESPACE = "http://www.ieee1855.org"
 
@@ -62,11 +77,15 @@ _SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
     "singletonShape": (1, Singleton),
     "rightLinearShape": (2, lambda a, b: Trapezoidal(a, b, math.inf, math.inf)),
     "leftLinearShape": (2, lambda a, b: Trapezoidal(-math.inf, -math.inf, a, b)),
+    "rightGaussianShape": (2, lambda mean, sigma: TwoSidedGaussian((mean, mean), (sigma, math.inf))),
+    "leftGaussianShape": (2, lambda mean, sigma: TwoSidedGaussian((mean, mean), (math.inf, sigma))),
+    "sShape": (2, lambda a, b: PiShaped(a, b, math.inf, math.inf)),
+    "zShape": (2, lambda a, b: PiShaped(-math.inf, -math.inf, a, b)),
+    "piShape": (2, lambda foot, top: PiShaped(foot, top, top, top + (top - foot))),
 }
 """Shapes with the number of their parameters."""
 
-_SHOULDERS = ("leftGaussianShape", "rightGaussianShape")
-_SHAPES_WITHOUT_CLASS = ("piShape", "zShape", "sShape", "circularDefinition", "customShape")
+_SHAPES_WITHOUT_CLASS = ("circularDefinition", "customShape")
 _OTHER_RULE_BASES = ("tsukamotoRuleBase", "anYaRuleBase")
 _OTHER_VARIABLES = ("tsukamotoVariable", "aggregatedFuzzyVariable", "anYaDataCloud")
 
@@ -297,7 +316,8 @@ class _Reader:
         aggregation = next(iter(aggregations), "max")
         rules = self._rules(rule_base, inputs, outputs, t_norm, mamdani and aggregation == "max")
         try:
-            return system_of(Description(inputs, outputs, rules, t_norm, mamdani, aggregation))
+            options = {} if mamdani else {"output_ranges": None}
+            return system_of(Description(inputs, outputs, rules, t_norm, mamdani, aggregation, options=options))
         except Fuzzy2Error as error:
             raise self.malformed(root.line, str(error)) from error
 
@@ -357,28 +377,25 @@ class _Reader:
                 raise self.malformed(element.line, reason)
 
     def _set(self, element: _Element, domain: tuple[float, float]) -> Type1Set:
-        if self.attribute(element, "complement", "false").lower() != "false":
-            raise self.refused(element.line, "a complement", "make it a term of its own")
-        shape = self.only(element, *_SHAPES, "pointSetShape", *_SHOULDERS, *_SHAPES_WITHOUT_CLASS)
+        negation = self.attribute(element, "complement", "false")
+        if negation.lower() not in ("true", "false"):
+            raise self.malformed(element.line, f"expected complement true or false, got {negation!r}")
+        shape = self.only(element, *_SHAPES, "pointSetShape", *_SHAPES_WITHOUT_CLASS)
         if shape.name in _SHAPES_WITHOUT_CLASS:
             raise self.refused(shape.line, f"<{shape.name}>", "no class here has its shape")
+        one = self._shape(shape, domain)
+        return Complement(one) if negation.lower() == "true" else one
+
+    def _shape(self, shape: _Element, domain: tuple[float, float]) -> Type1Set:
         try:
             if shape.name == "pointSetShape":
                 return self._points(shape, domain)
-            if shape.name in _SHOULDERS:
-                return self._shoulder(shape, domain)
             count, make = _SHAPES[shape.name]
             return make(*(self.number(shape, self.attribute(shape, f"param{i + 1}")) for i in range(count)))
         except (MalformedFile, NotExpressible):
             raise
         except Fuzzy2Error as error:
             raise self.malformed(shape.line, f"{shape.name}: {error}") from error
-
-    def _shoulder(self, shape: _Element, domain: tuple[float, float]) -> NearestMeanGaussian:
-        mean, sigma = (self.number(shape, self.attribute(shape, key)) for key in ("param1", "param2"))
-        # On the domain, a shoulder that never ends is a top that reaches to the end of it.
-        ends = (min(domain[0], mean), mean) if shape.name == "leftGaussianShape" else (mean, max(domain[1], mean))
-        return NearestMeanGaussian(ends, sigma)
 
     def _points(self, shape: _Element, domain: tuple[float, float]) -> SampledSet:
         method = self.attribute(shape, "interpolationMethod", "linear")
@@ -401,6 +418,8 @@ class _Reader:
     ) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
         mamdani = rule_base.name == "mamdaniRuleBase"
         rules = []
+        # A negation adds a term to its variable, which the document does not know.
+        known_inputs, known_outputs = ([list(variable.terms) for variable in variables] for variables in (inputs, outputs))
         for rule in self.children(rule_base, "rule" if mamdani else "tskRule"):
             then, consequent, clause = ("then", "consequent", "clause") if mamdani else ("tskThen", "tskConsequent", "tskClause")
             parts = {part.name: part for part in self.children(rule, "antecedent", consequent)}
@@ -412,8 +431,8 @@ class _Reader:
             for branch in parts[consequent].children:
                 if branch.name in ("else", "tskElse"):
                     raise self.refused(branch.line, f"<{branch.name}>", "a rule says nothing where it does not fire")
-            asked = self._clauses(parts["antecedent"], "clause", inputs, "input")
-            said = self._clauses(self.only(parts[consequent], then), clause, outputs, "output")
+            asked = self._clauses(parts["antecedent"], "clause", inputs, known_inputs, "input")
+            said = self._clauses(self.only(parts[consequent], then), clause, outputs, known_outputs, "output")
             if min(said) < 0:
                 silent = outputs[said.index(-1)].name
                 raise self.refused(rule.line, f"a rule that says nothing about {silent}", "each rule gives every output a term")
@@ -440,20 +459,27 @@ class _Reader:
             raise self.malformed(rule_base.line, "there are no rules")
         return tuple(rules)
 
-    def _clauses(self, element: _Element, kind: str, variables: tuple[Variable, ...], role: str) -> tuple[int, ...]:
+    def _clauses(self, element: _Element, kind: str, variables: tuple[Variable, ...], known: list[list[str]], role: str) -> tuple[int, ...]:
         places = {variable.name: place for place, variable in enumerate(variables)}
         numbers = [-1] * len(variables)
         for clause in self.children(element, kind):
-            if "modifier" in clause.attributes:
-                raise self.refused(clause.line, f"the modifier {clause.attributes['modifier']!r}", "make what it means a term of its own")
+            modifier = clause.attributes.get("modifier")
+            if modifier not in (None, "not"):
+                raise self.refused(clause.line, f"the modifier {modifier!r}", "known is not; make what it means a term of its own")
             named = {child.name: child for child in self.children(clause, "variable", "term")}
             if len(named) != 2 or len(clause.children) != 2:
                 raise self.malformed(clause.line, "expected one <variable> and one <term>")
             variable = self._named(named["variable"], places, role)
-            terms = list(variables[places[variable]].terms)
-            if numbers[places[variable]] >= 0:
+            place = places[variable]
+            if numbers[place] >= 0:
                 raise self.refused(clause.line, f"two clauses about {variable!r}", "a rule asks once about each variable")
-            numbers[places[variable]] = terms.index(self._named(named["term"], terms, f"term of {variable!r}"))
+            name = self._named(named["term"], known[place], f"term of {variable!r}")
+            number = known[place].index(name)
+            if modifier is not None:
+                if isinstance(variables[place].terms[name], Constant | LinearFunction):
+                    raise self.refused(clause.line, "the modifier 'not' of a function", "only sets have a complement")
+                number = negated(variables[place], number)
+            numbers[place] = number
         return tuple(numbers)
 
     def _named(self, element: _Element, known: Iterable[str], kind: str) -> str:
@@ -501,6 +527,9 @@ def _write_fuzzy_variable(base: ElementTree.Element, variable: Variable, attribu
 
 
 def _write_set(element: ElementTree.Element, term: Type1Set, domain: tuple[float, float]) -> None:
+    if isinstance(term, Complement):
+        element.set("complement", "true")
+        term = term.whole
     if isinstance(term, SampledSet):
         low, high = float(term.points[0]), float(term.points[-1])
         if (term.grades[0] > 0.0 and low > domain[0]) or (term.grades[-1] > 0.0 and high < domain[1]):
@@ -531,6 +560,18 @@ def _shape(term: Type1Set) -> tuple[str, tuple[float, ...]]:
             return "rightLinearShape", (term.a, term.b)
         if math.isfinite(term.d):
             return "leftLinearShape", (term.c, term.d)
+    if isinstance(term, TwoSidedGaussian):
+        if math.isinf(term.sigma[0]):
+            return "leftGaussianShape", (term.mean[1], term.sigma[1])
+        if math.isinf(term.sigma[1]):
+            return "rightGaussianShape", (term.mean[0], term.sigma[0])
+    if isinstance(term, PiShaped):
+        if math.isinf(term.d) and math.isfinite(term.a):
+            return "sShape", (term.a, term.b)
+        if math.isinf(term.a) and math.isfinite(term.d):
+            return "zShape", (term.c, term.d)
+        if term.b == term.c and term.d == term.b + (term.b - term.a):
+            return "piShape", (term.a, term.b)
     _refuse(f"{term!r}", "it has no such shape; sample it first")
 
 

@@ -119,18 +119,31 @@ class GeneralType2Set(ABC):
         missing = np.isnan(x)
         return keep_nan(x, self._cut(np.where(missing, self.landmarks[0], x), alpha)[end])
 
+    def _slope_of_bound(self, alpha: float, end: int) -> Callable[[Array], Array] | None:
+        """Return the derivative from the right of the lower (end 0) or upper (1) membership function of an α-plane, if it is known."""
+        return None
+
+    def _kinks_of_bound(self, alpha: float, end: int) -> Array:
+        """Return finite points (K,) where that membership function has kinks, besides the landmarks of the set."""
+        return np.empty(0)
+
     def _functional(self, function: Callable[[Array], Array]) -> FunctionalSet:
         return FunctionalSet(function, *self.support, knots=tuple(self.landmarks.tolist()))
+
+    def _bound_set(self, alpha: float, end: int) -> FunctionalSet:
+        function, slope = partial(self._bound, alpha=alpha, end=end), self._slope_of_bound(alpha, end)
+        knots = merged(self.landmarks, self._kinks_of_bound(alpha, end))
+        return FunctionalSet(function, *self.support, knots=tuple(knots.tolist()), slope=slope)
 
     @cached_property
     def lower(self) -> Type1Set:
         """Lower membership function of the footprint of uncertainty."""
-        return self._functional(partial(self._bound, alpha=0.0, end=0))
+        return self._bound_set(0.0, 0)
 
     @cached_property
     def upper(self) -> Type1Set:
         """Upper membership function of the footprint of uncertainty."""
-        return self._functional(partial(self._bound, alpha=0.0, end=1))
+        return self._bound_set(0.0, 1)
 
     @cached_property
     def principal(self) -> Type1Set:
@@ -193,8 +206,7 @@ class GeneralType2Set(ABC):
         level = real("alpha", alpha, "in [0, 1]")
         if not 0.0 <= level <= 1.0:
             raise InvalidValue("alpha", alpha, "in [0, 1]")
-        lower, upper = (self._functional(partial(self._bound, alpha=level, end=end)) for end in (0, 1))
-        return AlphaPlane(lower, upper, level)
+        return AlphaPlane(self._bound_set(level, 0), self._bound_set(level, 1), level)
 
     def zslices(self, alphas: Sequence[float]) -> ZSlices:
         """Return the set cut into zSlices: a staircase of its α-planes at ascending grades in (0, 1]."""
@@ -332,6 +344,33 @@ class GaussianType2Set(GeneralType2Set):
         # At alpha = 0 a Gaussian reaches everywhere, but one of no width nowhere.
         reach = np.where(spreads > 0.0, gaussian_reach(np.array(alpha), np.maximum(spreads, np.finfo(float).tiny)), 0.0)
         return np.maximum(memberships - reach, 0.0), np.minimum(memberships + reach, 1.0)
+
+    def _slope_of_bound(self, alpha: float, end: int) -> Callable[[Array], Array] | None:
+        # Slices of a width that is a function of the points have a plane whose slope needs that of the function.
+        return None if callable(self.sigma) else partial(self._bound_slopes, alpha=alpha, end=end)
+
+    def _kinks_of_bound(self, alpha: float, end: int) -> Array:
+        if callable(self.sigma) or self.sigma == 0.0 or not self.principal.is_convex():
+            return np.empty(0)
+        # Where a membership is cut off at 0 or 1. A search for a supremum that does not know of it misses narrow overlaps.
+        reach = float(gaussian_reach(np.array(alpha), self.sigma))
+        membership = reach if end == 0 else 1.0 - reach
+        if not 0.0 < membership < self.principal.height:
+            return np.empty(0)
+        ends = np.array(self.principal.alpha_cut(membership))
+        return ends[np.isfinite(ends)]
+
+    def _bound_slopes(self, x: Array, alpha: float, end: int) -> Array:
+        slopes = self.principal.derivative(x)
+        if self.sigma == 0.0:
+            return slopes
+        reach = gaussian_reach(np.array(alpha), float(self.sigma))  # type: ignore[arg-type] # no function comes here
+        # Where a membership is cut off at 0 or 1, its slope is that of the principal one only if that leads back.
+        if end == 0:
+            room = self.principal(x) - reach
+            return np.where(room > 0.0, slopes, np.where(room == 0.0, np.maximum(slopes, 0.0), 0.0))
+        room = 1.0 - reach - self.principal(x)
+        return np.where(room > 0.0, slopes, np.where(room == 0.0, np.minimum(slopes, 0.0), 0.0))
 
     def _secondary_grades(self, x: Array, u: Array) -> Array:
         memberships, spreads = self._principal(x), self._inside_spread(x)
@@ -619,6 +658,9 @@ class Staircase(Type1Set):
         # Ends may be rounded differently from the points that are asked for.
         inside = (x[..., None] >= np.array(self.lefts) - ROUNDING) & (x[..., None] <= np.array(self.rights) + ROUNDING)
         return keep_nan(x, np.max(np.where(inside, self.levels, 0.0), axis=-1))
+
+    def _slopes(self, x: Array) -> Array:
+        return np.zeros_like(x)
 
     def _support(self) -> tuple[float, float]:
         return self.lefts[0], self.rights[0]

@@ -25,6 +25,7 @@ from fuzzy2.type1 import (
     Type1Set,
     gaussian,
     gaussian_reach,
+    gaussian_slopes,
     keep_nan,
     refined,
     set_fields,
@@ -269,6 +270,9 @@ class NearestMeanGaussian(Type1Set):
     def _grades(self, x: Array) -> Array:
         return gaussian(x, np.clip(x, *self.mean), self.sigma)
 
+    def _slopes(self, x: Array) -> Array:
+        return gaussian_slopes(x, np.clip(x, *self.mean), self.sigma)
+
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
 
@@ -317,6 +321,10 @@ class FarthestMeanGaussian(Type1Set):
 
     def _grades(self, x: Array) -> Array:
         return gaussian(x, np.where(x > self._middle, *self.mean), self.sigma)
+
+    def _slopes(self, x: Array) -> Array:
+        # In the middle both Gaussians are equal; the one about the smaller mean is the lower one behind it.
+        return gaussian_slopes(x, np.where(x >= self._middle, *self.mean), self.sigma)
 
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
@@ -384,6 +392,11 @@ class EmbeddedSet(Type1Set):
         share = np.asarray(self.shares)[np.searchsorted(self.edges, x, side="right")]
         low, high = self.footprint.lower(x), self.footprint.upper(x)
         return keep_nan(x, low + share * (high - low))
+
+    def _slopes(self, x: Array) -> Array:
+        share = np.asarray(self.shares)[np.searchsorted(self.edges, x, side="right")]
+        low, high = self.footprint.lower.derivative(x), self.footprint.upper.derivative(x)
+        return np.asarray(low + share * (high - low))
 
     def _support(self) -> tuple[float, float]:
         return self.footprint.support

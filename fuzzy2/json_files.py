@@ -40,7 +40,23 @@ from fuzzy2.rules import Rule, nearest_name, parse_rule
 from fuzzy2.systems import TYPE_REDUCTIONS, FuzzySystem, GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.text_files import read_text, write_text
-from fuzzy2.type1 import Bell, Gaussian, Interval, SampledSet, Sigmoid, Singleton, Trapezoidal, Triangular, Truncated, Type1Set
+from fuzzy2.type1 import (
+    Bell,
+    Complement,
+    Gaussian,
+    Interval,
+    PiShaped,
+    SampledSet,
+    Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
+    Singleton,
+    Trapezoidal,
+    Triangular,
+    Truncated,
+    TwoSidedGaussian,
+    Type1Set,
+)
 from fuzzy2.type_reduction import METHODS
 
 FORMAT: Final = "fuzzy2"
@@ -252,6 +268,9 @@ _SYSTEM: dict[str, _Kind] = {
     "input_names": _NAMES,
     "output_names": _NAMES,
     "term_names": _listed(_NAMES),
+    "consequent_names": _optionally(_listed(_NAMES)),
+    "input_ranges": _optionally(_listed(_PAIR)),
+    "output_ranges": _optionally(_listed(_PAIR)),
     "resolution": _Kind(lambda value, path: value, _read_integer),
 }
 
@@ -265,6 +284,11 @@ _FIELDS: dict[type, dict[str, _Kind]] = {
     Interval: {"left": _NUMBER, "right": _NUMBER},
     SampledSet: {"points": _NUMBERS, "grades": _NUMBERS},
     Truncated: {"whole": _TYPE1, "left": _NUMBER, "right": _NUMBER},
+    PiShaped: {"a": _ANY_NUMBER, "b": _ANY_NUMBER, "c": _ANY_NUMBER, "d": _ANY_NUMBER, "height": _NUMBER},
+    TwoSidedGaussian: {"mean": _PAIR, "sigma": _ANY_PAIR},
+    SigmoidDifference: {"center": _PAIR, "slope": _PAIR},
+    SigmoidProduct: {"center": _PAIR, "slope": _PAIR},
+    Complement: {"whole": _TYPE1},
     NearestMeanGaussian: {"mean": _PAIR, "sigma": _NUMBER},
     FarthestMeanGaussian: {"mean": _PAIR, "sigma": _NUMBER},
     EmbeddedSet: {"footprint": _INTERVAL, "edges": _NUMBERS, "shares": _NUMBERS},

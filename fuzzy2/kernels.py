@@ -153,6 +153,9 @@ def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: 
                 out[row, end] = _end(points[:count], high[:count], low[:count], True, method, below, above)
             else:
                 out[row, end] = _end(points[:count], low[:count], high[:count], False, method, below, above)
+        if out[row, 0] > out[row, 1]:
+            # The ends of a point come from two sides, and can miss each other by rounding.
+            out[row, 0], out[row, 1] = out[row, 1], out[row, 0]
 
 
 # Inference. A system is one array of floats, so that a call hands over one table and not seven arrays. It starts with
@@ -262,7 +265,7 @@ def _center_of_sets(table, low, high, scratch, moments, out, oo, crisp):
     in_order = extremes + 2 * outputs
     orders = in_order + 2 * rules * outputs
     extra = scratch[5]
-    mass, fires = 0.0, 0.0
+    mass, fires, uncertainty = 0.0, 0.0, 0.0
     for j in range(2 * outputs):
         moments[j] = 0.0
     for r in range(rules):
@@ -270,6 +273,7 @@ def _center_of_sets(table, low, high, scratch, moments, out, oo, crisp):
         mass += weight
         fires = max(fires, high[r])
         extra[r] = high[r] - weight
+        uncertainty = max(uncertainty, extra[r])
         if weight > 0.0:
             # A slice, so that the compiler sees a plain row and adds several outputs at once.
             row = table[ends + 2 * outputs * r : ends + 2 * outputs * (r + 1)]
@@ -287,7 +291,8 @@ def _center_of_sets(table, low, high, scratch, moments, out, oo, crisp):
             moment = moments[j + outputs * end]
             weight = mass
             settled = fires > TINY
-            i = 0
+            # Without uncertainty there is nothing to search: no weight can change.
+            i = 0 if uncertainty > 0.0 else rules
             while i < rules and not weight > 0.0:
                 r = int(table[order + i])
                 moment += extra[r] * table[z + i]
@@ -311,7 +316,8 @@ def _center_of_sets(table, low, high, scratch, moments, out, oo, crisp):
         if crisp:
             out[oo + j] = 0.5 * (least + greatest)
         else:
-            out[oo + 2 * j], out[oo + 2 * j + 1] = least, greatest
+            # The ends of a point come from two sides, and can miss each other by rounding.
+            out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
 
 
 # Rows that are carried together where there are many: enough to hide the loops' own cost, few enough to stay in the fastest memory.
@@ -385,7 +391,8 @@ def _evaluate_blocks(table, x, width, crisp, out, rows):
                     elif crisp:
                         out[o] = 0.5 * (left[lane] + (extreme - moment[lane] / weight[lane]))
                     else:
-                        out[2 * o], out[2 * o + 1] = left[lane], extreme - moment[lane] / weight[lane]
+                        right = extreme - moment[lane] / weight[lane]
+                        out[2 * o], out[2 * o + 1] = min(left[lane], right), max(left[lane], right)
         for lane in range(LANES):
             if unsettled[lane] > 0.0:
                 row = start + lane

@@ -25,7 +25,7 @@ from fuzzy2.join_meet import TConormLike, TNormLike, join, meet, negation
 from fuzzy2.quadrature import merged
 from fuzzy2.t_norms import t_conorm as as_t_conorm
 from fuzzy2.t_norms import t_norm as as_t_norm
-from fuzzy2.type1 import FunctionalSet, Singleton, Type1Set
+from fuzzy2.type1 import Complement, FunctionalSet, Singleton, Type1Set
 
 FuzzySet: TypeAlias = Type1Set | IntervalType2Set | GeneralType2Set
 Slices: TypeAlias = Callable[[Sequence[Type1Set]], Type1Set]
@@ -100,7 +100,7 @@ def complement(fuzzy_set: FuzzySet) -> FuzzySet:
     Returns
     -------
     Type1Set, IntervalType2Set or GeneralType2Set
-        The complement, of the same type.
+        The complement, of the same type; that of a complement is the set itself.
 
     Raises
     ------
@@ -110,17 +110,15 @@ def complement(fuzzy_set: FuzzySet) -> FuzzySet:
     _supports([fuzzy_set])
     if isinstance(fuzzy_set, SampledType2Set):
         return SampledType2Set(np.array(fuzzy_set.points), [negation(one) for one in fuzzy_set.slices])
-    knots = _two_knots(fuzzy_set.landmarks)
     if isinstance(fuzzy_set, Type1Set):
-        return FunctionalSet(_one_minus(fuzzy_set), -math.inf, math.inf, knots)
+        return _complement(fuzzy_set)
     if isinstance(fuzzy_set, IntervalType2Set):
-        lower, upper = (FunctionalSet(_one_minus(one), -math.inf, math.inf, knots) for one in (fuzzy_set.upper, fuzzy_set.lower))
-        return IntervalType2Set(lower=lower, upper=upper)
-    return FunctionalType2Set(lambda x: negation(fuzzy_set.secondary(x)), -math.inf, math.inf, knots)
+        return IntervalType2Set(lower=_complement(fuzzy_set.upper), upper=_complement(fuzzy_set.lower))
+    return FunctionalType2Set(lambda x: negation(fuzzy_set.secondary(x)), -math.inf, math.inf, _two_knots(fuzzy_set.landmarks))
 
 
-def _one_minus(grades: Type1Set) -> Callable[[Array], Array]:
-    return lambda x: 1.0 - grades(x)
+def _complement(fuzzy_set: Type1Set) -> Type1Set:
+    return fuzzy_set.whole if isinstance(fuzzy_set, Complement) else Complement(fuzzy_set)
 
 
 def _two_knots(landmarks: Array) -> tuple[float, ...]:

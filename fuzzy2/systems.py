@@ -138,6 +138,11 @@ class FuzzySystem:
         Names; ``x1, x2, ...`` and ``y1, y2, ...`` by default.
     term_names : sequence of sequences of str, optional
         Names of the terms of every input; ``term1, ...`` by default.
+    consequent_names : sequence of sequences of str, optional
+        Name of what each rule (R,) says of each output (m,), for files; of rules in words, the names of the terms.
+    input_ranges, output_ranges : (p, 2) and (m, 2) array_like, optional
+        Ends of the variables' domains. Those of the outputs are the ends of the output grid, which are otherwise the ends of the
+        consequents; those of the inputs are for files.
     resolution : int
         Points of the output grid of ``"centroid"`` and ``"center_of_sums"``.
 
@@ -166,13 +171,16 @@ class FuzzySystem:
         input_names: Sequence[str] | None = None,
         output_names: Sequence[str] | None = None,
         term_names: Sequence[Sequence[str]] | None = None,
+        consequent_names: Sequence[Sequence[str]] | None = None,
+        input_ranges: ArrayLike | None = None,
+        output_ranges: ArrayLike | None = None,
         resolution: int = 501,
     ) -> None:
         if isinstance(inputs, Mapping):
             input_names, term_names = list(inputs), [list(terms) for terms in inputs.values()]
             inputs = [list(terms.values()) for terms in inputs.values()]
         if isinstance(consequents, Mapping):
-            rules, consequents, output_names = _read_rules(rules, consequents, input_names, term_names)
+            rules, consequents, output_names, consequent_names = _read_rules(rules, consequents, input_names, term_names)
         self.inputs: tuple[tuple[Any, ...], ...] = tuple(tuple(terms) for terms in inputs)
         self._check_inputs()
         self.rules = self._checked_rules(rules)
@@ -197,6 +205,9 @@ class FuzzySystem:
         if len(given) != len(self.inputs):
             raise InvalidValue("term_names", term_names, f"a list of names for each of the {len(self.inputs)} inputs")
         self.term_names = tuple(_names("term_names", names, len(terms), "term") for names, terms in zip(given, self.inputs, strict=True))
+        self.consequent_names = _consequent_names(consequent_names, len(self.rules), self.n_outputs)
+        self.input_ranges = _ranges("input_ranges", input_ranges, len(self.inputs))
+        self.output_ranges = _ranges("output_ranges", output_ranges, self.n_outputs)
         self._table = self._compiled_table()
         self._fast = self._table is not None and type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear)
         # Looked up once: a control loop calls a system a thousand times a second.
@@ -320,6 +331,12 @@ class FuzzySystem:
         return row
 
     # Evaluation
+
+    @property
+    def table(self) -> Array | None:
+        """The system as the one array that the loops of :mod:`fuzzy2.kernels` take, or None where they cannot evaluate it."""
+        compiled = self.type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear)
+        return self._table if compiled else None
 
     def _rows(self, X: ArrayLike) -> tuple[tuple[int, ...], Array]:
         """Return the leading shape and the inputs as (n, p)."""
@@ -456,9 +473,11 @@ class FuzzySystem:
             intervals = np.moveaxis(self._intervals, 1, 0)
             return generalized_centroid(intervals[np.newaxis], strengths[:, np.newaxis], self.method)
         assert self._sets is not None
-        return np.stack([self._reduce_output([row[j] for row in self._sets], strengths) for j in range(self.n_outputs)], axis=1)
+        ranges = self.output_ranges or (None,) * self.n_outputs
+        columns = ([row[j] for row in self._sets] for j in range(self.n_outputs))
+        return np.stack([self._reduce_output(sets, ends, strengths) for sets, ends in zip(columns, ranges, strict=True)], axis=1)
 
-    def _reduce_output(self, sets: list[Any], strengths: Array) -> Array:
+    def _reduce_output(self, sets: list[Any], ends: tuple[float, float] | None, strengths: Array) -> Array:
         if self.type_reduction in ("height", "modified_height"):
             points = np.array([_highest_point(item) for item in sets])
             heights = np.array([[float(item.lower(at)), float(item.upper(at))] for item, at in zip(sets, points, strict=True)])
@@ -466,7 +485,7 @@ class FuzzySystem:
             if self.type_reduction == "modified_height":
                 weights = weights / np.array([_spread(item) for item in sets])[:, np.newaxis] ** 2
             return generalized_centroid(points, weights, self.method)
-        grid = _grid(sets, self.resolution)
+        grid = np.linspace(*(ends or _domain(sets)), self.resolution)
         shapes = np.array([[item.lower(grid), item.upper(grid)] for item in sets])
         reduced = np.empty((len(strengths), 2))
         for start in range(0, len(strengths), 64):
@@ -481,11 +500,15 @@ class FuzzySystem:
         return reduced
 
     def gradient(self, X: ArrayLike) -> Array:
-        r"""Return the derivatives of the crisp outputs with respect to the inputs.
+        r"""Return the derivatives of the crisp outputs with respect to the inputs, :math:`\partial y_j / \partial x_i`.
 
-        At a fixed switch point each end is a weighted average, so that
-        :math:`\partial y / \partial w_r = (z_r - y) / \sum w`; the weights are differentiated by central differences of the
-        terms' grades. Where a switch point changes, the output has a kink and the derivative is that of one side.
+        Analytic (:mod:`fuzzy2.gradients`) for center of sets, height, modified height, their α-planes and the Gaussian corollary, with
+        singleton fuzzifiers and terms that have a ``derivative``, under the continuous t-norms that have a name. All else by sixth-order
+        differences: centroid, center of sums, other t-norms and fuzzifiers, and functional or sampled type-2 sets, Gaussian ones
+        whose spread is a function, and sets of one's own among the terms.
+
+        At a kink the analytic derivative is that of the right side, toward greater :math:`x_i`, and a jump of a membership counts
+        for nothing; differences mix both sides within 3/1000 of the terms' range.
 
         Parameters
         ----------
@@ -502,18 +525,11 @@ class FuzzySystem:
         InvalidValue
             If the inputs are not finite or of another shape.
         """
+        from fuzzy2.gradients import gradient
+
         shape, rows = self._rows(X)
         self._refuse(rows)
-        slopes = np.empty((len(rows), self.n_outputs, len(self.inputs)))
-        for i, terms in enumerate(self.inputs):
-            left, right = _domain(terms)
-            # Six points: the truncation error is of sixth order in a step of 1/1000 of the input's range.
-            step = 1e-3 * (right - left)
-            shift = np.zeros(len(self.inputs))
-            shift[i] = step
-            near, middle, far = (self.__call__(rows + k * shift) - self.__call__(rows - k * shift) for k in (1, 2, 3))
-            slopes[..., i] = (45.0 * near - 9.0 * middle + far) / (60.0 * step)
-        return slopes.reshape(*shape, self.n_outputs, len(self.inputs))
+        return gradient(self, rows).reshape(*shape, self.n_outputs, len(self.inputs))
 
     # Looking at a system
 
@@ -743,6 +759,16 @@ class GeneralType2System(FuzzySystem):
             # A consequent whose planes have no centroid is refused here and not at the first call.
             self._plane(0)
 
+    @property
+    def widths(self) -> Array:
+        """Half-widths of the α-planes of a Gaussian at ``alphas``, in standard deviations, for :mod:`fuzzy2.kernels`; (L,)."""
+        return self._widths
+
+    @property
+    def moments(self) -> tuple[Array, Array]:
+        """Means and standard deviations of the consequents under the Gaussian corollary, for :mod:`fuzzy2.kernels`; (R, m) each."""
+        return self._middles, self._spreads
+
     def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
         from fuzzy2.general_type2 import GaussianType2Set
 
@@ -803,6 +829,10 @@ class GeneralType2System(FuzzySystem):
         """Return the interval type-2 system of one α-plane."""
         if self._planes is None:
             self._planes = []
+            ranges = self.output_ranges
+            if ranges is None and self._sets is not None and self.type_reduction in ("centroid", "center_of_sums"):
+                # One grid for all planes: those of planes of different width would differ, and the cuts not be nested.
+                ranges = tuple(_domain([row[j] for row in self._sets]) for j in range(self.n_outputs))
             for alpha in self.alphas:
 
                 def cut(item: Any, alpha: float = float(alpha)) -> Any:
@@ -816,7 +846,8 @@ class GeneralType2System(FuzzySystem):
                     consequents = [[cut(item) for item in row] for row in self._sets]
                 plane = IntervalType2System(
                     [[cut(term) for term in terms] for terms in self.inputs], self.rules, consequents, self.t_norm,
-                    self.type_reduction, self.method, t_conorm=self.t_conorm, fuzzifier=fuzzifiers, resolution=self.resolution,
+                    self.type_reduction, self.method, t_conorm=self.t_conorm, fuzzifier=fuzzifiers,
+                    output_ranges=ranges, resolution=self.resolution,
                 )  # fmt: skip
                 self._planes.append(plane)
         return self._planes[level]
@@ -958,8 +989,8 @@ def _conorm_named(given: str | TConorm | BinaryFunction) -> TConorm:
 
 def _read_rules(
     rules: Any, outputs: Mapping[str, Mapping[str, Any]], input_names: Sequence[str] | None, term_names: Sequence[Sequence[str]] | None
-) -> tuple[NDArray[np.int64], Any, list[str]]:
-    """Return rules in words as numbers of terms, the consequent of each rule, and the names of the outputs."""
+) -> tuple[NDArray[np.int64], Any, list[str], list[list[str]]]:
+    """Return rules in words as numbers of terms, the consequent of each rule, and the names of the outputs and of the consequents."""
     if input_names is None or term_names is None:
         raise InvalidValue(
             "inputs", None, "a mapping from names to terms by name, or go with input_names and term_names, for rules in words"
@@ -967,10 +998,12 @@ def _read_rules(
     antecedents, numbers = parse_rules(rules, dict(zip(input_names, term_names, strict=True)), outputs)
     meanings = [list(terms.values()) for terms in outputs.values()]
     consequents = [[meanings[j][t] for j, t in enumerate(row)] for row in numbers]
+    words = [list(terms) for terms in outputs.values()]
+    names = [[words[j][t] for j, t in enumerate(row)] for row in numbers]
     if not any(isinstance(item, AnySet) for row in consequents for item in row):
         intervals = [[tuple(np.broadcast_to(np.asarray(item, dtype=float), 2)) for item in row] for row in consequents]
-        return antecedents, np.array(intervals), list(outputs)
-    return antecedents, consequents, list(outputs)
+        return antecedents, np.array(intervals), list(outputs), names
+    return antecedents, consequents, list(outputs), names
 
 
 def _names(what: str, given: Sequence[str] | None, count: int, stem: str) -> tuple[str, ...]:
@@ -980,6 +1013,24 @@ def _names(what: str, given: Sequence[str] | None, count: int, stem: str) -> tup
     if len(names) != count or len(set(names)) != count or not all(isinstance(name, str) and name for name in names):
         raise InvalidValue(what, names, f"{count} different names")
     return names
+
+
+def _consequent_names(given: Sequence[Sequence[str]] | None, count: int, outputs: int) -> tuple[tuple[str, ...], ...] | None:
+    if given is None:
+        return None
+    names = tuple(tuple(row) for row in given)
+    if len(names) != count or not all(len(row) == outputs and all(isinstance(name, str) for name in row) for row in names):
+        raise InvalidValue("consequent_names", given, f"a list of {outputs} names for each of the {count} rules")
+    return names
+
+
+def _ranges(what: str, given: ArrayLike | None, count: int) -> tuple[tuple[float, float], ...] | None:
+    if given is None:
+        return None
+    ends = reals(what, given)
+    if ends.shape != (count, 2) or not np.isfinite(ends).all() or not (ends[:, 0] < ends[:, 1]).all():
+        raise InvalidValue(what, given, f"{count} pairs of finite numbers in ascending order")
+    return tuple((float(low), float(high)) for low, high in ends)
 
 
 def _as_sets(consequents: Any) -> list[list[Any]] | None:
@@ -1002,13 +1053,18 @@ def _centroid_interval(item: Any) -> tuple[float, float]:
 
 
 def _highest_point(item: Any) -> float:
-    """Middle of the points of greatest membership, of the principal membership for type-2 sets."""
+    """Middle of the points of greatest membership, of the principal membership for general type-2 and the upper one for interval sets."""
     if isinstance(item, GeneralType2Set):
         item = item.principal
     elif isinstance(item, IntervalType2Set):
         item = item.upper
-    left, right = item.maxima
-    return 0.5 * (float(left) + float(right))
+    maxima = item.maxima
+    if maxima is None:
+        # A sigmoid never reaches its height; four times the width of its slope behind its center it is at 0.98 of it.
+        points = item.landmarks
+        near = points[item(points) > 0.95 * item.height]
+        return float(near[np.argmin(item(near))])
+    return 0.5 * (float(maxima[0]) + float(maxima[1]))
 
 
 def _range(terms: Sequence[Any]) -> tuple[float, float]:
@@ -1018,7 +1074,7 @@ def _range(terms: Sequence[Any]) -> tuple[float, float]:
 
 
 def _domain(terms: Sequence[Any]) -> tuple[float, float]:
-    """Range on which sets live: their supports where those are bounded, else where their membership exceeds exp(-12.5)."""
+    """Range on which sets live: their supports where bounded, else their landmarks above exp(-12.5), of a Gaussian 4 sigma away."""
     left, right = np.inf, -np.inf
     for item in terms:
         upper = item.upper
@@ -1033,10 +1089,6 @@ def _domain(terms: Sequence[Any]) -> tuple[float, float]:
             )
         left, right = min(left, ends[0]), max(right, ends[1])
     return left, right
-
-
-def _grid(sets: Sequence[Any], resolution: int) -> Array:
-    return np.linspace(*_domain(sets), resolution)
 
 
 def _spread(item: Any) -> float:

@@ -74,6 +74,10 @@ class Type1Set(ABC):
     def _kernel_row(self) -> KernelRow | None:
         return None
 
+    def _slopes(self, x: Array) -> Array:
+        """Return the derivative of the membership at finite points (...,), from the right; what is returned for others does not matter."""
+        raise NotApplicable("derivative", f"no formula is known for that of {repr(self)[:80]}")
+
     def membership(self, x: ArrayLike) -> Array:
         """Return the membership grades of points.
 
@@ -97,6 +101,33 @@ class Type1Set(ABC):
     def __call__(self, x: ArrayLike) -> Array:
         """Return the membership grades of points; see :meth:`membership`."""
         return self._grades(reals("x", x))[()]
+
+    def derivative(self, x: ArrayLike) -> Array:
+        r"""Return the derivative of the membership from the right, :math:`\lim_{h \downarrow 0} (\mu(x + h) - \mu(x + 0)) / h`.
+
+        At a kink it is the slope of what follows. A jump counts for nothing: at a vertical edge, too, it is the slope of what follows.
+
+        Parameters
+        ----------
+        x : (...,) array_like
+            Points.
+
+        Returns
+        -------
+        (...,) array
+            Derivatives; NaN where the point is NaN, 0 at infinity.
+
+        Raises
+        ------
+        InvalidValue
+            If the points are not real numbers.
+        NotApplicable
+            If the membership is a function whose derivative is not known.
+        """
+        points = reals("x", x)
+        with np.errstate(all="ignore"):  # far out squares and powers are infinite, and the slope 0
+            slopes = np.asarray(self._slopes(np.where(np.isfinite(points), points, 0.0)), dtype=float)
+        return keep_nan(points, np.where(np.isinf(points), 0.0, slopes))[()]
 
     @property
     def lower(self) -> Type1Set:
@@ -276,6 +307,9 @@ class Gaussian(Type1Set):
     def _grades(self, x: Array) -> Array:
         return gaussian(x, self.mean, self.sigma, self.height)
 
+    def _slopes(self, x: Array) -> Array:
+        return gaussian_slopes(x, self.mean, self.sigma, self.height)
+
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
 
@@ -334,6 +368,9 @@ class Trapezoidal(Type1Set):
     def _grades(self, x: Array) -> Array:
         return trapezoid(x, self.a, self.b, self.c, self.d, self.height)
 
+    def _slopes(self, x: Array) -> Array:
+        return trapezoid_slopes(x, self.a, self.b, self.c, self.d, self.height)
+
     def _support(self) -> tuple[float, float]:
         return self.a, self.d
 
@@ -384,6 +421,9 @@ class Triangular(Type1Set):
     def _grades(self, x: Array) -> Array:
         return trapezoid(x, self.left, self.peak, self.peak, self.right, self.height)
 
+    def _slopes(self, x: Array) -> Array:
+        return trapezoid_slopes(x, self.left, self.peak, self.peak, self.right, self.height)
+
     def _support(self) -> tuple[float, float]:
         return self.left, self.right
 
@@ -426,6 +466,9 @@ class Interval(Type1Set):
     def _grades(self, x: Array) -> Array:
         return keep_nan(x, (x >= self.left) & (x <= self.right))
 
+    def _slopes(self, x: Array) -> Array:
+        return np.zeros_like(x)
+
     def _support(self) -> tuple[float, float]:
         return self.left, self.right
 
@@ -466,6 +509,9 @@ class Singleton(Type1Set):
 
     def _grades(self, x: Array) -> Array:
         return keep_nan(x, np.equal(x, self.point))
+
+    def _slopes(self, x: Array) -> Array:
+        return np.zeros_like(x)
 
     def _support(self) -> tuple[float, float]:
         return self.point, self.point
@@ -513,6 +559,15 @@ class Bell(Type1Set):
     def _grades(self, x: Array) -> Array:
         with np.errstate(over="ignore"):  # far out the power is infinite and the grade 0
             return np.asarray(1.0 / (1.0 + abs((x - self.center) / self.width) ** (2.0 * self.slope)))
+
+    def _slopes(self, x: Array) -> Array:
+        distance = abs(x - self.center) / self.width
+        power = distance ** (2.0 * self.slope)
+        # Powers of less than 1 only: within the width that of the distance, beyond it that of its reciprocal.
+        near = distance ** (2.0 * self.slope - 1.0) / (1.0 + power) ** 2
+        far = 1.0 / (distance * power * (1.0 + 1.0 / power) ** 2)
+        steepness = 2.0 * self.slope / self.width * np.where(distance <= 1.0, near, far)
+        return np.where(x < self.center, steepness, -steepness)
 
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
@@ -579,6 +634,10 @@ class Sigmoid(Type1Set):
         tail = np.exp(-abs(steps))
         return np.where(steps < 0.0, tail, 1.0) / (1.0 + tail)
 
+    def _slopes(self, x: Array) -> Array:
+        tail = np.exp(-abs(self.slope * (x - self.center)))
+        return self.slope * tail / (1.0 + tail) ** 2
+
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
 
@@ -615,6 +674,8 @@ class FunctionalSet(Type1Set):
         Ends of the support; the membership is 0 outside, whatever the function says. They may be infinite; then there is no centroid.
     knots : sequence of float
         Points where the function has kinks or narrow peaks, and for an unbounded support the range that matters.
+    slope : callable, optional
+        Derivative of the function, from points (...,) to derivatives (...,); at a kink from the right. Without it the set has none.
 
     Raises
     ------
@@ -626,6 +687,7 @@ class FunctionalSet(Type1Set):
     left: float
     right: float
     knots: tuple[float, ...] = ()
+    slope: Callable[[Array], Array] | None = None
 
     def __post_init__(self) -> None:
         left, right = maybe_infinite("left", self.left), maybe_infinite("right", self.right)
@@ -646,6 +708,11 @@ class FunctionalSet(Type1Set):
     def _grades(self, x: Array) -> Array:
         grades = np.asarray(self.function(x), dtype=float)
         return keep_nan(x, np.where((x >= self.left) & (x <= self.right), grades, 0.0))
+
+    def _slopes(self, x: Array) -> Array:
+        if self.slope is None:
+            return super()._slopes(x)
+        return np.where((x >= self.left) & (x < self.right), self.slope(x), 0.0)
 
     def _support(self) -> tuple[float, float]:
         return self.left, self.right
@@ -731,6 +798,9 @@ class Truncated(Type1Set):
     def _grades(self, x: Array) -> Array:
         return keep_nan(x, np.where((x >= self.left) & (x <= self.right), self.whole(x), 0.0))
 
+    def _slopes(self, x: Array) -> Array:
+        return np.where((x >= self.left) & (x < self.right), self.whole.derivative(x), 0.0)
+
     def _support(self) -> tuple[float, float]:
         first, last = self.whole.support
         return max(first, self.left), min(last, self.right)
@@ -814,6 +884,11 @@ class SampledSet(Type1Set):
     def _grades(self, x: Array) -> Array:
         return np.interp(x, self.points, self.grades, left=0.0, right=0.0)
 
+    def _slopes(self, x: Array) -> Array:
+        # Nothing before the first point, the slopes between the points, nothing from the last point on.
+        slopes = np.concatenate([[0.0], np.diff(self.grades) / np.diff(self.points), [0.0]])
+        return np.asarray(slopes[np.searchsorted(self.points, x, side="right")])
+
     def _support(self) -> tuple[float, float]:
         positive_ones = np.flatnonzero(self.grades > 0.0)
         if positive_ones.size == 0:
@@ -845,6 +920,12 @@ def gaussian(x: Array, mean: ArrayLike, sigma: ArrayLike, height: ArrayLike = 1.
         return np.asarray(height * np.exp(-0.5 * np.square((x - np.asarray(mean)) / sigma)))
 
 
+def gaussian_slopes(x: Array, mean: ArrayLike, sigma: float, height: float = 1.0) -> Array:
+    r"""Return the derivative of a Gaussian, :math:`-\mu(x)\,(x - m)/\sigma^2`; points and means broadcast."""
+    grades = gaussian(x, mean, sigma, height)
+    return np.where(grades > 0.0, (np.asarray(mean) - x) / sigma * grades / sigma, 0.0)
+
+
 def gaussian_reach(alpha: Array, sigma: ArrayLike, height: ArrayLike = 1.0) -> Array:
     r"""Return the distance from the mean at which a Gaussian falls to alpha, :math:`\sigma\sqrt{2 \ln(h/\alpha)}`."""
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -858,6 +939,14 @@ def trapezoid(x: Array, a: float, b: float, c: float, d: float, height: float) -
         rise = (x - a) / (b - a) if b > a else np.where(x >= a, 1.0, 0.0)
         fall = (d - x) / (d - c) if d > c else np.where(x <= d, 1.0, 0.0)
     return keep_nan(x, height * np.clip(np.minimum(rise, fall), 0.0, 1.0))
+
+
+def trapezoid_slopes(x: Array, a: float, b: float, c: float, d: float, height: float) -> Array:
+    """Return the derivative of the membership of a trapezoid from the right: at a corner that of the edge behind it."""
+    rising, falling = (x >= a) & (x < b), (x >= c) & (x < d)
+    rise = height / (b - a) if b > a else 0.0
+    fall = height / (d - c) if d > c else 0.0
+    return np.where(rising, rise, np.where(falling, -fall, 0.0))
 
 
 def trapezoid_cut(fraction: Array, a: float, b: float, c: float, d: float) -> tuple[Array, Array]:
@@ -904,3 +993,450 @@ def set_fields(frozen: object, **fields: object) -> None:
     """Set fields of a frozen dataclass while it is being made."""
     for name, value in fields.items():
         object.__setattr__(frozen, name, value)
+
+
+@dataclass(frozen=True)
+class PiShaped(Type1Set):
+    r"""Set with smooth shoulders: a trapezoid whose sides are two parabolas each, so that they meet the top and the zero without a kink.
+
+    .. math::
+        \mu(x) = h \min\left(S\left(\frac{x - a}{b - a}\right), S\left(\frac{d - x}{d - c}\right)\right), \qquad
+        S(t) = \begin{cases} 2 t^2 & 0 \le t \le 1/2 \\ 1 - 2 (1 - t)^2 & 1/2 \le t \le 1 \end{cases}
+
+    with :math:`S` constant beyond 0 and 1. S-shaped sets are ``PiShaped(a, b, inf, inf)``, Z-shaped ones ``PiShaped(-inf, -inf, c, d)``.
+
+    Parameters
+    ----------
+    a, b, c, d : float
+        Foot, shoulder, shoulder and foot in ascending order, as of a :class:`Trapezoidal`.
+    height : float
+        Greatest membership, in (0, 1].
+
+    Raises
+    ------
+    InvalidValue
+        If the points are not in order or the height is outside of its range.
+    """
+
+    a: float
+    b: float
+    c: float
+    d: float
+    height: float = 1.0
+
+    def __post_init__(self) -> None:
+        checked = Trapezoidal(self.a, self.b, self.c, self.d, self.height)
+        set_fields(self, a=checked.a, b=checked.b, c=checked.c, d=checked.d, height=checked.height)
+
+    def _shares(self, x: Array) -> tuple[Array, Array]:
+        """Return how far points are up the left side and the right one, each in [0, 1]."""
+        return trapezoid(x, self.a, self.b, math.inf, math.inf, 1.0), trapezoid(x, -math.inf, -math.inf, self.c, self.d, 1.0)
+
+    def _grades(self, x: Array) -> Array:
+        share = np.minimum(*self._shares(x))
+        return np.asarray(self.height * np.where(share < 0.5, 2.0 * share**2, 1.0 - 2.0 * (1.0 - share) ** 2))
+
+    def _slopes(self, x: Array) -> Array:
+        slopes = np.zeros_like(x)
+        for share, width in zip(self._shares(x), (self.b - self.a, self.c - self.d), strict=True):
+            if math.isfinite(width) and width != 0.0:
+                slopes += 4.0 * self.height * np.minimum(share, 1.0 - share) / width
+        return keep_nan(x, slopes)
+
+    def _support(self) -> tuple[float, float]:
+        return self.a, self.d
+
+    def _maxima(self) -> tuple[float, float]:
+        return self.b, self.c
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        fraction = alpha / self.height
+        share = np.where(fraction < 0.5, np.sqrt(0.5 * fraction), 1.0 - np.sqrt(0.5 * np.maximum(1.0 - fraction, 0.0)))
+        return trapezoid_cut(share, self.a, self.b, self.c, self.d)
+
+    def _landmarks(self) -> Array:
+        points = np.array([self.a, 0.5 * self.a + 0.5 * self.b, self.b, self.c, 0.5 * self.c + 0.5 * self.d, self.d])
+        finite = points[np.isfinite(points)]
+        return merged(finite) if finite.size else np.zeros(1)
+
+
+@dataclass(frozen=True)
+class TwoSidedGaussian(Type1Set):
+    r"""Gaussian with a mean and a standard deviation of its own on each side.
+
+    .. math:: \mu(x) = \exp\left(-\frac{\max(m_1 - x, 0)^2}{2 \sigma_1^2} - \frac{\max(x - m_2, 0)^2}{2 \sigma_2^2}\right)
+
+    Between the means, if they are in ascending order, the membership is 1; if they are not, it stays below 1.
+
+    Parameters
+    ----------
+    mean : (m1, m2)
+        Mean of the left side and of the right one.
+    sigma : (s1, s2)
+        Standard deviation of the left side and of the right one, above 0. One may be infinite: a shoulder that never ends. Then the
+        mean of that side does not matter, and becomes the other one.
+
+    Raises
+    ------
+    InvalidValue
+        If a parameter is outside of its range, or the means are so far apart in descending order that nothing is left.
+    """
+
+    mean: tuple[float, float]
+    sigma: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        requirement = "two numbers above 0, at most one of them infinite"
+        means, sigmas = _two("mean", self.mean, "two finite numbers"), _two("sigma", self.sigma, requirement)
+        if not all(map(math.isfinite, means)):
+            raise InvalidValue("mean", self.mean, "two finite numbers")
+        if min(sigmas) <= 0.0 or all(map(math.isinf, sigmas)):
+            raise InvalidValue("sigma", self.sigma, requirement)
+        ends = [end for end, sigma in zip(means, sigmas, strict=True) if math.isfinite(sigma)]
+        set_fields(self, mean=(ends[0], ends[-1]), sigma=sigmas)
+        if self.height == 0.0:
+            raise InvalidValue("mean", self.mean, "so near to each other, or in such an order, that the membership is not 0 everywhere")
+
+    @property
+    def height(self) -> float:
+        """Greatest membership: 1 unless the left mean is right of the right one."""
+        return math.exp(-0.5 * min((self.mean[0] - self.mean[1]) / math.hypot(*self.sigma), 100.0) ** 2) if self._crossed else 1.0
+
+    @property
+    def _crossed(self) -> bool:
+        return self.mean[0] > self.mean[1]
+
+    def _distances(self, x: Array) -> tuple[Array, Array]:
+        """Return how far points are out on the left side and on the right one, in standard deviations, at least 0."""
+        (left, right), (first, second) = self.mean, self.sigma
+        none = np.where(np.isnan(x), np.nan, 0.0)
+        return (
+            np.maximum((left - x) / first, 0.0) if math.isfinite(first) else none,
+            np.maximum((x - right) / second, 0.0) if math.isfinite(second) else none,
+        )
+
+    def _grades(self, x: Array) -> Array:
+        left, right = self._distances(x)
+        with np.errstate(over="ignore", under="ignore"):  # far out the square is infinite and the grade 0
+            return np.asarray(np.exp(-0.5 * (left**2 + right**2)))
+
+    def _slopes(self, x: Array) -> Array:
+        left, right = self._distances(x)
+        grades = self._grades(x)
+        with np.errstate(invalid="ignore"):  # 0 times infinity
+            return np.where(grades == 0.0, 0.0, grades * (left / self.sigma[0] - right / self.sigma[1]))
+
+    def _support(self) -> tuple[float, float]:
+        return -math.inf, math.inf
+
+    def _maxima(self) -> tuple[float, float]:
+        (left, right), (first, second) = self.mean, self.sigma
+        if self._crossed:
+            share = 1.0 / (1.0 + (second / first) ** 2)
+            peak = right * share + left * (1.0 - share)
+            return peak, peak
+        return left if math.isfinite(first) else -math.inf, right if math.isfinite(second) else math.inf
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        (left, right), (first, second) = self.mean, self.sigma
+        reach = gaussian_reach(alpha, 1.0)
+        low = left - first * reach if math.isfinite(first) else np.full_like(reach, -math.inf)
+        high = right + second * reach if math.isfinite(second) else np.full_like(reach, math.inf)
+        if not self._crossed:
+            return low, high
+        # Between crossed means both sides count, and their product is a Gaussian, too.
+        peak, _ = self._maxima()
+        near = first * second / math.hypot(first, second) * gaussian_reach(alpha, 1.0, self.height)
+        return np.where(peak - near >= right, peak - near, low), np.where(peak + near <= left, peak + near, high)
+
+    def _points(self, spread: Array) -> Array:
+        (left, right), (first, second) = self.mean, self.sigma
+        distances = np.concatenate([[0.0], spread])
+        sides = [left - first * distances] if math.isfinite(first) else []
+        sides += [right + second * distances] if math.isfinite(second) else []
+        return merged(*sides, [end for end in self._maxima() if math.isfinite(end)])
+
+    def _landmarks(self) -> Array:
+        return self._points(_GAUSSIAN_SPREAD)
+
+    def _quadrature_points(self, power: int) -> Array:
+        if not all(map(math.isfinite, self.sigma)):
+            raise NotApplicable("centroid", f"the area of {self!r} is infinite: a shoulder never comes back to 0")
+        return self._points(np.concatenate([_GAUSSIAN_SPREAD, _GAUSSIAN_TAIL]))
+
+
+class _TwoSigmoids(Type1Set):
+    """What the combinations of two sigmoids share; what has no closed form is searched as of a :class:`FunctionalSet`."""
+
+    center: tuple[float, float]
+    slope: tuple[float, float]
+
+    def _check(self) -> None:
+        requirement = "two finite numbers other than 0"
+        centers, slopes = _two("center", self.center, "two finite numbers"), _two("slope", self.slope, requirement)
+        for name, given, wanted in (("center", centers, "two finite numbers"), ("slope", slopes, requirement)):
+            if not all(map(math.isfinite, given)):
+                raise InvalidValue(name, given, wanted)
+        if 0.0 in slopes:
+            raise InvalidValue("slope", slopes, requirement)
+        set_fields(self, center=centers, slope=slopes)
+
+    def _steps(self, x: Array) -> tuple[Array, Array]:
+        """Return the exponents of both sigmoids at points; beyond 800 a sigmoid is 0 or 1."""
+        with np.errstate(over="ignore"):
+            first, second = (slope * (x - center) for center, slope in zip(self.center, self.slope, strict=True))
+        return np.clip(first, -800.0, 800.0), np.clip(second, -800.0, 800.0)
+
+    @cached_property
+    def _searched(self) -> FunctionalSet:
+        return FunctionalSet(self._grades, -math.inf, math.inf, tuple(self._points(_EXPONENTIAL_SPREAD).tolist()))
+
+    def _support(self) -> tuple[float, float]:
+        return -math.inf, math.inf
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        return self._searched._cut(alpha)
+
+    def _points(self, spread: Array) -> Array:
+        reaches = _mirrored(spread)
+        return merged(*(center + reaches / abs(slope) for center, slope in zip(self.center, self.slope, strict=True)))
+
+    def _landmarks(self) -> Array:
+        return self._points(_EXPONENTIAL_SPREAD[:6])
+
+    def _quadrature_points(self, power: int) -> Array:
+        return self._points(_EXPONENTIAL_SPREAD)
+
+
+@dataclass(frozen=True)
+class SigmoidDifference(_TwoSigmoids):
+    r"""Absolute difference of two sigmoids: one rises where the other has risen already, and between them the membership is near 1.
+
+    .. math:: \mu(x) = \left| \frac{1}{1 + e^{-s_1 (x - c_1)}} - \frac{1}{1 + e^{-s_2 (x - c_2)}} \right|
+
+    With slopes that differ the sigmoids cross, and there is a second, lower maximum beyond: then the set is not convex. With slopes of
+    different signs it is a valley, with shoulders that never end.
+
+    Parameters
+    ----------
+    center, slope : (float, float)
+        Centers and slopes of the two sigmoids; the slopes not 0, and the sigmoids not the same.
+
+    Raises
+    ------
+    InvalidValue
+        If a parameter is outside of its range.
+    """
+
+    center: tuple[float, float]
+    slope: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        self._check()
+        if self.slope[0] == self.slope[1] and self.center[0] == self.center[1]:
+            raise InvalidValue("center", self.center, "different for equal slopes, or the membership is 0 everywhere")
+
+    @property
+    def _valley(self) -> bool:
+        return (self.slope[0] > 0.0) != (self.slope[1] > 0.0)
+
+    @property
+    def height(self) -> float:
+        """Supremum of the membership."""
+        return 1.0 if self._valley else self._searched.height
+
+    def _maxima(self) -> tuple[float, float] | None:
+        return None if self._valley else self._searched._maxima()
+
+    def _quadrature_points(self, power: int) -> Array:
+        if self._valley:
+            raise NotApplicable("centroid", f"the area of {self!r} is infinite: its shoulders never come back to 0")
+        return super()._quadrature_points(power)
+
+    def _grades(self, x: Array) -> Array:
+        # The difference as a product, which keeps its digits where both sigmoids are near 1.
+        first, second = self._steps(x)
+        return np.asarray(-np.expm1(-abs(first - second)) * logistic(np.maximum(first, second)) * logistic(-np.minimum(first, second)))
+
+    def _slopes(self, x: Array) -> Array:
+        first, second = self._steps(x)
+        rates = (slope * logistic(steps) * logistic(-steps) for slope, steps in zip(self.slope, (first, second), strict=True))
+        # Where the sigmoids cross, the difference rises to the right.
+        rise = np.subtract(*rates)
+        return np.where(first == second, abs(rise), np.sign(first - second) * rise)
+
+    def is_convex(self) -> bool:
+        """Return whether the membership rises to its maximum and then falls, as sampled."""
+        return self._searched.is_convex()
+
+
+@dataclass(frozen=True)
+class SigmoidProduct(_TwoSigmoids):
+    r"""Product of two sigmoids: of a rising and a falling one, a bump with a slope of its own on each side.
+
+    .. math:: \mu(x) = \frac{1}{1 + e^{-s_1 (x - c_1)}} \cdot \frac{1}{1 + e^{-s_2 (x - c_2)}}
+
+    It is convex, because the logarithm of a sigmoid is concave.
+
+    Parameters
+    ----------
+    center, slope : (float, float)
+        Centers and slopes of the two sigmoids; the slopes not 0. With slopes of one sign the set is a shoulder.
+
+    Raises
+    ------
+    InvalidValue
+        If a parameter is not finite, a slope is 0, or the sigmoids are so far apart that nothing is left of their product.
+    """
+
+    center: tuple[float, float]
+    slope: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        self._check()
+        if not self._end and not self._grades(self._points(_EXPONENTIAL_SPREAD)).any():
+            raise InvalidValue("center", self.center, "so that the product is not 0 everywhere")
+
+    @property
+    def _end(self) -> float:
+        """Where the membership is 1 of a shoulder: at the infinity of this sign; 0 if the set is none."""
+        rising = [slope > 0.0 for slope in self.slope]
+        return 0.0 if rising[0] != rising[1] else math.inf if rising[0] else -math.inf
+
+    @property
+    def height(self) -> float:
+        """Supremum of the membership."""
+        return 1.0 if self._end else self._searched.height
+
+    def _grades(self, x: Array) -> Array:
+        first, second = self._steps(x)
+        with np.errstate(under="ignore"):
+            return np.asarray(logistic(first) * logistic(second))
+
+    def _slopes(self, x: Array) -> Array:
+        first, second = self._steps(x)
+        with np.errstate(under="ignore"):
+            return np.asarray(self._grades(x) * (self.slope[0] * logistic(-first) + self.slope[1] * logistic(-second)))
+
+    def _maxima(self) -> tuple[float, float] | None:
+        return None if self._end else self._searched._maxima()
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        left, right = self._searched._cut(alpha)
+        end = np.full_like(left, self._end)
+        return (left, right) if not self._end else (left, end) if self._end > 0.0 else (end, right)
+
+    def _quadrature_points(self, power: int) -> Array:
+        if self._end:
+            raise NotApplicable("centroid", f"the area of {self!r} is infinite: a shoulder never comes back to 0")
+        return super()._quadrature_points(power)
+
+
+@dataclass(frozen=True)
+class Complement(Type1Set):
+    r"""Complement of a set (eq. 1.11), as a rule says *is not*.
+
+    .. math:: \mu(x) = 1 - \mu_A(x)
+
+    Parameters
+    ----------
+    whole : Type1Set
+        The set :math:`A`.
+
+    Raises
+    ------
+    InvalidValue
+        If it is not a type-1 set.
+    """
+
+    whole: Type1Set
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.whole, Type1Set):
+            raise InvalidValue("whole", self.whole, "a type-1 set")
+
+    def _grades(self, x: Array) -> Array:
+        return np.asarray(1.0 - self.whole(x))
+
+    def _slopes(self, x: Array) -> Array:
+        return np.asarray(-self.whole.derivative(x))
+
+    @cached_property
+    def _least(self) -> tuple[float, float, float]:
+        """Least membership of the set, as sampled, and the first and the last point of it."""
+        points = np.concatenate([[-math.inf], refined(self.whole.landmarks), [math.inf]])
+        grades = self.whole(points)
+        least = points[grades <= grades.min() + ROUNDING]
+        return float(grades.min()), float(least[0]), float(least[-1])
+
+    @property
+    def height(self) -> float:
+        """Supremum of the membership."""
+        return 1.0 if any(map(math.isfinite, self.whole.support)) else 1.0 - self._least[0]
+
+    def _support(self) -> tuple[float, float]:
+        first, last = self.whole.core or (math.inf, -math.inf)
+        left = last if first == -math.inf else -math.inf
+        right = first if last == math.inf else math.inf
+        # Of everything the complement is nothing, and nothing has no ends.
+        return (left, right) if left <= right else (-math.inf, math.inf)
+
+    def _maxima(self) -> tuple[float, float] | None:
+        first, last = self.whole.support
+        if math.isfinite(first) or math.isfinite(last):
+            return -math.inf if math.isfinite(first) else last, math.inf if math.isfinite(last) else first
+        _, first, last = self._least
+        # What a set with tails comes down to at infinity is never reached.
+        return None if math.isinf(first) or math.isinf(last) else (first, last)
+
+    def _landmarks(self) -> Array:
+        points, (first, last) = self.whole.landmarks, self.whole.support
+        width = float(points[-1] - points[0]) or 1.0
+        # Where the set ends with a jump, the complement begins beyond it.
+        jumps = [end + side * width for end, side in ((first, -1.0), (last, 1.0)) if math.isfinite(end) and self.whole(end) > 0.0]
+        points = merged(points, jumps)
+        return points if points.size > 1 else merged(points, points - 1.0, points + 1.0)
+
+    @cached_property
+    def _searched(self) -> FunctionalSet:
+        return FunctionalSet(self._grades, *self._support(), tuple(self._landmarks().tolist()))
+
+    @property
+    def _falls(self) -> float:
+        """The infinity towards which a convex set rises without end, so that its complement falls; 0 if there is none."""
+        ends = self.whole(np.array([-math.inf, math.inf]))
+        return 0.0 if ends.max() < self.whole.height - ROUNDING else -math.inf if ends[0] > ends[1] else math.inf
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        falls = self._falls if self.whole.is_convex() else 0.0
+        if not falls:
+            return self._searched._cut(alpha)
+        beyond = 1.0 - alpha
+        reached = self.whole._cut(np.clip(beyond, 0.0, self.whole.height))[0 if falls > 0.0 else 1]
+        edge = np.where(beyond > 0.0, reached, self.whole.support[0 if falls > 0.0 else 1])
+        edge = np.where(beyond > self.whole.height, falls, edge)
+        end = np.full_like(edge, -falls)
+        return (end, edge) if falls > 0.0 else (edge, end)
+
+    def is_convex(self) -> bool:
+        """Return whether the membership rises to its maximum and then falls: the set is a shoulder, or, as sampled, has a valley."""
+        return (self.whole.is_convex() and self._falls != 0.0) or self._searched.is_convex()
+
+
+# Where a set with exponential tails is cut into pieces: exp(-745) is the last that is not zero in double precision.
+_EXPONENTIAL_SPREAD = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 745.0])
+
+
+def logistic(steps: Array) -> Array:
+    """Return 1 / (1 + exp(-steps)) without overflow, and without losing digits on either tail."""
+    tail = np.exp(-abs(steps))
+    return np.asarray(np.where(steps < 0.0, tail, 1.0) / (1.0 + tail))
+
+
+def _two(name: str, values: object, requirement: str) -> tuple[float, float]:
+    """Return a pair of numbers, which may be infinite; raise :class:`InvalidValue` if it is none."""
+    try:
+        first, second = list(values)  # type: ignore[call-overload] # whatever is no pair is refused below
+    except (TypeError, ValueError) as error:
+        raise InvalidValue(name, values, requirement) from error
+    return maybe_infinite(name, first, requirement), maybe_infinite(name, second, requirement)

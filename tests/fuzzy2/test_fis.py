@@ -18,7 +18,22 @@ from fuzzy2.fuzzifiers import NonSingletonFuzzifier
 from fuzzy2.general_type2 import GaussianType2Set
 from fuzzy2.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma, IntervalType2Set, NearestMeanGaussian
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
-from fuzzy2.type1 import Bell, Gaussian, Interval, SampledSet, Sigmoid, Singleton, Trapezoidal, Triangular, Truncated
+from fuzzy2.type1 import (
+    Bell,
+    Complement,
+    Gaussian,
+    Interval,
+    PiShaped,
+    SampledSet,
+    Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
+    Singleton,
+    Trapezoidal,
+    Triangular,
+    Truncated,
+    TwoSidedGaussian,
+)
 
 # tipper.fis of the Fuzzy Logic Toolbox, as its documentation describes it.
 TIPPER = """\
@@ -205,6 +220,17 @@ def test_pairs_of_membership_functions_of_the_open_toolbox() -> None:
         ("'gauss2mf',[2 1 2 3]", NearestMeanGaussian((1, 3), 2)),
         ("'gbellmf',[2 4 6]", Bell(center=6, width=2, slope=4)),
         ("'sigmf',[-2 4]", Sigmoid(center=4, slope=-2)),
+        ("'gauss2mf',[2 4 -1 8]", TwoSidedGaussian((4, 8), (2, 1))),
+        ("'gauss2mf',[2 8 2 4]", TwoSidedGaussian((8, 4), (2, 2))),
+        ("'gauss2mf',[Inf 3 2 3]", TwoSidedGaussian((3, 3), (math.inf, 2))),
+        ("'smf',[1 8]", PiShaped(1, 8, math.inf, math.inf)),
+        ("'zmf',[3 7]", PiShaped(-math.inf, -math.inf, 3, 7)),
+        ("'pimf',[1 4 5 10]", PiShaped(1, 4, 5, 10)),
+        # Feet beyond the shoulders make a step midway.
+        ("'smf',[4 2]", PiShaped(3, 3, math.inf, math.inf)),
+        ("'pimf',[4 2 7 5]", PiShaped(3, 3, 6, 6)),
+        ("'dsigmf',[5 2 5 7]", SigmoidDifference(center=(2, 7), slope=(5, 5))),
+        ("'psigmf',[2 3 -5 8]", SigmoidProduct(center=(3, 8), slope=(2, -5))),
     ],
 )
 def test_every_shape(line: str, expected: Any) -> None:
@@ -221,6 +247,78 @@ def test_output_sets_are_cut_off_at_the_range() -> None:
     grades = np.array([1.0, np.exp(-0.5 * (5.0 / 1.5) ** 2), np.exp(-0.5 * (10.0 / 1.5) ** 2)])
     united = np.minimum(grades[:, None], sets).max(axis=0)
     np.testing.assert_allclose(system([0.0, 5.0]), [y @ united / united.sum()], rtol=1e-12)
+
+
+def test_negations_are_complements() -> None:
+    """MATLAB's -k is 1 minus the grade of term k, in every rule: written out for the tipper on its 101 points."""
+    text = TIPPER.replace("1 1, 1 (1) : 2", "-1 1, -1 (1) : 1").replace("3 2, 3 (1) : 2", "-1 -2, 3 (1) : 2")
+    system, y = parse_fis(text), np.linspace(0.0, 30.0, 101)
+    assert system.term_names == (("poor", "good", "excellent", "not poor"), ("rancid", "delicious", "not delicious"))
+    assert system.inputs[0][3] == Complement(Gaussian(0, 1.5))
+    np.testing.assert_array_equal(system.rules, [[3, 0], [1, -1], [3, -1], [-1, 2]])
+    cheap, average, generous = (np.maximum(1.0 - abs(y - peak) / 5.0, 0.0) for peak in (5.0, 15.0, 25.0))
+    for service, food in np.random.default_rng(2).uniform(0.0, 10.0, size=(50, 2)):
+        poor, good = (np.exp(-0.5 * ((service - mean) / 1.5) ** 2) for mean in (0.0, 5.0))
+        rancid, delicious = np.clip((3.0 - food) / 2.0, 0.0, 1.0), np.clip((food - 7.0) / 2.0, 0.0, 1.0)
+        clipped = [np.minimum(min(1.0 - poor, rancid), 1.0 - cheap), np.minimum(good, average)]
+        united = np.max([*clipped, np.minimum(max(1.0 - poor, 1.0 - delicious), generous)], axis=0)
+        np.testing.assert_allclose(system([service, food]), [y @ united / united.sum()], rtol=1e-12)
+    written = format_fis(system)
+    assert "-1 1, -3 (1) : 1" in written
+    assert "NumMFs=3\nMF1='poor'" in written
+    assert "MF3='cheap':'trimf',[0 5 10]" in written
+    assert_comes_back(system)
+
+
+def test_the_complement_of_a_type_2_term_exchanges_its_membership_functions() -> None:
+    system = parse_fis(TYPE2.replace("1, 1 (1) : 1", "-1, 1 (1) : 1"))
+    low, _, not_low = system.inputs[0]
+    x = np.linspace(-1.0, 1.0, 41)
+    np.testing.assert_array_equal(not_low.lower(x), 1.0 - low.upper(x))
+    np.testing.assert_array_equal(not_low.upper(x), 1.0 - low.lower(x))
+    assert_comes_back(system, rtol=1e-9)
+
+
+def test_a_complement_whose_set_is_no_term_makes_one() -> None:
+    """The set becomes a term of its own; the answers stay the same."""
+    terms = {"x": {"not low": Complement(G), "low": Triangular(0, 1, 2), "not": Complement(Sigmoid(0, 1))}}
+    system = Type1System(
+        [*(list(of.values()) for of in terms.values())], [[0], [1], [2]], [[1.0], [2.0], [4.0]], term_names=[[*terms["x"]]]
+    )
+    text = format_fis(system)
+    assert [line for line in text.split("\n") if line.startswith("MF")][:3] == [
+        "MF1='low':'trimf',[0 1 2]",
+        "MF2='not not low':'gaussmf',[1 0]",
+        "MF3='not not':'sigmf',[1 0]",
+    ]
+    assert "-2, 1 (1) : 1\n1, 2 (1) : 1\n-3, 3 (1) : 1" in text
+    X = np.linspace(-3.0, 3.0, 31)[:, np.newaxis]
+    np.testing.assert_array_equal(parse_fis(text)(X), system(X))
+
+
+def test_names_and_ranges_of_outputs_are_kept() -> None:
+    system = parse_fis(TIPPER)
+    assert system.consequent_names == (("cheap",), ("cheap",), ("average",), ("generous",), ("generous",))
+    assert (system.input_ranges, system.output_ranges) == (((0.0, 10.0), (0.0, 10.0)), ((0.0, 30.0),))
+    text = format_fis(system)
+    for line in TIPPER[TIPPER.index("[Output1]") : TIPPER.index("[Rules]")].strip().split("\n"):
+        assert line in text
+    assert text.count("Range=[0 10]") == 2
+    assert_comes_back(system)
+
+
+def test_the_grid_of_an_output_is_that_of_its_range() -> None:
+    """MATLAB's 101 points reach from end to end of the range, beyond the sets of the output too."""
+    system, y = parse_fis(TIPPER.replace("Range=[0 30]", "Range=[-5 40]")), np.linspace(-5.0, 40.0, 101)
+    united = np.maximum(1.0 - abs(y - 15.0) / 5.0, 0.0)
+    others = [np.minimum(np.maximum(1.0 - abs(y - peak) / 5.0, 0.0), np.exp(-0.5 * (5.0 / 1.5) ** 2)) for peak in (5.0, 25.0)]
+    np.testing.assert_allclose(system([5.0, 5.0]), [y @ np.max([united, *others], axis=0) / np.max([united, *others], axis=0).sum()])
+
+
+def test_one_name_for_two_consequents_is_refused() -> None:
+    system = Type1System([[G]], [[0], [0]], [[1.0], [2.0]], consequent_names=[["a"], ["a"]])
+    with pytest.raises(NotExpressible, match="the name 'a' for two consequents of y1"):
+        format_fis(system)
 
 
 def edited(text: str, line: int, replacement: str) -> str:
@@ -257,6 +355,9 @@ def edited(text: str, line: int, replacement: str) -> str:
         (34, "MF1='cheap':'trimf',[5 0 10]", "trimf: left, peak, right must be in ascending order"),
         (39, "1 1 1, 1 (1) : 2", "expected 2 numbers for the inputs, got 3"),
         (39, "1 3, 1 (1) : 2", "food has membership functions 1 to 2, got '3'"),
+        (39, "1 -3, 1 (1) : 2", "food has membership functions 1 to 2, got '-3'"),
+        (40, "-1 -2, 1 (1) : 2\n4 0, 1 (1) : 1", None),
+        (18, "MF1='poor':'dsigmf',[1 2 1 2]", "dsigmf: center must be different for equal slopes"),
         (39, "1 1.5, 1 (1) : 2", "food has membership functions 1 to 2, got '1.5'"),
         (39, "1 1, 4 (1) : 2", "tip has membership functions 1 to 3, got '4'"),
         (39, "1 1, 1 : 2", "expected '<inputs>, <outputs> (<weight>) : <1 or 2>'"),
@@ -303,11 +404,11 @@ def test_sections_that_do_not_go_together(text: str, place: str) -> None:
         (TIPPER, "AggMethod='max'", "AggMethod='probor'", 39, "one rule for each alternative"),
         (TIPPER, "OrMethod='max'", "OrMethod='probor'", 39, "one rule for each alternative"),
         (TIPPER, "1 1, 1 (1) : 2", "1 1, 1 (0.5) : 2", 39, "rules have no weights"),
-        (TIPPER, "1 1, 1 (1) : 2", "-1 1, 1 (1) : 2", 39, "make the complement a term of its own"),
+        (TYPE2, "1, 1 (1) : 1", "1, -1 (1) : 1", 30, "only sets have a complement"),
         (TIPPER, "1 1, 1 (1) : 2", "1 1, 0 (1) : 2", 39, "each rule gives every output a term"),
-        (TIPPER, "'gaussmf',[1.5 0]", "'zmf',[1.5 2]", 18, "no class here has its shape"),
+        (TIPPER, "'gaussmf',[1.5 0]", "'pimf',[1 5 4 8]", 18, "must not be left of the first one"),
         (TIPPER, "'gaussmf',[1.5 0]", "'mymf',[1.5 2]", 18, "known are trimf"),
-        (TIPPER, "'gaussmf',[1.5 0]", "'gauss2mf',[1 1.5 2 2]", 18, "one standard deviation"),
+        (OPEN_TYPE2, "'gaussmf',[0.4 1 1]", "'gauss2mf',[1 1.5 2 2 0.5]", 22, "TwoSidedGaussian has none"),
         (TYPE2, "'trimf',[-1 -0.5 0.5],[0.8]", "'gaussmf',[1 0],[0.8]", 19, "not documented"),
         (TYPE2, "'trimf',[-1 -0.5 0.5],[0.8],[0.1 0.2]", "'gbellmf',[1 2 0],[0.8],[0 0]", 19, "Bell has none"),
         (TYPE2, "'constant',[-1]", "'cubic',[-1]", 26, "known are constant and linear"),
@@ -352,6 +453,13 @@ shapes = st.one_of(
     st.builds(Bell, numbers, widths, widths),
     st.builds(Sigmoid, numbers, widths),
     st.builds(lambda a, b, s: NearestMeanGaussian((a, a + b), s), numbers, widths, widths),
+    st.builds(lambda a, b, c, d: PiShaped(a, a + b, a + b + c, a + b + c + d), numbers, widths, widths, widths),
+    st.builds(lambda a, b: PiShaped(-math.inf, -math.inf, a, a + b), numbers, widths),
+    st.builds(lambda a, b: PiShaped(a, a + b, math.inf, math.inf), numbers, widths),
+    st.builds(lambda a, b, s, t: TwoSidedGaussian((a, b), (s, s + t)), numbers, numbers, widths, widths),
+    st.builds(lambda a, s: TwoSidedGaussian((a, a), (math.inf, s)), numbers, widths),
+    st.builds(lambda a, b, s, t: SigmoidDifference((a, a + b), (s, t)), numbers, widths, widths, widths),
+    st.builds(lambda a, b, s, t: SigmoidProduct((a, b), (s, -t)), numbers, numbers, widths, widths),
 )
 scaled = st.one_of(
     st.builds(
@@ -365,6 +473,9 @@ scaled = st.one_of(
         st.integers(0, 7),
         st.integers(0, 7),
         st.sampled_from([0.5, 1.0]),
+    ),
+    st.builds(
+        lambda a, b: IntervalType2Set(PiShaped(a, a + b, a + b, a + 2 * b, 0.4), PiShaped(a, a + b, a + b, a + 2 * b)), numbers, widths
     ),
 )
 any_pair = scaled | st.builds(lambda mean, a, b: GaussianUncertainSigma(mean, (a, a + b)), numbers, widths, widths)

@@ -15,9 +15,20 @@ from hypothesis import strategies as st
 from fuzzy2.errors import MalformedFile, NotExpressible
 from fuzzy2.fis import parse_fis
 from fuzzy2.fml import format_fml, parse_fml, read_fml, write_fml
-from fuzzy2.interval_type2 import GaussianUncertainMean, NearestMeanGaussian
+from fuzzy2.interval_type2 import GaussianUncertainMean
 from fuzzy2.systems import IntervalType2System, Linear, Type1System
-from fuzzy2.type1 import Bell, Gaussian, Interval, SampledSet, Singleton, Trapezoidal, Triangular
+from fuzzy2.type1 import (
+    Bell,
+    Complement,
+    Gaussian,
+    Interval,
+    PiShaped,
+    SampledSet,
+    Singleton,
+    Trapezoidal,
+    Triangular,
+    TwoSidedGaussian,
+)
 from tests.fuzzy2.test_fis import TIPPER as TIPPER_FIS
 
 TIPPER = """\
@@ -122,8 +133,11 @@ def test_functions_of_takagi_sugeno_and_kang() -> None:
         ('<singletonShape param1="1"/>', Singleton(1)),
         ('<rightLinearShape param1="1" param2="2"/>', Trapezoidal(1, 2, math.inf, math.inf)),
         ('<leftLinearShape param1="1" param2="2"/>', Trapezoidal(-math.inf, -math.inf, 1, 2)),
-        ('<leftGaussianShape param1="3" param2="2"/>', NearestMeanGaussian((0, 3), 2)),
-        ('<rightGaussianShape param1="3" param2="2"/>', NearestMeanGaussian((3, 10), 2)),
+        ('<leftGaussianShape param1="3" param2="2"/>', TwoSidedGaussian((3, 3), (math.inf, 2))),
+        ('<rightGaussianShape param1="3" param2="2"/>', TwoSidedGaussian((3, 3), (2, math.inf))),
+        ('<sShape param1="3" param2="5"/>', PiShaped(3, 5, math.inf, math.inf)),
+        ('<zShape param1="3" param2="5"/>', PiShaped(-math.inf, -math.inf, 3, 5)),
+        ('<piShape param1="3" param2="5"/>', PiShaped(3, 5, 5, 7)),
         (
             '<pointSetShape><point x="2" y="0"/><point x="1" y="0"/><point x="1.5" y="1"/></pointSetShape>',
             SampledSet([1, 1.5, 2], [0, 1, 0]),
@@ -163,6 +177,8 @@ def line_of(text: str, part: str) -> int:
         (TIPPER, '<fuzzyVariable name="food"', '<fuzzyVariable name="service"', "the name 'service' is given to two variables"),
         (TIPPER, '<fuzzyVariable name="food"', "<fuzzyVariable", "has no attribute 'name'"),
         (TIPPER, 'domainright="30.0"', 'domainright="-30.0"', "expected domainleft below domainright"),
+        (TIPPER, 'complement="false"', 'complement="maybe"', "expected complement true or false, got 'maybe'"),
+        (TIPPER, '<gaussianShape param1="0.0" param2="1.5"/>', '<piShape param1="2" param2="1"/>', "must be in ascending order"),
         (TIPPER, 'type="output"', 'type="throughput"', "expected the type input or output"),
         (TIPPER, "<variable>food</variable><term>r", "<variable>fod</variable><term>r", "unknown input 'fod'; did you mean 'food'?"),
         (TIPPER, "<term>rancid", "<term>randic", "unknown term of 'food' 'randic'; did you mean 'rancid'?"),
@@ -220,12 +236,17 @@ def test_documents_that_are_none(text: str, place: str, said: str) -> None:
         (TIPPER, 'andMethod="MIN"', 'andMethod="custom_and"', "known are MIN, PROD"),
         (TIPPER, 'accumulation="MAX"', 'accumulation="custom_sum"', "known are MAX, PROBOR"),
         (TIPPER, '<rule name="rule1" orMethod="MAX"', '<rule name="rule1" orMethod="PROBOR"', "one rule for each alternative"),
-        (TIPPER, 'complement="false"', 'complement="true"', "make it a term of its own"),
         (TIPPER, '"or" weight="1.0"', '"or" weight="0.5"', "rules have no weights"),
         (TIPPER, "<clause><variable>food", '<clause modifier="very"><variable>food', "the modifier 'very'"),
+        (
+            TSK,
+            "<tskClause><variable>y</variable><term>fixed",
+            '<tskClause modifier="not"><variable>y</variable><term>fixed',
+            "have a compl",
+        ),
         (TIPPER, "<clause><variable>service</variable><term>poor", "<clause><variable>food</variable><term>rancid", "two clauses"),
         (TIPPER, "</then>", "</then><else/>", "where it does not fire"),
-        (TIPPER, '<gaussianShape param1="0.0" param2="1.5"/>', '<zShape param1="0" param2="1"/>', "no class here has its shape"),
+        (TIPPER, '<gaussianShape param1="0.0" param2="1.5"/>', '<customShape param1="0"/>', "no class here has its shape"),
         (TIPPER, '<gaussianShape param1="0.0" param2="1.5"/>', '<pointSetShape interpolationMethod="spline"/>', "interpolated linearly"),
         (TIPPER, "  <mamdaniRuleBase", "<anYaRuleBase/>\n  <mamdaniRuleBase", "rule bases are of Mamdani or TSK"),
         (TIPPER, "    <fuzzyVariable", "<anYaDataCloud/>\n    <fuzzyVariable", "variables are fuzzy, or outputs of TSK"),
@@ -266,7 +287,13 @@ shapes = st.one_of(
     st.builds(lambda a, b: Interval(a, a + b), numbers, widths),
     st.builds(Singleton, numbers),
     st.builds(lambda a, b, c: SampledSet([a, a + b, a + b + c], [0.0, 1.0, 0.0]), numbers, widths, widths),
+    st.builds(lambda a, b: PiShaped(-math.inf, -math.inf, a, a + b), numbers, widths),
+    st.builds(lambda a, b: PiShaped(a, a + b, math.inf, math.inf), numbers, widths),
+    st.builds(lambda a, b: PiShaped(a, b, b, b + (b - a)), st.floats(-5.0, 0.0), st.floats(0.1, 5.0)),
+    st.builds(lambda a, s: TwoSidedGaussian((a, a), (math.inf, s)), numbers, widths),
+    st.builds(lambda a, s: TwoSidedGaussian((a, a), (s, math.inf)), numbers, widths),
 )
+shapes |= shapes.map(Complement)
 
 
 @st.composite
@@ -304,6 +331,36 @@ def test_systems_come_back_the_same(system: Type1System) -> None:
     assert format_fml(read) == text
 
 
+def test_negations_are_complements() -> None:
+    """The modifier makes 1 minus the grade, as the complement of a term does: against the same system as a .fis file."""
+    text = TIPPER.replace("<clause><variable>food</variable><term>ran", '<clause modifier="not"><variable>food</variable><term>ran')
+    text = text.replace("<then><clause><variable>tip</variable><term>ge", '<then><clause modifier="not"><variable>tip</variable><term>ge')
+    system = parse_fml(text.replace('"good" complement="false"', '"good" complement="TRUE"'))
+    other = parse_fis(TIPPER_FIS.replace("1 1, 1", "1 -1, 1").replace("2 0, 2", "-2 0, 2").replace("3 2, 3", "3 2, -3"))
+    assert system.inputs[0] == (Gaussian(0, 1.5), Complement(Gaussian(5, 1.5)), Gaussian(10, 1.5))
+    assert system.term_names[1] == ("rancid", "delicious", "not rancid")
+    on_its_grid = Type1System(
+        system.inputs, system.rules, system.consequents, t_norm="min", type_reduction="centroid", resolution=other.resolution
+    )
+    X = np.random.default_rng(0).uniform(0.0, 10.0, size=(50, 2))
+    np.testing.assert_allclose(on_its_grid(X), other(X), rtol=1e-12)
+    written = format_fml(system)
+    assert written.count('complement="true"') == 3
+    np.testing.assert_array_equal(parse_fml(written)(X), system(X))
+    assert format_fml(parse_fml(written)) == written
+
+
+def test_names_and_domains_of_outputs_are_kept() -> None:
+    system = parse_fml(TIPPER.replace('domainright="30.0"', 'domainright="35.0"'))
+    assert system.consequent_names == (("cheap",), ("cheap",), ("average",), ("generous",), ("generous",))
+    assert (system.input_ranges, system.output_ranges) == (((0.0, 10.0), (0.0, 10.0)), ((0.0, 35.0),))
+    text = format_fml(system)
+    for part in ('name="tip" domainleft="0.0" domainright="35.0"', 'name="food" domainleft="0.0" domainright="10.0"', '"generous"'):
+        assert part in text
+    assert parse_fml(TSK).output_ranges is None
+    assert parse_fml(format_fml(parse_fml(TSK))).consequent_names == (("plane",), ("fixed",))
+
+
 def test_files_come_back(tmp_path: Path) -> None:
     system = parse_fml(TIPPER)
     write_fml(system, tmp_path / "tip&per.xml")
@@ -323,6 +380,9 @@ G, N = Gaussian(0, 1), [[1.0]]
         (Type1System([[G]], [[0]], [G]), "type reduction 'center_of_sets'"),
         (Type1System([[G]], [[0]], [[[1.0, 2.0]]]), "its constants are crisp"),
         (Type1System([[Bell(0, 1, 2)]], [[0]], N), "it has no such shape"),
+        (Type1System([[PiShaped(0, 1, 2, 3)]], [[0]], N), "it has no such shape"),
+        (Type1System([[TwoSidedGaussian((0, 1), (1, 2))]], [[0]], N), "it has no such shape"),
+        (Type1System([[Complement(Complement(G))]], [[0]], N), "it has no such shape"),
         (Type1System([[Gaussian(0, 1, 0.5)]], [[0]], N), "its membership functions reach 1"),
         (Type1System([[SampledSet([0, 1], [0.5, 0]), G]], [[0]], N), "let its first and last grade be 0"),
         (Type1System([[Trapezoidal(-math.inf, -math.inf, math.inf, math.inf), G]], [[1]], N), "it has no such shape"),

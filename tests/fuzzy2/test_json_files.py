@@ -23,7 +23,23 @@ from fuzzy2.interval_type2 import EmbeddedSet, GaussianUncertainMean, GaussianUn
 from fuzzy2.json_files import SCHEMA_VERSION, from_json, load, save, to_json
 from fuzzy2.rules import Rule
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
-from fuzzy2.type1 import Bell, FunctionalSet, Gaussian, Interval, SampledSet, Sigmoid, Singleton, Trapezoidal, Triangular, Truncated
+from fuzzy2.type1 import (
+    Bell,
+    Complement,
+    FunctionalSet,
+    Gaussian,
+    Interval,
+    PiShaped,
+    SampledSet,
+    Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
+    Singleton,
+    Trapezoidal,
+    Triangular,
+    Truncated,
+    TwoSidedGaussian,
+)
 
 SCHEMA = json.loads((files("fuzzy2") / "schema.json").read_text(encoding="utf-8"))
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
@@ -53,6 +69,13 @@ type1_sets = st.one_of(
     st.builds(lambda mean, sigma: Truncated(Gaussian(mean, sigma), mean - 1.0, mean + 1.0), numbers, widths),
     st.builds(lambda mean, sigma: GaussianUncertainMean(tuple(mean), sigma).lower, ascending(2), widths),
     st.builds(lambda mean, sigma: GaussianUncertainMean(tuple(mean), sigma).upper, ascending(2), widths),
+    st.builds(lambda corners, height: PiShaped(*corners, height), ascending(4), grades),
+    st.builds(lambda corners: PiShaped(-math.inf, -math.inf, *corners), ascending(2)),
+    st.builds(lambda mean, sigma: TwoSidedGaussian(tuple(mean), (sigma, math.inf)), ascending(2), widths),
+    st.builds(lambda mean, first, second: TwoSidedGaussian(tuple(mean), (first, second)), ascending(2), widths, widths),
+    st.builds(lambda center, slope: SigmoidDifference((center, center + 1.0), (slope, 2.0 * slope)), numbers, widths),
+    st.builds(lambda center, slope: SigmoidProduct((center, center + 1.0), (slope, -1.0)), numbers, st.floats(0.1, 10.0)),
+    st.builds(lambda mean, sigma: Complement(Gaussian(mean, sigma)), numbers, widths),
     st.builds(lambda left: Staircase((0.5, 1.0), (left, left + 1.0), (left + 3.0, left + 2.0)), numbers),
 )
 interval_sets = st.one_of(
@@ -130,6 +153,9 @@ def systems(draw: st.DrawFn) -> Any:
         options |= {"levels": draw(st.integers(1, 3))}
     elif draw(st.booleans()):
         options |= {"fuzzifier": NonSingletonFuzzifier(Gaussian(0.0, 0.5))}
+    if draw(st.booleans()):
+        options |= {"consequent_names": [[f"größe {i + j}" for j in range(m)] for i in range(count)]}
+        options |= {"input_ranges": [(-i - 0.1, 1.0) for i in range(p)], "output_ranges": [(-1e6, 1e6 + j / 3) for j in range(m)]}
     return kind(inputs, rules, consequents, **options, input_names=[f"größe {i}" for i in range(p)])
 
 

@@ -54,6 +54,7 @@ def test_interval_sets_combine_lower_with_lower_and_upper_with_upper() -> None:
 def test_complements_of_type_1_sets() -> None:
     for one in (LOW, Singleton(0.5), Gaussian(0.0, 1.0)):
         found = complement(one)
+        assert complement(found) is one
         assert isinstance(found, Type1Set)
         np.testing.assert_array_equal(found(X), 1.0 - one(X))
 

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 import fuzzy2
 from fuzzy2.errors import ApproximationWarning, InvalidValue, NotApplicable, UnknownName
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
+from fuzzy2.type1 import Sigmoid
 
 Array = NDArray[np.float64]
 GRID_RULES = np.array(list(itertools.product(range(2), repeat=3)))
@@ -274,6 +275,13 @@ def test_no_rule_fires_is_nan_and_validate_says_where() -> None:
     assert "no rule fires on" in str(report)
 
 
+def test_the_domain_of_shoulders_ends_where_they_are_almost_flat() -> None:
+    """A sigmoid never reaches its height, and is at 0.98 of it four reciprocal slopes behind its center."""
+    system = Type1System([[Sigmoid(-1.0, -4.0), Sigmoid(1.0, 2.0)]], [[0], [1]], [[0.0], [1.0]])
+    np.testing.assert_allclose(system.domain(), [[-2.0, 3.0]], rtol=1e-14)
+    assert system.validate().ok
+
+
 def test_validate_finds_unused_terms_duplicates_and_conflicts() -> None:
     rules = [[0, 0], [0, 0], [0, 0], [1, 0]]
     system = IntervalType2System(uncertain()[:2], rules, [[1.0], [1.0], [2.0], [3.0]], input_names=["e", "de"], term_names=[["N", "P"]] * 2)
@@ -282,18 +290,6 @@ def test_validate_finds_unused_terms_duplicates_and_conflicts() -> None:
     assert report.duplicate_rules == [(0, 1)]
     assert report.conflicting_rules == [(0, 2)]
     assert IntervalType2System(uncertain(), GRID_RULES, np.ones((8, 1))).validate().ok
-
-
-def test_gradient_is_the_slope_of_the_output(consequents: Array, X: Array) -> None:
-    """A type-1 system's derivative by the quotient rule; the sixth-order differences are good to 1e-8 here."""
-    system = Type1System(gaussian(), GRID_RULES, consequents)
-    for x, slope in zip(X[:5], system.gradient(X[:5]), strict=True):
-        firing = system.firing(x)[:, 0]
-        centers = np.array([[CENTERS[t] for t in rule] for rule in GRID_RULES])
-        rates = firing[:, np.newaxis] * (centers - x) / 0.8**2
-        y = firing @ consequents / firing.sum()
-        expected = (consequents - y).T @ rates / firing.sum()
-        np.testing.assert_allclose(slope, expected, atol=1e-8)
 
 
 def test_embedded_type_1_systems_fill_the_interval(consequents: Array, X: Array) -> None:
@@ -356,6 +352,7 @@ def test_rules_in_words(X: Array) -> None:
     numbers = IntervalType2System(uncertain()[:2], [[0, 0], [-1, 1]], np.array([[[1.0, 1.0], [0.0, 0.0]], [[2.0, 3.0], [1.0, 1.0]]]))
     np.testing.assert_array_equal(system.type_reduced(X[:, :2]), numbers.type_reduced(X[:, :2]))
     assert (system.input_names, system.output_names) == (("error", "rate"), ("force", "light"))
+    assert system.consequent_names == (("weak", "off"), ("strong", "on"))
     objects = [fuzzy2.Rule({"error": "Low", "rate": "Low"}, {"force": "weak", "light": "off"}),
                fuzzy2.Rule({"rate": "High"}, {"force": "strong", "light": "on"})]  # fmt: skip
     np.testing.assert_array_equal(IntervalType2System(inputs, objects, outputs)(X[:, :2]), system(X[:, :2]))
@@ -412,6 +409,11 @@ def test_systems_cross_process_boundaries(consequents: Array, X: Array) -> None:
         ({"input_names": ["a", "b"]}, InvalidValue, "input_names"),
         ({"input_names": ["a", "b", "a"]}, InvalidValue, "different"),
         ({"term_names": [["a", "b"]]}, InvalidValue, "term_names"),
+        ({"consequent_names": [["a"]] * 7}, InvalidValue, "consequent_names"),
+        ({"consequent_names": [["a", "b"]] * 8}, InvalidValue, "consequent_names"),
+        ({"input_ranges": [[0.0, 1.0]] * 2}, InvalidValue, "input_ranges"),
+        ({"output_ranges": [[1.0, 1.0]]}, InvalidValue, "output_ranges"),
+        ({"output_ranges": [[0.0, np.inf]]}, InvalidValue, "output_ranges"),
     ],
 )
 def test_malformed_systems_are_refused(change: dict[str, object], error: type[Exception], words: str) -> None:

@@ -14,15 +14,20 @@ from fuzzy2 import type1
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.type1 import (
     Bell,
+    Complement,
     FunctionalSet,
     Gaussian,
     Interval,
+    PiShaped,
     SampledSet,
     Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
     Singleton,
     Trapezoidal,
     Triangular,
     Truncated,
+    TwoSidedGaussian,
     Type1Set,
 )
 
@@ -49,6 +54,17 @@ SETS: dict[str, Type1Set] = {
     "sampled": SampledSet([3.0, 0.0, 1.0], [0.0, 0.0, 0.9]),
     "functional": FunctionalSet(parabola, -1.0, 1.0),
     "truncated": Truncated(Gaussian(0.2, 0.4), 0.0, 1.0),
+    "pi": PiShaped(-1.0, 0.5, 1.0, 3.0),
+    "low s": PiShaped(-1.0, 2.0, math.inf, math.inf, height=0.7),
+    "z": PiShaped(-math.inf, -math.inf, 0.0, 2.0),
+    "two-sided gaussian": TwoSidedGaussian(mean=(0.0, 1.0), sigma=(0.5, 1.5)),
+    "crossed gaussian": TwoSidedGaussian(mean=(1.0, 0.0), sigma=(0.5, 1.5)),
+    "gaussian shoulder": TwoSidedGaussian(mean=(1.0, 1.0), sigma=(math.inf, 0.5)),
+    "sigmoid difference": SigmoidDifference(center=(-1.0, 2.0), slope=(5.0, 5.0)),
+    "sigmoid product": SigmoidProduct(center=(-1.0, 2.0), slope=(4.0, -9.0)),
+    "rising sigmoid product": SigmoidProduct(center=(-1.0, 2.0), slope=(4.0, 9.0)),
+    "not z": Complement(PiShaped(-math.inf, -math.inf, 0.0, 2.0)),
+    "not rising sigmoid": Complement(Sigmoid(1.0, 3.0)),
 }
 ANALYTIC = {name: fuzzy_set for name, fuzzy_set in SETS.items() if name != "functional"}
 
@@ -71,6 +87,15 @@ def parametric_sets(draw: st.DrawFn) -> Type1Set:
                 Singleton(a),
                 Bell(center, width, draw(st.floats(0.6, 10.0))),
                 Sigmoid(center, draw(st.sampled_from([-1.0, 1.0])) / width),
+                PiShaped(a, b, c, d, draw(heights)),
+                PiShaped(-math.inf, -math.inf, c, d),
+                PiShaped(a, b, math.inf, math.inf),
+                TwoSidedGaussian((b, c), (width, draw(widths))),
+                TwoSidedGaussian((center + 2.0 * width, center), (width, draw(st.floats(0.5, 5.0)) * width)),
+                SigmoidProduct((center, center + draw(st.floats(-2.0, 9.0)) * width), (2.0 / width, -draw(st.floats(0.5, 5.0)) / width)),
+                SigmoidProduct((center, center + width), (1.0 / width, 2.0 / width)),
+                Complement(Sigmoid(center, -1.0 / width)),
+                Complement(PiShaped(a, b, math.inf, math.inf)),
             ]
         )
     )
@@ -91,6 +116,15 @@ def parametric_sets(draw: st.DrawFn) -> Type1Set:
         (SampledSet([0.0, 2.0], [0.2, 1.0]), [-0.1, 0.0, 1.0, 2.0, 2.1], [0.0, 0.2, 0.6, 1.0, 0.0]),
         (Truncated(Gaussian(0.0, 1.0), 0.0, 1.0), [-0.1, 0.0, 1.0, 1.1], [0.0, 1.0, math.exp(-0.5), 0.0]),
         (FunctionalSet(parabola, -1.0, 0.5), [0.0, 0.5, 0.6], [1.0, 0.75, 0.0]),
+        (PiShaped(0.0, 0.0, 2.0, 2.0), [-1e-9, 0.0, 2.0, 2.0 + 1e-9], [0.0, 1.0, 1.0, 0.0]),
+        (PiShaped(0.0, 4.0, 4.0, 8.0, 0.5), [1.0, 2.0, 3.0, 4.0, 7.0], [0.0625, 0.25, 0.4375, 0.5, 0.0625]),
+        (TwoSidedGaussian((1.0, 2.0), (1.0, 3.0)), [0.0, 1.0, 1.5, 2.0, 5.0], [math.exp(-0.5), 1.0, 1.0, 1.0, math.exp(-0.5)]),
+        (TwoSidedGaussian((9.0, 2.0), (math.inf, 3.0)), [-math.inf, 2.0, 5.0, math.inf], [1.0, 1.0, math.exp(-0.5), 0.0]),
+        (SigmoidDifference((0.0, 1.0), (2.0, 2.0)), [0.0, 0.5], [0.5 - 1 / (1 + math.exp(2)), math.tanh(0.5)]),
+        # The difference keeps its digits where both sigmoids are 1 but for rounding.
+        (SigmoidDifference((0.0, 1.0), (2.0, 2.0)), [50.0, -50.0], [math.exp(-98) - math.exp(-100), math.exp(-100) - math.exp(-102)]),
+        (SigmoidProduct((0.0, 0.0), (2.0, -2.0)), [0.0, 1.0, 1e4], [0.25, 1 / (1 + math.exp(2)) / (1 + math.exp(-2)), 0.0]),
+        (Complement(Triangular(0.0, 1.0, 3.0, 0.5)), [-1.0, 0.5, 1.0, 3.0], [1.0, 0.75, 0.5, 1.0]),
     ],
 )
 def test_memberships_are_those_of_the_definition(fuzzy_set: Type1Set, points: list[float], grades: list[float]) -> None:
@@ -130,7 +164,7 @@ def test_sets_are_frozen_and_type_2_sets_without_uncertainty(name: str) -> None:
     assert fuzzy_set.secondary(0.25) == Singleton(float(fuzzy_set(0.25)))
 
 
-@pytest.mark.parametrize("name", [name for name in SETS if "sigmoid" not in name])
+@pytest.mark.parametrize("name", [name for name in SETS if SETS[name].maxima])
 def test_height_maxima_core_and_support_agree_with_the_membership(name: str) -> None:
     """Between the ends of the maxima nothing is higher; 1e-9 for the functional set, whose maximum is searched."""
     fuzzy_set = SETS[name]
@@ -200,6 +234,16 @@ def test_cuts_of_the_functional_set_are_found_by_bisection() -> None:
         (Triangular(0.0, 0.3, 1.0, 0.2), 1.3 / 3.0),
         (Trapezoidal(0.0, 1.0, 2.0, 4.0), (0.5 * 2 / 3 + 1.0 * 1.5 + 1.0 * (2 + 2 / 3)) / 2.5),
         (Bell(1.0, 2.0, 1.5), 1.0),
+        # A side of width w has the area w / 2 and the moment 17 w^2 / 48 about its foot.
+        (PiShaped(0.0, 2.0, 3.0, 7.0), (17 / 48 * 4.0 + 2.5 + 2.0 * 7.0 - 17 / 48 * 16.0) / 4.0),
+        (
+            TwoSidedGaussian((0.0, 1.0), (2.0, 3.0)),
+            (-4.0 + 0.5 + math.sqrt(math.pi / 2.0) * 3.0 + 9.0) / (math.sqrt(math.pi / 2.0) * 5.0 + 1.0),
+        ),
+        (SigmoidDifference((2.0, 7.0), (5.0, 5.0)), 4.5),
+        # A sigmoid of slope s that rises at c instead of 0 moves the moment by c^2 / 2 + pi^2 / (6 s^2).
+        (SigmoidDifference((0.0, 20.0), (5.0, 3.0)), (200.0 + math.pi**2 / 6.0 * (1.0 / 9.0 - 1.0 / 25.0)) / 20.0),
+        (SigmoidProduct((-3.0, 3.0), (2.0, -2.0)), 0.0),
         (Interval(-1.0, 2.0), 0.5),
         (Interval(3.0, 3.0), 3.0),
         (Singleton(4.0), 4.0),
@@ -239,6 +283,11 @@ def test_the_centroid_of_samples_is_that_of_straight_lines_between_them(points: 
     [
         (SETS["rising sigmoid"], "never comes back to 0"),
         (SETS["endless shoulder"], "unbounded"),
+        (SETS["z"], "unbounded"),
+        (SETS["gaussian shoulder"], "a shoulder never comes back to 0"),
+        (SETS["rising sigmoid product"], "a shoulder never comes back to 0"),
+        (SigmoidDifference((0.0, 1.0), (1.0, -1.0)), "never come back to 0"),
+        (Complement(Gaussian(0.0, 1.0)), "unbounded"),
         (Bell(0.0, 1.0, 1.0), "slope above 1"),
         (Bell(0.0, 1.0, 0.4), "slope above 1"),
         (FunctionalSet(lambda x: 0.0 * x, 0.0, 1.0), "zero almost everywhere"),
@@ -328,7 +377,7 @@ def test_kernel_rows(fuzzy_set: Type1Set, row: tuple[float, ...]) -> None:
     assert fuzzy_set.kernel_row() == row
 
 
-@pytest.mark.parametrize("name", ["bell", "rising sigmoid", "singleton", "sampled", "functional", "truncated"])
+@pytest.mark.parametrize("name", ["bell", "rising sigmoid", "singleton", "sampled", "functional", "truncated", "pi", "not z"])
 def test_sets_that_only_python_can_evaluate_have_no_kernel_row(name: str) -> None:
     assert SETS[name].kernel_row() is None
 
@@ -371,6 +420,19 @@ def test_sets_that_only_python_can_evaluate_have_no_kernel_row(name: str) -> Non
         lambda: FunctionalSet(parabola, -math.inf, math.inf),
         lambda: Truncated(Interval(0.0, 1.0), 2.0, 3.0),
         lambda: Truncated(Interval(0.0, 1.0), 1.0, 0.0),
+        lambda: PiShaped(0.0, 2.0, 1.0, 3.0),
+        lambda: PiShaped(0.0, 1.0, 2.0, 3.0, 1.5),
+        lambda: TwoSidedGaussian((0.0, 1.0), (0.0, 1.0)),
+        lambda: TwoSidedGaussian((0.0, 1.0), (math.inf, math.inf)),
+        lambda: TwoSidedGaussian((0.0, math.inf), (1.0, 1.0)),
+        lambda: TwoSidedGaussian(0.0, (1.0, 1.0)),  # type: ignore[arg-type]
+        lambda: TwoSidedGaussian((100.0, 0.0), (1.0, 1.0)),
+        lambda: SigmoidDifference((0.0, 1.0), (0.0, 1.0)),
+        lambda: SigmoidDifference((0.0, 0.0), (2.0, 2.0)),
+        lambda: SigmoidDifference((0.0, math.inf), (2.0, 2.0)),
+        lambda: SigmoidProduct((0.0, 1.0, 2.0), (2.0, 2.0)),  # type: ignore[arg-type]
+        lambda: SigmoidProduct((0.0, -1e6), (2.0, -2.0)),
+        lambda: Complement(0.5),  # type: ignore[arg-type]
     ],
 )
 def test_bad_parameters_are_refused(make: Callable[[], Type1Set]) -> None:
@@ -412,3 +474,129 @@ def test_areas_far_out_on_a_tail_keep_their_digits() -> None:
 def test_grades_are_between_0_and_the_height(fuzzy_set: Type1Set, x: float) -> None:
     assume(math.isfinite(x))
     assert 0.0 <= fuzzy_set(x) <= fuzzy_set.height
+
+
+# Parameters are those of the examples in MathWorks' documentation of each function (smf [1 8], zmf [3 7], pimf [1 4 5 10], gauss2mf with
+# [2 4 1 8], [2 5 1 8] and so on, dsigmf [5 2 5 7], psigmf [2 3 -5 8]), and the references are its formulas, piece by piece.
+def documented_s(x: float, a: float, b: float) -> float:
+    if x <= a:
+        return 0.0
+    if x <= (a + b) / 2:
+        return 2 * ((x - a) / (b - a)) ** 2
+    return 1 - 2 * ((x - b) / (b - a)) ** 2 if x <= b else 1.0
+
+
+def documented_z(x: float, a: float, b: float) -> float:
+    if x <= a:
+        return 1.0
+    if x <= (a + b) / 2:
+        return 1 - 2 * ((x - a) / (b - a)) ** 2
+    return 2 * ((x - b) / (b - a)) ** 2 if x <= b else 0.0
+
+
+def documented_gauss2(x: float, sigma1: float, c1: float, sigma2: float, c2: float) -> float:
+    left = math.exp(-((x - c1) ** 2) / (2 * sigma1**2)) if x <= c1 else 1.0
+    return left * (math.exp(-((x - c2) ** 2) / (2 * sigma2**2)) if x >= c2 else 1.0)
+
+
+def documented_sig(x: float, a: float, c: float) -> float:
+    return 1 / (1 + math.exp(-a * (x - c)))
+
+
+@pytest.mark.parametrize(
+    ("fuzzy_set", "documented"),
+    [
+        (PiShaped(1.0, 8.0, math.inf, math.inf), lambda x: documented_s(x, 1, 8)),
+        (PiShaped(-math.inf, -math.inf, 3.0, 7.0), lambda x: documented_z(x, 3, 7)),
+        (PiShaped(1.0, 4.0, 5.0, 10.0), lambda x: documented_s(x, 1, 4) * documented_z(x, 5, 10)),
+        (TwoSidedGaussian((4.0, 8.0), (2.0, 1.0)), lambda x: documented_gauss2(x, 2, 4, 1, 8)),
+        (TwoSidedGaussian((8.0, 4.0), (2.0, 1.0)), lambda x: documented_gauss2(x, 2, 8, 1, 4)),
+        (SigmoidDifference((2.0, 7.0), (5.0, 5.0)), lambda x: documented_sig(x, 5, 2) - documented_sig(x, 5, 7)),
+        (SigmoidProduct((3.0, 8.0), (2.0, -5.0)), lambda x: documented_sig(x, 2, 3) * documented_sig(x, -5, 8)),
+    ],
+)
+def test_memberships_are_those_of_the_toolbox_formulas(fuzzy_set: Type1Set, documented: Callable[[float], float]) -> None:
+    """On the 101 points of the documentation's plots; 1e-15 is the rounding of the differences."""
+    x = np.linspace(0.0, 10.0, 101)
+    np.testing.assert_allclose(fuzzy_set(x), [documented(point) for point in x], rtol=1e-13, atol=1e-15)
+
+
+SMOOTH = ["pi", "low s", "z", "two-sided gaussian", "crossed gaussian", "gaussian shoulder", "sigmoid difference", "sigmoid product"]
+
+
+@pytest.mark.parametrize("name", [*SMOOTH, "rising sigmoid product", "not z", "not rising sigmoid"])
+def test_derivatives_of_smooth_sets_are_those_of_differences(name: str) -> None:
+    """Central differences of step 1e-6: rounding 1e-10, truncation 1e-12 of third derivatives, and 5e-6 next to a jump of the second."""
+    fuzzy_set, x, h = SETS[name], np.linspace(-4.0, 4.0, 999), 1e-6
+    np.testing.assert_allclose(fuzzy_set.derivative(x), (fuzzy_set(x + h) - fuzzy_set(x - h)) / (2 * h), atol=1e-5)
+    assert np.isnan(fuzzy_set.derivative(np.nan))
+
+
+def test_the_height_of_a_two_sided_gaussian_whose_means_cross() -> None:
+    """Between the means the product of two Gaussians is one about their precision-weighted mean."""
+    crossed = TwoSidedGaussian(mean=(1.0, 0.0), sigma=(0.5, 1.5))
+    precisions = np.array([1 / 0.25, 1 / 2.25])
+    peak = precisions @ [1.0, 0.0] / precisions.sum()
+    assert crossed.maxima == pytest.approx((peak, peak), rel=1e-14)
+    assert crossed.height == pytest.approx(float(crossed(peak)), rel=1e-14)
+    grid = np.linspace(-3.0, 3.0, 10_001)
+    assert crossed(grid).max() <= crossed.height
+    alphas = np.array([0.05, 0.3, 0.7, 0.8]) * crossed.height
+    for ends in crossed.alpha_cut(alphas):
+        np.testing.assert_allclose(crossed(ends), alphas, rtol=1e-13)
+
+
+def test_the_maximum_of_a_symmetric_difference_of_sigmoids() -> None:
+    """tanh(s (c2 - c1) / 4), midway; the place of a flat maximum is known to the square root of its height's rounding."""
+    bump = SigmoidDifference(center=(2.0, 3.0), slope=(5.0, 5.0))
+    assert bump.height == pytest.approx(math.tanh(1.25), rel=1e-15)
+    assert bump.maxima == pytest.approx((2.5, 2.5), abs=1e-5)
+    left, right = bump.alpha_cut([1e-6, 0.3, 0.6])
+    np.testing.assert_allclose(bump(left), [1e-6, 0.3, 0.6], rtol=1e-11)
+    np.testing.assert_allclose(left + right, 5.0, rtol=1e-12)
+
+
+def test_sigmoids_of_different_slopes_cross_and_their_difference_has_two_bumps() -> None:
+    two_bumps = SigmoidDifference(center=(2.0, 3.0), slope=(5.0, 2.0))
+    assert two_bumps(4.0 / 3.0) == pytest.approx(0.0, abs=1e-15)  # where 5 (x - 2) = 2 (x - 3)
+    assert not two_bumps.is_convex()
+    valley = SigmoidDifference(center=(2.0, 3.0), slope=(5.0, -5.0))
+    assert (valley.maxima, valley.height, valley.is_convex()) == (None, 1.0, False)
+    np.testing.assert_allclose(valley([-np.inf, 2.5, np.inf]), [1.0, 0.0, 1.0], atol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("whole", "height", "maxima", "support"),
+    [
+        (Triangular(0.0, 1.0, 2.0), 1.0, (-math.inf, math.inf), (-math.inf, math.inf)),
+        (PiShaped(0.0, 1.0, math.inf, math.inf), 1.0, (-math.inf, 0.0), (-math.inf, 1.0)),
+        (Trapezoidal(-math.inf, -math.inf, 0.0, 1.0), 1.0, (1.0, math.inf), (0.0, math.inf)),
+        (Gaussian(0.0, 1.0), 1.0, None, (-math.inf, math.inf)),
+        (Trapezoidal(-math.inf, -math.inf, math.inf, math.inf), 0.0, None, (-math.inf, math.inf)),
+    ],
+)
+def test_where_complements_are_highest(
+    whole: Type1Set, height: float, maxima: tuple[float, float] | None, support: tuple[float, float]
+) -> None:
+    found = Complement(whole)
+    assert (found.height, found.maxima, found.support) == (height, maxima, support)
+    np.testing.assert_array_equal(found(np.linspace(-3.0, 3.0, 61)), 1.0 - whole(np.linspace(-3.0, 3.0, 61)))
+
+
+@pytest.mark.parametrize("whole", [Interval(0.0, 2.0), Singleton(1.0), Triangular(0.0, 0.0, 2.0), Trapezoidal(0.0, 0.0, 2.0, 2.0)])
+def test_landmarks_of_a_complement_reach_beyond_the_jumps_of_the_set(whole: Type1Set) -> None:
+    """Something of the complement is between them, or the range of a variable with it would be empty."""
+    found = Complement(whole)
+    assert found(found.landmarks[[0, -1]]).tolist() == [1.0, 1.0]
+
+
+def test_only_complements_of_shoulders_are_convex() -> None:
+    assert not Complement(Gaussian(0.0, 1.0)).is_convex()
+    assert not Complement(Triangular(0.0, 1.0, 2.0)).is_convex()
+    shoulder = Complement(PiShaped(-math.inf, -math.inf, 0.0, 2.0, height=0.8))
+    assert shoulder.is_convex()
+    np.testing.assert_array_equal(shoulder.alpha_cut([0.1, 0.6, 1.0]), [[-math.inf, 1.0, 2.0], [math.inf] * 3])
+    twice = Complement(Complement(Gaussian(0.0, 1.0)))
+    assert twice.is_convex()
+    assert twice.height == 1.0
+    np.testing.assert_allclose(twice.alpha_cut(0.5), Gaussian(0.0, 1.0).alpha_cut(0.5), rtol=1e-12)
