@@ -14,6 +14,27 @@ import numba
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+def only_for(function: Function, *arguments: Any) -> Function:
+    """Compile a compiled function for arguments of these types, and for no others: they are a TypeError, and never compiled for.
+
+    Parameters
+    ----------
+    function : callable
+        What :func:`compiled` returned.
+    *arguments
+        Arguments to call it with, once.
+
+    Returns
+    -------
+    callable
+        The same function. A caller can hand it what users give, unchecked, and convert that where it raises TypeError.
+    """
+    function(*arguments)
+    # Not there where numba is told not to compile at all.
+    getattr(function, "disable_compile", lambda: None)()
+    return function
+
+
 def compiled(function: Function) -> Function:
     """Compile ``function`` on its first call, to code that releases the interpreter lock and divides as IEEE 754 does.
 

@@ -198,7 +198,6 @@ class FuzzySystem:
         if type_reduction != "center_of_sets" and self._sets is None:
             raise NotApplicable(f"type reduction {type_reduction!r}", "the consequents are no sets; use center_of_sets")
         self.n_outputs = int(self._intervals.shape[1])
-        self._row = (len(self.inputs),)
         self.input_names = _names("input_names", input_names, len(self.inputs), "x")
         self.output_names = _names("output_names", output_names, self.n_outputs, "y")
         given = [None] * len(self.inputs) if term_names is None else list(term_names)
@@ -340,10 +339,12 @@ class FuzzySystem:
 
     def _rows(self, X: ArrayLike) -> tuple[tuple[int, ...], Array]:
         """Return the leading shape and the inputs as (n, p)."""
-        given = np.ascontiguousarray(X, dtype=np.float64) if type(X) is np.ndarray and X.dtype.kind == "f" else reals("X", X)
+        given = X if type(X) is np.ndarray and X.dtype.kind == "f" else reals("X", X)
         if given.shape[-1:] != (len(self.inputs),) or np.ndim(X) == 0:
             raise InvalidValue("X", given.shape, f"of shape (..., {len(self.inputs)})")
-        return given.shape[:-1], np.ascontiguousarray(given).reshape(-1, len(self.inputs))
+        # What can be written to, because numba would compile every loop anew for what cannot.
+        rows = np.require(given, np.float64, ["C", "W"])
+        return given.shape[:-1], rows.reshape(-1, len(self.inputs))
 
     def _refuse(self, rows: Array) -> None:
         bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
@@ -398,11 +399,13 @@ class FuzzySystem:
         return reduced.reshape(*shape, self.n_outputs, 2)
 
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
-        assert self._table is not None
-        if type(X) is np.ndarray and X.dtype is _FLOAT and X.shape == self._row:
-            out: Array = np.empty(self.n_outputs) if crisp else np.empty(2 * self.n_outputs)
-            if self._kernels.evaluate(self._table, np.ascontiguousarray(X), 0.0, crisp, out) >= 0:
-                self._refuse(X[np.newaxis])
+        out: Array = np.empty(self.n_outputs) if crisp else np.empty(2 * self.n_outputs)
+        try:
+            done = self._kernels.evaluate_row(self._table, X, 0.0, crisp, out)
+        except TypeError:
+            # Not a contiguous row of floats: many rows, lists and the like go the longer way.
+            done = 0
+        if done:
             return out if crisp else out.reshape(-1, 2)
         shape, rows = self._rows(X)
         results: Array = np.empty((*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2))
@@ -855,7 +858,13 @@ class GeneralType2System(FuzzySystem):
     def __call__(self, X: ArrayLike) -> Array:
         """Return the crisp outputs, of shape (..., m); see :class:`GeneralType2System` for how, and :meth:`FuzzySystem.__call__`."""
         if self.reduction == "gaussian":
-            return self._corollary(X).mean
+            return self._corollary(X)[..., 0]
+        if self._one_loop:
+            shape, rows = self._rows(X)
+            out = np.empty((*shape, self.n_outputs))
+            if self._kernels.evaluate_crisp_planes(self._table, rows.ravel(), self._widths, self.alphas, out.ravel()) >= 0:
+                self._refuse(rows)
+            return out
         middles = self.alpha_cuts(X).mean(axis=-1)
         return np.asarray(middles @ (self.alphas / self.alphas.sum()))
 
@@ -878,8 +887,7 @@ class GeneralType2System(FuzzySystem):
             If the inputs are not finite or of another shape.
         """
         if self.reduction == "gaussian":
-            number = self._corollary(X)
-            return np.stack([number.mean, number.sigma], axis=-1)
+            return self._corollary(X)
         return self.alpha_cuts(X)[..., 0, :]
 
     def _check_corollary(self) -> None:
@@ -912,20 +920,22 @@ class GeneralType2System(FuzzySystem):
             mean = mean * m
         return mean, np.sqrt(variance)
 
-    def _corollary(self, X: ArrayLike) -> GaussianNumber:
+    def _corollary(self, X: ArrayLike) -> Array:
+        """Mean and standard deviation of every output, (..., m, 2)."""
         shape, rows = self._rows(X)
-        self._refuse(rows)
         if self._table is not None:
             out = np.empty((*shape, self.n_outputs, 2))
             product = self.grade_t_norm == "product"
-            self._kernels.evaluate_corollary(self._table, rows.ravel(), self._middles, self._spreads, product, out.ravel())
-            return GaussianNumber(out[..., 0], out[..., 1], self._number_norm)
+            if self._kernels.evaluate_corollary(self._table, rows.ravel(), self._middles, self._spreads, product, out.ravel()) >= 0:
+                self._refuse(rows)
+            return out
+        self._refuse(rows)
         mean, sigma = self._numbers(rows)
         points = GaussianNumber(self._middles.T, self._spreads.T, self._number_norm)
         weights = GaussianNumber(mean[:, np.newaxis], sigma[:, np.newaxis], self._number_norm)
         value = approximate_generalized_centroid(points, weights, self._number_norm).value
         assert isinstance(value, GaussianNumber)
-        return GaussianNumber(value.mean.reshape(*shape, self.n_outputs), value.sigma.reshape(*shape, self.n_outputs), self._number_norm)
+        return np.stack([value.mean, value.sigma], axis=-1).reshape(*shape, self.n_outputs, 2)
 
     @property
     def _number_norm(self) -> Literal["product", "min"]:
@@ -969,13 +979,12 @@ class GeneralType2System(FuzzySystem):
             warnings.warn(ApproximationWarning("the Gaussian corollary of this system", worst, VALIDITY_LIMIT), stacklevel=4)
 
 
-_FLOAT = np.dtype(np.float64)
-
-
 def _kernels() -> Any:
     """Return the compiled loops; numba is loaded with the first system."""
     from fuzzy2 import kernels
+    from fuzzy2.compiled import only_for
 
+    only_for(kernels.evaluate_row, np.zeros(kernels.HEADER), np.zeros(1), 0.0, True, np.zeros(1))
     return kernels
 
 

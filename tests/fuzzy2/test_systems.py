@@ -466,3 +466,19 @@ def test_many_rows_give_what_each_row_gives(norm: str, crisp: bool) -> None:
         evaluate = system if crisp else system.type_reduced
         assert np.isnan(evaluate(X)).any()
         np.testing.assert_array_equal(evaluate(X), np.array([evaluate(x) for x in X]))
+
+
+def test_rows_of_every_make_are_read(consequents: Array, X: Array) -> None:
+    """Lists, strided, read-only, single-precision and integer rows: the same as a plain row, and nothing is compiled for them."""
+    from fuzzy2 import kernels
+
+    system = IntervalType2System(uncertain(), GRID_RULES, consequents)
+    x = np.array([0.5, -1.0, 0.25])
+    expected = system(x)
+    compiled_for = len(kernels.evaluate_row.signatures), len(kernels.evaluate.signatures)
+    fixed = x.copy()
+    fixed.setflags(write=False)
+    for same in (x.tolist(), np.repeat(x, 2)[::2], fixed, x.astype(np.float32), np.broadcast_to(x, (2, 3))[1]):
+        np.testing.assert_array_equal(system(same), expected)
+    np.testing.assert_array_equal(system(np.array([1, -1, 0])), system([1.0, -1.0, 0.0]))
+    assert (len(kernels.evaluate_row.signatures), len(kernels.evaluate.signatures)) == compiled_for
