@@ -6,12 +6,15 @@ kernel and everything it calls live in one module.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+_COMPILING = threading.Lock()
 
 
 def only_for(function: Function, *arguments: Any) -> Function:
@@ -29,9 +32,11 @@ def only_for(function: Function, *arguments: Any) -> Function:
     callable
         The same function. A caller can hand it what users give, unchecked, and convert that where it raises TypeError.
     """
-    function(*arguments)
-    # Not there where numba is told not to compile at all.
-    getattr(function, "disable_compile", lambda: None)()
+    # One thread at a time: another's compilation must not be switched off before it is done.
+    with _COMPILING:
+        function(*arguments)
+        # Not there where numba is told not to compile at all.
+        getattr(function, "disable_compile", lambda: None)()
     return function
 
 

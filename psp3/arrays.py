@@ -1,11 +1,14 @@
-"""Checks of array arguments that every module shares: finite numbers of the right shape, or an error that says which."""
+"""Checks of arguments that every module shares: finite numbers of the right shape, or an error that says which."""
 
 from __future__ import annotations
+
+import contextlib
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.errors import InvalidArray
+from psp3.errors import InvalidArray, InvalidValue
 
 Array = NDArray[np.float64]
 
@@ -68,3 +71,21 @@ def together(**arrays: Array) -> list[Array]:
         raise InvalidArray(shapes, "(..., n) with leading dimensions that go together", next(iter(arrays.values()))) from error
     # Copies, because views made by broadcasting are read-only, and numba would compile every kernel anew for those.
     return [np.array(np.broadcast_to(array, (*shape, array.shape[-1]))) for array in arrays.values()]
+
+
+def checked_number(name: str, value: object, requirement: str, least: float = -math.inf) -> float:
+    """Return a real number as a float; raise :class:`InvalidValue` if it is none, or less than the least one."""
+    number = math.nan
+    if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):
+        with contextlib.suppress(OverflowError):  # a whole number of hundreds of digits
+            number = float(value)
+    if not number >= least:
+        raise InvalidValue(name, value, requirement)
+    return number
+
+
+def checked_count(name: str, value: object, least: int = 1) -> int:
+    """Return a whole number; raise :class:`InvalidValue` if it is none, or less than the least one."""
+    if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
+        raise InvalidValue(name, value, f"a whole number of at least {least}")
+    return int(value)

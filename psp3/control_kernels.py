@@ -159,6 +159,8 @@ def fuzzy_torque(controller: Array, p: Array, heights: Array, speeds: Array, des
                 spread[j] = 0.0
     else:
         _exact(heights, speeds, p, np.empty(21), crisp)
+        for j in range(added.size):
+            crisp[j] += added[j]
         middle[:] = crisp
     _servo(controller, heights, speeds, desired, servo)
     _apply(crisp, servo, speeds, out, 0)

@@ -7,13 +7,14 @@ are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array
+from psp3.arrays import Array, checked_number
 from psp3.errors import InvalidValue
 from psp3.robot import DynamicsModel
 from psp3.trajectories import Motion
@@ -32,9 +33,10 @@ class Controller(Protocol):
 
 
 def _gain(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value >= 0.0):
+    gain = checked_number(name, value, "finite and not negative", 0.0)
+    if gain == math.inf:
         raise InvalidValue(name, value, "finite and not negative")
-    return float(value)
+    return gain
 
 
 def _equation_of_motion(model: DynamicsModel) -> Callable[[ArrayLike, ArrayLike], tuple[Array, Array, Array]]:

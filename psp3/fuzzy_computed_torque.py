@@ -18,15 +18,16 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from fuzzy2.compiled import only_for
 from fuzzy2.errors import Fuzzy2Error
 from fuzzy2.json_files import from_json, to_json
 from fuzzy2.learning import KINDS, LEARNERS, WangMendel
 from fuzzy2.noise import mean_variation_from_snr
 from fuzzy2.numbers import GaussianNumber, IntervalNumber
-from fuzzy2.systems import FuzzySystem, GeneralType2System
+from fuzzy2.systems import FuzzySystem, GeneralType2System, IntervalType2System, Type1System
 from fuzzy2.text_files import read_text, write_text
 from psp3 import control_kernels as kernels
-from psp3.arrays import Array, one_row
+from psp3.arrays import Array, checked_count, checked_number, one_row
 from psp3.controllers import _gain
 from psp3.errors import InvalidControllerFile, InvalidValue, NotTrained, UnknownName, UnusableEstimate
 from psp3.loading import load
@@ -44,8 +45,12 @@ OUTSIDE = ("clamp", "crisp")
 REDUCTIONS = ("alpha_planes", "gaussian")
 """Type reductions of the general type-2 controller."""
 
+LEAST_SNR = -100.0
+"""Least signal-to-noise ratio [dB]: noise of a hundred thousand times the signal."""
+
 FuzzyNumbers = IntervalNumber | GaussianNumber
 
+_SYSTEMS = dict(zip(KINDS, (Type1System, IntervalType2System, GeneralType2System), strict=True))
 _NONE = np.empty(0)
 _ROWS = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")
 
@@ -134,11 +139,13 @@ class FuzzyComputedTorque:
                 raise UnknownName(what, name, known)
         self.kind, self.learner, self.reduction, self.outside = kind, learner, reduction, outside
         self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
-        self.n_terms, self.levels = n_terms, levels
+        self.n_terms, self.levels = checked_count("n_terms", n_terms), checked_count("levels", levels)
         self.snr_db = checked_snr(snr_db)
         if kind == "t1":
             mean_variation = 0.0
-        self.mean_variation = float(mean_variation_from_snr(self.snr_db)) if mean_variation is None else mean_variation
+        self.mean_variation = float(mean_variation_from_snr(self.snr_db)) if mean_variation is None else checked_share(mean_variation)
+        if robot is not None and not isinstance(robot, PSP3):
+            raise InvalidValue("robot", robot, 'a robot, such as psp3.load("psp3")')
         self.robot = load("psp3") if robot is None else robot
         self._controller: Array | None = None
         self._parameters = self.robot.parameters.as_array()
@@ -173,7 +180,7 @@ class FuzzyComputedTorque:
         ------
         InvalidValue
             If an input does not change on the trajectory, or a parameter is not what it must be.
-        fuzzy2.UnsupportedRule
+        fuzzy2.errors.UnsupportedRule
             If no sample fires some rule by more than 0.001.
         UnusableEstimate
             If the average mass matrix is not positive definite.
@@ -186,6 +193,8 @@ class FuzzyComputedTorque:
         inputs, outputs = recorded.inputs[chosen], recorded.outputs[chosen]
         if math.isfinite(self.snr_db):
             rng = np.random.default_rng() if rng is None else rng
+            if not isinstance(rng, np.random.Generator):
+                raise InvalidValue("rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)")
             # The power of the signal is the mean square over the whole run, mean included, so it does not depend on the samples.
             amplitude = recorded.rms * 10.0 ** (-self.snr_db / 20.0)
             outputs = outputs + amplitude * rng.standard_normal(outputs.shape)
@@ -215,9 +224,7 @@ class FuzzyComputedTorque:
         self._controller = np.concatenate([header, ranges.ravel(), fallback, alphas, widths, system.table, after]).astype(np.float64)
         self.reset()
         row = np.zeros(3)
-        kernels.control_step(self._controller, self._parameters, row, row, row, row, row, self._step.copy())
-        # Compiled for contiguous rows of floats, and for nothing else: other rows are an error at once, not a minute's compilation.
-        kernels.control_step.disable_compile()  # type: ignore[attr-defined]
+        only_for(kernels.control_step, self._controller, self._parameters, row, row, row, row, row, self._step.copy())
 
     @property
     def controller(self) -> Array:
@@ -255,20 +262,24 @@ class FuzzyComputedTorque:
             If nothing was learned yet.
         InvalidArray
             If heights, speeds or the desired motion are not three finite numbers each.
+        UnreachablePose
+            If the exact model takes over, and the heights are no pose that the robot can take.
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
         # A new array in every call: the torque is a view of it, and stays what it is.
-        self._step = step = np.empty(kernels.STEP)
+        step = np.empty(kernels.STEP)
         rows = (heights, speeds, desired.heights, desired.speeds, desired.accelerations)
         try:
             done = kernels.control_step(self._controller, self._parameters, *rows, step)
         except TypeError:
             done = -1
         if done != 1:
-            # Not contiguous rows of three finite floats: lists will do, the rest is refused.
-            a, v, a_d, v_d, acc_d = (one_row(name, row, 3) for name, row in zip(_ROWS, rows, strict=True))
-            kernels.control_step(self._controller, self._parameters, a, v, a_d, v_d, acc_d, step)
+            # Not contiguous rows of three finite floats: lists will do, and copies of rows that are read-only; the rest is refused.
+            a, v, a_d, v_d, acc_d = (np.array(one_row(name, row, 3)) for name, row in zip(_ROWS, rows, strict=True))
+            if kernels.control_step(self._controller, self._parameters, a, v, a_d, v_d, acc_d, step) != 1 and self.outside == "crisp":
+                self.robot.forward_kinematics(a)
+        self._step = step
         torque: Array = step[:3]
         return torque
 
@@ -311,7 +322,8 @@ class FuzzyComputedTorque:
         NotTrained, InvalidArray
             As from :meth:`torque`.
         """
-        return unpack(np.asarray(self.system_(self._inputs(heights, speeds))))
+        inputs = self._inputs(heights, speeds)
+        return unpack(np.asarray(self.system_(inputs)))
 
     def estimated_numbers(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[FuzzyNumbers, FuzzyNumbers, FuzzyNumbers]:
         """Return the estimates of M, C and G as arrays of fuzzy numbers, the type-reduced outputs.
@@ -377,6 +389,8 @@ class FuzzyComputedTorque:
 
     def defuzzify(self, number: FuzzyNumbers) -> Array:
         r"""Return the crisp torque of a number: its middle or mean, or :math:`\sum_l \alpha_l c_l / \sum_l \alpha_l` over α-planes."""
+        if self._controller is None:
+            raise NotTrained(type(self).__name__)
         middles = number.defuzzify()
         if isinstance(self.system_, GeneralType2System) and self.system_.reduction == "alpha_planes":
             return np.asarray(self.system_.alphas @ middles / self.system_.alphas.sum())
@@ -429,7 +443,7 @@ class FuzzyComputedTorque:
             return cls._from(content, robot, path)
         except InvalidControllerFile:
             raise
-        except (OSError, Fuzzy2Error, ValueError, TypeError) as error:
+        except (OSError, Fuzzy2Error, ValueError, TypeError, OverflowError, RecursionError) as error:
             raise InvalidControllerFile(path, f"is not a whole controller file ({error})") from error
         except KeyError as error:
             raise InvalidControllerFile(path, f"lacks {error.args[0]!r}") from error
@@ -442,15 +456,22 @@ class FuzzyComputedTorque:
         for what, names in (("inputs", INPUT_NAMES), ("outputs", OUTPUT_NAMES)):
             if tuple(content[what]) != names:
                 raise InvalidControllerFile(path, f"has the {what} {', '.join(content[what])}, this version needs {', '.join(names)}")
-        parameters = Parameters(**content["robot"])
+        parameters = Parameters(**{name: content["robot"][name] for name in Parameters().as_dict() | content["robot"]})
         if robot is not None and robot.parameters != parameters:
             given = robot.parameters.as_dict()
             other = [f"{name} {value} (yours {given[name]})" for name, value in parameters.as_dict().items() if given[name] != value]
             raise InvalidControllerFile(path, f"was trained for a robot with {', '.join(other)}; load it without a robot, or train anew")
         system = from_json(content["system"])
         ranges = np.asarray(content["ranges"], dtype=float)
-        if not isinstance(system, FuzzySystem) or len(system.inputs) != len(INPUT_NAMES) or system.n_outputs != len(OUTPUT_NAMES):
-            raise InvalidControllerFile(path, f"holds no fuzzy system of {len(INPUT_NAMES)} inputs and {len(OUTPUT_NAMES)} outputs")
+        kind, n_terms, snr = content["kind"], content["n_terms"], content["snr_db"]
+        if not isinstance(system, FuzzySystem) or type(system) is not _SYSTEMS.get(kind):
+            raise InvalidControllerFile(path, f"has kind {kind!r} and holds {type(system).__name__}")
+        if (system.input_names, system.output_names) != (INPUT_NAMES, OUTPUT_NAMES):
+            raise InvalidControllerFile(path, "holds a fuzzy system of other inputs or outputs than the file says")
+        if np.shape(system.consequents) != (len(system.rules), len(OUTPUT_NAMES)):
+            raise InvalidControllerFile(path, "has consequents that are not a number for each rule and output")
+        if any(len(terms) != n_terms for terms in system.inputs):
+            raise InvalidControllerFile(path, f"has inputs of {[len(terms) for terms in system.inputs]} terms, and n_terms {n_terms!r}")
         if ranges.shape != (2, 4) or not np.isfinite(ranges).all() or not (ranges[0] < ranges[1]).all():
             raise InvalidControllerFile(path, "has ranges that are not four smallest and four largest inputs")
         if system.table is None:
@@ -459,20 +480,22 @@ class FuzzyComputedTorque:
         if isinstance(system, GeneralType2System):
             options = {"levels": system.levels, "reduction": system.reduction}
         controller = cls(
-            content["kind"], load("psp3", parameters=parameters) if robot is None else robot, kp=content["kp"], kv=content["kv"],
-            n_terms=content["n_terms"], learner=content["learner"], snr_db=float(content["snr_db"]),
-            mean_variation=content["mean_variation"], outside=content["outside"], **options,
+            kind, load("psp3", parameters=parameters) if robot is None else robot, kp=content["kp"], kv=content["kv"],
+            n_terms=n_terms, learner=content["learner"], snr_db=math.inf if snr == "inf" else snr,
+            mean_variation=checked_share(content["mean_variation"]), outside=content["outside"], **options,
         )  # fmt: skip
         controller._take(system, ranges)
         return controller
 
 
-def checked_snr(snr_db: float) -> float:
-    """Return a signal-to-noise ratio in decibels as a float; raise :class:`InvalidValue` if it is not a number above minus infinity."""
-    try:
-        ratio = float(snr_db)
-    except (TypeError, ValueError):
-        ratio = math.nan
-    if math.isnan(ratio) or ratio == -math.inf:
-        raise InvalidValue("snr_db", snr_db, "a number of decibels, or inf for no noise")
-    return ratio
+def checked_snr(snr_db: object) -> float:
+    """Return a signal-to-noise ratio in decibels; raise :class:`InvalidValue` if it is not a number of at least ``LEAST_SNR``."""
+    return checked_number("snr_db", snr_db, f"a number of decibels, at least {LEAST_SNR:g}, or inf for no noise", LEAST_SNR)
+
+
+def checked_share(mean_variation: object) -> float:
+    """Return a mean variation; raise :class:`InvalidValue` if it is not finite and not negative."""
+    share = checked_number("mean_variation", mean_variation, "finite and not negative", 0.0)
+    if share == math.inf:
+        raise InvalidValue("mean_variation", mean_variation, "finite and not negative")
+    return share

@@ -27,9 +27,15 @@ import numpy as np
 from fuzzy2.learning import KINDS, LEARNERS
 from fuzzy2.noise import mean_variation_from_snr
 from psp3 import control_kernels as kernels
-from psp3.arrays import Array
+from psp3.arrays import Array, checked_count, checked_number
 from psp3.errors import InvalidValue, UnknownName
-from psp3.fuzzy_computed_torque import OUTSIDE, REDUCTIONS, FuzzyComputedTorque, checked_snr
+from psp3.fuzzy_computed_torque import (
+    OUTSIDE,
+    REDUCTIONS,
+    FuzzyComputedTorque,
+    checked_share,
+    checked_snr,
+)
 from psp3.loading import load
 from psp3.metrics import THESIS_SAMPLING_PERIOD
 from psp3.parameters import PARAMETER_SETS, Parameters
@@ -53,6 +59,12 @@ READINGS = ("parameters", "measurement", "online", "plant")
 
 PAYLOAD_PER_MISMATCH = 5.0
 """Payload at q |ε| = 1 [kg]."""
+
+LEAST_SNR_OF_PLANT = -20.0
+"""Least signal-to-noise ratio under the reading ``"plant"`` [dB]: masses are off by factors up to exp(±40)."""
+
+MOST_STEPS = 10_000_000
+"""Control periods of the longest run."""
 
 
 def _square(robot: PSP3) -> Trajectory:
@@ -127,6 +139,13 @@ class Run:
     duration: float = DURATION
     period: float = 0.002
 
+    def __post_init__(self) -> None:
+        # Of numpy's numbers, which grids are often made of, as of any other.
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.generic):
+                object.__setattr__(self, field.name, value.item())
+
     def check(self) -> None:
         """Raise what :func:`execute` would raise for fields that are not what they must be, before any work.
 
@@ -136,6 +155,10 @@ class Run:
             If a name is unknown.
         InvalidValue
             If a number is outside of what it can be.
+        StrokeExceeded
+            If the trajectory leaves the screws in the duration.
+        fuzzy2.errors.UnsupportedRule
+            If no sample fires some rule by more than 0.001.
         """
         for what, name, known in (
             ("controller", self.controller, CONTROLLERS), ("reading", self.reading, READINGS),
@@ -143,25 +166,30 @@ class Run:
             ("reduction", self.reduction, REDUCTIONS), ("way outside of the trained range", self.outside, OUTSIDE),
             ("parameter set", self.parameters, tuple(PARAMETER_SETS)),
         ):  # fmt: skip
-            if name not in known:
+            if not isinstance(name, str) or name not in known:
                 raise UnknownName(what, name, known)
-        checked_snr(self.snr_db)
+        if checked_snr(self.snr_db) < LEAST_SNR_OF_PLANT and self.reading == "plant":
+            raise InvalidValue("snr_db", self.snr_db, f"at least {LEAST_SNR_OF_PLANT:g} under the reading 'plant'")
         for name, least in (("seed", 0), ("n_terms", 1), ("levels", 1), ("samples", 2)):
-            value = getattr(self, name)
-            if isinstance(value, bool) or not isinstance(value, int) or value < least:
-                raise InvalidValue(name, value, f"a whole number of at least {least}")
+            checked_count(name, getattr(self, name), least)
         for name in ("duration", "period"):
             value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
+            if not 0.0 < checked_number(name, value, "finite and positive") < math.inf:
                 raise InvalidValue(name, value, "finite and positive")
-        if not self.duration >= self.period:
-            raise InvalidValue("duration", self.duration, f"at least one period of {self.period} s")
-        for name in ("payload", "mean_variation"):
-            value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value >= 0.0):
-                raise InvalidValue(name, value, "finite and not negative")
+        if not self.period <= self.duration <= MOST_STEPS * self.period:
+            raise InvalidValue("duration", self.duration, f"at least one and at most {MOST_STEPS:,} periods of {self.period} s")
+        every = round(THESIS_SAMPLING_PERIOD / self.period)
+        if abs(every * self.period - THESIS_SAMPLING_PERIOD) > 1e-9 * THESIS_SAMPLING_PERIOD:
+            raise InvalidValue("period", self.period, f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or a whole part of it")
+        if self.mean_variation is not None:
+            checked_share(self.mean_variation)
+        if not 0.0 <= checked_number("payload", self.payload, "finite and not negative") < math.inf:
+            raise InvalidValue("payload", self.payload, "finite and not negative")
         if self.payload > 0.0 and self.reading != "plant":
             raise InvalidValue("payload", self.payload, "0, but under the reading 'plant'")
+        _desired(self.trajectory, self.parameters, self.duration, self.period)
+        if self.controller in KINDS:
+            _try_to_learn(self.parameters, self.learner, self.n_terms, self.samples)
 
     def canonical(self) -> Run:
         """Return the same run with every field that cannot matter at its default, and the mean variation that is used.
@@ -220,7 +248,9 @@ def execute(run: Run) -> dict[str, float]:
     ------
     InvalidValue, UnknownName
         As from :meth:`Run.check`.
-    fuzzy2.UnsupportedRule, UnusableEstimate
+    StrokeExceeded
+        If the trajectory leaves the screws in the duration.
+    fuzzy2.errors.InvalidValue, fuzzy2.errors.UnsupportedRule, UnusableEstimate
         If the rules cannot be learned.
     """
     return measure(simulate_run(run), run)
@@ -256,7 +286,7 @@ def simulate_run(run: Run) -> Samples:
 
     Raises
     ------
-    InvalidValue, UnknownName, fuzzy2.UnsupportedRule, UnusableEstimate
+    InvalidValue, UnknownName, StrokeExceeded, fuzzy2.errors.InvalidValue, fuzzy2.errors.UnsupportedRule, UnusableEstimate
         As from :func:`execute`.
     """
     run.check()
@@ -295,7 +325,7 @@ def measure(samples: Samples, run: Run) -> dict[str, float]:
     diverged = len(result.t) < samples.steps or not finite
     error = result.desired.heights - result.heights
     squares = (error**2).sum(axis=1)
-    every = max(1, round(THESIS_SAMPLING_PERIOD / run.period))
+    every = round(THESIS_SAMPLING_PERIOD / run.period)
     tip_error = np.linalg.norm(result.desired.tip - result.tip, axis=1)
     lower, upper = _robot(run.parameters).stroke
     values = (
@@ -306,7 +336,8 @@ def measure(samples: Samples, run: Run) -> dict[str, float]:
     assert result.covered is not None
     assert result.fell_back is not None
     outside = bool(((result.heights < lower) | (result.heights > upper)).any())
-    values += (result.covered.mean(), result.fell_back.mean(), outside, diverged, result.t[-1] if len(result.t) else 0.0)
+    shares = (result.covered.mean(), result.fell_back.mean()) if len(result.t) else (math.nan, math.nan)
+    values += (*shares, outside, diverged, result.t[-1] if len(result.t) else 0.0)
     return dict(zip(METRICS, map(float, values), strict=True))
 
 
@@ -374,7 +405,16 @@ def _desired(trajectory: str, parameters: str, duration: float, period: float) -
     t = period * np.arange(int(duration / period * (1.0 + 1e-12) + 1e-9) + 1, dtype=np.float64)
     motion = TRAJECTORIES[trajectory](robot)(t)
     check_stroke(robot, t, motion)
+    for array in (t, *motion):
+        # Results of all runs hold them.
+        array.setflags(write=False)
     return t, motion
+
+
+@lru_cache(maxsize=64)
+def _try_to_learn(parameters: str, learner: str, n_terms: int, samples: int) -> None:
+    """Raise what learning raises. Which rules have samples depends on inputs alone, and those are the same under all noise."""
+    FuzzyComputedTorque("t1", _robot(parameters), learner=learner, n_terms=n_terms).learn(_record(parameters), samples)
 
 
 @lru_cache(maxsize=8)
