@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from psp3.controllers import Controller
+    from psp3.fuzzy_computed_torque import FuzzyComputedTorque
     from psp3.robot import PSP3
     from psp3.simulation import Result
     from psp3.trajectories import Trajectory
@@ -68,6 +69,9 @@ class ControllerName(StrEnum):
     PID = "pid"
     FEED_FORWARD = "feed-forward"
     CTC = "ctc"
+    T1 = "t1"
+    IT2 = "it2"
+    GT2 = "gt2"
 
 
 class ModelName(StrEnum):
@@ -154,7 +158,7 @@ Heights = Annotated[Triple, typer.Option(parser=_triple, metavar="A1,A2,A3", hel
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.", show_default=False)]
 FigureFile = Annotated[Path | None, typer.Option(parser=_figure_output, metavar="FILE", help="Draw to FILE: .pdf, .png or .svg.")]
 
-MOTION, OUTPUT = "Desired motion", "Output"
+MOTION, RUNS, OUTPUT = "Desired motion", "Runs", "Output"
 TrajectoryText = Annotated[
     str,
     typer.Option(
@@ -394,33 +398,32 @@ def reproduce(
     out: Annotated[Path, typer.Option(file_okay=False, metavar="DIR", help="Directory to write to; made if it does not exist.")] = Path(
         "results"
     ),
-    quick: Annotated[bool, typer.Option("--quick", help="Do less, faster: no animation, fewer poses.", show_default=False)] = False,
+    seeds: Annotated[
+        int, typer.Option(min=1, metavar="COUNT", help="Number of seeds of Table 6.3; other comparisons take 10 at most.")
+    ] = 20,
+    quick: Annotated[bool, typer.Option("--quick", help="A look in seconds: two seeds, no animation.", show_default=False)] = False,
 ) -> None:
     """Run the main job: the thesis's results, recomputed.
 
-    Every number stands beside the printed one. Writes a report, figures, an animation and all numbers, and prints the tables.
+    Every number stands beside the printed one. Writes a report, figures, an animation and all numbers, and prints the main tables. Runs
+    that DIR/study.sqlite holds are not repeated, so the same command goes on where it was stopped.
     """
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
     from rich.text import Text
 
+    from psp3.errors import StudyInterrupted
     from psp3.reproduce import reproduce as run
 
-    errors = Console(stderr=True, highlight=False)
-    with Progress(
-        BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), console=errors, transient=True, disable=not errors.is_terminal
-    ) as bar:
-        task = bar.add_task("", total=None)
-
-        def progress(description: str, done: int, total: int) -> None:
-            bar.update(task, description=description, completed=done, total=total)
-            # A log is no terminal: there each step is a line.
-            if not errors.is_terminal and done < total:
-                typer.echo(f"[{done + 1}/{total}] {description}", err=True)
-
-        outcome = run(out, quick=quick, progress=progress)
+    try:
+        with _reproduce_progress() as (progress, run_progress):
+            outcome = run(out, quick=quick, progress=progress, seeds=seeds, run_progress=run_progress)
+    except StudyInterrupted as interrupt:
+        typer.echo(f"{interrupt.done} of {interrupt.total} runs are in {out}; the same command goes on from there", err=True)
+        raise typer.Exit(INTERRUPTED) from None
     console = Console(highlight=False)
     for content in outcome.tables:
+        if content.detail:
+            continue
         console.print(Text(content.title, style="bold"))
         console.print(_narrow_table(content.columns, content.rows))
         if content.note:
@@ -428,17 +431,47 @@ def reproduce(
         console.print()
     for sentence in outcome.answer:
         console.print(Text(f"• {sentence}"))
+    hidden = sum(content.detail for content in outcome.tables)
+    console.print(Text(f"• {hidden} more tables and {len(outcome.drawings)} figures are in the report."))
     console.print()
     for path in outcome.files:
         # Outside rich, which would break long paths.
-        typer.echo(path)
+        typer.echo(path if path.is_relative_to(out) else out / path.name)
+
+
+@contextmanager
+def _reproduce_progress() -> Iterator[tuple[Callable[[str, int, int], None], Callable[[int, int, float], None]]]:
+    """Show the steps of the main job and the runs of its study on standard error; in a log each step is a line."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    errors = Console(stderr=True, highlight=False)
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
+    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as bar:
+        task, runs = bar.add_task("", total=None), bar.add_task("runs", total=None, visible=False)
+
+        def progress(description: str, done: int, total: int) -> None:
+            bar.update(task, description=description, completed=done, total=total)
+            if not errors.is_terminal and done < total:
+                typer.echo(f"[{done + 1}/{total}] {description}", err=True)
+
+        def run_progress(done: int, total: int, rate: float) -> None:
+            bar.update(runs, description=f"runs, {rate:.0f} a second", completed=done, total=total, visible=done < total)
+
+        yield progress, run_progress
 
 
 @app.command()
 def simulate(
     controller: Annotated[
-        ControllerName, typer.Option(metavar="NAME", help="Controller: pd, pd-gravity, pid, feed-forward or ctc.")
+        ControllerName,
+        typer.Option(
+            metavar="NAME", help="Controller: pd, pd-gravity, pid, feed-forward or ctc; t1, it2 or gt2, trained on the helix without noise."
+        ),
     ] = ControllerName.CTC,
+    trained: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A controller that psp3 train wrote, in place of --controller.", show_default=False)
+    ] = None,
     model: Model = None,
     kp: Annotated[
         float | None, typer.Option(metavar="GAIN", help="Proportional gain: N/m, 1/s² for ctc; 1000, 10 for ctc, unless given.")
@@ -479,7 +512,12 @@ def simulate(
     _check_outputs(csv, json)
     robot = _load(parameters)
     gains = {"kp": kp, "kv": kv, "ki": ki}
-    steering, settings = _controller(robot, controller, model, gains)
+    if trained is None:
+        steering, settings = _controller(robot, controller, model, gains)
+    else:
+        _only("--trained, which has its own", gains | {"model": model}, ())
+        steering, settings = _from_file(robot, trained)
+        controller = ControllerName(steering.kind)
     given = {
         "radius": radius, "turn_time": turn_time, "rise": rise, "start_height": start_height,
         "start": start, "end": end, "travel_time": travel_time, "tip": tip,
@@ -561,11 +599,19 @@ def _controller(
     allowed = {ControllerName.PID: ("kp", "kv", "ki"), ControllerName.FEED_FORWARD: ()}.get(name, ("kp", "kv"))
     kept = _only(f"--controller {name.value}", gains, allowed)
     controller: Any
-    if name in (ControllerName.PD, ControllerName.PID):
+    if name in (ControllerName.T1, ControllerName.IT2, ControllerName.GT2):
+        if model is not None:
+            raise _usage(f"--model does not apply to --controller {name.value}, which learns its own")
+        from psp3.fuzzy_computed_torque import FuzzyComputedTorque
+        from psp3.trajectories import Helix
+
+        controller = FuzzyComputedTorque(name.value, robot, **kept).fit(Helix(robot=robot))
+        settings: dict[str, Any] = {"model": "learned"}
+    elif name in (ControllerName.PD, ControllerName.PID):
         if model is not None:
             raise _usage(f"--model does not apply to --controller {name.value}, which uses none")
         controller = {ControllerName.PD: controllers.PD, ControllerName.PID: controllers.PID}[name](**kept)
-        settings: dict[str, Any] = {"model": None}
+        settings = {"model": None}
     else:
         chosen = model or ModelName.CLOSED_FORM
         kinds: dict[ControllerName, Callable[..., Any]] = {
@@ -576,6 +622,14 @@ def _controller(
         controller = kinds[name](robot.dynamics(chosen.value), **kept)
         settings = {"model": chosen.value}
     return controller, settings | {"gains": {gain: getattr(controller, gain) for gain in allowed}}
+
+
+def _from_file(robot: PSP3, path: Path) -> tuple[FuzzyComputedTorque, dict[str, Any]]:
+    """Return a trained controller and what there is to say about it."""
+    from psp3.fuzzy_computed_torque import FuzzyComputedTorque
+
+    controller = FuzzyComputedTorque.load(path, robot)
+    return controller, {"model": str(path), "gains": {"kp": controller.kp, "kv": controller.kv}}
 
 
 def _metrics(result: Result) -> dict[str, Any]:
@@ -612,6 +666,242 @@ def _samples(result: Result) -> dict[str, Any]:
     ):
         columns |= {f"{name}{k}": column for k, column in enumerate(values.T, start=1)}
     return columns
+
+
+@app.command()
+def train(
+    file: Annotated[Path, typer.Argument(parser=_output, metavar="FILE", help="JSON file to write.", show_default=False)],
+    kind: Annotated[str, typer.Option(metavar="NAME", help="it2 (interval type-2), t1 (type-1) or gt2 (general type-2).")] = "it2",
+    learner: Annotated[str, typer.Option(metavar="NAME", help="How rules are learned: strongest, strict, average or ridge.")] = "strongest",
+    terms: Annotated[int, typer.Option(metavar="COUNT", help="Terms of every input.")] = 2,
+    snr: Annotated[
+        float, typer.Option(metavar="DB", help="Signal-to-noise ratio of the recorded M, C and G (dB); inf adds no noise.")
+    ] = math.inf,
+    mean_variation: Annotated[
+        float | None,
+        typer.Option(metavar="SHARE", help="Mean variation as a share of each input's range; it follows --snr unless given."),
+    ] = None,
+    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="Of the noise.")] = 0,
+    kp: Annotated[float, typer.Option(metavar="GAIN", help="Proportional gain (1/s²).")] = 10.0,
+    kv: Annotated[float, typer.Option(metavar="GAIN", help="Derivative gain (1/s).")] = 1.0,
+    parameters: Parameters = ParametersName.DEFAULT,
+    trajectory: TrajectoryText = "helix",
+    radius: Radius = None,
+    turn_time: TurnTime = None,
+    rise: Rise = None,
+    start_height: StartHeight = None,
+    start: Start = None,
+    end: End = None,
+    travel_time: TravelTime = None,
+    tip: HoldTip = None,
+    duration: Duration = None,
+) -> None:
+    """Train a fuzzy computed-torque controller and write it to a file.
+
+    The crisp controller tracks a motion, the helix unless given; M, C and G are recorded and learned from.
+    """
+    import numpy as np
+
+    from psp3.fuzzy_computed_torque import FuzzyComputedTorque
+    from psp3.records import INPUT_NAMES, record, unpack
+
+    robot = _load(parameters)
+    given = {
+        "radius": radius, "turn_time": turn_time, "rise": rise, "start_height": start_height,
+        "start": start, "end": end, "travel_time": travel_time, "tip": tip,
+    }  # fmt: skip
+    motion, seconds = _trajectory(robot, trajectory, duration, given)
+    controller = FuzzyComputedTorque(kind, robot, kp=kp, kv=kv, n_terms=terms, learner=learner, snr_db=snr, mean_variation=mean_variation)
+    recorded = record(robot, motion, seconds, kp=kp, kv=kv)
+    controller.learn(recorded, min(209, len(recorded.t)), np.random.default_rng(seed)).save(file)
+    note = f"{len(controller.system_.rules)} rules, mean variation {controller.mean_variation:.3g}"
+    table = _table(f"{kind}, learned on {trajectory}", "trained range", "least", "greatest", "unit", note=note)
+    for name, low, high, unit in zip(INPUT_NAMES, *controller.ranges_, ("m", "m", "m/s", "m/s"), strict=True):
+        table.add_row(name, f"{low:.4f}", f"{high:.4f}", unit)
+    errors = _table("Estimates on the way", "", "RMS error, relative")
+    estimates = controller.estimate(recorded.heights, recorded.speeds)
+    for name, exact, estimate in zip("MCG", unpack(recorded.outputs), estimates, strict=True):
+        errors.add_row(name, f"{np.sqrt(((estimate - exact) ** 2).mean() / (exact**2).mean()):.2%}")
+    _show(table, errors)
+    typer.echo(file)
+
+
+@app.command()
+def study(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="SQLite file of the results: begun, resumed or extended.", show_default=False)
+    ],
+    controller: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="Controller: feed-forward, pd, pd-gravity, ctc, t1, it2 or gt2; pd, ctc, t1 and it2 unless given.",
+        ),
+    ] = None,
+    reading: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", rich_help_panel=RUNS, help="What is noisy: parameters (unless given), measurement, online or plant."),
+    ] = None,
+    snr: Annotated[
+        list[float] | None,
+        typer.Option(metavar="DB", rich_help_panel=RUNS, help="Signal-to-noise ratio (dB); inf, 20, 15 and 10 unless given."),
+    ] = None,
+    seeds: Annotated[int, typer.Option(min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, from 0 on.")] = 30,
+    trajectory: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="Path: helix (unless given), which is the one learned from, circle, line, fast-helix, large-helix or waypoints.",
+        ),
+    ] = None,
+    learner: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", rich_help_panel=RUNS, help="How t1, it2 and gt2 learn their rules; strongest unless given."),
+    ] = None,
+    terms: Annotated[
+        list[int] | None,
+        typer.Option(metavar="COUNT", rich_help_panel=RUNS, help="Terms of each input of t1, it2 and gt2; 2 unless given."),
+    ] = None,
+    mean_variation: Annotated[
+        list[float] | None,
+        typer.Option(
+            metavar="SHARE",
+            rich_help_panel=RUNS,
+            help="Mean variation of it2 and gt2 as a share of each input's range; it follows the signal-to-noise ratio unless given.",
+        ),
+    ] = None,
+    payload: Annotated[
+        list[float] | None,
+        typer.Option(metavar="KG", rich_help_panel=RUNS, help="Mass on the star that no controller knows of (kg), for --reading plant."),
+    ] = None,
+    duration: Annotated[
+        float, typer.Option(metavar="S", rich_help_panel=RUNS, help="Length of a run (s), the same in all a file.")
+    ] = float(SAMPLED),
+    workers: Annotated[
+        int | None, typer.Option(min=1, metavar="COUNT", help="Runs at a time on this machine; one for each core unless given.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Address of a dask scheduler, tcp://HOST:PORT: its workers do the runs.")
+    ] = None,
+    csv: Annotated[
+        Path | None,
+        typer.Option(parser=_output, metavar="FILE", rich_help_panel=OUTPUT, help="Write fields and metrics of all runs as CSV, SI units."),
+    ] = None,
+) -> None:
+    """Compare controllers over many seeds, with intervals.
+
+    Options of runs can be given more than once: every combination is a run. Runs that are in FILE are not repeated, so the same
+    command resumes a study that was stopped, and one with more seeds extends it.
+    """
+    if workers is not None and scheduler is not None:
+        raise _usage("--workers does not apply to --scheduler, which has its own")
+    if csv is not None and csv.resolve() == file.resolve():
+        raise _usage("--csv would overwrite FILE; give it another name")
+    from psp3.errors import StudyInterrupted
+    from psp3.study import Study, grid
+
+    given = {"reading": reading, "trajectory": trajectory, "learner": learner, "n_terms": terms, "mean_variation": mean_variation}
+    given |= {"payload": payload, "controller": controller or ["pd", "ctc", "t1", "it2"], "snr_db": snr or [math.inf, 20.0, 15.0, 10.0]}
+    values = {name: choice for name, choice in given.items() if choice}
+    outcome = Study(file, grid(**values, seed=range(seeds), duration=duration))
+    try:
+        with _study_progress() as progress:
+            outcome.run(workers, scheduler, progress)
+    except StudyInterrupted as interrupt:
+        typer.echo(f"{interrupt.done} of {interrupt.total} runs are in {file}; the same command goes on from there", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+    rows = outcome.rows()
+    for title, headings, cells, note in _study_tables(rows, mean_variation is not None):
+        from rich.console import Console
+        from rich.text import Text
+
+        console = Console(highlight=False)
+        console.print(Text(title, style="bold"))
+        console.print(_narrow_table(headings, cells))
+        console.print(Text(note, style="dim"))
+    if csv is not None:
+        outcome.export(csv)
+        typer.echo(csv)
+
+
+@contextmanager
+def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
+    """Show runs done, rate and remaining time on standard error: as a bar on a terminal, else as a line every tenth of the way."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True, highlight=False)
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
+    tenths = -1
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = None
+
+        def progress(done: int, total: int, rate: float) -> None:
+            nonlocal task, tenths
+            text = f"{rate:.1f} runs/s" if rate else ""
+            if task is None:
+                # Only now, so that runs of an earlier session do not count as speed.
+                task = bar.add_task(text, total=total, completed=done)
+            bar.update(task, completed=done, description=text)
+            if not console.is_terminal and 10 * done // total > tenths:
+                tenths = 10 * done // total
+                remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
+                typer.echo(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)
+
+        yield progress
+
+
+def _study_tables(rows: list[dict[str, Any]], show_mean_variation: bool) -> Iterator[tuple[str, list[str], list[list[str]], str]]:
+    """Title, headings, rows and note of the tables of a study: every setting, then type-2 beside type-1."""
+    from psp3.statistics import Estimate, compare, summarize
+
+    headings = {
+        "controller": "controller", "reading": "reading", "snr_db": "SNR (dB)", "trajectory": "trajectory", "learner": "learner",
+        "n_terms": "terms", "mean_variation": "mean variation", "payload": "payload (kg)",
+    }  # fmt: skip
+    summaries = summarize(rows)
+    names = [name for name in headings if name == "controller" or len({getattr(summary.run, name) for summary in summaries}) > 1]
+    if not show_mean_variation and "mean_variation" in names:
+        names.remove("mean_variation")
+    fixed = [f"{headings[name]} {_cell(getattr(summaries[0].run, name))}" for name in ("reading", "trajectory") if name not in names]
+
+    def settings(run: Any) -> list[str]:
+        return [_cell(getattr(run, name)) for name in names]
+
+    def number(estimate: Estimate, factor: float = 1.0, unit: str = "") -> str:
+        value, low, high = (_cell(factor * x) for x in (estimate.value, estimate.low, estimate.high))
+        return f"{value}{unit} ({low} to {high})" if estimate.count > 1 else f"{value}{unit}"
+
+    title = ", ".join(["Sum of squared errors, one sample per 0.05 s (m²)", *fixed])
+    cells = [
+        [
+            *settings(summary.run),
+            number(summary.mean), number(summary.median), number(summary.diverged, 100.0, " %"), str(summary.diverged.count),
+        ]
+        for summary in summaries
+    ]  # fmt: skip
+    shown = [headings[name] for name in names]
+    note = (
+        "In brackets 95 % intervals, by bootstrap and of shares Wilson's. Means and medians are over the seeds that did not diverge. What "
+        "does not depend on the seed is done once."
+    )
+    yield title, [*shown, "mean", "median", "diverged", "seeds"], cells, note
+    cells = [
+        [*settings(comparison.run), number(comparison.difference), number(comparison.ratio), str(comparison.difference.count)]
+        for name in ("it2", "gt2")
+        for comparison in compare(rows, name, "t1")
+    ]
+    if cells:
+        note = "Paired by seed, over the seeds with which neither diverged: mean of type-2 minus type-1, and ratio of their means."
+        yield "Type-2 beside type-1", [*shown, "difference (m²)", "ratio", "seeds"], cells, note
+
+
+def _cell(value: Any) -> str:
+    if not isinstance(value, float):
+        return str(value)
+    return "∞" if value == math.inf else "–" if math.isnan(value) else f"{value:.3g}"
 
 
 @app.command()
@@ -989,9 +1279,10 @@ def _message(error: Exception) -> str | None:
         return f"{command}: {' '.join(text.split())} (see {command} --help)"
     if isinstance(error, MemoryError):
         return "psp3: this takes more memory than there is; ask for less time or fewer samples"
+    from fuzzy2.errors import Fuzzy2Error
     from psp3.errors import PSP3Error
 
-    if isinstance(error, PSP3Error):
+    if isinstance(error, PSP3Error | Fuzzy2Error):
         return f"psp3: {' '.join(str(error).split())}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)

@@ -10,8 +10,8 @@ to save. Nothing here touches ``matplotlib.pyplot``. The look is that of matplot
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib import rcParams
@@ -19,8 +19,13 @@ from matplotlib.axes import Axes
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch
+from matplotlib.ticker import FixedLocator, NullLocator
 
+from fuzzy2.learning import term_names
+from fuzzy2.plots import figure_of_sets
+from psp3.arrays import Array
 from psp3.errors import InvalidValue, UnknownName
+from psp3.records import Record, differences
 from psp3.robot import PSP3
 from psp3.second_order import (
     DampingCase,
@@ -34,6 +39,9 @@ from psp3.second_order import (
 from psp3.simulation import Result
 from psp3.torques import ScrewForces
 from psp3.workspace import WorkspaceMap, fold_tilt
+
+if TYPE_CHECKING:
+    from psp3.fuzzy_computed_torque import FuzzyComputedTorque
 
 Panels = tuple[Axes, ...]
 
@@ -335,16 +343,14 @@ def _figure_of_tracking(axes: Sequence[Axes] | None, result: Result, title: str)
         grid = figure.add_gridspec(3, 3, width_ratios=(1.0, 1.0, 1.25))
         flat = [figure.add_subplot(grid[row, column]) for column in range(2) for row in range(3)]
         panels = (*flat, figure.add_subplot(grid[:, 2], projection="3d"))
-    # Five hundred points are more than the eye resolves and keep the file small.
-    every = slice(None, None, max(1, result.t.size // 500))
+    every = _shown(result.t.size)
     t = result.t[every]
     for panel, column in zip(panels[:6], (*range(3), *range(3)), strict=True):
         speeds = panel in panels[3:6]
         actual, desired = (result.speeds, result.desired.speeds) if speeds else (result.heights, result.desired.heights)
         # Drawn in this order, thin over thick, both stay visible where they coincide.
         panel.plot(t, actual[every, column], label="actual")
-        panel.plot(t, desired[every, column], color="black" if rcParams["figure.facecolor"] == "#FFFFFF" else "white",
-                   linestyle="--", linewidth=0.9, label="desired")  # fmt: skip
+        panel.plot(t, desired[every, column], color=rcParams["text.color"], linestyle="--", linewidth=0.9, label="desired")
         symbol = f"\\dot{{q}}_{column + 1}" if speeds else f"q_{column + 1}"
         panel.set_ylabel(f"${symbol}$ [{'m/s' if speeds else 'm'}]")
         panel.set_xlim(t[0], t[-1])
@@ -361,6 +367,7 @@ def _figure_of_tracking(axes: Sequence[Axes] | None, result: Result, title: str)
     space.set_xlabel("x [mm]")
     space.set_ylabel("y [mm]")
     space.set_zlabel("z [mm]", labelpad=8.0)  # type: ignore[attr-defined]
+    space.locator_params(nbins=5)
     space.set_box_aspect((1.0, 1.0, 1.7), zoom=0.88)  # type: ignore[call-arg,arg-type]
     space.legend(["actual", "desired"], loc="upper right")
     return panels
@@ -577,3 +584,327 @@ def figure_of_workspace(robot: PSP3, poses: WorkspaceMap, over: str = "tilt", ax
     if panels[0].lines:
         panels[0].legend(handles=[panels[0].lines[-1]], loc="lower left")
     return panels
+
+
+DIFFERENCE_LABELS = (r"$\Delta q_{12}$ [m]", r"$\Delta q_{13}$ [m]", r"$\Delta\dot{q}_{12}$ [m/s]", r"$\Delta\dot{q}_{13}$ [m/s]")
+"""The four inputs of the estimators, as axes are labeled."""
+
+
+def figure_49(record: Record, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw the four inputs of the estimators while the crisp controller tracks a path (Fig. 49).
+
+    Parameters
+    ----------
+    record : Record
+        A recorded run, see :func:`psp3.records.record`.
+    axes : sequence of 4 Axes, optional
+        For the two differences of heights [m] and the two of speeds [m/s]; those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The four axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given.
+    """
+    panels = _given(axes, 4)
+    if panels is None:
+        figure = Figure(figsize=(9.0, 4.8), layout="constrained")
+        figure.suptitle("Differences while computed torque tracks the helix")
+        panels = tuple(figure.subplots(2, 2, sharex=True).flat)
+    every = _shown(record.t.size)
+    for panel, values, label in zip(panels, record.inputs[every].T, DIFFERENCE_LABELS, strict=True):
+        panel.plot(record.t[every], values)
+        panel.set(ylabel=label, xlim=(record.t[0], record.t[-1]))
+    for panel in panels[2:]:
+        panel.set_xlabel("time t [s]")
+    return panels
+
+
+def figure_51(type2: FuzzyComputedTorque, type1: FuzzyComputedTorque, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw the terms of the last input, the difference of the speeds of nuts 1 and 3: type-2, and reduced to type-1 (Fig. 51).
+
+    Parameters
+    ----------
+    type2, type1 : FuzzyComputedTorque
+        Trained controllers.
+    axes : sequence of 2 Axes, optional
+        For the footprints of uncertainty and the type-1 terms; those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        Both axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given.
+    """
+    panels = _given(axes, 2) or tuple(Figure(figsize=(7.0, 5.6), layout="constrained").subplots(2, 1, sharex=True))
+    number = len(DIFFERENCE_LABELS) - 1
+    for panel, controller, title in zip(panels, (type2, type1), ("Type-2: footprints of uncertainty", "Reduced to type-1"), strict=True):
+        _draw_terms(panel, controller, number)
+        panel.set_title(title)
+    panels[0].set_xlabel("")
+    return panels
+
+
+def figure_54(controller: FuzzyComputedTorque, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw the terms of all four inputs of the type-1 controller (Fig. 54).
+
+    Parameters
+    ----------
+    controller : FuzzyComputedTorque
+        A trained controller.
+    axes : sequence of 4 Axes, optional
+        One for each input; those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The four axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given.
+    """
+    return _figure_of_terms(axes, controller, "Terms of the type-1 controller")
+
+
+def figure_59(controller: FuzzyComputedTorque, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw the terms of all four inputs of the type-2 controller (Fig. 59); see :func:`figure_54`."""
+    return _figure_of_terms(axes, controller, f"Terms of the type-2 controller, means ± {controller.mean_variation:.2f} of the range")
+
+
+def _figure_of_terms(axes: Sequence[Axes] | None, controller: FuzzyComputedTorque, title: str) -> Panels:
+    panels = _given(axes, 4)
+    if panels is None:
+        figure = Figure(figsize=(9.0, 5.2), layout="constrained")
+        figure.suptitle(title)
+        panels = tuple(figure.subplots(2, 2, sharey=True).flat)
+    for number, panel in enumerate(panels):
+        _draw_terms(panel, controller, number)
+    return panels
+
+
+def _draw_terms(panel: Axes, controller: FuzzyComputedTorque, number: int) -> None:
+    """Draw the terms of one input, and the range that was trained."""
+    terms = controller.system_.inputs[number]
+    low, high = controller.ranges_[:, number]
+    reach = 0.15 * (high - low)
+    figure_of_sets(dict(zip(term_names(len(terms)), terms, strict=True)), axes=panel)
+    # Beyond the trained range inputs are clamped: terms matter within it.
+    for end in (low, high):
+        panel.axvline(end, color=_muted(), linewidth=0.8, linestyle=":")
+    panel.set(xlim=(low - reach, high + reach), xlabel=DIFFERENCE_LABELS[number])
+    legend = panel.get_legend()
+    assert legend is not None
+    legend.set_loc("upper center")
+    legend.set_bbox_to_anchor((0.5, 0.98), transform=panel.transAxes)
+    panel.set_ylim(0.0, 1.35)
+    panel.set_yticks([0.0, 0.5, 1.0])
+
+
+def _shown(samples: int) -> slice:
+    """Five hundred points are more than the eye resolves and keep the file small."""
+    return slice(None, None, max(1, samples // 500))
+
+
+def _figure_of_differences(axes: Sequence[Axes] | None, result: Result, title: str) -> Panels:
+    panels = _given(axes, 5)
+    if panels is None:
+        # Placed by hand: working out a layout with axes in space takes as long as drawing them.
+        figure = Figure(figsize=(11.5, 5.2))
+        figure.set_layout_engine("none")
+        figure.suptitle(title)
+        grid = figure.add_gridspec(
+            2, 3, width_ratios=(1.0, 1.0, 1.25), left=0.065, right=0.96, bottom=0.1, top=0.86, wspace=0.3, hspace=0.18
+        )  # fmt: skip
+        flat = [figure.add_subplot(grid[row, column]) for row in range(2) for column in range(2)]
+        panels = (*flat, figure.add_subplot(grid[:, 2], projection="3d"))
+    every = _shown(result.t.size)
+    t, desired = result.t[every], result.desired
+    actual_inputs = differences(result.heights[every], result.speeds[every])
+    desired_inputs = differences(desired.heights[every], desired.speeds[every])
+    for panel, actual, wanted, label in zip(panels[:4], actual_inputs.T, desired_inputs.T, DIFFERENCE_LABELS, strict=True):
+        panel.plot(t, actual, label="actual")
+        panel.plot(t, wanted, color=rcParams["text.color"], linestyle="--", linewidth=0.9, label="desired")
+        panel.set(ylabel=label, xlim=(t[0], t[-1]))
+    panels[0].legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    for panel in panels[2:4]:
+        panel.set_xlabel("time t [s]")
+    space: Any = panels[4]
+    space.plot(*(1e3 * result.tip[every].T), label="actual")
+    space.plot(*(1e3 * desired.tip[every].T), color=rcParams["text.color"], linestyle="--", linewidth=0.9, label="desired")
+    space.set(title="Path of the tip", xlabel="x [mm]", ylabel="y [mm]")
+    space.set_zlabel("z [mm]", labelpad=8.0)
+    space.locator_params(nbins=5)
+    space.set_box_aspect((1.0, 1.0, 1.4), zoom=0.85)
+    return panels
+
+
+def figure_of_differences(result: Result, title: str, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figures 55 to 58 and 60 to 63: desired and actual inputs of the estimators, and the path of the tip.
+
+    Parameters
+    ----------
+    result : Result
+        A simulation.
+    title : str
+        What was simulated.
+    axes : sequence of 5 Axes, optional
+        For the two differences of heights [m] and the two of speeds [m/s], and a 3D one for the path of the tip [mm]; new ones by
+        default.
+
+    Returns
+    -------
+    tuple of Axes
+        The five axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given.
+    """
+    return _figure_of_differences(axes, result, title)
+
+
+def figure_55(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figure 55, see :func:`figure_of_differences`: the type-1 controller, rules learned without noise."""
+    return _figure_of_differences(axes, result, "Type-1, no noise")
+
+
+def figure_56(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figure 56, see :func:`figure_of_differences`: the type-1 controller, rules learned at 20 dB."""
+    return _figure_of_differences(axes, result, "Type-1, 20 dB")
+
+
+def figure_57(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figure 57, see :func:`figure_of_differences`: the type-1 controller, rules learned at 15 dB."""
+    return _figure_of_differences(axes, result, "Type-1, 15 dB")
+
+
+def figure_58(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figure 58, see :func:`figure_of_differences`: the type-1 controller, rules learned at 10 dB."""
+    return _figure_of_differences(axes, result, "Type-1, 10 dB")
+
+
+def figure_60(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figure 60, see :func:`figure_of_differences`: the type-2 controller, rules learned without noise."""
+    return _figure_of_differences(axes, result, "Type-2, no noise")
+
+
+def figure_61(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figure 61, see :func:`figure_of_differences`: the type-2 controller, rules learned at 20 dB."""
+    return _figure_of_differences(axes, result, "Type-2, 20 dB")
+
+
+def figure_62(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figure 62, see :func:`figure_of_differences`: the type-2 controller, rules learned at 15 dB."""
+    return _figure_of_differences(axes, result, "Type-2, 15 dB")
+
+
+def figure_63(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw Figure 63, see :func:`figure_of_differences`: the type-2 controller, rules learned at 10 dB."""
+    return _figure_of_differences(axes, result, "Type-2, 10 dB")
+
+
+def figure_64(
+    ratios: Mapping[str, Mapping[float, tuple[float, float, float]]],
+    printed: Mapping[float, float] | None = None,
+    axes: Sequence[Axes] | Axes | None = None,
+) -> Panels:
+    """Draw the error of type-1 over that of type-2 against the noise (Fig. 64): above one, type-2 is better.
+
+    The thesis's text says that the ratio rises with the noise. That of its own numbers does so as type-1 over type-2, as it is
+    drawn here, not the other way around.
+
+    Parameters
+    ----------
+    ratios : mapping of str to mapping of float to (value, low, high)
+        For each series, by its name, the ratio and its interval at every signal-to-noise ratio [dB]; NaN leaves out an interval.
+    printed : mapping of float to float, optional
+        Ratios of the printed numbers.
+    axes : Axes, optional
+        Those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given, or there is no series.
+    """
+    if not ratios:
+        raise InvalidValue("ratios", ratios, "at least one series")
+    (panel,) = _given(None if axes is None else list(np.ravel(np.asarray(axes, dtype=object))), 1) or (
+        Figure(figsize=(7.0, 4.0), layout="constrained").subplots(),
+    )
+    levels = sorted({snr for series in (*ratios.values(), printed or {}) for snr in series}, reverse=True)
+    place = {snr: number for number, snr in enumerate(levels)}
+    panel.axhline(1.0, color=_muted(), linewidth=1.0)
+    for number, (name, series) in enumerate(ratios.items()):
+        # Side by side, or intervals would hide one another.
+        x = [place[snr] + 0.07 * (number - 0.5 * (len(ratios) - 1)) for snr in series]
+        value, low, high = np.array(list(series.values())).T
+        panel.errorbar(x, value, _bars(value, low, high), marker="o", markersize=5.0, capsize=3.0, label=name)
+    if printed:
+        panel.plot([place[snr] for snr in printed], list(printed.values()), color=rcParams["text.color"], marker="s", markersize=6.0,
+                   markerfacecolor="none", linestyle="--", linewidth=0.9, label="printed")  # fmt: skip
+    panel.set_xticks(range(len(levels)), ["∞" if np.isinf(snr) else f"{snr:g}" for snr in levels])
+    panel.set(yscale="log", xlabel="signal-to-noise ratio [dB], noise grows to the right", ylabel="error of type-1 over type-2")
+    panel.yaxis.set_major_locator(FixedLocator([0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0]))
+    panel.yaxis.set_minor_locator(NullLocator())
+    panel.yaxis.set_major_formatter("{x:g}")
+    panel.legend(loc="upper left")
+    return (panel,)
+
+
+def _bars(value: Array, low: Array, high: Array) -> Array:
+    """Return lengths of error bars, (2, N); a corrected bootstrap interval need not hold the value."""
+    return np.maximum([value - low, high - value], 0.0)
+
+
+def figure_of_sweep(
+    series: Mapping[str, Mapping[float, tuple[float, float, float]]], label: str, axes: Sequence[Axes] | Axes | None = None
+) -> Panels:
+    """Draw the sum of squared errors against a setting, with intervals.
+
+    Parameters
+    ----------
+    series : mapping of str to mapping of float to (value, low, high)
+        For each series, by its name, the error and its interval [m²] at every value of the setting.
+    label : str
+        The setting, with its unit.
+    axes : Axes, optional
+        Those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given, or there is no series.
+    """
+    if not series:
+        raise InvalidValue("series", series, "at least one series")
+    (panel,) = _given(None if axes is None else list(np.ravel(np.asarray(axes, dtype=object))), 1) or (
+        Figure(figsize=(7.0, 4.0), layout="constrained").subplots(),
+    )
+    for name, points in series.items():
+        value, low, high = np.array(list(points.values())).T
+        panel.errorbar(list(points), value, _bars(value, low, high), marker="o", markersize=4.0, capsize=3.0, label=name)
+    panel.set(yscale="log", xlabel=label, ylabel="sum of squared errors [m²]")
+    panel.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    return (panel,)

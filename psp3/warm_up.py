@@ -9,6 +9,7 @@ def warm_up() -> None:
     """Call every compiled function; with a writable cache directory, later processes load what this one compiled."""
     from psp3.controllers import ComputedTorque
     from psp3.loading import load
+    from psp3.runs import Run, execute
     from psp3.simulation import simulate
     from psp3.trajectories import Helix
 
@@ -20,6 +21,8 @@ def warm_up() -> None:
     robot.forward_dynamics(rest, rest, rest)
     robot.kinetic_energy(rest, rest)
     simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01)
+    # Learning a controller compiles its step, and a run the whole loop.
+    execute(Run("it2", snr_db=20.0, duration=0.05))
     _warm_up_fuzzy_systems()
 
 

@@ -22,7 +22,7 @@ from psp3 import cli, metrics, published
 from psp3.torques import screw_forces
 
 ROBOT = psp3.load("psp3")
-COMMANDS = ("reproduce", "simulate", "torques", "pose", "dynamics", "workspace", "view", "info")
+COMMANDS = ("reproduce", "simulate", "train", "study", "torques", "pose", "dynamics", "workspace", "view", "info")
 HEAVY = {"numpy", "scipy", "numba", "matplotlib", "pinocchio", "meshcat", "coal", "yaml"}
 ROOT = Path(__file__).parents[2]
 PROGRAM = [sys.executable, "-m", "psp3.cli"]
@@ -557,3 +557,44 @@ def test_terminal_without_greek_gets_replacements_instead_of_an_error() -> None:
 
 def test_progress_goes_to_standard_error_of_a_terminal_only(psp3_command: Run) -> None:
     assert psp3_command("simulate", "--model", "pinocchio", "--duration", 0.1).err == ""
+
+
+def test_a_trained_controller_goes_to_a_file_and_back(psp3_command: Run, tmp_path: Path) -> None:
+    """The same numbers as from Python: the file holds the controller to the last bit."""
+    answer = psp3_command("train", "it2.json", "--learner", "average", "--snr", 15, "--seed", 3)
+    assert answer.status == 0
+    assert "16 rules" in answer.out
+    controller = psp3.FuzzyComputedTorque("it2", ROBOT, learner="average", snr_db=15.0)
+    controller.fit(psp3.trajectories.Helix(robot=ROBOT), rng=np.random.default_rng(3))
+    expected = psp3.simulate(ROBOT, controller, psp3.trajectories.Helix(robot=ROBOT), 1.0)
+    found = psp3_command("simulate", "--trained", "it2.json", "--duration", 1, "--json").json
+    assert found["controller"] == "it2"
+    assert found["metrics"]["integral_of_squared_error"] == metrics.integral_of_squared_error(expected)
+
+
+def test_fuzzy_controllers_learn_where_they_are_asked_for(psp3_command: Run) -> None:
+    found = psp3_command("simulate", "--controller", "t1", "--duration", 1, "--json").json
+    controller = psp3.FuzzyComputedTorque("t1", ROBOT).fit(psp3.trajectories.Helix(robot=ROBOT))
+    expected = psp3.simulate(ROBOT, controller, psp3.trajectories.Helix(robot=ROBOT), 1.0)
+    assert found["metrics"]["integral_of_squared_error"] == metrics.integral_of_squared_error(expected)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("train", "a.json", "--kind", "t3"), "unknown kind of controller 't3'"),
+        (("train", "a.json", "--terms", "3"), "fired by no sample"),
+        (("train", "a.json", "--snr", "nan"), "snr_db"),
+        (("train", "a.json", "--trajectory", "hold"), "every difference input changes"),
+        (("train", "missing/a.json"), "no directory"),
+        (("simulate", "--trained", "missing.json"), "missing.json"),
+        (("simulate", "--trained", "missing.json", "--kp", "3"), "--kp does not apply to --trained"),
+        (("simulate", "--controller", "t1", "--model", "noc"), "--model does not apply"),
+    ],
+)
+def test_what_cannot_be_trained_or_read_is_refused(psp3_command: Run, arguments: tuple[str, ...], words: str) -> None:
+    answer = psp3_command(*arguments)
+    assert answer.status == cli.USAGE
+    assert words in answer.err
+    assert "Traceback" not in answer.err
+    assert not Path("a.json").exists()

@@ -54,6 +54,12 @@ EXAMPLES = [
     (errors.InvalidRobotFile("some.yaml", "lacks the key type"), {"reason": "lacks the key type"}, ["some.yaml", "lacks the key type"]),
     (errors.InvalidTrajectoryFile("some.csv", "no rows"), {"reason": "no rows"}, ["some.csv", "no rows"]),
     (errors.InvalidResultFile("some.npz", "cut off"), {"reason": "cut off"}, ["some.npz", "cut off"]),
+    (errors.InvalidStudyFile("some.sqlite", "damaged"), {"reason": "damaged"}, ["some.sqlite", "damaged"]),
+    (
+        errors.StudyMismatch("some.sqlite", "format version", 2, 1),
+        {"what": "format version", "found": 2, "expected": 1},
+        ["some.sqlite", "format version is 2, not 1", "another file"],
+    ),
 ]
 
 

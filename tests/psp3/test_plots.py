@@ -6,6 +6,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from io import BytesIO
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,9 +15,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+import psp3
 from fuzzy2.style import style
-from psp3 import plots
+from psp3 import plots, records, runs
 from psp3.errors import InvalidValue
+from psp3.records import Record
 
 FIGURES: dict[int, tuple[Callable[..., tuple[Axes, ...]], int]] = {
     34: (plots.figure_34, 2),
@@ -189,3 +192,203 @@ def test_drawing_leaves_pyplot_alone() -> None:
     """In a fresh process, because another test may have imported pyplot."""
     program = "import sys; from psp3.plots import figure_40; figure_40(); sys.exit('matplotlib.pyplot' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
+
+
+# Figures of chapters 5 and 6
+
+
+@pytest.fixture(scope="module")
+def record() -> Record:
+    robot = psp3.load("psp3")
+    return records.record(robot, psp3.trajectories.Helix(robot=robot), period=0.01)
+
+
+@pytest.fixture(scope="module")
+def controllers(record: Record) -> dict[tuple[str, int], psp3.FuzzyComputedTorque]:
+    robot = psp3.load("psp3")
+    return {
+        (kind, terms): psp3.FuzzyComputedTorque(kind, robot, n_terms=terms, learner="strict", mean_variation=0.1).learn(record)
+        for kind in ("t1", "it2")
+        for terms in (2, 3)
+    }
+
+
+@pytest.fixture(scope="module")
+def result() -> psp3.Result:
+    return runs.simulate_run(psp3.Run("t1", snr_db=20.0)).result
+
+
+INPUT_LABELS = [r"$\Delta q_{12}$ [m]", r"$\Delta q_{13}$ [m]", r"$\Delta\dot{q}_{12}$ [m/s]", r"$\Delta\dot{q}_{13}$ [m/s]"]
+
+
+def test_figure_49_shows_the_recorded_inputs(record: Record) -> None:
+    panels = plots.figure_49(record)
+    assert [panel.get_ylabel() for panel in panels] == INPUT_LABELS
+    assert [panel.get_xlabel() for panel in panels[2:]] == ["time t [s]"] * 2
+    for panel, values in zip(panels, record.inputs.T, strict=True):
+        t, shown = np.array(panel.lines[0].get_data(), dtype=float)
+        assert (t[0], t[-1]) == (0.0, pytest.approx(10.4, abs=0.03))
+        np.testing.assert_array_equal(shown, np.interp(t, record.t, values))
+
+
+def test_figure_51_shows_footprints_above_and_their_middles_below(
+    controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque],
+) -> None:
+    """Against the Gaussians worked out here: three means over the range, crossing at 1/2, moved by a tenth of the range."""
+    type2 = controllers["it2", 3]
+    above, below = plots.figure_51(type2, controllers["t1", 3])
+    assert below.get_xlabel() == INPUT_LABELS[3]
+    assert above.get_ylabel() == below.get_ylabel() == "membership u"
+    low, high = type2.ranges_[:, 3]
+    sigma = 0.5 * (high - low) / (2.0 * np.sqrt(2.0 * np.log(2.0)))
+    for number, name in enumerate(("Low", "Mid", "High")):
+        x, u = curve(below, name)
+        mean = low + 0.5 * number * (high - low)
+        np.testing.assert_allclose(u, np.exp(-0.5 * ((x - mean) / sigma) ** 2), rtol=0.0, atol=1e-12)
+        upper, lower = (np.array(above.lines[2 * number + k].get_data(), dtype=float) for k in range(2))
+        reach = 0.1 * (high - low)
+        nearest = np.maximum(np.abs(upper[0] - mean) - reach, 0.0)
+        np.testing.assert_allclose(upper[1], np.exp(-0.5 * (nearest / sigma) ** 2), rtol=0.0, atol=1e-12)
+        farthest = np.abs(lower[0] - mean) + reach
+        np.testing.assert_allclose(lower[1], np.exp(-0.5 * (farthest / sigma) ** 2), rtol=0.0, atol=1e-12)
+    assert [text.get_text() for text in above.get_legend().get_texts()] == ["Low", "Mid", "High"]  # type: ignore[union-attr]
+
+
+@pytest.mark.parametrize(("draw", "kind"), [(plots.figure_54, "t1"), (plots.figure_59, "it2")])
+def test_terms_of_all_inputs_with_the_trained_range(
+    draw: Callable[..., tuple[Axes, ...]], kind: str, controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque]
+) -> None:
+    controller = controllers[kind, 2]
+    panels = draw(controller)
+    assert [panel.get_xlabel() for panel in panels] == INPUT_LABELS
+    for number, panel in enumerate(panels):
+        ends = [line.get_xdata()[0] for line in panel.lines if line.get_linestyle() == ":"]  # type: ignore[index]
+        assert ends == controller.ranges_[:, number].tolist()
+        assert len(panel.collections) == (2 if kind == "it2" else 0)
+        left, right = panel.get_xlim()
+        assert left < ends[0] < ends[1] < right
+
+
+@pytest.mark.parametrize("number", [55, 56, 57, 58, 60, 61, 62, 63])
+def test_differences_solid_as_they_are_and_dashed_as_desired(number: int, result: psp3.Result) -> None:
+    panels = getattr(plots, f"figure_{number}")(result)
+    assert [panel.get_ylabel() for panel in panels[:4]] == INPUT_LABELS
+    assert [panel.get_xlabel() for panel in panels[2:4]] == ["time t [s]"] * 2
+    figure = panels[0].figure
+    assert isinstance(figure, Figure)
+    title = figure.get_suptitle()
+    assert title.startswith("Type-1" if number < 59 else "Type-2")
+    assert title.endswith({0: "no noise", 1: "20 dB", 2: "15 dB", 3: "10 dB"}[(number - 55) % 5])
+    a, v, desired = result.heights, result.speeds, result.desired
+    columns = [a[:, 0] - a[:, 1], a[:, 0] - a[:, 2], v[:, 0] - v[:, 1], v[:, 0] - v[:, 2]]
+    a, v = desired.heights, desired.speeds
+    wanted = [a[:, 0] - a[:, 1], a[:, 0] - a[:, 2], v[:, 0] - v[:, 1], v[:, 0] - v[:, 2]]
+    for panel, actual, aim in zip(panels[:4], columns, wanted, strict=True):
+        for label, values, dashes in (("actual", actual, "-"), ("desired", aim, "--")):
+            (line,) = (line for line in panel.lines if line.get_label() == label)
+            assert line.get_linestyle() == dashes
+            t, shown = np.array(line.get_data(), dtype=float)
+            np.testing.assert_allclose(shown, np.interp(t, result.t, values), rtol=0.0, atol=1e-15)
+    space: Any = panels[4]
+    assert (space.get_xlabel(), space.get_ylabel(), space.get_zlabel()) == ("x [mm]", "y [mm]", "z [mm]")
+    for line, tip, dashes in zip(space.lines, (result.tip, desired.tip), ("-", "--"), strict=True):
+        assert line.get_linestyle() == dashes
+        np.testing.assert_allclose(np.transpose(line.get_data_3d())[0], 1e3 * tip[0], rtol=1e-12)
+
+
+def test_a_run_that_ended_early_is_drawn_as_far_as_it_went() -> None:
+    early = runs.simulate_run(psp3.Run("feed-forward")).result
+    assert early.t[-1] < 10.0
+    panels = plots.figure_of_differences(early, "lost")
+    assert panels[0].get_xlim()[1] <= early.t[-1]
+
+
+def test_figure_64_sets_levels_in_order_of_noise_with_intervals_and_the_printed_ratios() -> None:
+    ratios = {"one": {20.0: (2.0, 1.5, 3.0), np.inf: (1.0, np.nan, np.nan)}, "other": {20.0: (0.8, 0.6, 0.9)}}
+    (panel,) = plots.figure_64(ratios, {np.inf: 1.0, 20.0: 2.0, 10.0: 4.0})
+    assert [label.get_text() for label in panel.get_xticklabels()] == ["∞", "20", "10"]
+    assert "dB" in panel.get_xlabel()
+    assert "type-1 over type-2" in panel.get_ylabel()
+    printed = curve(panel, "printed")
+    np.testing.assert_array_equal(printed, [[0.0, 1.0, 2.0], [1.0, 2.0, 4.0]])
+    bars = {container.get_label(): container for container in panel.containers}
+    assert list(bars) == ["one", "other"]
+    segments = bars["one"].lines[2][0].get_segments()  # type: ignore[attr-defined]
+    np.testing.assert_allclose(segments[0][:, 1], [1.5, 3.0])
+    # Series stand beside one another, each near its level.
+    x, y = (np.array(bars[name].lines[0].get_data(), dtype=float) for name in ("one", "other"))  # type: ignore[attr-defined]
+    assert abs(x[0, 0] - 1.0) < 0.2
+    assert x[0, 0] != y[0, 0]
+
+
+def test_sweep_shows_values_and_intervals() -> None:
+    (panel,) = plots.figure_of_sweep({"a": {0.0: (2.0, 1.0, 3.0), 0.5: (1.0, 0.5, 1.5)}}, "setting [1]")
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("setting [1]", "sum of squared errors [m²]")
+    (container,) = panel.containers
+    np.testing.assert_array_equal(container.lines[0].get_data(), [[0.0, 0.5], [2.0, 1.0]])  # type: ignore[attr-defined]
+
+
+def test_an_interval_that_does_not_hold_its_value_is_drawn_all_the_same() -> None:
+    """A bootstrap interval that is corrected for skewness can lie beside the mean; error bars of negative length are an error."""
+    plots.figure_of_sweep({"a": {0.0: (2.0, 2.1, 3.0)}}, "setting")
+
+
+@pytest.mark.parametrize("draw", [plots.figure_64, lambda series: plots.figure_of_sweep(series, "setting")])
+def test_no_series_is_refused(draw: Callable[..., tuple[Axes, ...]]) -> None:
+    with pytest.raises(InvalidValue, match="at least one series"):
+        draw({})
+
+
+def test_new_figures_draw_into_the_axes_they_are_given(
+    record: Record, result: psp3.Result, controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque]
+) -> None:
+    one, two = controllers["t1", 2], controllers["it2", 2]
+    series = {"a": {20.0: (2.0, 1.0, 3.0)}}
+    cases: list[tuple[int, Callable[[Any], tuple[Axes, ...]]]] = [
+        (4, lambda axes: plots.figure_49(record, axes)),
+        (2, lambda axes: plots.figure_51(two, one, axes)),
+        (4, lambda axes: plots.figure_54(one, axes)),
+        (4, lambda axes: plots.figure_59(two, axes)),
+        (1, lambda axes: plots.figure_64(series, axes=axes)),
+        (1, lambda axes: plots.figure_of_sweep(series, "setting", axes)),
+    ]
+    for count, draw in cases:
+        figure = Figure(figsize=(12.0, 9.0), layout="constrained")
+        axes = np.ravel(figure.subplots(1, count))
+        assert list(draw(axes)) == list(axes)
+        assert len(figure.axes) == count
+        with pytest.raises(InvalidValue, match=f"axes must be {count} axes"):
+            draw([*axes, axes[0]])
+    with pytest.raises(InvalidValue, match="axes must be 5 axes"):
+        plots.figure_55(result, [])
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_text_of_new_figures_is_inside_and_does_not_lie_on_other_text(
+    theme: str, record: Record, result: psp3.Result, controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque]
+) -> None:
+    """As above: bounding boxes from matplotlib's own renderer; one pixel is their rounding."""
+    series = {"strongest sample": {np.inf: (1.0, np.nan, np.nan), 20.0: (2.0, 1.0, 3.0)}, "ridge": {20.0: (0.7, 0.5, 1.0)}}
+    with style(theme):
+        for panels in (
+            plots.figure_49(record), plots.figure_51(controllers["it2", 3], controllers["t1", 3]), plots.figure_54(controllers["t1", 2]),
+            plots.figure_59(controllers["it2", 2]), plots.figure_56(result), plots.figure_64(series, {np.inf: 1.0, 10.0: 4.0}),
+            plots.figure_of_sweep(series, "setting"),
+        ):  # fmt: skip
+            figure = panels[0].figure
+            assert isinstance(figure, Figure)
+            canvas = FigureCanvasAgg(figure)
+            canvas.draw()
+            boxes = []
+            for axes in figure.axes:
+                legend = axes.get_legend()
+                texts = [axes.xaxis.label, axes.yaxis.label, axes._left_title, *(legend.get_texts() if legend else [])]  # type: ignore[attr-defined]
+                boxes += [(text.get_text(), text.get_window_extent(canvas.get_renderer())) for text in texts if text.get_text()]
+            for n, (text, box) in enumerate(boxes):
+                assert box.x0 > figure.bbox.x0 - 1, text
+                assert box.x1 < figure.bbox.x1 + 1, text
+                assert box.y0 > figure.bbox.y0 - 1, text
+                assert box.y1 < figure.bbox.y1 + 1, text
+                for other, second in boxes[:n]:
+                    apart = box.x0 > second.x1 - 1 or second.x0 > box.x1 - 1 or box.y0 > second.y1 - 1 or second.y0 > box.y1 - 1
+                    assert apart, f"{text} lies on {other}"
