@@ -35,7 +35,6 @@ from psp3.statistics import Estimate
 from psp3.study import grid
 from psp3.study_file import Row, field_types
 from psp3.trajectories import Helix
-from psp3.wider_terms import errors_by_seed
 
 LABELS = {
     "feed-forward": "feed-forward", "pd": "PD", "pd-gravity": "PD with gravity", "ctc": "CTC",
@@ -113,6 +112,7 @@ class Plan:
             *grid(controller=FUZZY, snr_db=(math.inf, *NOISY), seed=all_seeds),
             *grid(controller=FUZZY, learner=LEARNERS, snr_db=levels, seed=all_seeds),
             *grid(controller=(*classical, *FUZZY), reading=READINGS, snr_db=self.sweep_levels, seed=seeds),
+            *grid(controller="t1", term_width=self.widths, snr_db=levels, seed=all_seeds),
             *grid(controller="it2", mean_variation=self.variations, snr_db=levels, seed=seeds),
             *grid(controller=("t1", "it2"), learner="strict", n_terms=self.terms, snr_db=levels, seed=seeds),
             *grid(controller=("feed-forward", *classical, *FUZZY), trajectory=self.trajectories),
@@ -456,7 +456,7 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     outcome.answer.append(sentence)
 
 
-def averaging(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
+def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     """Add type-1 with wider terms: whether averaging over rules is what type-2 gains."""
     rows, numbers, matched = [], {}, []
     for snr in plan.sweep_levels:
@@ -466,7 +466,7 @@ def averaging(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
         differences = []
         numbers[decibels(snr)] = entry = {"it2": as_numbers(statistics.mean(type2))}
         for width in plan.widths:
-            errors = errors_by_seed(robot, type1, width, plan.seeds)
+            errors = results.values(replace(type1, term_width=width), plan.seeds)
             average = statistics.mean(errors)
             cells.append(with_interval(average))
             differences.append(statistics.paired_difference(errors, type2))

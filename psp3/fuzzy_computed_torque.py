@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.compiled import only_for
 from fuzzy2.errors import Fuzzy2Error
+from fuzzy2.general_type2 import GaussianType2Set
 from fuzzy2.json_files import from_json, to_json
 from fuzzy2.learning import KINDS, LEARNERS, WangMendel
 from fuzzy2.noise import mean_variation_from_snr
@@ -90,6 +91,9 @@ class FuzzyComputedTorque:
         spread is new: cheap monitoring.
     outside : {"clamp", "crisp"}
         What to do outside of the range of the training inputs: take the nearest inputs within, or the exact M, C and G.
+    term_width : float
+        What the standard deviations of the terms are multiplied with after the rules are learned. Wider terms average over more
+        rules, in a type-1 controller too: what type-2 gains is to be compared with that.
 
     Attributes
     ----------
@@ -130,6 +134,7 @@ class FuzzyComputedTorque:
         levels: int = 5,
         reduction: str = "alpha_planes",
         outside: str = "clamp",
+        term_width: float = 1.0,
     ) -> None:
         for what, name, known in (
             ("kind of controller", kind, KINDS), ("learner", learner, LEARNERS),
@@ -144,6 +149,9 @@ class FuzzyComputedTorque:
         if kind == "t1":
             mean_variation = 0.0
         self.mean_variation = float(mean_variation_from_snr(self.snr_db)) if mean_variation is None else checked_share(mean_variation)
+        self.term_width = checked_number("term_width", term_width, "finite and positive")
+        if not 0.0 < self.term_width < math.inf:
+            raise InvalidValue("term_width", term_width, "finite and positive")
         if robot is not None and not isinstance(robot, PSP3):
             raise InvalidValue("robot", robot, 'a robot, such as psp3.load("psp3")')
         self.robot = load("psp3") if robot is None else robot
@@ -203,6 +211,8 @@ class FuzzyComputedTorque:
         )  # fmt: skip
         system = learner.fit(inputs.view(_Named), outputs).system_
         system.output_names = OUTPUT_NAMES
+        if self.term_width != 1.0:
+            system = _widened(system, self.term_width)
         self._take(system, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
 
@@ -410,7 +420,8 @@ class FuzzyComputedTorque:
             raise NotTrained(type(self).__name__)
         content = {
             "format": FORMAT, "kind": self.kind, "kp": self.kp, "kv": self.kv, "outside": self.outside, "learner": self.learner,
-            "n_terms": self.n_terms, "mean_variation": self.mean_variation, "inputs": INPUT_NAMES, "outputs": OUTPUT_NAMES,
+            "n_terms": self.n_terms, "mean_variation": self.mean_variation, "term_width": self.term_width,
+            "inputs": INPUT_NAMES, "outputs": OUTPUT_NAMES,
             "snr_db": self.snr_db if math.isfinite(self.snr_db) else "inf",
             "ranges": self.ranges_.tolist(), "robot": self.robot.parameters.as_dict(), "system": to_json(self.system_),
         }  # fmt: skip
@@ -482,10 +493,28 @@ class FuzzyComputedTorque:
         controller = cls(
             kind, load("psp3", parameters=parameters) if robot is None else robot, kp=content["kp"], kv=content["kv"],
             n_terms=n_terms, learner=content["learner"], snr_db=math.inf if snr == "inf" else snr,
-            mean_variation=checked_share(content["mean_variation"]), outside=content["outside"], **options,
+            mean_variation=checked_share(content["mean_variation"]), term_width=content["term_width"],
+            outside=content["outside"], **options,
         )  # fmt: skip
         controller._take(system, ranges)
         return controller
+
+
+def _widened(system: FuzzySystem, width: float) -> FuzzySystem:
+    """Return the system with the standard deviations of its terms multiplied, and all else as it is."""
+    options: dict[str, Any] = {
+        "input_names": system.input_names, "output_names": system.output_names, "term_names": system.term_names,
+    }  # fmt: skip
+    if isinstance(system, GeneralType2System):
+        options |= {"reduction": system.reduction, "levels": system.levels}
+    terms = [[_wider(term, width) for term in terms] for terms in system.inputs]
+    return type(system)(terms, system.rules, system.consequents, system.t_norm, **options)
+
+
+def _wider(term: Any, width: float) -> Any:
+    if isinstance(term, GaussianType2Set):
+        return GaussianType2Set(_wider(term.principal, width), term.sigma)
+    return type(term)(term.mean, width * term.sigma)
 
 
 def checked_snr(snr_db: object) -> float:

@@ -128,7 +128,7 @@ def _chapter_6(runs: study.Study, plan: Plan, outcome: Reproduction) -> dict[str
     robot, results = load("psp3"), Outcomes(runs.rows())
     chapter_6.table_6_3(robot, results, plan, outcome)
     chapter_6.type_2_against_type_1(results, plan, outcome)
-    chapter_6.averaging(robot, results, plan, outcome)
+    chapter_6.averaging(results, plan, outcome)
     chapter_6.learners(results, plan, outcome)
     chapter_6.readings(results, plan, outcome)
     chapter_6.answer_of_table_6_3(robot, outcome)

@@ -112,7 +112,7 @@ class Run:
         signal-to-noise ratio: differences between controllers can be paired.
     trajectory : str
         One of ``TRAJECTORIES``.
-    learner, n_terms, mean_variation, levels, reduction, outside, samples
+    learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
         See :class:`psp3.FuzzyComputedTorque`. The rules are learned on the first trajectory.
     payload : float
         Mass on the star, at its center, that no controller knows of [kg]; of the reading ``"plant"``.
@@ -133,6 +133,7 @@ class Run:
     levels: int = 5
     reduction: str = "alpha_planes"
     outside: str = "clamp"
+    term_width: float = 1.0
     samples: int = 209
     payload: float = 0.0
     parameters: str = "default"
@@ -183,6 +184,8 @@ class Run:
             raise InvalidValue("period", self.period, f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or a whole part of it")
         if self.mean_variation is not None:
             checked_share(self.mean_variation)
+        if not 0.0 < checked_number("term_width", self.term_width, "finite and positive") < math.inf:
+            raise InvalidValue("term_width", self.term_width, "finite and positive")
         if not 0.0 <= checked_number("payload", self.payload, "finite and not negative") < math.inf:
             raise InvalidValue("payload", self.payload, "finite and not negative")
         if self.payload > 0.0 and self.reading != "plant":
@@ -202,7 +205,7 @@ class Run:
             return replace(run, **{name: getattr(default, name) for name in names})
 
         if run.controller in CLASSICAL:
-            run = reset("learner", "n_terms", "mean_variation", "levels", "reduction", "outside", "samples")
+            run = reset("learner", "n_terms", "mean_variation", "levels", "reduction", "outside", "term_width", "samples")
         else:
             if run.controller == "t1":
                 run = replace(run, mean_variation=0.0)
@@ -382,7 +385,7 @@ def trained(run: Run, robot: PSP3, rng: np.random.Generator) -> FuzzyComputedTor
     controller = FuzzyComputedTorque(
         run.controller, robot, kp=TABLE_6_1["CTC"][0], kv=TABLE_6_1["CTC"][1], n_terms=run.n_terms, learner=run.learner,
         snr_db=run.snr_db if run.reading == "parameters" else math.inf, mean_variation=variation, levels=run.levels,
-        reduction=run.reduction, outside=run.outside,
+        reduction=run.reduction, outside=run.outside, term_width=run.term_width,
     )  # fmt: skip
     return controller.learn(_record(run.parameters), run.samples, rng)
 

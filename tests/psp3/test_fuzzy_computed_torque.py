@@ -286,6 +286,24 @@ def test_ranges_and_average_are_those_of_the_samples(trained: dict[str, FuzzyCom
         assert controller.system_.output_names == OUTPUT_NAMES
 
 
+@pytest.mark.parametrize("options", [{"kind": "t1"}, {"kind": "it2"}, {"kind": "gt2"}])
+def test_wider_terms_have_the_same_rules(recorded: Record, options: dict[str, Any]) -> None:
+    before, after = learned(recorded, **options), learned(recorded, term_width=2.0, **options)
+    np.testing.assert_array_equal(after.system_.consequents, before.system_.consequents)
+    np.testing.assert_array_equal(after.ranges_, before.ranges_)
+    for old, new in zip(before.system_.inputs, after.system_.inputs, strict=True):
+        for one, other in zip(old, new, strict=True):
+            first, second = (term.principal if isinstance(term, fuzzy2.GaussianType2Set) else term for term in (one, other))
+            assert (second.mean, second.sigma) == (first.mean, 2.0 * first.sigma)
+
+
+def test_terms_without_end_give_the_average_over_the_rules(recorded: Record) -> None:
+    """With terms a thousand ranges wide all rules fire alike; 1e-4 is more than what is left of their difference, 1e-5."""
+    controller = learned(recorded, kind="t1", term_width=1e3)
+    outputs = np.asarray(controller.system_(recorded.inputs[::50]))
+    np.testing.assert_allclose(outputs, np.broadcast_to(controller.fallback_, outputs.shape), rtol=1e-4, atol=1e-4)
+
+
 def test_fit_tracks_records_and_learns(recorded: Record) -> None:
     fitted = FuzzyComputedTorque("t1", ROBOT).fit(HELIX)
     np.testing.assert_array_equal(fitted.controller, learned(recorded, kind="t1", snr_db=math.inf).controller)

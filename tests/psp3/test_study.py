@@ -9,6 +9,7 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import fields
@@ -377,6 +378,27 @@ def test_interrupt_keeps_what_is_done_and_says_how_to_go_on(path: Path) -> None:
     assert interrupted.value.total == total
     assert 5 <= interrupted.value.done == count_rows(path) < total
     assert same(done(path, runs)) == same(done(path.with_name("whole.sqlite"), runs))
+
+
+def test_runs_under_way_when_interrupted_are_kept(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    begun: list[int] = []
+
+    def recorded(run: Run) -> dict[str, float]:
+        begun.append(run.seed)
+        time.sleep(0.02)
+        return invented(run)
+
+    def interrupt(done: int, total: int, rate: float) -> None:
+        if done:
+            while len(begun) == done:
+                time.sleep(0.001)
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(study, "execute", recorded)
+    with pytest.raises(StudyInterrupted):
+        Study(path, grid(snr_db=20.0, seed=range(50))).run(workers=1, progress=interrupt)
+    assert [row["seed"] for row in Study(path).rows()] == begun
+    assert 2 <= len(begun) < 50
 
 
 def test_error_in_the_progress_callback_loses_nothing_that_was_committed(path: Path, no_simulation: None) -> None:

@@ -107,6 +107,13 @@ def test_table_does_not_depend_on_the_order_in_which_runs_end(path: Path, tmp_pa
     assert len(raw(path)) == len(RUNS)
 
 
+def test_rows_come_in_the_order_of_their_fields_as_numbers(path: Path) -> None:
+    """Not in that of their texts, in which 10 comes before 9."""
+    runs = [Run(controller, snr_db=snr, seed=seed) for controller in ("ctc", "it2") for snr in (9.0, 10.0, 100.0) for seed in (2, 10)]
+    rows = fill(path, runs[::-1]).rows()
+    assert list(rows) == [key(run) for run in runs]
+
+
 def test_results_that_come_together_are_committed_together(path: Path) -> None:
     """The second result of the batch lacks a metric, so the first one must not be in the file either."""
     with StudyFile(path, SHARED).adding() as additions:

@@ -1,0 +1,71 @@
+"""The commands that build a scene in the browser, kept so that a page can be written or served at any time."""
+
+from __future__ import annotations
+
+import json
+import queue
+import threading
+from typing import Any
+
+import numpy as np
+
+_NUMPY_TYPES = {0x12: np.uint8, 0x15: np.int32, 0x16: np.uint32, 0x17: np.float32}
+"""Types of the arrays in MeshCat's commands, by their MessagePack code."""
+
+
+class DrawingCommands:
+    """The commands that build the scene as it is now, in JSON; MeshCat takes it for the connection to its server."""
+
+    def __init__(self) -> None:
+        self._lock = threading.Lock()
+        self._current: dict[tuple[str, ...], str] = {}
+        self._subscribers: list[queue.Queue[str | None]] = []
+
+    def send(self, command: Any) -> None:
+        """Take one of MeshCat's command objects."""
+        self.add(command.lower())
+
+    def add(self, command: dict[str, Any]) -> None:
+        """Take a command; it replaces an earlier one to the same effect and reaches every subscriber."""
+        text = json.dumps(command, default=_as_plain_data, separators=(",", ":"))
+        path = command.get("path", "")
+        with self._lock:
+            if command["type"] == "delete":
+                for key in [key for key in self._current if f"{key[1]}/".startswith(f"{path}/")]:
+                    del self._current[key]
+            else:
+                self._current[command["type"], path, command.get("property", "")] = text
+            for subscriber in self._subscribers:
+                subscriber.put(text)
+
+    def as_json(self) -> str:
+        """Return all commands as one JSON array."""
+        with self._lock:
+            return f"[{','.join(self._current.values())}]"
+
+    def subscribe(self) -> queue.Queue[str | None]:
+        """Return a queue of all commands up to now and, as they come, all further ones; None ends it."""
+        subscriber: queue.Queue[str | None] = queue.Queue()
+        with self._lock:
+            for text in self._current.values():
+                subscriber.put(text)
+            self._subscribers.append(subscriber)
+        return subscriber
+
+    def unsubscribe(self, subscriber: queue.Queue[str | None]) -> None:
+        """Send nothing more to a queue."""
+        with self._lock:
+            self._subscribers.remove(subscriber)
+
+    def end(self) -> None:
+        """End all subscriptions."""
+        with self._lock:
+            for subscriber in self._subscribers:
+                subscriber.put(None)
+
+
+def _as_plain_data(value: Any) -> Any:
+    """Turn what JSON does not know, packed arrays of MeshCat and numbers of NumPy, into lists and numbers."""
+    if hasattr(value, "data") and hasattr(value, "type"):
+        return np.frombuffer(value.data, _NUMPY_TYPES[value.type]).tolist()
+    return np.asarray(value).tolist()

@@ -1,0 +1,71 @@
+"""Arrows on the screws: the force on each nut, to scale."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from psp3.arrays import Array
+from psp3.frames import clip
+from psp3.shapes import Column, Satin, meshcat
+
+FORCE_COLOR = "#5f3dc4"
+
+SCREW_IN_NUT = np.array([0.0, -0.055, 0.0])
+"""Where the screw passes through the nut, in the axes of the leg [m]; see the visuals of psp3.urdf."""
+
+CLEARANCE = 0.044
+"""An arrow starts where the nut ends, this far above or below the nut's middle [m]."""
+
+HEAD_LENGTH, HEAD_RADIUS, SHAFT_RADIUS = 0.045, 0.026, 0.0125
+"""Of an arrow [m]; the head of a force shorter than a head is smaller."""
+
+LONGEST = 0.25
+"""Length that no arrow exceeds [m]."""
+
+_NO_LENGTH = 1e-4
+"""In place of a length of zero, which no matrix with an inverse has."""
+
+
+def newtons_per_decimeter(largest: float) -> float:
+    """Return a round scale, 1, 2 or 5 times a power of ten, at which the largest force fits [N]."""
+    least = max(largest, 1e-9) * 0.1 / LONGEST
+    power = 10.0 ** np.floor(np.log10(least))
+    return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * (1.0 - 1e-12)))
+
+
+class ForceArrow:
+    """An arrow on a screw, which grows from the nut up or down with the force.
+
+    Parameters
+    ----------
+    nut : meshcat.Visualizer
+        Node of the nut, with which the arrow moves.
+    """
+
+    def __init__(self, nut: meshcat.Visualizer) -> None:
+        self._shaft, self._head = nut["force/shaft"], nut["force/head"]
+        color = [int(FORCE_COLOR[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
+        self._shaft.set_object(Column(1.0, SHAFT_RADIUS), Satin(color))
+        self._head.set_object(Column(HEAD_LENGTH, HEAD_RADIUS, 0.0), Satin(color))
+
+    def place(self, lengths: Array, seconds: Array) -> list[dict[str, Any]]:
+        """Put the arrow at the first of its lengths, (n,) [m], negative downward; return its animation through all."""
+        head = np.clip(lengths / HEAD_LENGTH, -1.0, 1.0)
+        head = np.where(np.abs(head) < _NO_LENGTH, _NO_LENGTH, head)
+        shaft = lengths - head * HEAD_LENGTH
+        shaft = np.where(np.abs(shaft) < _NO_LENGTH, _NO_LENGTH, shaft)
+        # From the upper end of the nut to the lower one while the force changes its sign.
+        start = CLEARANCE * head
+        parts = []
+        for node, base, size in (
+            (self._shaft, start, np.stack([np.ones_like(shaft), np.ones_like(shaft), shaft], axis=-1)),
+            (self._head, start + shaft, np.repeat(head[:, None], 3, axis=-1)),
+        ):
+            position = SCREW_IN_NUT + base[:, None] * np.array([0.0, 0.0, 1.0])
+            placement = np.diag([*size[0], 1.0])
+            placement[:3, 3] = position[0]
+            node.set_transform(placement)
+            parts.append(clip(node.path.lower(), seconds, {"position": position, "scale": size}))
+        return parts
