@@ -10,7 +10,7 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from psp3 import trajectories
+    from psp3 import statistics, trajectories
     from psp3.closed_loop_robot import ClosedLoopRobot
     from psp3.controllers import PD, PID, ComputedTorque, FeedForward, GravityCompensatedPD
     from psp3.errors import PSP3Error
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from psp3.robot import PSP3, Pose
     from psp3.runs import Run
     from psp3.simulation import Result, load_result, simulate
-    from psp3.study import Study
+    from psp3.study import Study, grid
 
 _HOMES = {
     "ClosedLoopRobot": "closed_loop_robot",
@@ -40,6 +40,7 @@ _HOMES = {
     "Result": "simulation",
     "Run": "runs",
     "Study": "study",
+    "grid": "study",
     "load": "loading",
     "load_result": "simulation",
     "simulate": "simulation",
@@ -62,9 +63,11 @@ __all__ = [
     "Result",
     "Run",
     "Study",
+    "grid",
     "load",
     "load_result",
     "simulate",
+    "statistics",
     "trajectories",
 ]
 
@@ -72,8 +75,8 @@ __version__ = "0.1.0"
 
 
 def __getattr__(name: str) -> Any:
-    if name == "trajectories":
-        return importlib.import_module("psp3.trajectories")
+    if name in ("statistics", "trajectories"):
+        return importlib.import_module(f"psp3.{name}")
     if name in _HOMES:
         return getattr(importlib.import_module(f"psp3.{_HOMES[name]}"), name)
     raise AttributeError(f"module 'psp3' has no attribute {name!r}")

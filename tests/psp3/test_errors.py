@@ -52,6 +52,8 @@ EXAMPLES = [
     (errors.SingularConfiguration(11, 12, 1.5e16), {"rank": 11, "needed": 12, "condition": 1.5e16}, ["11 of 12", "1.5e+16"]),
     (errors.MobilityMismatch(3, ["a1", "a2"]), {"mobility": 3, "actuated": ("a1", "a2")}, ["3 degrees of freedom", "2 actuated", "a1, a2"]),
     (errors.InvalidRobotFile("some.yaml", "lacks the key type"), {"reason": "lacks the key type"}, ["some.yaml", "lacks the key type"]),
+    (errors.InvalidControllerFile("some.json", "lacks 'kp'"), {"reason": "lacks 'kp'"}, ["some.json", "lacks 'kp'"]),
+    (errors.UnusableEstimate(-np.eye(3)), {"mass": -np.eye(3)}, ["-1.", "not positive definite", "more samples or less noise"]),
     (errors.InvalidTrajectoryFile("some.csv", "no rows"), {"reason": "no rows"}, ["some.csv", "no rows"]),
     (errors.InvalidResultFile("some.npz", "cut off"), {"reason": "cut off"}, ["some.npz", "cut off"]),
     (errors.InvalidStudyFile("some.sqlite", "damaged"), {"reason": "damaged"}, ["some.sqlite", "damaged"]),
