@@ -240,9 +240,9 @@ TINY = 1e-200
 
 
 @compiled
-def _exact_end(table, z, order, rules, low, high, scratch):
+def _exact_end(table, z, order, rules, low, high):
     """One end by the search of ``_end``, for firing strengths of very different size; the fast search hands over to it."""
-    points, before, after = scratch[0], scratch[1], scratch[2]
+    points, before, after = np.empty(rules), np.empty(rules), np.empty(rules)
     largest = 0.0
     for r in range(rules):
         largest = max(largest, high[r])
@@ -253,18 +253,17 @@ def _exact_end(table, z, order, rules, low, high, scratch):
             points[count] = table[z + i]
             before[count], after[count] = high[r] / largest, low[r] / largest
             count += 1
-    return _end(points[:count], before[:count], after[:count], True, EIASC, scratch[3], scratch[4])
+    return _end(points[:count], before[:count], after[:count], True, EIASC, np.empty(rules), np.empty(rules))
 
 
 @compiled
-def _center_of_sets(table, low, high, scratch, moments, out, oo, crisp):
+def _center_of_sets(table, low, high, extra, moments, out, oo, crisp):
     """Write the type-reduced interval, or its middle, of every output; return nothing. NaN where no rule fires."""
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     ends = HEADER + TERM * terms + rules * inputs
     extremes = ends + 2 * rules * outputs
     in_order = extremes + 2 * outputs
     orders = in_order + 2 * rules * outputs
-    extra = scratch[5]
     mass, fires, uncertainty = 0.0, 0.0, 0.0
     for j in range(2 * outputs):
         moments[j] = 0.0
@@ -308,7 +307,7 @@ def _center_of_sets(table, low, high, scratch, moments, out, oo, crisp):
                 moment += extra[r] * distance
                 weight += extra[r]
                 i += 1
-            nearest = moment / weight if settled else _exact_end(table, z, order, rules, low, high, scratch)
+            nearest = moment / weight if settled else _exact_end(table, z, order, rules, low, high)
             if end == 0:
                 least = table[extremes + j] + nearest
             else:
@@ -359,7 +358,7 @@ def _evaluate_blocks(table, x, width, crisp, out, rows):
     mass, moment, weight = np.empty(LANES), np.empty(LANES), np.empty(LANES)
     unsettled, left = np.empty(LANES), np.empty(LANES)
     moments = np.empty(2 * outputs)
-    scratch = np.empty((6, rules))
+    one_extra = np.empty(rules)
     for start in range(0, rows, LANES):
         for lane in range(LANES):
             _fire(table, x, (start + lane) * inputs, width, grades, one_low, one_high)
@@ -397,7 +396,7 @@ def _evaluate_blocks(table, x, width, crisp, out, rows):
             if unsettled[lane] > 0.0:
                 row = start + lane
                 _fire(table, x, row * inputs, width, grades, one_low, one_high)
-                _center_of_sets(table, one_low, one_high, scratch, moments, out, row * (outputs if crisp else 2 * outputs), crisp)
+                _center_of_sets(table, one_low, one_high, one_extra, moments, out, row * (outputs if crisp else 2 * outputs), crisp)
 
 
 @compiled
@@ -407,7 +406,7 @@ def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> i
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)
     moments = np.empty(2 * outputs)
-    scratch = np.empty((6, rules))
+    extra = np.empty(rules)
     per_row = outputs if crisp else 2 * outputs
     for i in range(x.size):
         if not math.isfinite(x[i]):
@@ -418,16 +417,19 @@ def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> i
         _evaluate_blocks(table, x, width, crisp, out, in_blocks)
     for row in range(in_blocks, rows):
         _fire(table, x, row * inputs, width, grades, low, high)
-        _center_of_sets(table, low, high, scratch, moments, out, row * per_row, crisp)
+        _center_of_sets(table, low, high, extra, moments, out, row * per_row, crisp)
     return -1
 
 
 @compiled
-def evaluate_row(table: Array, x: Array, width: float, crisp: bool, out: Array) -> int:
-    """Do as ``evaluate`` for one row, from the fastest of callers; return 1, or 0 if it is not one finite row of inputs."""
+def evaluate_row(table: Array, x: Array, out: Array) -> int:
+    """Write the outputs (m,), or the type-reduced intervals (2 m,), of one row; return 1, or 0 if it is not one finite row of inputs.
+
+    For callers in a hurry: every argument costs a tenth of a microsecond.
+    """
     if x.size != int(table[0]):
         return 0
-    return 1 if evaluate(table, x, width, crisp, out) < 0 else 0
+    return 1 if evaluate(table, x, 0.0, out.size == int(table[3]), out) < 0 else 0
 
 
 @compiled
@@ -437,7 +439,7 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)
     moments, middles = np.empty(2 * outputs), np.empty(outputs)
-    scratch = np.empty((6, rules))
+    extra = np.empty(rules)
     total = 0.0
     for plane in range(alphas.size):
         total += alphas[plane]
@@ -449,7 +451,7 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
             out[row * outputs + j] = 0.0
         for plane in range(widths.size):
             _fire(table, x, row * inputs, widths[plane], grades, low, high)
-            _center_of_sets(table, low, high, scratch, moments, middles, 0, True)
+            _center_of_sets(table, low, high, extra, moments, middles, 0, True)
             for j in range(outputs):
                 out[row * outputs + j] += alphas[plane] * middles[j]
         for j in range(outputs):
@@ -464,14 +466,14 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)
     moments = np.empty(2 * outputs)
-    scratch = np.empty((6, rules))
+    extra = np.empty(rules)
     for row in range(x.size // inputs):
         for i in range(inputs):
             if not math.isfinite(x[row * inputs + i]):
                 return row
         for plane in range(widths.size):
             _fire(table, x, row * inputs, widths[plane], grades, low, high)
-            _center_of_sets(table, low, high, scratch, moments, out, 2 * outputs * (row * widths.size + plane), False)
+            _center_of_sets(table, low, high, extra, moments, out, 2 * outputs * (row * widths.size + plane), False)
     return -1
 
 
@@ -546,9 +548,9 @@ def reduce_firing(table: Array, strengths: Array, crisp: bool, out: Array) -> No
     rules, outputs = int(table[2]), int(table[3])
     low, high = np.empty(rules), np.empty(rules)
     moments = np.empty(2 * outputs)
-    scratch = np.empty((6, rules))
+    extra = np.empty(rules)
     per_row = outputs if crisp else 2 * outputs
     for row in range(strengths.size // (2 * rules)):
         for r in range(rules):
             low[r], high[r] = strengths[2 * (row * rules + r)], strengths[2 * (row * rules + r) + 1]
-        _center_of_sets(table, low, high, scratch, moments, out, row * per_row, crisp)
+        _center_of_sets(table, low, high, extra, moments, out, row * per_row, crisp)

@@ -211,6 +211,7 @@ class FuzzySystem:
         self._fast = self._table is not None and type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear)
         # Looked up once: a control loop calls a system a thousand times a second.
         self._kernels = _kernels()
+        self._evaluate_row = self._kernels.evaluate_row
 
     def __repr__(self) -> str:
         return (
@@ -219,10 +220,11 @@ class FuzzySystem:
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name != "_kernels"}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_kernels", "_evaluate_row")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state, _kernels=_kernels())
+        kernels = _kernels()
+        self.__dict__.update(state, _kernels=kernels, _evaluate_row=kernels.evaluate_row)
 
     # Construction
 
@@ -370,7 +372,13 @@ class FuzzySystem:
             If the inputs are not finite or of another shape.
         """
         if self._fast:
-            return self._evaluate(X, crisp=True)
+            out = np.empty(self.n_outputs)
+            try:
+                done = self._evaluate_row(self._table, X, out)
+            except TypeError:
+                # Not a contiguous row of floats: many rows, lists and the like go the longer way.
+                done = 0
+            return out if done else self._evaluate(X, crisp=True)
         return np.asarray(self.type_reduced(X).mean(axis=-1))
 
     def type_reduced(self, X: ArrayLike) -> Array:
@@ -392,21 +400,19 @@ class FuzzySystem:
             If the inputs are not finite or of another shape.
         """
         if self._fast:
-            return self._evaluate(X, crisp=False)
+            out = np.empty(2 * self.n_outputs)
+            try:
+                done = self._evaluate_row(self._table, X, out)
+            except TypeError:
+                done = 0
+            return out.reshape(-1, 2) if done else self._evaluate(X, crisp=False)
         shape, rows = self._rows(X)
         self._refuse(rows)
         reduced = self._reduce(rows, self._firing(rows))
         return reduced.reshape(*shape, self.n_outputs, 2)
 
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
-        out: Array = np.empty(self.n_outputs) if crisp else np.empty(2 * self.n_outputs)
-        try:
-            done = self._kernels.evaluate_row(self._table, X, 0.0, crisp, out)
-        except TypeError:
-            # Not a contiguous row of floats: many rows, lists and the like go the longer way.
-            done = 0
-        if done:
-            return out if crisp else out.reshape(-1, 2)
+        """Return outputs or intervals of inputs of any make and number."""
         shape, rows = self._rows(X)
         results: Array = np.empty((*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2))
         if self._kernels.evaluate(self._table, rows.ravel(), 0.0, crisp, results.ravel()) >= 0:
@@ -984,7 +990,7 @@ def _kernels() -> Any:
     from fuzzy2 import kernels
     from fuzzy2.compiled import only_for
 
-    only_for(kernels.evaluate_row, np.zeros(kernels.HEADER), np.zeros(1), 0.0, True, np.zeros(1))
+    only_for(kernels.evaluate_row, np.zeros(kernels.HEADER), np.zeros(1), np.zeros(1))
     return kernels
 
 
