@@ -9,6 +9,9 @@ from __future__ import annotations
 import argparse
 import os
 import statistics
+import subprocess
+import sys
+import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -25,6 +28,7 @@ from psp3.runs import Run, execute
 BARS = {"t1": 6.0, "it2": 8.0, "gt2, 5 α-planes": 60.0}  # [us]
 RUN_BAR = 0.12  # [s] for 10 s at 2 ms
 SNR = 20.0
+MEMORY_RUNS = 10_000
 
 
 def contenders() -> dict[str, Callable[[], object]]:
@@ -68,6 +72,24 @@ def runs_a_second(workers: int, runs: int) -> float:
         return runs / (time.perf_counter() - start)
 
 
+def memory_of_a_study(runs: int) -> dict[str, float]:
+    """Return peak memory in megabytes of a process before and after a study of that many short runs, and the size of its file."""
+    script = (
+        "import resource, sys, psp3\n"
+        "peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024\n"
+        "grid = lambda seeds: psp3.grid(controller='ctc', reading='measurement', snr_db=20.0, duration=0.05, seed=range(seeds))\n"
+        "psp3.Study(sys.argv[1], grid(100)).run()\n"
+        "before = peak()\n"
+        "psp3.Study(sys.argv[1], grid(int(sys.argv[2]))).run()\n"
+        "print(before, peak())\n"
+    )
+    with tempfile.TemporaryDirectory() as directory:
+        path = Path(directory) / "study.sqlite"
+        output = subprocess.run([sys.executable, "-c", script, str(path), str(runs)], check=True, capture_output=True, text=True).stdout
+        before, after = (float(number) for number in output.split())
+        return {"before": before, "after": after, "file": path.stat().st_size / 1e6}
+
+
 def main() -> None:
     """Print the tables and write ``results/bench_controller.json``."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -92,7 +114,14 @@ def main() -> None:
     print(f"\nthreads, on {os.cpu_count()} cores")
     for workers, rate in rates.items():
         print(f"{workers:3d} workers{rate:9.1f} runs/s   × {rate / rates[1]:.2f}")
-    results = {"versions": versions, "microseconds": medians, "run_seconds": runs, "runs_per_second": rates}
+    memory = memory_of_a_study(MEMORY_RUNS)
+    print(
+        f"\na study of {MEMORY_RUNS} short runs: peak memory {memory['before']:.0f} MB before, {memory['after']:.0f} MB after, "
+        f"file {memory['file']:.1f} MB"
+    )
+    results = {
+        "versions": versions, "microseconds": medians, "run_seconds": runs, "runs_per_second": rates, "study_megabytes": memory,
+    }  # fmt: skip
     write_results(arguments.out, results)
 
 

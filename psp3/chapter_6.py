@@ -59,6 +59,9 @@ READINGS = {
 NOISY = (20.0, 15.0, 10.0)
 """Finite signal-to-noise ratios of Table 6.3 [dB]."""
 
+NOISIER = (5.0, 0.0)
+"""Signal-to-noise ratios below those of the thesis [dB], to find out where controllers break."""
+
 MOST_SWEEP_SEEDS = 10
 """Seeds of the comparisons that the thesis never showed."""
 
@@ -111,6 +114,7 @@ class Plan:
             *grid(controller=classical),
             *grid(controller=FUZZY, snr_db=(math.inf, *NOISY), seed=all_seeds),
             *grid(controller=FUZZY, learner=LEARNERS, snr_db=levels, seed=all_seeds),
+            *grid(controller=FUZZY, learner=("strongest", "average"), snr_db=NOISIER, seed=seeds),
             *grid(controller=(*classical, *FUZZY), reading=READINGS, snr_db=self.sweep_levels, seed=seeds),
             *grid(controller="t1", term_width=self.widths, snr_db=levels, seed=all_seeds),
             *grid(controller="it2", mean_variation=self.variations, snr_db=levels, seed=seeds),
@@ -155,6 +159,10 @@ class Outcomes:
         """Return the ratio of the mean errors over the same seeds, that controller's over type-1's, or the inverse."""
         pair = self._pair(run, controller, seeds)
         return statistics.ratio_of_means(*(pair[::-1] if inverse else pair))
+
+    def shown(self, run: Run, seeds: int) -> str:
+        """Return the mean error with its interval, and the share of the runs that diverged if any did, as tables show it."""
+        return _with_share(self.mean(run, seeds), self.average(run, seeds))
 
     def _pair(self, run: Run, controller: str, seeds: int) -> tuple[Array, Array]:
         return tuple(self.values(replace(run, controller=name), seeds) for name in (controller, "t1"))  # type: ignore[return-value]
@@ -326,7 +334,11 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
 
 
 def _with_share(average: Estimate, diverged: float) -> str:
-    return with_interval(average) + (f", {_percent(diverged)} diverged" if diverged > 0.0 else "")
+    return with_interval(average) + _diverged(diverged)
+
+
+def _diverged(share: float) -> str:
+    return f", {_percent(share)} diverged" if share > 0.0 else ""
 
 
 def answer_of_table_6_3(robot: PSP3, outcome: Reproduction) -> None:
@@ -459,21 +471,23 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
 def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     """Add type-1 with wider terms: whether averaging over rules is what type-2 gains."""
     rows, numbers, matched = [], {}, []
-    for snr in plan.sweep_levels:
+    for snr in (math.inf, *plan.sweep_levels):
         type1 = Run("t1", snr_db=snr)
-        cells = [with_interval(results.mean(type1, plan.seeds))]
-        type2 = results.values(replace(type1, controller="it2"), plan.seeds)
+        type2 = replace(type1, controller="it2")
+        cells = [results.shown(type1, plan.seeds)]
         differences = []
-        numbers[decibels(snr)] = entry = {"it2": as_numbers(statistics.mean(type2))}
+        numbers[decibels(snr)] = entry = {"it2": as_numbers(results.mean(type2, plan.seeds))}
         for width in plan.widths:
-            errors = results.values(replace(type1, term_width=width), plan.seeds)
-            average = statistics.mean(errors)
-            cells.append(with_interval(average))
-            differences.append(statistics.paired_difference(errors, type2))
-            entry[f"{width:g}"] = as_numbers(average)
+            wider = replace(type1, term_width=width)
+            cells.append(results.shown(wider, plan.seeds))
+            differences.append(statistics.paired_difference(results.values(wider, plan.seeds), results.values(type2, plan.seeds)))
+            entry[f"{width:g}"] = as_numbers(results.mean(wider, plan.seeds))
         words = [better(difference, f"type-1 × {width:g}", "type-2") for width, difference in zip(plan.widths, differences, strict=True)]
-        matched.append(words[-1].startswith("type-1"))
-        rows.append([decibels(snr), *cells, with_interval(statistics.mean(type2)), "; ".join(words)])
+        if math.isinf(snr):
+            words = ["type-2 is type-1 here"]
+        else:
+            matched.append(words[-1].startswith("type-1"))
+        rows.append([decibels(snr), *cells, results.shown(type2, plan.seeds), "; ".join(words)])
     outcome.numbers["wider_type_1_terms"] = numbers
     widest = plan.widths[-1]
     outcome.tables.append(
@@ -482,7 +496,8 @@ def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             ["SNR [dB]", "type-1", *(f"type-1, terms × {width:g}" for width in plan.widths), "type-2", "verdict by seed, against type-2"],
             rows,
             "Type-2 terms reach over more of each input's range, so more rules fire, and the noise in their consequents averages out. "
-            "Type-1 terms with a greater standard deviation do the same with the same rules.",
+            "Type-1 terms with a greater standard deviation do the same with the same rules. The first row is what wide terms cost where "
+            "there is no noise to average.",
             detail=True,
         )
     )
@@ -511,7 +526,9 @@ def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             average = {name: results.mean(replace(run, controller=name), plan.sweep_seeds) for name in names}
             difference = results.difference(run, "it2", plan.sweep_seeds)
             verdicts.append((reading, better(difference, "type-2", "type-1")))
-            rows.append([label, decibels(snr), *(significant(estimate.value) for estimate in average.values()),
+            lost = [results.average(replace(run, controller=name), plan.sweep_seeds) for name in names]
+            rows.append([label, decibels(snr), *(significant(average[name].value) + _diverged(share)
+                                                 for name, share in zip(names, lost, strict=True)),
                          with_interval(difference, plan.sweep_seeds), verdicts[-1][1]])  # fmt: skip
             numbers[f"{reading}, {decibels(snr)}"] = {
                 **{name: as_numbers(estimate) for name, estimate in average.items()}, "difference": as_numbers(difference),
@@ -533,11 +550,36 @@ def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     if helped:
         outcome.answer.append(f"Under other readings of the noise type-2 is shown to be better in {len(helped)} of {len(verdicts)} cases.")
     else:
+        cost = ": its wider terms cost accuracy that no averaging pays back" if worse else ""
         outcome.answer.append(
-            "Under the other readings (noise on measurements, on M, C and G at run time, or masses that are off) type-2 never beats "
-            f"type-1, and is shown to be worse in {worse} of {len(verdicts)} cases: its wider terms cost accuracy that no averaging pays "
-            "back."
+            "Under the other readings (noise on measurements, on M, C and G at run time, or masses that are off) type-2 is never shown to "
+            f"beat type-1, and is shown to be worse in {worse} of {len(verdicts)} cases{cost}."
         )
+
+
+def breaking_noise(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
+    """Add the noise at which each fuzzy controller breaks: loses a nut off its screw, or the robot altogether."""
+    rows, numbers, levels = [], {}, (*plan.sweep_levels, *NOISIER)
+    for learner in ("strongest", "average"):
+        for name in FUZZY:
+            cells, entry = [], {}
+            for snr in levels:
+                run = Run(name, learner=learner, snr_db=snr)
+                left, lost = (results.average(run, plan.sweep_seeds, metric) for metric in ("left_stroke", "diverged"))
+                cells.append(f"{_percent(left)} / {_percent(lost)}")
+                entry[decibels(snr)] = {"left_stroke": left, "diverged": lost}
+            rows.append([LABELS[name], LEARNERS[learner], *cells])
+            numbers[f"{name}, {learner}"] = entry
+    outcome.numbers["breaking_noise"] = numbers
+    outcome.tables.append(
+        Table(
+            f"Where each controller breaks: share of runs in which a nut leaves its screw / the robot is lost, {count(plan.sweep_seeds)}",
+            ["controller", "rules", *(f"{decibels(snr)} dB" for snr in levels)],
+            rows,
+            "On the helix the rules were learned on, noise on the recorded M, C and G. The thesis stops at 10 dB.",
+            detail=True,
+        )
+    )
 
 
 Series = dict[str, dict[float, tuple[float, float, float]]]
@@ -625,7 +667,7 @@ def other_trajectories(results: Outcomes, plan: Plan, outcome: Reproduction) -> 
             "type-1, 20 dB": Run("t1", trajectory=trajectory, snr_db=20.0), "type-2, 20 dB": Run("it2", trajectory=trajectory, snr_db=20.0),
         }  # fmt: skip
         averages = {name: results.mean(run, plan.sweep_seeds) for name, run in runs.items()}
-        cells += [significant(estimate.value) for estimate in averages.values()]
+        cells += [results.shown(run, plan.sweep_seeds) for run in runs.values()]
         covered = results.values(runs["fuzzy"], 1, "coverage")[0]
         numbers[trajectory] = {
             **{name: as_numbers(estimate) for name, estimate in averages.items()}, "coverage": covered,
@@ -635,21 +677,28 @@ def other_trajectories(results: Outcomes, plan: Plan, outcome: Reproduction) -> 
     outcome.numbers["trajectories"] = numbers
     outcome.tables.append(
         Table(
-            "Other trajectories: sum of squared errors [m²]",
+            f"Other trajectories: sum of squared errors [m²], {count(plan.sweep_seeds)} where there is noise",
             ["trajectory", *(LABELS[name] for name in ("feed-forward", "pd", "pd-gravity", "ctc")), "fuzzy, no noise",
              "fuzzy, ridge, no noise", "type-1, 20 dB", "type-2, 20 dB", "steps inside the trained range"],
             rows,
-            "Rules are learned on the helix (20 mm, 2 s a turn); fast-helix: 1 s a turn; large-helix: 23.5 mm, at the fold of the tip's "
-            f"workspace; waypoints: a square, a corner a second. At 20 dB: means of {count(plan.sweep_seeds)}. Without noise type-1 and "
-            "type-2 are the same. Open loop has nothing that holds the robot on its path, and is lost wherever it starts with the wrong "
-            "speed. Outside of the trained range the inputs are clamped to it (last column: without noise, default rules).",
+            "Rules are learned on the helix (20 mm, 2 s a turn); fast-helix: 1 s a turn; fastest-helix: 0.4 s; large-helix: 23.5 mm, at "
+            "the fold of the tip's workspace; waypoints: a square, a corner a second. The circle asks for the same differences of heights "
+            "as the helix, so to the rules it is no new path. Without noise type-1 and type-2 are the same. Open loop has nothing that "
+            "holds the robot on its path, and is lost wherever it starts with the wrong speed. Outside of the trained range the inputs are "
+            "clamped to it (last column: without noise, default rules).",
             detail=True,
         )
     )  # fmt: skip
     home = numbers[plan.trajectories[0]]["fuzzy"]["value"]
-    worst = max(plan.trajectories[1:], key=lambda name: numbers[name]["fuzzy"]["value"])
+    held = [name for name in plan.trajectories[1:] if np.isfinite(numbers[name]["fuzzy"]["value"])]
+    lost_on = [name for name in plan.trajectories[1:] if name not in held]
+    if not held:
+        outcome.answer.append("Away from the helix they learned on, the fuzzy controllers diverge, even without noise.")
+        return
+    worst = max(held, key=lambda name: numbers[name]["fuzzy"]["value"])
     outcome.answer.append(
-        f"Away from the helix they learned on, the fuzzy controllers keep working without noise, with the greatest error on {worst} "
+        f"Away from the helix they learned on, the fuzzy controllers {f'diverge on {_listed(lost_on)}' if lost_on else 'keep working'} "
+        f"without noise, with the greatest error {'of the rest ' if lost_on else ''}on {worst} "
         f"({significant(numbers[worst]['fuzzy']['value'])} m², {significant(home)} m² on the helix, CTC "
         f"{significant(numbers[worst]['CTC']['value'])} m²)."
     )

@@ -464,11 +464,13 @@ def _reproduce_progress() -> Iterator[tuple[Callable[[str, int, int], None], Cal
 @app.command()
 def simulate(
     controller: Annotated[
-        ControllerName,
+        ControllerName | None,
         typer.Option(
-            metavar="NAME", help="Controller: pd, pd-gravity, pid, feed-forward or ctc; t1, it2 or gt2, trained on the helix without noise."
+            metavar="NAME",
+            help="Controller: pd, pd-gravity, pid, feed-forward or ctc; t1, it2 or gt2, trained on the helix without noise.",
+            show_default="ctc",
         ),
-    ] = ControllerName.CTC,
+    ] = None,
     trained: Annotated[
         Path | None, typer.Option(metavar="FILE", help="A controller that psp3 train wrote, in place of --controller.", show_default=False)
     ] = None,
@@ -513,9 +515,10 @@ def simulate(
     robot = _load(parameters)
     gains = {"kp": kp, "kv": kv, "ki": ki}
     if trained is None:
+        controller = controller or ControllerName.CTC
         steering, settings = _controller(robot, controller, model, gains)
     else:
-        _only("--trained, which has its own", gains | {"model": model}, ())
+        _only("--trained, which has its own", gains | {"model": model, "controller": controller}, ())
         steering, settings = _from_file(robot, trained)
         controller = ControllerName(steering.kind)
     given = {
@@ -580,6 +583,9 @@ def simulate(
     table.add_row("largest error of the tip", f"{1e3 * metrics['largest_tip_error']:.6g}", "mm")
     table.add_row("error of the tip at the end", f"{1e3 * metrics['final_tip_error']:.6g}", "mm")
     table.add_row("largest screw forces", "  ".join(_fixed(metrics["largest_forces"], 2)), "N")
+    if "coverage" in metrics:
+        table.add_row("steps inside the trained range", f"{100.0 * metrics['coverage']:.4g}", "%")
+        table.add_row("steps that fell back on the average of the rules", f"{100.0 * metrics['fallbacks']:.4g}", "%")
     _show(table)
     for path in files.values():
         typer.echo(path)
@@ -643,6 +649,7 @@ def _metrics(result: Result) -> dict[str, Any]:
     except InvalidValue:
         # The control period does not divide 0.05 s.
         squares = None
+    shares = {"coverage": result.covered, "fallbacks": result.fell_back}
     return {
         "sum_of_squared_errors": squares,
         "integral_of_squared_error": metrics.integral_of_squared_error(result),
@@ -650,6 +657,7 @@ def _metrics(result: Result) -> dict[str, Any]:
         "largest_tip_error": metrics.largest_tip_error(result),
         "final_tip_error": float(np.linalg.norm(result.desired.tip[-1] - result.tip[-1])),
         "largest_forces": np.abs(result.torque).max(axis=0),
+        **{name: float(flags.mean()) for name, flags in shares.items() if flags is not None},
     }
 
 
@@ -665,6 +673,8 @@ def _samples(result: Result) -> dict[str, Any]:
         ("force", result.torque),
     ):
         columns |= {f"{name}{k}": column for k, column in enumerate(values.T, start=1)}
+    flags = {"covered": result.covered, "fell_back": result.fell_back}
+    columns |= {name: values.astype(int) for name, values in flags.items() if values is not None}
     return columns
 
 
@@ -1164,30 +1174,74 @@ def view(
     result: Annotated[
         list[Path] | None, typer.Option(metavar="FILE", help="Show the motion that psp3 simulate --out saved; may be given more than once.")
     ] = None,
+    controller: Annotated[
+        list[ControllerName] | None,
+        typer.Option(metavar="NAME", help="Simulate this controller, as psp3 simulate does, and show it; may be given more than once."),
+    ] = None,
+    trained: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Simulate a controller that psp3 train wrote, and show it; may be given more than once."),
+    ] = None,
     record: Annotated[
         Path | None, typer.Option(parser=_output, metavar="FILE", help="Write a page that any browser opens, and do not serve.")
     ] = None,
     port: Annotated[int, typer.Option(min=1, max=65000, help="Port to serve on; if it is taken, the next one.")] = 7000,
     parameters: Parameters = ParametersName.DEFAULT,
+    trajectory: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=MOTION,
+            help="helix (unless given), circle, line, point-to-point, hold, or csv:FILE; without a controller shown as it is desired.",
+        ),
+    ] = None,
+    radius: Radius = None,
+    turn_time: TurnTime = None,
+    rise: Rise = None,
+    start_height: StartHeight = None,
+    start: Start = None,
+    end: End = None,
+    travel_time: TravelTime = None,
+    tip: HoldTip = None,
+    duration: Duration = None,
 ) -> None:
     """Show the robot in the browser, at rest or in motion.
 
-    Serves to this machine only, at 127.0.0.1, until Ctrl-C.
+    Robots of several results and controllers stand side by side. Serves to this machine only, at 127.0.0.1, until Ctrl-C.
     """
+    given = {
+        "radius": radius, "turn_time": turn_time, "rise": rise, "start_height": start_height,
+        "start": start, "end": end, "travel_time": travel_time, "tip": tip,
+    }  # fmt: skip
     if heights is not None and result:
         raise _usage("give --heights or --result, not both")
+    simulated = bool(controller or trained)
+    if trajectory is None and not simulated:
+        what = "a view without --trajectory, --controller or --trained"
+        _only(what, given | {"duration": duration}, ())
+    elif heights is not None:
+        raise _usage("--heights is for a robot at rest: it does not apply to --trajectory, --controller or --trained")
+    elif result and not simulated:
+        raise _usage("--trajectory does not apply to --result, which has its own")
     robot = _load(parameters)
     from psp3.simulation import load_result
 
     # Files of the same name in different directories are told apart by their paths.
     paths = list(dict.fromkeys(result or []))
     stems = [path.stem for path in paths]
-    motions = {path.stem if stems.count(path.stem) == 1 else str(path): load_result(path) for path in paths}
+    motions: dict[str, Result | Trajectory] = {path.stem if stems.count(path.stem) == 1 else str(path): load_result(path) for path in paths}
+    seconds = None
+    if trajectory is not None or simulated:
+        motion, seconds = _trajectory(robot, trajectory or "helix", duration, given)
+        if simulated:
+            motions |= _simulated(robot, controller or [], trained or [], motion, seconds)
+        else:
+            motions["desired"] = motion
     from psp3.visualize import Scene, Viewer
 
     def stage(scene: Scene) -> None:
         if motions:
-            scene.animate(motions if len(motions) > 1 else next(iter(motions.values())))
+            scene.animate(motions if len(motions) > 1 else next(iter(motions.values())), seconds)
         else:
             scene.show(heights if heights is not None else (0.0, 0.0, 0.0))
 
@@ -1206,6 +1260,22 @@ def view(
             threading.Event().wait()
         except KeyboardInterrupt:
             typer.echo(err=True)
+
+
+def _simulated(
+    robot: PSP3, names: Iterable[ControllerName], files: Iterable[Path], motion: Trajectory, seconds: float
+) -> dict[str, Result]:
+    """Simulate controllers on one motion, each once."""
+    from psp3.simulation import simulate as run
+
+    gains: dict[str, float | None] = {"kp": None, "kv": None, "ki": None}
+    steering: dict[str, Controller] = {name.value: _controller(robot, name, None, gains)[0] for name in dict.fromkeys(names)}
+    steering |= {str(path): _from_file(robot, path)[0] for path in files}
+    results = {}
+    for name, one in steering.items():
+        with _progress(f"simulating {name}", seconds) as progress:
+            results[name] = run(robot, one, motion, seconds, progress=progress)
+    return results
 
 
 @app.command()

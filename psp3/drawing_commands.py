@@ -34,7 +34,11 @@ class DrawingCommands:
                 for key in [key for key in self._current if f"{key[1]}/".startswith(f"{path}/")]:
                     del self._current[key]
             else:
-                self._current[command["type"], path, command.get("property", "")] = text
+                key = (command["type"], path, command.get("property", ""))
+                # In the order of the last calls: an animation must find its nodes where it begins, or three.js takes values for set
+                # that are not.
+                self._current.pop(key, None)
+                self._current[key] = text
             for subscriber in self._subscribers:
                 subscriber.put(text)
 

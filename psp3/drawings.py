@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from psp3 import plots, published
-from psp3.chapter_6 import NOISY, Series, decibels
+from psp3.chapter_6 import NOISY, Plan, Series, count, decibels
 from psp3.findings import Drawing, significant
 from psp3.fuzzy_computed_torque import FuzzyComputedTorque
 from psp3.metrics import largest_tip_error, sum_of_squared_errors
@@ -25,7 +25,9 @@ TEN_PERCENT = 20.0
 _LINES = "Solid: actual, dashed: desired."
 
 
-def draw_all(robot: PSP3, results: Mapping[str, Result], seed: int, curves: Mapping[str, Series], directory: Path) -> Iterator[Drawing]:
+def draw_all(
+    robot: PSP3, results: Mapping[str, Result], seed: int, curves: Mapping[str, Series], plan: Plan, directory: Path
+) -> Iterator[Drawing]:
     """Draw Figures 49, 51 to 64 and the sweep of the mean variation, one after the other.
 
     Parameters
@@ -38,6 +40,8 @@ def draw_all(robot: PSP3, results: Mapping[str, Result], seed: int, curves: Mapp
         Seed of the noise in the fuzzy ones of these.
     curves : mapping of Series
         ``"figure_64"`` and ``"mean_variation"``.
+    plan : Plan
+        Whose seeds these stand on.
     directory : path
         Where the SVG files go.
 
@@ -115,8 +119,8 @@ def draw_all(robot: PSP3, results: Mapping[str, Result], seed: int, curves: Mapp
     printed = {snr: one / other for snr, (one, other) in published.TABLE_6_3_FUZZY.items()}
     yield saved(
         "figure_64", plots.figure_64(curves["figure_64"], printed),
-        "Figure 64: squared error of type-1 over that of type-2, means over seeds with 95 % intervals, for three learners, and as printed. "
-        "Above one, type-2 is better.",
+        "Figure 64: squared error of type-1 over that of type-2, means with 95 % intervals, for three learners, and as printed. Above one, "
+        f"type-2 is better. {count(plan.seeds)}, without those with which one of the two diverged.",
         "; ".join(
             f"{name}: {', '.join(f'{value:.2f} at {decibels(snr)} dB' for snr, (value, _, _) in points.items())}"
             for name, points in {**curves["figure_64"], "printed": {snr: (ratio, 0.0, 0.0) for snr, ratio in printed.items()}}.items()
@@ -124,7 +128,8 @@ def draw_all(robot: PSP3, results: Mapping[str, Result], seed: int, curves: Mapp
     )  # fmt: skip
     yield saved(
         "mean_variation", plots.figure_of_sweep(curves["mean_variation"], "mean variation, share of each input's range"),
-        "Sum of squared errors against the mean variation of the type-2 terms; 0 is type-1. Means over seeds with 95 % intervals.",
+        "Sum of squared errors against the mean variation of the type-2 terms; 0 is type-1. Means with 95 % intervals. "
+        f"{count(plan.sweep_seeds)}, without the runs that diverged.",
         "; ".join(
             f"{name}: {', '.join(f'{significant(value)} at {variation:g}' for variation, (value, _, _) in points.items())}"
             for name, points in curves["mean_variation"].items()

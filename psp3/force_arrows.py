@@ -8,7 +8,7 @@ import numpy as np
 
 from psp3.arrays import Array
 from psp3.frames import clip
-from psp3.shapes import Column, Satin, meshcat
+from psp3.shapes import Column, Satin, meshcat, rgb
 
 FORCE_COLOR = "#5f3dc4"
 
@@ -46,26 +46,28 @@ class ForceArrow:
 
     def __init__(self, nut: meshcat.Visualizer) -> None:
         self._shaft, self._head = nut["force/shaft"], nut["force/head"]
-        color = [int(FORCE_COLOR[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
-        self._shaft.set_object(Column(1.0, SHAFT_RADIUS), Satin(color))
-        self._head.set_object(Column(HEAD_LENGTH, HEAD_RADIUS, 0.0), Satin(color))
+        self._shaft.set_object(Column(1.0, SHAFT_RADIUS), Satin(rgb(FORCE_COLOR)))
+        self._head.set_object(Column(HEAD_LENGTH, HEAD_RADIUS, 0.0), Satin(rgb(FORCE_COLOR)))
 
     def place(self, lengths: Array, seconds: Array) -> list[dict[str, Any]]:
         """Put the arrow at the first of its lengths, (n,) [m], negative downward; return its animation through all."""
-        head = np.clip(lengths / HEAD_LENGTH, -1.0, 1.0)
-        head = np.where(np.abs(head) < _NO_LENGTH, _NO_LENGTH, head)
-        shaft = lengths - head * HEAD_LENGTH
-        shaft = np.where(np.abs(shaft) < _NO_LENGTH, _NO_LENGTH, shaft)
+        size = np.maximum(np.minimum(np.abs(lengths) / HEAD_LENGTH, 1.0), _NO_LENGTH)
+        reach = np.maximum(np.abs(lengths) - size * HEAD_LENGTH, _NO_LENGTH)
+        # Downward is upward turned around x: three.js takes a matrix with negative scales for another rotation.
+        down = lengths < 0.0
+        turn = np.where(down[:, None], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0])
         # From the upper end of the nut to the lower one while the force changes its sign.
-        start = CLEARANCE * head
+        start = CLEARANCE * np.clip(lengths / HEAD_LENGTH, -1.0, 1.0)
         parts = []
-        for node, base, size in (
-            (self._shaft, start, np.stack([np.ones_like(shaft), np.ones_like(shaft), shaft], axis=-1)),
-            (self._head, start + shaft, np.repeat(head[:, None], 3, axis=-1)),
+        for node, base, scale in (
+            (self._shaft, start, np.stack([np.ones_like(reach), np.ones_like(reach), reach], axis=-1)),
+            (self._head, start + np.where(down, -reach, reach), np.repeat(size[:, None], 3, axis=-1)),
         ):
             position = SCREW_IN_NUT + base[:, None] * np.array([0.0, 0.0, 1.0])
-            placement = np.diag([*size[0], 1.0])
+            placement = np.diag([*scale[0], 1.0])
+            if down[0]:
+                placement[1:3] *= -1.0
             placement[:3, 3] = position[0]
             node.set_transform(placement)
-            parts.append(clip(node.path.lower(), seconds, {"position": position, "scale": size}))
+            parts.append(clip(node.path.lower(), seconds, {"position": position, "quaternion": turn, "scale": scale}))
         return parts

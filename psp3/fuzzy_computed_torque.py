@@ -187,7 +187,8 @@ class FuzzyComputedTorque:
         Raises
         ------
         InvalidValue
-            If an input does not change on the trajectory, or a parameter is not what it must be.
+            If an input does not change on the trajectory, terms are so narrow that no rule fires on a part of it, or a parameter is
+            not what it must be.
         fuzzy2.errors.UnsupportedRule
             If no sample fires some rule by more than 0.001.
         UnusableEstimate
@@ -213,6 +214,10 @@ class FuzzyComputedTorque:
         system.output_names = OUTPUT_NAMES
         if self.term_width != 1.0:
             system = _widened(system, self.term_width)
+            uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
+            if uncovered > 0.0:
+                wanted = f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} of the samples none does"
+                raise InvalidValue("term_width", self.term_width, wanted)
         self._take(system, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
 
@@ -454,7 +459,9 @@ class FuzzyComputedTorque:
             return cls._from(content, robot, path)
         except InvalidControllerFile:
             raise
-        except (OSError, Fuzzy2Error, ValueError, TypeError, OverflowError, RecursionError) as error:
+        except OSError as error:
+            raise InvalidControllerFile(path, f"cannot be read ({error.strerror or error})") from error
+        except (Fuzzy2Error, ValueError, TypeError, OverflowError, RecursionError) as error:
             raise InvalidControllerFile(path, f"is not a whole controller file ({error})") from error
         except KeyError as error:
             raise InvalidControllerFile(path, f"lacks {error.args[0]!r}") from error

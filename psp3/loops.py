@@ -119,7 +119,9 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
         joint = model.joints[model.getJointId(name)]
         if joint.nq != 1 or joint.nv != 1:
             raise InvalidRobotFile(
-                path, f"name_mot: joint {name!r} has {joint.nv} degrees of freedom; only joints with one can be actuated"
+                path,
+                f"name_mot: joint {name!r} has {joint.nv} degrees of freedom in {joint.nq} coordinates; only joints with one of each can "
+                "be actuated (in a URDF, make a continuous joint revolute, with limits)",
             )
     if len(set(loops.actuated)) != len(loops.actuated):
         raise InvalidRobotFile(path, f"name_mot names a joint twice: {list(loops.actuated)}")

@@ -94,7 +94,7 @@ def reproduce(
         ("recomputing Tables 6.1 and 6.3, and what the thesis never showed", lambda: curves.update(_chapter_6(runs, plan, outcome))),
         ("timing control steps for Table 6.2", lambda: _table_6_2(outcome, quick)),
         ("recomputing Tables 5.1 and 5.2", lambda: _chapter_5(outcome, 11 if quick else 105)),
-        ("drawing the figures", lambda: _figures(outcome, curves, directory / "figures")),
+        ("drawing the figures", lambda: _figures(outcome, curves, plan, directory / "figures")),
     ]
     if not quick:
         steps.append(("recording the animation", lambda: _animation(outcome, directory)))
@@ -130,6 +130,7 @@ def _chapter_6(runs: study.Study, plan: Plan, outcome: Reproduction) -> dict[str
     chapter_6.type_2_against_type_1(results, plan, outcome)
     chapter_6.averaging(results, plan, outcome)
     chapter_6.learners(results, plan, outcome)
+    chapter_6.breaking_noise(results, plan, outcome)
     chapter_6.readings(results, plan, outcome)
     chapter_6.answer_of_table_6_3(robot, outcome)
     variations = chapter_6.mean_variations(results, plan, outcome)
@@ -159,12 +160,12 @@ def _chapter_5(outcome: Reproduction, poses: int) -> None:
     chapter_5.estimates(robot, record(robot, Helix(robot=robot)), outcome)
 
 
-def _figures(outcome: Reproduction, curves: dict[str, Series], directory: Path) -> None:
+def _figures(outcome: Reproduction, curves: dict[str, Series], plan: Plan, directory: Path) -> None:
     from fuzzy2.style import style
     from psp3.drawings import draw_all
 
     with style():
-        for drawing in draw_all(load("psp3"), outcome.results, outcome.numbers["drawn_seed"], curves, directory):
+        for drawing in draw_all(load("psp3"), outcome.results, outcome.numbers["drawn_seed"], curves, plan, directory):
             outcome.drawings.append(drawing)
             outcome.files.append(drawing.path)
 

@@ -19,6 +19,9 @@ GHOST_OPACITY = 0.4
 GHOST_MARGIN = 0.0015
 """A ghost is thinner than the robot all around [m]: it is hidden where the two agree, and neither flickers through the other."""
 
+MARK_LENGTH = 0.005
+"""Cylinders whose half length is less are marks on something else [m]."""
+
 _PRIMITIVES = coal.Box | coal.Cylinder | coal.Sphere
 
 
@@ -122,9 +125,10 @@ def _thinned(visual_model: pin.GeometryModel) -> pin.GeometryModel:
     """Return the shapes that move, each thinner by the margin all around."""
     thin = pin.GeometryModel()
     for shape in visual_model.geometryObjects:
-        if shape.parentJoint == 0:
-            continue
         moving, form = shape.copy(), shape.geometry
+        # Marks on the arms would be inside the thinner arms, and rings about them in a translucent picture.
+        if shape.parentJoint == 0 or (isinstance(form, coal.Cylinder) and form.halfLength < MARK_LENGTH):
+            continue
         if isinstance(form, coal.Box):
             moving.geometry = coal.Box(2.0 * (form.halfSide - GHOST_MARGIN))
         elif isinstance(form, coal.Cylinder):

@@ -9,7 +9,7 @@ reading        what a signal-to-noise ratio S means (q = 10^(−S/20) is the rat
 parameters     white noise on the recorded M, C and G from which rules are learned; the other controllers never see it
 measurement    white noise on measured heights and speeds at run time, seen by servo and estimator
 online         white noise on the controller's M, C and G at run time
-plant          every mass and inertia of the robot is off by a factor exp(q ε), and a payload of 5 kg · q |ε| rides on the star
+plant          every mass and inertia of the robot is off by a factor exp(q ε), and a payload of 5 kg · q abs(ε) rides on the star
 =============  =====================================================================================================
 
 The power of a signal is its mean square over the recorded training run, mean included, element by element.
@@ -58,7 +58,7 @@ READINGS = ("parameters", "measurement", "online", "plant")
 """Names of the readings of noise."""
 
 PAYLOAD_PER_MISMATCH = 5.0
-"""Payload at q |ε| = 1 [kg]."""
+"""Payload at q abs(ε) = 1 [kg]."""
 
 LEAST_SNR_OF_PLANT = -20.0
 """Least signal-to-noise ratio under the reading ``"plant"`` [dB]: masses are off by factors up to exp(±40)."""
@@ -80,6 +80,7 @@ TRAJECTORIES: dict[str, Callable[[PSP3], Trajectory]] = {
     "circle": lambda robot: Circle(robot=robot),
     "line": lambda robot: PointToPoint((-0.02, 0.0, 0.07), (0.02, 0.01, 0.12), 10.0, robot),
     "fast-helix": lambda robot: Helix(period=1.0, robot=robot),
+    "fastest-helix": lambda robot: Helix(period=0.4, robot=robot),
     "large-helix": lambda robot: Helix(radius=0.0235, robot=robot),
     "waypoints": _square,
 }
@@ -155,7 +156,7 @@ class Run:
         UnknownName
             If a name is unknown.
         InvalidValue
-            If a number is outside of what it can be.
+            If a number is outside of what it can be, or terms are so narrow that no rule fires on a part of the path learned from.
         StrokeExceeded
             If the trajectory leaves the screws in the duration.
         fuzzy2.errors.UnsupportedRule
@@ -192,7 +193,9 @@ class Run:
             raise InvalidValue("payload", self.payload, "0, but under the reading 'plant'")
         _desired(self.trajectory, self.parameters, self.duration, self.period)
         if self.controller in KINDS:
-            _try_to_learn(self.parameters, self.learner, self.n_terms, self.samples)
+            # Terms as wide as they are learned reach every sample, whatever the kind.
+            narrow = (self.controller, self.canonical().mean_variation, self.term_width) if self.term_width < 1.0 else ()
+            _try_to_learn(self.parameters, self.learner, self.n_terms, self.samples, *narrow)
 
     def canonical(self) -> Run:
         """Return the same run with every field that cannot matter at its default, and the mean variation that is used.
@@ -215,7 +218,7 @@ class Run:
                 run = reset("levels", "reduction")
             elif run.reduction == "gaussian":
                 run = reset("levels")
-        blind = {"parameters": tuple(CLASSICAL), "online": ("pd",)}.get(run.reading, ())
+        blind = {"parameters": tuple(CLASSICAL), "measurement": ("feed-forward",), "online": ("pd",)}.get(run.reading, ())
         if run.controller in blind or run.snr_db == math.inf:
             run = replace(run, snr_db=math.inf, seed=0, reading=run.reading if run.payload > 0.0 else "parameters")
         return run
@@ -415,9 +418,14 @@ def _desired(trajectory: str, parameters: str, duration: float, period: float) -
 
 
 @lru_cache(maxsize=64)
-def _try_to_learn(parameters: str, learner: str, n_terms: int, samples: int) -> None:
+def _try_to_learn(
+    parameters: str, learner: str, n_terms: int, samples: int, kind: str = "t1", mean_variation: float | None = 0.0, width: float = 1.0
+) -> None:
     """Raise what learning raises. Which rules have samples depends on inputs alone, and those are the same under all noise."""
-    FuzzyComputedTorque("t1", _robot(parameters), learner=learner, n_terms=n_terms).learn(_record(parameters), samples)
+    controller = FuzzyComputedTorque(
+        kind, _robot(parameters), learner=learner, n_terms=n_terms, mean_variation=mean_variation, term_width=width
+    )  # fmt: skip
+    controller.learn(_record(parameters), samples)
 
 
 @lru_cache(maxsize=8)

@@ -6,6 +6,7 @@ Everything that draws takes MeshCat from here.
 from __future__ import annotations
 
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -19,30 +20,51 @@ with warnings.catch_warnings():
     import meshcat
     from meshcat import geometry
 
-ALONG_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+__all__ = ["Column", "Flat", "Glass", "Satin", "Tube", "geometry", "meshcat", "meshcat_script", "rgb"]
+
+_ALONG_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 """Turns the axis of a three.js cylinder, y, into z."""
 
 
-class Satin(geometry.MeshPhongMaterial):  # type: ignore[misc]
+class _Finish(geometry.Material):  # type: ignore[misc]
+    """A material of three.js by its properties: MeshCat's own repeat every default, which makes large files of many small shapes."""
+
+    kind: str
+
+    def __init__(self, **properties: Any) -> None:
+        super().__init__()
+        self.properties = properties
+
+    def lower(self, object_data: Any) -> dict[str, Any]:
+        """Return what three.js reads."""
+        return {"uuid": self.uuid, "type": self.kind, **self.properties}
+
+
+class Satin(_Finish):
     """Machined, anodized or painted metal: every part of the robot has this finish, in its own color."""
+
+    kind = "MeshPhongMaterial"
 
     def __init__(self, color: ArrayLike) -> None:
         super().__init__(color=_hexadecimal(color), specular=0x303030, shininess=50)
 
 
-class Flat(geometry.MeshBasicMaterial):  # type: ignore[misc]
+class Flat(_Finish):
     """A color that no light changes, given as ``#rrggbb``."""
 
+    kind = "MeshBasicMaterial"
+
     def __init__(self, color: str, opacity: float = 1.0) -> None:
-        super().__init__(color=_hexadecimal(_rgb(color)), opacity=opacity)
+        super().__init__(color=_hexadecimal(rgb(color)), opacity=opacity, transparent=opacity < 1.0)
 
 
-class Glass(geometry.MeshLambertMaterial):  # type: ignore[misc]
+class Glass(_Finish):
     """A translucent color, given as ``#rrggbb``, that light shades."""
 
+    kind = "MeshLambertMaterial"
+
     def __init__(self, color: str, opacity: float) -> None:
-        front = 0
-        super().__init__(color=_hexadecimal(_rgb(color)), opacity=opacity, side=front)
+        super().__init__(color=_hexadecimal(rgb(color)), opacity=opacity, transparent=True)
 
 
 class Tube(geometry.Geometry):  # type: ignore[misc]
@@ -82,20 +104,19 @@ class Column(geometry.Cylinder):  # type: ignore[misc]
         self.radialSegments = 24
 
     def intrinsic_transform(self) -> Array:
-        """Return the transform from the axes of three.js."""
-        lifted = ALONG_Z.copy()
+        """Return the transform from the axes of three.js, transposed: MeshCat writes rows where three.js reads columns."""
+        lifted = _ALONG_Z.copy()
         lifted[2, 3] = 0.5 * self.height
-        return lifted
+        return lifted.T
 
 
 def meshcat_script() -> str:
     """Return MeshCat's program for the browser."""
-    from pathlib import Path
-
     return (Path(meshcat.__file__).with_name("viewer") / "dist" / "main.min.js").read_text(encoding="utf-8")
 
 
-def _rgb(color: str) -> list[float]:
+def rgb(color: str) -> list[float]:
+    """Return the three numbers in [0, 1] of ``#rrggbb``."""
     return [int(color[i : i + 2], 16) / 255.0 for i in (1, 3, 5)]
 
 

@@ -125,7 +125,7 @@ class StudyFile:
         self._check_permissions()
         with self._locked(), self._writing() as connection:
             with _transaction(connection):
-                if _is_empty(connection):
+                if _is_empty(connection) or _has_no_results(connection):
                     self._create(connection)
                 else:
                     self._check(connection)
@@ -192,6 +192,8 @@ class StudyFile:
         sql_types = {str: "TEXT NOT NULL", int: "INTEGER NOT NULL", float: "REAL"}
         columns = [f"{_quoted(name)} {sql_types[kind]}" for name, kind in field_types().items()]
         columns += [f"{_quoted(name)} REAL" for name in METRICS]
+        for table in ("runs", "meta"):
+            connection.execute(f"DROP TABLE IF EXISTS {table}")
         connection.execute(f"CREATE TABLE runs (key TEXT PRIMARY KEY, {', '.join(columns)}) WITHOUT ROWID")
         connection.execute("CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID")
         notes = {"package_version": __version__, **self._layout(), "shared": dict(self._shared or {})}
@@ -220,7 +222,7 @@ class StudyFile:
                     [entry for entry in one if entry not in other] for one, other in ((expected, notes[name]), (notes[name], expected))
                 )
                 raise StudyMismatch(self.path, f"list of {name}", there or notes[name], here or expected)
-        if self._shared is not None:
+        if self._shared is not None and not _has_no_results(connection):
             for name, value in self._shared.items():
                 if notes["shared"][name] != value:
                     raise StudyMismatch(self.path, f"{name} [s]", notes["shared"][name], value)
@@ -322,6 +324,12 @@ def _is_empty(connection: sqlite3.Connection) -> bool:
     """Tell whether this is a database without anything, such as a study leaves that was killed before its first commit."""
     (tables,), (application,) = (connection.execute(q).fetchone() for q in ("SELECT count(*) FROM sqlite_master", "PRAGMA application_id"))
     return bool(tables == 0 and application == 0)
+
+
+def _has_no_results(connection: sqlite3.Connection) -> bool:
+    """Tell whether this is a study's file without a row: one that was stopped before its first result. It binds nobody."""
+    (application,) = connection.execute("PRAGMA application_id").fetchone()
+    return bool(application == APPLICATION) and connection.execute("SELECT 1 FROM runs LIMIT 1").fetchone() is None
 
 
 def _quoted(name: str) -> str:

@@ -76,6 +76,20 @@ def test_readings_count_what_was_shown() -> None:
     assert "worse in 9 of 9" in outcome.answer[0]
     chapter_6.readings(Outcomes(rows(it2=0.5)), PLAN, outcome)
     assert "better in 9 of 9" in outcome.answer[1]
+    chapter_6.readings(Outcomes(rows(it2=1.0)), PLAN, outcome)
+    assert outcome.answer[2].endswith("worse in 0 of 9 cases.")
+
+
+def test_readings_show_how_many_runs_diverged() -> None:
+    outcome = Reproduction()
+    made_up = rows(it2=1.5)
+    for row in made_up:
+        if (row["controller"], row["reading"], row["snr_db"], row["seed"]) == ("ctc", "plant", 15.0, 2):
+            row.update(diverged=1.0, sum_of_squared_errors=math.nan)
+    chapter_6.readings(Outcomes(made_up), PLAN, outcome)
+    cells = [cell for row in outcome.tables[0].rows for cell in row if "diverged" in cell]
+    assert len(cells) == 1
+    assert cells[0].endswith(", 17 % diverged")
 
 
 def test_a_printed_number_that_changes_changes_the_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -146,7 +160,25 @@ def test_trajectories_show_where_open_loop_is_lost() -> None:
     cells = {row[0]: row[1] for row in outcome.tables[0].rows}
     assert cells["circle"] == "lost after 3.2 s"
     assert "lost" not in cells["line"]
-    assert "greatest error on line (7.00 m²" in outcome.answer[0]
+    assert "keep working without noise, with the greatest error on line (7.00 m²" in outcome.answer[0]
+
+
+def test_trajectories_on_which_learned_controllers_are_lost_are_named() -> None:
+    outcome = Reproduction()
+    made_up = rows()
+    for row in made_up:
+        if row["controller"] == "it2" and (row["trajectory"] == "fast-helix" or row["seed"] == 1) and row["trajectory"] != "helix":
+            row.update(diverged=1.0, sum_of_squared_errors=math.nan)
+    chapter_6.other_trajectories(Outcomes(made_up), PLAN, outcome)
+    assert "diverge on fast-helix without noise, with the greatest error of the rest on" in outcome.answer[0]
+    shown = {row[0]: row[8] for row in outcome.tables[0].rows}
+    assert shown["fast-helix"] == "–, 100 % diverged"
+    assert shown["line"].endswith("), 17 % diverged")
+    for row in made_up:
+        if row["controller"] == "it2" and row["trajectory"] != "helix":
+            row.update(diverged=1.0, sum_of_squared_errors=math.nan)
+    chapter_6.other_trajectories(Outcomes(made_up), PLAN, outcome)
+    assert "the fuzzy controllers diverge, even without noise" in outcome.answer[1]
 
 
 def test_gains_of_this_package_are_those_of_the_thesis(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -212,7 +244,21 @@ def test_wider_type_1_terms_are_set_against_type_2(gain: float, said: int) -> No
     outcome = Reproduction()
     chapter_6.averaging(Outcomes(made_up), PLAN, outcome)
     assert len(outcome.answer) == said
-    assert all(("type-1 × 3 better" in row[-1]) == (gain < 1.0) for row in outcome.tables[0].rows)
+    first, *noisy = outcome.tables[0].rows
+    assert all(("type-1 × 3 better" in row[-1]) == (gain < 1.0) for row in noisy)
+    assert (first[0], first[-1], len(noisy)) == ("∞", "type-2 is type-1 here", 3)
+
+
+def test_shares_of_broken_runs_are_those_of_the_runs() -> None:
+    made_up = rows()
+    for row in made_up:
+        row["left_stroke"] = float(row["snr_db"] <= 5.0)
+        row["diverged"] = float(row["snr_db"] <= 0.0 and row["controller"] == "t1")
+    outcome = Reproduction()
+    chapter_6.breaking_noise(Outcomes(made_up), PLAN, outcome)
+    (table,) = outcome.tables
+    for controller, _, *cells in table.rows:
+        assert cells == ["0 % / 0 %"] * 3 + ["100 % / 0 %", f"100 % / {100 if controller == 'type-1' else 0} %"]
 
 
 def test_one_seed_is_enough_and_claims_nothing() -> None:

@@ -367,6 +367,20 @@ def test_recorded_page_holds_the_pose_or_the_motion(psp3_command: Run) -> None:
     assert all(f'"text":"{name}"' in moving for name in ("pd", "ctc"))
 
 
+def test_recorded_page_holds_the_controllers_or_the_trajectory(psp3_command: Run) -> None:
+    """Two robots under their names, ghosts and forces; a trajectory alone has neither ghost nor force."""
+    psp3_command("train", "learned.json", "--kind", "t1")
+    options = ("--controller", "pd", "--controller", "it2", "--trained", "learned.json", "--radius", 0.01, "--duration", 0.2)
+    assert psp3_command("view", *options, "--record", "controllers.html") == (0, "controllers.html\n", "")
+    assert psp3_command("view", "--trajectory", "circle", "--duration", 0.2, "--record", "circle.html").status == 0
+    simulated, desired = (Path(name).read_text(encoding="utf-8") for name in ("controllers.html", "circle.html"))
+    assert all(f'"text":"{name}"' in simulated for name in ("pd", "it2", "learned.json", "desired pose"))
+    assert "/meshcat/robots/2/ghost/" in simulated
+    assert all(f"/meshcat/robots/0/{part}" in desired for part in ("actual", "visuals/a1"))
+    assert "/ghost/" not in desired
+    assert "force/head" not in desired
+
+
 def heed_interrupts() -> None:
     """Undo what a shell does to jobs in the background: they ignore interrupts, and so would what they start."""
     signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -486,6 +500,11 @@ def test_reproduce_prints_the_tables_and_the_files(psp3_command: Run) -> None:
         ("view --result none.npz --record page.html", "none.npz"),
         ("view --heights 0,0,0 --result run.npz", "give --heights or --result, not both"),
         ("view --port 0", "'--port'"),
+        ("view --radius 0.01", "--radius does not apply to a view without --trajectory, --controller or --trained"),
+        ("view --heights 0,0,0 --controller pd", "--heights is for a robot at rest"),
+        ("view --result run.npz --trajectory helix", "--trajectory does not apply to --result, which has its own"),
+        ("view --controller none", "'--controller'"),
+        ("view --trained none.json --duration 0.1 --record page.html", "none.json"),
         ("reproduce --out here.csv", "here.csv"),
         ("reproduce --out here.csv/results", "here.csv"),
     ],
@@ -572,6 +591,23 @@ def test_a_trained_controller_goes_to_a_file_and_back(psp3_command: Run, tmp_pat
     assert found["metrics"]["integral_of_squared_error"] == metrics.integral_of_squared_error(expected)
 
 
+def test_leaving_the_trained_range_shows_in_every_output(psp3_command: Run) -> None:
+    options = ("simulate", "--controller", "it2", "--radius", 0.0202, "--duration", 1, "--csv", "run.csv", "--json")
+    found = psp3_command(*options).json["metrics"]
+    controller = psp3.FuzzyComputedTorque("it2", ROBOT).fit(psp3.trajectories.Helix(robot=ROBOT))
+    expected = psp3.simulate(ROBOT, controller, psp3.trajectories.Helix(radius=0.0202, robot=ROBOT), 1.0)
+    assert expected.covered is not None
+    assert 0.0 < expected.covered.mean() < 1.0
+    assert (found["coverage"], found["fallbacks"]) == (expected.covered.mean(), 0.0)
+    with Path("run.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["covered"] == "1" for row in rows] == expected.covered.tolist()
+    assert {row["fell_back"] for row in rows} == {"0"}
+    table = psp3_command(*options[:-3]).out
+    assert f"{100.0 * expected.covered.mean():.4g}" in next(line for line in table.splitlines() if "trained range" in line)
+    assert "trained range" not in psp3_command("simulate", "--duration", 0.1).out
+
+
 def test_fuzzy_controllers_learn_where_they_are_asked_for(psp3_command: Run) -> None:
     found = psp3_command("simulate", "--controller", "t1", "--duration", 1, "--json").json
     controller = psp3.FuzzyComputedTorque("t1", ROBOT).fit(psp3.trajectories.Helix(robot=ROBOT))
@@ -587,8 +623,9 @@ def test_fuzzy_controllers_learn_where_they_are_asked_for(psp3_command: Run) -> 
         (("train", "a.json", "--snr", "nan"), "snr_db"),
         (("train", "a.json", "--trajectory", "hold"), "every difference input changes"),
         (("train", "missing/a.json"), "no directory"),
-        (("simulate", "--trained", "missing.json"), "missing.json"),
+        (("simulate", "--trained", "missing.json"), "missing.json: cannot be read (No such file or directory)"),
         (("simulate", "--trained", "missing.json", "--kp", "3"), "--kp does not apply to --trained"),
+        (("simulate", "--trained", "missing.json", "--controller", "pd"), "--controller does not apply to --trained"),
         (("simulate", "--controller", "t1", "--model", "noc"), "--model does not apply"),
     ],
 )

@@ -297,6 +297,16 @@ def test_wider_terms_have_the_same_rules(recorded: Record, options: dict[str, An
             assert (second.mean, second.sigma) == (first.mean, 2.0 * first.sigma)
 
 
+@pytest.mark.parametrize("kind", ["t1", "it2", "gt2"])
+def test_terms_that_leave_the_path_uncovered_are_refused(recorded: Record, kind: str) -> None:
+    """At the least width that is taken every estimate on the samples is finite; the greatest firing is 0.5^(4/width²) at the worst."""
+    with pytest.raises(InvalidValue, match="term_width must be great enough for a rule to fire everywhere"):
+        learned(recorded, kind=kind, term_width=0.001)
+    narrow = learned(recorded, kind=kind, term_width=0.1, snr_db=math.inf)
+    chosen = recorded.sample(209)
+    assert all(np.isfinite(part).all() for part in narrow.estimate(recorded.heights[chosen], recorded.speeds[chosen]))
+
+
 def test_terms_without_end_give_the_average_over_the_rules(recorded: Record) -> None:
     """With terms a thousand ranges wide all rules fire alike; 1e-4 is more than what is left of their difference, 1e-5."""
     controller = learned(recorded, kind="t1", term_width=1e3)

@@ -190,6 +190,9 @@ def test_number_of_seeds_stands_with_every_statistic(job: Job) -> None:
         tables = [table for table in job.found.tables if table.title.startswith(title)]
         assert tables
         assert all("2 seeds" in table.title for table in tables)
+    captions = {drawing.name: drawing.caption for drawing in job.found.drawings}
+    for name in ("figure_64", "mean_variation"):
+        assert "2 seeds" in captions[name]
 
 
 def test_progress_ends_at_the_end(job: Job) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import pickle
 import subprocess
 import sys
@@ -82,6 +83,14 @@ def test_numbers_outside_of_what_they_can_be_are_refused(wrong: dict[str, Any]) 
     # Even where the field plays no part: a typing error is not passed over.
     with pytest.raises(InvalidValue):
         replace(run, controller="pd").check()
+
+
+@pytest.mark.parametrize("kind", ["t1", "it2", "gt2"])
+def test_terms_too_narrow_for_the_path_are_refused_unless_they_vary_over_all_of_it(kind: str) -> None:
+    with pytest.raises(InvalidValue, match="term_width"):
+        Run(kind, term_width=0.001).check()
+    Run("it2", term_width=0.001, mean_variation=1.0).check()
+    Run("pd", term_width=0.001).check()
 
 
 def test_nothing_is_done_before_the_check(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,6 +180,7 @@ def test_what_cannot_matter_is_dropped_and_nothing_else() -> None:
     noisy = {"snr_db": 15.0, "seed": 4, "learner": "ridge", "levels": 3}
     assert Run("pd", **noisy).canonical() == Run("pd")
     assert Run("pd", "online", **noisy).canonical() == Run("pd")
+    assert Run("feed-forward", "measurement", **noisy).canonical() == Run("feed-forward")
     assert Run("pd-gravity", "online", **noisy).canonical() == Run("pd-gravity", "online", 15.0, 4)
     assert Run("ctc", "measurement", **noisy).canonical() == Run("ctc", "measurement", 15.0, 4)
     assert Run("t1", **noisy).canonical() == Run("t1", snr_db=15.0, seed=4, learner="ridge", mean_variation=0.0)
@@ -201,8 +211,8 @@ def test_runs_are_the_same_every_time_and_in_every_thread(expected: list[dict[st
             assert all(same(one, other) for one, other in zip(found, expected[::-1], strict=True))
 
 
-def test_runs_are_the_same_in_a_new_process_whose_threads_start_at_once(expected: list[dict[str, float]]) -> None:
-    """Nothing is warm there: every thread may be the first to load, to record and to compile."""
+def in_a_new_process(runs: list[Run], **environment: str) -> list[dict[str, float]]:
+    """Execute runs in threads that start at once, with nothing warm: each may be the first to load, to record and to compile."""
     program = (
         "import sys, json, threading\n"
         "from concurrent.futures import ThreadPoolExecutor\n"
@@ -211,9 +221,21 @@ def test_runs_are_the_same_in_a_new_process_whose_threads_start_at_once(expected
         "with ThreadPoolExecutor(4) as pool:\n"
         "    print(json.dumps(list(pool.map(execute, runs))))\n"
     )
-    text = json.dumps([asdict(run) for run in SOME])
-    done = subprocess.run([sys.executable, "-W", "error", "-c", program], input=text, capture_output=True, text=True, check=True)
-    assert all(same(one, other) for one, other in zip(json.loads(done.stdout), expected, strict=True))
+    text, command = json.dumps([asdict(run) for run in runs]), [sys.executable, "-W", "error", "-c", program]
+    done = subprocess.run(command, input=text, capture_output=True, text=True, check=True, env={**os.environ, **environment})
+    found: list[dict[str, float]] = json.loads(done.stdout)
+    return found
+
+
+def test_runs_are_the_same_in_a_new_process_whose_threads_start_at_once(expected: list[dict[str, float]]) -> None:
+    assert all(same(one, other) for one, other in zip(in_a_new_process(SOME), expected, strict=True))
+
+
+def test_runs_agree_with_those_of_another_processor() -> None:
+    """An old processor's linear algebra sums in another order, where OpenBLAS is used: whole runs agree to 1e-9, the promised bar."""
+    some = [Run(kind, snr_db=10.0, seed=1, learner=learner) for kind in ("t1", "it2", "gt2") for learner in ("strongest", "ridge")]
+    for run, found in zip(some, in_a_new_process(some, OPENBLAS_CORETYPE="Nehalem"), strict=True):
+        assert found == pytest.approx(execute(run), rel=1e-9, nan_ok=True)
 
 
 def test_seeds_change_every_noisy_run(expected: list[dict[str, float]]) -> None:

@@ -203,6 +203,16 @@ def test_study_of_other_duration_is_refused(path: Path) -> None:
     assert (refusal.value.found, refusal.value.expected) == (10.4, 5.0)
 
 
+def test_file_without_results_binds_nobody(path: Path) -> None:
+    """A study that found no scheduler leaves one: the next study, of another duration, makes it its own."""
+    with StudyFile(path, {"duration": 5.0}).adding():
+        pass
+    fill(path)
+    assert len(StudyFile(path, SHARED).rows()) == len(RUNS)
+    with pytest.raises(StudyMismatch):
+        StudyFile(path, {"duration": 5.0})
+
+
 def test_results_of_another_version_can_be_read_but_not_extended(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = fill(path)
     made_by = psp3.__version__
