@@ -1,0 +1,115 @@
+"""The notebooks run from top to bottom, and what is committed is what they show: outputs, no errors, no traces of a machine."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+nbformat = pytest.importorskip("nbformat", reason="nbformat, nbclient and ipykernel are in the extra test")
+nbclient = pytest.importorskip("nbclient", reason="nbformat, nbclient and ipykernel are in the extra test")
+
+NOTEBOOKS = sorted((Path(__file__).resolve().parents[1] / "notebooks").glob("*.ipynb"))
+LARGEST = 1_500_000
+"""Bytes of a notebook with its outputs."""
+
+FIGURE = re.compile(r"\*(Figure|Animation|3D view) \d+\. ")
+TRACES = re.compile(r"(?<![\w.])/(tmp|home|root|work|Users|usr|var|opt|mnt|private)/|site-packages")
+
+
+def read(path: Path) -> Any:
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    return notebook
+
+
+def test_there_are_six() -> None:
+    assert [path.name[:3] for path in NOTEBOOKS] == ["01_", "02_", "03_", "04_", "05_", "06_"]
+
+
+@pytest.fixture(params=NOTEBOOKS, ids=lambda path: path.stem)
+def path(request: pytest.FixtureRequest) -> Path:
+    return Path(request.param)
+
+
+def is_picture(cell: Any) -> bool:
+    """Whether a cell shows a picture, a 3D view or an animation."""
+    data = [name for output in cell.get("outputs", []) for name in output.get("data", {})]
+    frames = ["<iframe" in "".join(output.get("data", {}).get("text/html", "")) for output in cell.get("outputs", [])]
+    return any(name.startswith("image/") for name in data) or any(frames)
+
+
+def text_of(output: Any) -> str:
+    """Return what an output says in words; pictures are left out."""
+    data = output.get("data", {})
+    words = [output.get("text", ""), *(data.get(kind, "") for kind in ("text/plain", "text/markdown"))]
+    if "<iframe" not in data.get("text/html", ""):
+        words.append(data.get("text/html", ""))
+    return "\n".join(words)
+
+
+def test_committed_with_outputs(path: Path) -> None:
+    """Every cell was run, in order and from a fresh kernel, and none failed or warned."""
+    assert path.stat().st_size < LARGEST
+    notebook = read(path)
+    code = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    assert [cell.execution_count for cell in code] == list(range(1, len(code) + 1))
+    assert sum(bool(cell.outputs) for cell in code) >= len(code) / 2
+    for cell in code:
+        for output in cell.outputs:
+            assert output.output_type != "error"
+            assert output.get("name") != "stderr", output.text
+            assert not TRACES.search(text_of(output)), text_of(output)
+    assert notebook.metadata.language_info == {"name": "python"}
+
+
+def test_opens_with_what_the_reader_will_be_able_to_do_and_ends_with_two_exercises(path: Path) -> None:
+    cells = read(path).cells
+    assert cells[0].cell_type == cells[-1].cell_type == "markdown"
+    assert re.match(r"# \d .+\n\nAfter this notebook you will be able to\n\n(- .+\n)", cells[0].source)
+    assert cells[-1].source.startswith("## Exercises\n")
+    assert re.findall(r"^(\d+)\. \*\*", cells[-1].source, flags=re.MULTILINE) == ["1", "2"]
+
+
+def test_every_picture_is_put_in_words(path: Path) -> None:
+    """The text below a picture opens with its caption, which describes it, and the documentation gets the same as its alternative text."""
+    cells = read(path).cells
+    pictures = 0
+    for cell, following in pairwise(cells):
+        if is_picture(cell):
+            pictures += 1
+            assert FIGURE.match(following.source), following.source
+            assert len(cell.metadata.mystnb.image.alt) > 80
+            for output in cell.outputs:
+                for kind in ("image/png", "image/gif"):
+                    assert kind not in output.get("data", {}) or output.metadata[kind].alt
+        else:
+            assert not FIGURE.match(following.source), "a caption without a picture"
+    assert pictures >= 2
+
+
+def test_figures_are_numbered_in_order(path: Path) -> None:
+    captions = [FIGURE.match(cell.source) for cell in read(path).cells if cell.cell_type == "markdown"]
+    numbers: dict[str, list[int]] = {}
+    for caption in filter(None, captions):
+        numbers.setdefault(caption[1], []).append(int(caption[0].split()[-1].rstrip(".")))
+    for found in numbers.values():
+        assert found == list(range(1, len(found) + 1))
+
+
+# What the kernel's own packages are about to drop is not ours to repair.
+@pytest.mark.filterwarnings("ignore::DeprecationWarning:(jupyter|nbclient|traitlets|zmq|tornado).*")
+@pytest.mark.filterwarnings("ignore:Proactor event loop:RuntimeWarning")
+def test_runs_from_top_to_bottom(path: Path, tmp_path: Path) -> None:
+    """In a directory of its own, with warnings as errors from the first cell on."""
+    notebook = read(path)
+    strict = nbformat.v4.new_code_cell('import warnings\n\nwarnings.simplefilter("error")', id="warnings-are-errors")
+    notebook.cells.insert(0, strict)
+    client = nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}})
+    client.execute()
+    errors = [output.text for cell in notebook.cells for output in cell.get("outputs", []) if output.get("name") == "stderr"]
+    assert errors == []
+    assert list(tmp_path.iterdir()) == []
