@@ -4,6 +4,8 @@
 #   make test        install what the tests need, and run them
 #   make lint        check style and types
 #   make bench       measure speed
+#   make docs        build the documentation: results/docs/index.html
+#   make pictures    draw the pictures of the README and the documentation anew
 #   make clean       remove what these commands made, but not results/
 #
 # Everything is installed into .venv. Each step leaves a stamp there, and runs again only when what it depends on has changed.
@@ -21,7 +23,7 @@ KERNELS := $(shell grep -rl --include='*.py' -e 'import compiled' -e '^def compi
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help reproduce test lint bench clean
+.PHONY: help reproduce test lint bench docs pictures clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
@@ -44,9 +46,18 @@ bench: $(VENV)/.compiled $(VENV)/.test
 	@echo "Measuring speed"
 	@set -e; for benchmark in benchmarks/bench_*.py; do $(BIN)/python "$$benchmark"; done
 
+docs: $(VENV)/.docs
+	@echo "Building the documentation"
+	@$(BIN)/sphinx-build -W --keep-going --quiet -b html -d build/doctrees docs results/docs
+	@echo "Done: results/docs/index.html"
+
+pictures: $(VENV)/.compiled $(VENV)/.test
+	@echo "Drawing the pictures"
+	@set -e; for script in docs/pictures/make_*.py; do $(BIN)/python "$$script"; done
+
 clean:
 	@echo "Removing the virtual environment, caches and builds (results/ stays)"
-	@rm -rf $(VENV) build dist htmlcov .coverage .pytest_cache .mypy_cache .ruff_cache .hypothesis
+	@rm -rf $(VENV) build dist docs/api docs/notebooks htmlcov .coverage .pytest_cache .mypy_cache .ruff_cache .hypothesis
 	@find . -name __pycache__ -type d -prune -exec rm -rf {} +
 
 $(VENV)/.made:
@@ -57,13 +68,18 @@ $(VENV)/.made:
 		$(PYTHON) -m venv --without-pip $(VENV) && $(PYTHON) -m pip --python $(BIN)/python install --quiet --disable-pip-version-check pip; fi
 	@touch $@
 
-# The three installations follow one another, so that make -j never runs two at once.
+# The installations follow one another, so that make -j never runs two at once.
 $(VENV)/.run: $(VENV)/.made pyproject.toml constraints.txt
 	@echo "Installing psp3 and what it runs on (a minute or two, 1 GiB)"
 	@$(INSTALL) --editable .
 	@touch $@
 
-$(VENV)/.test: $(VENV)/.run
+$(VENV)/.docs: $(VENV)/.run
+	@echo "Installing what the documentation needs"
+	@$(INSTALL) --editable '.[docs]'
+	@touch $@
+
+$(VENV)/.test: $(VENV)/.docs
 	@echo "Installing what the tests need"
 	@$(INSTALL) --editable '.[test]'
 	@touch $@

@@ -19,9 +19,15 @@ from psp3.visualize import Scene
 
 HERE = Path(__file__).parent
 HEIGHT, WHOLE_WIDTH, CLOSE_WIDTH = 620, 400, 500
+ANIMATION_WIDTH, SECONDS, FRAME_RATE, COLORS = 720, 4.0, 10, 255
 HEIGHTS = psp3.load().inverse_kinematics(height=0.03, tilt=np.radians(18.0), azimuth=np.radians(200.0))
 
 RENDER_WITHOUT_A_SCREEN = ("--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+
+HIDE_CONTROLS = """
+for (const name of ['playback', 'distance']) document.getElementById(name).style.visibility = 'hidden';
+animator.pause();
+"""
 
 LOOK_AT_THE_STAR = """
 const [center, zoom] = arguments;
@@ -59,6 +65,28 @@ def robot(browser: webdriver.Chrome) -> Image.Image:
     return both.resize((both.width // 2, both.height // 2), Image.Resampling.LANCZOS)
 
 
+def animation(browser: webdriver.Chrome) -> list[Image.Image]:
+    """Return PD beside computed torque on the helix, frame by frame, from a place where both are whole."""
+    robot = psp3.load()
+    helix = psp3.trajectories.Helix(robot=robot)
+    controllers = {"PD": psp3.PD(), "computed torque": psp3.ComputedTorque(robot)}
+    scene = Scene(robot)
+    scene.animate({name: psp3.simulate(robot, controller, helix, SECONDS) for name, controller in controllers.items()})
+    picture(browser, scene, ANIMATION_WIDTH, HIDE_CONTROLS)
+    frames = []
+    for time in np.arange(0.0, SECONDS, 1.0 / FRAME_RATE).tolist():
+        browser.execute_script("animator.seek(arguments[0]); animator.time = arguments[0]; viewer.render()", time)
+        frame = Image.open(io.BytesIO(browser.get_screenshot_as_png())).convert("RGB")
+        frames.append(frame.resize((ANIMATION_WIDTH, HEIGHT), Image.Resampling.LANCZOS))
+    return frames
+
+
+def with_one_palette(frames: list[Image.Image]) -> list[Image.Image]:
+    """Return frames in the colors that the middle one needs most, the same for all, so that nothing flickers."""
+    palette = frames[len(frames) // 2].quantize(COLORS, Image.Quantize.FASTOCTREE)
+    return [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
+
+
 def main() -> None:
     """Write every picture beside this file."""
     options = webdriver.ChromeOptions()
@@ -68,6 +96,8 @@ def main() -> None:
     browser = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
     try:
         robot(browser).save(HERE / "robot.png", optimize=True)
+        first, *others = with_one_palette(animation(browser))
+        first.save(HERE / "tracking.gif", save_all=True, append_images=others, duration=1000 // FRAME_RATE, loop=0, optimize=True)
     finally:
         browser.quit()
 

@@ -1,0 +1,127 @@
+"""Write ``docs/benchmarks.md`` from what ``make bench`` left in ``results/``: ``python docs/make_benchmarks.py [directory]``."""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+HERE = Path(__file__).resolve().parent
+NAMES = ("robot", "controller", "fuzzy")
+EMPTY = "empty compiled call"
+
+HEAD = """# Benchmarks
+
+*Written by `docs/make_benchmarks.py` from the results of `make bench` of {date}; do not edit. Versions: {versions}.*
+
+Times depend on the machine and on what else it does. Every function of a table was timed in turn with the others, in many short samples of
+which the median counts, so what is slow hits all alike: compare the times of a table with each other, not with those of another machine. An
+empty compiled call is what calling anything compiled from Python costs here, before anything is computed. Measure on your own machine with
+
+```sh
+make bench && python docs/make_benchmarks.py
+```
+"""
+
+ROBOT = """## The robot
+
+One call from Python at one state. The same tree in Pinocchio and MuJoCo does not close the loops where "tree only" is said. The two other
+implementations of the equation of motion are there to be compared with, not for speed: they close the loops by iteration, in NumPy.
+
+{table}
+
+A simulation of 10 s at 2 ms with Runge–Kutta steps takes {simulations}.
+"""
+
+CONTROLLER = """## One control step
+
+One call of `torque`, from Python, at one state on the helix. The last column is the share of the control period of 2 ms.
+
+{table}
+
+The thesis gives 255 ms for a step of computed torque with the exact model, and learned a model because of that.
+
+Whole runs of 10 s in a study, learning included, on one core: {runs}.
+"""
+
+FUZZY = """## Type-2 inference
+
+4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, center of sets. Peers that could be imported solve the same system, with equal
+outputs.
+
+{table}
+
+How the time of one call of the interval type-2 system grows:
+
+{growth}
+
+Time of an exact centroid of an interval type-2 set on a grid, by the number of points:
+
+{centroids}
+
+A batch takes {bytes} bytes of memory an item beyond its inputs; `import fuzzy2` adds {seconds} s to `import numpy`.
+"""
+
+
+def digits(value: float) -> str:
+    """Return a number with two significant digits, and without exponent."""
+    return f"{value:.2g}" if value < 100.0 else f"{round(value, 2 - len(str(int(value)))):.0f}"
+
+
+def table(medians: Mapping[str, float], base: str, *columns: tuple[str, float]) -> str:
+    """Return a table of times, of their ratios to that of ``base``, and of further columns (heading, divisor) as percentages."""
+    heads = ["", "µs", f"× {base}", *(heading for heading, _ in columns)]
+    lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
+    for name, value in medians.items():
+        cells = [name, digits(value), digits(value / medians[base]), *(f"{digits(100.0 * value / divisor)} %" for _, divisor in columns)]
+        lines.append("| " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
+def grid(rows: Mapping[str, Mapping[str, float]]) -> str:
+    """Return a table of times with one line for each entry; all have the same keys."""
+    keys = list(next(iter(rows.values())))
+    lines = ["| | " + " | ".join(keys) + " |", "|---" * (len(keys) + 1) + "|"]
+    lines += [f"| {name} [µs] | " + " | ".join(digits(value) for value in row.values()) + " |" for name, row in rows.items()]
+    return "\n".join(lines)
+
+
+def page(results: Mapping[str, Any], date: str) -> str:
+    """Return the page for the results of the three benchmarks."""
+    robot, controller, fuzzy = (results[name] for name in NAMES)
+    versions = {name: version for result in results.values() for name, version in result["versions"].items()}
+    simulations = " and ".join(f"{digits(seconds)} s under {name}" for name, seconds in robot["simulation_seconds"].items())
+    runs = ", ".join(f"{name} {digits(1e3 * seconds)} ms" for name, seconds in controller["run_seconds"].items())
+    return "\n".join(
+        [
+            HEAD.format(date=date, versions=", ".join(f"{name} {version}" for name, version in versions.items())),
+            ROBOT.format(table=table(robot["microseconds"], "equation_of_motion"), simulations=simulations),
+            CONTROLLER.format(table=table(controller["microseconds"], "PD", ("of 2 ms", 2000.0)), runs=runs),
+            FUZZY.format(
+                table=table(fuzzy["microseconds"], "fuzzy2, interval type-2"),
+                growth="\n\n".join(grid({f"by {name}": row}) for name, row in fuzzy["growth"]["systems"].items()),
+                centroids=grid(fuzzy["growth"]["centroid"]),
+                bytes=digits(list(fuzzy["batch_bytes_an_item"].values())[-1]),
+                seconds=digits(fuzzy["import_seconds"]["numpy, fuzzy2"] - fuzzy["import_seconds"]["numpy"]),
+            ),
+        ]
+    )
+
+
+def main() -> None:
+    """Write the page; the directory of the results may be given."""
+    directory = Path(sys.argv[1]) if len(sys.argv) > 1 else HERE.parent / "results"
+    files = [directory / f"bench_{name}.json" for name in NAMES]
+    missing = [str(file) for file in files if not file.is_file()]
+    if missing:
+        sys.exit(f"no results of make bench: {', '.join(missing)}")
+    results = {name: json.loads(file.read_text(encoding="utf-8")) for name, file in zip(NAMES, files, strict=True)}
+    date = datetime.fromtimestamp(max(file.stat().st_mtime for file in files), UTC).date().isoformat()
+    (HERE / "benchmarks.md").write_text(page(results, date), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
