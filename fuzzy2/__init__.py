@@ -1,4 +1,4 @@
-"""Type-1, interval type-2 and general type-2 fuzzy logic: sets, operations, numbers, type reduction, systems, learning, files, plots.
+"""Type-1, interval and general type-2 fuzzy logic: sets, operations, measures, numbers, type reduction, systems, learning, files, plots.
 
 Names are imported when they are first used, so ``import fuzzy2`` costs little more than ``import numpy``.
 """
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from fuzzy2.join_meet import join, meet, negation
     from fuzzy2.json_files import from_json, load, save, to_json
     from fuzzy2.learning import WangMendel, gaussian_partition
+    from fuzzy2.measures import cardinality, fuzziness, jaccard, rank
     from fuzzy2.noise import add_noise, mean_variation_from_snr, snr_from_mean_variation
     from fuzzy2.numbers import FuzzyNumber, GaussianNumber, IntervalNumber, gaussian_meet, gaussian_meet_error
     from fuzzy2.relations import cartesian_product, compose
@@ -70,6 +71,7 @@ _NAMES = {
     "join_meet": ("join", "meet", "negation"),
     "json_files": ("from_json", "load", "save", "to_json"),
     "learning": ("WangMendel", "gaussian_partition"),
+    "measures": ("cardinality", "fuzziness", "jaccard", "rank"),
     "noise": ("add_noise", "mean_variation_from_snr", "snr_from_mean_variation"),
     "numbers": ("FuzzyNumber", "GaussianNumber", "IntervalNumber", "gaussian_meet", "gaussian_meet_error"),
     "relations": ("cartesian_product", "compose"),
@@ -143,6 +145,7 @@ __all__ = [
     "approximate_centroid",
     "approximate_generalized_centroid",
     "begian_melek_mendel",
+    "cardinality",
     "cartesian_product",
     "centroid",
     "complement",
@@ -154,11 +157,13 @@ __all__ = [
     "fine_tune",
     "format_rules",
     "from_json",
+    "fuzziness",
     "gaussian_meet",
     "gaussian_meet_error",
     "gaussian_partition",
     "generalized_centroid",
     "intersection",
+    "jaccard",
     "join",
     "load",
     "mean_variation_from_snr",
@@ -166,6 +171,7 @@ __all__ = [
     "negation",
     "nie_tan",
     "parse_rules",
+    "rank",
     "save",
     "snr_from_mean_variation",
     "t_conorm",

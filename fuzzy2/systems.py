@@ -586,7 +586,14 @@ class FuzzySystem:
         -------
         Report
             What was found; ``report.ok`` if nothing.
+
+        Raises
+        ------
+        InvalidValue
+            If ``points`` is no whole number of at least 2.
         """
+        if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 2:
+            raise InvalidValue("points", points, "a whole number of at least 2, the grid points per input; ranges go into domain")
         ranges = self.domain() if domain is None else reals("domain", domain)
         if ranges.shape != (len(self.inputs), 2) or not np.isfinite(ranges).all() or (ranges[:, 0] > ranges[:, 1]).any():
             raise InvalidValue("domain", ranges, f"finite ranges of shape ({len(self.inputs)}, 2)")

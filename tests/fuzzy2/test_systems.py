@@ -482,3 +482,9 @@ def test_rows_of_every_make_are_read(consequents: Array, X: Array) -> None:
         np.testing.assert_array_equal(system(same), expected)
     np.testing.assert_array_equal(system(np.array([1, -1, 0])), system([1.0, -1.0, 0.0]))
     assert (len(kernels.evaluate_row.signatures), len(kernels.evaluate.signatures)) == compiled_for
+
+
+@pytest.mark.parametrize("points", [1, 2.5, True, [[-3.0, 3.0]], None])
+def test_validate_takes_a_number_of_points(points: object, consequents: Array) -> None:
+    with pytest.raises(InvalidValue, match="points"):
+        IntervalType2System(uncertain(), GRID_RULES, consequents).validate(points)  # type: ignore[arg-type]
