@@ -400,7 +400,7 @@ def reproduce(
     ),
     seeds: Annotated[
         int, typer.Option(min=1, metavar="COUNT", help="Number of seeds of Table 6.3; other comparisons take 10 at most.")
-    ] = 20,
+    ] = 30,
     quick: Annotated[bool, typer.Option("--quick", help="A look in seconds: two seeds, no animation.", show_default=False)] = False,
 ) -> None:
     """Run the main job: the thesis's results, recomputed.

@@ -26,7 +26,7 @@ from psp3.records import record
 from psp3.runs import Run, simulate_run
 from psp3.trajectories import Helix
 
-SEEDS = 20
+SEEDS = 30
 """Seeds of Table 6.3, unless asked for others."""
 
 SIDE_BY_SIDE = ("type-1, 20 dB", "type-2, 20 dB")

@@ -17,7 +17,7 @@ from psp3.published import TABLE_6_3
 from psp3.runs import Run
 from psp3.statistics import Estimate, mean
 
-SEEDS = 20
+SEEDS = 30
 NOISE = (20.0, 15.0, 10.0)
 WIDE = 3.0
 SERIES = {
