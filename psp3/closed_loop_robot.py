@@ -227,7 +227,8 @@ class ClosedLoopRobot:
 
     def _within_limits(self, q: Array) -> Array:
         """Return q, provided that no un-actuated joint is beyond its limits; those of the motors are not its business."""
-        for name, joint in zip(self.model.names, self.model.joints, strict=True):
+        # Without the universe: Pinocchio's placeholder claims one coordinate, the last of q.
+        for name, joint in zip(list(self.model.names)[1:], list(self.model.joints)[1:], strict=True):
             if joint.nq != 1 or name in self.actuated:
                 continue
             position, lower, upper = (

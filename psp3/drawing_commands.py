@@ -20,6 +20,7 @@ class DrawingCommands:
         self._lock = threading.Lock()
         self._current: dict[tuple[str, ...], str] = {}
         self._subscribers: list[queue.Queue[str | None]] = []
+        self._ended = False
 
     def send(self, command: Any) -> None:
         """Take one of MeshCat's command objects."""
@@ -53,6 +54,9 @@ class DrawingCommands:
         with self._lock:
             for text in self._current.values():
                 subscriber.put(text)
+            # A browser may connect just as the viewer closes; nobody would end its subscription later.
+            if self._ended:
+                subscriber.put(None)
             self._subscribers.append(subscriber)
         return subscriber
 
@@ -62,8 +66,9 @@ class DrawingCommands:
             self._subscribers.remove(subscriber)
 
     def end(self) -> None:
-        """End all subscriptions."""
+        """End all subscriptions, those that are yet to come as well."""
         with self._lock:
+            self._ended = True
             for subscriber in self._subscribers:
                 subscriber.put(None)
 

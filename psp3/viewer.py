@@ -13,7 +13,10 @@ from typing import Any
 
 from psp3.closed_loop_robot import ClosedLoopRobot
 from psp3.drawing_commands import DrawingCommands
+from psp3.errors import InvalidValue
 from psp3.scene import Scene, page
+
+LAST_PORT = 65535
 
 
 class _Server(ThreadingHTTPServer):
@@ -78,12 +81,17 @@ class Viewer(Scene):
     robot : robot from :func:`psp3.load`
         What to show.
     port : int
-        Port to listen on; if it is taken, the next one that is free.
+        Port to listen on, up to 65535; if it is taken, the next one that is free.
 
     Attributes
     ----------
     url : str
         What to open in the browser.
+
+    Raises
+    ------
+    InvalidValue
+        If there is no such port.
     """
 
     def __init__(self, robot: ClosedLoopRobot, port: int = 7000) -> None:
@@ -94,7 +102,9 @@ class Viewer(Scene):
         self._thread.start()
 
     def _listen(self, port: int) -> _Server:
-        for candidate in range(port, port + 100):
+        if not 0 <= port <= LAST_PORT:
+            raise InvalidValue("port", port, f"from 0 to {LAST_PORT}")
+        for candidate in range(port, min(port + 100, LAST_PORT + 1)):
             try:
                 return _Server(candidate, self._commands)
             except OSError:

@@ -14,7 +14,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.closed_loop_robot import ClosedLoopRobot, read_tree, reference_poses
-from psp3.errors import ClosureFailed, InvalidArray, InvalidRobotFile, MobilityMismatch, PSP3Error, UnknownName
+from psp3.errors import ClosureFailed, InvalidArray, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, PSP3Error, UnknownName
 from psp3.loading import ROBOT_FILES
 from tests.helpers import ROBOTS_WITH_LOOPS, Array, derivative
 
@@ -51,6 +51,16 @@ def star() -> psp3.PSP3:
 
 
 # Closing loops
+
+
+@pytest.mark.parametrize("leg", [0, 1, 2])
+def test_a_joint_beyond_its_limits_is_named(star: psp3.PSP3, leg: int) -> None:
+    """The slider of the leg that is lifted too far, 1e-9 m from the closed form's arm: Newton's method ends near rounding."""
+    heights = 1.2 * np.eye(3)[leg]
+    with pytest.raises(JointLimitExceeded) as caught:
+        build(star).configuration(heights)
+    assert caught.value.joint == f"b{leg + 1}"
+    assert_allclose(caught.value.position, star.forward_kinematics(heights).arms[leg], rtol=0.0, atol=1e-9)
 
 
 def test_configuration_closes_the_loops_at_the_given_positions(robot: ClosedLoopRobot) -> None:

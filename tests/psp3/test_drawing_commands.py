@@ -39,3 +39,12 @@ def test_subscribers_receive_what_was_and_what_comes_until_the_end() -> None:
     commands.unsubscribe(subscriber)
     commands.add({"type": "set_transform", "path": "/b"})
     assert subscriber.empty()
+
+
+def test_who_subscribes_after_the_end_receives_what_was_and_the_end() -> None:
+    commands = DrawingCommands()
+    commands.add({"type": "set_transform", "path": "/a"})
+    commands.end()
+    late = commands.subscribe()
+    assert json.loads(late.get_nowait() or "")["path"] == "/a"
+    assert late.get_nowait() is None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import socket
 import time
@@ -15,6 +16,7 @@ import pytest
 from selenium import webdriver
 
 import psp3
+from psp3.errors import InvalidValue
 from psp3.visualize import Scene, Viewer
 from tests.psp3.page_helpers import HEIGHT, WIDTH, complaints, set_size, settle, star_center
 
@@ -67,6 +69,15 @@ def test_a_port_that_is_taken_is_left_alone(address: str) -> None:
             assert taken < port_of(viewer) < taken + 100
             with urllib.request.urlopen(viewer.url, timeout=5) as page:
                 assert page.status == 200
+
+
+def test_ports_end_at_65535() -> None:
+    """When the last one is taken, any free port is served."""
+    with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", 65535)), Viewer(ROBOT, 65535) as viewer:
+        assert 0 < port_of(viewer) < 65535
+    for port in (-1, 65536):
+        with pytest.raises(InvalidValue, match=f"port must be from 0 to 65535, got {port}"):
+            Viewer(ROBOT, port)
 
 
 def test_a_viewer_knows_one_page(sagging: psp3.Result) -> None:
