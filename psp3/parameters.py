@@ -6,7 +6,7 @@ Three sets have names. They differ in the inertia of the star and in gravity onl
 name           star inertia about (x, y, own axis)     g [m/s²]      what it is
 =============  ======================================  ============  ==================================================
 ``default``    0.06451, 0.06451, 0.12901               9.81          Table 3.1, star inertia divided by ten
-``table_3_1``  0.6451, 0.6451, 1.2901                  9.81          Table 3.1 as printed
+``table_3_1``  0.6451, 0.6451, 1.2901                  9.81          Table 3.1, moments as printed
 ``table_5_1``  0.06451, 0.12901, 0.06451               9.806         reproduces the printed M and G of Table 5.1
 =============  ======================================  ============  ==================================================
 

@@ -53,20 +53,20 @@ def draw(axes: Axes, found: dict[str, list[Estimate]]) -> None:
         value = psp3.runs.execute(Run(kind))["sum_of_squared_errors"]
         axes.axhline(value, linestyle="--", linewidth=1.0, color="0.5")
         printed = TABLE_6_3["PD" if kind == "pd" else "CTC"]
-        axes.annotate(f"{name} (printed {printed:g})", (0.5, value), xytext=(0, -4), textcoords="offset points", ha="center", va="top")
+        axes.annotate(f"{name} (printed {printed:g})", (0.5 if kind == "pd" else 1.0, value), xytext=(0, -4), textcoords="offset points", ha="center", va="top")
     axes.set_xticks(range(len(NOISE)), [f"{snr:g} dB" for snr in NOISE])
-    axes.set_xlabel("signal-to-noise ratio of the records that rules are learned from")
+    axes.set_xlabel("signal-to-noise ratio of the records")
     axes.set_ylabel("sum of squared errors [m²]")
     axes.set_yscale("log")
     axes.set_ylim(bottom=0.01)
-    axes.set_title(f"What type-2 gains is averaging ({SEEDS} seeds, 95 % intervals)")
-    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), ncols=2)
+    axes.set_title(f"Type-2 gains by averaging ({SEEDS} seeds)")
+    axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.17))
 
 
 def main() -> None:
     """Write the figure beside this file."""
     with style():
-        figure = Figure(figsize=(6.4, 5.0), layout="constrained")
+        figure = Figure(figsize=(4.8, 5.2), layout="constrained")
         draw(figure.subplots(), errors())
         save(figure, "result")
 
