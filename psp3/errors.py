@@ -159,8 +159,8 @@ class MobilityMismatch(PSP3Error, ValueError):
     def __init__(self, mobility: int, actuated: Sequence[str]) -> None:
         self.mobility, self.actuated = mobility, tuple(actuated)
         super().__init__(
-            f"the mechanism has {mobility} degree{'s' if mobility != 1 else ''} of freedom but {len(actuated)} actuated joints ({', '.join(actuated)}); "
-            f"correct name_mot or the loops"
+            f"the mechanism has {mobility} degree{'s' if mobility != 1 else ''} of freedom but {len(actuated)} actuated joints "
+            f"({', '.join(actuated)}); correct name_mot or the loops"
         )
 
 

@@ -53,7 +53,9 @@ def draw(axes: Axes, found: dict[str, list[Estimate]]) -> None:
         value = psp3.runs.execute(Run(kind))["sum_of_squared_errors"]
         axes.axhline(value, linestyle="--", linewidth=1.0, color="0.5")
         printed = TABLE_6_3["PD" if kind == "pd" else "CTC"]
-        axes.annotate(f"{name} (printed {printed:g})", (0.5 if kind == "pd" else 1.0, value), xytext=(0, -4), textcoords="offset points", ha="center", va="top")
+        place = (0.5 if kind == "pd" else 1.0, value)
+        text = f"{name} (printed {printed:g})"
+        axes.annotate(text, place, xytext=(0, -4), textcoords="offset points", ha="center", va="top")
     axes.set_xticks(range(len(NOISE)), [f"{snr:g} dB" for snr in NOISE])
     axes.set_xlabel("signal-to-noise ratio of the records")
     axes.set_ylabel("sum of squared errors [m²]")
