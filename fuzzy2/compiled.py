@@ -1,7 +1,8 @@
 """Compile scalar kernels with numba: cached on disk where that is possible, without the interpreter lock.
 
-Both packages compile with this one decorator. Numba does not notice when a function in *another* module changed, so a
-kernel and everything it calls live in one module.
+Both packages compile with this one decorator. Numba does not notice when a function in *another* module changed. The control loops
+of ``psp3`` call kernels of other modules, so whoever changes a kernel clears the cache: ``make`` does, by deleting every ``*.nbi`` and
+``*.nbc``.
 """
 
 from __future__ import annotations

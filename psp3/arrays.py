@@ -84,6 +84,22 @@ def checked_number(name: str, value: object, requirement: str, least: float = -m
     return number
 
 
+def checked_positive(name: str, value: object) -> float:
+    """Return a number as a float; raise :class:`InvalidValue` if it is not finite and positive."""
+    number = checked_number(name, value, "finite and positive")
+    if not 0.0 < number < math.inf:
+        raise InvalidValue(name, value, "finite and positive")
+    return number
+
+
+def checked_not_negative(name: str, value: object) -> float:
+    """Return a number as a float; raise :class:`InvalidValue` if it is not finite and not negative."""
+    number = checked_number(name, value, "finite and not negative", 0.0)
+    if number == math.inf:
+        raise InvalidValue(name, value, "finite and not negative")
+    return number
+
+
 def checked_count(name: str, value: object, least: int = 1) -> int:
     """Return a whole number; raise :class:`InvalidValue` if it is none, or less than the least one."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:

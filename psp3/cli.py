@@ -140,6 +140,12 @@ def _output(text: str) -> Path:
     return path
 
 
+def _page_output(text: str) -> Path:
+    if Path(text).suffix.lower() not in (".html", ".htm"):
+        raise typer.BadParameter(f"{text}: the name of a page must end in .html")
+    return _output(text)
+
+
 def _csv_output(text: str) -> Path:
     return Path("-") if text == "-" else _output(text)
 
@@ -763,7 +769,8 @@ def study(
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="Path: helix (unless given), which is the one learned from, circle, line, fast-helix, large-helix or waypoints.",
+            help="Path: helix (unless given), which is the one learned from, circle, line, fast-helix, fastest-helix, large-helix or "
+            "waypoints.",
         ),
     ] = None,
     learner: Annotated[
@@ -942,12 +949,12 @@ def torques(
     robot = _load(parameters)
     import numpy as np
 
-    from psp3.errors import InvalidValue
+    from psp3.arrays import checked_positive
     from psp3.torques import screw_forces
 
     for name, value in (("duration", duration), ("sampling period", sampling_period)):
-        if value is not None and not (math.isfinite(value) and value > 0.0):
-            raise InvalidValue(name, value, "finite and positive")
+        if value is not None:
+            checked_positive(name, value)
     given = {
         "radius": radius, "turn_time": turn_time, "rise": rise, "start_height": start_height,
         "start": start, "end": end, "travel_time": travel_time, "tip": tip,
@@ -1183,7 +1190,8 @@ def view(
         typer.Option(metavar="FILE", help="Simulate a controller that psp3 train wrote, and show it; may be given more than once."),
     ] = None,
     record: Annotated[
-        Path | None, typer.Option(parser=_output, metavar="FILE", help="Write a page that any browser opens, and do not serve.")
+        Path | None,
+        typer.Option(parser=_page_output, metavar="FILE", help="Write a page (.html) that any browser opens, and do not serve."),
     ] = None,
     port: Annotated[int, typer.Option(min=1, max=65000, help="Port to serve on; if it is taken, the next one.")] = 7000,
     parameters: Parameters = ParametersName.DEFAULT,

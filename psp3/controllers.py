@@ -7,14 +7,13 @@ are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, checked_number
+from psp3.arrays import Array, checked_not_negative
 from psp3.errors import InvalidValue
 from psp3.robot import DynamicsModel
 from psp3.trajectories import Motion
@@ -30,13 +29,6 @@ class Controller(Protocol):
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the screw forces for the next control period."""
         ...
-
-
-def _gain(name: str, value: float) -> float:
-    gain = checked_number(name, value, "finite and not negative", 0.0)
-    if gain == math.inf:
-        raise InvalidValue(name, value, "finite and not negative")
-    return gain
 
 
 def _equation_of_motion(model: DynamicsModel) -> Callable[[ArrayLike, ArrayLike], tuple[Array, Array, Array]]:
@@ -98,7 +90,7 @@ class PD(_Stateless):
     """
 
     def __init__(self, kp: float = 1000.0, kv: float = 100.0) -> None:
-        self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
+        self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the feedback forces, of shape (3,) [N]."""
@@ -142,7 +134,7 @@ class PID(PD):
 
     def __init__(self, kp: float = 1000.0, kv: float = 100.0, ki: float = 2000.0) -> None:
         super().__init__(kp, kv)
-        self.ki = _gain("ki", ki)
+        self.ki = checked_not_negative("ki", ki)
         self.reset()
 
     def reset(self) -> None:
@@ -183,13 +175,13 @@ class ComputedTorque(_Stateless):
 
     def __init__(self, model: DynamicsModel, kp: float = 10.0, kv: float = 1.0) -> None:
         self.model = model
-        self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
+        self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         self._equation = _equation_of_motion(model)
 
     @classmethod
     def critically_damped(cls, model: DynamicsModel, kp: float = 10.0) -> ComputedTorque:
         r"""Return a controller with :math:`k_v = 2 \sqrt{k_p}`, whose error dies out fastest without overshoot (after eq. 4.15)."""
-        return cls(model, kp, 2.0 * np.sqrt(_gain("kp", kp)))
+        return cls(model, kp, 2.0 * np.sqrt(checked_not_negative("kp", kp)))
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of eq. 4.10, of shape (3,) [N]."""

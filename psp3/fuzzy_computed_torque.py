@@ -28,8 +28,7 @@ from fuzzy2.numbers import GaussianNumber, IntervalNumber
 from fuzzy2.systems import FuzzySystem, GeneralType2System, IntervalType2System, Type1System
 from fuzzy2.text_files import read_text, write_text
 from psp3 import control_kernels as kernels
-from psp3.arrays import Array, checked_count, checked_number, one_row
-from psp3.controllers import _gain
+from psp3.arrays import Array, checked_count, checked_not_negative, checked_number, checked_positive, one_row
 from psp3.errors import InvalidControllerFile, InvalidValue, NotTrained, UnknownName, UnusableEstimate
 from psp3.loading import load
 from psp3.parameters import Parameters
@@ -143,15 +142,14 @@ class FuzzyComputedTorque:
             if name not in known:
                 raise UnknownName(what, name, known)
         self.kind, self.learner, self.reduction, self.outside = kind, learner, reduction, outside
-        self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
+        self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         self.n_terms, self.levels = checked_count("n_terms", n_terms), checked_count("levels", levels)
         self.snr_db = checked_snr(snr_db)
+        by_rule = float(mean_variation_from_snr(self.snr_db))
+        self.mean_variation = by_rule if mean_variation is None else checked_not_negative("mean_variation", mean_variation)
         if kind == "t1":
-            mean_variation = 0.0
-        self.mean_variation = float(mean_variation_from_snr(self.snr_db)) if mean_variation is None else checked_share(mean_variation)
-        self.term_width = checked_number("term_width", term_width, "finite and positive")
-        if not 0.0 < self.term_width < math.inf:
-            raise InvalidValue("term_width", term_width, "finite and positive")
+            self.mean_variation = 0.0
+        self.term_width = checked_positive("term_width", term_width)
         if robot is not None and not isinstance(robot, PSP3):
             raise InvalidValue("robot", robot, 'a robot, such as psp3.load("psp3")')
         self.robot = load("psp3") if robot is None else robot
@@ -500,7 +498,7 @@ class FuzzyComputedTorque:
         controller = cls(
             kind, load("psp3", parameters=parameters) if robot is None else robot, kp=content["kp"], kv=content["kv"],
             n_terms=n_terms, learner=content["learner"], snr_db=math.inf if snr == "inf" else snr,
-            mean_variation=checked_share(content["mean_variation"]), term_width=content["term_width"],
+            mean_variation=content["mean_variation"], term_width=content["term_width"],
             outside=content["outside"], **options,
         )  # fmt: skip
         controller._take(system, ranges)
@@ -527,11 +525,3 @@ def _wider(term: Any, width: float) -> Any:
 def checked_snr(snr_db: object) -> float:
     """Return a signal-to-noise ratio in decibels; raise :class:`InvalidValue` if it is not a number of at least ``LEAST_SNR``."""
     return checked_number("snr_db", snr_db, f"a number of decibels, at least {LEAST_SNR:g}, or inf for no noise", LEAST_SNR)
-
-
-def checked_share(mean_variation: object) -> float:
-    """Return a mean variation; raise :class:`InvalidValue` if it is not finite and not negative."""
-    share = checked_number("mean_variation", mean_variation, "finite and not negative", 0.0)
-    if share == math.inf:
-        raise InvalidValue("mean_variation", mean_variation, "finite and not negative")
-    return share

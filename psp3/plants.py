@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 import pinocchio as pin
 
-from psp3.arrays import Array
+from psp3.arrays import Array, checked_not_negative, checked_positive
 from psp3.closed_loop_robot import ClosedLoopRobot
 from psp3.errors import InvalidValue
 from psp3.robot import PSP3
@@ -81,9 +81,7 @@ class DormandPrince:
 
     def __init__(self, robot: PSP3, tolerance: float = 1e-12) -> None:
         self._robot = robot
-        if not (np.isfinite(tolerance) and tolerance > 0.0):
-            raise InvalidValue("tolerance", tolerance, "finite and positive")
-        self._tolerance = tolerance
+        self._tolerance = checked_positive("tolerance", tolerance)
         self._state = np.zeros(6)
 
     def start(self, heights: Array, speeds: Array) -> None:
@@ -126,8 +124,7 @@ class ConstraintDynamics:
     """
 
     def __init__(self, robot: ClosedLoopRobot, frequency: float = 20.0, steps: int = 1) -> None:
-        if not (np.isfinite(frequency) and frequency >= 0.0):
-            raise InvalidValue("frequency", frequency, "finite and not negative")
+        frequency = checked_not_negative("frequency", frequency)
         self._steps = _whole("steps", steps)
         closures = pin.StdVec_RigidConstraintModel()
         for closure in robot.constraint_models:

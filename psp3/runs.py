@@ -27,17 +27,16 @@ import numpy as np
 from fuzzy2.learning import KINDS, LEARNERS
 from fuzzy2.noise import mean_variation_from_snr
 from psp3 import control_kernels as kernels
-from psp3.arrays import Array, checked_count, checked_number
+from psp3.arrays import Array, checked_count, checked_not_negative, checked_positive
 from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_computed_torque import (
     OUTSIDE,
     REDUCTIONS,
     FuzzyComputedTorque,
-    checked_share,
     checked_snr,
 )
 from psp3.loading import load
-from psp3.metrics import THESIS_SAMPLING_PERIOD
+from psp3.metrics import THESIS_SAMPLING_PERIOD, integral_of_squared_error, largest_tip_error, sum_of_squared_errors
 from psp3.parameters import PARAMETER_SETS, Parameters
 from psp3.published import TABLE_6_1
 from psp3.records import DURATION, Record, record
@@ -175,20 +174,16 @@ class Run:
         for name, least in (("seed", 0), ("n_terms", 1), ("levels", 1), ("samples", 2)):
             checked_count(name, getattr(self, name), least)
         for name in ("duration", "period"):
-            value = getattr(self, name)
-            if not 0.0 < checked_number(name, value, "finite and positive") < math.inf:
-                raise InvalidValue(name, value, "finite and positive")
+            checked_positive(name, getattr(self, name))
         if not self.period <= self.duration <= MOST_STEPS * self.period:
             raise InvalidValue("duration", self.duration, f"at least one and at most {MOST_STEPS:,} periods of {self.period} s")
         every = round(THESIS_SAMPLING_PERIOD / self.period)
         if abs(every * self.period - THESIS_SAMPLING_PERIOD) > 1e-9 * THESIS_SAMPLING_PERIOD:
             raise InvalidValue("period", self.period, f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or a whole part of it")
         if self.mean_variation is not None:
-            checked_share(self.mean_variation)
-        if not 0.0 < checked_number("term_width", self.term_width, "finite and positive") < math.inf:
-            raise InvalidValue("term_width", self.term_width, "finite and positive")
-        if not 0.0 <= checked_number("payload", self.payload, "finite and not negative") < math.inf:
-            raise InvalidValue("payload", self.payload, "finite and not negative")
+            checked_not_negative("mean_variation", self.mean_variation)
+        checked_positive("term_width", self.term_width)
+        checked_not_negative("payload", self.payload)
         if self.payload > 0.0 and self.reading != "plant":
             raise InvalidValue("payload", self.payload, "0, but under the reading 'plant'")
         _desired(self.trajectory, self.parameters, self.duration, self.period)
@@ -330,13 +325,11 @@ def measure(samples: Samples, run: Run) -> dict[str, float]:
     finite = bool(np.isfinite(result.torque).all()) if len(result.t) else False
     diverged = len(result.t) < samples.steps or not finite
     error = result.desired.heights - result.heights
-    squares = (error**2).sum(axis=1)
-    every = round(THESIS_SAMPLING_PERIOD / run.period)
     tip_error = np.linalg.norm(result.desired.tip - result.tip, axis=1)
     lower, upper = _robot(run.parameters).stroke
     values = (
-        squares[::every].sum(), np.trapezoid(squares, result.t), *np.sqrt((error**2).mean(axis=0)), *np.abs(error).max(axis=0),
-        np.sqrt((tip_error**2).mean()), tip_error.max(), np.trapezoid((result.torque**2).sum(axis=1), result.t),
+        sum_of_squared_errors(result), integral_of_squared_error(result), *np.sqrt((error**2).mean(axis=0)), *np.abs(error).max(axis=0),
+        np.sqrt((tip_error**2).mean()), largest_tip_error(result), np.trapezoid((result.torque**2).sum(axis=1), result.t),
         np.abs(result.torque).max(),
     ) if not diverged else (math.nan,) * 12  # fmt: skip
     assert result.covered is not None

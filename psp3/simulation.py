@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.arrays import Array, one_row
+from psp3.arrays import Array, checked_positive, one_row
 from psp3.controllers import Controller
 from psp3.errors import InvalidResultFile, InvalidTorque, InvalidValue, SimulationDiverged
 from psp3.plants import Plant, RungeKutta
@@ -181,9 +181,7 @@ def simulate(
         If a nut runs off its screw, an arm off its ball joint, or the numbers overflow. This error and the one before it carry
         time, state and torque, and the part simulated so far as ``error.result``.
     """
-    for name, value in (("duration", duration), ("period", period)):
-        if not (np.isfinite(value) and value > 0.0):
-            raise InvalidValue(name, value, "finite and positive")
+    duration, period = checked_positive("duration", duration), checked_positive("period", period)
     # The small excess keeps rounding from losing the last of 5200 periods of 2 ms in 10.4 s.
     steps = int(duration / period * (1.0 + 1e-12) + 1e-9)
     if steps < 1:

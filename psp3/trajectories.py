@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, as_floats, finite_rows, one_row
+from psp3.arrays import Array, as_floats, checked_not_negative, checked_positive, finite_rows, one_row
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue, StrokeExceeded
 from psp3.robot import PSP3
 
@@ -124,12 +124,6 @@ def finite_times(t: ArrayLike) -> Array:
     return times
 
 
-def _positive(name: str, value: float) -> float:
-    if not (np.isfinite(value) and value > 0.0):
-        raise InvalidValue(name, value, "finite and positive")
-    return float(value)
-
-
 def _finite(name: str, value: float) -> float:
     if not np.isfinite(value):
         raise InvalidValue(name, value, "finite")
@@ -164,10 +158,8 @@ class Helix(Trajectory):
         self, radius: float = 0.020, period: float = 2.0, rise: float = 0.010, height: float | None = None, robot: PSP3 | None = None
     ) -> None:
         super().__init__(robot)
-        if not (np.isfinite(radius) and radius >= 0.0):
-            raise InvalidValue("radius", radius, "finite and not negative")
-        self.radius = float(radius)
-        self.period = _positive("period", period)
+        self.radius = checked_not_negative("radius", radius)
+        self.period = checked_positive("period", period)
         self.rise = _finite("rise", rise)
         self.height = self.robot.parameters.tool_length if height is None else _finite("height", height)
 
@@ -223,7 +215,7 @@ class _Segment(Trajectory):
     def __init__(self, start: ArrayLike, end: ArrayLike, duration: float, robot: PSP3 | None = None) -> None:
         super().__init__(robot)
         self.start, self.end = one_row("start", start, 3), one_row("end", end, 3)
-        self.duration: float = _positive("duration", duration)
+        self.duration: float = checked_positive("duration", duration)
 
     def _progress(self, x: Array) -> tuple[Array, Array, Array]:
         """Share of the way at the share x of the time, within [0, 1], with its first and second derivative."""

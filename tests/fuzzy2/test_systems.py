@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 
 import fuzzy2
 from fuzzy2.errors import ApproximationWarning, InvalidValue, NotApplicable, UnknownName
+from fuzzy2.kernels import LANES
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.type1 import Sigmoid
 
 Array = NDArray[np.float64]
 GRID_RULES = np.array(list(itertools.product(range(2), repeat=3)))
 CENTERS = (-1.0, 1.0)
+MANY = LANES + 7
+"""More rows than the compiled loop takes at a time, and some that are left over."""
 
 
 def uncertain(width: float = 0.2) -> list[list[fuzzy2.GaussianUncertainMean]]:
@@ -466,6 +469,43 @@ def test_many_rows_give_what_each_row_gives(norm: str, crisp: bool) -> None:
         evaluate = system if crisp else system.type_reduced
         assert np.isnan(evaluate(X)).any()
         np.testing.assert_array_equal(evaluate(X), np.array([evaluate(x) for x in X]))
+
+
+def test_many_rows_whose_lower_firing_strengths_all_vanish(consequents: Array) -> None:
+    """Means so uncertain that every lower grade underflows to 0: each end is that of the extreme consequent alone, exactly.
+
+    Upper grades are 1 everywhere, so a rule may take any weight from 0 to 1.
+    """
+    system = IntervalType2System(uncertain(width=60.0), GRID_RULES, consequents)
+    X = np.random.default_rng(6).uniform(-2.0, 2.0, (MANY, 3))
+    assert (system.firing(X) == [0.0, 1.0]).all()
+    extremes = np.stack([consequents.min(axis=0), consequents.max(axis=0)], axis=-1)
+    np.testing.assert_array_equal(system.type_reduced(X), np.broadcast_to(extremes, (MANY, 4, 2)))
+
+
+def test_many_rows_whose_end_is_a_consequent_itself() -> None:
+    """One consequent lies on the end that all others make, so the comparison that finds the switch point ties, up to rounding.
+
+    Many rows give to the last bit what one gives, and 1e-12 is the bar of exact reduction.
+    """
+    generator = np.random.default_rng(7)
+    for x in generator.uniform(-2.0, 2.0, (20, 3)):
+        z, k = generator.normal(size=(8, 1)), int(generator.integers(8))
+        strengths, others = IntervalType2System(uncertain(), GRID_RULES, z).firing(x), np.arange(8) != k
+        z[k] = fuzzy2.generalized_centroid(z[others, 0], strengths[others])[0]
+        system = IntervalType2System(uncertain(), GRID_RULES, z)
+        found = system.type_reduced(np.tile(x, (MANY, 1)))
+        np.testing.assert_array_equal(found, np.broadcast_to(system.type_reduced(x), found.shape))
+        np.testing.assert_allclose(found[0], by_hand(uncertain(), GRID_RULES, z, x, "product"), rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("size", [0, 2, 4, 6])
+def test_plain_rows_of_another_length_are_refused(size: int, consequents: Array) -> None:
+    """The compiled loop must not take them for no rows, or for several, and read or write beyond its arrays."""
+    system = IntervalType2System(uncertain(), GRID_RULES, consequents)
+    for evaluate in (system, system.type_reduced):
+        with pytest.raises(InvalidValue, match=r"of shape \(\.\.\., 3\)"):
+            evaluate(np.zeros(size))
 
 
 def test_rows_of_every_make_are_read(consequents: Array, X: Array) -> None:

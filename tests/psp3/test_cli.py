@@ -635,3 +635,10 @@ def test_what_cannot_be_trained_or_read_is_refused(psp3_command: Run, arguments:
     assert words in answer.err
     assert "Traceback" not in answer.err
     assert not Path("a.json").exists()
+
+
+def test_a_page_is_not_written_under_the_name_of_a_picture(psp3_command: Run) -> None:
+    answer = psp3_command("view", "--record", "page.png")
+    assert answer.status == cli.USAGE
+    assert "must end in .html" in answer.err
+    assert not Path("page.png").exists()
