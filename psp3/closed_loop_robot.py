@@ -23,6 +23,7 @@ from psp3.arrays import Array, finite_rows, one_row, together
 from psp3.errors import ClosureFailed, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, SingularConfiguration, UnknownName
 from psp3.loops import constraint_models, read_loops
 from psp3.rank import dependent_solver
+from psp3.robot_files import read_tree, reference_poses
 
 CLOSURE_TOLERANCE = 1e-13
 """Residual at which a closure is accepted at once [m, rad]; Newton's method usually ends at 1e-16."""
@@ -502,40 +503,3 @@ class ClosedLoopRobot:
             return np.asarray(pin.computePotentialEnergy(self.model, self.data, self.configuration(position)))
 
         return self._map(one, (), positions=positions)
-
-
-def read_tree(urdf: str | Path) -> tuple[pin.Model, Any]:
-    """Return the Pinocchio model and the visual model of a URDF.
-
-    Raises
-    ------
-    InvalidRobotFile
-        If the file is missing or Pinocchio cannot read it.
-    """
-    path = Path(urdf)
-    if not path.is_file():
-        raise InvalidRobotFile(path, "no such file")
-    try:
-        model = pin.buildModelFromUrdf(str(path))
-        visual_model = pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.VISUAL, package_dirs=[str(path.parent)])
-    except (ValueError, RuntimeError) as error:
-        raise InvalidRobotFile(path, f"Pinocchio cannot read it: {error}") from error
-    return model, visual_model
-
-
-def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
-    """Return the reference poses of an SRDF by name.
-
-    Raises
-    ------
-    InvalidRobotFile
-        If the file is missing or Pinocchio cannot read it.
-    """
-    path = Path(srdf)
-    if not path.is_file():
-        raise InvalidRobotFile(path, "no such file")
-    try:
-        pin.loadReferenceConfigurations(model, str(path), False)
-    except (ValueError, RuntimeError) as error:
-        raise InvalidRobotFile(path, f"Pinocchio cannot read it: {error}") from error
-    return {item.key(): np.array(item.data()) for item in model.referenceConfigurations}

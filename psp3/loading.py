@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from psp3.closed_loop_robot import read_tree, reference_poses
+from psp3.robot_files import read_tree, reference_poses
 from psp3.errors import UnknownName
 from psp3.loops import constraint_models, read_loops
 from psp3.parameters import Parameters, named_parameters

@@ -13,7 +13,8 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.closed_loop_robot import ClosedLoopRobot, read_tree, reference_poses
+from psp3.closed_loop_robot import ClosedLoopRobot
+from psp3.robot_files import read_tree, reference_poses
 from psp3.errors import ClosureFailed, InvalidArray, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, PSP3Error, UnknownName
 from psp3.loading import ROBOT_FILES
 from tests.helpers import ROBOTS_WITH_LOOPS, Array, derivative

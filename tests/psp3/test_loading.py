@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.closed_loop_robot import read_tree, reference_poses
+from psp3.robot_files import read_tree, reference_poses
 from psp3.errors import InvalidRobotFile, UnknownName
 from psp3.loading import ROBOT_FILES, set_parameters
 
