@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from psp3.errors import InvalidArray, InvalidValue
 
 Array = NDArray[np.float64]
+Indices = NDArray[np.int64]
 
 
 def as_floats(name: str, values: ArrayLike, shape: str) -> Array:

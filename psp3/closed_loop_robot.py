@@ -11,6 +11,7 @@ the 3-PSP or the thesis's natural orthogonal complement, so each of the three ch
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -20,16 +21,31 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.arrays import Array, finite_rows, one_row, together
-from psp3.errors import ClosureFailed, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, SingularConfiguration, UnknownName
+from psp3.closure import assembled, flattened
+from psp3.closure_kernels import SINGULAR, close, drift
+from psp3.errors import ClosureFailed, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, UnknownName
 from psp3.loops import constraint_models, read_loops
+from psp3.mobility import mobility
 from psp3.rank import dependent_solver
 from psp3.robot_files import read_tree, reference_poses
 
-CLOSURE_TOLERANCE = 1e-13
-"""Residual at which a closure is accepted at once [m, rad]; Newton's method usually ends at 1e-16."""
 
-LARGEST_PREDICTED_STEP = 0.3
-"""Continuation toward a pose moves no joint by more than this between two closures [m, rad], so no assembly mode is skipped."""
+class Closure:
+    """A closed configuration: ``configuration`` q (nq,) and ``complement`` L (nv, n) of eq. 3.17.
+
+    ``dependent_inverse`` (nv − n, m) solves the closure equations for the un-actuated joints, see :func:`psp3.rank.dependent_solver`;
+    it is computed when it is first asked for.
+    """
+
+    def __init__(self, robot: ClosedLoopRobot, configuration: Array, complement: Array) -> None:
+        self._robot = robot
+        self.configuration, self.complement = configuration, complement
+
+    @functools.cached_property
+    def dependent_inverse(self) -> Array:
+        """The (pseudo-)inverse of the un-actuated columns of Pinocchio's constraint Jacobian, (nv − n, m)."""
+        jacobian = self._robot.constraint_jacobian(self.configuration)
+        return dependent_solver(jacobian[:, self._robot.dependent_v])
 
 
 class ClosedLoopRobot:
@@ -79,18 +95,22 @@ class ClosedLoopRobot:
             if not model.existJointName(name):
                 raise UnknownName("actuated joint", name, tuple(model.names)[1:])
         joints = [model.joints[model.getJointId(name)] for name in self.actuated]
-        self._actuated_q = np.array([joint.idx_q for joint in joints], dtype=int)
-        self._actuated_v = np.array([joint.idx_v for joint in joints], dtype=int)
-        self._dependent_v = np.setdiff1d(np.arange(model.nv), self._actuated_v)
+        self.actuated_q = np.array([joint.idx_q for joint in joints], dtype=np.int64)
+        self.actuated_v = np.array([joint.idx_v for joint in joints], dtype=np.int64)
+        self.dependent_v = np.setdiff1d(np.arange(model.nv), self.actuated_v)
         self._constraint_data = pin.StdVec_RigidConstraintData()
         self._dynamics_data = pin.StdVec_RigidConstraintData()
         for constraint in self.constraint_models:
             self._constraint_data.append(constraint.createData())
             # Constraint data must not be shared between algorithms of Pinocchio: results would be silently wrong.
             self._dynamics_data.append(constraint.createData())
-        self.q0 = pin.neutral(model) if q0 is None else one_row("q0", q0, model.nq)
-        self._check_mobility()
-        self.q0 = self._close(self.q0, self.q0[self._actuated_q])
+        self._limited = _Limits(model, self.actuated)
+        self._table = flattened(model, self.constraint_models, self.actuated_v)
+        start = assembled(model, self._table, pin.neutral(model)) if q0 is None else one_row("q0", q0, model.nq)
+        self.mobility = mobility(model, self.constraint_models, self.actuated, start)
+        if self.mobility.under_actuation or self.mobility.over_actuation:
+            raise MobilityMismatch(self.mobility, self.actuated)
+        self.q0 = self._close(start[self.actuated_q][np.newaxis], start)[0][0]
 
     @classmethod
     def from_urdf(cls, urdf: str | Path, loops: str | Path, srdf: str | Path | None = None) -> ClosedLoopRobot:
@@ -121,74 +141,44 @@ class ClosedLoopRobot:
             q0 = poses["home"]
         return cls(model, closures, content.actuated, q0, visual_model)
 
-    def _check_mobility(self) -> None:
-        jacobian, _ = self._constraint(self.q0)
-        rank = int(np.linalg.matrix_rank(jacobian, tol=1e-7 * max(1.0, np.abs(jacobian).max(initial=0.0)))) if jacobian.size else 0
-        if self.model.nv - rank != len(self.actuated):
-            raise MobilityMismatch(self.model.nv - rank, self.actuated)
+    @property
+    def reference(self) -> Array:
+        """Actuated positions of the reference configuration ``q0``, (n,) [m or rad]."""
+        positions: Array = self.q0[self.actuated_q]
+        return positions
+
+    @property
+    def limits(self) -> tuple[Array, Array]:
+        """Lowest and highest positions of the actuated joints, each (n,) [m or rad]."""
+        return self.model.lowerPositionLimit[self.actuated_q], self.model.upperPositionLimit[self.actuated_q]
 
     # Closing the loops
 
-    def _constraint(self, q: Array) -> tuple[Array, Array]:
-        """Pinocchio's constraint Jacobian, which is minus the derivative of the residual at closure, and the residual."""
+    def constraint_jacobian(self, q: Array) -> Array:
+        """Return Pinocchio's constraint Jacobian, (m, nv): minus the derivative of the residual where the loops are closed."""
+        if not len(self.constraint_models):
+            return np.zeros((0, self.model.nv))
         pin.computeJointJacobians(self.model, self.data, q)
-        residuals = [np.zeros(0)]
         for constraint, data in zip(self.constraint_models, self._constraint_data, strict=True):
             # Without this call the Jacobian below is silently wrong.
             constraint.calc(self.model, self.data, data)
-            if constraint.type == pin.ContactType.CONTACT_6D:
-                residuals.append(pin.log6(data.c1Mc2).vector)
-            else:
-                residuals.append(data.c1Mc2.translation)
-        if not len(self.constraint_models):
-            return np.zeros((0, self.model.nv)), residuals[0]
-        jacobian = pin.getConstraintsJacobian(self.model, self.data, self.constraint_models, self._constraint_data)
-        return jacobian, np.concatenate(residuals)
+        jacobian: Array = pin.getConstraintsJacobian(self.model, self.data, self.constraint_models, self._constraint_data)
+        return jacobian
 
-    def _newton(self, q: Array) -> tuple[Array, float]:
-        """Close the loops with the un-actuated joints only; return the configuration and its residual."""
-        best, last = q, np.inf
-        for _ in range(20):
-            jacobian, residual = self._constraint(q)
-            size = float(np.abs(residual).max(initial=0.0))
-            if not size < last:
-                break
-            best, last = q, size
-            if size == 0.0:
-                break
-            step = np.zeros(self.model.nv)
-            step[self._dependent_v] = dependent_solver(jacobian[:, self._dependent_v]) @ residual
-            q = pin.integrate(self.model, q, step)
-        return best, last
-
-    def _close(self, guess: Array, positions: Array) -> Array:
-        """Follow the assembly mode of ``guess`` to the given actuated positions."""
-        # Absorb a guess that does not quite close the loops at its own actuated positions.
-        q, residual = self._newton(guess)
-        start = q[self._actuated_q]
-        done, step = 0.0, 1.0
-        failure = ClosureFailed(positions, residual, 0.0)
-        if residual > CLOSURE_TOLERANCE:
-            raise failure
-        while done < 1.0:
-            velocity = self._orthogonal_complement(q) @ (positions - start)
-            fastest = float(np.abs(velocity).max(initial=0.0))
-            step = min(step, 1.0 - done, LARGEST_PREDICTED_STEP / fastest if fastest > 0.0 else 1.0)
-            goal = 1.0 if done + step > 1.0 - 1e-12 else done + step
-            predicted = pin.integrate(self.model, q, (goal - done) * velocity)
-            predicted[self._actuated_q] = start + goal * (positions - start)
-            try:
-                closed, residual = self._newton(predicted)
-            except SingularConfiguration:
-                residual = np.inf
-            moved = pin.difference(self.model, predicted, closed) if residual < CLOSURE_TOLERANCE else np.full(1, np.inf)
-            if np.abs(moved).max(initial=0.0) < LARGEST_PREDICTED_STEP:
-                q, done, step = closed, goal, 2.0 * step
-            else:
-                step = 0.5 * step
-                if step < 1e-6:
-                    raise ClosureFailed(positions, residual, done)
-        return q
+    def _close(self, rows: Array, guess: Array, along: bool = False, complements: bool = False) -> tuple[Array, Array]:
+        """Return configurations, and on demand complements L, for rows of actuated positions (N, n)."""
+        nv, n = self.model.nv, len(self.actuated)
+        configurations, report = np.empty((len(rows), self.model.nq)), np.empty(4)
+        out = np.zeros((len(rows) if complements else 0, nv, n))
+        if complements:
+            out[:, self.actuated_v, np.arange(n)] = 1.0
+        failed = close(self._table, guess, rows, along, configurations, out, report)
+        if failed < 0:
+            return configurations, out
+        if report[0] == SINGULAR:
+            # What is wrong is told by Pinocchio's Jacobian.
+            dependent_solver(self.constraint_jacobian(configurations[failed])[:, self.dependent_v])
+        raise ClosureFailed(rows[failed], float(report[2]), float(report[1]))
 
     def _map(self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: ArrayLike) -> Array:
         """Apply a function of rows (n,), with a result of the given shape, to arguments (..., n)."""
@@ -223,21 +213,66 @@ class ClosedLoopRobot:
         JointLimitExceeded
             If an un-actuated joint would be beyond its limits.
         """
-        start = self.q0 if guess is None else one_row("guess", guess, self.model.nq)
-        return self._map(lambda row: self._within_limits(self._close(start, row)), (self.model.nq,), positions=positions)
+        return self._configurations(positions, guess, along=False)
 
-    def _within_limits(self, q: Array) -> Array:
-        """Return q, provided that no un-actuated joint is beyond its limits; those of the motors are not its business."""
-        # Without the universe: Pinocchio's placeholder claims one coordinate, the last of q.
-        for name, joint in zip(list(self.model.names)[1:], list(self.model.joints)[1:], strict=True):
-            if joint.nq != 1 or name in self.actuated:
-                continue
-            position, lower, upper = (
-                float(vector[joint.idx_q]) for vector in (q, self.model.lowerPositionLimit, self.model.upperPositionLimit)
-            )
-            if not lower <= position <= upper:
-                raise JointLimitExceeded(str(name), position, lower, upper)
-        return q
+    def configurations_along(self, path: ArrayLike, guess: ArrayLike | None = None) -> Array:
+        """Return the configurations along a path, each reached from the one before, so that the assembly mode is kept.
+
+        Parameters
+        ----------
+        path : (N, n) array_like
+            Positions of the actuated joints [m or rad], in the order of the path.
+        guess : (nq,) array_like, optional
+            Where the path is entered from; ``q0`` by default.
+
+        Returns
+        -------
+        (N, nq) ndarray
+            Pinocchio configurations.
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, JointLimitExceeded
+            See :meth:`configuration`.
+        """
+        return self._configurations(path, guess, along=True)
+
+    def _configurations(self, positions: ArrayLike, guess: ArrayLike | None, along: bool) -> Array:
+        rows = finite_rows("positions", positions, len(self.actuated))
+        start = self.q0 if guess is None else one_row("guess", guess, self.model.nq)
+        configurations, _ = self._close(rows.reshape(-1, len(self.actuated)), start, along)
+        self._limited.check(configurations)
+        shaped: Array = configurations.reshape(*rows.shape[:-1], self.model.nq)
+        return shaped
+
+    def closure(self, positions: ArrayLike) -> Closure:
+        """Return the closed configuration of one pose together with L.
+
+        Parameters
+        ----------
+        positions : (n,) array_like
+            Positions of the actuated joints [m or rad].
+
+        Returns
+        -------
+        Closure
+            ``.configuration`` (nq,), ``.complement`` (nv, n) and ``.dependent_inverse`` (nv − n, m).
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, JointLimitExceeded
+            See :meth:`configuration`.
+        SingularConfiguration
+            If the actuated joints do not determine the others here.
+        """
+        row = one_row("positions", positions, len(self.actuated))
+        configurations, complements = self._close(row[np.newaxis], self._start(row), complements=True)
+        self._limited.check(configurations)
+        return Closure(self, configurations[0], complements[0])
+
+    def _start(self, row: Array) -> Array:
+        """Return the configuration from which the loops are closed."""
+        return self.q0
 
     def velocity(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         r"""Return the velocities of all joints, :math:`\dot q = L \dot q^a` (eq. 3.16).
@@ -257,62 +292,45 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        return self._map(lambda position, speed: self._closed(position)[1] @ speed, (self.model.nv,), positions=positions, speeds=speeds)
+        return self._map(
+            lambda position, speed: self.closure(position).complement @ speed, (self.model.nv,), positions=positions, speeds=speeds
+        )
 
     # Projected dynamics
 
-    def _orthogonal_complement(self, q: Array) -> Array:
-        """L of eq. 3.17 at a closed configuration."""
-        jacobian, _ = self._constraint(q)
-        return self._complement_of(jacobian)[0]
+    def _at(self, position: Array) -> tuple[Array, Array]:
+        closure = self.closure(position)
+        return closure.configuration, closure.complement
 
-    def _complement_of(self, jacobian: Array) -> tuple[Array, Array]:
-        solver = dependent_solver(jacobian[:, self._dependent_v])
-        complement = np.zeros((self.model.nv, len(self.actuated)))
-        complement[self._actuated_v] = np.eye(len(self.actuated))
-        complement[self._dependent_v] = -solver @ jacobian[:, self._actuated_v]
-        return complement, solver
+    def drift(self, q: Array, v: Array) -> Array:
+        r"""Return the joint accelerations while the actuated joints move uniformly, :math:`\dot L \dot q^a`.
 
-    def _closed(self, positions: Array) -> tuple[Array, Array, Array]:
-        """Return configuration, L and the solver for the un-actuated joints at the given positions."""
-        q = self.configuration(positions)
-        jacobian, _ = self._constraint(q)
-        return (q, *self._complement_of(jacobian))
+        Parameters
+        ----------
+        q : (nq,) ndarray
+            A closed configuration.
+        v : (nv,) ndarray
+            Joint velocities that keep the loops closed.
 
-    def _drift(self, q: Array, v: Array, solver: Array) -> Array:
-        """Joint accelerations that keep the loops closed while the actuated joints move uniformly: dL/dt times speeds."""
-        pin.forwardKinematics(self.model, self.data, q, v, np.zeros(self.model.nv))
-        drift = [np.zeros(0)]
-        for constraint in self.constraint_models:
-            first = pin.getFrameAcceleration(
-                self.model, self.data, constraint.joint1_id, constraint.joint1_placement, pin.ReferenceFrame.LOCAL
-            )
-            second = pin.getFrameAcceleration(
-                self.model, self.data, constraint.joint2_id, constraint.joint2_placement, pin.ReferenceFrame.LOCAL
-            )
-            relative = (self.data.oMi[constraint.joint1_id] * constraint.joint1_placement).actInv(
-                self.data.oMi[constraint.joint2_id] * constraint.joint2_placement
-            )
-            if constraint.type == pin.ContactType.CONTACT_6D:
-                drift.append((first - relative.act(second)).vector)
-            else:
-                # Points, not frames, coincide: their classical accelerations agree.
-                points = [
-                    pin.getFrameClassicalAcceleration(self.model, self.data, joint, placement, pin.ReferenceFrame.LOCAL).linear
-                    for joint, placement in (
-                        (constraint.joint1_id, constraint.joint1_placement),
-                        (constraint.joint2_id, constraint.joint2_placement),
-                    )
-                ]
-                drift.append(points[0] - relative.rotation @ points[1])
-        acceleration = np.zeros(self.model.nv)
-        acceleration[self._dependent_v] = -solver @ np.concatenate(drift)
-        return acceleration
+        Returns
+        -------
+        (nv,) ndarray
+            Joint accelerations, zero for the actuated joints.
 
-    def _velocity_forces(self, q: Array, complement: Array, solver: Array, speeds: Array) -> Array:
+        Raises
+        ------
+        SingularConfiguration
+            If the actuated joints do not determine the others here.
+        """
+        accelerations = np.zeros(self.model.nv)
+        if not drift(self._table, q, v, accelerations):
+            dependent_solver(self.constraint_jacobian(q)[:, self.dependent_v])
+        return accelerations
+
+    def _velocity_forces(self, q: Array, complement: Array, speeds: Array) -> Array:
         """C(q, speeds) speeds: projected RNEA of the uniform motion of the actuated joints, without gravity."""
         v = complement @ speeds
-        forces: Array = complement.T @ pin.rnea(self._weightless, self.data, q, v, self._drift(q, v, solver))
+        forces: Array = complement.T @ pin.rnea(self._weightless, self.data, q, v, self.drift(q, v))
         return forces
 
     def equation_of_motion(self, positions: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array, Array]:
@@ -342,7 +360,7 @@ class ClosedLoopRobot:
         n = len(self.actuated)
 
         def one(position: Array, speed: Array) -> Array:
-            q, complement, solver = self._closed(position)
+            q, complement = self._at(position)
             tree = pin.crba(self.model, self.data, q)
             tree = np.triu(tree) + np.triu(tree, 1).T
             mass = complement.T @ tree @ complement
@@ -351,10 +369,10 @@ class ClosedLoopRobot:
             # The unit vectors are scaled to the speed: subtracting forms of very different size would lose digits.
             scale = float(np.abs(speed).max(initial=0.0))
             if scale > 0.0:
-                base = self._velocity_forces(q, complement, solver, speed)
+                base = self._velocity_forces(q, complement, speed)
                 for j, unit in enumerate(scale * np.eye(n)):
-                    both = self._velocity_forces(q, complement, solver, speed + unit)
-                    alone = self._velocity_forces(q, complement, solver, unit)
+                    both = self._velocity_forces(q, complement, speed + unit)
+                    alone = self._velocity_forces(q, complement, unit)
                     coriolis[:, j] = (both - base - alone) / (2.0 * scale)
             return np.concatenate([mass.ravel(), coriolis.ravel(), gravity])
 
@@ -394,9 +412,9 @@ class ClosedLoopRobot:
         """
 
         def one(position: Array, speed: Array, acceleration: Array) -> Array:
-            q, complement, solver = self._closed(position)
+            q, complement = self._at(position)
             v = complement @ speed
-            forces: Array = complement.T @ pin.rnea(self.model, self.data, q, v, complement @ acceleration + self._drift(q, v, solver))
+            forces: Array = complement.T @ pin.rnea(self.model, self.data, q, v, complement @ acceleration + self.drift(q, v))
             return forces
 
         return self._map(one, (len(self.actuated),), positions=positions, speeds=speeds, accelerations=accelerations)
@@ -419,7 +437,7 @@ class ClosedLoopRobot:
             Joint accelerations.
         """
         tau = np.zeros(self.model.nv)
-        tau[self._actuated_v] = forces
+        tau[self.actuated_v] = forces
         # Redundant closures make the constraint inertia singular; the proximal iteration then converges to the same motion.
         rows = sum(constraint.residualSize() for constraint in self.constraint_models)
         redundant = rows > self.model.nv - len(self.actuated)
@@ -448,8 +466,8 @@ class ClosedLoopRobot:
         """
 
         def one(position: Array, speed: Array, force: Array) -> Array:
-            q, complement, _ = self._closed(position)
-            accelerations: Array = self.constrained_accelerations(q, complement @ speed, force)[self._actuated_v]
+            q, complement = self._at(position)
+            accelerations: Array = self.constrained_accelerations(q, complement @ speed, force)[self.actuated_v]
             return accelerations
 
         return self._map(one, (len(self.actuated),), positions=positions, speeds=speeds, forces=forces)
@@ -474,12 +492,10 @@ class ClosedLoopRobot:
         UnknownName
             If the model has no such frame.
         """
-        if not self.model.existFrame(frame):
-            raise UnknownName("frame", frame, [known.name for known in self.model.frames])
-        index = self.model.getFrameId(frame)
+        index = self._frame(frame)
 
         def one(position: Array) -> Array:
-            q, complement, _ = self._closed(position)
+            q, complement = self._at(position)
             pin.computeJointJacobians(self.model, self.data, q)
             pin.updateFramePlacements(self.model, self.data)
             jacobian = pin.getFrameJacobian(self.model, self.data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
@@ -487,11 +503,49 @@ class ClosedLoopRobot:
 
         return self._map(one, (6, len(self.actuated)), positions=positions)
 
+    def frame_placement(self, positions: ArrayLike, frame: str) -> Array:
+        """Return the placement of a frame in base axes.
+
+        Parameters
+        ----------
+        positions : (..., n) array_like
+            Actuated positions.
+        frame : str
+            Name of a frame of the model.
+
+        Returns
+        -------
+        (..., 4, 4) ndarray
+            Homogeneous transforms: rotation, and position [m].
+
+        Raises
+        ------
+        UnknownName
+            If the model has no such frame.
+        InvalidArray, ClosureFailed, JointLimitExceeded
+            See :meth:`configuration`.
+        """
+        index = self._frame(frame)
+        configurations = self.configuration(positions)
+
+        def one(q: Array) -> Array:
+            pin.forwardKinematics(self.model, self.data, q)
+            placement: Array = pin.updateFramePlacement(self.model, self.data, index).homogeneous
+            return placement
+
+        rows = [one(q) for q in configurations.reshape(-1, self.model.nq)]
+        return np.array(rows).reshape(*configurations.shape[:-1], 4, 4)
+
+    def _frame(self, frame: str) -> int:
+        if not self.model.existFrame(frame):
+            raise UnknownName("frame", frame, [known.name for known in self.model.frames])
+        return int(self.model.getFrameId(frame))
+
     def kinetic_energy(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the kinetic energy [J], of shape (...,)."""
 
         def one(position: Array, speed: Array) -> Array:
-            q, complement, _ = self._closed(position)
+            q, complement = self._at(position)
             return np.asarray(pin.computeKineticEnergy(self.model, self.data, q, complement @ speed))
 
         return self._map(one, (), positions=positions, speeds=speeds)
@@ -503,3 +557,26 @@ class ClosedLoopRobot:
             return np.asarray(pin.computePotentialEnergy(self.model, self.data, self.configuration(position)))
 
         return self._map(one, (), positions=positions)
+
+
+class _Limits:
+    """Limits of the joints that are not actuated; those of the motors are the business of trajectories and simulation."""
+
+    def __init__(self, model: pin.Model, actuated: tuple[str, ...]) -> None:
+        # Without the universe: Pinocchio's placeholder claims one coordinate, the last of q.
+        passive = [
+            (str(name), joint.idx_q)
+            for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+            if joint.nq == 1 and name not in actuated
+        ]
+        self._names = [name for name, _ in passive]
+        self._index = np.array([index for _, index in passive], dtype=np.int64)
+        self._lower, self._upper = model.lowerPositionLimit[self._index], model.upperPositionLimit[self._index]
+
+    def check(self, configurations: Array) -> None:
+        """Refuse configurations (N, nq) in which one of them is exceeded."""
+        values = configurations[:, self._index]
+        beyond = (values < self._lower) | (values > self._upper)
+        if beyond.any():
+            row, k = np.argwhere(beyond)[0]
+            raise JointLimitExceeded(self._names[k], float(values[row, k]), float(self._lower[k]), float(self._upper[k]))

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike
 
 from psp3.arrays import Array, finite_rows, together
 from psp3.errors import InconsistentVelocity, MobilityMismatch, OpenLoops, UnknownName
+from psp3.mobility import mobility
 from psp3.rank import dependent_solver
 
 CLOSURE_TOLERANCE = 1e-6
@@ -180,7 +181,7 @@ class NaturalOrthogonalComplement:
         complement[self._dependent] = -inverse @ jacobian[:, self._actuated]
         # With more actuated joints than degrees of freedom no L keeps the loops closed, and the pseudo-inverse only comes near.
         if np.abs(jacobian @ complement).max(initial=0.0) > MOBILITY_TOLERANCE * np.abs(jacobian).max(initial=1.0):
-            raise MobilityMismatch(self.model.nv - int(np.linalg.matrix_rank(jacobian, tol=MOBILITY_TOLERANCE)), self._names)
+            raise MobilityMismatch(mobility(self.model, self._loops, self._names, q), self._names)
         return complement, inverse, jacobian
 
     def _check_velocity(self, q: Array, v: Array) -> None:

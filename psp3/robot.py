@@ -104,8 +104,11 @@ class PSP3(ClosedLoopRobot):
 
     @property
     def stroke(self) -> tuple[Array, Array]:
-        """Lowest and highest nut heights, each of shape (3,) [m]."""
-        return self.model.lowerPositionLimit[self._actuated_q], self.model.upperPositionLimit[self._actuated_q]
+        """Lowest and highest nut heights, each of shape (3,) [m]: the limits of the actuated joints."""
+        return self.limits
+
+    def _start(self, row: Array) -> Array:
+        return self.configuration(row)
 
     def dynamics(self, name: str) -> DynamicsModel:
         """Return one of the three independent implementations of the equation of motion.

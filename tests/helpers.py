@@ -137,4 +137,33 @@ def spatial_loop_closed_with_3d() -> SimpleNamespace:
     return _robot(joints, (4, 5, pin.ContactType.CONTACT_3D), [0.55, 0.04, 0.26, -0.29, 0.06], ("j1", "j2"))
 
 
+def spatial_loop_of_every_joint() -> SimpleNamespace:
+    """Return a spatial linkage with one degree of freedom: screw, ball, (coupler, 6D), universal, and an angle kept as cosine and sine."""
+    joints = [
+        (0, pin.JointModelHelicalUnaligned(np.array([0.0, 0.6, 0.8]), 0.05), np.zeros(3)),
+        (1, pin.JointModelSpherical(), np.array([0.3, 0.0, 0.1])),
+        (0, pin.JointModelRUBX(), np.array([0.9, 0.1, 0.0])),
+        (3, pin.JointModelUniversal(np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])), np.array([0.0, 0.1, 0.5])),
+    ]
+    ball = pin.Quaternion(pin.utils.rpyToMatrix(0.3, -0.2, 0.4)).coeffs()
+    q0 = [0.4, *ball, np.cos(0.7), np.sin(0.7), 0.2, -0.3]
+    return _robot(joints, (2, 4, pin.ContactType.CONTACT_6D), q0, ("j1",))
+
+
+def free_body_carried_by_an_arm() -> SimpleNamespace:
+    """Return an arm of two joints, the second a chain of two in one joint's clothing, welded to a body that is free otherwise."""
+    chain = pin.JointModelComposite()
+    chain.addJoint(pin.JointModelRY())
+    joints = [
+        (0, pin.JointModelRZ(), np.zeros(3)),
+        (1, chain, np.array([0.3, 0.0, 0.1])),
+        (0, pin.JointModelFreeFlyer(), np.array([0.2, 0.1, 0.0])),
+    ]
+    turn = pin.Quaternion(pin.utils.rpyToMatrix(0.5, 0.1, -0.7)).coeffs()
+    return _robot(joints, (2, 3, pin.ContactType.CONTACT_6D), [0.3, -0.4, 0.1, 0.2, 0.3, *turn], ("j1", "j2"))
+
+
+ROBOTS_WITH_LIE_GROUPS = (spatial_loop_of_every_joint, free_body_carried_by_an_arm)
+"""Loops through joints whose velocities are not the rates of their coordinates."""
+
 ROBOTS_WITH_LOOPS = (four_bar_closed_with_6d, four_bar_closed_with_3d, spatial_loop_closed_with_3d)

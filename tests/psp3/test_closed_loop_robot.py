@@ -14,9 +14,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.closed_loop_robot import ClosedLoopRobot
-from psp3.robot_files import read_tree, reference_poses
 from psp3.errors import ClosureFailed, InvalidArray, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, PSP3Error, UnknownName
 from psp3.loading import ROBOT_FILES
+from psp3.robot_files import read_tree, reference_poses
 from tests.helpers import ROBOTS_WITH_LOOPS, Array, derivative
 
 Builder = Callable[[], SimpleNamespace]
@@ -295,7 +295,7 @@ def test_an_empty_batch_keeps_its_shape(star: psp3.PSP3) -> None:
 def test_actuated_joints_that_do_not_match_the_mobility_are_refused(star: psp3.PSP3, actuated: tuple[str, ...]) -> None:
     with pytest.raises(MobilityMismatch, match="3 degrees of freedom") as caught:
         ClosedLoopRobot(star.model, star.constraint_models, actuated, star.q0)
-    assert caught.value.mobility == 3
+    assert caught.value.mobility.degrees_of_freedom == 3
     assert caught.value.actuated == actuated
 
 
@@ -304,7 +304,7 @@ def test_mobility_counts_independent_closures_only() -> None:
     parts = ROBOTS_WITH_LOOPS[0]()
     with pytest.raises(MobilityMismatch) as caught:
         ClosedLoopRobot(parts.model, parts.constraint_models, ("j1", "j3"), parts.q0)
-    assert caught.value.mobility == 1
+    assert caught.value.mobility.degrees_of_freedom == 1
 
 
 def test_a_name_that_is_no_joint_is_refused(star: psp3.PSP3) -> None:
@@ -400,7 +400,7 @@ def test_a_loop_file_with_a_loop_less_is_refused(tmp_path: Path) -> None:
     loops.write_text("closed_loop: [[star1_center, star2_center]]\ntype: ['6d']\nname_mot: [a1, a2, a3]\n")
     with pytest.raises(MobilityMismatch) as caught:
         ClosedLoopRobot.from_urdf(URDF, loops, SRDF)
-    assert caught.value.mobility == 9
+    assert caught.value.mobility.degrees_of_freedom == 9
 
 
 def test_without_reference_poses_the_robot_starts_from_neutral() -> None:
