@@ -23,11 +23,10 @@ from numpy.typing import ArrayLike
 from psp3.arrays import Array, finite_rows, one_row, together
 from psp3.closure import assembled, flattened
 from psp3.closure_kernels import SINGULAR, close, drift
-from psp3.errors import ClosureFailed, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, UnknownName
-from psp3.loops import constraint_models, read_loops
+from psp3.errors import ClosureFailed, JointLimitExceeded, MobilityMismatch, UnknownName
 from psp3.mobility import mobility
 from psp3.rank import dependent_solver
-from psp3.robot_files import read_tree, reference_poses
+from psp3.robot_files import read_robot
 
 
 class Closure:
@@ -130,16 +129,27 @@ class ClosedLoopRobot:
         InvalidRobotFile
             If a file is missing or malformed, or a frame or joint it names does not exist.
         """
-        model, visual_model = read_tree(urdf)
-        content = read_loops(loops)
-        closures = constraint_models(model, content, loops)
-        q0 = None
-        if srdf is not None:
-            poses = reference_poses(model, srdf)
-            if "home" not in poses:
-                raise InvalidRobotFile(srdf, f"has no pose 'home'; it has {', '.join(poses) or 'none'}")
-            q0 = poses["home"]
-        return cls(model, closures, content.actuated, q0, visual_model)
+        return cls(*read_robot(urdf, loops, srdf))
+
+    @classmethod
+    def from_mjcf(cls, mjcf: str | Path, actuated: Sequence[str] | None = None) -> ClosedLoopRobot:
+        """Load a robot from an MJCF file whose loops are equality constraints.
+
+        Parameters
+        ----------
+        mjcf : path
+            The file; what it may hold is said in :func:`psp3.mjcf_files.read_mjcf`.
+        actuated : sequence of str, optional
+            Names of the actuated joints; those of the file's actuators by default.
+
+        Raises
+        ------
+        InvalidRobotFile
+            If the file is missing, malformed or holds something that cannot be read without changing the robot.
+        """
+        from psp3.mjcf_files import read_mjcf
+
+        return cls(*read_mjcf(mjcf, actuated))
 
     @property
     def reference(self) -> Array:

@@ -56,6 +56,10 @@ class _Element:
     def velocities(self) -> range:
         return range(self.index_v, self.index_v + {BALL: 3, FREE: 6}.get(self.kind, 1))
 
+    @property
+    def coordinates(self) -> range:
+        return range(self.index_q, self.index_q + {UNBOUNDED: 2, BALL: 4, FREE: 7}.get(self.kind, 1))
+
 
 def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
     """Return the elements of a tree, parents first, and the last element of every joint (−1: the universe)."""
@@ -155,26 +159,33 @@ def _flat(placement: pin.SE3) -> Array:
     return np.concatenate([placement.rotation.ravel(), placement.translation])
 
 
-def _table(elements: list[_Element], closures: list[_Closure], groups: list[list[int]], motor: dict[int, int], actuated_q: Array) -> Table:
-    ends: dict[str, list[int]] = {"elements": [0], "closures": [0], "columns": [0], "actuated": [0]}
+def _table(
+    elements: list[_Element], closures: list[_Closure], groups: list[list[int]], motor: dict[int, int], actuated_q: Indices
+) -> Table:
+    ends: dict[str, list[int]] = {"elements": [0], "closures": [0], "columns": [0], "actuated": [0], "coordinates": [0]}
     columns: list[int] = []
     actuated: list[int] = []
+    places: list[int] = []
+    coordinates: list[int] = []
     rows: list[tuple[int, int, int, int, int]] = []
     placements, screws, joined, heights, frames, sides, tolerances = [], [], [], [], [], [], []
     for members in groups:
         own = sorted({e for number in members for e in closures[number].sides})
         local = {e: place for place, e in enumerate(own)}
-        first_column, first_actuated = len(columns), len(actuated)
+        first_column, first_actuated, first_coordinate = len(columns), len(actuated), len(coordinates)
         size = 1.0
         for e in own:
             element = elements[e]
+            place = len(coordinates) - first_coordinate
+            coordinates.extend(element.coordinates)
             if element.index_v in motor:
+                places.append(place)
                 column = -1 - (len(actuated) - first_actuated)
                 actuated.append(motor[element.index_v])
             else:
                 column = len(columns) - first_column
                 columns.extend(element.velocities)
-            rows.append((element.kind, local.get(element.parent, -1), element.index_q, element.index_v, column))
+            rows.append((element.kind, local.get(element.parent, -1), place, element.index_v, column))
             placements.append(_flat(element.placement))
             screws.append(element.screw)
             size += float(np.linalg.norm(element.placement.translation))
@@ -185,7 +196,13 @@ def _table(elements: list[_Element], closures: list[_Closure], groups: list[list
             frames.append([_flat(placement) for placement in closure.placements])
             sides.append([closure.sides.get(e, 0) for e in own])
         tolerances.append(CLOSURE_TOLERANCE * size)
-        for key, values in (("elements", rows), ("closures", joined), ("columns", columns), ("actuated", actuated)):
+        for key, values in (
+            ("elements", rows),
+            ("closures", joined),
+            ("columns", columns),
+            ("actuated", actuated),
+            ("coordinates", coordinates),
+        ):
             ends[key].append(len(values))
     widest = max((len(side) for side in sides), default=0)
     side_table = np.zeros((len(sides), widest), dtype=np.int64)
@@ -193,11 +210,21 @@ def _table(elements: list[_Element], closures: list[_Closure], groups: list[list
         side_row[: len(side)] = side
     numbers = np.array(rows, dtype=np.int64).reshape(-1, 5)
     return Table(
-        *(np.array(ends[key], dtype=np.int64) for key in ("elements", "closures", "columns", "actuated")),
+        np.array(ends["elements"], dtype=np.int64),
+        np.array(ends["closures"], dtype=np.int64),
+        np.array(ends["columns"], dtype=np.int64),
+        np.array(ends["actuated"], dtype=np.int64),
+        np.array(ends["coordinates"], dtype=np.int64),
         np.array(columns, dtype=np.int64),
         np.array(actuated, dtype=np.int64),
+        np.array(places, dtype=np.int64),
+        np.array(coordinates, dtype=np.int64),
         actuated_q,
-        *(np.ascontiguousarray(column) for column in numbers.T),
+        np.ascontiguousarray(numbers[:, 0]),
+        np.ascontiguousarray(numbers[:, 1]),
+        np.ascontiguousarray(numbers[:, 2]),
+        np.ascontiguousarray(numbers[:, 3]),
+        np.ascontiguousarray(numbers[:, 4]),
         np.array(placements, dtype=float).reshape(-1, 12),
         np.array(screws, dtype=float).reshape(-1, 6),
         np.array(joined, dtype=np.int64).reshape(-1, 2),

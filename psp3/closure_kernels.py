@@ -55,15 +55,22 @@ class Table(NamedTuple):
     """First un-actuated degree of freedom of each group, and the end of the last."""
     group_actuated: Indices
     """First actuated joint of each group, and the end of the last."""
+    group_coordinates: Indices
+    """First coordinate of each group, and the end of the last."""
     columns: Indices
     """Velocity index of every un-actuated degree of freedom."""
     actuated: Indices
     """Number of every actuated joint among all actuated coordinates."""
+    actuated_place: Indices
+    """Place of every actuated joint among the coordinates of its group."""
+    coordinates: Indices
+    """Configuration index of every coordinate."""
     actuated_q: Indices
     """Configuration index of each actuated coordinate."""
     kind: Indices
     parent: Indices
     index_q: Indices
+    """Place of an element's first coordinate among those of its group."""
     index_v: Indices
     column: Indices
     """Column of an element's first degree of freedom among the un-actuated ones of its group, or −1 − its place among the actuated."""
@@ -477,7 +484,7 @@ def _follow(table, group, q, positions, work, complement, report):
     start, way = np.empty(last - first), np.empty(last - first)
     farthest = 0.0
     for j in range(last - first):
-        start[j] = q[table.actuated_q[table.actuated[first + j]]]
+        start[j] = q[table.actuated_place[first + j]]
         way[j] = positions[table.actuated[first + j]] - start[j]
         farthest = max(farthest, abs(way[j]))
     if farthest == 0.0:
@@ -499,7 +506,7 @@ def _follow(table, group, q, positions, work, complement, report):
         _move(table, group, closed, speed, goal - done, q)
         for j in range(last - first):
             # Exactly the positions asked for, at the end.
-            at = table.actuated_q[table.actuated[first + j]]
+            at = table.actuated_place[first + j]
             q[at] = positions[table.actuated[first + j]] if goal == 1.0 else start[j] + goal * way[j]
         residual, moved = _newton(table, group, q, 0.0 if goal == 1.0 else INTERMEDIATE_TOLERANCE, work)
         good = residual <= (tolerance if goal == 1.0 else INTERMEDIATE_TOLERANCE)
@@ -539,7 +546,17 @@ def _workspace(table, group):
         np.empty((rows, driven)),
         np.empty((rows, sides)),
         np.empty((columns, sides)),
+        np.empty(table.group_coordinates[group + 1] - table.group_coordinates[group]),
+        np.empty(table.group_coordinates[group + 1] - table.group_coordinates[group]),
     )
+
+
+@compiled
+def _gather(table, group, configuration, q):
+    """Take a group's coordinates out of a configuration."""
+    first = table.group_coordinates[group]
+    for i in range(first, table.group_coordinates[group + 1]):
+        q[i - first] = configuration[table.coordinates[i]]
 
 
 @compiled
@@ -550,23 +567,23 @@ def close(table: Table, guess: Array, positions: Array, along: bool, configurati
     closed, or −1; ``report`` says what became of it: kind, share of the way, residual, group.
     """
     groups = table.group_elements.shape[0] - 1
-    q, start, progress = guess.copy(), guess.copy(), np.empty(2)
+    start, progress = guess.copy(), np.empty(2)
     for row in range(positions.shape[0]):
-        if not along:
-            q[:] = guess
-        start[:] = q
+        configuration = configurations[row]
+        configuration[:] = start
         for group in range(groups):
-            for j in range(table.group_actuated[group], table.group_actuated[group + 1]):
-                # A motor that drives two groups takes each of them along from the same place.
-                at = table.actuated_q[table.actuated[j]]
-                q[at] = start[at]
-            world, residual, dependent, driven, right, step = _workspace(table, group)
-            work = (world, residual, dependent, driven, right, step, np.empty_like(q))
+            world, residual, dependent, driven, right, step, q, trial = _workspace(table, group)
+            # A motor that drives two groups takes each of them along from the same place.
+            _gather(table, group, start, q)
             complement = np.empty_like(step)
-            outcome = _follow(table, group, q, positions[row], work, complement, progress)
+            outcome = _follow(
+                table, group, q, positions[row], (world, residual, dependent, driven, right, step, trial), complement, progress
+            )
+            first = table.group_coordinates[group]
+            for i in range(q.shape[0]):
+                configuration[table.coordinates[first + i]] = q[i]
             if outcome != CLOSED:
                 report[0], report[1], report[2], report[3] = outcome, progress[0], progress[1], group
-                configurations[row] = q
                 return row
             if complements.shape[0] > 0:
                 for i in range(complement.shape[0]):
@@ -575,8 +592,9 @@ def close(table: Table, guess: Array, positions: Array, along: bool, configurati
                         complements[row, at, table.actuated[table.group_actuated[group] + j]] = complement[i, j]
         for j in range(table.actuated_q.shape[0]):
             # Those that no loop contains have not been moved yet.
-            q[table.actuated_q[j]] = positions[row, j]
-        configurations[row] = q
+            configuration[table.actuated_q[j]] = positions[row, j]
+        if along:
+            start[:] = configuration
     return -1
 
 
@@ -585,8 +603,9 @@ def residuals(table: Table, q: Array, out: Array) -> None:
     """Write the residuals of all closures, group by group."""
     row = 0
     for group in range(table.group_elements.shape[0] - 1):
-        world, residual, _, _, _, _ = _workspace(table, group)
-        _place(table, group, q, world)
+        world, residual, _, _, _, _, local, _ = _workspace(table, group)
+        _gather(table, group, q, local)
+        _place(table, group, local, world)
         _residual(table, group, world, residual)
         out[row : row + residual.shape[0]] = residual
         row += residual.shape[0]
@@ -598,8 +617,9 @@ def jacobian(table: Table, q: Array, out: Array) -> None:
     out[:] = 0.0
     above = 0
     for group in range(table.group_elements.shape[0] - 1):
-        world, residual, dependent, driven, _, _ = _workspace(table, group)
-        _place(table, group, q, world)
+        world, residual, dependent, driven, _, _, local, _ = _workspace(table, group)
+        _gather(table, group, q, local)
+        _place(table, group, local, world)
         _residual(table, group, world, residual)
         _jacobian(table, group, world, residual, dependent, driven)
         for j in range(dependent.shape[1]):
@@ -619,8 +639,9 @@ def drift(table: Table, q: Array, v: Array, out: Array) -> bool:
     twist, one, two = np.empty(6), np.empty(12), np.empty(12)
     for group in range(table.group_elements.shape[0] - 1):
         first, last = table.group_elements[group], table.group_elements[group + 1]
-        world, residual, dependent, driven, right, step = _workspace(table, group)
-        _place(table, group, q, world)
+        world, residual, dependent, driven, right, step, local, _ = _workspace(table, group)
+        _gather(table, group, q, local)
+        _place(table, group, local, world)
         _residual(table, group, world, residual)
         _jacobian(table, group, world, residual, dependent, driven)
         velocity, acceleration = np.zeros((last - first + 1, 6)), np.zeros((last - first + 1, 6))

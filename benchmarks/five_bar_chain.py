@@ -1,0 +1,46 @@
+"""Chains of planar five-bar linkages, each standing on the tip of the one before: any number of loops to measure scaling with."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+import psp3
+
+BASE, NEAR, FAR = 0.3, 0.25, 0.35
+"""Distance of the motors, and lengths of the links at the motors and at the tip [m]."""
+
+
+def five_bar_chain(count: int) -> psp3.ClosedLoopRobot:
+    """Return a robot of ``count`` five-bars in the vertical plane: 4 count joints, 2 count motors, count loops closed at a point."""
+    model, loops, motors, q0 = pin.Model(), pin.StdVec_RigidConstraintModel(), [], []
+    stand, foot = 0, pin.SE3.Identity()
+    upright = pin.SE3(pin.utils.rotate("x", np.pi / 2.0), np.zeros(3))
+    left, right, elbow_left, elbow_right = _closed_angles()
+    for number in range(count):
+        tips = []
+        for side, x in (("left", -0.5 * BASE), ("right", 0.5 * BASE)):
+            place = foot * (upright if number == 0 else pin.SE3.Identity()) * pin.SE3(np.eye(3), np.array([x, 0.0, 0.0]))
+            motor = model.addJoint(stand, pin.JointModelRZ(), place, f"motor{number}_{side}")
+            model.appendBodyToJoint(motor, _rod(NEAR), pin.SE3.Identity())
+            elbow = model.addJoint(motor, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array([NEAR, 0.0, 0.0])), f"elbow{number}_{side}")
+            model.appendBodyToJoint(elbow, _rod(FAR), pin.SE3.Identity())
+            tips.append((elbow, pin.SE3(np.eye(3), np.array([FAR, 0.0, 0.0]))))
+            motors.append(f"motor{number}_{side}")
+        loops.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, *tips[0], *tips[1], pin.ReferenceFrame.LOCAL))
+        q0 += [left, elbow_left, right, elbow_right]
+        # The next one stands on the left far link's end, turned back upright.
+        stand, foot = tips[0][0], tips[0][1] * pin.SE3(pin.utils.rotate("z", -(left + elbow_left)), np.zeros(3))
+    return psp3.ClosedLoopRobot(model, loops, motors, np.array(q0))
+
+
+def _closed_angles() -> tuple[float, float, float, float]:
+    """Return the angles of a symmetric pose: both motors and both elbows [rad]."""
+    left = 2.2
+    elbow = np.array([-0.5 * BASE + NEAR * np.cos(left), NEAR * np.sin(left)])
+    link = np.arctan2(np.sqrt(FAR**2 - elbow[0] ** 2), -elbow[0])
+    return left, np.pi - left, float(link - left), float(-(link - left))
+
+
+def _rod(length: float) -> pin.Inertia:
+    return pin.Inertia(length, np.array([0.5 * length, 0.0, 0.0]), length * np.diag([1e-4, length**2 / 12.0, length**2 / 12.0]))
