@@ -3,46 +3,69 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, overload
 
 import numpy as np
 import pinocchio as pin
 
-from psp3.robot_files import read_tree, reference_poses
-from psp3.errors import UnknownName
+from psp3.closed_loop_robot import ClosedLoopRobot
+from psp3.errors import InvalidValue, UnknownName
 from psp3.loops import constraint_models, read_loops
 from psp3.parameters import Parameters, named_parameters
 from psp3.robot import PSP3
+from psp3.robot_files import read_tree, reference_poses
 
 ROBOT_FILES = Path(__file__).resolve().parent / "urdf"
 """Directory of the robot description files that come with the package."""
 
-ROBOTS = ("psp3",)
+ROBOTS = ("psp3", "five_bar", "planar_3rrr", "delta", "gough_stewart", "tricept")
+"""Names of the robots that come with the package."""
 
 
-def load(name: str = "psp3", parameters: str | Parameters = "default") -> PSP3:
-    """Load the 3-PSP robot.
+@overload
+def load(name: Literal["psp3"] = "psp3", parameters: str | Parameters = "default") -> PSP3: ...
+
+
+@overload
+def load(name: str, parameters: str | Parameters = "default") -> ClosedLoopRobot: ...
+
+
+def load(name: str = "psp3", parameters: str | Parameters = "default") -> ClosedLoopRobot:
+    """Load a robot that comes with the package.
 
     Parameters
     ----------
     name : str
-        ``"psp3"``, the only robot so far.
+        ``"psp3"``, the 3-PSP, which has a closed form, or ``"five_bar"``, ``"planar_3rrr"``, ``"delta"``, ``"gough_stewart"`` or
+        ``"tricept"``, whose loops are closed by iteration. ``urdf/README.md`` describes them.
     parameters : str or Parameters
-        ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see :mod:`psp3.parameters`) or numbers of your own.
+        Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see :mod:`psp3.parameters`) or your own. The other
+        robots have those of their files only.
 
     Returns
     -------
-    PSP3
+    PSP3 or ClosedLoopRobot
         The robot: ``.model .data .q0 .visual_model`` as with example-robot-data, ``.constraint_models`` and ``.actuated`` for
-        the loops, and kinematics and dynamics in the nut heights.
+        the loops, and kinematics and dynamics in the actuated coordinates.
 
     Raises
     ------
     UnknownName
         If the robot or the parameter set is unknown; a :class:`ValueError` that lists the known names.
+    InvalidValue
+        If parameters are given for another robot than the 3-PSP.
     """
     if name not in ROBOTS:
         raise UnknownName("robot", name, ROBOTS)
+    if name == "psp3":
+        return _load_psp3(parameters)
+    if parameters != "default":
+        raise InvalidValue("parameters", parameters, f"'default' for robot {name!r}: only 'psp3' has other sets")
+    files = (ROBOT_FILES / f"{name}.{kind}" for kind in ("urdf", "yaml", "srdf"))
+    return ClosedLoopRobot.from_urdf(*files)
+
+
+def _load_psp3(parameters: str | Parameters) -> PSP3:
     numbers = named_parameters(parameters)
     model, visual_model = read_tree(ROBOT_FILES / "psp3.urdf")
     set_parameters(model, numbers)

@@ -11,9 +11,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.robot_files import read_tree, reference_poses
 from psp3.errors import InvalidRobotFile, UnknownName
-from psp3.loading import ROBOT_FILES, set_parameters
+from psp3.loading import ROBOT_FILES, ROBOTS, set_parameters
+from psp3.robot_files import read_tree, reference_poses
 
 LEGS = (1, 2, 3)
 CHAIN = ("a", "phi", "theta", "lambda", "b")
@@ -45,10 +45,10 @@ def test_loads_do_not_share_what_can_be_changed() -> None:
 
 @pytest.mark.parametrize("name", ["psp4", "", "PSP3", None])
 def test_unknown_robot_is_refused_with_the_known_names(name: str) -> None:
-    with pytest.raises(UnknownName, match="known are psp3") as caught:
+    with pytest.raises(UnknownName, match="known are psp3, five_bar") as caught:
         psp3.load(name)
     assert caught.value.name == name
-    assert caught.value.known == ("psp3",)
+    assert caught.value.known == ROBOTS
     assert isinstance(caught.value, ValueError)
 
 
