@@ -37,7 +37,7 @@ FIELD_OF_VIEW = 24.0
 """Vertical angle that the camera sees [degrees]."""
 
 SPACING = 0.72
-"""Distance between robots that stand side by side [m]."""
+"""Least distance between robots that stand side by side [m]."""
 
 DESIRED_COLOR, ACTUAL_COLOR = "#0b7285", "#c2255c"
 
@@ -191,7 +191,7 @@ class Scene:
 
     def html(self) -> str:
         """Return the scene as one page that needs no network."""
-        return page(f"{self._commands.as_json()}.forEach(handle);".replace("</", "<\\/"))
+        return page(f"{self._commands.as_json()}.forEach(handle);".replace("</", "<\\/"), name_of(self.robot))
 
     def write_html(self, path: str | Path) -> None:
         """Write the scene to a file that any browser opens, without a network.
@@ -212,7 +212,7 @@ class Scene:
             "{ document.open(); document.write(page); document.close(); })</script>"
         )
         style = f"width: 100%; height: {FRAME_HEIGHT}px; border: 0"
-        return f'<iframe srcdoc="{html.escape(unpack)}" title="3-PSP robot in 3D" style="{style}"></iframe>'
+        return f'<iframe srcdoc="{html.escape(unpack)}" title="{name_of(self.robot)} in 3D" style="{style}"></iframe>'
 
     def _perform(self, frames: Mapping[str, Frames]) -> None:
         self._animate([])
@@ -237,9 +237,11 @@ class Scene:
         points, nearby, texts = [], [], []
         for number, (name, of_robot) in enumerate(frames.items()):
             performer = _Performer(self.robot, self._viewer, f"robots/{number}", of_robot)
-            offset = (number - 0.5 * (len(frames) - 1)) * SPACING * rightward
+            corners = performer.body.corners(self.robot.q0)
+            spacing = max(SPACING, 1.1 * float(np.ptp(corners @ rightward, axis=0)) if len(corners) else 0.0)
+            offset = (number - 0.5 * (len(frames) - 1)) * spacing * rightward
             self._viewer[f"robots/{number}"].set_transform(pin.SE3(np.eye(3), offset).homogeneous)
-            corners = performer.body.corners(self.robot.q0) + offset
+            corners = corners + offset
             points.append(corners)
             nearby += [performer.body.corners(q, moving_only=True) + offset for q in self._extremes(of_robot)]
             if name:
@@ -294,11 +296,16 @@ def _hull(points: Array) -> Array:
     return corners
 
 
-def page(script: str) -> str:
-    """Return the page with MeshCat and a script that feeds it commands."""
+def name_of(robot: ClosedLoopRobot) -> str:
+    """Return what a robot is called where it is shown."""
+    return "3-PSP robot" if isinstance(robot, PSP3) else html.escape(str(robot.model.name))
+
+
+def page(script: str, name: str = "Robot") -> str:
+    """Return the page with MeshCat and a script that feeds it commands; ``name`` is its title."""
     text = Path(__file__).with_suffix(".html").read_text(encoding="utf-8")
     # MeshCat last: the marks are then looked for in our own text only.
-    return text.replace("/*COMMANDS*/", script).replace("/*MESHCAT*/", meshcat_script())
+    return text.replace("/*NAME*/", name).replace("/*COMMANDS*/", script).replace("/*MESHCAT*/", meshcat_script())
 
 
 def write_animation(robot: ClosedLoopRobot, results: Result | Mapping[str, Result], path: str | Path) -> None:
