@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 HERE = Path(__file__).resolve().parent
-NAMES = ("robot", "controller", "fuzzy")
+NAMES = ("robot", "controller", "fuzzy", "general")
 EMPTY = "empty compiled call"
 
 HEAD = """# Benchmarks
@@ -66,6 +66,23 @@ A batch takes {bytes} bytes of memory an item beyond its inputs; `import fuzzy2`
 """
 
 
+GENERAL = """## Robots with loops in general
+
+One call from Python at one state near the reference pose, from which the loops are closed anew in every call (the 3-PSP without its closed
+form). MuJoCo has its loops as soft constraints, exported as [engines](engines.md) says; Drake, where it is installed, takes one step of 2 ms
+with its loops in the contact solver. So the rows answer different questions: what an exact answer in the motors' coordinates costs, and
+what a step of a simulator costs.
+
+{robots}
+
+Chains of five-bars, each standing on the tip of the one before:
+
+{chains}
+
+From 10 to 50 loops the time grows with their number to the power of {growth}.
+"""
+
+
 def digits(value: float) -> str:
     """Return a number with two significant digits, and without exponent."""
     return f"{value:.2g}" if value < 100.0 else f"{round(value, 2 - len(str(int(value)))):.0f}"
@@ -89,9 +106,18 @@ def grid(rows: Mapping[str, Mapping[str, float]]) -> str:
     return "\n".join(lines)
 
 
+def columns(measured: Mapping[str, Mapping[str, float]]) -> str:
+    """Return a table of times with one column for each entry and one line for each name that occurs."""
+    names = list(dict.fromkeys(name for medians in measured.values() for name in medians))
+    lines = ["| [µs] | " + " | ".join(measured) + " |", "|---" * (len(measured) + 1) + "|"]
+    for name in names:
+        lines.append(f"| {name} | " + " | ".join(digits(of[name]) if name in of else "" for of in measured.values()) + " |")
+    return "\n".join(lines)
+
+
 def page(results: Mapping[str, Any], date: str) -> str:
-    """Return the page for the results of the three benchmarks."""
-    robot, controller, fuzzy = (results[name] for name in NAMES)
+    """Return the page for the results of the four benchmarks."""
+    robot, controller, fuzzy, general = (results[name] for name in NAMES)
     versions = {name: version for result in results.values() for name, version in result["versions"].items()}
     added = fuzzy["import_seconds"]["numpy, fuzzy2"] - fuzzy["import_seconds"]["numpy"]
     simulations = " and ".join(f"{digits(seconds)} s under {name}" for name, seconds in robot["simulation_seconds"].items())
@@ -108,6 +134,11 @@ def page(results: Mapping[str, Any], date: str) -> str:
                 bytes=digits(list(fuzzy["batch_bytes_an_item"].values())[-1]),
                 # Less than this is the scatter of starting an interpreter, and may be negative.
                 seconds=f"{digits(added)} s" if added >= 0.01 else "less than 0.01 s",
+            ),
+            GENERAL.format(
+                robots=columns(general["robots"]),
+                chains=columns({f"{count} loops": times for count, times in general["chains"].items()}),
+                growth=", ".join(f"{power:.2f} ({name})" for name, power in general["growth"].items()),
             ),
         ]
     )

@@ -1288,7 +1288,7 @@ def _simulated(
 
 @app.command()
 def info(json: Json = False) -> None:
-    """Show versions, joints, loops, reach and parameter sets."""
+    """Show versions, joints, loops, reach, parameter sets and the other robots."""
     import platform
     from dataclasses import asdict
     from importlib.metadata import PackageNotFoundError, version
@@ -1296,7 +1296,7 @@ def info(json: Json = False) -> None:
     import numpy as np
 
     from psp3 import __version__
-    from psp3.loading import ROBOT_FILES, load
+    from psp3.loading import ROBOT_FILES, ROBOTS, load
     from psp3.loops import read_loops
     from psp3.parameters import PARAMETER_SETS
 
@@ -1324,7 +1324,7 @@ def info(json: Json = False) -> None:
     if json:
         content = {"versions": versions, "files": str(ROBOT_FILES), "joints": joints, "stroke": {"lower": lower, "upper": upper}}
         content["loops"] = [{"frames": frames, "kind": kind} for frames, kind in zip(loops.frames, loops.kinds, strict=True)]
-        _print_json(content | {"tip_reach": {"least": least, "greatest": greatest}, "parameters": sets, "units": "SI"})
+        _print_json(content | {"robots": ROBOTS, "tip_reach": {"least": least, "greatest": greatest}, "parameters": sets, "units": "SI"})
         return
     about = _table("Robot", "", "")
     about.show_header, about.columns[1].justify = False, "left"
@@ -1334,6 +1334,7 @@ def info(json: Json = False) -> None:
     about.add_row("passive joints", ", ".join(str(joint["name"]) for joint in joints if not joint["actuated"]))
     about.add_row("loops", ", ".join(f"{one} = {other} ({kind})" for (one, other), kind in zip(loops.frames, loops.kinds, strict=True)))
     about.add_row("stroke", f"{lower:g} m to {upper:g} m")
+    about.add_row("other robots", ", ".join(name for name in ROBOTS if name != "psp3") + " (psp3.load in Python)")
     about.add_row("reach of the tip", f"{1e3 * least:.1f} mm at azimuth 0°, {1e3 * greatest:.1f} mm at 60°, from the vertical axis")
     table = _table("Parameter sets", "", *sets)
     units = {"gravity": "m/s²", "total_mass": "kg", "screw_radius": "m", "tool_length": "m"}

@@ -20,6 +20,8 @@ def warm_up() -> None:
     robot.inverse_dynamics(rest, rest, rest)
     robot.forward_dynamics(rest, rest, rest)
     robot.kinetic_energy(rest, rest)
+    five_bar = load("five_bar")
+    five_bar.inverse_dynamics(five_bar.reference, np.zeros(2), np.zeros(2))
     simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01)
     # Learning a controller compiles its step, and a run the whole loop.
     execute(Run("it2", snr_db=20.0, duration=0.05))

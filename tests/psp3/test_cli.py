@@ -18,6 +18,7 @@ import pytest
 import typer
 
 import psp3
+from psp3.loading import ROBOTS
 from psp3 import cli, metrics, published
 from psp3.torques import screw_forces
 
@@ -419,7 +420,8 @@ def test_info_names_what_the_robot_is_made_of(psp3_command: Run) -> None:
     assert found["stroke"] == {"lower": -0.4, "upper": 0.4}
     assert found["loops"][0]["frames"] == ["star1_center", "star2_center"]
     assert found["versions"]["psp3"] == psp3.__version__
-    for part in ("23.9 mm at azimuth 0°", "a1, a2, a3", "26.496", "0.4 m", "table_5_1"):
+    assert found["robots"] == list(ROBOTS)
+    for part in ("gough_stewart", "23.9 mm at azimuth 0°", "a1, a2, a3", "26.496", "0.4 m", "table_5_1"):
         assert part in text
 
 
