@@ -69,9 +69,9 @@ A batch takes {bytes} bytes of memory an item beyond its inputs; `import fuzzy2`
 GENERAL = """## Robots with loops in general
 
 One call from Python at one state near the reference pose, from which the loops are closed anew in every call (the 3-PSP without its closed
-form). MuJoCo has its loops as soft constraints, exported as [engines](engines.md) says; Drake, where it is installed, takes one step of 2 ms
-with its loops in the contact solver. So the rows answer different questions: what an exact answer in the motors' coordinates costs, and
-what a step of a simulator costs.
+form). MuJoCo has its loops as soft constraints, exported as [engines](engines.md) says; Drake, where it is installed, takes one step of
+2 ms with its loops in the contact solver. So the rows answer different questions: what an exact answer in the motors' coordinates costs,
+and what a step of a simulator costs.
 
 {robots}
 
@@ -110,8 +110,7 @@ def columns(measured: Mapping[str, Mapping[str, float]]) -> str:
     """Return a table of times with one column for each entry and one line for each name that occurs."""
     names = list(dict.fromkeys(name for medians in measured.values() for name in medians))
     lines = ["| [µs] | " + " | ".join(measured) + " |", "|---" * (len(measured) + 1) + "|"]
-    for name in names:
-        lines.append(f"| {name} | " + " | ".join(digits(of[name]) if name in of else "" for of in measured.values()) + " |")
+    lines += [f"| {name} | " + " | ".join(digits(of[name]) if name in of else "" for of in measured.values()) + " |" for name in names]
     return "\n".join(lines)
 
 

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from psp3.arrays import Array, finite_rows, one_row, together
 from psp3.closure import assembled, flattened
 from psp3.closure_kernels import SINGULAR, close, drift
-from psp3.errors import ClosureFailed, JointLimitExceeded, MobilityMismatch, UnknownName
+from psp3.errors import ClosureFailed, DisorderedJoints, JointLimitExceeded, MobilityMismatch, UnknownName
 from psp3.mobility import mobility
 from psp3.rank import dependent_solver
 from psp3.robot_files import read_robot
@@ -69,6 +69,8 @@ class ClosedLoopRobot:
     ------
     ClosureFailed
         If the loops cannot be closed near the reference configuration.
+    DisorderedJoints
+        If the tree's joints are not chain by chain.
     MobilityMismatch
         If the number of actuated joints is not the number of degrees of freedom that the loops leave.
     """
@@ -81,6 +83,7 @@ class ClosedLoopRobot:
         q0: ArrayLike | None = None,
         visual_model: Any = None,
     ) -> None:
+        _check_order(model)
         self.model = model
         self.data = model.createData()
         # Velocity forces are read off a copy without gravity: beside the weight they would lose half their digits.
@@ -567,6 +570,18 @@ class ClosedLoopRobot:
             return np.asarray(pin.computePotentialEnergy(self.model, self.data, self.configuration(position)))
 
         return self._map(one, (), positions=positions)
+
+
+def _check_order(model: pin.Model) -> None:
+    """Refuse a tree in which a joint does not follow its parent's other descendants: ``crba`` takes subtrees for contiguous."""
+    branch = [0]
+    for joint in range(1, model.njoints):
+        parent = int(model.parents[joint])
+        while branch and branch[-1] != parent:
+            branch.pop()
+        if not branch:
+            raise DisorderedJoints(str(model.names[joint]), str(model.names[parent]))
+        branch.append(joint)
 
 
 class _Limits:

@@ -474,9 +474,12 @@ def _follow(table, group, q, positions, work, complement, report):
     columns = complement.shape[0]
     tolerance = table.tolerance[group]
     report[0] = 0.0
-    report[1], moved = _newton(table, group, q, 0.0, work)
-    if not report[1] <= tolerance or not moved <= LARGEST_REPAIR:
+    _place(table, group, q, work[0])
+    report[1] = _residual(table, group, work[0], work[1])
+    residual, moved = _newton(table, group, q, 0.0, work)
+    if not residual <= tolerance or not moved <= LARGEST_REPAIR:
         return OPEN
+    report[1] = residual
     closing = np.empty_like(work[2])
     sign = _complement(table, group, q, work, complement, closing)
     if sign == 0:

@@ -14,7 +14,16 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.closed_loop_robot import ClosedLoopRobot
-from psp3.errors import ClosureFailed, InvalidArray, InvalidRobotFile, JointLimitExceeded, MobilityMismatch, PSP3Error, UnknownName
+from psp3.errors import (
+    ClosureFailed,
+    DisorderedJoints,
+    InvalidArray,
+    InvalidRobotFile,
+    JointLimitExceeded,
+    MobilityMismatch,
+    PSP3Error,
+    UnknownName,
+)
 from psp3.loading import ROBOT_FILES
 from psp3.robot_files import read_tree, reference_poses
 from tests.helpers import ROBOTS_WITH_LOOPS, Array, derivative
@@ -328,6 +337,31 @@ def test_a_malformed_reference_pose_is_refused(star: psp3.PSP3, q0: Any) -> None
 def test_a_malformed_guess_is_refused(star: psp3.PSP3, guess: Array) -> None:
     with pytest.raises(PSP3Error):
         star.dynamics("pinocchio").configuration(np.zeros(3), guess=guess)
+
+
+def test_joints_in_an_order_that_pinocchio_gets_wrong_are_refused() -> None:
+    """The tree fork a-b, a-c-d with d added after another root's child: ``crba`` is wrong there, by itself, and says nothing."""
+
+    def tree(order: tuple[str, ...]) -> pin.Model:
+        model, parents = pin.Model(), {"a": "universe", "b": "a", "c": "universe", "d": "b"}
+        for name in order:
+            joint = model.addJoint(model.getJointId(parents[name]), pin.JointModelRX(), pin.SE3(np.eye(3), np.array([0.0, 0.3, 0.1])), name)
+            model.appendBodyToJoint(joint, pin.Inertia(1.0, np.array([0.0, 0.2, 0.0]), 0.1 * np.eye(3)), pin.SE3.Identity())
+        return model
+
+    def kinetic_energy_error(model: pin.Model) -> float:
+        q, v, data = np.full(4, 0.3), np.arange(1.0, 5.0), model.createData()
+        upper = np.triu(pin.crba(model, data, q))
+        mass = upper + np.triu(upper, 1).T
+        return abs(0.5 * float(v @ mass @ v) - float(pin.computeKineticEnergy(model, data, q, v)))
+
+    sound, disordered = tree(("a", "b", "d", "c")), tree(("a", "b", "c", "d"))
+    assert kinetic_energy_error(sound) < 1e-12
+    # If this ever fails, Pinocchio has been mended and the refusal can go.
+    assert kinetic_energy_error(disordered) > 0.1
+    ClosedLoopRobot(sound, [], ("a", "b", "c", "d"))
+    with pytest.raises(DisorderedJoints, match="'d' hangs on 'b'"):
+        ClosedLoopRobot(disordered, [], ("a", "b", "c", "d"))
 
 
 def test_unknown_frame_is_refused(star: psp3.PSP3) -> None:

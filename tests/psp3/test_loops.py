@@ -35,8 +35,16 @@ def test_a_robot_without_loops_has_empty_lists(tmp_path: Path) -> None:
     assert read_loops(written(tmp_path, "closed_loop: []\ntype: []\nname_mot: [x]\n")) == Loops((), (), ("x",))
 
 
+def test_reads_what_replaces_joints(tmp_path: Path) -> None:
+    """In either case; the keys of toolbox-parallel-robots may be empty lists, and may be left out."""
+    text = GOOD + "joint_name: [ball, cross]\njoint_type: [spherical, UJOINT_ZY]\n"
+    assert read_loops(written(tmp_path, text)).replaced == (("ball", "SPHERICAL"), ("cross", "UJOINT_ZY"))
+    assert read_loops(written(tmp_path, GOOD + "joint_name: []\njoint_type: []\n")).replaced == ()
+    assert read_loops(written(tmp_path, GOOD)).replaced == ()
+
+
 def test_keys_of_other_tools_are_left_alone(tmp_path: Path) -> None:
-    """Files of toolbox-parallel-robots hold more keys than the three that are read."""
+    """Files of toolbox-parallel-robots hold more keys than the five that are read."""
     assert read_loops(written(tmp_path, GOOD + "rotation: [0, 0]\n")).kinds == ("6d", "3d")
 
 
@@ -60,6 +68,16 @@ def test_keys_of_other_tools_are_left_alone(tmp_path: Path) -> None:
         ("closed_loop: [[A, B]]\ntype: ['6d']\nname_mot: x\n", "'name_mot' must hold a list of names"),
         ("closed_loop: [[A, B]]\ntype: ['6d']\nname_mot: [1]\n", "'name_mot' must hold a list of names"),
         ("!!python/object/apply:os.getcwd []\n", "cannot be read as YAML"),
+        ("closed_loop: [[A, A]]\ntype: ['6d']\nname_mot: [x]\n", "joins a frame with itself"),
+        ("closed_loop: []\ntype: []\nname_mot: [x, y, x]\n", "name_mot names a joint twice: x"),
+        (GOOD + "joint_name: [a, a]\njoint_type: [FIXED, FIXED]\n", "joint_name names a joint twice: a"),
+        (GOOD + "joint_name: [a]\n", "'joint_type' must give a type for each of the 1 joints"),
+        (GOOD + "joint_type: [FIXED]\n", "'joint_type' must give a type for each of the 0 joints"),
+        (GOOD + "joint_name: a\njoint_type: [FIXED]\n", "'joint_name' must hold a list of names"),
+        (GOOD + "joint_name: [a]\njoint_type:\n", "'joint_type' must hold a list of names"),
+        (GOOD + "joint_name: [a]\njoint_type: [UNIVERSAL]\n", "'UNIVERSAL' for joint 'a' is unknown; known are SPHERICAL, UJOINT_XY"),
+        (GOOD + "joint_name: [x]\njoint_type: [SPHERICAL]\n", "'x' is actuated (name_mot) and cannot be replaced by SPHERICAL"),
+        (GOOD + "joint_name: [y]\njoint_type: [FIXED]\n", "'y' is actuated (name_mot) and cannot be replaced by FIXED"),
     ],
 )
 def test_malformed_files_are_refused_with_path_and_reason(tmp_path: Path, text: str, reason: str) -> None:
@@ -116,6 +134,8 @@ def test_constraint_models_join_the_frames_where_they_sit_on_their_bodies(tree: 
         (Loops((), (), ("a1", "a1")), "twice"),
         # Pinocchio counts the world among its joints.
         (Loops((), (), ("universe",)), "universe"),
+        # Both sit on the third of the star at the end of the first leg.
+        (Loops((("star1_center", "tip"),), ("6d",), ("a1",)), "both frames are on the same body"),
     ],
 )
 def test_names_that_are_not_in_the_model_are_refused(tree: pin.Model, loops: Loops, reason: str) -> None:
@@ -130,3 +150,23 @@ def test_a_joint_with_several_degrees_of_freedom_cannot_be_actuated() -> None:
     model.addJoint(0, pin.JointModelSpherical(), pin.SE3.Identity(), "ball")
     with pytest.raises(InvalidRobotFile, match="'ball' has 3 degrees of freedom"):
         constraint_models(model, Loops((), (), ("ball",)), "some.yaml")
+
+
+def test_a_joint_and_its_link_may_have_the_same_name() -> None:
+    """A URDF allows it; their frames coincide, so a loop that names them is clear."""
+    text = (
+        "<robot name='r'><link name='a'/><link name='b'/><link name='c'/>"
+        "<joint name='b' type='continuous'><parent link='a'/><child link='b'/></joint>"
+        "<joint name='c' type='continuous'><parent link='a'/><child link='c'/></joint></robot>"
+    )
+    model = pin.buildModelFromXML(text)
+    assert [frame.name for frame in model.frames].count("b") == 2
+    (found,) = constraint_models(model, Loops((("b", "c"),), ("6d",), ()), "some.yaml")
+    assert (found.joint1_id, found.joint2_id) == (model.getJointId("b"), model.getJointId("c"))
+
+
+def test_two_frames_of_one_name_in_different_places_are_refused(tree: pin.Model) -> None:
+    model = tree.copy()
+    model.addFrame(pin.Frame("tip", model.getJointId("b2"), pin.SE3.Identity(), pin.FrameType.SENSOR))
+    with pytest.raises(InvalidRobotFile, match="several frames 'tip'"):
+        constraint_models(model, Loops((("tip", "star3_center"),), ("3d",), ("a1",)), "some.yaml")
