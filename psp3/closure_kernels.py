@@ -34,6 +34,9 @@ LARGEST_PREDICTED_STEP = 0.3
 LARGEST_CORRECTION = 0.3
 """Newton's method may move a predicted configuration by this share of the predicted step; more could be another assembly mode."""
 
+SMALLEST_CORRECTION = 1e-9
+"""A correction by less than this is rounding, however short the step was [m, rad]."""
+
 LARGEST_REPAIR = 1.0
 """A guess that closes the loops only after its joints have moved by more than this is none [m, rad]."""
 
@@ -513,7 +516,7 @@ def _follow(table, group, q, positions, work, complement, report):
             q[at] = positions[table.actuated[first + j]] if goal == 1.0 else start[j] + goal * way[j]
         residual, moved = _newton(table, group, q, 0.0 if goal == 1.0 else INTERMEDIATE_TOLERANCE, work)
         good = residual <= (tolerance if goal == 1.0 else INTERMEDIATE_TOLERANCE)
-        if good and moved <= LARGEST_CORRECTION * (goal - done) * fastest:
+        if good and moved <= LARGEST_CORRECTION * (goal - done) * fastest + SMALLEST_CORRECTION:
             next_sign = _complement(table, group, q, work, next_complement, next_closing)
             # Beyond a fold, and on the other branch before it, the determinant has the other sign.
             good = next_sign == sign if square else next_sign != 0 and _orientation(closing, next_closing) > 0

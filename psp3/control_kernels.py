@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from fuzzy2.compiled import compiled
 from fuzzy2.kernels import evaluate, evaluate_corollary, evaluate_planes
 from psp3.closed_form import advance, equation_of_motion
+from psp3.drive_kernels import advance_driven
 
 Array = NDArray[np.float64]
 
@@ -191,23 +192,38 @@ def control_step(
 
 
 @compiled
+def _measure(state, k, period, resolution, measured, seen, last):
+    """Write what the controller sees of a state: with noise, and counted by encoders, whose speeds are differences."""
+    for i in range(6):
+        seen[i] = state[i] + (measured[k, i] if measured.shape[0] > 0 else 0.0)
+    if resolution > 0.0:
+        for i in range(3):
+            seen[i] = resolution * math.floor(seen[i] / resolution + 0.5)
+            seen[3 + i] = (seen[i] - last[i]) / period if k > 0 else 0.0
+            last[i] = seen[i]
+
+
+@compiled
 def run(
-    controller: Array, model: Array, plant: Array, desired: Array, state: Array, period: float, measured: Array, added: Array,
-    samples: Array,
+    controller: Array, model: Array, plant: Array, drives: Array, desired: Array, state: Array, period: float, resolution: float,
+    delay: int, measured: Array, added: Array, samples: Array,
 ) -> int:  # fmt: skip
     """Let a controller steer the robot; return the number of samples written.
 
-    ``model`` and ``plant`` are parameters as the controller knows them and as they are; ``desired`` (N, 9) heights, speeds and
-    accelerations; ``state`` (6,) where the robot starts, changed in place; ``measured`` (N, 6) or (0, 6) what measurement adds to
-    heights and speeds; ``added`` (N, 18) or (0, 18) what is added to the model's M, C and G. ``samples`` (N, 11) gets heights,
-    speeds, torque, covered and fell back. Fewer than N samples are written if the robot leaves the poses it can take.
+    ``model`` and ``plant`` are parameters as the controller knows them and as they are; ``drives`` (3, 3) see
+    :mod:`psp3.drive_kernels`, or (0, 3) for none; ``desired`` (N, 9) heights, speeds and accelerations; ``state`` (6,) where the robot
+    starts, changed in place; ``resolution`` of the encoders, 0 for perfect ones; ``delay`` in periods; ``measured`` (N, 6) or (0, 6)
+    what measurement adds to heights and speeds; ``added`` (N, 18) or (0, 18) what is added to the model's M, C and G. ``samples``
+    (N, 11) gets heights, speeds, torque applied, covered and fell back. Fewer than N samples are written if the robot leaves the poses
+    it can take.
     """
     kind = int(controller[0])
-    seen, step, values, full, servo = np.empty(6), np.zeros(STEP), np.empty(OUTPUTS), np.empty(21), np.empty(3)
-    scratch, none = np.empty(6), np.empty(0)
+    seen, last, step, values = np.empty(6), np.empty(3), np.zeros(STEP), np.empty(OUTPUTS)
+    full, servo, scratch, none = np.empty(21), np.empty(3), np.empty(6), np.empty(0)
+    # Forces asked for, of which the last ones have not arrived.
+    asked, applied = np.empty((min(delay, desired.shape[0]) + 1, 3)), np.empty(3)
     for k in range(desired.shape[0]):
-        for i in range(6):
-            seen[i] = state[i] + (measured[k, i] if measured.shape[0] > 0 else 0.0)
+        _measure(state, k, period, resolution, measured, seen, last)
         heights, speeds, wanted = seen[:3], seen[3:], desired[k]
         step[9], step[10] = 1.0, 0.0
         if kind >= INTERVAL:
@@ -230,13 +246,25 @@ def run(
                     step[i] = controller[1] * (wanted[i] - heights[i]) + controller[2] * (wanted[3 + i] - speeds[i])
                     if kind == GRAVITY_COMPENSATED_PD:
                         step[i] += values[15 + i]
+        place, arriving = k % asked.shape[0], max(k - delay, 0) % asked.shape[0]
+        for i in range(3):
+            asked[place, i] = step[i]
+            applied[i] = asked[arriving, i]
         for i in range(6):
             samples[k, i] = state[i]
         for i in range(3):
-            samples[k, 6 + i] = step[i]
+            samples[k, 6 + i] = applied[i]
         samples[k, 9], samples[k, 10] = step[9], step[10]
         if not math.isfinite(step[0] + step[1] + step[2]):
+            # What is not a force is not applied later either; it is shown in its place.
+            for i in range(3):
+                samples[k, 6 + i] = step[i]
             return k
-        if k + 1 < desired.shape[0] and not advance(state, step[:3], period, 1, plant, scratch):
-            return k + 1
+        if k + 1 < desired.shape[0]:
+            if drives.shape[0] > 0:
+                inside = advance_driven(state, applied, period, 1, plant, drives)
+            else:
+                inside = advance(state, applied, period, 1, plant, scratch)
+            if not inside:
+                return k + 1
     return int(desired.shape[0])

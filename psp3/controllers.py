@@ -7,14 +7,15 @@ are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.arrays import Array, checked_not_negative
-from psp3.errors import InvalidValue
+from psp3.arrays import Array, as_floats, checked_not_negative, checked_positive
+from psp3.errors import InvalidArray, InvalidValue
 from psp3.robot import DynamicsModel
 from psp3.trajectories import Motion
 
@@ -40,6 +41,55 @@ def _equation_of_motion(model: DynamicsModel) -> Callable[[ArrayLike, ArrayLike]
     if all(hasattr(model, name) for name in ("mass_matrix", "coriolis_matrix", "gravity")):
         return lambda a, v: (model.mass_matrix(a), model.coriolis_matrix(a, v), model.gravity(a))  # type: ignore[attr-defined]
     raise InvalidValue("model", model, "a model with equation_of_motion, or with mass_matrix, coriolis_matrix and gravity")
+
+
+def critically_damped_gains(bandwidth: float, mass: float | ArrayLike = 1.0) -> tuple[Any, Any]:
+    r"""Return the gains of a critically damped loop of a wanted bandwidth.
+
+    .. math:: k_p = \omega^2 M, \qquad k_v = 2 \omega M, \qquad \omega = \frac{\omega_b}{\sqrt{\sqrt 2 - 1}}
+
+    The error obeys :math:`M (\ddot e + 2\omega \dot e + \omega^2 e) = 0`, all poles are at :math:`-\omega`, and the position follows a
+    command :math:`k_p\, a_d` of the frequency :math:`\omega_b` with an amplitude of :math:`1/\sqrt 2`: of that is the bandwidth.
+
+    Parameters
+    ----------
+    bandwidth : float
+        Bandwidth :math:`\omega_b` [rad/s].
+    mass : float or (n, n) array_like
+        What the feedback moves: 1 under :class:`ComputedTorque`, which makes the robot a unit mass; for :class:`GravityCompensatedPD`
+        the mass matrix, ``robot.mass_matrix`` of the pose at which the loop is to be critically damped [kg].
+
+    Returns
+    -------
+    kp, kv : float or (n, n) ndarray
+        Gains of the shape of ``mass``, the two arguments of the controllers [N/m, N s/m; 1/s², 1/s of a unit mass].
+
+    Raises
+    ------
+    InvalidValue
+        If the bandwidth is not positive, or a mass that is a number is negative.
+    InvalidArray
+        If the mass matrix is not square or not finite.
+    """
+    # |ω²/(ω + iω_b)²| = 1/√2.
+    omega = checked_positive("bandwidth", bandwidth) / math.sqrt(math.sqrt(2.0) - 1.0)
+    moved = _gain("mass", mass)
+    return omega**2 * moved, 2.0 * omega * moved
+
+
+def _gain(name: str, value: float | ArrayLike) -> float | Array:
+    """Return a gain: a number that is not negative, or a square matrix."""
+    if np.ndim(value) == 0:
+        return checked_not_negative(name, value)
+    matrix = as_floats(name, value, "(n, n)")
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
+        raise InvalidArray(name, "(n, n)", value)
+    return matrix
+
+
+def _times(gain: float | Array, error: Array) -> Array:
+    product: Array = gain @ error if isinstance(gain, np.ndarray) else gain * error
+    return product
 
 
 class _Stateless:
@@ -78,24 +128,25 @@ class PD(_Stateless):
 
     Parameters
     ----------
-    kp : float
-        Proportional gain [N/m].
-    kv : float
-        Derivative gain [N s/m].
+    kp : float or (n, n) array_like
+        Proportional gain [N/m]: one for every screw by itself, or a matrix.
+    kv : float or (n, n) array_like
+        Derivative gain [N s/m]. :func:`critically_damped_gains` makes both of a bandwidth.
 
     Raises
     ------
     InvalidValue
         If a gain is negative or not finite.
+    InvalidArray
+        If a matrix is not square or not finite.
     """
 
-    def __init__(self, kp: float = 1000.0, kv: float = 100.0) -> None:
-        self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
+    def __init__(self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0) -> None:
+        self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the feedback forces, of shape (3,) [N]."""
-        torque: Array = self.kp * (desired.heights - heights) + self.kv * (desired.speeds - speeds)
-        return torque
+        return _times(self.kp, desired.heights - heights) + _times(self.kv, desired.speeds - speeds)
 
 
 class GravityCompensatedPD(PD):
@@ -105,11 +156,11 @@ class GravityCompensatedPD(PD):
     ----------
     model : DynamicsModel
         Where G comes from.
-    kp, kv : float
+    kp, kv : float or (n, n) array_like
         See :class:`PD`.
     """
 
-    def __init__(self, model: DynamicsModel, kp: float = 1000.0, kv: float = 100.0) -> None:
+    def __init__(self, model: DynamicsModel, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0) -> None:
         super().__init__(kp, kv)
         self.model = model
         self._equation = _equation_of_motion(model)
@@ -126,20 +177,20 @@ class PID(PD):
 
     Parameters
     ----------
-    kp, kv : float
+    kp, kv : float or (n, n) array_like
         See :class:`PD`.
     ki : float
         Integral gain [N/(m s)]; the loop of a mass m is stable for ki < kp kv / m.
     """
 
-    def __init__(self, kp: float = 1000.0, kv: float = 100.0, ki: float = 2000.0) -> None:
+    def __init__(self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0, ki: float = 2000.0) -> None:
         super().__init__(kp, kv)
         self.ki = checked_not_negative("ki", ki)
         self.reset()
 
     def reset(self) -> None:
         """Forget the integral."""
-        self._integral = np.zeros(3)
+        self._integral: Array | float = 0.0
         self._last: tuple[float, Array] | None = None
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 if TYPE_CHECKING:
+    from psp3.mobility import Mobility
     from psp3.simulation import Result
 
 Array = NDArray[np.float64]
@@ -94,13 +95,13 @@ class UnreachableTip(PSP3Error, ValueError):
 
 
 class StrokeExceeded(PSP3Error, ValueError):
-    """A trajectory asks a nut to go beyond the end of its screw."""
+    """A trajectory asks a nut to go beyond the end of its screw, or another actuated joint beyond its limits."""
 
     def __init__(self, time: float, heights: Array, lower: Array, upper: Array) -> None:
         self.time, self.heights, self.lower, self.upper = time, heights, lower, upper
         super().__init__(
-            f"at t = {time:.6g} s the trajectory asks for heights {_numbers(heights)} m, outside the stroke "
-            f"{_numbers(lower)} to {_numbers(upper)} m; move or shrink the path"
+            f"at t = {time:.6g} s the trajectory asks for positions {_numbers(heights)}, outside the stroke "
+            f"{_numbers(lower)} to {_numbers(upper)} (m or rad); move or shrink the path"
         )
 
 
@@ -154,13 +155,35 @@ class SingularConfiguration(PSP3Error, ValueError):
 
 
 class MobilityMismatch(PSP3Error, ValueError):
-    """The loops leave another number of degrees of freedom than there are actuated joints."""
+    """The actuated joints do not command the degrees of freedom that the loops leave, each exactly once."""
 
-    def __init__(self, mobility: int, actuated: Sequence[str]) -> None:
+    def __init__(self, mobility: Mobility, actuated: Sequence[str]) -> None:
         self.mobility, self.actuated = mobility, tuple(actuated)
         super().__init__(
-            f"the mechanism has {mobility} degree{'s' if mobility != 1 else ''} of freedom but {len(actuated)} actuated joints "
-            f"({', '.join(actuated)}); correct name_mot or the loops"
+            f"the mechanism has {mobility}; actuated are {', '.join(actuated) or 'none'}: correct name_mot or "
+            f"the loops, or hold a joint that need not move (joint_type FIXED in the loop file)"
+        )
+
+
+class UnsupportedJoint(PSP3Error, ValueError):
+    """A joint is of a kind whose loops cannot be closed here."""
+
+    def __init__(self, joint: str, kind: str) -> None:
+        self.joint, self.kind = joint, kind
+        super().__init__(
+            f"joint {joint!r} is a {kind}; loops are closed through revolute, prismatic, helical, universal, ball and free joints: "
+            f"compose it of these"
+        )
+
+
+class DisorderedJoints(PSP3Error, ValueError):
+    """A tree's joints are in an order for which Pinocchio's mass matrix is silently wrong."""
+
+    def __init__(self, joint: str, parent: str) -> None:
+        self.joint, self.parent = joint, parent
+        super().__init__(
+            f"joint {joint!r} hangs on {parent!r}, but was added after joints of another branch; finish every chain before the next is "
+            f"begun, or Pinocchio's mass matrix is wrong"
         )
 
 
@@ -170,6 +193,70 @@ class InvalidRobotFile(PSP3Error, ValueError):
     def __init__(self, path: str | Path, reason: str) -> None:
         self.path, self.reason = Path(path), reason
         super().__init__(f"{path}: {reason}")
+
+
+class UnphysicalInertia(PSP3Error, ValueError):
+    """A body that turns has an inertia that no rigid body can have, so an engine that checks refuses it."""
+
+    def __init__(self, body: str, moments: Array) -> None:
+        self.body, self.moments = body, moments
+        super().__init__(
+            f"body {body!r} has the principal moments {_numbers(moments)} kg m²; none may exceed the sum of the other two, and this "
+            f"body turns, so they matter: correct its inertia"
+        )
+
+
+class MasslessBody(PSP3Error, ValueError):
+    """A body without mass cannot be joined with the one that it carries."""
+
+    def __init__(self, body: str, closed: bool, children: int) -> None:
+        self.body, self.closed, self.children = body, closed, children
+        reason = "a loop closes on it" if closed else f"it carries {children} bodies instead of one"
+        super().__init__(f"body {body!r} has no mass and {reason}; MuJoCo moves no body without mass: give it some")
+
+
+class UnexportableJoint(PSP3Error, ValueError):
+    """MuJoCo has no such joint."""
+
+    def __init__(self, joint: str, reason: str) -> None:
+        self.joint, self.reason = joint, reason
+        super().__init__(f"joint {joint!r} cannot be written for MuJoCo, which composes joints of hinges, slides and balls: {reason}")
+
+
+class MissingPackage(PSP3Error, RuntimeError):
+    """A package that is needed here, and comes with one of the extras, cannot be imported."""
+
+    def __init__(self, package: str, extra: str, reason: object) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(f"the package {package} cannot be imported ({reason}); install it with: pip install 'psp3[{extra}]'")
+
+
+class OverlappingShapes(PSP3Error, ValueError):
+    """Two links whose collisions are looked for overlap already at the reference pose."""
+
+    def __init__(self, overlaps: Sequence[tuple[tuple[str, str], float]]) -> None:
+        self.overlaps = tuple(overlaps)
+        found = ", ".join(f"{first!r} and {second!r} by {-1e3 * distance:.3g} mm" for (first, second), distance in overlaps)
+        super().__init__(
+            f"at the reference pose links overlap: {found}; correct their shapes, or exclude what touches by construction with "
+            f'<disable_collisions link1="..." link2="..." reason="..."/> in the SRDF'
+        )
+
+
+class CollisionFound(PSP3Error, ValueError):
+    """Along a motion two links come nearer to each other than they may."""
+
+    def __init__(
+        self, time: float, links: tuple[str, str], distance: float, clearance: float, worst_time: float, worst_distance: float
+    ) -> None:
+        self.time, self.links, self.distance, self.clearance = time, links, distance, clearance
+        self.worst_time, self.worst_distance = worst_time, worst_distance
+        first = "touch" if clearance == 0.0 else f"come as near as {1e3 * clearance:.3g} mm"
+        worst = f"{1e3 * worst_distance:.3g} mm apart" if worst_distance >= 0.0 else f"{-1e3 * worst_distance:.3g} mm in each other"
+        super().__init__(
+            f"at t = {time:.6g} s links {links[0]!r} and {links[1]!r} {first}; the worst is at t = {worst_time:.6g} s, {worst}: "
+            f"change the path, or ask for less clearance"
+        )
 
 
 class InvalidTrajectoryFile(PSP3Error, ValueError):
@@ -188,22 +275,30 @@ class InvalidResultFile(PSP3Error, ValueError):
         super().__init__(f"{path}: {reason}")
 
 
+class InvalidMapFile(PSP3Error, ValueError):
+    """A file is not a whole map of a workspace of this version."""
+
+    def __init__(self, path: str | Path, reason: str) -> None:
+        self.path, self.reason = Path(path), reason
+        super().__init__(f"{path}: {reason}")
+
+
 class SimulationStopped(PSP3Error, RuntimeError):
     """Base of the errors that end a simulation early; ``result`` holds the part simulated so far."""
 
     def __init__(self, message: str, time: float, heights: Array, speeds: Array, torque: Array, result: Result) -> None:
         self.time, self.heights, self.speeds, self.torque, self.result = time, heights, speeds, torque, result
         super().__init__(
-            f"{message} at t = {time:.6g} s: heights {_numbers(heights)} m, speeds {_numbers(speeds)} m/s, torque {_numbers(torque)} N"
+            f"{message} at t = {time:.6g} s: positions {_numbers(heights)}, speeds {_numbers(speeds)}, torque {_numbers(torque)} (SI units)"
         )
 
 
 class SimulationDiverged(SimulationStopped):
-    """The simulated robot left the poses it can take: an arm, a stroke or the numbers themselves ran out."""
+    """The simulated robot left the poses it can take: an arm, a stroke, a joint or the numbers themselves ran out."""
 
 
 class InvalidTorque(SimulationStopped):
-    """A controller returned a torque that is not three finite numbers."""
+    """A controller returned something else than a finite force for each actuated joint."""
 
 
 class MotionDiverged(PSP3Error, RuntimeError):
@@ -223,6 +318,14 @@ class NotTrained(PSP3Error, RuntimeError):
     def __init__(self, name: str) -> None:
         self.name = name
         super().__init__(f"this {name} has learned nothing yet; call fit(trajectory) or learn(record), or load a trained one")
+
+
+class NoThreshold(PSP3Error, RuntimeError):
+    """A monitor is asked for an alarm before it knows what is normal."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        super().__init__(f"this {name} has no threshold yet; call learn(runs) with runs in which everything was well")
 
 
 class InvalidControllerFile(PSP3Error, ValueError):
@@ -307,3 +410,34 @@ class StudyInterrupted(KeyboardInterrupt):
         super().__init__(
             f"interrupted after {done} of {total} runs, which are in {path}; run the same study again and it goes on from there"
         )
+
+
+class NoStabilizingSolution(PSP3Error, ValueError):
+    """A Riccati equation has no solution that makes the system stable."""
+
+    def __init__(self, poles: NDArray[np.complex128], period: float | None) -> None:
+        self.poles, self.period = poles, period
+        region = "to the left of 0" if period is None else f"within the unit circle (period {period:g} s)"
+        super().__init__(
+            f"no regulator brings the poles {_numbers(poles)} {region}; the input must reach every unstable motion, and Q must see "
+            f"every motion that does not die out by itself (give positions and speeds a positive weight)"
+        )
+
+
+class UncertainRank(PSP3Error, RuntimeError):
+    """Rounding hides how many columns of a matrix are independent."""
+
+    def __init__(self, counted: int, rank: int, singular_values: Array) -> None:
+        self.counted, self.rank, self.singular_values = counted, rank, singular_values
+        super().__init__(
+            f"{counted} columns seem independent one after the other, but {rank} singular values are not zero (the least are "
+            f"{_numbers(singular_values[-4:])}); two columns are nearly the same: take fewer unknowns, or give equal bodies as equal"
+        )
+
+
+class PoorExcitation(PSP3Error, ValueError):
+    """Measurements do not determine what is to be found from them."""
+
+    def __init__(self, what: str, rank: int, needed: int) -> None:
+        self.what, self.rank, self.needed = what, rank, needed
+        super().__init__(f"the measurements determine {rank} of {needed} {what}; measure longer, or along a richer motion")

@@ -13,6 +13,9 @@ plant          every mass and inertia of the robot is off by a factor exp(q ε),
 =============  =====================================================================================================
 
 The power of a signal is its mean square over the recorded training run, mean included, element by element.
+
+Under the reading ``plant`` a run can also have a payload of its own, drives with friction and motor inertia, encoders that count, and a
+delay: fields that no signal-to-noise ratio scales.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ from fuzzy2.learning import KINDS, LEARNERS
 from fuzzy2.noise import mean_variation_from_snr
 from psp3 import control_kernels as kernels
 from psp3.arrays import Array, checked_count, checked_not_negative, checked_positive
+from psp3.drives import Drive, drive_table
 from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_computed_torque import (
     OUTSIDE,
@@ -55,6 +59,9 @@ CONTROLLERS = (*CLASSICAL, *KINDS)
 
 READINGS = ("parameters", "measurement", "online", "plant")
 """Names of the readings of noise."""
+
+OF_PLANT = ("payload", "coulomb_friction", "viscous_friction", "motor_inertia", "encoder_resolution", "delay")
+"""Fields that say how the plant differs from what controllers believe; zero but under the reading ``"plant"``."""
 
 PAYLOAD_PER_MISMATCH = 5.0
 """Payload at q abs(ε) = 1 [kg]."""
@@ -115,7 +122,13 @@ class Run:
     learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
         See :class:`psp3.FuzzyComputedTorque`. The rules are learned on the first trajectory.
     payload : float
-        Mass on the star, at its center, that no controller knows of [kg]; of the reading ``"plant"``.
+        Mass on the star, at its center, that no controller knows of [kg]; of the reading ``"plant"``, as are the next six.
+    coulomb_friction, viscous_friction, motor_inertia, lead
+        Drive of each screw, see :class:`psp3.drives.Drive` [N], [N s/m], [kg m²], [m per revolution].
+    encoder_resolution : float
+        Travel of a nut per count of its encoder [m], see :func:`psp3.simulate`.
+    delay : int
+        Control periods by which forces come late, see :func:`psp3.simulate`.
     parameters : str
         Name of the robot's parameter set.
     duration, period : float
@@ -136,6 +149,12 @@ class Run:
     term_width: float = 1.0
     samples: int = 209
     payload: float = 0.0
+    coulomb_friction: float = 0.0
+    viscous_friction: float = 0.0
+    motor_inertia: float = 0.0
+    lead: float | None = None
+    encoder_resolution: float = 0.0
+    delay: int = 0
     parameters: str = "default"
     duration: float = DURATION
     period: float = 0.002
@@ -171,7 +190,7 @@ class Run:
                 raise UnknownName(what, name, known)
         if checked_snr(self.snr_db) < LEAST_SNR_OF_PLANT and self.reading == "plant":
             raise InvalidValue("snr_db", self.snr_db, f"at least {LEAST_SNR_OF_PLANT:g} under the reading 'plant'")
-        for name, least in (("seed", 0), ("n_terms", 1), ("levels", 1), ("samples", 2)):
+        for name, least in (("seed", 0), ("n_terms", 1), ("levels", 1), ("samples", 2), ("delay", 0)):
             checked_count(name, getattr(self, name), least)
         for name in ("duration", "period"):
             checked_positive(name, getattr(self, name))
@@ -183,14 +202,20 @@ class Run:
         if self.mean_variation is not None:
             checked_not_negative("mean_variation", self.mean_variation)
         checked_positive("term_width", self.term_width)
-        checked_not_negative("payload", self.payload)
-        if self.payload > 0.0 and self.reading != "plant":
-            raise InvalidValue("payload", self.payload, "0, but under the reading 'plant'")
+        for name in ("payload", "encoder_resolution"):
+            checked_not_negative(name, getattr(self, name))
+        self._drive()
+        for name in OF_PLANT:
+            if getattr(self, name) > 0.0 and self.reading != "plant":
+                raise InvalidValue(name, getattr(self, name), "0, but under the reading 'plant'")
         _desired(self.trajectory, self.parameters, self.duration, self.period)
         if self.controller in KINDS:
             # Terms as wide as they are learned reach every sample, whatever the kind.
             narrow = (self.controller, self.canonical().mean_variation, self.term_width) if self.term_width < 1.0 else ()
             _try_to_learn(self.parameters, self.learner, self.n_terms, self.samples, *narrow)
+
+    def _drive(self) -> Drive:
+        return Drive(self.coulomb_friction, self.viscous_friction, self.motor_inertia, self.lead)
 
     def canonical(self) -> Run:
         """Return the same run with every field that cannot matter at its default, and the mean variation that is used.
@@ -213,9 +238,12 @@ class Run:
                 run = reset("levels", "reduction")
             elif run.reduction == "gaussian":
                 run = reset("levels")
+        if self.motor_inertia == 0.0:
+            # All forces are those at the nuts.
+            run = reset("lead")
         blind = {"parameters": tuple(CLASSICAL), "measurement": ("feed-forward",), "online": ("pd",)}.get(run.reading, ())
         if run.controller in blind or run.snr_db == math.inf:
-            run = replace(run, snr_db=math.inf, seed=0, reading=run.reading if run.payload > 0.0 else "parameters")
+            run = replace(run, snr_db=math.inf, seed=0, reading="plant" if any(getattr(run, name) for name in OF_PLANT) else "parameters")
         return run
 
     def __str__(self) -> str:
@@ -294,6 +322,7 @@ def simulate_run(run: Run) -> Samples:
     robot = _robot(run.parameters)
     t, desired = _desired(run.trajectory, run.parameters, run.duration, run.period)
     plant, measured, added = robot.parameters.as_array(), np.empty((0, 6)), np.empty((0, 18))
+    drives = drive_table(run._drive(), 3)
     # One stream for each use of noise, so that runs of one seed can be paired whatever else they draw.
     rules, noise = np.random.default_rng([run.seed, 0]), np.random.default_rng([run.seed, 1])
     ratio = 10.0 ** (-run.snr_db / 20.0)
@@ -310,7 +339,10 @@ def simulate_run(run: Run) -> Samples:
     wanted = np.concatenate([desired.heights, desired.speeds, desired.accelerations], axis=1)
     state = np.concatenate([desired.heights[0], np.zeros(3)])
     samples = np.empty((len(t), 11))
-    done = kernels.run(controller, robot.parameters.as_array(), plant, wanted, state, run.period, measured, added, samples)
+    done = kernels.run(
+        controller, robot.parameters.as_array(), plant, drives if drives.any() else drives[:0], wanted, state, run.period,
+        run.encoder_resolution, run.delay, measured, added, samples,
+    )  # fmt: skip
     heights, speeds, torque = (samples[:done, i : i + 3].copy() for i in (0, 3, 6))
     result = Result(
         t[:done], heights, speeds, Motion(*(array[:done] for array in desired)), torque, _tips(robot, heights),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import operator
 import os
 import zipfile
 import zlib
@@ -14,20 +15,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.arrays import Array, checked_positive, one_row
+from psp3.arrays import Array, as_floats, checked_count, checked_positive, one_row
+from psp3.closed_loop_robot import ClosedLoopRobot
 from psp3.controllers import Controller
 from psp3.errors import InvalidResultFile, InvalidTorque, InvalidValue, SimulationDiverged
-from psp3.plants import Plant, RungeKutta
+from psp3.plants import NO_POSE, Plant, RungeKutta
 from psp3.robot import PSP3
-from psp3.trajectories import Motion, Trajectory, check_stroke
+from psp3.trajectories import Motion, Trajectory, check_stroke, tip_of
 
 FORMAT = "psp3-result-2"
 """Written into every result file; a file with another mark is refused."""
 
+JOINTS = -1
+"""Stands for the number of actuated joints in a shape."""
+
+_ARRAYS: dict[str, tuple[int, ...]] = {"t": (), "heights": (JOINTS,), "speeds": (JOINTS,), "torque": (JOINTS,), "tip": (3,)}
+"""What every result holds: shape of a sample."""
+
 _REPORTED: dict[str, tuple[tuple[int, ...], type]] = {
     "covered": ((), np.bool_),
     "fell_back": ((), np.bool_),
-    "torque_interval": ((3, 2), np.float64),
+    "torque_interval": ((JOINTS, 2), np.float64),
 }
 """What a controller may say of its last call: shape and type of each."""
 
@@ -40,17 +48,18 @@ class Result:
     ----------
     t : (N,) ndarray
         Times, from 0 [s].
-    heights, speeds : (N, 3) ndarray
-        Nut heights [m] and speeds [m/s].
+    heights, speeds : (N, n) ndarray
+        Nut heights [m] and speeds [m/s]; of another robot than the 3-PSP, positions and speeds of its actuated joints.
     desired : Motion
-        Desired ``.heights .speeds .accelerations .tip``, each (N, 3).
-    torque : (N, 3) ndarray
-        Screw forces applied from each sample on [N].
+        Desired ``.heights .speeds .accelerations``, each (N, n), and ``.tip`` (N, 3).
+    torque : (N, n) ndarray
+        Forces of the actuated joints applied from each sample on [N], at revolute joints torques [N m]. As motor torques:
+        ``drive.motor_torque(result.torque)``.
     tip : (N, 3) ndarray
-        Tip in base axes [m].
+        Tip in base axes [m]; of another robot its frame ``tip``, and NaN if it has none.
     covered, fell_back : (N,) ndarray of bool, optional
         Whether the controller was inside its trained range, and whether it fell back on its average; of controllers that say so.
-    torque_interval : (N, 3, 2) ndarray, optional
+    torque_interval : (N, n, 2) ndarray, optional
         Torque as the fuzzy number that was defuzzified, see :attr:`psp3.FuzzyComputedTorque.torque_interval` [N].
     """
 
@@ -64,6 +73,11 @@ class Result:
     fell_back: NDArray[np.bool_] | None = None
     torque_interval: Array | None = None
 
+    @property
+    def positions(self) -> Array:
+        """The heights by the name that fits every robot: positions of the actuated joints, (N, n)."""
+        return self.heights
+
     def save(self, path: str | Path) -> Path:
         """Write the result to an ``.npz`` file, all at once, and return its path.
 
@@ -73,7 +87,7 @@ class Result:
             The file; an existing one is replaced only when the new one is complete.
         """
         path = Path(path)
-        arrays = {name: getattr(self, name) for name in ("t", "heights", "speeds", "torque", "tip")}
+        arrays = {name: getattr(self, name) for name in _ARRAYS}
         arrays |= {f"desired_{name}": values for name, values in self.desired._asdict().items()}
         arrays |= {name: getattr(self, name) for name in _REPORTED if getattr(self, name) is not None}
         partial = path.with_name(path.name + ".part")
@@ -113,13 +127,14 @@ def load_result(path: str | Path) -> Result:
     found = str(content.pop("format", "none"))
     if found != FORMAT:
         raise InvalidResultFile(path, f"has format {found!r}, this version reads {FORMAT!r}")
-    expected = {"t", "heights", "speeds", "torque", "tip", *(f"desired_{name}" for name in Motion._fields)}
-    if not expected <= set(content) <= expected | set(_REPORTED):
-        raise InvalidResultFile(path, f"must hold the arrays {', '.join(sorted(expected))}; it holds {', '.join(sorted(content))}")
-    samples = content["t"].shape
+    shapes = _ARRAYS | {f"desired_{name}": (3,) if name == "tip" else (JOINTS,) for name in Motion._fields}
+    if not set(shapes) <= set(content) <= set(shapes) | set(_REPORTED):
+        raise InvalidResultFile(path, f"must hold the arrays {', '.join(sorted(shapes))}; it holds {', '.join(sorted(content))}")
+    samples, joints = content["t"].shape, content["heights"].shape[-1:]
     for name, array in content.items():
-        shape, kind = _REPORTED.get(name, ((), np.float64) if name == "t" else ((3,), np.float64))
-        if len(samples) != 1 or array.shape != (*samples, *shape) or array.dtype != kind:
+        shape, kind = _REPORTED.get(name) or (shapes[name], np.float64)
+        whole = (*samples, *(joints[0] if length == JOINTS and joints else length for length in shape))
+        if len(samples) != 1 or array.shape != whole or array.dtype != kind:
             raise InvalidResultFile(path, f"array {name} has shape {array.shape} and type {array.dtype}")
     desired = Motion(*(content[f"desired_{name}"] for name in Motion._fields))
     reported = {name: content.get(name) for name in _REPORTED}
@@ -127,7 +142,7 @@ def load_result(path: str | Path) -> Result:
 
 
 def simulate(
-    robot: PSP3,
+    robot: ClosedLoopRobot,
     controller: Controller,
     trajectory: Trajectory,
     duration: float,
@@ -136,6 +151,8 @@ def simulate(
     initial_heights: ArrayLike | None = None,
     initial_speeds: ArrayLike | None = None,
     torque_limit: ArrayLike | None = None,
+    encoder_resolution: ArrayLike = 0.0,
+    delay: int = 0,
     plant: Plant | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
@@ -145,8 +162,8 @@ def simulate(
 
     Parameters
     ----------
-    robot : PSP3
-        The robot that is simulated.
+    robot : ClosedLoopRobot
+        The robot that is simulated, with n actuated joints.
     controller : Controller
         Called at every control period, at the end of the simulation too; its force is held until the next call. If it has attributes
         ``covered``, ``fell_back`` or ``torque_interval``, the result has them for every sample.
@@ -156,10 +173,17 @@ def simulate(
         Time to simulate [s]; the last sample is the last whole control period in it.
     period : float
         Control period [s]; 2 ms is the thesis's real-time budget.
-    initial_heights, initial_speeds : (3,) array_like, optional
+    initial_heights, initial_speeds : (n,) array_like, optional
         Where the robot starts [m], [m/s]; by default on the trajectory, at rest.
-    torque_limit : float or (3,) array_like, optional
-        Largest absolute screw force [N]; a controller that asks for more gets this much.
+    torque_limit : float or (n,) array_like, optional
+        Largest absolute force of a joint [N]; a controller that asks for more gets this much. Of a motor torque: ``drive.force(1.27)``.
+    encoder_resolution : float or (n,) array_like
+        Travel of a joint from one count of its encoder to the next [m or rad]; 0, a perfect one, by default. Otherwise the controller sees
+        positions rounded to counts, and as speeds the differences of the last two positions over the period, as a drive without a
+        tachometer does: half a period late, in steps of the resolution over the period, and 0 at the first sample.
+    delay : int
+        Whole control periods by which forces come late, for the time that measuring, computing and transmitting take. The first force
+        acts from the start until the second arrives.
     plant : Plant, optional
         What integrates the robot, see :mod:`psp3.plants`; ``RungeKutta(robot)`` by default.
     progress : callable, optional
@@ -168,40 +192,51 @@ def simulate(
     Returns
     -------
     Result
+        What happened, not what the controller saw of it; ``torque`` is what was applied, after limit and delay.
 
     Raises
     ------
     InvalidValue, InvalidArray
         If an argument is malformed.
-    UnreachableTip, StrokeExceeded
-        If the robot cannot make the desired motion.
+    UnreachableTip, UnreachablePose, ClosureFailed, JointLimitExceeded, StrokeExceeded
+        If the robot cannot make the desired motion, or start where it is to.
     InvalidTorque
-        If the controller returns something else than three finite numbers.
+        If the controller returns something else than n finite numbers.
     SimulationDiverged
-        If a nut runs off its screw, an arm off its ball joint, or the numbers overflow. This error and the one before it carry
-        time, state and torque, and the part simulated so far as ``error.result``.
+        If a nut runs off its screw or another actuated joint leaves its limits, an arm runs off its ball joint, the loops cannot be closed
+        any more, or the numbers overflow. This error and the one before it carry time, state and torque, and the part simulated so far
+        as ``error.result``.
     """
     duration, period = checked_positive("duration", duration), checked_positive("period", period)
     # The small excess keeps rounding from losing the last of 5200 periods of 2 ms in 10.4 s.
     steps = int(duration / period * (1.0 + 1e-12) + 1e-9)
     if steps < 1:
         raise InvalidValue("duration", duration, f"at least one period of {period} s")
+    n = len(robot.actuated)
+    limit = None if torque_limit is None else _one_or_each("torque_limit", torque_limit, n)
+    if limit is not None and not (limit > 0.0).all():
+        raise InvalidValue("torque_limit", torque_limit, f"one positive number or {n}")
+    encoder = Encoder(_one_or_each("encoder_resolution", encoder_resolution, n), period)
+    delay = checked_count("delay", delay, 0)
     t: Array = period * np.arange(steps + 1, dtype=np.float64)
     desired = trajectory(t)
+    if desired.heights.shape[-1] != n:
+        raise InvalidValue("trajectory", trajectory, f"a motion of {n} actuated joints")
     check_stroke(robot, t, desired)
-    limit = _torque_limit(torque_limit)
-    heights = desired.heights[0] if initial_heights is None else one_row("initial_heights", initial_heights, 3)
-    speeds = np.zeros(3) if initial_speeds is None else one_row("initial_speeds", initial_speeds, 3)
-    robot.forward_kinematics(heights)
-    lower, upper = robot.stroke
+    heights = desired.heights[0] if initial_heights is None else one_row("initial_heights", initial_heights, n)
+    speeds = np.zeros(n) if initial_speeds is None else one_row("initial_speeds", initial_speeds, n)
+    tip_of(robot, heights)
+    lower, upper = robot.limits
     if (heights < lower).any() or (heights > upper).any():
         raise InvalidValue("initial_heights", heights.tolist(), f"within the stroke, {lower.tolist()} to {upper.tolist()} m")
 
-    all_heights, all_speeds, all_torque = np.empty((3, steps + 1, 3))
+    all_heights, all_speeds, all_asked, all_torque = np.empty((4, steps + 1, n))
     reported: dict[str, Any] = {
-        name: np.empty((steps + 1, *shape), kind) for name, (shape, kind) in _REPORTED.items() if hasattr(controller, name)
+        name: np.empty((steps + 1, *(n if length == JOINTS else length for length in shape)), kind)
+        for name, (shape, kind) in _REPORTED.items()
+        if hasattr(controller, name)
     }
-    (low1, low2, low3), (high1, high2, high3) = (lower.tolist(), upper.tolist())
+    low, high = lower.tolist(), upper.tolist()
 
     def result(samples: int) -> Result:
         return Result(
@@ -210,7 +245,7 @@ def simulate(
             all_speeds[:samples],
             Motion(*(array[:samples] for array in desired)),
             all_torque[:samples],
-            robot.forward_kinematics(all_heights[:samples]).tip,
+            _tips(robot, all_heights[:samples]),
             **{name: array[:samples] for name, array in reported.items()},
         )
 
@@ -222,27 +257,26 @@ def simulate(
     for k, now in enumerate(map(Motion._make, zip(*desired, strict=True))):
         all_heights[k], all_speeds[k] = heights, speeds
         # The controller gets copies of its own: what it does to them changes nothing here.
-        returned = controller.torque(times[k], all_heights[k].copy(), all_speeds[k].copy(), now)
-        torque = _three_numbers(returned)
+        returned = controller.torque(times[k], *encoder.read(all_heights[k], all_speeds[k]), now)
+        torque = _finite_row(returned, n)
         if torque is None:
             raise InvalidTorque(
-                f"the controller {type(controller).__name__} returned something else than three finite forces",
+                f"the controller {type(controller).__name__} returned something else than {n} finite forces",
                 times[k], heights.copy(), speeds.copy(), np.asarray(returned, dtype=object), result(k),
             )  # fmt: skip
         if limit is not None:
             torque = np.clip(torque, -limit, limit)
-        all_torque[k] = torque
+        all_asked[k] = torque
+        torque = all_torque[k] = all_asked[max(k - delay, 0)]
         for name, array in reported.items():
             array[k] = getattr(controller, name)
         if k == steps:
             break
         state = plant.advance(torque, period)
-        inside = False
-        if state is not None:
-            a1, a2, a3 = state[0].tolist()
-            inside = low1 <= a1 <= high1 and low2 <= a2 <= high2 and low3 <= a3 <= high3
+        inside = state is not None and _is_between(low, state[0].tolist(), high)
         if state is None or not inside:
-            message = "the robot left the poses it can take" if state is None else "a nut ran off its screw"
+            ran_off = "a nut ran off its screw" if isinstance(robot, PSP3) else "an actuated joint left its limits"
+            message = "the robot left the poses it can take" if state is None else ran_off
             last_heights, last_speeds = (all_heights[k], all_speeds[k]) if state is None else state
             raise SimulationDiverged(message, times[k] + period, last_heights, last_speeds, torque, result(k + 1))
         heights, speeds = state
@@ -251,21 +285,56 @@ def simulate(
     return result(steps + 1)
 
 
-def _three_numbers(values: object) -> Array | None:
-    """Return ``values`` as three finite floats, or None."""
+def _tips(robot: ClosedLoopRobot, positions: Array) -> Array:
+    """Return the tip at the positions reached, NaN where another engine than ours went through a pose that is none here."""
+    try:
+        return tip_of(robot, positions)
+    except NO_POSE:
+        if len(positions) == 1:
+            return np.full((1, 3), np.nan)
+        return np.concatenate([_tips(robot, row[np.newaxis]) for row in positions])
+
+
+class Encoder:
+    """What a drive sees of its joints, see ``encoder_resolution`` of :func:`simulate`."""
+
+    def __init__(self, resolution: Array, period: float) -> None:
+        if not (resolution >= 0.0).all():
+            raise InvalidValue("encoder_resolution", resolution.tolist(), "not negative")
+        self._resolution, self._period = resolution, period
+        self._coarse = resolution > 0.0
+        self._is_perfect = not self._coarse.any()
+        self._last: Array | None = None
+
+    def read(self, positions: Array, speeds: Array) -> tuple[Array, Array]:
+        """Return the positions and speeds that a controller sees, each (n,)."""
+        if self._is_perfect:
+            return positions.copy(), speeds.copy()
+        with np.errstate(divide="ignore", invalid="ignore"):  # of perfect encoders among others
+            counted = np.where(self._coarse, self._resolution * np.floor(positions / self._resolution + 0.5), positions)
+        last = counted if self._last is None else self._last
+        self._last = counted
+        return counted.copy(), np.where(self._coarse, (counted - last) / self._period, speeds)
+
+
+def _is_between(low: list[float], values: list[float], high: list[float]) -> bool:
+    """Whether none of the values is outside its limits, nor NaN; for three numbers faster than arrays."""
+    return all(map(operator.le, low, values)) and all(map(operator.le, values, high))
+
+
+def _finite_row(values: object, width: int) -> Array | None:
+    """Return ``values`` as finite floats of shape (width,), or None."""
     try:
         array = np.asarray(values, dtype=np.float64)
-        one, two, three = array.tolist()
         # Infinite entries of opposite sign make NaN, so one sum sees every bad number.
-        return array if math.isfinite(one + two + three) else None
+        return array if array.shape == (width,) and math.isfinite(sum(array.tolist())) else None
     except (TypeError, ValueError):
         return None
 
 
-def _torque_limit(limit: ArrayLike | None) -> Array | None:
-    if limit is None:
-        return None
-    array = np.asarray(limit, dtype=float)
-    if array.shape not in ((), (3,)) or not (array > 0.0).all() or not np.isfinite(array).all():
-        raise InvalidValue("torque_limit", limit, "one positive number or three")
-    return array
+def _one_or_each(name: str, values: ArrayLike, joints: int) -> Array:
+    """Return one number, or one for each joint, as (n,)."""
+    array = as_floats(name, values, f"() or ({joints},)")
+    if np.shape(values) not in ((), (joints,)) or not np.isfinite(array).all():
+        raise InvalidValue(name, values, f"one finite number or {joints}")
+    return np.array(np.broadcast_to(array, joints))

@@ -11,6 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
+import psp3
 from psp3.closed_loop_robot import ClosedLoopRobot
 from psp3.closure import assembled, flattened, residual
 from psp3.closure_kernels import _solve, jacobian
@@ -228,6 +229,13 @@ def _elbows(angles: Array) -> Array:
     """Return the vectors from one elbow to the other."""
     one, two = angles[..., 0], angles[..., 1]
     return np.stack([0.3 + 0.25 * (np.cos(two) - np.cos(one)), 0.25 * (np.sin(two) - np.sin(one))], axis=-1)
+
+
+def test_steps_as_small_as_rounding_are_taken() -> None:
+    """An integrator that starts at rest asks for poses 1e-17 from the reference; a correction larger than the step is rounding there."""
+    robot, rng = psp3.load("delta"), np.random.default_rng(13)
+    for size in 10.0 ** rng.uniform(-20.0, -8.0, 200):
+        robot.closure(robot.reference + size * rng.normal(size=3))
 
 
 def test_a_path_keeps_the_assembly_mode_it_is_entered_in() -> None:

@@ -7,9 +7,11 @@ import pytest
 from scipy.linalg import expm
 
 import psp3
-from psp3.errors import InvalidValue
-from psp3.second_order import MassSpringDamper
+from psp3.controllers import critically_damped_gains
+from psp3.errors import InvalidArray, InvalidValue
+from psp3.second_order import MassSpringDamper, critical_damping
 from psp3.trajectories import Helix, Hold, Motion
+from tests.helpers import derivative
 
 ROBOT = psp3.load("psp3")
 PINOCCHIO = ROBOT.dynamics("pinocchio")
@@ -125,3 +127,67 @@ BAD_GAINS = [
 def test_bad_gains_are_refused(build: object) -> None:
     with pytest.raises(InvalidValue, match="not negative"):
         build()  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("heights", [np.zeros(3), np.array([0.05, -0.05, 0.02])])
+def test_designed_gains_put_all_poles_in_one_place_and_have_the_bandwidth(heights: np.ndarray) -> None:
+    """Of computed torque and of PD with gravity on the robot's own dynamics, closed loop by differences.
+
+    (s + w)² is the characteristic polynomial of every coordinate, so A + w nilpotent of second order, to 1e-7 w²; and the position
+    follows a command of the bandwidth's frequency with 1/√2 of its amplitude, to 1e-7.
+    """
+    bandwidth, mass = 6.0, ROBOT.mass_matrix(heights)
+    zero = np.zeros(3)
+    start = np.concatenate([heights, zero])
+    # With what each turns a command into an acceleration: M⁻¹ kp of PD; computed torque multiplies by M first.
+    ctc, pd = (critically_damped_gains(bandwidth, moved) for moved in (1.0, mass))
+    for controller, command in (
+        (psp3.ComputedTorque(ROBOT, *ctc), ctc[0] * np.eye(3)),
+        (psp3.GravityCompensatedPD(ROBOT, *pd), np.linalg.solve(mass, pd[0])),
+    ):
+        desired = Motion(heights, zero, zero, zero)
+
+        def acceleration(x: np.ndarray, controller: psp3.PD = controller, desired: Motion = desired) -> np.ndarray:
+            return PINOCCHIO.forward_dynamics(x[:3], x[3:], controller.torque(0.0, x[:3], x[3:], desired))
+
+        rows = np.stack([derivative(lambda t, u=unit: acceleration(start + t * u), 2e-3) for unit in np.eye(6)], axis=-1)
+        A = np.block([[np.zeros((3, 3)), np.eye(3)], [rows]])
+        pole = bandwidth / np.sqrt(np.sqrt(2.0) - 1.0)
+        shifted = A + pole * np.eye(6)
+        np.testing.assert_allclose(shifted @ shifted, 0.0, atol=1e-7 * pole**2)
+        response = np.linalg.solve(1j * bandwidth * np.eye(6) - A, np.vstack([np.zeros((3, 3)), command]))[:3]
+        np.testing.assert_allclose(np.abs(response), np.sqrt(0.5) * np.eye(3), atol=1e-7)
+
+
+def test_designed_gains_are_those_of_chapter_4() -> None:
+    kp, kv = critically_damped_gains(2.0)
+    assert kv == pytest.approx(critical_damping(kp), rel=1e-15)
+    heavy = critically_damped_gains(2.0, 3.0)
+    assert heavy == (3.0 * kp, 3.0 * kv)
+    np.testing.assert_array_equal(critically_damped_gains(2.0, np.diag([3.0, 1.0]))[0], np.diag([3.0 * kp, kp]))
+
+
+def test_a_matrix_of_gains_couples_the_screws() -> None:
+    """Row by row; a multiple of the unit matrix is the gain alone."""
+    heights, speeds, desired = states(1)[0]
+    kp, kv = RNG.uniform(0.0, 100.0, size=(2, 3, 3))
+    torque = psp3.PD(kp, kv).torque(0.0, heights, speeds, desired)
+    expected = [
+        sum(kp[i, k] * (desired.heights - heights)[k] + kv[i, k] * (desired.speeds - speeds)[k] for k in range(3)) for i in range(3)
+    ]
+    np.testing.assert_allclose(torque, expected, rtol=1e-12)
+    one, other = psp3.PID(5.0 * np.eye(3), 2.0 * np.eye(3)), psp3.PID(5.0, 2.0)
+    np.testing.assert_allclose(one.torque(0.0, heights, speeds, desired), other.torque(0.0, heights, speeds, desired), rtol=1e-15)
+
+
+@pytest.mark.parametrize("gain", [np.zeros(3), np.zeros((2, 3)), np.full((3, 3), np.nan), [[1.0, "a"], [0.0, 1.0]], np.eye(3) * 1j])
+def test_gains_that_are_no_square_matrix_are_refused(gain: object) -> None:
+    for build in (lambda: psp3.PD(gain), lambda: psp3.PD(kv=gain), lambda: critically_damped_gains(1.0, gain)):  # type: ignore[arg-type]
+        with pytest.raises(InvalidArray):
+            build()
+
+
+@pytest.mark.parametrize("bandwidth", [0.0, -1.0, np.nan, np.inf, "fast"])
+def test_a_bandwidth_that_is_none_is_refused(bandwidth: object) -> None:
+    with pytest.raises(InvalidValue, match="bandwidth"):
+        critically_damped_gains(bandwidth)  # type: ignore[arg-type]

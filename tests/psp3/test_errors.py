@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from psp3 import errors
+from psp3.mobility import Mobility
 
 HEIGHTS = np.array([0.1, 0.2, 0.3])
 
@@ -50,7 +51,33 @@ EXAMPLES = [
     ),
     (errors.InconsistentVelocity(0.75, 1e-8), {"residual": 0.75, "tolerance": 1e-8}, ["0.75", "1e-08", "v = L(q) @ speeds"]),
     (errors.SingularConfiguration(11, 12, 1.5e16), {"rank": 11, "needed": 12, "condition": 1.5e16}, ["11 of 12", "1.5e+16"]),
-    (errors.MobilityMismatch(3, ["a1", "a2"]), {"mobility": 3, "actuated": ("a1", "a2")}, ["3 degrees of freedom", "2 actuated", "a1, a2"]),
+    (
+        errors.MobilityMismatch(Mobility(3, 2, 2, 15, 12, 12, ("a3", "b3"), ()), ["a1", "a2"]),
+        {"actuated": ("a1", "a2")},
+        ["3 degrees of freedom", "2 actuated", "a1, a2", "a3, b3 can still move"],
+    ),
+    (
+        errors.UnphysicalInertia("nut1", np.array([0.003, 0.3294, 0.39])),
+        {"body": "nut1", "moments": np.array([0.003, 0.3294, 0.39])},
+        ["'nut1'", "0.39", "none may exceed"],
+    ),
+    (
+        errors.MasslessBody("cross", True, 1),
+        {"body": "cross", "closed": True, "children": 1},
+        ["'cross' has no mass", "a loop closes on it"],
+    ),
+    (
+        errors.UnexportableJoint("j1", "it turns and slides at once"),
+        {"joint": "j1", "reason": "it turns and slides at once"},
+        ["'j1'", "turns and slides"],
+    ),
+    (errors.DisorderedJoints("d", "b"), {"joint": "d", "parent": "b"}, ["'d'", "'b'", "finish every chain"]),
+    (errors.UnsupportedJoint("glide", "JointModelPlanar"), {"joint": "glide", "kind": "JointModelPlanar"}, ["'glide'", "JointModelPlanar"]),
+    (
+        errors.PoorExcitation("base parameters", 5, 7),
+        {"what": "base parameters", "rank": 5, "needed": 7},
+        ["5 of 7 base parameters", "richer motion"],
+    ),
     (errors.InvalidRobotFile("some.yaml", "lacks the key type"), {"reason": "lacks the key type"}, ["some.yaml", "lacks the key type"]),
     (errors.InvalidControllerFile("some.json", "lacks 'kp'"), {"reason": "lacks 'kp'"}, ["some.json", "lacks 'kp'"]),
     (errors.UnusableEstimate(-np.eye(3)), {"mass": -np.eye(3)}, ["-1.", "not positive definite", "more samples or less noise"]),

@@ -15,13 +15,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import fuzzy2
 import psp3
 from fuzzy2.errors import Fuzzy2Error, UnsupportedRule
 from psp3 import metrics, runs
+from psp3.drives import Drive
 from psp3.errors import InvalidValue, StrokeExceeded, UnknownName, UnusableEstimate
 from psp3.fuzzy_computed_torque import OUTSIDE, REDUCTIONS
 from psp3.parameters import PARAMETER_SETS
@@ -69,6 +70,10 @@ def test_unknown_names_are_refused_and_the_known_ones_listed(wrong: dict[str, An
         {"levels": False}, {"mean_variation": -0.1}, {"mean_variation": math.nan}, {"mean_variation": math.inf},
         {"mean_variation": "0.3"}, {"mean_variation": True}, {"payload": 1.0}, {"payload": -1.0, "reading": "plant"},
         {"payload": math.inf, "reading": "plant"}, {"payload": None}, {"payload": "1"}, {"payload": math.nan},
+        {"coulomb_friction": 1.0}, {"coulomb_friction": -1.0, "reading": "plant"}, {"viscous_friction": math.nan, "reading": "plant"},
+        {"viscous_friction": 1.0, "reading": "online"}, {"motor_inertia": "1e-4", "lead": 0.01}, {"motor_inertia": 1e-4, "lead": 0.01},
+        {"encoder_resolution": 1e-6}, {"encoder_resolution": -1e-6, "reading": "plant"}, {"delay": 1}, {"delay": 0.5, "reading": "plant"},
+        {"delay": -1, "reading": "plant"}, {"delay": True, "reading": "plant"}, {"lead": 0.0}, {"lead": "10 mm"},
         {"duration": 0.0}, {"duration": -1.0}, {"duration": math.nan}, {"duration": math.inf}, {"duration": 0.001}, {"duration": "10"},
         {"duration": None}, {"duration": True}, {"duration": 1e300}, {"period": 0.0}, {"period": -0.002}, {"period": math.nan},
         {"period": "0.002"}, {"period": 1e-300}, {"period": 1e-9}, {"period": 0.003}, {"period": 0.1}, {"period": 0.05000001},
@@ -83,6 +88,12 @@ def test_numbers_outside_of_what_they_can_be_are_refused(wrong: dict[str, Any]) 
     # Even where the field plays no part: a typing error is not passed over.
     with pytest.raises(InvalidValue):
         replace(run, controller="pd").check()
+
+
+def test_a_motor_with_inertia_needs_a_lead() -> None:
+    with pytest.raises(InvalidValue, match="lead must be given"):
+        Run("ctc", "plant", motor_inertia=1e-4).check()
+    assert Run("ctc", "plant", lead=0.010).canonical() == Run("ctc")
 
 
 @pytest.mark.parametrize("kind", ["t1", "it2", "gt2"])
@@ -119,14 +130,14 @@ def test_every_value_that_is_offered_is_taken() -> None:
 
 def test_numbers_of_numpy_make_the_same_run() -> None:
     """Grids are made of them. They would count as other types in a table of results, and compile everything anew."""
-    plain = Run("it2", snr_db=15.0, seed=3, samples=100, mean_variation=0.25, duration=0.5)
+    plain = Run("it2", snr_db=15.0, seed=3, samples=100, mean_variation=0.25, lead=0.5, duration=0.5)
     grid = Run(
         "it2", snr_db=np.float32(15.0), seed=np.int64(3), samples=np.uint8(100), mean_variation=np.float16(0.25),
-        duration=np.float64(0.5),
+        lead=np.float32(0.5), duration=np.float64(0.5),
     )  # type: ignore[arg-type]  # fmt: skip
     assert plain == grid
     assert {type(value) for value in asdict(grid).values()} == {str, int, float}
-    assert str(grid) == "Run(controller='it2', snr_db=15.0, seed=3, mean_variation=0.25, samples=100, duration=0.5)"
+    assert str(grid) == "Run(controller='it2', snr_db=15.0, seed=3, mean_variation=0.25, samples=100, lead=0.5, duration=0.5)"
     assert same(execute(plain), execute(grid))
 
 
@@ -155,6 +166,12 @@ def a_run() -> st.SearchStrategy[Run]:
         outside=st.sampled_from(OUTSIDE),
         samples=st.sampled_from([50, 209]),
         payload=st.sampled_from([0.0, 2.0]),
+        coulomb_friction=st.sampled_from([0.0, 10.0]),
+        viscous_friction=st.sampled_from([0.0, 3.0]),
+        motor_inertia=st.sampled_from([0.0, 1e-5]),
+        lead=st.sampled_from([0.005, 0.010]),
+        encoder_resolution=st.sampled_from([0.0, 1e-5]),
+        delay=st.sampled_from([0, 1]),
         duration=st.just(0.05),
     )
 
@@ -163,7 +180,8 @@ def a_run() -> st.SearchStrategy[Run]:
 @given(a_run())
 def test_a_run_and_its_canonical_form_have_the_same_metrics(run: Run) -> None:
     """Bit for bit; the canonical form of a canonical form is itself, and it is a run like any other."""
-    assume(run.payload == 0.0 or run.reading == "plant")
+    if run.reading != "plant":
+        run = replace(run, **dict.fromkeys(runs.OF_PLANT, 0))
     canonical = run.canonical()
     canonical.check()
     assert canonical.canonical() == canonical
@@ -337,6 +355,34 @@ def test_the_plant_is_the_mismatched_one() -> None:
     heavy = execute(Run("pd-gravity", "plant", payload=3.0, duration=5.0))
     # At rest the payload sags kp-fold: 3 kg · g / 3 screws / 1000 N/m = 9.81 mm, and the helix's own errors add up to 6 mm.
     assert 0.009 < heavy["rms_error_1"] < 0.013
+
+
+REALISTIC: dict[str, Any] = {
+    "coulomb_friction": 10.0, "viscous_friction": 5.0, "motor_inertia": 1e-5, "lead": 0.010, "encoder_resolution": 5e-6, "delay": 1,
+}  # fmt: skip
+
+
+def test_friction_motor_encoder_and_delay_are_those_of_the_simulation() -> None:
+    """All at once, with the payload and parameters drawn from the run's stream; bit for bit, since PD multiplies no matrices."""
+    run = Run("pd", "plant", 20.0, 3, payload=1.0, duration=1.0, **REALISTIC)
+    real = psp3.load("psp3", mismatched(ROBOT.parameters, 0.1, 1.0, np.random.default_rng([3, 1])))
+    plant = RungeKutta(real, drive=Drive(10.0, 5.0, 1e-5, 0.010))
+    expected = psp3.simulate(ROBOT, psp3.PD(), HELIX, 1.0, plant=plant, encoder_resolution=5e-6, delay=1)
+    found = simulate_run(run).result
+    for name in ("heights", "speeds", "torque", "tip"):
+        np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
+
+
+@pytest.mark.parametrize("name", [name for name in REALISTIC if name != "lead"])
+def test_each_of_them_changes_every_controllers_result(name: str) -> None:
+    """Without noise, too; and alone."""
+    changed = {name: REALISTIC[name]} | ({"lead": 0.010} if name == "motor_inertia" else {})
+    for controller in ("pd", "ctc", "it2"):
+        run = Run(controller, "plant", duration=1.0, **changed)
+        assert run.canonical().reading == "plant"
+        with_it, without = execute(run), execute(Run(controller, duration=1.0))
+        assert with_it["sum_of_squared_errors"] != without["sum_of_squared_errors"]
+        assert with_it["diverged"] == 0.0
 
 
 # Metrics

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import psp3
+from psp3.drives import Drive
 from psp3.errors import (
+    ClosureFailed,
     InvalidArray,
     InvalidResultFile,
     InvalidTorque,
@@ -18,8 +20,9 @@ from psp3.errors import (
     UnreachablePose,
     UnreachableTip,
 )
-from psp3.plants import RungeKutta
-from psp3.trajectories import Helix, Hold, Motion
+from psp3.plants import ConstraintDynamics, RungeKutta
+from psp3.trajectories import Helix, Hold, Motion, PointToPoint
+from tests.helpers import four_bar_closed_with_3d
 
 ROBOT = psp3.load("psp3")
 HELIX = Helix(robot=ROBOT)
@@ -162,6 +165,14 @@ def test_a_torque_that_is_not_three_finite_numbers_stops_the_run(torque: object)
         ({"period": 0.0}, InvalidValue),
         ({"torque_limit": -5.0}, InvalidValue),
         ({"torque_limit": [1.0, 2.0]}, InvalidValue),
+        ({"encoder_resolution": -1e-6}, InvalidValue),
+        ({"encoder_resolution": np.nan}, InvalidValue),
+        ({"encoder_resolution": [1e-6, 1e-6]}, InvalidValue),
+        ({"encoder_resolution": "fine"}, InvalidArray),
+        ({"delay": -1}, InvalidValue),
+        ({"delay": 0.5}, InvalidValue),
+        ({"delay": True}, InvalidValue),
+        ({"trajectory": Hold(robot=psp3.load("five_bar"))}, InvalidValue),
         ({"initial_heights": [0.0, 0.0]}, InvalidArray),
         ({"initial_speeds": [0.0, np.nan, 0.0]}, InvalidArray),
         ({"initial_heights": [0.0, 1.0, -1.0]}, UnreachablePose),
@@ -177,6 +188,160 @@ def test_bad_arguments_are_refused_before_the_first_step(arguments: dict[str, ob
         psp3.simulate(ROBOT, controller, **given)  # type: ignore[arg-type]
     assert isinstance(caught.value, psp3.PSP3Error)
     assert controller.calls == []
+
+
+# Encoders and delay
+
+
+class Noting(RungeKutta):
+    """A plant that writes down the forces that arrive."""
+
+    def start(self, heights: np.ndarray, speeds: np.ndarray) -> None:
+        """Begin a new list."""
+        self.forces: list[np.ndarray] = []
+        super().start(heights, speeds)
+
+    def advance(self, forces: np.ndarray, duration: float) -> tuple[np.ndarray, np.ndarray] | None:
+        """Go on, and write the forces down."""
+        self.forces.append(forces.copy())
+        return super().advance(forces, duration)
+
+
+def test_encoders_count_and_their_speeds_are_differences() -> None:
+    """Counts of 5 µm: what is seen is a whole number of them, next to the truth; speeds in steps of 2.5 mm/s, half a period late."""
+    controller = Recording()
+    result = psp3.simulate(ROBOT, controller, Hold(robot=ROBOT), 0.2, initial_speeds=[0.1, -0.05, 0.02], encoder_resolution=5e-6)
+    seen = np.array([call[1] for call in controller.calls])
+    speeds = np.array([call[2] for call in controller.calls])
+    np.testing.assert_allclose(seen / 5e-6, np.round(result.heights / 5e-6), rtol=0.0, atol=1e-9)
+    assert np.abs(seen - result.heights).max() <= 2.5e-6 * (1.0 + 1e-9)
+    np.testing.assert_array_equal(speeds[0], 0.0)
+    np.testing.assert_array_equal(speeds[1:], np.diff(seen, axis=0) / 0.002)
+    # The speed in the middle of a period, within a count.
+    np.testing.assert_allclose(speeds[1:], 0.5 * (result.speeds[1:] + result.speeds[:-1]), rtol=0.0, atol=2.5e-3 * (1.0 + 1e-6))
+
+
+def test_every_joint_can_have_its_own_encoder() -> None:
+    """And a perfect one sees what it sees without any."""
+    controller = Recording()
+    resolution = [0.0, 1e-3, 1e-5]
+    result = psp3.simulate(ROBOT, controller, HELIX, 0.1, encoder_resolution=resolution, initial_speeds=[0.05, 0.05, 0.05])
+    seen, speeds = (np.array([call[k] for call in controller.calls]) for k in (1, 2))
+    np.testing.assert_array_equal(seen[:, 0], result.heights[:, 0])
+    np.testing.assert_array_equal(speeds[:, 0], result.speeds[:, 0])
+    np.testing.assert_allclose(seen[:, 1:] / resolution[1:], np.round(result.heights[:, 1:] / resolution[1:]), rtol=0.0, atol=1e-9)
+
+
+def test_fine_encoders_are_perfect_ones_but_for_their_late_speeds() -> None:
+    """Of 1e-13 m; a controller that uses no speeds cannot tell: 1e-9 m are 1e-13 m, fed back over 0.5 s."""
+    controller = psp3.PD(3000.0, 0.0)
+    perfect, fine = (psp3.simulate(ROBOT, controller, HELIX, 0.5, encoder_resolution=resolution) for resolution in (0.0, 1e-13))
+    np.testing.assert_allclose(fine.heights, perfect.heights, rtol=0.0, atol=1e-9)
+    assert np.abs(fine.heights - perfect.heights).max() > 0.0
+
+
+@pytest.mark.parametrize("delay", [0, 1, 3, 200])
+def test_forces_come_late_and_the_first_one_acts_until_then(delay: int) -> None:
+    """The plant gets what was asked for some periods ago, limited; the result says so."""
+
+    class Ramp(Recording):
+        def torque(self, t: float, heights: np.ndarray, speeds: np.ndarray, desired: Motion) -> np.ndarray:
+            return np.array([86.0, 87.0, 88.0]) + 10.0 * t
+
+    plant = Noting(ROBOT)
+    result = psp3.simulate(ROBOT, Ramp(), Hold(robot=ROBOT), 0.2, delay=delay, torque_limit=87.5, plant=plant)
+    late = np.maximum(0.002 * (np.arange(101) - delay), 0.0)
+    expected = np.minimum(np.array([86.0, 87.0, 88.0]) + 10.0 * late[:, None], 87.5)
+    np.testing.assert_allclose(result.torque, expected, rtol=1e-14)
+    np.testing.assert_array_equal(plant.forces, result.torque[:-1])
+
+
+def test_a_delayed_loop_is_the_sampled_system_with_one_more_state() -> None:
+    """All nuts together under PD are a mass: a linear recursion, written out, with the force of the period before.
+
+    x+ = x + T v + T²/2 a, v+ = v + T a, a = f/m − g; the recursion and the plant round differently, 1e-12 m.
+    """
+    kp, kv, T, mass = 3000.0, 150.0, 0.01, ROBOT.parameters.total_mass
+    hold = Hold(robot=ROBOT)
+    result = psp3.simulate(ROBOT, psp3.PD(kp, kv), hold, 2.0, T, initial_heights=[0.05] * 3, delay=1)
+    x, v, last, rows = 0.05, 0.0, None, []
+    for _ in range(201):
+        rows.append([x, v])
+        asked = -3.0 * (kp * x + kv * v)
+        acceleration = (asked if last is None else last) / mass - 9.81
+        x, v, last = x + T * v + 0.5 * T**2 * acceleration, v + T * acceleration, asked
+    np.testing.assert_allclose(result.heights, np.tile(np.array(rows)[:, :1], 3), rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(result.speeds, np.tile(np.array(rows)[:, 1:], 3), rtol=0.0, atol=1e-11)
+
+
+def test_motor_torques_are_a_limit_and_a_result() -> None:
+    """A motor of 0.15 N m at a lead of 10 mm is a force of 94 N, which the start of this motion takes."""
+    drive = Drive(motor_inertia=1e-5, lead=0.010)
+    result = psp3.simulate(
+        ROBOT, psp3.GravityCompensatedPD(ROBOT), HELIX, 0.2, initial_heights=HELIX(0.0).heights - 0.02,
+        torque_limit=drive.force(0.15), plant=RungeKutta(ROBOT, drive=drive),
+    )  # fmt: skip
+    torque = drive.motor_torque(result.torque)
+    assert torque.max() == pytest.approx(0.15, rel=1e-14)
+    np.testing.assert_allclose(torque * 2.0 * np.pi / 0.010, result.torque, rtol=1e-14)
+
+
+# Any robot
+
+
+@pytest.mark.parametrize("name", ["five_bar", "gough_stewart"])
+def test_any_robot_is_simulated(name: str, tmp_path: Path) -> None:
+    """Computed torque started on the path, from rest to rest in 0.2 s, of which the first half is simulated.
+
+    The force held for T = 1 ms is wrong by an acceleration of jerk · T/2, which a servo turns into an error of that over kp; the
+    quintic's jerk is at most 60 · way/(0.2 s)³. Twice that, as it is not constant. The tip is the frame, and the file is that of any
+    result.
+    """
+    robot = psp3.load(name)
+    n, way = len(robot.actuated), 0.03
+    path = PointToPoint(robot.reference, robot.reference + way, 0.2, robot)
+    result = psp3.simulate(robot, psp3.ComputedTorque(robot, 2500.0, 100.0), path, 0.1, 0.001)
+    assert result.positions.shape == result.speeds.shape == result.torque.shape == (101, n)
+    error = np.abs(result.positions - result.desired.positions).max()
+    assert 0.0 < error < 2.0 * 60.0 * way / 0.2**3 * 0.0005 / 2500.0
+    np.testing.assert_allclose(result.tip, robot.frame_placement(result.positions, "tip")[:, :3, 3], rtol=0.0, atol=1e-12)
+    loaded = psp3.load_result(result.save(tmp_path / "run.npz"))
+    for field in ("t", "heights", "speeds", "torque", "tip"):
+        np.testing.assert_array_equal(getattr(loaded, field), getattr(result, field))
+    np.testing.assert_array_equal(loaded.desired.positions, result.desired.positions)
+
+
+def test_a_robot_without_a_tip_has_none() -> None:
+    """A crank that swings freely, against the tree under constraint forces: 1e-9 rad; its energy is kept to 1e-10."""
+    loop = four_bar_closed_with_3d()
+    robot = psp3.ClosedLoopRobot(loop.model, loop.constraint_models, loop.actuated, loop.q0)
+    hold = Hold(robot=robot)
+    np.testing.assert_array_equal(hold(0.0).positions, robot.reference)
+    results = [psp3.simulate(robot, Recording(np.zeros(1)), hold, 0.2, plant=plant) for plant in (None, ConstraintDynamics(robot))]
+    np.testing.assert_allclose(results[0].positions, results[1].positions, rtol=0.0, atol=1e-9)
+    assert np.isnan(results[0].tip).all()
+    assert np.isnan(results[0].desired.tip).all()
+    energy = robot.kinetic_energy(results[0].positions, results[0].speeds) + robot.potential_energy(results[0].positions)
+    assert np.ptp(energy) < 1e-10
+    assert np.ptp(results[0].positions) > 0.1
+
+
+def test_any_robot_stops_where_its_joints_end_and_where_its_loops_cannot_close() -> None:
+    robot = psp3.load("five_bar")
+    hold = Hold(robot=robot)
+    with pytest.raises(SimulationDiverged, match="an actuated joint left its limits") as caught:
+        psp3.simulate(robot, Recording((0.5, 0.5)), hold, 2.0)
+    assert (caught.value.heights > robot.limits[1]).any()
+    assert len(caught.value.result.t) > 10
+    with pytest.raises(SimulationDiverged, match="left the poses") as caught:
+        psp3.simulate(robot, Recording((-50.0, 50.0)), hold, 2.0)
+    assert len(caught.value.result.t) > 1
+    with pytest.raises(InvalidTorque, match="2 finite forces"):
+        psp3.simulate(robot, Recording((1.0, 1.0, 1.0)), hold, 1.0)
+    with pytest.raises(StrokeExceeded):
+        psp3.simulate(robot, Recording((1.0, 1.0)), PointToPoint(robot.reference, [-1.6, 0.6], 1.0, robot), 1.0)
+    with pytest.raises(ClosureFailed):
+        psp3.simulate(robot, Recording((1.0, 1.0)), hold, 1.0, initial_heights=[-2.5, 2.5])
 
 
 def test_progress_reports_a_hundred_times() -> None:

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 import psp3
 from psp3 import trajectories
-from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue, StrokeExceeded, UnreachableTip
+from psp3.errors import ClosureFailed, InvalidArray, InvalidTrajectoryFile, InvalidValue, StrokeExceeded, UnknownName, UnreachableTip
+from tests.helpers import four_bar_closed_with_6d
 
 HOME = np.array([0.0, 0.0, 0.07])
 NEAR = np.array([0.01, -0.012, 0.10])
@@ -36,10 +37,15 @@ def every_trajectory(tmp_path_factory: pytest.TempPathFactory) -> dict[str, traj
         "waypoints": trajectories.Waypoints([0.0, 0.7, 1.5, 2.0], [HOME, NEAR, 0.5 * (HOME + NEAR), HOME]),
         "tip file": trajectories.FromCSV(spline_file(folder / "tip.csv")),
         "heights file": trajectories.FromCSV(spline_file(folder / "heights.csv", "t,a1,a2,a3")),
+        "joints": trajectories.PointToPoint([0.0, 0.02, -0.01], [0.05, 0.0, 0.03], 2.0, space="joints"),
+        "joint waypoints": trajectories.Waypoints([0.0, 1.0, 2.0], [[0.0] * 3, [0.05, 0.0, 0.03], [0.01] * 3], space="joints"),
+        "joint hold": trajectories.Hold([0.05, 0.0, 0.03], space="joints"),
     }
 
 
-NAMES = ["helix", "circle", "line", "point to point", "hold", "waypoints", "tip file", "heights file"]
+NAMES = [
+    "helix", "circle", "line", "point to point", "hold", "waypoints", "tip file", "heights file", "joints", "joint waypoints", "joint hold",
+]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -126,6 +132,67 @@ def test_a_file_of_heights_and_one_of_tips_tell_the_same_motion(tmp_path: Path) 
     by_heights = trajectories.FromCSV(tmp_path / "heights.csv")(inside)
     np.testing.assert_allclose(by_tip.heights, by_heights.heights, atol=1e-7)
     np.testing.assert_allclose(by_tip.heights, trajectories.Helix()(inside).heights, atol=1e-7)
+
+
+# Of the joints, and of any robot
+
+
+def test_a_motion_of_the_joints_is_straight_in_them() -> None:
+    """The quintic written out: halfway at half the time, at 15/8 of the mean speed, without acceleration."""
+    start, end = np.array([0.0, 0.02, -0.01]), np.array([0.05, 0.0, 0.03])
+    middle = trajectories.PointToPoint(start, end, 2.0, space="joints")(1.0)
+    np.testing.assert_allclose(middle.positions, 0.5 * (start + end), atol=1e-16)
+    np.testing.assert_allclose(middle.speeds, 15.0 / 8.0 * (end - start) / 2.0, rtol=1e-14)
+    np.testing.assert_allclose(middle.accelerations, 0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("name", ["five_bar", "gough_stewart"])
+def test_of_any_robot_the_joints_move(name: str, tmp_path: Path) -> None:
+    """The same way as points, as a recording, and as its end; the tip is where closing the loops puts the frame, to 1e-12 m."""
+    robot = psp3.load(name)
+    n = len(robot.actuated)
+    goal = robot.reference + np.linspace(-0.03, 0.05, n)
+    path = trajectories.PointToPoint(robot.reference, goal, 1.0, robot)
+    t = np.linspace(0.0, 1.0, 41)
+    motion = path.check(t)
+    assert motion.heights.shape == motion.speeds.shape == motion.accelerations.shape == (41, n)
+    np.testing.assert_allclose(motion.tip, robot.frame_placement(motion.positions, "tip")[:, :3, 3], atol=1e-12)
+    np.testing.assert_array_equal(trajectories.Hold(robot=robot)([0.0, 5.0]).positions, [robot.reference] * 2)
+    np.testing.assert_allclose(trajectories.Hold(goal, robot)(0.0).tip, motion.tip[-1], atol=1e-12)
+    header = ",".join(["t", *robot.actuated])
+    np.savetxt(tmp_path / "motion.csv", np.column_stack([t, motion.positions]), delimiter=",", header=header, comments="", fmt="%.17g")
+    recorded = trajectories.FromCSV(tmp_path / "motion.csv", robot)
+    np.testing.assert_allclose(recorded(t).positions, motion.positions, atol=1e-15)
+    splined = trajectories.Waypoints(t, motion.positions, robot)
+    # A cubic spline through samples 25 ms apart: h⁴/384 times the fourth derivative, 360 · way.
+    np.testing.assert_allclose(splined(t[:-1] + 0.01).positions, path(t[:-1] + 0.01).positions, atol=0.025**4 / 384.0 * 360.0 * 0.05)
+
+
+def test_what_a_robot_cannot_do_is_refused() -> None:
+    robot = psp3.load("five_bar")
+    with pytest.raises(StrokeExceeded):
+        trajectories.PointToPoint(robot.reference, [-1.6, 0.6], 1.0, robot).check(np.linspace(0.0, 1.0, 50))
+    with pytest.raises(ClosureFailed):
+        trajectories.Hold([-2.5, 2.5], robot)(0.0)
+    # Where there is no frame of that name there is no tip.
+    loop = four_bar_closed_with_6d()
+    linkage = psp3.ClosedLoopRobot(loop.model, loop.constraint_models, loop.actuated, loop.q0)
+    assert np.isnan(trajectories.Hold(robot=linkage)(0.0).tip).all()
+    for build in (
+        lambda: trajectories.Helix(robot=robot),  # type: ignore[arg-type]
+        lambda: trajectories.Line([0.0, 0.0], [0.1, 0.1], 1.0, robot, "tip"),
+    ):
+        with pytest.raises(InvalidValue, match="'joints'"):
+            build()
+    with pytest.raises(UnknownName, match="tip, joints"):
+        trajectories.Hold(space="legs")
+    with pytest.raises(InvalidArray):
+        trajectories.Hold([0.0, 0.0, 0.0], robot)
+
+
+def test_a_file_for_another_robot_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidTrajectoryFile, match=r"must name the columns t,\w+,\w+; it has t, a1, a2, a3"):
+        trajectories.FromCSV(spline_file(tmp_path / "heights.csv", "t,a1,a2,a3"), psp3.load("five_bar"))
 
 
 def test_radius_beyond_the_fold_names_the_reach() -> None:
