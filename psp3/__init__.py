@@ -13,11 +13,15 @@ if TYPE_CHECKING:
     from psp3 import statistics, trajectories
     from psp3.closed_loop_robot import ClosedLoopRobot
     from psp3.controllers import PD, PID, ComputedTorque, FeedForward, GravityCompensatedPD
+    from psp3.drives import Drive
     from psp3.errors import PSP3Error
     from psp3.fuzzy_computed_torque import FuzzyComputedTorque
     from psp3.loading import load
+    from psp3.mjcf import to_mjcf
+    from psp3.mujoco_plant import MuJoCo
     from psp3.natural_orthogonal_complement import NaturalOrthogonalComplement
     from psp3.parameters import PARAMETER_SETS, Parameters
+    from psp3.payloads import with_payload
     from psp3.robot import PSP3, Pose
     from psp3.runs import Run
     from psp3.simulation import Result, load_result, simulate
@@ -26,9 +30,11 @@ if TYPE_CHECKING:
 _HOMES = {
     "ClosedLoopRobot": "closed_loop_robot",
     "ComputedTorque": "controllers",
+    "Drive": "drives",
     "FeedForward": "controllers",
     "FuzzyComputedTorque": "fuzzy_computed_torque",
     "GravityCompensatedPD": "controllers",
+    "MuJoCo": "mujoco_plant",
     "NaturalOrthogonalComplement": "natural_orthogonal_complement",
     "PARAMETER_SETS": "parameters",
     "PD": "controllers",
@@ -44,6 +50,8 @@ _HOMES = {
     "load": "loading",
     "load_result": "simulation",
     "simulate": "simulation",
+    "to_mjcf": "mjcf",
+    "with_payload": "payloads",
 }
 
 __all__ = [
@@ -53,9 +61,11 @@ __all__ = [
     "PSP3",
     "ClosedLoopRobot",
     "ComputedTorque",
+    "Drive",
     "FeedForward",
     "FuzzyComputedTorque",
     "GravityCompensatedPD",
+    "MuJoCo",
     "NaturalOrthogonalComplement",
     "PSP3Error",
     "Parameters",
@@ -68,7 +78,9 @@ __all__ = [
     "load_result",
     "simulate",
     "statistics",
+    "to_mjcf",
     "trajectories",
+    "with_payload",
 ]
 
 __version__ = "0.1.0"

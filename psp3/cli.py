@@ -164,7 +164,7 @@ Heights = Annotated[Triple, typer.Option(parser=_triple, metavar="A1,A2,A3", hel
 Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.", show_default=False)]
 FigureFile = Annotated[Path | None, typer.Option(parser=_figure_output, metavar="FILE", help="Draw to FILE: .pdf, .png or .svg.")]
 
-MOTION, RUNS, OUTPUT = "Desired motion", "Runs", "Output"
+MOTION, RUNS, PLANT, OUTPUT = "Desired motion", "Runs", "Plant, for --reading plant", "Output"
 TrajectoryText = Annotated[
     str,
     typer.Option(
@@ -791,7 +791,26 @@ def study(
     ] = None,
     payload: Annotated[
         list[float] | None,
-        typer.Option(metavar="KG", rich_help_panel=RUNS, help="Mass on the star that no controller knows of (kg), for --reading plant."),
+        typer.Option(metavar="KG", rich_help_panel=PLANT, help="Mass on the star that no controller knows of (kg)."),
+    ] = None,
+    coulomb_friction: Annotated[
+        list[float] | None, typer.Option(metavar="N", rich_help_panel=PLANT, help="Dry friction of a nut (N).")
+    ] = None,
+    viscous_friction: Annotated[
+        list[float] | None, typer.Option(metavar="N*S/M", rich_help_panel=PLANT, help="Viscous friction of a nut (N s/m).")
+    ] = None,
+    motor_inertia: Annotated[
+        list[float] | None,
+        typer.Option(metavar="KG*M2", rich_help_panel=PLANT, help="Inertia of a motor with its screw (kg m²); needs --lead."),
+    ] = None,
+    lead: Annotated[
+        list[float] | None, typer.Option(metavar="M", rich_help_panel=PLANT, help="Travel of a nut in one turn of its screw (m).")
+    ] = None,
+    encoder_resolution: Annotated[
+        list[float] | None, typer.Option(metavar="M", rich_help_panel=PLANT, help="Height of a nut per count of its encoder (m).")
+    ] = None,
+    delay: Annotated[
+        list[int] | None, typer.Option(metavar="PERIODS", rich_help_panel=PLANT, help="Control periods from measurement to force.")
     ] = None,
     duration: Annotated[
         float, typer.Option(metavar="S", rich_help_panel=RUNS, help="Length of a run (s), the same in all a file.")
@@ -820,7 +839,9 @@ def study(
     from psp3.study import Study, grid
 
     given = {"reading": reading, "trajectory": trajectory, "learner": learner, "n_terms": terms, "mean_variation": mean_variation}
-    given |= {"payload": payload, "controller": controller or ["pd", "ctc", "t1", "it2"], "snr_db": snr or [math.inf, 20.0, 15.0, 10.0]}
+    given |= {"payload": payload, "coulomb_friction": coulomb_friction, "viscous_friction": viscous_friction, "lead": lead}
+    given |= {"motor_inertia": motor_inertia, "encoder_resolution": encoder_resolution, "delay": delay}
+    given |= {"controller": controller or ["pd", "ctc", "t1", "it2"], "snr_db": snr or [math.inf, 20.0, 15.0, 10.0]}
     values = {name: choice for name, choice in given.items() if choice}
     outcome = Study(file, grid(**values, seed=range(seeds), duration=duration))
     try:
@@ -877,6 +898,8 @@ def _study_tables(rows: list[dict[str, Any]], show_mean_variation: bool) -> Iter
     headings = {
         "controller": "controller", "reading": "reading", "snr_db": "SNR (dB)", "trajectory": "trajectory", "learner": "learner",
         "n_terms": "terms", "mean_variation": "mean variation", "payload": "payload (kg)",
+        "coulomb_friction": "dry friction (N)", "viscous_friction": "viscous friction (N s/m)", "motor_inertia": "motor inertia (kg m²)",
+        "lead": "lead (m)", "encoder_resolution": "encoder (m)", "delay": "delay (periods)",
     }  # fmt: skip
     summaries = summarize(rows)
     names = [name for name in headings if name == "controller" or len({getattr(summary.run, name) for summary in summaries}) > 1]

@@ -8,7 +8,9 @@ import numpy as np
 def warm_up() -> None:
     """Call every compiled function; with a writable cache directory, later processes load what this one compiled."""
     from psp3.controllers import ComputedTorque
+    from psp3.drives import Drive
     from psp3.loading import load
+    from psp3.plants import ConstraintDynamics, RungeKutta
     from psp3.runs import Run, execute
     from psp3.simulation import simulate
     from psp3.trajectories import Helix
@@ -23,6 +25,9 @@ def warm_up() -> None:
     five_bar = load("five_bar")
     five_bar.inverse_dynamics(five_bar.reference, np.zeros(2), np.zeros(2))
     simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01)
+    drive = Drive(coulomb_friction=1.0)
+    for plant in (RungeKutta(robot, drive=drive), ConstraintDynamics(robot, drive=drive)):
+        simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01, plant=plant)
     # Learning a controller compiles its step, and a run the whole loop.
     execute(Run("it2", snr_db=20.0, duration=0.05))
     _warm_up_fuzzy_systems()

@@ -7,7 +7,11 @@ borders bound the orientation of the star:
 * the map from star orientation to the tip's horizontal position folds, see :func:`fold_tilt`: orientations beyond can be
   taken, but the tip comes back from the border of its reach, :func:`reach_boundary`, and no longer determines the pose.
 
-Between them there is no singularity of actuation: :attr:`WorkspaceMap.actuation_determinant` stays positive.
+Between them there is no singularity of actuation: :attr:`WorkspaceMap.actuation_determinant` stays positive. The model with fifteen
+coordinates, whose ball joints are three hinges each, adds one that the machine does not have, where the middle hinge is at ±90°:
+:attr:`WorkspaceMap.hinge_angle` says how near that is, and :attr:`WorkspaceMap.closure_condition` what it costs in digits.
+
+:mod:`psp3.singularities` and :mod:`psp3.workspace_maps` ask the same of any robot, without closed forms.
 """
 
 from __future__ import annotations
@@ -52,6 +56,10 @@ class WorkspaceMap:
         Condition number (2-norm) of the mass matrix.
     actuation_determinant : (...,) ndarray
         Determinant of the six wrenches by which the ball joints hold the star while the screws are locked [m³].
+    hinge_angle : (...,) ndarray
+        Largest angle of the three middle hinges of the ball joints; less than the tilt, so never 90° [rad].
+    closure_condition : (...,) ndarray
+        Condition number (2-norm) of the columns of the constraint Jacobian that belong to the joints without a motor, in m and rad.
     travel : (...,) ndarray
         How far the star can be lifted at this orientation before a nut meets the end of its screw, from one end to the
         other; negative if the stroke is too short for the orientation [m].
@@ -67,6 +75,8 @@ class WorkspaceMap:
     tip_condition: Array
     mass_condition: Array
     actuation_determinant: Array
+    hinge_angle: Array
+    closure_condition: Array
     travel: Array
 
 
@@ -94,7 +104,9 @@ def map_at_heights(robot: PSP3, heights: ArrayLike) -> WorkspaceMap:
 
     The six wrenches of the ball joints, two for each arm, across it and along the normal of the star's plane, have the
     determinant :math:`\sqrt3\, s A`, with :math:`s` the sum of the arm lengths and
-    :math:`A = \frac{\sqrt3}{4} (b_1 b_2 + b_2 b_3 + b_3 b_1)` the area of the nut triangle.
+    :math:`A = \frac{\sqrt3}{4} (b_1 b_2 + b_2 b_3 + b_3 b_1)` the area of the nut triangle. The middle hinge of the ball joint on
+    screw k has the angle :math:`\sin\theta_k = \sin\theta \sin(\alpha_k - \phi)`, for a star that leans by :math:`\theta` toward
+    :math:`\phi`.
 
     Parameters
     ----------
@@ -132,6 +144,8 @@ def map_at_heights(robot: PSP3, heights: ArrayLike) -> WorkspaceMap:
         tip_condition=np.linalg.cond(robot.tip_jacobian(a)),
         mass_condition=np.linalg.cond(robot.mass_matrix(a)),
         actuation_determinant=0.75 * b.sum(axis=-1) * pairs,
+        hinge_angle=np.arcsin(np.abs(np.sin(tilt)[..., np.newaxis] * np.sin(SCREW_AZIMUTHS - azimuth[..., np.newaxis])).max(axis=-1)),
+        closure_condition=_closure_condition(robot, a),
         travel=(upper - a).min(axis=-1) - (lower - a).max(axis=-1),
     )
 
@@ -301,6 +315,14 @@ def reach_boundary(robot: PSP3, azimuth: ArrayLike) -> Array:
     (phi,) = _angles(azimuth=azimuth)
     heights = robot.inverse_kinematics(0.0, fold_tilt(robot, phi), phi)
     return robot.forward_kinematics(heights).tip[..., :2]
+
+
+def _closure_condition(robot: PSP3, heights: Array) -> Array:
+    q = robot.configuration(heights)
+    jacobians = [robot.constraint_jacobian(row)[:, robot.dependent_v] for row in q.reshape(-1, robot.model.nq)]
+    width = robot.dependent_v.size
+    condition: Array = np.linalg.cond(np.reshape(jacobians, (len(jacobians), width, width)))
+    return condition.reshape(heights.shape[:-1])
 
 
 def _tip_determinant(robot: PSP3, tilt: Array, azimuth: Array) -> Array:
