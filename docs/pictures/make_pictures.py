@@ -20,6 +20,9 @@ from psp3.visualize import Scene
 HERE = Path(__file__).parent
 HEIGHT, WHOLE_WIDTH, CLOSE_WIDTH = 620, 400, 500
 ANIMATION_WIDTH, SECONDS, FRAME_RATE, COLORS = 720, 4.0, 10, 255
+OTHER_WIDTH = 400
+OTHERS = {"five_bar": 0.3, "planar_3rrr": 0.2, "delta": 0.3, "gough_stewart": 0.05, "tricept": 0.08}
+"""How far each robot is from its reference pose [rad or m]."""
 HEIGHTS = psp3.load().inverse_kinematics(height=0.03, tilt=np.radians(18.0), azimuth=np.radians(200.0))
 
 RENDER_WITHOUT_A_SCREEN = ("--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
@@ -65,6 +68,19 @@ def robot(browser: webdriver.Chrome) -> Image.Image:
     return both.resize((both.width // 2, both.height // 2), Image.Resampling.LANCZOS)
 
 
+def others(browser: webdriver.Chrome) -> Image.Image:
+    """Return the other robots side by side, each in a pose of its own, from nearby."""
+    images = []
+    for name, share in OTHERS.items():
+        robot = psp3.load(name)
+        pose = robot.reference + share * np.random.default_rng(2).uniform(-1.0, 1.0, len(robot.actuated))
+        images.append(picture(browser, Scene(robot).show(pose), OTHER_WIDTH))
+    row = Image.new("RGB", (sum(image.width for image in images), images[0].height))
+    for number, image in enumerate(images):
+        row.paste(image, (number * image.width, 0))
+    return row.resize((2 * row.width // 5, 2 * row.height // 5), Image.Resampling.LANCZOS)
+
+
 def animation(browser: webdriver.Chrome) -> list[Image.Image]:
     """Return PD beside computed torque on the helix, frame by frame, from a place where both are whole."""
     robot = psp3.load()
@@ -96,8 +112,9 @@ def main() -> None:
     browser = webdriver.Chrome(options=options, service=Service("/usr/bin/chromedriver"))
     try:
         robot(browser).save(HERE / "robot.png", optimize=True)
-        first, *others = with_one_palette(animation(browser))
-        first.save(HERE / "tracking.gif", save_all=True, append_images=others, duration=1000 // FRAME_RATE, loop=0, optimize=True)
+        others(browser).quantize(COLORS).save(HERE / "robots.png", optimize=True)
+        first, *rest = with_one_palette(animation(browser))
+        first.save(HERE / "tracking.gif", save_all=True, append_images=rest, duration=1000 // FRAME_RATE, loop=0, optimize=True)
     finally:
         browser.quit()
 
