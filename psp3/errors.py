@@ -234,9 +234,9 @@ class MissingPackage(PSP3Error, RuntimeError):
 class OverlappingShapes(PSP3Error, ValueError):
     """Two links whose collisions are looked for overlap already at the reference pose."""
 
-    def __init__(self, overlaps: Sequence[tuple[tuple[str, str], float]]) -> None:
-        self.overlaps = tuple(overlaps)
-        found = ", ".join(f"{first!r} and {second!r} by {-1e3 * distance:.3g} mm" for (first, second), distance in overlaps)
+    def __init__(self, pairs: Sequence[tuple[str, str]], depths: Sequence[float]) -> None:
+        self.pairs, self.depths = tuple(pairs), tuple(depths)
+        found = ", ".join(f"{one!r} and {other!r} by {1e3 * depth:.3g} mm" for (one, other), depth in zip(pairs, depths, strict=True))
         super().__init__(
             f"at the reference pose links overlap: {found}; correct their shapes, or exclude what touches by construction with "
             f'<disable_collisions link1="..." link2="..." reason="..."/> in the SRDF'

@@ -71,6 +71,11 @@ EXAMPLES = [
         {"joint": "j1", "reason": "it turns and slides at once"},
         ["'j1'", "turns and slides"],
     ),
+    (
+        errors.NoStabilizingSolution(np.array([0.5 + 0.0j, -1.0 + 0.0j]), 0.002),
+        {"poles": np.array([0.5 + 0.0j, -1.0 + 0.0j]), "period": 0.002},
+        ["0.5", "unit circle", "0.002 s"],
+    ),
     (errors.DisorderedJoints("d", "b"), {"joint": "d", "parent": "b"}, ["'d'", "'b'", "finish every chain"]),
     (errors.UnsupportedJoint("glide", "JointModelPlanar"), {"joint": "glide", "kind": "JointModelPlanar"}, ["'glide'", "JointModelPlanar"]),
     (
@@ -79,6 +84,16 @@ EXAMPLES = [
         ["5 of 7 base parameters", "richer motion"],
     ),
     (errors.InvalidRobotFile("some.yaml", "lacks the key type"), {"reason": "lacks the key type"}, ["some.yaml", "lacks the key type"]),
+    (
+        errors.OverlappingShapes([("nut1", "ball_lambda1")], [0.005]),
+        {"pairs": (("nut1", "ball_lambda1"),), "depths": (0.005,)},
+        ["'nut1' and 'ball_lambda1' by 5 mm", "disable_collisions"],
+    ),
+    (
+        errors.CollisionFound(0.62, ("nut1", "ball_lambda1"), 0.0, 0.0, 0.7, -0.0024),
+        {"time": 0.62, "links": ("nut1", "ball_lambda1"), "distance": 0.0, "clearance": 0.0, "worst_time": 0.7, "worst_distance": -0.0024},
+        ["t = 0.62 s", "'nut1' and 'ball_lambda1' touch", "0.7 s, 2.4 mm in each other"],
+    ),
     (errors.InvalidControllerFile("some.json", "lacks 'kp'"), {"reason": "lacks 'kp'"}, ["some.json", "lacks 'kp'"]),
     (errors.UnusableEstimate(-np.eye(3)), {"mass": -np.eye(3)}, ["-1.", "not positive definite", "more samples or less noise"]),
     (errors.InvalidTrajectoryFile("some.csv", "no rows"), {"reason": "no rows"}, ["some.csv", "no rows"]),
