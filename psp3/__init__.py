@@ -13,9 +13,12 @@ if TYPE_CHECKING:
     from psp3 import statistics, trajectories
     from psp3.closed_loop_robot import ClosedLoopRobot
     from psp3.controllers import PD, PID, ComputedTorque, FeedForward, GravityCompensatedPD
+    from psp3.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
     from psp3.drives import Drive
     from psp3.errors import PSP3Error
     from psp3.fuzzy_computed_torque import FuzzyComputedTorque
+    from psp3.linear_quadratic_regulator import LinearQuadraticRegulator, TimeVaryingLinearQuadraticRegulator
+    from psp3.linearization import linearize
     from psp3.loading import load
     from psp3.mjcf import to_mjcf
     from psp3.mujoco_plant import MuJoCo
@@ -34,6 +37,7 @@ _HOMES = {
     "FeedForward": "controllers",
     "FuzzyComputedTorque": "fuzzy_computed_torque",
     "GravityCompensatedPD": "controllers",
+    "LinearQuadraticRegulator": "linear_quadratic_regulator",
     "MuJoCo": "mujoco_plant",
     "NaturalOrthogonalComplement": "natural_orthogonal_complement",
     "PARAMETER_SETS": "parameters",
@@ -46,7 +50,11 @@ _HOMES = {
     "Result": "simulation",
     "Run": "runs",
     "Study": "study",
+    "TimeVaryingLinearQuadraticRegulator": "linear_quadratic_regulator",
+    "forward_dynamics_derivatives": "derivatives",
     "grid": "study",
+    "inverse_dynamics_derivatives": "derivatives",
+    "linearize": "linearization",
     "load": "loading",
     "load_result": "simulation",
     "simulate": "simulation",
@@ -65,6 +73,7 @@ __all__ = [
     "FeedForward",
     "FuzzyComputedTorque",
     "GravityCompensatedPD",
+    "LinearQuadraticRegulator",
     "MuJoCo",
     "NaturalOrthogonalComplement",
     "PSP3Error",
@@ -73,7 +82,11 @@ __all__ = [
     "Result",
     "Run",
     "Study",
+    "TimeVaryingLinearQuadraticRegulator",
+    "forward_dynamics_derivatives",
     "grid",
+    "inverse_dynamics_derivatives",
+    "linearize",
     "load",
     "load_result",
     "simulate",

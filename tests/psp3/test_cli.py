@@ -18,8 +18,8 @@ import pytest
 import typer
 
 import psp3
-from psp3.loading import ROBOTS
 from psp3 import cli, metrics, published
+from psp3.loading import ROBOTS
 from psp3.torques import screw_forces
 
 ROBOT = psp3.load("psp3")
