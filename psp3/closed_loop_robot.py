@@ -75,6 +75,11 @@ class ClosedLoopRobot:
         If the number of actuated joints is not the number of degrees of freedom that the loops leave.
     """
 
+    urdf: Path | None = None
+    """The URDF it was loaded from, if it was; its collision shapes are read when they are asked for."""
+    srdf: Path | None = None
+    """The SRDF it was loaded with."""
+
     def __init__(
         self,
         model: pin.Model,
@@ -112,7 +117,7 @@ class ClosedLoopRobot:
         self.mobility = mobility(model, self.constraint_models, self.actuated, start)
         if self.mobility.under_actuation or self.mobility.over_actuation:
             raise MobilityMismatch(self.mobility, self.actuated)
-        self.q0 = self._close(start[self.actuated_q][np.newaxis], start)[0][0]
+        self.q0: Array = self._close(start[self.actuated_q][np.newaxis], start)[0][0]
 
     @classmethod
     def from_urdf(cls, urdf: str | Path, loops: str | Path, srdf: str | Path | None = None) -> ClosedLoopRobot:
@@ -132,7 +137,9 @@ class ClosedLoopRobot:
         InvalidRobotFile
             If a file is missing or malformed, or a frame or joint it names does not exist.
         """
-        return cls(*read_robot(urdf, loops, srdf))
+        robot = cls(*read_robot(urdf, loops, srdf))
+        robot.urdf, robot.srdf = Path(urdf), None if srdf is None else Path(srdf)
+        return robot
 
     @classmethod
     def from_mjcf(cls, mjcf: str | Path, actuated: Sequence[str] | None = None) -> ClosedLoopRobot:

@@ -75,6 +75,7 @@ def _load_psp3(parameters: str | Parameters) -> PSP3:
     for leg in (1, 2, 3):
         home[model.joints[model.getJointId(f"b{leg}")].idx_q] = numbers.screw_radius
     robot = PSP3(model, closures, loops.actuated, home, visual_model, numbers)
+    robot.urdf, robot.srdf = ROBOT_FILES / "psp3.urdf", ROBOT_FILES / "psp3.srdf"
     for pose in list(model.referenceConfigurations):
         # The file's poses are those of the default screw radius; their tilts are kept, so that every pose stays possible.
         heights = np.array(pose.data())[[model.joints[model.getJointId(name)].idx_q for name in loops.actuated]]

@@ -140,7 +140,8 @@ class MjcfDocument:
         values = self.numbers(element, given[0], ORIENTATIONS[given[0]])
         assert values is not None
         try:
-            return getattr(self, f"_from_{given[0]}")(values)
+            rotation: Array = getattr(self, f"_from_{given[0]}")(values)
+            return rotation
         except ZeroDivisionError:
             raise self.wrong(f"{described(element)}: {given[0]} {element.get(given[0])!r} gives no direction") from None
 

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from psp3.arrays import Array, as_floats, checked_count, checked_positive, one_row
 from psp3.closed_loop_robot import ClosedLoopRobot
+from psp3.collisions import check_clearance
 from psp3.controllers import Controller
 from psp3.errors import InvalidResultFile, InvalidTorque, InvalidValue, SimulationDiverged
 from psp3.plants import NO_POSE, Plant, RungeKutta
@@ -154,6 +155,7 @@ def simulate(
     encoder_resolution: ArrayLike = 0.0,
     delay: int = 0,
     plant: Plant | None = None,
+    clearance: float | None = None,
     progress: Callable[[float], None] | None = None,
 ) -> Result:
     """Let a controller track a trajectory.
@@ -186,6 +188,8 @@ def simulate(
         acts from the start until the second arrives.
     plant : Plant, optional
         What integrates the robot, see :mod:`psp3.plants`; ``RungeKutta(robot)`` by default.
+    clearance : float, optional
+        Least distance that links must keep from each other along the desired motion [m]; not looked at by default.
     progress : callable, optional
         Called with the simulated time after every hundredth of the steps.
 
@@ -198,7 +202,7 @@ def simulate(
     ------
     InvalidValue, InvalidArray
         If an argument is malformed.
-    UnreachableTip, UnreachablePose, ClosureFailed, JointLimitExceeded, StrokeExceeded
+    UnreachableTip, UnreachablePose, ClosureFailed, JointLimitExceeded, StrokeExceeded, CollisionFound
         If the robot cannot make the desired motion, or start where it is to.
     InvalidTorque
         If the controller returns something else than n finite numbers.
@@ -223,6 +227,8 @@ def simulate(
     if desired.heights.shape[-1] != n:
         raise InvalidValue("trajectory", trajectory, f"a motion of {n} actuated joints")
     check_stroke(robot, t, desired)
+    if clearance is not None:
+        check_clearance(robot, desired.heights, t, clearance)
     heights = desired.heights[0] if initial_heights is None else one_row("initial_heights", initial_heights, n)
     speeds = np.zeros(n) if initial_speeds is None else one_row("initial_speeds", initial_speeds, n)
     tip_of(robot, heights)

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from psp3.arrays import Array, as_floats, checked_not_negative, checked_positive, finite_rows, one_row
 from psp3.closed_loop_robot import ClosedLoopRobot
+from psp3.collisions import check_clearance
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue, StrokeExceeded, UnknownName
 from psp3.robot import PSP3
 
@@ -122,13 +123,15 @@ class Trajectory:
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         raise NotImplementedError(f"{type(self).__name__} must return a position with its velocity and acceleration")
 
-    def check(self, t: ArrayLike) -> Motion:
+    def check(self, t: ArrayLike, clearance: float | None = None) -> Motion:
         """Return the motion at given times, provided that the robot can make it.
 
         Parameters
         ----------
         t : (N,) array_like
             Times [s].
+        clearance : float, optional
+            Least distance that links must keep from each other [m]; not looked at by default.
 
         Returns
         -------
@@ -141,9 +144,13 @@ class Trajectory:
             As from a call.
         StrokeExceeded
             If a nut would have to leave its screw, or another actuated joint its limits.
+        CollisionFound
+            If two links would come nearer to each other than ``clearance``.
         """
         motion = self(t)
         check_stroke(self.robot, np.asarray(t, dtype=float), motion)
+        if clearance is not None:
+            check_clearance(self.robot, motion.heights, t, clearance)
         return motion
 
 

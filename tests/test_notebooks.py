@@ -69,7 +69,7 @@ def test_committed_with_outputs(path: Path) -> None:
 def test_opens_with_what_the_reader_will_be_able_to_do_and_ends_with_two_exercises(path: Path) -> None:
     cells = read(path).cells
     assert cells[0].cell_type == cells[-1].cell_type == "markdown"
-    assert re.match(r"# \d .+\n\nAfter this notebook you will be able to\n\n(- .+\n)", cells[0].source)
+    assert re.match(r"# \d+ .+\n\nAfter this notebook you will be able to\n\n(- .+\n)", cells[0].source)
     assert cells[-1].source.startswith("## Exercises\n")
     assert re.findall(r"^(\d+)\. \*\*", cells[-1].source, flags=re.MULTILINE) == ["1", "2"]
 

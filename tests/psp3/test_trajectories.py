@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import psp3
 from psp3 import trajectories
-from psp3.errors import ClosureFailed, InvalidArray, InvalidTrajectoryFile, InvalidValue, StrokeExceeded, UnknownName, UnreachableTip
+from psp3.errors import ClosureFailed, CollisionFound, InvalidArray, InvalidTrajectoryFile, InvalidValue, StrokeExceeded, UnknownName, UnreachableTip
 from tests.helpers import four_bar_closed_with_6d
 
 HOME = np.array([0.0, 0.0, 0.07])
@@ -258,3 +258,17 @@ def test_broken_files_name_the_line(tmp_path: Path, content: str, reason: str) -
 def test_missing_file_is_named(tmp_path: Path) -> None:
     with pytest.raises(InvalidTrajectoryFile, match=r"none\.csv"):
         trajectories.FromCSV(tmp_path / "none.csv")
+
+
+def test_a_motion_in_which_links_touch_is_refused_if_clearance_is_asked_for() -> None:
+    """A lean of 45 degrees toward screw 1 is beyond the contact of bushing and frame at 35.594 degrees, and within the arms' lengths."""
+    robot = psp3.load("psp3")
+    leaning = robot.inverse_kinematics(height=0.0, tilt=np.radians(45.0), azimuth=0.0)
+    motion = trajectories.PointToPoint(np.zeros(3), leaning, 1.0, robot=robot, space="joints")
+    t = np.linspace(0.0, 1.0, 51)
+    motion.check(t)
+    with pytest.raises(CollisionFound) as caught:
+        motion.check(t, clearance=0.0)
+    assert 0.5 < caught.value.time < 1.0
+    with pytest.raises(CollisionFound):
+        psp3.simulate(robot, psp3.ComputedTorque(robot), motion, 1.0, clearance=0.0)

@@ -68,7 +68,6 @@ def test_only_primitives_in_named_colors() -> None:
     colors = {material.get("name") for material in root.findall("material")}
     assert {child.tag for geometry in root.iter("geometry") for child in geometry} == SHAPES
     assert {material.get("name") for material in root.findall("link/visual/material")} == colors
-    assert not list(root.iter("collision"))
     for link in ("base", *(f"{name}{leg}" for name in ("nut", "ball_lambda", "star") for leg in (1, 2, 3))):
         assert root.find(f"link[@name='{link}']/visual") is not None, link
 
