@@ -110,11 +110,17 @@ class LinkNames(SphinxPostTransform):
     def run(self, **kwargs: Any) -> None:
         """Replace every literal that is such a name, and say which error is meant where both packages have one of that name."""
         objects = self.env.domains.python_domain.objects
-        for reference in self.document.findall(pending_xref):
-            module = reference.get("py:module") or ""
-            error = f"{module.split('.')[0]}.errors.{reference.get('reftarget')}"
-            if reference.get("refdomain") == "py" and error in objects:
-                reference["reftarget"], reference["refspecific"] = error, False
+        for reference in list(self.document.findall(pending_xref)):
+            module, target = reference.get("py:module") or "", reference.get("reftarget")
+            if reference.get("refdomain") != "py":
+                continue
+            known = [f"{module.split('.')[0]}.errors.{target}", f"{module}.{target}", imported_home(module, target)]
+            meant = next((name for name in known if name in objects), None)
+            if meant is not None:
+                reference["reftarget"], reference["refspecific"] = meant, False
+            elif sum(name.endswith(f".{target}") for name in objects) > 1:
+                # A word, such as the K of an equation, that is also the name of more than one thing elsewhere.
+                reference.replace_self(reference.children)
         for node in list(self.document.findall(nodes.literal)):
             name = node.astext().removesuffix("()")
             if not re.fullmatch(r"(psp3|fuzzy2)(\.\w+)+", name) or isinstance(node.parent, nodes.reference | nodes.title):
@@ -123,6 +129,14 @@ class LinkNames(SphinxPostTransform):
             if home in objects:
                 entry = objects[home]
                 node.replace_self(make_refnode(self.app.builder, self.env.docname, entry.docname, entry.node_id, node.deepcopy(), home))
+
+
+def imported_home(module: str, name: str) -> str:
+    """Return where a class or function that a module imports by its bare name is defined."""
+    if not module or not name.isidentifier():
+        return ""
+    thing = getattr(importlib.import_module(module), name, None)
+    return f"{getattr(thing, '__module__', '')}.{name}"
 
 
 def home_of(name: str) -> str:

@@ -192,7 +192,9 @@ class ClosedLoopRobot:
         out = np.zeros((len(rows) if complements else 0, nv, n))
         if complements:
             out[:, self.actuated_v, np.arange(n)] = 1.0
-        failed = close(self._table, guess, rows, along, configurations, out, report)
+        # Numba would compile the kernel anew for an array that is read-only.
+        start = np.array(guess)
+        failed = close(self._table, start, rows, along, configurations, out, report)
         if failed < 0:
             return configurations, out
         if report[0] == SINGULAR:
@@ -519,7 +521,8 @@ class ClosedLoopRobot:
             pin.computeJointJacobians(self.model, self.data, q)
             pin.updateFramePlacements(self.model, self.data)
             jacobian = pin.getFrameJacobian(self.model, self.data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
-            return np.asarray(jacobian @ complement)
+            # Of a model with a single degree of freedom Pinocchio returns a vector.
+            return np.asarray(jacobian.reshape(6, self.model.nv) @ complement)
 
         return self._map(one, (6, len(self.actuated)), positions=positions)
 

@@ -71,7 +71,9 @@ def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
         joint, name = model.joints[index], str(model.names[index])
         parent = of_joint[model.parents[index]]
         fixed = data.oMi[model.parents[index]].actInv(data.oMi[index])
-        axes = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL)[:, joint.idx_v : joint.idx_v + joint.nv]
+        # Of a model with a single degree of freedom Pinocchio returns a vector.
+        whole = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL).reshape(6, model.nv)
+        axes = whole[:, joint.idx_v : joint.idx_v + joint.nv]
         if (joint.nq, joint.nv) == (4, 3) and "Spherical" in joint.shortname():
             elements.append(_Element(BALL, parent, joint.idx_q, joint.idx_v, fixed, np.zeros(6)))
         elif (joint.nq, joint.nv) == (7, 6) and "FreeFlyer" in joint.shortname():

@@ -299,6 +299,26 @@ def _rockers(count: int) -> ClosedLoopRobot:
     return ClosedLoopRobot(model, loops, ("crank",), np.array([1.0] + count * [-0.55] + count * [1.3]))
 
 
+def test_a_single_joint_is_a_robot_too() -> None:
+    """A pendulum: Pinocchio returns its Jacobian as a vector. G = m g r sin φ, M = m r²."""
+    model = pin.Model()
+    joint = model.addJoint(0, pin.JointModelRY(), pin.SE3.Identity(), "pivot")
+    model.appendBodyToJoint(joint, pin.Inertia(2.0, np.array([0.0, 0.0, -0.5]), np.zeros((3, 3))), pin.SE3.Identity())
+    model.addFrame(pin.Frame("bob", joint, 0, pin.SE3(np.eye(3), np.array([0.0, 0.0, -0.5])), pin.FrameType.OP_FRAME))
+    robot = ClosedLoopRobot(model, [], ["pivot"])
+    angle = np.array([[0.3], [-1.0]])
+    assert_allclose(robot.gravity(angle), 2.0 * 9.81 * 0.5 * np.sin(angle), rtol=1e-12)
+    assert_allclose(robot.mass_matrix(angle), np.full((2, 1, 1), 0.5), rtol=1e-12)
+    assert_allclose(robot.frame_jacobian(angle, "bob")[:, 0, 0], -0.5 * np.cos(angle[:, 0]), rtol=1e-12)
+
+
+def test_a_guess_may_be_read_only() -> None:
+    robot = five_bar()
+    guess = robot.q0.copy()
+    guess.flags.writeable = False
+    assert_allclose(robot.configuration(robot.reference, guess=guess), robot.q0, rtol=0.0, atol=1e-12)
+
+
 # Assembling
 
 

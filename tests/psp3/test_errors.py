@@ -97,6 +97,7 @@ EXAMPLES = [
     (errors.InvalidControllerFile("some.json", "lacks 'kp'"), {"reason": "lacks 'kp'"}, ["some.json", "lacks 'kp'"]),
     (errors.UnusableEstimate(-np.eye(3)), {"mass": -np.eye(3)}, ["-1.", "not positive definite", "more samples or less noise"]),
     (errors.InvalidTrajectoryFile("some.csv", "no rows"), {"reason": "no rows"}, ["some.csv", "no rows"]),
+    (errors.InvalidMapFile("some.json", "cut off"), {"reason": "cut off"}, ["some.json", "cut off"]),
     (errors.InvalidResultFile("some.npz", "cut off"), {"reason": "cut off"}, ["some.npz", "cut off"]),
     (errors.InvalidStudyFile("some.sqlite", "damaged"), {"reason": "damaged"}, ["some.sqlite", "damaged"]),
     (

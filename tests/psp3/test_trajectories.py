@@ -11,7 +11,16 @@ from hypothesis import strategies as st
 
 import psp3
 from psp3 import trajectories
-from psp3.errors import ClosureFailed, CollisionFound, InvalidArray, InvalidTrajectoryFile, InvalidValue, StrokeExceeded, UnknownName, UnreachableTip
+from psp3.errors import (
+    ClosureFailed,
+    CollisionFound,
+    InvalidArray,
+    InvalidTrajectoryFile,
+    InvalidValue,
+    StrokeExceeded,
+    UnknownName,
+    UnreachableTip,
+)
 from tests.helpers import four_bar_closed_with_6d
 
 HOME = np.array([0.0, 0.0, 0.07])
