@@ -18,6 +18,7 @@ from fuzzy2.style import style
 from psp3 import plots, workspace
 from psp3.closed_loop_robot import ClosedLoopRobot
 from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
+from psp3.singularities import SingularityAnalysis
 from psp3.workspace import WorkspaceMap
 
 Array = NDArray[np.float64]
@@ -107,6 +108,42 @@ def test_there_is_no_actuation_singularity_up_to_the_border() -> None:
     shares = np.linspace(0.0, 0.9999, 60)[:, np.newaxis]
     poses = workspace.map_over_tilt(ROBOT, shares * workspace.largest_tilt(AROUND), AROUND)
     np.testing.assert_allclose(poses.actuation_determinant.min(), 6.75 * d**3, rtol=1e-12)
+
+
+def test_middle_hinges_stay_away_from_the_gimbal(newton: ClosedLoopRobot) -> None:
+    """Their angles as Newton's method finds them, to 1e-11; up to the border they are below the tilt, which is below 90°."""
+    rng = np.random.default_rng(11)
+    poses = workspace.map_over_tilt(ROBOT, rng.uniform(0.0, 1.0, 40), rng.uniform(-np.pi, np.pi, 40))
+    hinges = [newton.model.joints[newton.model.getJointId(f"theta{leg}")].idx_q for leg in (1, 2, 3)]
+    found = [np.abs(newton.configuration(heights)[hinges]).max() for heights in poses.heights]
+    np.testing.assert_allclose(poses.hinge_angle, found, atol=1e-10)
+    border = workspace.map_over_tilt(ROBOT, 0.9999 * workspace.largest_tilt(AROUND), AROUND)
+    assert (border.hinge_angle <= border.tilt + 1e-12).all()
+    assert border.hinge_angle.max() < 0.5 * np.pi
+
+
+def test_condition_of_the_closures_is_that_of_other_routes(here: WorkspaceMap) -> None:
+    """The natural orthogonal complement's own Jacobian, and the generic analysis with a meter for a length; 13.7 at home."""
+    noc, generic = psp3.NaturalOrthogonalComplement(ROBOT), SingularityAnalysis(ROBOT, "tip", ("x", "y", "z"), length=1.0)
+    q = ROBOT.configuration(HEIGHTS)
+    np.testing.assert_allclose(here.closure_condition, np.linalg.cond(noc.constraint_jacobian(q)[..., ROBOT.dependent_v]), rtol=1e-10)
+    np.testing.assert_allclose(here.closure_condition, generic.measures(q).closure_condition, rtol=1e-10)
+    assert workspace.map_at_heights(ROBOT, np.zeros(3)).closure_condition == pytest.approx(13.7, abs=0.05)
+
+
+def test_generic_measures_of_the_tip_are_those_of_the_closed_form(here: WorkspaceMap) -> None:
+    """Condition and orientation of the tip's Jacobian by null spaces of the closures: the generic route to the same map, to 1e-9."""
+    measures = SingularityAnalysis(ROBOT, "tip", ("x", "y", "z")).measures(ROBOT.configuration(HEIGHTS))
+    np.testing.assert_allclose(measures.condition, here.tip_condition, rtol=1e-9)
+    determinant = np.linalg.det(ROBOT.tip_jacobian(HEIGHTS))
+    np.testing.assert_array_equal(measures.orientation * np.sign(determinant), measures.orientation[0] * np.sign(determinant[0]))
+    np.testing.assert_array_equal(measures.assembly, measures.assembly[0])
+
+
+def test_a_map_without_any_pose_is_empty() -> None:
+    """A tilt of 89° toward 45°, where an arm vanishes before."""
+    poses = workspace.map_over_tilt(ROBOT, [np.radians(89.0)], np.radians(45.0))
+    assert np.isnan([poses.hinge_angle, poses.closure_condition, poses.travel]).all()
 
 
 def test_travel_is_what_the_spread_of_the_heights_leaves_of_the_stroke(here: WorkspaceMap) -> None:
@@ -247,7 +284,8 @@ def test_maps_keep_leading_dimensions(shape: tuple[int, ...]) -> None:
         workspace.map_over_tilt(ROBOT, np.full(shape, 0.3), 0.0),
         workspace.map_over_reach(ROBOT, 0.5, np.full(shape, 0.3)),
     ):
-        assert {poses.tilt.shape, poses.tip_condition.shape, poses.travel.shape, poses.actuation_determinant.shape} == {shape}
+        numbers = ("tilt", "tip_condition", "travel", "actuation_determinant", "hinge_angle", "closure_condition")
+        assert {getattr(poses, name).shape for name in numbers} == {shape}
         assert {poses.heights.shape, poses.arms.shape, poses.tip.shape, poses.center.shape} == {(*shape, 3)}
 
 
