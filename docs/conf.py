@@ -185,7 +185,8 @@ def mathml(translator: Any, node: nodes.Element, as_block: bool) -> None:
         equation = re.sub(command, substitute, equation)
     try:
         markup = accents_above("".join(tex2mathml(equation, as_block=as_block)))
-    except MathError as error:
+    except (MathError, AttributeError) as error:
+        # The second is how the library stumbles over a row that ends outside of an array.
         logging.getLogger(__name__).warning("equation cannot be written as MathML: %s", error, location=node)
         raise nodes.SkipNode from None
     translator.body.append(f'<div class="equation" tabindex="0">{markup}</div>' if as_block else markup)

@@ -77,7 +77,7 @@ class Measures(NamedTuple):
     ``manipulability``: product of the singular values of J, which is :math:`\sqrt{\det J J^T}`: the volume that unit speeds of the motors
     give the frame's velocity. Zero at singularities of the end effector, infinite at those of actuation.
 
-    ``orientation``: sign of :math:`\\det J`, which changes where one of them is crossed, and only there. Zero where J is not square.
+    ``orientation``: sign of :math:`\det J`, which changes where one of them is crossed, and only there. Zero where J is not square.
 
     ``mobility``: degrees of freedom here; more than elsewhere in a constraint singularity, where all that depends on N is NaN.
     """

@@ -132,7 +132,7 @@ class TaskSpaceComputedTorque:
         self.space = square_task(robot, frame, task)
         self._scaled = _ScaledJacobian(self.space)
         self.threshold = share * self._scaled.at_reference
-        """The singular value :math:`\\varepsilon` below which the inverse is damped."""
+        r"""The singular value :math:`\varepsilon` below which the inverse is damped."""
 
     def reset(self) -> None:
         """Forget nothing: this controller remembers nothing."""
