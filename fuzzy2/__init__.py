@@ -9,7 +9,9 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from fuzzy2.adaptation import AdaptiveConsequents
     from fuzzy2.approximate_reduction import approximate_centroid, approximate_generalized_centroid
+    from fuzzy2.clustering import Clusters, fuzzy_c_means
     from fuzzy2.defuzzification import defuzzify
     from fuzzy2.errors import ApproximationWarning, Fuzzy2Error
     from fuzzy2.extension import extend
@@ -71,6 +73,8 @@ _NAMES = {
     "join_meet": ("join", "meet", "negation"),
     "json_files": ("from_json", "load", "save", "to_json"),
     "learning": ("WangMendel", "gaussian_partition"),
+    "adaptation": ("AdaptiveConsequents",),
+    "clustering": ("Clusters", "fuzzy_c_means"),
     "measures": ("cardinality", "fuzziness", "jaccard", "rank"),
     "noise": ("add_noise", "mean_variation_from_snr", "snr_from_mean_variation"),
     "numbers": ("FuzzyNumber", "GaussianNumber", "IntervalNumber", "gaussian_meet", "gaussian_meet_error"),
@@ -101,8 +105,10 @@ _NAMES = {
 _HOMES = {name: module for module, names in _NAMES.items() for name in names}
 
 __all__ = [
+    "AdaptiveConsequents",
     "ApproximationWarning",
     "Bell",
+    "Clusters",
     "Complement",
     "FineTuning",
     "FunctionalSet",
@@ -158,6 +164,7 @@ __all__ = [
     "format_rules",
     "from_json",
     "fuzziness",
+    "fuzzy_c_means",
     "gaussian_meet",
     "gaussian_meet_error",
     "gaussian_partition",

@@ -1,9 +1,10 @@
 r"""Learning a rule base from samples by table look-up (Wang and Mendel), for type-1, interval and general type-2 systems.
 
-Every input's range is partitioned by Gaussian terms, and each cell of the grid of terms is a rule. What the rules say is read from
-the samples. Means of type-2 terms are uncertain to both sides by a share of the range, see :mod:`fuzzy2.noise` for how much; rules
-are chosen by the memberships in the *principal* terms, with the mean in its middle, so that systems of all three kinds learned from
-the same samples have the same rules and differ in nothing but their uncertainty. Without uncertainty they are the same system.
+Every input's range is partitioned by Gaussian terms, and each cell of the grid of terms is a rule; or clusters of the samples are the
+rules, and their projections on the inputs the terms. What the rules say is read from the samples. Means of type-2 terms are uncertain
+to both sides by a share of the range, see :mod:`fuzzy2.noise` for how much; rules are chosen by the memberships in the *principal*
+terms, with the mean in its middle, so that systems of all three kinds learned from the same samples have the same rules and differ in
+nothing but their uncertainty. Without uncertainty they are the same system.
 
 :class:`WangMendel` follows scikit-learn's conventions and does not need it.
 
@@ -13,6 +14,7 @@ Cybernetics 22(6), 1992.
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 import itertools
 import math
@@ -24,7 +26,8 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy2.checks import Array, positive, real
+from fuzzy2.checks import Array, positive, real, reals
+from fuzzy2.clustering import Clusters, fuzzy_c_means
 from fuzzy2.errors import (
     FeatureNamesWarning,
     InvalidValue,
@@ -47,6 +50,9 @@ KINDS = ("t1", "it2", "gt2")
 
 LEARNERS = ("strongest", "strict", "average", "ridge")
 """Names of the ways to the rules' consequents, see :class:`WangMendel`."""
+
+PARTITIONS = ("grid", "clusters")
+"""Names of where terms and rules come from, see :class:`WangMendel`."""
 
 COMPLETIONS = ("nearest", "average", "none")
 """Names of what the strict learner does about cells without a sample."""
@@ -111,14 +117,75 @@ def gaussian_partition(least: float, greatest: float, n_terms: int = 2, kind: st
         raise InvalidValue("mean_variation", mean_variation, "at least 0")
     width = greatest - least
     means = np.linspace(least, greatest, count) if count > 1 else np.array([0.5 * least + 0.5 * greatest])
-    sigma = width / max(count - 1, 1) / _CROSSING
+    sigmas = np.full(count, width / max(count - 1, 1) / _CROSSING)
+    return _gaussian_terms(means, sigmas, kind, variation * width)
+
+
+def _gaussian_terms(means: Array, sigmas: Array, kind: str, reach: float) -> tuple[Term, ...]:
+    """Return Gaussian terms of a kind whose means are uncertain by ``reach`` to both sides; see :func:`gaussian_partition`."""
+    pairs = list(zip(means.tolist(), sigmas.tolist(), strict=True))
     if kind == "t1":
-        return tuple(Gaussian(float(mean), sigma) for mean in means)
+        return tuple(Gaussian(mean, sigma) for mean, sigma in pairs)
     if kind == "it2":
-        reach = variation * width
-        return tuple(GaussianUncertainMean((float(mean - reach), float(mean + reach)), sigma) for mean in means)
-    spread = variation * width * math.exp(-0.5) / (math.sqrt(3.0) * sigma)
-    return tuple(GaussianType2Set(Gaussian(float(mean), sigma), spread) for mean in means)
+        return tuple(GaussianUncertainMean((mean - reach, mean + reach), sigma) for mean, sigma in pairs)
+    return tuple(GaussianType2Set(Gaussian(mean, sigma), reach * math.exp(-0.5) / (math.sqrt(3.0) * sigma)) for mean, sigma in pairs)
+
+
+def cluster_partition(
+    clusters: Clusters, widths: ArrayLike, kind: str = "it2", mean_variation: float = 0.0
+) -> tuple[tuple[tuple[Term, ...], ...], Integers]:
+    r"""Return the projections of clusters on the inputs as Gaussian terms, and a rule for each cluster.
+
+    The term of cluster k on input i has the center :math:`v_{ki}` for its mean and the spread of the cluster's samples along that input,
+
+    .. math:: \sigma_{ki}^2 = \frac{\sum_n u_{nk}^m (x_{ni} - v_{ki})^2}{\sum_n u_{nk}^m},
+
+    for its standard deviation. (M. Sugeno and T. Yasukawa, "A fuzzy-logic-based approach to qualitative modeling", IEEE Transactions on
+    Fuzzy Systems 1(1), 1993, for rules by projection.)
+
+    Parameters
+    ----------
+    clusters : Clusters
+        K clusters of samples of p inputs, see :func:`fuzzy2.fuzzy_c_means`.
+    widths : (p,) array_like
+        What the mean variation is a share of, such as the inputs' ranges; above 0.
+    kind, mean_variation
+        See :func:`gaussian_partition`.
+
+    Returns
+    -------
+    terms : tuple of p tuples of K sets
+        The terms of every input in ascending order of their means.
+    rules : (K, p) ndarray of int
+        Which term of each input belongs to each cluster.
+
+    Raises
+    ------
+    InvalidValue
+        If all samples of a cluster have the same value of an input, so that it has no width there, or a number is outside of what it can
+        be.
+    UnknownName
+        If the kind is unknown.
+    """
+    if kind not in KINDS:
+        raise UnknownName("kind of system", kind, KINDS)
+    variation = real("mean_variation", mean_variation)
+    if variation < 0.0:
+        raise InvalidValue("mean_variation", mean_variation, "at least 0")
+    centers, spreads = clusters.centers, clusters.spreads
+    reaches = reals("widths", widths)
+    if reaches.shape != centers.shape[1:] or not ((reaches > 0.0) & np.isfinite(reaches)).all():
+        raise InvalidValue("widths", reaches, f"{centers.shape[1]} finite numbers above 0")
+    flat = np.argwhere(~(spreads > 0.0))
+    if len(flat):
+        k, i = (int(index) for index in flat[0])
+        wanted = f"clusters with a width along every input; cluster {k + 1} has none along input {i + 1}: take fewer clusters"
+        raise InvalidValue("clusters", spreads[k], wanted)
+    order = np.argsort(centers, axis=0, kind="stable")
+    terms = tuple(
+        _gaussian_terms(centers[order[:, i], i], spreads[order[:, i], i], kind, float(variation * reaches[i])) for i in range(len(reaches))
+    )
+    return terms, np.asarray(np.argsort(order, axis=0), dtype=np.int64)
 
 
 def term_names(n_terms: int) -> tuple[str, ...]:
@@ -130,7 +197,7 @@ def term_names(n_terms: int) -> tuple[str, ...]:
 class WangMendel:
     r"""Table look-up learning of fuzzy rules (Wang and Mendel), with scikit-learn's conventions.
 
-    The rules are the cells of the grid of all inputs' terms. ``learner`` says what a rule's consequent is:
+    The rules are the cells of the grid of all inputs' terms, or clusters of the samples. ``learner`` says what a rule's consequent is:
 
     - ``"strongest"``: that of the sample that fires the rule most (the first of several), so that no cell stays empty.
     - ``"strict"``: the procedure as published. Every sample makes one rule, of the terms in which its inputs (and output) have most
@@ -147,7 +214,7 @@ class WangMendel:
     Parameters
     ----------
     n_terms : int or sequence of p ints
-        Number of Gaussian terms of every input; they lie evenly over the range of the samples, see :func:`gaussian_partition`.
+        Number of Gaussian terms of every input; one number for all of them if terms come from clusters, which is that of the rules, too.
     kind : {"it2", "t1", "gt2"}
         Kind of system: interval type-2, type-1, or general type-2.
     mean_variation : float
@@ -171,6 +238,15 @@ class WangMendel:
         Type reduction of ``kind="gt2"``, see :class:`fuzzy2.systems.GeneralType2System`.
     levels : int
         Number of α-planes of ``kind="gt2"``.
+    partition : {"grid", "clusters"}
+        Where terms and rules come from. On the grid the terms lie evenly over the range of the samples, see :func:`gaussian_partition`,
+        and every combination of them is a rule. With clusters, fuzzy c-means comes first: each of ``n_terms`` clusters of the
+        inputs is a rule, and its projections are its terms (:func:`cluster_partition`). Many inputs then need no more rules than few,
+        and there are rules only where samples are. Inputs count in shares of their ranges; not for the strict learner.
+    fuzzifier : float
+        Of the clusters, see :func:`fuzzy2.fuzzy_c_means`.
+    rng : numpy.random.Generator, optional
+        Of the clusters' starts; seeded with 0 at every call of :meth:`fit` by default.
 
     Attributes
     ----------
@@ -188,6 +264,8 @@ class WangMendel:
         Terms of the outputs, if ``output_terms`` is a number.
     output_rules_ : (R, m) ndarray of int
         Number of the output term of every rule, -1 where completion averaged, if ``output_terms`` is a number.
+    clusters_ : Clusters
+        What fuzzy c-means found, in shares of the inputs' ranges, if the rules are clusters.
     """
 
     system_: FuzzySystem
@@ -198,6 +276,7 @@ class WangMendel:
     rule_samples_: Integers
     output_terms_: tuple[tuple[Term, ...], ...]
     output_rules_: Integers
+    clusters_: Clusters
 
     def __init__(
         self,
@@ -211,6 +290,9 @@ class WangMendel:
         t_norm: str = "product",
         reduction: str = "alpha_planes",
         levels: int = 5,
+        partition: str = "grid",
+        fuzzifier: float = 2.0,
+        rng: np.random.Generator | None = None,
     ) -> None:
         # Stored as given and checked by fit, so that a grid search can set them in any order.
         self.n_terms = n_terms
@@ -223,6 +305,9 @@ class WangMendel:
         self.t_norm = t_norm
         self.reduction = reduction
         self.levels = levels
+        self.partition = partition
+        self.fuzzifier = fuzzifier
+        self.rng = rng
 
     def __repr__(self) -> str:
         defaults = inspect.signature(type(self).__init__).parameters
@@ -292,9 +377,9 @@ class WangMendel:
             If samples or parameters are not what they must be; an input (or output, if it has terms) that has the same value in all
             samples is named.
         UnknownName
-            If ``kind``, ``learner``, ``completion``, ``t_norm`` or ``reduction`` is unknown.
+            If ``kind``, ``learner``, ``completion``, ``t_norm``, ``reduction`` or ``partition`` is unknown.
         UnsupportedRule
-            If no sample fires some rule of the grid by more than 0.001; the strict learner needs no such sample.
+            If no sample fires some rule by more than 0.001; the strict learner needs no such sample.
         """
         self._check_parameters()
         names = _column_names(X)
@@ -303,19 +388,16 @@ class WangMendel:
             raise InvalidValue("X", f"{inputs.shape[0]} sample", "a table of at least 2 samples, which span a range")
         outputs, one_column = _outputs(y, len(inputs))
         count = inputs.shape[1]
-        numbers = _terms_per_input(self.n_terms, count)
         input_names = tuple(names) if names is not None else tuple(f"x{i + 1}" for i in range(count))
         ranges = _ranges("input", input_names, inputs)
         output_names = _column_names(y)
         if output_names is None or len(output_names) != outputs.shape[1]:
             output_names = [f"y{j + 1}" for j in range(outputs.shape[1])]
 
-        self._check_size(math.prod(numbers))
-        terms = [gaussian_partition(*ends, number, self.kind, self.mean_variation) for ends, number in zip(ranges, numbers, strict=True)]
-        # Of all kinds the same numbers to the last digit, so that equal grades are settled in the same way.
-        principal = [_principal_terms(*ends, number) for ends, number in zip(ranges, numbers, strict=True)]
+        partition = self._partition_by_clusters(inputs, ranges) if self.partition == "clusters" else self._partition_evenly(ranges)
+        terms, principal, rules, clusters = partition
         grades = [_grades_in(inputs[:, i], principal[i]) for i in range(count)]
-        words = [term_names(number) for number in numbers]
+        words = [term_names(len(of_input)) for of_input in terms]
         combine: Callable[..., Array] = np.multiply if self.t_norm == "product" else np.minimum
 
         quantizer = None
@@ -326,7 +408,7 @@ class WangMendel:
         if self.learner == "strict":
             learned = _strict(grades, outputs, combine, quantizer, self.completion)
         else:
-            learned = _from_grid(grades, outputs, combine, self.learner, self.ridge)
+            learned = _from_all(grades, outputs, combine, rules, self.learner, self.ridge)
             _check_support(learned, input_names, words)
             if quantizer is not None:
                 learned = learned._replace(values=None, terms=quantizer.nearest(learned.point_values()))
@@ -352,7 +434,30 @@ class WangMendel:
             self.rule_samples_ = learned.samples
         if quantizer is not None and learned.terms is not None:
             self.output_terms_, self.output_rules_ = quantizer.terms, learned.terms
+        if clusters is not None:
+            self.clusters_ = clusters
         return self
+
+    def _partition_evenly(self, ranges: list[tuple[float, float]]) -> _Partition:
+        numbers = _terms_per_input(self.n_terms, len(ranges))
+        self._check_size(math.prod(numbers))
+        terms = [gaussian_partition(*ends, number, self.kind, self.mean_variation) for ends, number in zip(ranges, numbers, strict=True)]
+        # Of all kinds the same numbers to the last digit, so that equal grades are settled in the same way.
+        principal = [_principal_terms(*ends, number) for ends, number in zip(ranges, numbers, strict=True)]
+        return _Partition(terms, principal, None, None)
+
+    def _partition_by_clusters(self, inputs: Array, ranges: list[tuple[float, float]]) -> _Partition:
+        if self.learner == "strict":
+            raise InvalidValue("learner", self.learner, "another one with partition='clusters', where every rule is a cluster's")
+        number = _whole("n_terms", self.n_terms, 1)
+        self._check_size(number)
+        least, greatest = np.array(ranges).T
+        widths = greatest - least
+        clusters = fuzzy_c_means((inputs - least) / widths, number, self.fuzzifier, self.rng)
+        placed = dataclasses.replace(clusters, centers=least + widths * clusters.centers, spreads=widths * clusters.spreads)
+        terms, rules = cluster_partition(placed, widths, self.kind, self.mean_variation)
+        principal, _ = cluster_partition(placed, widths, "t1")
+        return _Partition(terms, _principal(principal), rules, clusters)
 
     def predict(self, X: ArrayLike) -> Array:
         """Return the crisp outputs of the system.
@@ -457,6 +562,7 @@ class WangMendel:
             ("kind of system", self.kind, KINDS),
             ("learner", self.learner, LEARNERS),
             ("completion", self.completion, COMPLETIONS),
+            ("partition", self.partition, PARTITIONS),
             ("t-norm of a rule base that is learned", self.t_norm, ("product", "min")),
         )
         for what, name, known in choices:
@@ -473,11 +579,11 @@ class WangMendel:
             return
         most = MOST_RIDGE_RULES if self.learner == "ridge" else MOST_RULES
         if rules > most:
-            remedy = "or use learner='strict' with completion='none', which has rules where samples are"
-            raise InvalidValue("n_terms", self.n_terms, f"so few that the grid has at most {most:,} rules, not {rules:,}; {remedy}")
+            remedy = "or use partition='clusters', or learner='strict' with completion='none', which have rules where samples are"
+            raise InvalidValue("n_terms", self.n_terms, f"so few that there are at most {most:,} rules, not {rules:,}; {remedy}")
 
     def _forget(self) -> None:
-        for name in ("feature_names_in_", "rule_samples_", "output_terms_", "output_rules_"):
+        for name in ("feature_names_in_", "rule_samples_", "output_terms_", "output_rules_", "clusters_"):
             self.__dict__.pop(name, None)
 
     def _system(self) -> FuzzySystem:
@@ -495,6 +601,15 @@ class WangMendel:
         if inputs.shape[1] != self.n_features_in_:
             raise WrongFeatures(type(self).__name__, self.n_features_in_, inputs.shape[1])
         return inputs
+
+
+class _Partition(NamedTuple):
+    """Terms of every input, the principal ones, rules (R, p) where they are not all combinations, and clusters where there are some."""
+
+    terms: Sequence[tuple[Term, ...]]
+    principal: Sequence[tuple[Gaussian, ...]]
+    rules: Integers | None
+    clusters: Clusters | None
 
 
 class _Learned(NamedTuple):
@@ -541,12 +656,14 @@ class _Quantizer:
         return np.asarray(self.centroids[np.arange(len(self.terms)), numbers])
 
 
-def _from_grid(grades: list[Array], outputs: Array, combine: Callable[..., Array], learner: str, ridge: float) -> _Learned:
-    """Let every cell of the grid take its consequent from all samples."""
-    rules = _all_cells([of_input.shape[1] for of_input in grades])
+def _from_all(
+    grades: list[Array], outputs: Array, combine: Callable[..., Array], given: Integers | None, learner: str, ridge: float
+) -> _Learned:
+    """Let every rule, given or of the grid, take its consequent from all samples."""
+    rules = _all_cells([of_input.shape[1] for of_input in grades]) if given is None else given
     best, sample = np.full(len(rules), -1.0), np.zeros(len(rules), dtype=np.int64)
     weight, moment = np.zeros(len(rules)), np.zeros((len(rules), outputs.shape[1]))
-    for rows, firing in _firing_blocks(grades, combine):
+    for rows, firing in _firing_blocks(grades, combine, given):
         winner = firing.argmax(axis=0)
         strength = firing[winner, np.arange(len(rules))]
         stronger = strength > best  # not >=: the first of equally strong samples stays
@@ -560,7 +677,7 @@ def _from_grid(grades: list[Array], outputs: Array, combine: Callable[..., Array
     if learner == "average":
         return _Learned(rules, best, average, None, None)
     gram, right_side = np.zeros((len(rules), len(rules))), np.zeros_like(moment)
-    for rows, firing in _firing_blocks(grades, combine):
+    for rows, firing in _firing_blocks(grades, combine, given):
         shares = firing / firing.sum(axis=1, keepdims=True)
         gram += shares.T @ shares
         right_side += shares.T @ (outputs[rows] - shares @ average)
@@ -643,12 +760,15 @@ def _all_cells(shape: Sequence[int]) -> Integers:
     return np.array(list(itertools.product(*map(range, shape))), dtype=np.int64)
 
 
-def _firing_blocks(grades: list[Array], combine: Callable[..., Array]) -> Iterator[tuple[slice, Array]]:
-    """Yield blocks of samples with their firing strengths (n, R) of all cells, in the order of :func:`_all_cells`."""
-    count, size = len(grades[0]), math.prod(of_input.shape[1] for of_input in grades)
+def _firing_blocks(grades: list[Array], combine: Callable[..., Array], rules: Integers | None = None) -> Iterator[tuple[slice, Array]]:
+    """Yield blocks of samples with their firing strengths (n, R) of the rules, by default of :func:`_all_cells`."""
+    count, size = len(grades[0]), math.prod(of_input.shape[1] for of_input in grades) if rules is None else len(rules)
     step = max(1, _BLOCK // size)
     for start in range(0, count, step):
         rows = slice(start, min(start + step, count))
+        if rules is not None:
+            yield rows, _reduced(combine, [of_input[rows][:, asked] for of_input, asked in zip(grades, rules.T, strict=True)])
+            continue
         firing = grades[0][rows]
         for of_input in grades[1:]:
             firing = combine(firing[:, :, np.newaxis], of_input[rows, np.newaxis, :]).reshape(len(firing), -1)
@@ -663,8 +783,12 @@ def _reduced(combine: Callable[..., Array], arrays: list[Array]) -> Array:
 
 
 def _principal_terms(least: float, greatest: float, n_terms: int) -> tuple[Gaussian, ...]:
-    terms = gaussian_partition(least, greatest, n_terms, "t1")
-    return tuple(term for term in terms if isinstance(term, Gaussian))
+    return _principal([gaussian_partition(least, greatest, n_terms, "t1")])[0]
+
+
+def _principal(inputs: Sequence[tuple[Term, ...]]) -> list[tuple[Gaussian, ...]]:
+    """Return the same terms, which are type-1 Gaussians, as what they are."""
+    return [tuple(term for term in terms if isinstance(term, Gaussian)) for terms in inputs]
 
 
 def _grades_in(x: Array, terms: Sequence[Gaussian]) -> Array:

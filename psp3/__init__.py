@@ -11,12 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from psp3 import statistics, trajectories
+    from psp3.adaptive_control import AdaptiveFuzzyComputedTorque
     from psp3.closed_loop_robot import ClosedLoopRobot
     from psp3.controllers import PD, PID, ComputedTorque, FeedForward, GravityCompensatedPD
     from psp3.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
     from psp3.drives import Drive
     from psp3.errors import PSP3Error
+    from psp3.excitation import exciting_motion
     from psp3.fuzzy_computed_torque import FuzzyComputedTorque
+    from psp3.identification import identify
     from psp3.linear_quadratic_regulator import LinearQuadraticRegulator, TimeVaryingLinearQuadraticRegulator
     from psp3.linearization import linearize
     from psp3.loading import load
@@ -28,9 +31,14 @@ if TYPE_CHECKING:
     from psp3.robot import PSP3, Pose
     from psp3.runs import Run
     from psp3.simulation import Result, load_result, simulate
+    from psp3.singularities import SingularityAnalysis
     from psp3.study import Study, grid
+    from psp3.task_space_control import TaskSpaceComputedTorque
+    from psp3.torque_monitor import Monitor
+    from psp3.workspace_maps import Workspace
 
 _HOMES = {
+    "AdaptiveFuzzyComputedTorque": "adaptive_control",
     "ClosedLoopRobot": "closed_loop_robot",
     "ComputedTorque": "controllers",
     "Drive": "drives",
@@ -38,6 +46,7 @@ _HOMES = {
     "FuzzyComputedTorque": "fuzzy_computed_torque",
     "GravityCompensatedPD": "controllers",
     "LinearQuadraticRegulator": "linear_quadratic_regulator",
+    "Monitor": "torque_monitor",
     "MuJoCo": "mujoco_plant",
     "NaturalOrthogonalComplement": "natural_orthogonal_complement",
     "PARAMETER_SETS": "parameters",
@@ -49,10 +58,15 @@ _HOMES = {
     "Pose": "robot",
     "Result": "simulation",
     "Run": "runs",
+    "SingularityAnalysis": "singularities",
     "Study": "study",
+    "TaskSpaceComputedTorque": "task_space_control",
     "TimeVaryingLinearQuadraticRegulator": "linear_quadratic_regulator",
+    "Workspace": "workspace_maps",
+    "exciting_motion": "excitation",
     "forward_dynamics_derivatives": "derivatives",
     "grid": "study",
+    "identify": "identification",
     "inverse_dynamics_derivatives": "derivatives",
     "linearize": "linearization",
     "load": "loading",
@@ -67,6 +81,7 @@ __all__ = [
     "PD",
     "PID",
     "PSP3",
+    "AdaptiveFuzzyComputedTorque",
     "ClosedLoopRobot",
     "ComputedTorque",
     "Drive",
@@ -74,6 +89,7 @@ __all__ = [
     "FuzzyComputedTorque",
     "GravityCompensatedPD",
     "LinearQuadraticRegulator",
+    "Monitor",
     "MuJoCo",
     "NaturalOrthogonalComplement",
     "PSP3Error",
@@ -81,10 +97,15 @@ __all__ = [
     "Pose",
     "Result",
     "Run",
+    "SingularityAnalysis",
     "Study",
+    "TaskSpaceComputedTorque",
     "TimeVaryingLinearQuadraticRegulator",
+    "Workspace",
+    "exciting_motion",
     "forward_dynamics_derivatives",
     "grid",
+    "identify",
     "inverse_dynamics_derivatives",
     "linearize",
     "load",

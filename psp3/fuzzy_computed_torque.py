@@ -498,7 +498,7 @@ class FuzzyComputedTorque:
         controller = cls(
             kind, load("psp3", parameters=parameters) if robot is None else robot, kp=content["kp"], kv=content["kv"],
             n_terms=n_terms, learner=content["learner"], snr_db=math.inf if snr == "inf" else snr,
-            mean_variation=content["mean_variation"], term_width=content["term_width"],
+            mean_variation=checked_not_negative("mean_variation", content["mean_variation"]), term_width=content["term_width"],
             outside=content["outside"], **options,
         )  # fmt: skip
         controller._take(system, ranges)

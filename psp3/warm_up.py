@@ -7,9 +7,12 @@ import numpy as np
 
 def warm_up() -> None:
     """Call every compiled function; with a writable cache directory, later processes load what this one compiled."""
+    from psp3.adaptive_control import AdaptiveFuzzyComputedTorque
     from psp3.controllers import ComputedTorque
     from psp3.drives import Drive
+    from psp3.fuzzy_computed_torque import FuzzyComputedTorque
     from psp3.loading import load
+    from psp3.mismatch import Case, run
     from psp3.plants import ConstraintDynamics, RungeKutta
     from psp3.runs import Run, execute
     from psp3.simulation import simulate
@@ -30,11 +33,15 @@ def warm_up() -> None:
         simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01, plant=plant)
     # Learning a controller compiles its step, and a run the whole loop.
     execute(Run("it2", snr_db=20.0, duration=0.05))
+    for name in ("ctc", "lqr", "adaptive-t1"):
+        run(Case(), name, duration=0.05)
+    controller = FuzzyComputedTorque("t1", robot).fit(Helix(robot=robot), 1.0)
+    AdaptiveFuzzyComputedTorque(controller).torque(0.0, rest, rest, Helix(robot=robot)(0.0))
     _warm_up_fuzzy_systems()
 
 
 def _warm_up_fuzzy_systems() -> None:
-    from fuzzy2 import Gaussian, GaussianType2Set, GeneralType2System, IntervalType2System, generalized_centroid
+    from fuzzy2 import AdaptiveConsequents, Gaussian, GaussianType2Set, GeneralType2System, IntervalType2System, generalized_centroid
 
     terms, rules, consequents = [[Gaussian(0.0, 1.0)]], [[0]], [[1.0]]
     system = IntervalType2System(terms, rules, consequents)
@@ -44,6 +51,9 @@ def _warm_up_fuzzy_systems() -> None:
             one(x)
             one.type_reduced(x)
             one.firing(x)
+    adaptive = AdaptiveConsequents(system)
+    adaptive.update(np.zeros(1), np.ones(1))
+    adaptive(np.zeros(1))
     generalized_centroid([1.0], [[0.5, 1.0]])
 
 

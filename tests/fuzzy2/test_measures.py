@@ -296,6 +296,43 @@ def test_rank_orders_by_the_middles_of_centroids() -> None:
     assert rank(tuple(sets[i] for i in order)).tolist() == [0, 1, 2, 3, 4]
 
 
+# Words of amount from a survey, as trapezoids: corners of the upper membership, corners and height of the lower one, and the printed
+# centroid. Centroids of the outermost words were computed on a grid that their steep shoulders make visible, so they are left out. (J. M.
+# Mendel and D. Wu, "Perceptual Computing: Aiding People in Making Subjective Judgments", Wiley, 2010, Table 3.6.)
+WORDS = {
+    "none to very little": ((0.0, 0.0, 0.14, 1.97), (0.0, 0.0, 0.05, 0.66, 1.0), None),
+    "a bit": ((0.59, 1.50, 2.00, 3.41), (0.79, 1.68, 1.68, 2.21, 0.74), (1.42, 2.08)),
+    "little": ((0.38, 1.50, 2.50, 4.62), (1.09, 1.83, 1.83, 2.21, 0.53), (1.31, 2.95)),
+    "low amount": ((0.09, 1.25, 2.50, 4.62), (1.67, 1.92, 1.92, 2.21, 0.30), (0.92, 3.46)),
+    "small": ((0.09, 1.50, 3.00, 4.62), (1.79, 2.28, 2.28, 2.81, 0.40), (1.29, 3.34)),
+    "somewhat small": ((0.59, 2.00, 3.25, 4.41), (2.29, 2.70, 2.70, 3.21, 0.42), (1.76, 3.43)),
+    "some to moderate": ((1.17, 3.50, 5.50, 7.83), (4.09, 4.65, 4.65, 5.41, 0.40), (3.02, 6.11)),
+    "moderate amount": ((2.59, 4.00, 5.50, 7.62), (4.29, 4.75, 4.75, 5.21, 0.38), (3.74, 6.16)),
+    "fair amount": ((2.17, 4.25, 6.00, 7.83), (4.79, 5.29, 5.29, 6.02, 0.41), (3.85, 6.41)),
+    "medium": ((3.59, 4.75, 5.50, 6.91), (4.86, 5.03, 5.03, 5.14, 0.27), (4.19, 6.19)),
+    "modest amount": ((3.59, 4.75, 6.00, 7.41), (4.79, 5.30, 5.30, 5.71, 0.42), (4.57, 6.24)),
+    "good amount": ((3.38, 5.50, 7.50, 9.62), (5.79, 6.50, 6.50, 7.21, 0.41), (5.11, 7.89)),
+    "quite a bit": ((4.38, 6.50, 8.00, 9.41), (6.79, 7.38, 7.38, 8.21, 0.49), (6.17, 8.15)),
+    "considerable amount": ((4.38, 6.50, 8.25, 9.62), (7.19, 7.58, 7.58, 8.21, 0.37), (5.97, 8.52)),
+    "substantial amount": ((5.38, 7.50, 8.75, 9.81), (7.79, 8.22, 8.22, 8.81, 0.45), (6.95, 8.86)),
+    "a lot": ((5.38, 7.50, 8.75, 9.83), (7.69, 8.19, 8.19, 8.81, 0.47), (6.99, 8.83)),
+    "high amount": ((5.38, 7.50, 8.75, 9.81), (7.79, 8.30, 8.30, 9.21, 0.53), (7.19, 8.82)),
+    "very sizeable": ((5.38, 7.50, 9.00, 9.81), (8.29, 8.56, 8.56, 9.21, 0.38), (6.95, 9.10)),
+    "large": ((5.98, 7.75, 8.60, 9.52), (8.03, 8.36, 8.36, 9.17, 0.57), (7.50, 8.75)),
+    "maximum amount": ((8.68, 9.91, 10.0, 10.0), (9.61, 9.97, 10.0, 10.0, 1.0), None),
+}
+
+
+def test_published_words_come_in_their_published_order() -> None:
+    """Printed to two digits, of which the last may be off by half a unit, as may those of the corners; the table is in ascending order."""
+    sets = [IntervalType2Set(lower=Trapezoidal(*lower), upper=Trapezoidal(*upper)) for upper, lower, _ in WORDS.values()]
+    shuffled = np.random.default_rng(0).permutation(len(sets))
+    np.testing.assert_array_equal(shuffled[rank([sets[i] for i in shuffled])], np.arange(len(sets)))
+    for fuzzy_set, (_, _, printed) in zip(sets, WORDS.values(), strict=True):
+        if printed is not None:
+            assert fuzzy_set.centroid() == pytest.approx(printed, abs=0.006)
+
+
 @settings(max_examples=20, deadline=None)
 @given(means=st.permutations([-2.0, -1.0, 0.0, 1.0, 3.0]), spread=widths)
 def test_rank_of_equal_shapes_is_the_order_of_their_places(means: list[float], spread: float) -> None:

@@ -94,7 +94,9 @@ def test_jacobian_measures_are_those_of_the_closed_form(name: str, analyses: dic
     assert_array_equal(measures.mobility, len(robot.actuated))
 
 
-@pytest.mark.parametrize("parts", [*ROBOTS_WITH_LOOPS, *ROBOTS_WITH_LIE_GROUPS, *TASKS], ids=lambda parts: getattr(parts, "__name__", parts))
+@pytest.mark.parametrize(
+    "parts", [*ROBOTS_WITH_LOOPS, *ROBOTS_WITH_LIE_GROUPS, *TASKS], ids=lambda parts: getattr(parts, "__name__", parts)
+)
 def test_measures_follow_from_the_complement(parts: Any, robots: dict[str, ClosedLoopRobot]) -> None:
     """Independent route: L of the closure and J of the frame, not null spaces.
 
