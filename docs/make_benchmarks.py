@@ -136,7 +136,7 @@ def page(results: Mapping[str, Any], date: str) -> str:
             ),
             GENERAL.format(
                 robots=columns(general["robots"]),
-                chains=columns({f"{count} loops": times for count, times in general["chains"].items()}),
+                chains=columns({f"{count} loop{'s' * (int(count) > 1)}": times for count, times in general["chains"].items()}),
                 growth=", ".join(f"{power:.2f} ({name})" for name, power in general["growth"].items()),
             ),
         ]
