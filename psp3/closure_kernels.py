@@ -529,8 +529,11 @@ def _follow(table, group, q, positions, work, complement, report):
         else:
             step = 0.5 * (goal - done)
             if step < SMALLEST_STEP:
-                q[:] = closed
-                report[1] = residual
+                # How far apart the frames would be if only the motors went on.
+                for j in range(last - first):
+                    closed[table.actuated_place[first + j]] = positions[table.actuated[first + j]]
+                _place(table, group, closed, work[0])
+                report[1] = _residual(table, group, work[0], work[1])
                 return OPEN
     return CLOSED
 

@@ -117,13 +117,14 @@ class OpenLoops(PSP3Error, ValueError):
 
 
 class ClosureFailed(PSP3Error, ValueError):
-    """Newton's method did not close the loops for the given actuated coordinates."""
+    """The loops cannot be closed at the given actuated positions; ``residual`` is how far they are open there."""
 
     def __init__(self, positions: Array, residual: float, reached: float) -> None:
         self.positions, self.residual, self.reached = positions, residual, reached
         super().__init__(
-            f"the loops could not be closed at actuated positions {_numbers(positions)}: {100 * reached:.0f} % of the way from the "
-            f"reference pose the residual stays at {residual:.3g} (m, rad); the pose is outside the workspace or past a singularity"
+            f"the loops could not be closed at actuated positions {_numbers(positions)}: the way from the reference pose ends after "
+            f"{100 * reached:.0f} %, and at its goal they would be open by {residual:.3g} (m, rad); the pose is outside the workspace or "
+            f"past a singularity"
         )
 
 

@@ -238,6 +238,16 @@ def test_steps_as_small_as_rounding_are_taken() -> None:
         robot.closure(robot.reference + size * rng.normal(size=3))
 
 
+def test_a_refusal_says_how_far_the_way_leads_and_how_open_the_loops_would_be() -> None:
+    """The elbows are two far links apart where the way ends; at the goal they are 0.8 m apart, so at least 0.1 m are missing."""
+    robot, goal = five_bar(), np.array([np.pi, 0.0])
+    with pytest.raises(ClosureFailed) as caught:
+        robot.configuration(goal)
+    end = robot.reference + caught.value.reached * (goal - robot.reference)
+    assert_allclose(np.linalg.norm(_elbows(end)), 0.7, rtol=0.0, atol=1e-4)
+    assert 0.05 < caught.value.residual < 0.8
+
+
 def test_a_path_keeps_the_assembly_mode_it_is_entered_in() -> None:
     """The other mode, the tip below the elbows, entered by a guess and kept over a path; 1e-9 against the mirrored closed form."""
     robot = five_bar()
