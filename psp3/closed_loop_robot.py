@@ -21,7 +21,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.arrays import Array, finite_rows, one_row, together
-from psp3.closure import assembled, flattened
+from psp3.closure import NO_MOTORS, assembled, flattened
 from psp3.closure_kernels import SINGULAR, close, drift
 from psp3.errors import ClosureFailed, DisorderedJoints, JointLimitExceeded, MobilityMismatch, UnknownName
 from psp3.mobility import mobility
@@ -113,7 +113,10 @@ class ClosedLoopRobot:
             self._dynamics_data.append(constraint.createData())
         self._limited = _Limits(model, self.actuated)
         self._table = flattened(model, self.constraint_models, self.actuated_v)
-        start = assembled(model, self._table, pin.neutral(model)) if q0 is None else one_row("q0", q0, model.nq)
+        if q0 is None:
+            start = assembled(model, flattened(model, self.constraint_models, NO_MOTORS), pin.neutral(model))
+        else:
+            start = one_row("q0", q0, model.nq)
         self.mobility = mobility(model, self.constraint_models, self.actuated, start)
         if self.mobility.under_actuation or self.mobility.over_actuation:
             raise MobilityMismatch(self.mobility, self.actuated)

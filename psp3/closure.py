@@ -9,11 +9,18 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.arrays import Array, Indices
-from psp3.closure_kernels import BALL, FREE, SCREW, UNBOUNDED, Table, residuals
+from psp3.closure_kernels import BALL, FREE, LARGEST_REPAIR, SCREW, UNBOUNDED, Table, jacobian, residuals
 from psp3.errors import ClosureFailed, UnsupportedJoint
 
 CLOSURE_TOLERANCE = 1e-13
 """Residual at which loops count as closed, per meter of robot [m, rad]; Newton's method usually ends at 1e-16."""
+
+ASSEMBLED = 1e-9
+"""Residual at which a first configuration is handed to the exact closure [m, rad]."""
+
+
+NO_MOTORS = np.zeros(0, dtype=np.int64)
+"""For :func:`flattened`, where every joint counts as un-actuated."""
 
 
 def flattened(model: pin.Model, constraint_models: Sequence[Any], actuated_v: Indices) -> Table:
@@ -247,14 +254,15 @@ def residual(table: Table, q: Array) -> Array:
 def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
     """Return a configuration near ``q0``, within the joint limits, that closes the loops: all joints move, also the actuated ones.
 
-    SciPy's trust-region least squares on the residual, from ``q0`` and then from up to 30 random configurations around it.
+    Newton's method with the shortest steps, which is enough near a closed configuration; otherwise SciPy's trust-region least squares on
+    the residual, from ``q0`` and then from up to 30 random configurations around it.
 
     Parameters
     ----------
     model : pinocchio.Model
         The tree.
     table : Table
-        Its loops.
+        Its loops, flattened without motors.
     q0 : (nq,) ndarray
         Where to start.
 
@@ -268,11 +276,15 @@ def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
     ClosureFailed
         If no start leads to a closed configuration.
     """
+    lower, upper = _tangent_limits(model, q0)
+    nearest = _by_short_steps(model, table, q0)
+    if nearest is not None:
+        way = pin.difference(model, q0, nearest)
+        if (lower <= way).all() and (way <= upper).all():
+            return nearest
+    # Only here, because most robots are never as far from closed.
     from scipy.optimize import least_squares
 
-    if not table.closure_rows.size or np.abs(residual(table, q0)).max() < 1e-9:
-        return q0
-    lower, upper = _tangent_limits(model, q0)
     rng = np.random.default_rng(0)
     least = np.inf
     for attempt in range(31):
@@ -285,9 +297,25 @@ def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
         )
         size = float(np.abs(solution.fun).max())
         least = min(least, size)
-        if size < 1e-9:
+        if size < ASSEMBLED:
             return np.asarray(pin.integrate(model, q0, solution.x))
     raise ClosureFailed(q0[table.actuated_q], least, 0.0)
+
+
+def _by_short_steps(model: pin.Model, table: Table, q: Array) -> Array | None:
+    """Return where Newton's method leads with the steps of least length, or None if that is farther than a guess may be off."""
+    moved, slope = np.zeros(model.nv), np.empty((int(table.closure_rows.sum()), model.nv))
+    for _ in range(20):
+        gap = residual(table, q)
+        if np.abs(gap).max(initial=0.0) < ASSEMBLED:
+            return q
+        jacobian(table, q, slope)
+        step = -np.linalg.lstsq(slope, gap, rcond=1e-9)[0]
+        moved += np.abs(step)
+        if not moved.max() <= LARGEST_REPAIR:
+            return None
+        q = pin.integrate(model, q, step)
+    return None
 
 
 def _tangent_limits(model: pin.Model, q0: Array) -> tuple[Array, Array]:

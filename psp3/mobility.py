@@ -20,7 +20,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.arrays import Array, one_row
-from psp3.closure import assembled, flattened
+from psp3.closure import NO_MOTORS, assembled, flattened
 from psp3.closure_kernels import Table, jacobian
 from psp3.errors import ClosureFailed, UnknownName
 
@@ -116,7 +116,7 @@ def mobility(model: pin.Model, constraint_models: Sequence[Any], actuated: Seque
     for name in actuated:
         if not model.existJointName(name) or name == model.names[0]:
             raise UnknownName("actuated joint", name, tuple(model.names)[1:])
-    table = flattened(model, constraint_models, np.zeros(0, dtype=np.int64))
+    table = flattened(model, constraint_models, NO_MOTORS)
     start = assembled(model, table, pin.neutral(model) if q is None else one_row("q", q, model.nq))
     motions, rank = _motions(model, table, start)
     direction = motions @ np.random.default_rng(0).uniform(0.5, 1.0, motions.shape[1])

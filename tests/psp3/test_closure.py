@@ -13,14 +13,12 @@ from scipy.spatial.transform import Rotation
 
 import psp3
 from psp3.closed_loop_robot import ClosedLoopRobot
-from psp3.closure import assembled, flattened, residual
+from psp3.closure import NO_MOTORS, assembled, flattened, residual
 from psp3.closure_kernels import _solve, jacobian
 from psp3.errors import ClosureFailed, SingularConfiguration, UnsupportedJoint
 from tests.helpers import ROBOTS_WITH_LIE_GROUPS, ROBOTS_WITH_LOOPS, Array, derivative
 
 Builder = Callable[[], SimpleNamespace]
-
-NO_MOTORS = np.zeros(0, dtype=np.int64)
 
 
 @pytest.fixture(scope="module", params=ROBOTS_WITH_LOOPS + ROBOTS_WITH_LIE_GROUPS, ids=lambda builder: builder.__name__)
@@ -339,6 +337,17 @@ def test_an_open_tree_is_assembled_within_its_joint_limits(parts: SimpleNamespac
         start = away(parts, rng)
         assert np.abs(residual(table, start)).max() > 1e-3
         assert np.abs(residual(table, assembled(parts.model, table, start))).max() < 1e-9
+
+
+def test_a_robot_near_its_closure_is_assembled_without_the_optimizer(parts: SimpleNamespace, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Loading every robot asks for this, and importing the optimizer takes longer than the rest of it."""
+    table, rng = flattened(parts.model, parts.constraint_models, NO_MOTORS), np.random.default_rng(15)
+    monkeypatch.setattr("scipy.optimize.least_squares", lambda *_, **__: pytest.fail("the optimizer was asked"))
+    start = pin.integrate(parts.model, parts.q0, rng.uniform(-0.02, 0.02, parts.model.nv))
+    closed = assembled(parts.model, table, start)
+    assert np.abs(residual(table, closed)).max() < 1e-9
+    # The shortest way: what the start was off by, and not more.
+    assert np.linalg.norm(pin.difference(parts.model, start, closed)) <= 1.05 * np.linalg.norm(pin.difference(parts.model, start, parts.q0))
 
 
 def test_a_robot_without_a_reference_pose_is_assembled() -> None:
