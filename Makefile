@@ -37,10 +37,11 @@ test: $(VENV)/.compiled $(VENV)/.test
 	@$(BIN)/python -m pytest --numprocesses=logical
 
 lint: $(VENV)/.dev
-	@echo "Checking style (ruff) and types (mypy)"
+	@echo "Checking style (ruff), types (mypy) and the order of imports (import-linter)"
 	@$(BIN)/ruff check
 	@$(BIN)/ruff format --check
 	@$(BIN)/mypy
+	@$(BIN)/lint-imports --no-logo
 
 bench: $(VENV)/.compiled $(VENV)/.test
 	@echo "Measuring speed"

@@ -21,9 +21,9 @@ import numpy as np
 from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
 
 import psp3
-from psp3.controllers import Controller
-from psp3.records import record
-from psp3.runs import Run, execute
+from psp3.control.controller import Controller
+from psp3.fuzzy_control.records import record
+from psp3.study.run import Run, execute
 
 BARS = {"t1": 6.0, "it2": 8.0, "gt2, 5 α-planes": 60.0}  # [us]
 RUN_BAR = 0.12  # [s] for 10 s at 2 ms

@@ -29,11 +29,11 @@ from numpy.typing import NDArray
 from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
 
 from fuzzy2.errors import ApproximationWarning
-from fuzzy2.general_type2 import GaussianType2Set
-from fuzzy2.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
+from fuzzy2.reduction.interval import METHODS, centroid
+from fuzzy2.sets.gaussian_type2 import GaussianType2Set
+from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
+from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Type1System
-from fuzzy2.type1 import Gaussian
-from fuzzy2.type_reduction import METHODS, centroid
 
 Peer: TypeAlias = tuple[Callable[[], object], NDArray[np.float64], NDArray[np.float64]]
 """A call, what it returns, and what fuzzy2 returns for the same system."""

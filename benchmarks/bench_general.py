@@ -17,7 +17,7 @@ from five_bar_chain import five_bar_chain
 from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
 
 import psp3
-from psp3.loading import ROBOT_FILES, ROBOTS
+from psp3.description.parts import ROBOT_FILES, ROBOTS
 
 CLOSURE_BARS = {"five_bar": 300.0, "gough_stewart": 1000.0}  # [us]
 CHAINS = (1, 2, 5, 10, 20, 50)
@@ -61,7 +61,7 @@ def mujoco_calls(robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray) -> d
         import mujoco
     except ImportError:
         return {}
-    from psp3.mjcf import mujoco_state, to_mjcf
+    from psp3.robots.mjcf_export import mujoco_state, to_mjcf
 
     engine = mujoco.MjModel.from_xml_string(to_mjcf(robot))
     state = mujoco.MjData(engine)
@@ -80,7 +80,7 @@ def drake_calls(name: str, robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.nda
         from pydrake.multibody.plant import DiscreteContactApproximation, MultibodyPlant
     except ImportError:
         return {}
-    from psp3.loops import read_loops
+    from psp3.description.loop_file import read_loops
 
     # It warns of the nuts' inertia, which the README of the robot files explains.
     logging.getLogger("drake").setLevel(logging.ERROR)

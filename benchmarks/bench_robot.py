@@ -16,7 +16,7 @@ import pinocchio as pin
 from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
 
 import psp3
-from psp3.loading import ROBOT_FILES
+from psp3.description.parts import ROBOT_FILES
 
 BARS = {"forward_kinematics": 3.0, "equation_of_motion": 5.0, "inverse_dynamics": 4.0, "forward_dynamics": 5.0}  # [us]
 

@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from fuzzy2.compiled import compiled
+from fuzzy2.support.compiled import compiled
 
 EMPTY_CALL = "empty compiled call"
 REFERENCE_EMPTY_CALL = 0.8  # [us] what an empty compiled call may cost for the bars to hold as they are

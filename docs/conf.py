@@ -63,9 +63,9 @@ API, NOTEBOOKS = HERE / "api", HERE / "notebooks"
 
 def modules(package: Any) -> Iterator[str]:
     """Yield the names of a package's public modules."""
-    for module in pkgutil.iter_modules(package.__path__):
-        if not module.name.startswith("_"):
-            yield f"{package.__name__}.{module.name}"
+    for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        if not module.name.rpartition(".")[2].startswith("_"):
+            yield module.name
 
 
 def write_api_pages(app: Sphinx) -> None:

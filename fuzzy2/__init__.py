@@ -5,196 +5,91 @@ Names are imported when they are first used, so ``import fuzzy2`` costs little m
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from fuzzy2.support.lazy import lazy_names
 
 if TYPE_CHECKING:
-    from fuzzy2.adaptation import AdaptiveConsequents
-    from fuzzy2.approximate_reduction import approximate_centroid, approximate_generalized_centroid
-    from fuzzy2.clustering import Clusters, fuzzy_c_means
-    from fuzzy2.defuzzification import defuzzify
-    from fuzzy2.errors import ApproximationWarning, Fuzzy2Error
-    from fuzzy2.extension import extend
-    from fuzzy2.fine_tuning import FineTuning, fine_tune
-    from fuzzy2.fuzzifiers import NonSingletonFuzzifier, SingletonFuzzifier
-    from fuzzy2.general_reduction import (
-        alpha_plane_centroid,
-        alpha_plane_reduction,
-        exhaustive_centroid,
-        exhaustive_generalized_centroid,
-    )
-    from fuzzy2.general_type2 import FunctionalType2Set, GaussianType2Set, GeneralType2Set, SampledType2Set, ZSlices
-    from fuzzy2.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma, IntervalType2Set
-    from fuzzy2.join_meet import join, meet, negation
-    from fuzzy2.json_files import from_json, load, save, to_json
-    from fuzzy2.learning import WangMendel, gaussian_partition
-    from fuzzy2.measures import cardinality, fuzziness, jaccard, rank
-    from fuzzy2.noise import add_noise, mean_variation_from_snr, snr_from_mean_variation
-    from fuzzy2.numbers import FuzzyNumber, GaussianNumber, IntervalNumber, gaussian_meet, gaussian_meet_error
-    from fuzzy2.relations import cartesian_product, compose
-    from fuzzy2.rules import Rule, format_rules, parse_rules
-    from fuzzy2.set_operations import complement, intersection, union
-    from fuzzy2.systems import FuzzySystem, GeneralType2System, IntervalType2System, Linear, Type1System
-    from fuzzy2.t_norms import t_conorm, t_norm
-    from fuzzy2.type1 import (
-        Bell,
-        Complement,
-        FunctionalSet,
-        Gaussian,
-        Interval,
-        PiShaped,
-        SampledSet,
-        Sigmoid,
-        SigmoidDifference,
-        SigmoidProduct,
-        Singleton,
-        Trapezoidal,
-        Triangular,
-        TwoSidedGaussian,
-        Type1Set,
-    )
-    from fuzzy2.type_reduction import begian_melek_mendel, centroid, generalized_centroid, nie_tan, wu_mendel_bounds
+    from fuzzy2.errors import ApproximationWarning as ApproximationWarning
+    from fuzzy2.errors import Fuzzy2Error as Fuzzy2Error
+    from fuzzy2.files.json_files import from_json as from_json
+    from fuzzy2.files.json_files import load as load
+    from fuzzy2.files.json_files import save as save
+    from fuzzy2.files.json_files import to_json as to_json
+    from fuzzy2.learning.adaptation import AdaptiveConsequents as AdaptiveConsequents
+    from fuzzy2.learning.clustering import Clusters as Clusters
+    from fuzzy2.learning.clustering import fuzzy_c_means as fuzzy_c_means
+    from fuzzy2.learning.fine_tuning import FineTuning as FineTuning
+    from fuzzy2.learning.fine_tuning import fine_tune as fine_tune
+    from fuzzy2.learning.noise import add_noise as add_noise
+    from fuzzy2.learning.noise import mean_variation_from_snr as mean_variation_from_snr
+    from fuzzy2.learning.noise import snr_from_mean_variation as snr_from_mean_variation
+    from fuzzy2.learning.partition import gaussian_partition as gaussian_partition
+    from fuzzy2.learning.wang_mendel import WangMendel as WangMendel
+    from fuzzy2.numbers.affine import GaussianNumber as GaussianNumber
+    from fuzzy2.numbers.affine import IntervalNumber as IntervalNumber
+    from fuzzy2.numbers.fuzzy_number import FuzzyNumber as FuzzyNumber
+    from fuzzy2.numbers.meets import gaussian_meet as gaussian_meet
+    from fuzzy2.numbers.meets import gaussian_meet_error as gaussian_meet_error
+    from fuzzy2.operations.extension import extend as extend
+    from fuzzy2.operations.join_meet import join as join
+    from fuzzy2.operations.join_meet import meet as meet
+    from fuzzy2.operations.join_meet import negation as negation
+    from fuzzy2.operations.measures import cardinality as cardinality
+    from fuzzy2.operations.measures import fuzziness as fuzziness
+    from fuzzy2.operations.measures import jaccard as jaccard
+    from fuzzy2.operations.measures import rank as rank
+    from fuzzy2.operations.relations import cartesian_product as cartesian_product
+    from fuzzy2.operations.relations import compose as compose
+    from fuzzy2.operations.set_operations import complement as complement
+    from fuzzy2.operations.set_operations import intersection as intersection
+    from fuzzy2.operations.set_operations import union as union
+    from fuzzy2.operations.t_norms import t_conorm as t_conorm
+    from fuzzy2.operations.t_norms import t_norm as t_norm
+    from fuzzy2.reduction.approximate import approximate_centroid as approximate_centroid
+    from fuzzy2.reduction.approximate import approximate_generalized_centroid as approximate_generalized_centroid
+    from fuzzy2.reduction.defuzzification import defuzzify as defuzzify
+    from fuzzy2.reduction.general import alpha_plane_centroid as alpha_plane_centroid
+    from fuzzy2.reduction.general import alpha_plane_reduction as alpha_plane_reduction
+    from fuzzy2.reduction.general import exhaustive_centroid as exhaustive_centroid
+    from fuzzy2.reduction.general import exhaustive_generalized_centroid as exhaustive_generalized_centroid
+    from fuzzy2.reduction.interval import begian_melek_mendel as begian_melek_mendel
+    from fuzzy2.reduction.interval import centroid as centroid
+    from fuzzy2.reduction.interval import generalized_centroid as generalized_centroid
+    from fuzzy2.reduction.interval import nie_tan as nie_tan
+    from fuzzy2.reduction.interval import wu_mendel_bounds as wu_mendel_bounds
+    from fuzzy2.sets.derived import Complement as Complement
+    from fuzzy2.sets.derived import FunctionalSet as FunctionalSet
+    from fuzzy2.sets.gaussian_type2 import GaussianType2Set as GaussianType2Set
+    from fuzzy2.sets.general_type2 import FunctionalType2Set as FunctionalType2Set
+    from fuzzy2.sets.general_type2 import GeneralType2Set as GeneralType2Set
+    from fuzzy2.sets.general_type2 import SampledType2Set as SampledType2Set
+    from fuzzy2.sets.general_type2 import ZSlices as ZSlices
+    from fuzzy2.sets.interval_type2 import GaussianUncertainMean as GaussianUncertainMean
+    from fuzzy2.sets.interval_type2 import GaussianUncertainSigma as GaussianUncertainSigma
+    from fuzzy2.sets.interval_type2 import IntervalType2Set as IntervalType2Set
+    from fuzzy2.sets.shapes import Gaussian as Gaussian
+    from fuzzy2.sets.shapes import Interval as Interval
+    from fuzzy2.sets.shapes import Trapezoidal as Trapezoidal
+    from fuzzy2.sets.shapes import Triangular as Triangular
+    from fuzzy2.sets.smooth_shapes import Bell as Bell
+    from fuzzy2.sets.smooth_shapes import PiShaped as PiShaped
+    from fuzzy2.sets.smooth_shapes import Sigmoid as Sigmoid
+    from fuzzy2.sets.smooth_shapes import SigmoidDifference as SigmoidDifference
+    from fuzzy2.sets.smooth_shapes import SigmoidProduct as SigmoidProduct
+    from fuzzy2.sets.smooth_shapes import TwoSidedGaussian as TwoSidedGaussian
+    from fuzzy2.sets.type1 import SampledSet as SampledSet
+    from fuzzy2.sets.type1 import Singleton as Singleton
+    from fuzzy2.sets.type1 import Type1Set as Type1Set
+    from fuzzy2.systems.consequents import Linear as Linear
+    from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier as NonSingletonFuzzifier
+    from fuzzy2.systems.fuzzifiers import SingletonFuzzifier as SingletonFuzzifier
+    from fuzzy2.systems.general_type2 import GeneralType2System as GeneralType2System
+    from fuzzy2.systems.rules import Rule as Rule
+    from fuzzy2.systems.rules import format_rules as format_rules
+    from fuzzy2.systems.rules import parse_rules as parse_rules
+    from fuzzy2.systems.system import FuzzySystem as FuzzySystem
+    from fuzzy2.systems.system import IntervalType2System as IntervalType2System
+    from fuzzy2.systems.system import Type1System as Type1System
 
-_NAMES = {
-    "approximate_reduction": ("approximate_centroid", "approximate_generalized_centroid"),
-    "defuzzification": ("defuzzify",),
-    "errors": ("ApproximationWarning", "Fuzzy2Error"),
-    "extension": ("extend",),
-    "fine_tuning": ("FineTuning", "fine_tune"),
-    "fuzzifiers": ("NonSingletonFuzzifier", "SingletonFuzzifier"),
-    "general_reduction": (
-        "alpha_plane_centroid",
-        "alpha_plane_reduction",
-        "exhaustive_centroid",
-        "exhaustive_generalized_centroid",
-    ),
-    "general_type2": ("FunctionalType2Set", "GaussianType2Set", "GeneralType2Set", "SampledType2Set", "ZSlices"),
-    "interval_type2": ("GaussianUncertainMean", "GaussianUncertainSigma", "IntervalType2Set"),
-    "join_meet": ("join", "meet", "negation"),
-    "json_files": ("from_json", "load", "save", "to_json"),
-    "learning": ("WangMendel", "gaussian_partition"),
-    "adaptation": ("AdaptiveConsequents",),
-    "clustering": ("Clusters", "fuzzy_c_means"),
-    "measures": ("cardinality", "fuzziness", "jaccard", "rank"),
-    "noise": ("add_noise", "mean_variation_from_snr", "snr_from_mean_variation"),
-    "numbers": ("FuzzyNumber", "GaussianNumber", "IntervalNumber", "gaussian_meet", "gaussian_meet_error"),
-    "relations": ("cartesian_product", "compose"),
-    "rules": ("Rule", "format_rules", "parse_rules"),
-    "set_operations": ("complement", "intersection", "union"),
-    "systems": ("FuzzySystem", "GeneralType2System", "IntervalType2System", "Linear", "Type1System"),
-    "t_norms": ("t_conorm", "t_norm"),
-    "type1": (
-        "Bell",
-        "Complement",
-        "FunctionalSet",
-        "Gaussian",
-        "Interval",
-        "PiShaped",
-        "SampledSet",
-        "Sigmoid",
-        "SigmoidDifference",
-        "SigmoidProduct",
-        "Singleton",
-        "Trapezoidal",
-        "Triangular",
-        "TwoSidedGaussian",
-        "Type1Set",
-    ),
-    "type_reduction": ("begian_melek_mendel", "centroid", "generalized_centroid", "nie_tan", "wu_mendel_bounds"),
-}
-_HOMES = {name: module for module, names in _NAMES.items() for name in names}
-
-__all__ = [
-    "AdaptiveConsequents",
-    "ApproximationWarning",
-    "Bell",
-    "Clusters",
-    "Complement",
-    "FineTuning",
-    "FunctionalSet",
-    "FunctionalType2Set",
-    "Fuzzy2Error",
-    "FuzzyNumber",
-    "FuzzySystem",
-    "Gaussian",
-    "GaussianNumber",
-    "GaussianType2Set",
-    "GaussianUncertainMean",
-    "GaussianUncertainSigma",
-    "GeneralType2Set",
-    "GeneralType2System",
-    "Interval",
-    "IntervalNumber",
-    "IntervalType2Set",
-    "IntervalType2System",
-    "Linear",
-    "NonSingletonFuzzifier",
-    "PiShaped",
-    "Rule",
-    "SampledSet",
-    "SampledType2Set",
-    "Sigmoid",
-    "SigmoidDifference",
-    "SigmoidProduct",
-    "Singleton",
-    "SingletonFuzzifier",
-    "Trapezoidal",
-    "Triangular",
-    "TwoSidedGaussian",
-    "Type1Set",
-    "Type1System",
-    "WangMendel",
-    "ZSlices",
-    "add_noise",
-    "alpha_plane_centroid",
-    "alpha_plane_reduction",
-    "approximate_centroid",
-    "approximate_generalized_centroid",
-    "begian_melek_mendel",
-    "cardinality",
-    "cartesian_product",
-    "centroid",
-    "complement",
-    "compose",
-    "defuzzify",
-    "exhaustive_centroid",
-    "exhaustive_generalized_centroid",
-    "extend",
-    "fine_tune",
-    "format_rules",
-    "from_json",
-    "fuzziness",
-    "fuzzy_c_means",
-    "gaussian_meet",
-    "gaussian_meet_error",
-    "gaussian_partition",
-    "generalized_centroid",
-    "intersection",
-    "jaccard",
-    "join",
-    "load",
-    "mean_variation_from_snr",
-    "meet",
-    "negation",
-    "nie_tan",
-    "parse_rules",
-    "rank",
-    "save",
-    "snr_from_mean_variation",
-    "t_conorm",
-    "t_norm",
-    "to_json",
-    "union",
-    "wu_mendel_bounds",
-]
-
-
-def __getattr__(name: str) -> Any:
-    # ``t_norm`` the function lives in ``t_norms`` the module, and so on: no name here is that of a module.
-    if name in _HOMES:
-        return getattr(importlib.import_module(f"fuzzy2.{_HOMES[name]}"), name)
-    raise AttributeError(f"module 'fuzzy2' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__all__, __getattr__, __dir__ = lazy_names(__name__)

@@ -84,7 +84,7 @@ class TooManyEmbeddedSets(Fuzzy2Error, ValueError):
 
 
 class ApproximationWarning(UserWarning):
-    """An approximation is used where it need not be close, see :mod:`fuzzy2.approximate_reduction`."""
+    """An approximation is used where it need not be close, see :mod:`fuzzy2.reduction.approximate`."""
 
     def __init__(self, what: str, validity: float, limit: float) -> None:
         self.what, self.validity, self.limit = what, validity, limit

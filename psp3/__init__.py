@@ -6,127 +6,49 @@
 
 from __future__ import annotations
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from fuzzy2.support.lazy import lazy_names
+from psp3.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from psp3 import statistics, trajectories
-    from psp3.adaptive_control import AdaptiveFuzzyComputedTorque
-    from psp3.closed_loop_robot import ClosedLoopRobot
-    from psp3.controllers import PD, PID, ComputedTorque, FeedForward, GravityCompensatedPD
-    from psp3.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
-    from psp3.drives import Drive
-    from psp3.errors import PSP3Error
-    from psp3.excitation import exciting_motion
-    from psp3.fuzzy_computed_torque import FuzzyComputedTorque
-    from psp3.identification import identify
-    from psp3.linear_quadratic_regulator import LinearQuadraticRegulator, TimeVaryingLinearQuadraticRegulator
-    from psp3.linearization import linearize
-    from psp3.loading import load
-    from psp3.mjcf import to_mjcf
-    from psp3.mujoco_plant import MuJoCo
-    from psp3.natural_orthogonal_complement import NaturalOrthogonalComplement
-    from psp3.parameters import PARAMETER_SETS, Parameters
-    from psp3.payloads import with_payload
-    from psp3.robot import PSP3, Pose
-    from psp3.runs import Run
-    from psp3.simulation import Result, load_result, simulate
-    from psp3.singularities import SingularityAnalysis
-    from psp3.study import Study, grid
-    from psp3.task_space_control import TaskSpaceComputedTorque
-    from psp3.torque_monitor import Monitor
-    from psp3.workspace_maps import Workspace
+    from psp3 import trajectories as trajectories
+    from psp3.control.classical import PD as PD
+    from psp3.control.classical import PID as PID
+    from psp3.control.classical import ComputedTorque as ComputedTorque
+    from psp3.control.classical import FeedForward as FeedForward
+    from psp3.control.classical import GravityCompensatedPD as GravityCompensatedPD
+    from psp3.control.linear_quadratic_regulator import LinearQuadraticRegulator as LinearQuadraticRegulator
+    from psp3.control.linear_quadratic_regulator import TimeVaryingLinearQuadraticRegulator as TimeVaryingLinearQuadraticRegulator
+    from psp3.control.task_space import TaskSpaceComputedTorque as TaskSpaceComputedTorque
+    from psp3.drives.drive import Drive as Drive
+    from psp3.dynamics.derivatives import forward_dynamics_derivatives as forward_dynamics_derivatives
+    from psp3.dynamics.derivatives import inverse_dynamics_derivatives as inverse_dynamics_derivatives
+    from psp3.dynamics.linearization import linearize as linearize
+    from psp3.dynamics.natural_orthogonal_complement import NaturalOrthogonalComplement as NaturalOrthogonalComplement
+    from psp3.errors import PSP3Error as PSP3Error
+    from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque as AdaptiveFuzzyComputedTorque
+    from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque as FuzzyComputedTorque
+    from psp3.fuzzy_control.monitor import Monitor as Monitor
+    from psp3.identification.excitation import exciting_motion as exciting_motion
+    from psp3.identification.least_squares import identify as identify
+    from psp3.kinematics.singularities import SingularityAnalysis as SingularityAnalysis
+    from psp3.kinematics.workspace import Workspace as Workspace
+    from psp3.loading import load as load
+    from psp3.robots.closed_loop_robot import ClosedLoopRobot as ClosedLoopRobot
+    from psp3.robots.mjcf_export import to_mjcf as to_mjcf
+    from psp3.robots.payloads import with_payload as with_payload
+    from psp3.simulation.mujoco import MuJoCo as MuJoCo
+    from psp3.simulation.result import Result as Result
+    from psp3.simulation.result import load_result as load_result
+    from psp3.simulation.tracking import simulate as simulate
+    from psp3.study import statistics as statistics
+    from psp3.study.run import Run as Run
+    from psp3.study.study import Study as Study
+    from psp3.study.study import grid as grid
+    from psp3.three_psp.parameters import PARAMETER_SETS as PARAMETER_SETS
+    from psp3.three_psp.parameters import Parameters as Parameters
+    from psp3.three_psp.robot import PSP3 as PSP3
+    from psp3.three_psp.robot import Pose as Pose
 
-_HOMES = {
-    "AdaptiveFuzzyComputedTorque": "adaptive_control",
-    "ClosedLoopRobot": "closed_loop_robot",
-    "ComputedTorque": "controllers",
-    "Drive": "drives",
-    "FeedForward": "controllers",
-    "FuzzyComputedTorque": "fuzzy_computed_torque",
-    "GravityCompensatedPD": "controllers",
-    "LinearQuadraticRegulator": "linear_quadratic_regulator",
-    "Monitor": "torque_monitor",
-    "MuJoCo": "mujoco_plant",
-    "NaturalOrthogonalComplement": "natural_orthogonal_complement",
-    "PARAMETER_SETS": "parameters",
-    "PD": "controllers",
-    "PID": "controllers",
-    "PSP3": "robot",
-    "PSP3Error": "errors",
-    "Parameters": "parameters",
-    "Pose": "robot",
-    "Result": "simulation",
-    "Run": "runs",
-    "SingularityAnalysis": "singularities",
-    "Study": "study",
-    "TaskSpaceComputedTorque": "task_space_control",
-    "TimeVaryingLinearQuadraticRegulator": "linear_quadratic_regulator",
-    "Workspace": "workspace_maps",
-    "exciting_motion": "excitation",
-    "forward_dynamics_derivatives": "derivatives",
-    "grid": "study",
-    "identify": "identification",
-    "inverse_dynamics_derivatives": "derivatives",
-    "linearize": "linearization",
-    "load": "loading",
-    "load_result": "simulation",
-    "simulate": "simulation",
-    "to_mjcf": "mjcf",
-    "with_payload": "payloads",
-}
-
-__all__ = [
-    "PARAMETER_SETS",
-    "PD",
-    "PID",
-    "PSP3",
-    "AdaptiveFuzzyComputedTorque",
-    "ClosedLoopRobot",
-    "ComputedTorque",
-    "Drive",
-    "FeedForward",
-    "FuzzyComputedTorque",
-    "GravityCompensatedPD",
-    "LinearQuadraticRegulator",
-    "Monitor",
-    "MuJoCo",
-    "NaturalOrthogonalComplement",
-    "PSP3Error",
-    "Parameters",
-    "Pose",
-    "Result",
-    "Run",
-    "SingularityAnalysis",
-    "Study",
-    "TaskSpaceComputedTorque",
-    "TimeVaryingLinearQuadraticRegulator",
-    "Workspace",
-    "exciting_motion",
-    "forward_dynamics_derivatives",
-    "grid",
-    "identify",
-    "inverse_dynamics_derivatives",
-    "linearize",
-    "load",
-    "load_result",
-    "simulate",
-    "statistics",
-    "to_mjcf",
-    "trajectories",
-    "with_payload",
-]
-
-__version__ = "0.1.0"
-
-
-def __getattr__(name: str) -> Any:
-    if name in ("statistics", "trajectories"):
-        return importlib.import_module(f"psp3.{name}")
-    if name in _HOMES:
-        return getattr(importlib.import_module(f"psp3.{_HOMES[name]}"), name)
-    raise AttributeError(f"module 'psp3' has no attribute {name!r}")
-
-
-def __dir__() -> list[str]:
-    return sorted(__all__)
+__all__, __getattr__, __dir__ = lazy_names(__name__)

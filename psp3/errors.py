@@ -7,14 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-
-if TYPE_CHECKING:
-    from psp3.mobility import Mobility
-    from psp3.simulation import Result
 
 Array = NDArray[np.float64]
 
@@ -158,7 +154,7 @@ class SingularConfiguration(PSP3Error, ValueError):
 class MobilityMismatch(PSP3Error, ValueError):
     """The actuated joints do not command the degrees of freedom that the loops leave, each exactly once."""
 
-    def __init__(self, mobility: Mobility, actuated: Sequence[str]) -> None:
+    def __init__(self, mobility: Any, actuated: Sequence[str]) -> None:
         self.mobility, self.actuated = mobility, tuple(actuated)
         super().__init__(
             f"the mechanism has {mobility}; actuated are {', '.join(actuated) or 'none'}: correct name_mot or "
@@ -285,9 +281,9 @@ class InvalidMapFile(PSP3Error, ValueError):
 
 
 class SimulationStopped(PSP3Error, RuntimeError):
-    """Base of the errors that end a simulation early; ``result`` holds the part simulated so far."""
+    """Base of the errors that end a simulation early; ``result`` holds the part simulated so far, a :class:`psp3.Result`."""
 
-    def __init__(self, message: str, time: float, heights: Array, speeds: Array, torque: Array, result: Result) -> None:
+    def __init__(self, message: str, time: float, heights: Array, speeds: Array, torque: Array, result: Any) -> None:
         self.time, self.heights, self.speeds, self.torque, self.result = time, heights, speeds, torque, result
         super().__init__(
             f"{message} at t = {time:.6g} s: positions {_numbers(heights)}, speeds {_numbers(speeds)}, torque {_numbers(torque)} (SI units)"

@@ -49,3 +49,9 @@ TABLE_6_3 = MappingProxyType({"PD": 4.6339, "CTC": 0.0241})
 
 TABLE_6_3_FUZZY = MappingProxyType({math.inf: (0.0684, 0.0684), 20.0: (0.5543, 0.2816), 15.0: (1.9421, 0.5530), 10.0: (5.6517, 1.3930)})
 """Sums of squared errors of the type-1 and the type-2 controller in Table 6.3 [m²], by signal-to-noise ratio [dB]."""
+
+THESIS_SAMPLING_PERIOD = 0.05
+"""Sampling period at which a sum of squared errors compares with Table 6.3 [s]; the thesis does not state its own."""
+
+DURATION = 10.4
+"""Length of the thesis's runs [s], as its PD row tells: Σ‖e‖² = 4.48 (T − 0.106 s)/10 s is 4.6339 for this T."""

@@ -7,16 +7,17 @@ import numpy as np
 
 def warm_up() -> None:
     """Call every compiled function; with a writable cache directory, later processes load what this one compiled."""
-    from psp3.adaptive_control import AdaptiveFuzzyComputedTorque
-    from psp3.controllers import ComputedTorque
-    from psp3.drives import Drive
-    from psp3.fuzzy_computed_torque import FuzzyComputedTorque
+    from psp3.control.classical import ComputedTorque
+    from psp3.drives.drive import Drive
+    from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
+    from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
     from psp3.loading import load
-    from psp3.mismatch import Case, run
-    from psp3.plants import ConstraintDynamics, RungeKutta
-    from psp3.runs import Run, execute
-    from psp3.simulation import simulate
-    from psp3.trajectories import Helix
+    from psp3.simulation.constraint_dynamics import ConstraintDynamics
+    from psp3.simulation.runge_kutta import RungeKutta
+    from psp3.simulation.tracking import simulate
+    from psp3.study.mismatch import Case, run
+    from psp3.study.run import Run, execute
+    from psp3.trajectories.paths import Helix
 
     robot = load("psp3")
     rest = np.zeros(3)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import yaml
 
-from psp3.loading import ROBOT_FILES
+from psp3.description.parts import ROBOT_FILES
 from tests.helpers import Array
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is in the extras mujoco and test")

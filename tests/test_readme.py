@@ -13,7 +13,7 @@ TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 
 def test_results_table_is_that_of_the_main_job(tmp_path: Path) -> None:
     """The README's table, to its four decimals."""
-    from psp3.reproduce import reproduce
+    from psp3.thesis.replication import reproduce
 
     numbers = reproduce(tmp_path, quick=True).numbers["table_6_3"]
     for name in ("PD", "CTC"):

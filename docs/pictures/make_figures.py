@@ -18,8 +18,8 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 import fuzzy2
 import psp3
-from fuzzy2.style import CYCLES, GROUNDS, style
-from psp3.geometry import tip_reach
+from fuzzy2.plots.style import CYCLES, GROUNDS, style
+from psp3.three_psp.geometry import tip_reach
 
 HERE = Path(__file__).parent
 BLUE, VERMILLION, GREEN, PURPLE = CYCLES["light"][:4]

@@ -11,11 +11,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import psp3
-import psp3.runs
-from fuzzy2.style import style
+from fuzzy2.plots.style import style
 from psp3.published import TABLE_6_3
-from psp3.runs import Run
-from psp3.statistics import Estimate, mean
+from psp3.study.run import Run, execute
+from psp3.study.statistics import Estimate, mean
 
 SEEDS = 30
 NOISE = (20.0, 15.0, 10.0)
@@ -50,7 +49,7 @@ def draw(axes: Axes, found: dict[str, list[Estimate]]) -> None:
         spread = [[e.value - e.low for e in estimates], [e.high - e.value for e in estimates]]
         axes.errorbar(x, values, yerr=spread, linestyle="none", marker=MARKERS[place], capsize=3.0, label=name)
     for name, kind in (("PD", "pd"), ("exact computed torque", "ctc")):
-        value = psp3.runs.execute(Run(kind))["sum_of_squared_errors"]
+        value = execute(Run(kind))["sum_of_squared_errors"]
         axes.axhline(value, linestyle="--", linewidth=1.0, color="0.5")
         printed = TABLE_6_3["PD" if kind == "pd" else "CTC"]
         place = (0.5 if kind == "pd" else 1.0, value)

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 import psp3
-from fuzzy2.style import style
-from psp3.workspace_maps import Workspace
-from psp3.workspace_plots import figure_of_map
+from fuzzy2.plots.style import style
+from psp3.kinematics.workspace import Workspace
+from psp3.plots.workspace import figure_of_map
 
 
 def main() -> None:

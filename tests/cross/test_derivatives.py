@@ -8,11 +8,11 @@ import pytest
 from numpy.testing import assert_allclose
 
 import psp3
-from psp3.closed_loop_robot import ClosedLoopRobot
-from psp3.derivatives import forward_dynamics_derivatives
-from psp3.loading import ROBOTS
+from psp3.description.parts import ROBOTS
+from psp3.dynamics.derivatives import forward_dynamics_derivatives
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.helpers import Array, derivative
-from tests.psp3.test_derivatives import ball_in_a_loop, build, free_platform
+from tests.psp3.dynamics.test_derivatives import ball_in_a_loop, build, free_platform
 
 
 def closed_as_a_whole(robot: ClosedLoopRobot) -> bool:

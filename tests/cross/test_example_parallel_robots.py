@@ -22,10 +22,10 @@ import pytest
 import yaml
 from numpy.testing import assert_allclose
 
-from psp3.closed_loop_robot import ClosedLoopRobot
+from psp3.description.urdf import read_robot
+from psp3.dynamics.natural_orthogonal_complement import NaturalOrthogonalComplement
 from psp3.errors import MobilityMismatch
-from psp3.natural_orthogonal_complement import NaturalOrthogonalComplement
-from psp3.robot_files import read_robot
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.helpers import Array, derivative, relative_error
 
 CLONE = os.environ.get("EXAMPLE_PARALLEL_ROBOTS", "")
@@ -153,7 +153,7 @@ def test_rate_of_the_mass_matrix_minus_twice_c_is_skew(name: str) -> None:
 def test_mass_matrix_and_weight_agree_with_mujoco(name: str, tmp_path: Path) -> None:
     """MuJoCo's mass matrix and weight of the tree on the null space of its own constraints; 1e-8 relative. It finds the loops closed."""
     mujoco = pytest.importorskip("mujoco", reason="MuJoCo is in the extras mujoco and test")
-    from psp3.mjcf import mujoco_state, to_mjcf
+    from psp3.robots.mjcf_export import mujoco_state, to_mjcf
 
     robot, positions, _ = states(name, 3)
     engine = mujoco.MjModel.from_xml_string(to_mjcf(robot))

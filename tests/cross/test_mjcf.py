@@ -13,9 +13,9 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.loading import ROBOTS
-from psp3.mjcf import mujoco_state, to_mjcf
-from psp3.mjcf_files import read_mjcf
+from psp3.description.mjcf import read_mjcf
+from psp3.description.parts import ROBOTS
+from psp3.robots.mjcf_export import mujoco_state, to_mjcf
 from tests.helpers import ROBOTS_WITH_LOOPS, Array, free_body_carried_by_an_arm, relative_error, spatial_loop_closed_with_3d
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is in the extras mujoco and test")

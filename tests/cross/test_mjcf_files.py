@@ -11,9 +11,9 @@ import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
-from psp3.closed_loop_robot import ClosedLoopRobot
-from psp3.mjcf_files import read_mjcf
-from psp3.robot_files import RobotParts
+from psp3.description.mjcf import read_mjcf
+from psp3.description.parts import RobotParts
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.helpers import Array, derivative
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is in the extras mujoco and test")

@@ -9,7 +9,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import psp3
-from psp3.loading import ROBOT_FILES
+from psp3.description.parts import ROBOT_FILES
 from tests.mujoco_projection import engine, mujoco
 
 

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 import psp3
+from psp3.description.parts import ROBOTS
 from psp3.drives import NO_DRIVE, Drive
-from psp3.loading import ROBOTS
-from psp3.mujoco_plant import MuJoCo
-from psp3.plants import RungeKutta
+from psp3.simulation.mujoco import MuJoCo
+from psp3.simulation.runge_kutta import RungeKutta
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is in the extras mujoco and test")
 

@@ -9,7 +9,7 @@ import pinocchio as pin
 import pytest
 
 import psp3
-from psp3.loading import ROBOTS
+from psp3.description.parts import ROBOTS
 from tests.helpers import Array, relative_error
 from tests.mujoco_projection import Projection, State, engine
 from tests.robot_samplers import random_poses

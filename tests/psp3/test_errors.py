@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from psp3 import errors
-from psp3.mobility import Mobility
+from psp3.closure.mobility import Mobility
 
 HEIGHTS = np.array([0.1, 0.2, 0.3])
 

@@ -11,9 +11,11 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
+from psp3.description.parts import ROBOT_FILES, ROBOTS
+from psp3.description.srdf import reference_poses
+from psp3.description.urdf import read_tree
 from psp3.errors import InvalidRobotFile, UnknownName
-from psp3.loading import ROBOT_FILES, ROBOTS, set_parameters
-from psp3.robot_files import read_tree, reference_poses
+from psp3.three_psp.model import set_parameters
 
 LEGS = (1, 2, 3)
 CHAIN = ("a", "phi", "theta", "lambda", "b")

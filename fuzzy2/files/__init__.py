@@ -1,0 +1,1 @@
+"""Files of fuzzy systems: JSON, .fis and FML."""

@@ -1,0 +1,262 @@
+r"""Compiled loops of online adaptation: fuzzy basis functions, and least squares that forget. :mod:`fuzzy2.learning.adaptation` is their face.
+
+The least-squares problem is kept as its information matrix :math:`\Lambda` and right side :math:`s`, which new rows are added to and old
+ones fade from; the weight of what was known before is added when it is solved. That weight never fades, so the matrix that is inverted
+is never smaller than it, however little the rows excite.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy2.support.compiled import compiled
+from fuzzy2.systems.kernels import firing
+
+Array = NDArray[np.float64]
+
+SWEEPS = 10
+"""Sweeps of coordinate descent at each solution for which the box matters."""
+
+
+@compiled
+def _sort(values, order):
+    """Put the indices in ``order`` in ascending order of the values; few steps where it was nearly right before."""
+    for i in range(1, order.size):
+        index = order[i]
+        j = i - 1
+        while j >= 0 and values[order[j]] > values[index]:
+            order[j + 1] = order[j]
+            j -= 1
+        order[j + 1] = index
+
+
+@compiled
+def _end(points, order, strengths, largest, left, out):
+    """Write the weights, which add up to 1, whose average of the points is the left or right end of their generalized centroid."""
+    rules = points.size
+    mass, moment = 0.0, 0.0
+    first = points[order[0]] if left else points[order[rules - 1]]
+    for r in range(rules):
+        out[r] = strengths[2 * r] / largest
+        mass += out[r]
+        moment += out[r] * abs(points[r] - first)
+    # From the extreme point inward the weights become upper ones, as long as that draws the average outward.
+    for i in range(rules):
+        r = order[i] if left else order[rules - 1 - i]
+        distance = abs(points[r] - first)
+        if mass > 0.0 and distance * mass >= moment:
+            break
+        more = (strengths[2 * r + 1] - strengths[2 * r]) / largest
+        out[r] += more
+        mass += more
+        moment += more * distance
+    for r in range(rules):
+        out[r] /= mass
+
+
+@compiled
+def basis(table: Array, x: Array, consequents: Array, orders: NDArray[np.int64], strengths: Array, out: Array) -> bool:
+    """Write the fuzzy basis functions (m, 2, R) of both ends for consequents (m, 2, R); return False where no rule fires.
+
+    Of the system in ``table`` only the antecedents count. ``orders`` (m, 2, R) holds any order of the rules and gets the one of the
+    consequents; ``strengths`` (2 R,) gets the firing intervals.
+    """
+    firing(table, x, 0.0, strengths)
+    rules = consequents.shape[2]
+    largest = 0.0
+    for r in range(rules):
+        largest = max(largest, strengths[2 * r + 1])
+    if not largest > 0.0:
+        return False
+    for j in range(consequents.shape[0]):
+        for end in range(2):
+            points, order = consequents[j, end], orders[j, end]
+            _sort(points, order)
+            _end(points, order, strengths, largest, end == 0, out[j, end])
+    return True
+
+
+@compiled
+def forget(information: Array, right: Array, factor: float) -> None:
+    """Multiply the information (n, n), of which the upper triangle is kept, and the right side (n,) by a factor."""
+    n = right.size
+    for i in range(n):
+        right[i] *= factor
+        row = information[i, i:]
+        for j in range(n - i):
+            row[j] *= factor
+
+
+@compiled
+def add(information: Array, right: Array, row: Array, residual: float, weight: float) -> None:
+    """Add a row (n,) with its residual, times a weight."""
+    n = right.size
+    for i in range(n):
+        scaled = weight * row[i]
+        if scaled != 0.0:
+            right[i] += scaled * residual
+            target, other = information[i, i:], row[i:]
+            for j in range(n - i):
+                target[j] += scaled * other[j]
+
+
+@compiled
+def solve(information: Array, right: Array, prior: Array, factor: Array, out: Array) -> bool:
+    """Solve (information + diag(prior)) out = right by Cholesky's method; ``factor`` (n, n) gets the upper factor.
+
+    Return whether the matrix is positive definite, which it is unless numbers overflow: the prior (n,) is positive.
+    """
+    n = right.size
+    for i in range(n):
+        source, target = information[i, i:], factor[i, i:]
+        for j in range(n - i):
+            target[j] = source[j]
+        target[0] += prior[i]
+        out[i] = right[i]
+    # Row by row, each subtracted from those below it: along rows, because only there the compiler works on several numbers at once.
+    for k in range(n):
+        pivot = factor[k, k]
+        if not 0.0 < pivot < math.inf:
+            return False
+        scale = 1.0 / math.sqrt(pivot)
+        above = factor[k, k:]
+        for j in range(n - k):
+            above[j] *= scale
+        out[k] *= scale
+        for i in range(k + 1, n):
+            share = above[i - k]
+            if share != 0.0:
+                target, source = factor[i, i:], factor[k, i:]
+                for j in range(n - i):
+                    target[j] -= share * source[j]
+                out[i] -= share * out[k]
+    for i in range(n - 1, -1, -1):
+        total = out[i]
+        row = factor[i]
+        for j in range(i + 1, n):
+            total -= row[j] * out[j]
+        out[i] = total / row[i]
+    return True
+
+
+@compiled
+def settle(
+    information: Array, right: Array, prior: Array, lower: Array, upper: Array, sweeps: int, whole: Array, gradient: Array, out: Array
+) -> None:
+    """Go on from ``out``, within the box, toward the least squares within the box, by sweeps of coordinate descent.
+
+    No step leaves the box or makes the sum of squares greater; each one goes to the best place on its line. ``whole`` (n, n) and
+    ``gradient`` (n,) are scratch space.
+    """
+    n = right.size
+    for i in range(n):
+        source = information[i, i:]
+        for j in range(n - i):
+            whole[i, i + j] = source[j]
+        for j in range(i):
+            whole[i, j] = whole[j, i]
+        whole[i, i] += prior[i]
+    for i in range(n):
+        row = whole[i]
+        total = -right[i]
+        for j in range(n):
+            total += row[j] * out[j]
+        gradient[i] = total
+    for _ in range(sweeps):
+        moved = False
+        for i in range(n):
+            row = whole[i]
+            best = min(max(out[i] - gradient[i] / row[i], lower[i]), upper[i])
+            step = best - out[i]
+            if step != 0.0:
+                moved = True
+                out[i] = best
+                for j in range(n):
+                    gradient[j] += step * row[j]
+        if not moved:
+            return
+
+
+@compiled
+def _write(row, phi, is_interval):
+    """Write the derivatives (R,) or (2 R,) of a crisp output with respect to consequents that are numbers or intervals."""
+    rules = phi.shape[1]
+    for r in range(rules):
+        if is_interval:
+            row[r], row[rules + r] = 0.5 * phi[0, r], 0.5 * phi[1, r]
+        else:
+            row[r] = 0.5 * (phi[0, r] + phi[1, r])
+
+
+@compiled
+def solve_within(
+    information: Array, right: Array, prior: Array, lower: Array, upper: Array, factor: Array, trial: Array, out: Array
+) -> None:
+    """Solve the least-squares problem within the box, going on from ``out`` where the box matters.
+
+    ``factor`` (n, n) and ``trial`` (n,) are scratch space. The problem changes little from sample to sample, so a few sweeps from the last
+    solution keep up with it.
+    """
+    if not solve(information, right, prior, factor, trial):
+        return
+    is_inside = True
+    for i in range(trial.size):
+        is_inside = is_inside and lower[i] <= trial[i] <= upper[i]
+    if is_inside:
+        out[:] = trial
+    else:
+        settle(information, right, prior, lower, upper, SWEEPS, factor, trial, out)
+
+
+@compiled
+def learn(
+    table: Array, x: Array, y: Array, trained: Array, lower: Array, upper: Array, prior: Array, forgetting: float,
+    information: Array, right: Array, moved: Array, consequents: Array, orders: NDArray[np.int64], errors: Array,
+) -> None:  # fmt: skip
+    """Learn from samples x (N, p), y (N, m) one after the other, and write what was missed before each was learned from, (N, m).
+
+    ``trained`` and ``consequents`` are (m, 2, R), ``information`` (m, n, n) and ``right`` (m, n) with n = R for consequents that are
+    numbers and 2 R for intervals, ``moved`` (m, n) how far they are from the trained ones, between ``lower`` and ``upper``, ``prior`` (n,).
+    """
+    outputs, rules = consequents.shape[0], consequents.shape[2]
+    size = right.shape[1]
+    strengths, phi = np.empty(2 * rules), np.empty((outputs, 2, rules))
+    row, trial, factor = np.empty(size), np.empty(size), np.empty((size, size))
+    for n in range(x.shape[0]):
+        if not basis(table, x[n], consequents, orders, strengths, phi):
+            errors[n, :] = math.nan
+            continue
+        for j in range(outputs):
+            before, now = 0.0, 0.0
+            for r in range(rules):
+                for end in range(2):
+                    before += 0.5 * phi[j, end, r] * trained[j, end, r]
+                    now += 0.5 * phi[j, end, r] * consequents[j, end, r]
+            errors[n, j] = y[n, j] - now
+            _write(row, phi[j], size == 2 * rules)
+            forget(information[j], right[j], forgetting)
+            add(information[j], right[j], row, y[n, j] - before, 1.0)
+            solve_within(information[j], right[j], prior, lower[j], upper[j], factor, trial, moved[j])
+            for r in range(rules):
+                low = trained[j, 0, r] + moved[j, r]
+                high = trained[j, 1, r] + moved[j, rules + r if size == 2 * rules else r]
+                if low > high:
+                    low = high = 0.5 * (low + high)
+                consequents[j, 0, r], consequents[j, 1, r] = low, high
+
+
+@compiled
+def evaluate(table: Array, x: Array, consequents: Array, orders: NDArray[np.int64], out: Array) -> None:
+    """Write the crisp outputs (N, m) at inputs (N, p); NaN where no rule fires."""
+    outputs, rules = consequents.shape[0], consequents.shape[2]
+    strengths, phi = np.empty(2 * rules), np.empty((outputs, 2, rules))
+    for n in range(x.shape[0]):
+        fires = basis(table, x[n], consequents, orders, strengths, phi)
+        for j in range(outputs):
+            total = 0.0
+            for r in range(rules):
+                total += phi[j, 0, r] * consequents[j, 0, r] + phi[j, 1, r] * consequents[j, 1, r]
+            out[n, j] = 0.5 * total if fires else math.nan

@@ -1,0 +1,196 @@
+"""Consequents of rules learned from samples: every sample a rule, or every rule from all samples."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzy2.errors import UnsupportedRule
+from fuzzy2.learning.partition import Integers, centroid_of_term, gaussian_partition, grades_in, principal_terms
+from fuzzy2.support.checks import Array
+
+COMPLETIONS = ("nearest", "average", "none")
+"""Names of what the strict learner does about cells without a sample."""
+
+LEAST_FIRING = 1e-3
+"""Firing below which no sample says anything about a rule."""
+_BLOCK = 2**22  # firing strengths held in memory at once
+
+
+class Learned(NamedTuple):
+    """Rules with consequents as values (R, m), intervals (R, m, 2) or numbers of output terms (R, m)."""
+
+    rules: Integers
+    best_firing: Array
+    values: Array | None
+    terms: Integers | None
+    samples: Integers | None
+
+    def point_values(self) -> Array:
+        """Return the consequents as numbers, (R, m)."""
+        assert self.values is not None
+        return self.values
+
+    def consequents(self, quantizer: Quantizer | None) -> Array:
+        """Return the consequents as numbers, or as output terms where there is a quantizer."""
+        if self.values is not None:
+            return self.values
+        assert self.terms is not None
+        assert quantizer is not None
+        return quantizer.intervals(self.terms)
+
+
+class Quantizer:
+    """Output terms: which is nearest to a value, and what its centroid is."""
+
+    def __init__(self, ranges: list[tuple[float, float]], n_terms: int, kind: str, mean_variation: float) -> None:
+        self.terms = tuple(gaussian_partition(*ends, n_terms, kind, mean_variation) for ends in ranges)
+        self.principal = [principal_terms(*ends, n_terms) for ends in ranges]
+        self.means = np.array([[term.mean for term in row] for row in self.principal])
+        self.centroids = np.array([[centroid_of_term(term) for term in row] for row in self.terms])
+
+    def nearest(self, values: Array) -> Integers:
+        """Return the numbers (N, m) of the terms with the means nearest to the values (N, m), in which they have most membership."""
+        return np.asarray(np.abs(values[..., np.newaxis] - self.means).argmin(axis=-1), dtype=np.int64)
+
+    def memberships(self, values: Array, numbers: Integers) -> Array:
+        """Return the memberships (N, m) of the values in terms (N, m), the principal ones."""
+        columns = (grades_in(values[:, j], self.principal[j]) for j in range(values.shape[1]))
+        return np.stack([np.take_along_axis(grades, numbers[:, [j]], axis=1)[:, 0] for j, grades in enumerate(columns)], axis=1)
+
+    def intervals(self, numbers: Integers) -> Array:
+        """Return the centroids (R, m, 2) of terms (R, m)."""
+        return np.asarray(self.centroids[np.arange(len(self.terms)), numbers])
+
+
+def rules_from_all(
+    grades: list[Array], outputs: Array, combine: Callable[..., Array], given: Integers | None, learner: str, ridge: float
+) -> Learned:
+    """Let every rule, given or of the grid, take its consequent from all samples."""
+    rules = _all_cells([of_input.shape[1] for of_input in grades]) if given is None else given
+    best, sample = np.full(len(rules), -1.0), np.zeros(len(rules), dtype=np.int64)
+    weight, moment = np.zeros(len(rules)), np.zeros((len(rules), outputs.shape[1]))
+    for rows, firing in _firing_blocks(grades, combine, given):
+        winner = firing.argmax(axis=0)
+        strength = firing[winner, np.arange(len(rules))]
+        stronger = strength > best  # not >=: the first of equally strong samples stays
+        best, sample = np.where(stronger, strength, best), np.where(stronger, winner + rows.start, sample)
+        weight += firing.sum(axis=0)
+        moment += firing.T @ outputs[rows]
+    if learner == "strongest":
+        return Learned(rules, best, outputs[sample], None, np.repeat(sample[:, np.newaxis], outputs.shape[1], axis=1))
+    # A rule that nothing fires is refused later, and must not warn before.
+    average = moment / np.maximum(weight, np.finfo(float).tiny)[:, np.newaxis]
+    if learner == "average":
+        return Learned(rules, best, average, None, None)
+    gram, right_side = np.zeros((len(rules), len(rules))), np.zeros_like(moment)
+    for rows, firing in _firing_blocks(grades, combine, given):
+        shares = firing / firing.sum(axis=1, keepdims=True)
+        gram += shares.T @ shares
+        right_side += shares.T @ (outputs[rows] - shares @ average)
+    gram = gram / len(outputs) + ridge * np.eye(len(rules))
+    return Learned(rules, best, average + np.linalg.solve(gram, right_side / len(outputs)), None, None)
+
+
+def strict_rules(
+    grades: list[Array], outputs: Array, combine: Callable[..., Array], quantizer: Quantizer | None, completion: str
+) -> Learned:
+    """Let every sample make a rule, settle conflicts by degree, and complete the cells that have no rule."""
+    own = np.stack([of_input.argmax(axis=1) for of_input in grades], axis=1)
+    antecedent = _reduced(combine, [of_input.max(axis=1) for of_input in grades])
+    degree = np.repeat(antecedent[:, np.newaxis], outputs.shape[1], axis=1)
+    numbers = None
+    if quantizer is not None:
+        numbers = quantizer.nearest(outputs)
+        degree = combine(degree, quantizer.memberships(outputs, numbers))
+    covered, cell = np.unique(own, axis=0, return_inverse=True)
+    cell = cell.reshape(-1)
+    samples = np.empty((len(covered), outputs.shape[1]), dtype=np.int64)
+    for j in range(outputs.shape[1]):
+        # Stable, so that the first of equal degrees comes first; the last written, which is the first in order, stays.
+        order = np.argsort(-degree[:, j], kind="stable")[::-1]
+        samples[cell[order], j] = order
+    columns = np.arange(outputs.shape[1])
+    degrees = degree[samples, columns]
+    best = np.zeros(len(covered))
+    np.maximum.at(best, cell, antecedent)
+    if completion == "none":
+        values = outputs[samples, columns] if numbers is None else None
+        return Learned(covered, best, values, None if numbers is None else numbers[samples, columns], samples)
+
+    shape = [of_input.shape[1] for of_input in grades]
+    rules = _all_cells(shape)
+    position = np.ravel_multi_index(tuple(covered.T), shape)
+    has_rule = np.zeros(len(rules), dtype=bool)
+    has_rule[position] = True
+    empty = np.flatnonzero(~has_rule)
+    full_samples = np.full((len(rules), outputs.shape[1]), -1, dtype=np.int64)
+    full_samples[position] = samples
+    firing = np.zeros(len(rules))
+    for _, block in _firing_blocks(grades, combine):
+        firing = np.maximum(firing, block.max(axis=0))
+    scale = np.maximum(np.array(shape) - 1.0, 1.0)
+    if completion == "nearest":
+        donors = full_samples.copy()
+        for c in empty:
+            distance = _squared_distances(covered, rules[c], scale)
+            # Squares of sums of shares; equal distances differ by rounding.
+            near = distance <= distance.min() * (1.0 + 1e-12)
+            donors[c] = samples[np.where(near[:, np.newaxis], degrees, -1.0).argmax(axis=0), columns]
+        values = outputs[donors, columns] if numbers is None else None
+        return Learned(rules, firing, values, None if numbers is None else numbers[donors, columns], full_samples)
+    known = outputs[samples, columns] if quantizer is None or numbers is None else quantizer.intervals(numbers[samples, columns])
+    values = np.empty((len(rules), *known.shape[1:]))
+    values[position] = known
+    for c in empty:
+        share = 1.0 / _squared_distances(covered, rules[c], scale)
+        values[c] = np.tensordot(share / share.sum(), known, axes=1)
+    terms = None
+    if numbers is not None:
+        terms = np.full((len(rules), outputs.shape[1]), -1, dtype=np.int64)
+        terms[position] = numbers[samples, columns]
+    return Learned(rules, firing, values, terms, full_samples)
+
+
+def _squared_distances(cells: Integers, cell: Integers, scale: Array) -> Array:
+    return np.asarray((((cells - cell) / scale) ** 2).sum(axis=1))
+
+
+def check_support(learned: Learned, names: Sequence[str], words: Sequence[Sequence[str]]) -> None:
+    """Warn or refuse where no sample fires a rule enough to say anything about it."""
+    weakest = int(np.argmin(learned.best_firing))
+    firing = float(learned.best_firing[weakest])
+    if firing < LEAST_FIRING:
+        clauses = (f"{name} is {of_input[k]}" for name, of_input, k in zip(names, words, learned.rules[weakest], strict=True))
+        raise UnsupportedRule(weakest + 1, " and ".join(clauses), firing, LEAST_FIRING, int((learned.best_firing < LEAST_FIRING).sum()))
+
+
+def _all_cells(shape: Sequence[int]) -> Integers:
+    """Return the grid's cells (R, p), the last input fastest."""
+    return np.array(list(itertools.product(*map(range, shape))), dtype=np.int64)
+
+
+def _firing_blocks(grades: list[Array], combine: Callable[..., Array], rules: Integers | None = None) -> Iterator[tuple[slice, Array]]:
+    """Yield blocks of samples with their firing strengths (n, R) of the rules, by default of :func:`_all_cells`."""
+    count, size = len(grades[0]), math.prod(of_input.shape[1] for of_input in grades) if rules is None else len(rules)
+    step = max(1, _BLOCK // size)
+    for start in range(0, count, step):
+        rows = slice(start, min(start + step, count))
+        if rules is not None:
+            yield rows, _reduced(combine, [of_input[rows][:, asked] for of_input, asked in zip(grades, rules.T, strict=True)])
+            continue
+        firing = grades[0][rows]
+        for of_input in grades[1:]:
+            firing = combine(firing[:, :, np.newaxis], of_input[rows, np.newaxis, :]).reshape(len(firing), -1)
+        yield rows, firing
+
+
+def _reduced(combine: Callable[..., Array], arrays: list[Array]) -> Array:
+    result = arrays[0]
+    for array in arrays[1:]:
+        result = combine(result, array)
+    return result

@@ -1,0 +1,29 @@
+"""Figures of sets, operations, type reduction and systems."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzy2.support.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from fuzzy2.plots.chapter_1 import figure_1 as figure_1
+    from fuzzy2.plots.chapter_1 import figure_2 as figure_2
+    from fuzzy2.plots.chapter_1 import figure_3 as figure_3
+    from fuzzy2.plots.chapter_1 import figure_4 as figure_4
+    from fuzzy2.plots.chapter_1 import figure_5 as figure_5
+    from fuzzy2.plots.figures import ACROSS as ACROSS
+    from fuzzy2.plots.figures import POINTS as POINTS
+    from fuzzy2.plots.figures import REACH as REACH
+    from fuzzy2.plots.figures import VISIBLE as VISIBLE
+    from fuzzy2.plots.figures import figure_from_above as figure_from_above
+    from fuzzy2.plots.figures import figure_in_space as figure_in_space
+    from fuzzy2.plots.figures import figure_of_join_and_meet as figure_of_join_and_meet
+    from fuzzy2.plots.figures import figure_of_operations as figure_of_operations
+    from fuzzy2.plots.figures import figure_of_response as figure_of_response
+    from fuzzy2.plots.figures import figure_of_rule_surface as figure_of_rule_surface
+    from fuzzy2.plots.figures import figure_of_secondaries as figure_of_secondaries
+    from fuzzy2.plots.figures import figure_of_sets as figure_of_sets
+    from fuzzy2.plots.figures import figure_of_type_reduced as figure_of_type_reduced
+
+__all__, __getattr__, __dir__ = lazy_names(__name__)

@@ -1,0 +1,1 @@
+"""Type reduction and defuzzification."""

@@ -1,0 +1,568 @@
+r"""General type-2 fuzzy sets: the membership at a point is itself a type-1 set over [0, 1], the vertical slice (eq. 1.1-1.3).
+
+A set is given by a principal membership with Gaussian secondaries (:class:`GaussianType2Set`), by any function from points to
+vertical slices (:class:`FunctionalType2Set`), by slices at sampled points (:class:`SampledType2Set`), or by α-planes
+(:class:`ZSlices`). All of them answer the same questions, whatever they are given by.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import InvalidValue, NotApplicable
+from fuzzy2.sets.derived import FunctionalSet, Truncated
+from fuzzy2.sets.interval_type2 import IntervalType2Set, check_below
+from fuzzy2.sets.type1 import ROUNDING, SampledSet, Singleton, Type1Set, keep_nan, set_fields
+from fuzzy2.support.checks import Array, ascending, grade, maybe_infinite, real, reals
+from fuzzy2.support.quadrature import merged
+
+LEVELS_BETWEEN_SLICES = 257  # of the α-cuts that are interpolated between two continuous vertical slices
+
+
+class EmbeddedType2Set(NamedTuple):
+    """Type-2 set embedded in a discrete one (eq. 1.6): one primary membership at every point, with its secondary grade."""
+
+    points: Array
+    """Points, (N,)."""
+    memberships: Array
+    """Primary memberships chosen, (N,)."""
+    grades: Array
+    """Their secondary grades, (N,)."""
+
+    @property
+    def type1(self) -> SampledSet:
+        """Embedded type-1 set (eq. 1.7): the same without the secondary grades."""
+        return SampledSet(self.points, self.memberships)
+
+
+@dataclass(frozen=True)
+class AlphaPlane(IntervalType2Set):
+    """α-plane of a general type-2 set: the primary memberships whose secondary grade is at least ``alpha``.
+
+    At points where no secondary grade is, both memberships are 0.
+    """
+
+    alpha: float
+
+    def __post_init__(self) -> None:
+        # The ends of an α-cut are in order; comparing them again would cost more than making the plane.
+        set_fields(self, alpha=float(self.alpha))
+
+
+class GeneralType2Set(ABC):
+    """Base of the general type-2 fuzzy sets.
+
+    A subclass gives ``secondary``, ``support`` and ``landmarks``, and where it knows a faster way than slice by slice, the private
+    methods.
+    """
+
+    @property
+    @abstractmethod
+    def support(self) -> tuple[float, float]:
+        """Ends of the domain outside of which the membership is crisply 0; they may be infinite."""
+
+    @property
+    @abstractmethod
+    def landmarks(self) -> Array:
+        """Ascending finite points that say where the set is and where its shape changes."""
+
+    @abstractmethod
+    def secondary(self, x: float) -> Type1Set:
+        """Return the vertical slice at a point: the secondary membership function over [0, 1] (eq. 1.3).
+
+        Parameters
+        ----------
+        x : float
+            The point.
+
+        Returns
+        -------
+        Type1Set
+            Secondary grades of the primary memberships.
+        """
+
+    def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
+        """Return the ends of the α-cuts of the vertical slices at points (...,)."""
+        return _cuts_of([self.secondary(float(point)) for point in x.ravel()], alpha, x.shape)
+
+    def _principal(self, x: Array) -> Array:
+        """Return the primary memberships of greatest secondary grade at points (...,)."""
+        middles = [0.5 * sum(_maxima(self.secondary(float(point)))) for point in x.ravel()]
+        return np.array(middles, dtype=float).reshape(x.shape)
+
+    def _secondary_grades(self, x: Array, u: Array) -> Array:
+        """Return the secondary grades of pairs, both (...,)."""
+        pairs = zip(x.ravel(), u.ravel(), strict=True)
+        return np.array([self.secondary(float(point))(membership) for point, membership in pairs], dtype=float).reshape(x.shape)
+
+    def _bound(self, x: Array, alpha: float, end: int) -> Array:
+        missing = np.isnan(x)
+        return keep_nan(x, self._cut(np.where(missing, self.landmarks[0], x), alpha)[end])
+
+    def _slope_of_bound(self, alpha: float, end: int) -> Callable[[Array], Array] | None:
+        """Return the derivative from the right of the lower (end 0) or upper (1) membership function of an α-plane, if it is known."""
+        return None
+
+    def _kinks_of_bound(self, alpha: float, end: int) -> Array:
+        """Return finite points (K,) where that membership function has kinks, besides the landmarks of the set."""
+        return np.empty(0)
+
+    def _functional(self, function: Callable[[Array], Array]) -> FunctionalSet:
+        return FunctionalSet(function, *self.support, knots=tuple(self.landmarks.tolist()))
+
+    def _bound_set(self, alpha: float, end: int) -> FunctionalSet:
+        function, slope = partial(self._bound, alpha=alpha, end=end), self._slope_of_bound(alpha, end)
+        knots = merged(self.landmarks, self._kinks_of_bound(alpha, end))
+        return FunctionalSet(function, *self.support, knots=tuple(knots.tolist()), slope=slope)
+
+    @cached_property
+    def lower(self) -> Type1Set:
+        """Lower membership function of the footprint of uncertainty."""
+        return self._bound_set(0.0, 0)
+
+    @cached_property
+    def upper(self) -> Type1Set:
+        """Upper membership function of the footprint of uncertainty."""
+        return self._bound_set(0.0, 1)
+
+    @cached_property
+    def principal(self) -> Type1Set:
+        """Principal membership function: the primary membership of greatest secondary grade, midway where there are several."""
+        return self._functional(lambda x: keep_nan(x, self._principal(np.where(np.isnan(x), self.landmarks[0], x))))
+
+    def footprint(self, x: ArrayLike) -> Array:
+        r"""Return the ends of the primary membership :math:`J_x` at points (eq. 1.4).
+
+        Parameters
+        ----------
+        x : (...,) array_like
+            Points.
+
+        Returns
+        -------
+        (..., 2) array
+            Lower and upper ends of the support of the vertical slices.
+        """
+        return np.stack([self.lower(x), self.upper(x)], axis=-1)
+
+    def secondary_grade(self, x: ArrayLike, u: ArrayLike) -> Array:
+        r"""Return the secondary grades :math:`\mu(x, u)` (eq. 1.1).
+
+        Parameters
+        ----------
+        x, u : (...,) array_like
+            Points and primary memberships; they broadcast.
+
+        Returns
+        -------
+        (...,) array
+            Secondary grades, NaN where an argument is.
+        """
+        points, memberships = np.broadcast_arrays(reals("x", x), reals("u", u))
+        missing = np.isnan(points) | np.isnan(memberships)
+        grades = self._secondary_grades(np.where(missing, self.landmarks[0], points), np.where(missing, 0.0, memberships))
+        return np.where(missing, np.nan, grades)[()]
+
+    def alpha_plane(self, alpha: float) -> IntervalType2Set:
+        r"""Return the α-plane, :math:`\{(x, u) : \mu(x, u) \ge \alpha\}`; at 0 it is the footprint of uncertainty.
+
+        Parameters
+        ----------
+        alpha : float
+            Secondary grade in [0, 1].
+
+        Returns
+        -------
+        IntervalType2Set
+            With ``.lower(x)`` and ``.upper(x)``, both 0 where no secondary grade reaches alpha.
+
+        Raises
+        ------
+        InvalidValue
+            If alpha is not in [0, 1].
+        NotApplicable
+            If a vertical slice is not convex: when the plane is evaluated there.
+        """
+        level = real("alpha", alpha, "in [0, 1]")
+        if not 0.0 <= level <= 1.0:
+            raise InvalidValue("alpha", alpha, "in [0, 1]")
+        return AlphaPlane(self._bound_set(level, 0), self._bound_set(level, 1), level)
+
+    def zslices(self, alphas: Sequence[float]) -> ZSlices:
+        """Return the set cut into zSlices: a staircase of its α-planes at ascending grades in (0, 1]."""
+        return ZSlices(tuple(alphas), tuple(self.alpha_plane(alpha) for alpha in alphas))
+
+    def sample(self, x: ArrayLike, u: ArrayLike) -> SampledType2Set:
+        """Return the set sampled in both directions: a discrete-membership type-2 set.
+
+        Parameters
+        ----------
+        x : (N,) array_like
+            Points.
+        u : (M,) array_like
+            Primary memberships in [0, 1]. Each slice takes those of a positive secondary grade, and its principal membership.
+
+        Returns
+        -------
+        SampledType2Set
+            With slices of at most M + 1 primary memberships.
+        """
+        points, memberships = reals("x", x), np.append(reals("u", u), np.nan)
+        slices = []
+        for point in points.ravel():
+            memberships[-1] = self._principal(np.array(point))
+            grades = self._secondary_grades(np.full_like(memberships, point), memberships)
+            kept = grades > 0.0
+            slices.append(SampledSet(memberships[kept], grades[kept]))
+        return SampledType2Set(points, slices)
+
+    def embedded_count(self) -> int:
+        """Return the number of embedded type-2 sets, for a discrete set."""
+        raise NotApplicable("embedded_count", "a set on a continuous domain has infinitely many embedded sets; sample it first")
+
+    def embedded_sets(self) -> Iterator[EmbeddedType2Set]:
+        """Return all embedded type-2 sets of a discrete set, one after another."""
+        raise NotApplicable("embedded_sets", "a set on a continuous domain has infinitely many embedded sets; sample it first")
+
+    def kernel_row(self) -> None:
+        """Return None: the compiled kernels read secondary grades in other ways."""
+        return
+
+
+@dataclass(frozen=True)
+class FunctionalType2Set(GeneralType2Set):
+    """General type-2 set given by any function from points to vertical slices.
+
+    Parameters
+    ----------
+    function : callable
+        From a point to its vertical slice, a :class:`Type1Set`; what of it lies outside of [0, 1] is cut off.
+    left, right : float
+        Ends of the domain; they may be infinite.
+    knots : sequence of float
+        Points where the shape changes, and for an unbounded domain the range that matters.
+
+    Raises
+    ------
+    InvalidValue
+        If the ends are not in order, or nothing finite says where the set is.
+    """
+
+    function: Callable[[float], Type1Set]
+    left: float
+    right: float
+    knots: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        left, right = maybe_infinite("left", self.left), maybe_infinite("right", self.right)
+        ascending("left, right", (left, right))
+        set_fields(self, left=left, right=right, knots=tuple(real("knots", knot) for knot in self.knots))
+        if self.landmarks.size < 2 and left != right:
+            raise InvalidValue("knots", self.knots, "at least two points when the domain is unbounded, to say where the set is")
+
+    @property
+    def support(self) -> tuple[float, float]:
+        """Ends of the domain."""
+        return self.left, self.right
+
+    @property
+    def landmarks(self) -> Array:
+        """Finite ends of the domain and knots within it."""
+        ends = [end for end in (self.left, self.right) if math.isfinite(end)]
+        return merged(ends, [knot for knot in self.knots if self.left <= knot <= self.right])
+
+    def secondary(self, x: float) -> Type1Set:
+        """Return the vertical slice at a point; outside of the domain it is crisply 0 (eq. 1.3)."""
+        point = real("x", x)
+        if not self.left <= point <= self.right:
+            return Singleton(0.0)
+        whole = self.function(point)
+        first, last = whole.support
+        return whole if first >= 0.0 and last <= 1.0 else Truncated(whole, 0.0, 1.0)
+
+
+@dataclass(frozen=True)
+class SampledType2Set(GeneralType2Set):
+    """General type-2 set given by vertical slices at sampled points.
+
+    With :class:`SampledSet` slices it is a discrete-membership type-2 set, and its embedded sets can be counted and listed; with
+    others it is partially discrete. Between two points the α-cuts of their slices are interpolated, which asks for convex
+    slices; outside of the points the membership is crisply 0.
+
+    Parameters
+    ----------
+    points : (N,) array_like
+        Distinct points, in any order.
+    slices : sequence of N Type1Set
+        Vertical slices, with supports in [0, 1].
+
+    Raises
+    ------
+    InvalidValue
+        If the points are not finite and distinct, or their number is not that of the slices, or a slice leaves [0, 1].
+    """
+
+    points: tuple[float, ...]
+    slices: tuple[Type1Set, ...]
+
+    def __init__(self, points: ArrayLike, slices: Sequence[Type1Set]) -> None:
+        x = reals("points", points)
+        if x.ndim != 1 or x.size == 0 or not np.isfinite(x).all() or np.unique(x).size != x.size:
+            raise InvalidValue("points", points, "finite, distinct numbers of shape (N,) with N of at least 1")
+        if len(slices) != x.size:
+            raise InvalidValue("slices", len(slices), f"one for each of the {x.size} points")
+        for point, vertical_slice in zip(x, slices, strict=True):
+            first, last = vertical_slice.support
+            if first < -ROUNDING or last > 1.0 + ROUNDING:
+                raise InvalidValue(f"slice at {point:.12g}", vertical_slice, "a set over [0, 1]")
+        order = np.argsort(x)
+        set_fields(self, points=tuple(x[order].tolist()), slices=tuple(slices[i] for i in order))
+
+    @property
+    def support(self) -> tuple[float, float]:
+        """First and last point."""
+        return self.points[0], self.points[-1]
+
+    @property
+    def landmarks(self) -> Array:
+        """All points."""
+        return np.array(self.points)
+
+    def is_discrete(self) -> bool:
+        """Return whether the slices are discrete too: a discrete-membership type-2 set, not a partially discrete one."""
+        return all(isinstance(vertical_slice, SampledSet) for vertical_slice in self.slices)
+
+    def secondary(self, x: float) -> Type1Set:
+        """Return the vertical slice at a point; between two points, of interpolated α-cuts (eq. 1.3).
+
+        Raises
+        ------
+        NotApplicable
+            If the point is between two, and their slices are not both convex.
+        """
+        point = real("x", x)
+        if not self.points[0] <= point <= self.points[-1]:
+            return Singleton(0.0)
+        after = int(np.searchsorted(self.points, point))
+        if self.points[after] == point:
+            return self.slices[after]
+        share = (point - self.points[after - 1]) / (self.points[after] - self.points[after - 1])
+        return _between(self.slices[after - 1], self.slices[after], share)
+
+    def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
+        left, right = _cuts_of(self.slices, alpha, (len(self.slices),))
+        interpolated = (np.interp(x, self.points, end, left=0.0, right=0.0) for end in (left, right))
+        return next(interpolated), next(interpolated)
+
+    def _discrete_slices(self, what: str) -> list[SampledSet]:
+        slices = [vertical_slice for vertical_slice in self.slices if isinstance(vertical_slice, SampledSet)]
+        if len(slices) < len(self.slices):
+            raise NotApplicable(what, "the set is partially discrete: a continuous slice has infinitely many memberships; sample it first")
+        return slices
+
+    def embedded_count(self) -> int:
+        r"""Return the number of embedded type-2 sets, :math:`\prod_i M_i` (after eq. 1.6).
+
+        Raises
+        ------
+        NotApplicable
+            If a slice is not a :class:`SampledSet`.
+        """
+        return math.prod(len(vertical_slice) for vertical_slice in self._discrete_slices("embedded_count"))
+
+    def embedded_sets(self) -> Iterator[EmbeddedType2Set]:
+        """Return all embedded type-2 sets, one after another; their order is that of the last slice first (eq. 1.6, 1.7).
+
+        Raises
+        ------
+        NotApplicable
+            If a slice is not a :class:`SampledSet`.
+        """
+        slices = self._discrete_slices("embedded_sets")
+        return self._enumerate(slices)
+
+    def _enumerate(self, slices: list[SampledSet]) -> Iterator[EmbeddedType2Set]:
+        points = self.landmarks
+        for chosen in itertools.product(*(range(len(vertical_slice)) for vertical_slice in slices)):
+            pairs = [(one.points[i], one.grades[i]) for one, i in zip(slices, chosen, strict=True)]
+            memberships, grades = np.array(pairs).T
+            yield EmbeddedType2Set(points, memberships, grades)
+
+
+@dataclass(frozen=True)
+class ZSlices(GeneralType2Set):
+    r"""General type-2 set of zSlices: interval type-2 sets, each with the secondary grade of its level.
+
+    .. math:: \mu(x, u) = \max \{\alpha_i : \underline\mu_i(x) \le u \le \overline\mu_i(x)\}
+
+    Parameters
+    ----------
+    alphas : sequence of K floats
+        Levels in (0, 1], ascending, no two of them equal.
+    planes : sequence of K IntervalType2Set
+        Planes, each within the one before it. A type-1 set is a plane of no width.
+
+    Raises
+    ------
+    InvalidValue
+        If the levels are not in order, their number is not that of the planes, or a plane leaves the one before it; it says where.
+    """
+
+    alphas: tuple[float, ...]
+    planes: tuple[IntervalType2Set | Type1Set, ...]
+
+    def __post_init__(self) -> None:
+        alphas = tuple(grade("alphas", alpha) for alpha in self.alphas)
+        if not alphas or any(after <= before for before, after in itertools.pairwise(alphas)):
+            raise InvalidValue("alphas", self.alphas, "at least one level, and each above the one before it")
+        planes = tuple(self.planes)
+        if len(planes) != len(alphas):
+            raise InvalidValue("planes", len(planes), f"one for each of the {len(alphas)} levels")
+        for i, (outer, inner) in enumerate(itertools.pairwise(planes)):
+            check_below(f"planes[{i}].lower", outer.lower, f"planes[{i + 1}].lower", inner.lower)
+            check_below(f"planes[{i + 1}].upper", inner.upper, f"planes[{i}].upper", outer.upper)
+        set_fields(self, alphas=alphas, planes=planes)
+
+    @property
+    def support(self) -> tuple[float, float]:
+        """Support of the lowest plane."""
+        return self.planes[0].support
+
+    @property
+    def landmarks(self) -> Array:
+        """Those of all planes."""
+        return merged(*(plane.landmarks for plane in self.planes))
+
+    def secondary(self, x: float) -> Staircase:
+        """Return the vertical slice at a point: a staircase (eq. 1.3)."""
+        point = real("x", x)
+        lefts, rights = (tuple(float(end(point)) for end in ends) for ends in self._ends)
+        return Staircase(self.alphas, lefts, rights)
+
+    @property
+    def _ends(self) -> tuple[list[Type1Set], list[Type1Set]]:
+        return [plane.lower for plane in self.planes], [plane.upper for plane in self.planes]
+
+    def alpha_plane(self, alpha: float) -> IntervalType2Set:
+        """Return the plane of the lowest level that is at least alpha; see :meth:`GeneralType2Set.alpha_plane`."""
+        general = super().alpha_plane(alpha)
+        i = int(np.searchsorted(np.array(self.alphas), alpha - ROUNDING))
+        if i == len(self.planes):
+            return general
+        return AlphaPlane(self.planes[i].lower, self.planes[i].upper, float(alpha))
+
+    def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
+        i = int(np.searchsorted(np.array(self.alphas), alpha - ROUNDING))
+        return (np.zeros_like(x), np.zeros_like(x)) if i == len(self.planes) else (self.planes[i].lower(x), self.planes[i].upper(x))
+
+    def _principal(self, x: Array) -> Array:
+        return np.asarray(0.5 * (self.planes[-1].lower(x) + self.planes[-1].upper(x)))
+
+    def _secondary_grades(self, x: Array, u: Array) -> Array:
+        grades = np.zeros_like(x)
+        for alpha, plane in zip(self.alphas, self.planes, strict=True):
+            grades = np.where((u >= plane.lower(x) - ROUNDING) & (u <= plane.upper(x) + ROUNDING), alpha, grades)
+        return grades
+
+
+@dataclass(frozen=True)
+class Staircase(Type1Set):
+    """Convex set of stacked intervals, each with the grade of its level: the vertical slice of zSlices.
+
+    Parameters
+    ----------
+    levels : sequence of K floats
+        Grades in (0, 1], ascending.
+    lefts, rights : sequences of K floats
+        Ends of the intervals, each of which lies within the one before it up to rounding.
+
+    Raises
+    ------
+    InvalidValue
+        If the levels are not ascending grades, or the intervals are not nested.
+    """
+
+    levels: tuple[float, ...]
+    lefts: tuple[float, ...]
+    rights: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        levels = tuple(grade("levels", level) for level in self.levels)
+        ascending("levels", levels)
+        lefts, rights = np.asarray(self.lefts, dtype=float), np.asarray(self.rights, dtype=float)
+        if lefts.shape != (len(levels),) or rights.shape != (len(levels),):
+            raise InvalidValue("lefts, rights", (self.lefts, self.rights), f"{len(levels)} ends each, one for each level")
+        # Nested planes may be exchanged by rounding where they touch.
+        tidy_lefts, tidy_rights = np.maximum.accumulate(lefts), np.minimum.accumulate(rights)
+        strays = np.max(tidy_lefts - lefts) > ROUNDING or np.max(rights - tidy_rights) > ROUNDING
+        if strays or (tidy_lefts > tidy_rights + 2.0 * ROUNDING).any():
+            raise InvalidValue("lefts, rights", (self.lefts, self.rights), "ends of intervals, each within the one before it")
+        tidy_rights = np.maximum(tidy_lefts, tidy_rights)
+        set_fields(self, levels=levels, lefts=tuple(tidy_lefts.tolist()), rights=tuple(tidy_rights.tolist()))
+
+    @property
+    def height(self) -> float:
+        """Highest level."""
+        return self.levels[-1]
+
+    def _grades(self, x: Array) -> Array:
+        # Ends may be rounded differently from the points that are asked for.
+        inside = (x[..., None] >= np.array(self.lefts) - ROUNDING) & (x[..., None] <= np.array(self.rights) + ROUNDING)
+        return keep_nan(x, np.max(np.where(inside, self.levels, 0.0), axis=-1))
+
+    def _slopes(self, x: Array) -> Array:
+        return np.zeros_like(x)
+
+    def _support(self) -> tuple[float, float]:
+        return self.lefts[0], self.rights[0]
+
+    def _maxima(self) -> tuple[float, float]:
+        return self.lefts[-1], self.rights[-1]
+
+    def _landmarks(self) -> Array:
+        return merged(self.lefts, self.rights)
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        i = np.minimum(np.searchsorted(self.levels, alpha - ROUNDING), len(self.levels) - 1)
+        return np.array(self.lefts)[i], np.array(self.rights)[i]
+
+
+def _maxima(vertical_slice: Type1Set) -> tuple[float, float]:
+    maxima = vertical_slice.maxima
+    if maxima is None:
+        raise NotApplicable("principal", f"the secondary membership {vertical_slice!r} never reaches its greatest grade")
+    return maxima
+
+
+def _cuts_of(slices: Sequence[Type1Set], alpha: float, shape: tuple[int, ...]) -> tuple[Array, Array]:
+    """Return the ends of the α-cuts of vertical slices, 0 where a slice is lower than alpha."""
+    ends = np.zeros((len(slices), 2))
+    for i, vertical_slice in enumerate(slices):
+        if alpha == 0.0:
+            ends[i] = vertical_slice.support
+        elif alpha <= vertical_slice.height + ROUNDING:
+            ends[i] = vertical_slice.alpha_cut(min(alpha, vertical_slice.height))
+    return ends[:, 0].reshape(shape), ends[:, 1].reshape(shape)
+
+
+def _between(before: Type1Set, after: Type1Set, share: float) -> SampledSet:
+    """Return the slice whose α-cuts lie a share of the way from those of one slice to those of another."""
+    highest = min(before.height, after.height)
+    if isinstance(before, SampledSet) and isinstance(after, SampledSet):
+        levels = merged(before.grades, after.grades, highest)  # between them both sides of both slices are straight
+    else:
+        # Denser toward both ends, where a rounded slice opens as a square root of the level.
+        levels = highest * np.sin(np.linspace(0.0, 0.5 * np.pi, LEVELS_BETWEEN_SLICES)) ** 2
+    levels = levels[levels <= highest]
+    (left0, right0), (left1, right1) = before.alpha_cut(levels), after.alpha_cut(levels)
+    left, right = left0 + share * (left1 - left0), right0 + share * (right1 - right0)
+    return SampledSet(np.concatenate([left, right]), np.concatenate([levels, levels]))

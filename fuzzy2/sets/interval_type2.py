@@ -1,0 +1,453 @@
+r"""Interval type-2 fuzzy sets: all secondary grades are 1, so that the footprint of uncertainty (eq. 1.4) is the whole set.
+
+It lies between two type-1 sets, the lower and the upper membership function. The centroid of such a set is the interval of the
+centroids of all type-1 sets embedded in its footprint (eq. 1.70).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import InvalidValue, NotApplicable
+from fuzzy2.sets.curves import gaussian, gaussian_reach, gaussian_slopes, refined
+from fuzzy2.sets.shapes import Gaussian, Interval
+from fuzzy2.sets.type1 import ROUNDING, KernelRow, SampledSet, Type1Set, keep_nan, set_fields
+from fuzzy2.support.checks import Array, positive, real, reals
+from fuzzy2.support.quadrature import Moments, merged
+
+MOST_ITERATIONS = 1000  # ten are usual
+FURTHEST_TAIL = np.array([12.0, 18.0, 26.0, 39.0])
+
+
+@dataclass(frozen=True)
+class IntervalType2Set:
+    """Interval type-2 set between any two type-1 sets.
+
+    ``fuzzy_set.lower`` and ``fuzzy_set.upper`` are type-1 sets, called with points: ``fuzzy_set.lower(x)``.
+
+    Parameters
+    ----------
+    lower, upper : Type1Set
+        Lower and upper membership function.
+
+    Raises
+    ------
+    InvalidValue
+        If the lower membership is above the upper one somewhere. Both are compared at their kinks, on both sides of each, and at
+        64 points between each two, which is exact for triangles, trapezoids, intervals and sampled sets.
+    """
+
+    lower: Type1Set
+    upper: Type1Set
+
+    def __post_init__(self) -> None:
+        for name in ("lower", "upper"):
+            if not isinstance(getattr(self, name), Type1Set):
+                raise InvalidValue(name, getattr(self, name), "a type-1 set")
+        check_below("lower", self.lower, "upper", self.upper)
+
+    def footprint(self, x: ArrayLike) -> Array:
+        r"""Return the primary membership :math:`J_x`, the interval of the footprint of uncertainty at points (eq. 1.4).
+
+        Parameters
+        ----------
+        x : (...,) array_like
+            Points.
+
+        Returns
+        -------
+        (..., 2) array
+            Lower and upper grades.
+        """
+        points = reals("x", x)
+        return np.stack([self.lower(points), self.upper(points)], axis=-1)
+
+    @property
+    def principal(self) -> EmbeddedSet:
+        """Principal membership function: midway between the lower and the upper one, since all secondary grades are equal."""
+        return EmbeddedSet(self, (), (0.5,))
+
+    def secondary(self, x: float) -> Interval:
+        """Return the vertical slice at a point: the interval between both memberships (eq. 1.3)."""
+        low, high = self.footprint(real("x", x))
+        return Interval(min(low, high), high)
+
+    def alpha_plane(self, alpha: float) -> IntervalType2Set:
+        """Return the set itself: its secondary grades are all 1."""
+        return self
+
+    @property
+    def support(self) -> tuple[float, float]:
+        """Support of the upper membership function."""
+        return self.upper.support
+
+    @property
+    def landmarks(self) -> Array:
+        """Those of both membership functions: ascending finite points between which both are smooth."""
+        return merged(self.lower.landmarks, self.upper.landmarks)
+
+    def centroid(self) -> tuple[float, float]:
+        r"""Return the centroid on the continuous domain, by quadrature and a root (eq. 1.70 with 1.68).
+
+        The left end is the smallest centroid of an embedded type-1 set. That set follows the upper membership function up to a
+        point and the lower one after it, and the point is its own centroid:
+
+        .. math::
+
+            c_l = \frac{\int_{-\infty}^{c_l} x\,\overline\mu(x)\,dx + \int_{c_l}^{\infty} x\,\underline\mu(x)\,dx}
+                       {\int_{-\infty}^{c_l} \overline\mu(x)\,dx + \int_{c_l}^{\infty} \underline\mu(x)\,dx}
+
+        The right end likewise, with the two functions exchanged.
+
+        Returns
+        -------
+        left, right : float
+            Ends of the interval. Where the lower membership has no area they are those of the support.
+
+        Raises
+        ------
+        NotApplicable
+            If the set is unbounded and has no finite centroid.
+        """
+        points = self.upper.quadrature_points()
+        first, last = float(points[0]), float(points[-1])
+        if first == last:
+            return first, first
+        origin = 0.5 * first + 0.5 * last
+        # Both are cut at the kinks of both: one may be zero where the other is not.
+        between = self.lower.landmarks
+        points = merged(points, between[(between > first) & (between < last)])
+        lower, upper = Moments(self.lower, points, origin), Moments(self.upper, points, origin)
+        if upper.total[0] == 0.0:
+            raise NotApplicable("centroid", f"the membership of {self!r} is zero almost everywhere")
+        if lower.total[0] == 0.0:
+            if not all(math.isfinite(end) for end in self.support):
+                raise NotApplicable("centroid", f"the lower membership of {self!r} has no area, and its support is unbounded")
+            return self.support
+        return switch_point(upper, lower, origin), switch_point(lower, upper, origin)
+
+    def embedded(self, choice: float | np.random.Generator, upper_first: bool = True) -> EmbeddedSet:
+        """Return a type-1 set embedded in the footprint of uncertainty (eq. 1.7).
+
+        Parameters
+        ----------
+        choice : float or numpy.random.Generator
+            A switch point: one membership function before it, the other from there on. Or a source of random numbers: between
+            each two landmarks a constant share of the way from the lower to the upper membership function, drawn uniformly.
+        upper_first : bool
+            Whether the upper membership function comes before the switch point, as for the left end of the centroid; not used
+            for a random set.
+
+        Returns
+        -------
+        EmbeddedSet
+            The embedded set.
+        """
+        if isinstance(choice, np.random.Generator):
+            edges = self.landmarks
+            return EmbeddedSet(self, tuple(edges.tolist()), tuple(choice.uniform(size=edges.size + 1).tolist()))
+        return EmbeddedSet(self, (real("choice", choice),), (1.0, 0.0) if upper_first else (0.0, 1.0))
+
+    def sample(self, x: ArrayLike) -> IntervalType2Set:
+        """Return the set sampled at points (N,): between two :class:`SampledSet`."""
+        return IntervalType2Set(lower=self.lower.sample(x), upper=self.upper.sample(x))
+
+    def kernel_row(self) -> KernelRow | None:
+        """Return the set as a row of numbers for the compiled kernels; None if only Python can evaluate it.
+
+        See :meth:`fuzzy2.sets.type1.Type1Set.kernel_row`; a pair of Gaussians of one mean has a row.
+        """
+        low, high = self.lower, self.upper
+        if isinstance(low, Gaussian) and isinstance(high, Gaussian) and low.mean == high.mean:
+            return 0.0, low.mean, high.mean, low.sigma, high.sigma, low.height, high.height, 0.0, 0.0
+        # A set without uncertainty is a type-1 set, whose own row says the same.
+        return low.kernel_row() if low == high else None
+
+
+@dataclass(frozen=True)
+class GaussianUncertainMean(IntervalType2Set):
+    r"""Gaussian with a mean that is only known to lie between two values.
+
+    .. math::
+
+        \overline\mu(x) = e^{-(x - m)^2/(2 \sigma^2)},\ m = \min(\max(x, m_1), m_2), \qquad
+        \underline\mu(x) = \min_{m \in \{m_1, m_2\}} e^{-(x - m)^2/(2 \sigma^2)}
+
+    Parameters
+    ----------
+    mean : (float, float)
+        Smallest and largest mean; equal ones make a type-1 set.
+    sigma : float
+        Standard deviation, above 0.
+
+    Raises
+    ------
+    InvalidValue
+        If the means are not two finite numbers in ascending order, or sigma is not above 0.
+    """
+
+    lower: FarthestMeanGaussian = field(init=False, repr=False, compare=False)
+    upper: NearestMeanGaussian = field(init=False, repr=False, compare=False)
+    mean: tuple[float, float]
+    sigma: float
+
+    def __post_init__(self) -> None:
+        mean, sigma = _pair("mean", self.mean), positive("sigma", self.sigma)
+        set_fields(self, mean=mean, sigma=sigma, lower=FarthestMeanGaussian(mean, sigma), upper=NearestMeanGaussian(mean, sigma))
+
+    def kernel_row(self) -> KernelRow:
+        """Return the set as a row of numbers for the compiled kernels; see :meth:`fuzzy2.sets.type1.Type1Set.kernel_row`."""
+        return 0.0, *self.mean, self.sigma, self.sigma, 1.0, 1.0, 0.0, 0.0
+
+
+@dataclass(frozen=True)
+class GaussianUncertainSigma(IntervalType2Set):
+    r"""Gaussian with a standard deviation that is only known to lie between two values.
+
+    .. math:: \overline\mu(x) = e^{-(x - m)^2/(2 \sigma_2^2)}, \qquad \underline\mu(x) = e^{-(x - m)^2/(2 \sigma_1^2)}
+
+    Parameters
+    ----------
+    mean : float
+        Mean.
+    sigma : (float, float)
+        Smallest and largest standard deviation, above 0; equal ones make a type-1 set.
+
+    Raises
+    ------
+    InvalidValue
+        If the mean is not finite, or the standard deviations are not two finite numbers above 0 in ascending order.
+    """
+
+    lower: Gaussian = field(init=False, repr=False, compare=False)
+    upper: Gaussian = field(init=False, repr=False, compare=False)
+    mean: float
+    sigma: tuple[float, float]
+
+    def __post_init__(self) -> None:
+        mean, sigma = real("mean", self.mean), _pair("sigma", self.sigma)
+        if sigma[0] <= 0.0:
+            raise InvalidValue("sigma", self.sigma, "two finite numbers above 0 in ascending order")
+        set_fields(self, mean=mean, sigma=sigma, lower=Gaussian(mean, sigma[0]), upper=Gaussian(mean, sigma[1]))
+
+
+@dataclass(frozen=True)
+class NearestMeanGaussian(Type1Set):
+    """Upper membership function of a Gaussian with uncertain mean: 1 between the means, a Gaussian outside.
+
+    Parameters
+    ----------
+    mean : (float, float)
+        Smallest and largest mean.
+    sigma : float
+        Standard deviation, above 0.
+    """
+
+    mean: tuple[float, float]
+    sigma: float
+
+    height = 1.0
+
+    def __post_init__(self) -> None:
+        set_fields(self, mean=_pair("mean", self.mean), sigma=positive("sigma", self.sigma))
+
+    def _grades(self, x: Array) -> Array:
+        return gaussian(x, np.clip(x, *self.mean), self.sigma)
+
+    def _slopes(self, x: Array) -> Array:
+        return gaussian_slopes(x, np.clip(x, *self.mean), self.sigma)
+
+    def _support(self) -> tuple[float, float]:
+        return -math.inf, math.inf
+
+    def _maxima(self) -> tuple[float, float]:
+        return self.mean
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        reach = gaussian_reach(alpha, self.sigma)
+        return self.mean[0] - reach, self.mean[1] + reach
+
+    def _landmarks(self) -> Array:
+        left, right = (Gaussian(mean, self.sigma).landmarks for mean in self.mean)
+        return merged(left[left <= self.mean[0]], right[right >= self.mean[1]])
+
+    def _quadrature_points(self, power: int) -> Array:
+        left, right = (Gaussian(mean, self.sigma).quadrature_points(power) for mean in self.mean)
+        return merged(left[left <= self.mean[0]], right[right >= self.mean[1]])
+
+
+@dataclass(frozen=True)
+class FarthestMeanGaussian(Type1Set):
+    """Lower membership function of a Gaussian with uncertain mean: the smaller of the Gaussians about the two means.
+
+    Parameters
+    ----------
+    mean : (float, float)
+        Smallest and largest mean.
+    sigma : float
+        Standard deviation, above 0.
+    """
+
+    mean: tuple[float, float]
+    sigma: float
+
+    def __post_init__(self) -> None:
+        set_fields(self, mean=_pair("mean", self.mean), sigma=positive("sigma", self.sigma))
+
+    @property
+    def _middle(self) -> float:
+        return 0.5 * self.mean[0] + 0.5 * self.mean[1]
+
+    @property
+    def height(self) -> float:
+        """Membership midway between the means."""
+        return float(self._grades(np.array(self._middle)))
+
+    def _grades(self, x: Array) -> Array:
+        return gaussian(x, np.where(x > self._middle, *self.mean), self.sigma)
+
+    def _slopes(self, x: Array) -> Array:
+        # In the middle both Gaussians are equal; the one about the smaller mean is the lower one behind it.
+        return gaussian_slopes(x, np.where(x >= self._middle, *self.mean), self.sigma)
+
+    def _support(self) -> tuple[float, float]:
+        return -math.inf, math.inf
+
+    def _maxima(self) -> tuple[float, float]:
+        return self._middle, self._middle
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        reach = gaussian_reach(alpha, self.sigma)
+        # Where alpha is the height both ends are the middle, and rounding must not exchange them.
+        return np.minimum(self.mean[1] - reach, self._middle), np.maximum(self.mean[0] + reach, self._middle)
+
+    def _landmarks(self) -> Array:
+        left, right = (Gaussian(mean, self.sigma).landmarks for mean in self.mean)
+        return merged(left, right, self._middle)
+
+    def _quadrature_points(self, power: int) -> Array:
+        left, right = (Gaussian(mean, self.sigma).quadrature_points(power) for mean in self.mean)
+        return merged(left, right, self._middle)
+
+
+@dataclass(frozen=True)
+class EmbeddedSet(Type1Set):
+    r"""Type-1 set embedded in the footprint of uncertainty of an interval type-2 set (eq. 1.7).
+
+    .. math:: \mu(x) = \underline\mu(x) + \beta(x) \left(\overline\mu(x) - \underline\mu(x)\right)
+
+    Parameters
+    ----------
+    footprint : IntervalType2Set
+        The set in which it lies.
+    edges : sequence of E floats
+        Ascending points at which the share :math:`\beta` jumps.
+    shares : sequence of E + 1 floats
+        Shares in [0, 1], before, between and after the edges; from an edge on the next one holds.
+
+    Raises
+    ------
+    InvalidValue
+        If the edges are not ascending, or the shares are not in [0, 1] or not one more than the edges.
+    """
+
+    footprint: IntervalType2Set
+    edges: tuple[float, ...]
+    shares: tuple[float, ...]
+
+    def __post_init__(self) -> None:
+        edges, shares = (tuple(real(name, value) for value in getattr(self, name)) for name in ("edges", "shares"))
+        if any(np.diff(edges) < 0.0):
+            raise InvalidValue("edges", self.edges, "in ascending order")
+        if len(shares) != len(edges) + 1 or not all(0.0 <= share <= 1.0 for share in shares):
+            raise InvalidValue("shares", self.shares, f"{len(edges) + 1} numbers in [0, 1]")
+        set_fields(self, edges=edges, shares=shares)
+
+    @property
+    def height(self) -> float:
+        """Supremum of the membership, as sampled."""
+        return self._sampled.height
+
+    @cached_property
+    def _sampled(self) -> SampledSet:
+        return self.sample(refined(self._landmarks()))
+
+    def _grades(self, x: Array) -> Array:
+        share = np.asarray(self.shares)[np.searchsorted(self.edges, x, side="right")]
+        low, high = self.footprint.lower(x), self.footprint.upper(x)
+        return keep_nan(x, low + share * (high - low))
+
+    def _slopes(self, x: Array) -> Array:
+        share = np.asarray(self.shares)[np.searchsorted(self.edges, x, side="right")]
+        low, high = self.footprint.lower.derivative(x), self.footprint.upper.derivative(x)
+        return np.asarray(low + share * (high - low))
+
+    def _support(self) -> tuple[float, float]:
+        return self.footprint.support
+
+    def _maxima(self) -> tuple[float, float]:
+        return self._sampled._maxima()
+
+    def _landmarks(self) -> Array:
+        return merged(self.footprint.landmarks, self.edges)
+
+    def _quadrature_points(self, power: int) -> Array:
+        points = merged(self.footprint.upper.quadrature_points(power), self._landmarks())
+        first, last = self._support()
+        return points[(points >= first) & (points <= last)]
+
+    def _cut(self, alpha: Array) -> tuple[Array, Array]:
+        return self._sampled.alpha_cut(alpha)
+
+    def is_convex(self) -> bool:
+        """Return whether the membership rises to its maximum and then falls, as sampled."""
+        return self._sampled.is_convex()
+
+
+def check_below(lower_name: str, lower: Type1Set, upper_name: str, upper: Type1Set) -> None:
+    """Raise :class:`InvalidValue` where the membership ``lower`` is above ``upper``."""
+    points = refined(merged(lower.landmarks, upper.landmarks))
+    points = np.concatenate([points, FURTHEST_TAIL * (points[-1] - points[0]) + points[-1], points[0] - FURTHEST_TAIL * np.ptp(points)])
+    excess = lower(points) - upper(points)
+    worst = int(np.argmax(excess))
+    if excess[worst] > ROUNDING:
+        grades = float(lower(points[worst])), float(upper(points[worst]))
+        where = f"at most {upper_name} everywhere, but at x = {points[worst]:.12g} they are {grades[0]:.6g} and {grades[1]:.6g}"
+        raise InvalidValue(lower_name, lower, where)
+
+
+def switch_point(before: Moments, after: Moments, origin: float) -> float:
+    r"""Return the point that is the centroid of the set with one membership before it and another after it.
+
+    Newton's method on :math:`\int (x - c)\,\mu_c(x)\,dx = 0`, which is the continuous Karnik-Mendel iteration, kept between
+    points on both sides of the root; where it creeps (a lower membership of almost nothing) the interval is halved instead.
+    """
+    (low, high), point, last_step = before.ends, origin, math.inf
+    best, smallest_step = point, math.inf
+    for _ in range(MOST_ITERATIONS):
+        area_before, moment_before = before.up_to(point)
+        area_after, moment_after = after.beyond(point)
+        step = origin + (moment_before + moment_after) / (area_before + area_after) - point
+        if abs(step) < smallest_step:
+            best, smallest_step = point, abs(step)
+        low, high = (point, high) if step > 0.0 else (low, point)
+        follower = point + step
+        if abs(step) > 0.5 * abs(last_step) or not low <= follower <= high:
+            follower = 0.5 * low + 0.5 * high
+        if abs(step) <= 2.0 * np.finfo(float).eps * abs(point) or not low < follower < high:
+            break
+        point, last_step = follower, step
+    return best
+
+
+def _pair(name: str, values: ArrayLike) -> tuple[float, float]:
+    """Return two finite numbers in ascending order."""
+    pair = reals(name, values)
+    if pair.shape != (2,) or not np.isfinite(pair).all() or pair[0] > pair[1]:
+        raise InvalidValue(name, values, "two finite numbers in ascending order")
+    return float(pair[0]), float(pair[1])

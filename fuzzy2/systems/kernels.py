@@ -1,0 +1,407 @@
+"""Compiled loops of inference; :mod:`fuzzy2.systems` is their face."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fuzzy2.reduction.kernels import EIASC, Array, end_of_interval
+from fuzzy2.support.compiled import compiled
+
+# Inference. A system is one array of floats, so that a call hands over one table and not seven arrays. It starts with
+# (inputs p, terms T, rules R, outputs m, t-norm code, consequents are crisp), then follow
+#   terms       T rows of 10: index of the input, then what kernel_row() gives
+#   rules       R rows of p: index of the term, or -1 where the input plays no part
+#   ends        R rows of 2 m: left ends of the consequents, above the least of their output, then right ends, below the greatest
+#   least, greatest   m numbers each
+#   sorted      2 m rows of R: these distances in ascending order
+#   orders      2 m rows of R: the rules in that order
+HEADER = 6
+TERM = 10
+
+
+@compiled
+def _grades(row, o, x, width):
+    """Lower and upper grade of x in the term whose table row starts at o; see ``kernel_row`` of the sets.
+
+    ``width`` is the half-width, in standard deviations of the secondary grades, of the alpha-plane of a Gaussian type-2 set.
+    """
+    kind = int(row[o + 1])
+    if kind == 1:
+        a, b, c, d, height = row[o + 2], row[o + 3], row[o + 4], row[o + 5], row[o + 6]
+        if x < a or x > d:
+            grade = 0.0
+        elif x < b:
+            grade = height * (x - a) / (b - a)
+        elif x > c:
+            grade = height * (d - x) / (d - c)
+        else:
+            grade = height
+        return grade, grade
+    m1, m2, s_low, s_high, h_low, h_high, secondary = (
+        row[o + 2], row[o + 3], row[o + 4], row[o + 5], row[o + 6], row[o + 7], row[o + 8],
+    )  # fmt: skip
+    if kind == 2:
+        # Gaussian secondary grades about a Gaussian principal membership function.
+        t = (x - m1) / s_high
+        principal = h_high * math.exp(-0.5 * t * t)
+        return max(principal - width * secondary, 0.0), min(principal + width * secondary, 1.0)
+    if x < m1:
+        t = (x - m1) / s_high
+        upper = h_high * math.exp(-0.5 * t * t)
+    elif x > m2:
+        t = (x - m2) / s_high
+        upper = h_high * math.exp(-0.5 * t * t)
+    else:
+        upper = h_high
+    if m1 == m2 and s_low == s_high and h_low == h_high:
+        return upper, upper
+    t = (x - (m2 if x < 0.5 * (m1 + m2) else m1)) / s_low
+    return h_low * math.exp(-0.5 * t * t), upper
+
+
+@compiled
+def _fire(table, x, xo, width, grades, low, high):
+    """Write lower and upper firing strength of every rule for the input that starts at ``xo``."""
+    inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
+    for t in range(terms):
+        o = HEADER + TERM * t
+        grades[2 * t], grades[2 * t + 1] = _grades(table, o, x[xo + int(table[o])], width)
+    o = HEADER + TERM * terms
+    for r in range(rules):
+        lower, upper = 1.0, 1.0
+        for _ in range(inputs):
+            t = int(table[o])
+            o += 1
+            if t < 0:
+                continue
+            if norm == 0:
+                lower, upper = min(lower, grades[2 * t]), min(upper, grades[2 * t + 1])
+            else:
+                lower *= grades[2 * t]
+                upper *= grades[2 * t + 1]
+        low[r], high[r] = lower, upper
+
+
+# Comparisons closer than this, relative to what is compared, are left to the search that rounding cannot mislead.
+CLOSE = 1e-12
+# Products of weights below this one would lose digits to underflow; that search makes them relative first.
+TINY = 1e-200
+
+
+@compiled
+def _exact_end(table, z, order, rules, low, high):
+    """One end by the search of ``_end``, for firing strengths of very different size; the fast search hands over to it."""
+    points, before, after = np.empty(rules), np.empty(rules), np.empty(rules)
+    largest = 0.0
+    for r in range(rules):
+        largest = max(largest, high[r])
+    count = 0
+    for i in range(rules):
+        r = int(table[order + i])
+        if high[r] > 0.0:
+            points[count] = table[z + i]
+            before[count], after[count] = high[r] / largest, low[r] / largest
+            count += 1
+    return end_of_interval(points[:count], before[:count], after[:count], True, EIASC, np.empty(rules), np.empty(rules))
+
+
+@compiled
+def _center_of_sets(table, low, high, extra, moments, out, oo, crisp):
+    """Write the type-reduced interval, or its middle, of every output; return nothing. NaN where no rule fires."""
+    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
+    ends = HEADER + TERM * terms + rules * inputs
+    extremes = ends + 2 * rules * outputs
+    in_order = extremes + 2 * outputs
+    orders = in_order + 2 * rules * outputs
+    mass, fires, uncertainty = 0.0, 0.0, 0.0
+    for j in range(2 * outputs):
+        moments[j] = 0.0
+    for r in range(rules):
+        weight = low[r]
+        mass += weight
+        fires = max(fires, high[r])
+        extra[r] = high[r] - weight
+        uncertainty = max(uncertainty, extra[r])
+        if weight > 0.0:
+            # A slice, so that the compiler sees a plain row and adds several outputs at once.
+            row = table[ends + 2 * outputs * r : ends + 2 * outputs * (r + 1)]
+            for j in range(2 * outputs):
+                moments[j] += weight * row[j]
+    for j in range(outputs):
+        least = greatest = math.nan
+        # The left end as it is, then the right end mirrored: distances grow from the extreme point inward and take upper weights up to
+        # the switch point, so sums are only added to. (One function for both would be called with a dozen arguments, and cost twice.)
+        for end in range(2):
+            if not fires > 0.0:
+                break
+            z = in_order + rules * (j + outputs * end)
+            order = orders + rules * (j + outputs * end)
+            moment = moments[j + outputs * end]
+            weight = mass
+            settled = fires > TINY
+            # Without uncertainty there is nothing to search: no weight can change.
+            i = 0 if uncertainty > 0.0 else rules
+            while i < rules and not weight > 0.0:
+                r = int(table[order + i])
+                moment += extra[r] * table[z + i]
+                weight += extra[r]
+                i += 1
+            while i < rules:
+                distance = table[z + i]
+                gap = distance * weight - moment
+                if not gap < -CLOSE * moment:
+                    settled = settled and (gap > CLOSE * moment or moment == 0.0)
+                    break
+                r = int(table[order + i])
+                moment += extra[r] * distance
+                weight += extra[r]
+                i += 1
+            nearest = moment / weight if settled else _exact_end(table, z, order, rules, low, high)
+            if end == 0:
+                least = table[extremes + j] + nearest
+            else:
+                greatest = table[extremes + outputs + j] - nearest
+        if crisp:
+            out[oo + j] = 0.5 * (least + greatest)
+        else:
+            # The ends of a point come from two sides, and can miss each other by rounding.
+            out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
+
+
+# Rows that are carried together where there are many: enough to hide the loops' own cost, few enough to stay in the fastest memory.
+LANES = 128
+
+
+@compiled
+def _nearest(distances, order, table, extra, mass, moment, weight, unsettled):
+    """Search one end of all rows of a block at once: ``moment`` holds that of the lower weights, and becomes that at the switch point.
+
+    The rows of a block share the order of the rules, so each step is the same few operations on rows side by side; a row that has
+    passed its switch point stays there, for the next distance is greater still.
+    """
+    for row in range(LANES):
+        weight[row] = mass[row]
+    for i in range(distances.size):
+        distance = distances[i]
+        added = extra[int(table[order + i])]
+        for row in range(LANES):
+            gap = distance * weight[row] - moment[row]
+            step = added[row] if gap < 0.0 or weight[row] == 0.0 else 0.0
+            close = abs(gap) <= CLOSE * moment[row] and moment[row] > 0.0
+            unsettled[row] += 1.0 if close else 0.0
+            moment[row] += step * distance
+            weight[row] += step
+
+
+@compiled
+def _evaluate_blocks(table, x, width, crisp, out, rows):
+    """Do as ``evaluate`` for ``rows`` rows, a multiple of LANES, all outputs of a block at a time; to the last bit the same."""
+    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
+    ends = HEADER + TERM * terms + rules * inputs
+    extremes = ends + 2 * rules * outputs
+    in_order = extremes + 2 * outputs
+    orders = in_order + 2 * rules * outputs
+    grades = np.empty(2 * terms)
+    one_low, one_high = np.empty(rules), np.empty(rules)
+    low, extra = np.empty((rules, LANES)), np.empty((rules, LANES))
+    mass, moment, weight = np.empty(LANES), np.empty(LANES), np.empty(LANES)
+    unsettled, left = np.empty(LANES), np.empty(LANES)
+    moments = np.empty(2 * outputs)
+    one_extra = np.empty(rules)
+    for start in range(0, rows, LANES):
+        for lane in range(LANES):
+            _fire(table, x, (start + lane) * inputs, width, grades, one_low, one_high)
+            total, fires = 0.0, 0.0
+            for r in range(rules):
+                low[r, lane] = one_low[r]
+                extra[r, lane] = one_high[r] - one_low[r]
+                total += one_low[r]
+                fires = max(fires, one_high[r])
+            mass[lane] = total
+            unsettled[lane] = 0.0 if fires > TINY else 1.0
+        for j in range(outputs):
+            for end in range(2):
+                column = j + outputs * end
+                for lane in range(LANES):
+                    moment[lane] = 0.0
+                for r in range(rules):
+                    distance = table[ends + 2 * outputs * r + column]
+                    weights = low[r]
+                    for lane in range(LANES):
+                        moment[lane] += weights[lane] * distance
+                first = in_order + rules * column
+                _nearest(table[first : first + rules], orders + rules * column, table, extra, mass, moment, weight, unsettled)
+                extreme = table[extremes + column]
+                for lane in range(LANES):
+                    o = (start + lane) * outputs + j
+                    if end == 0:
+                        left[lane] = extreme + moment[lane] / weight[lane]
+                    elif crisp:
+                        out[o] = 0.5 * (left[lane] + (extreme - moment[lane] / weight[lane]))
+                    else:
+                        right = extreme - moment[lane] / weight[lane]
+                        out[2 * o], out[2 * o + 1] = min(left[lane], right), max(left[lane], right)
+        for lane in range(LANES):
+            if unsettled[lane] > 0.0:
+                row = start + lane
+                _fire(table, x, row * inputs, width, grades, one_low, one_high)
+                _center_of_sets(table, one_low, one_high, one_extra, moments, out, row * (outputs if crisp else 2 * outputs), crisp)
+
+
+@compiled
+def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> int:
+    """Write the outputs (rows, m), or type-reduced intervals (rows, m, 2), of flat inputs; return -1 or the first row not finite."""
+    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
+    grades = np.empty(2 * terms)
+    low, high = np.empty(rules), np.empty(rules)
+    moments = np.empty(2 * outputs)
+    extra = np.empty(rules)
+    per_row = outputs if crisp else 2 * outputs
+    for i in range(x.size):
+        if not math.isfinite(x[i]):
+            return i // inputs
+    rows = x.size // inputs
+    in_blocks = rows - rows % LANES
+    if in_blocks > 0:
+        _evaluate_blocks(table, x, width, crisp, out, in_blocks)
+    for row in range(in_blocks, rows):
+        _fire(table, x, row * inputs, width, grades, low, high)
+        _center_of_sets(table, low, high, extra, moments, out, row * per_row, crisp)
+    return -1
+
+
+@compiled
+def evaluate_row(table: Array, x: Array, out: Array) -> int:
+    """Write the outputs (m,), or the type-reduced intervals (2 m,), of one row; return 1, or 0 if it is not one finite row of inputs.
+
+    For callers in a hurry: every argument costs a tenth of a microsecond.
+    """
+    if x.size != int(table[0]):
+        return 0
+    return 1 if evaluate(table, x, 0.0, out.size == int(table[3]), out) < 0 else 0
+
+
+@compiled
+def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, out: Array) -> int:
+    """Write the crisp outputs (rows, m), the middles on the alpha-planes weighted with alpha; return as ``evaluate``."""
+    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
+    grades = np.empty(2 * terms)
+    low, high = np.empty(rules), np.empty(rules)
+    moments, middles = np.empty(2 * outputs), np.empty(outputs)
+    extra = np.empty(rules)
+    total = 0.0
+    for plane in range(alphas.size):
+        total += alphas[plane]
+    for i in range(x.size):
+        if not math.isfinite(x[i]):
+            return i // inputs
+    for row in range(x.size // inputs):
+        for j in range(outputs):
+            out[row * outputs + j] = 0.0
+        for plane in range(widths.size):
+            _fire(table, x, row * inputs, widths[plane], grades, low, high)
+            _center_of_sets(table, low, high, extra, moments, middles, 0, True)
+            for j in range(outputs):
+                out[row * outputs + j] += alphas[plane] * middles[j]
+        for j in range(outputs):
+            out[row * outputs + j] /= total
+    return -1
+
+
+@compiled
+def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
+    """Write the type-reduced intervals (rows, planes, m, 2) of the alpha-planes of half-widths ``widths``; return as ``evaluate``."""
+    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
+    grades = np.empty(2 * terms)
+    low, high = np.empty(rules), np.empty(rules)
+    moments = np.empty(2 * outputs)
+    extra = np.empty(rules)
+    for row in range(x.size // inputs):
+        for i in range(inputs):
+            if not math.isfinite(x[row * inputs + i]):
+                return row
+        for plane in range(widths.size):
+            _fire(table, x, row * inputs, widths[plane], grades, low, high)
+            _center_of_sets(table, low, high, extra, moments, out, 2 * outputs * (row * widths.size + plane), False)
+    return -1
+
+
+@compiled
+def evaluate_corollary(table: Array, x: Array, middles: Array, spreads: Array, product_grades: bool, out: Array) -> int:
+    """Write mean and standard deviation (rows, m, 2) by the Gaussian corollary (eq. 1.107, 1.108); return as ``evaluate``.
+
+    ``middles`` and ``spreads`` (R, m) are means and standard deviations of the consequents; firing strengths are Gaussian numbers
+    with the moments of eq. 1.30.
+    """
+    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
+    grades = np.empty(2 * terms)
+    mean, sigma = np.empty(rules), np.empty(rules)
+    for row in range(x.size // inputs):
+        for i in range(inputs):
+            if not math.isfinite(x[row * inputs + i]):
+                return row
+        for t in range(terms):
+            o = HEADER + TERM * t
+            grades[2 * t], _ = _grades(table, o, x[row * inputs + int(table[o])], 0.0)
+            grades[2 * t + 1] = table[o + 8] if int(table[o + 1]) == 2 else 0.0
+        o = HEADER + TERM * terms
+        total = 0.0
+        for r in range(rules):
+            m, variance = 1.0, 0.0
+            for _ in range(inputs):
+                t = int(table[o])
+                o += 1
+                if t >= 0:
+                    g, s = grades[2 * t], grades[2 * t + 1]
+                    variance = variance * g * g + m * m * s * s
+                    m *= g
+            mean[r], sigma[r] = m, math.sqrt(variance)
+            total += m
+        for j in range(outputs):
+            q = 2 * (row * outputs + j)
+            if not total > 0.0:
+                out[q] = out[q + 1] = math.nan
+                continue
+            moment = 0.0
+            for r in range(rules):
+                moment += mean[r] * (middles[r, j] - middles[0, j])
+            center = middles[0, j] + moment / total
+            spread = 0.0
+            for r in range(rules):
+                one, two = mean[r] * spreads[r, j], (middles[r, j] - center) * sigma[r]
+                spread += one * one + two * two if product_grades else one + abs(two)
+            out[q] = center
+            out[q + 1] = (math.sqrt(spread) if product_grades else spread) / total
+    return -1
+
+
+@compiled
+def firing(table: Array, x: Array, width: float, out: Array) -> int:
+    """Write the firing intervals (rows, R, 2) of flat inputs; return -1 or the first row that is not finite."""
+    inputs, terms, rules = int(table[0]), int(table[1]), int(table[2])
+    grades = np.empty(2 * terms)
+    low, high = np.empty(rules), np.empty(rules)
+    for row in range(x.size // inputs):
+        for i in range(inputs):
+            if not math.isfinite(x[row * inputs + i]):
+                return row
+        _fire(table, x, row * inputs, width, grades, low, high)
+        for r in range(rules):
+            out[2 * (row * rules + r)], out[2 * (row * rules + r) + 1] = low[r], high[r]
+    return -1
+
+
+@compiled
+def reduce_firing(table: Array, strengths: Array, crisp: bool, out: Array) -> None:
+    """Write outputs for firing intervals (rows, R, 2) that were computed elsewhere."""
+    rules, outputs = int(table[2]), int(table[3])
+    low, high = np.empty(rules), np.empty(rules)
+    moments = np.empty(2 * outputs)
+    extra = np.empty(rules)
+    per_row = outputs if crisp else 2 * outputs
+    for row in range(strengths.size // (2 * rules)):
+        for r in range(rules):
+            low[r], high[r] = strengths[2 * (row * rules + r)], strengths[2 * (row * rules + r) + 1]
+        _center_of_sets(table, low, high, extra, moments, out, row * per_row, crisp)

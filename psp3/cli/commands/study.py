@@ -1,0 +1,211 @@
+"""The command that runs many simulations and compares them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from psp3.cli.options import INTERRUPTED, OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
+from psp3.cli.output import cell_text, narrow_table
+
+
+def study(
+    file: Annotated[
+        Path, typer.Argument(metavar="FILE", help="SQLite file of the results: begun, resumed or extended.", show_default=False)
+    ],
+    controller: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="Controller: feed-forward, pd, pd-gravity, ctc, t1, it2 or gt2; pd, ctc, t1 and it2 unless given.",
+        ),
+    ] = None,
+    reading: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", rich_help_panel=RUNS, help="What is noisy: parameters (unless given), measurement, online or plant."),
+    ] = None,
+    snr: Annotated[
+        list[float] | None,
+        typer.Option(metavar="DB", rich_help_panel=RUNS, help="Signal-to-noise ratio (dB); inf, 20, 15 and 10 unless given."),
+    ] = None,
+    seeds: Annotated[int, typer.Option(min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, from 0 on.")] = 30,
+    trajectory: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="Path: helix (unless given), which is the one learned from, circle, line, fast-helix, fastest-helix, large-helix or "
+            "waypoints.",
+        ),
+    ] = None,
+    learner: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", rich_help_panel=RUNS, help="How t1, it2 and gt2 learn their rules; strongest unless given."),
+    ] = None,
+    terms: Annotated[
+        list[int] | None,
+        typer.Option(metavar="COUNT", rich_help_panel=RUNS, help="Terms of each input of t1, it2 and gt2; 2 unless given."),
+    ] = None,
+    mean_variation: Annotated[
+        list[float] | None,
+        typer.Option(
+            metavar="SHARE",
+            rich_help_panel=RUNS,
+            help="Mean variation of it2 and gt2 as a share of each input's range; it follows the signal-to-noise ratio unless given.",
+        ),
+    ] = None,
+    payload: Annotated[
+        list[float] | None,
+        typer.Option(metavar="KG", rich_help_panel=PLANT, help="Mass on the star that no controller knows of (kg)."),
+    ] = None,
+    coulomb_friction: Annotated[
+        list[float] | None, typer.Option(metavar="N", rich_help_panel=PLANT, help="Dry friction of a nut (N).")
+    ] = None,
+    viscous_friction: Annotated[
+        list[float] | None, typer.Option(metavar="N*S/M", rich_help_panel=PLANT, help="Viscous friction of a nut (N s/m).")
+    ] = None,
+    motor_inertia: Annotated[
+        list[float] | None,
+        typer.Option(metavar="KG*M2", rich_help_panel=PLANT, help="Inertia of a motor with its screw (kg m²); needs --lead."),
+    ] = None,
+    lead: Annotated[
+        list[float] | None, typer.Option(metavar="M", rich_help_panel=PLANT, help="Travel of a nut in one turn of its screw (m).")
+    ] = None,
+    encoder_resolution: Annotated[
+        list[float] | None, typer.Option(metavar="M", rich_help_panel=PLANT, help="Height of a nut per count of its encoder (m).")
+    ] = None,
+    delay: Annotated[
+        list[int] | None, typer.Option(metavar="PERIODS", rich_help_panel=PLANT, help="Control periods from measurement to force.")
+    ] = None,
+    duration: Annotated[
+        float, typer.Option(metavar="S", rich_help_panel=RUNS, help="Length of a run (s), the same in all a file.")
+    ] = float(SAMPLED),
+    workers: Annotated[
+        int | None, typer.Option(min=1, metavar="COUNT", help="Runs at a time on this machine; one for each core unless given.")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="Address of a dask scheduler, tcp://HOST:PORT: its workers do the runs.")
+    ] = None,
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            parser=output_file, metavar="FILE", rich_help_panel=OUTPUT, help="Write fields and metrics of all runs as CSV, SI units."
+        ),
+    ] = None,
+) -> None:
+    """Compare controllers over many seeds, with intervals.
+
+    Options of runs can be given more than once: every combination is a run. Runs that are in FILE are not repeated, so the same
+    command resumes a study that was stopped, and one with more seeds extends it.
+    """
+    if workers is not None and scheduler is not None:
+        raise usage_error("--workers does not apply to --scheduler, which has its own")
+    if csv is not None and csv.resolve() == file.resolve():
+        raise usage_error("--csv would overwrite FILE; give it another name")
+    from psp3.errors import StudyInterrupted
+    from psp3.study.study import Study, grid
+
+    given = {"reading": reading, "trajectory": trajectory, "learner": learner, "n_terms": terms, "mean_variation": mean_variation}
+    given |= {"payload": payload, "coulomb_friction": coulomb_friction, "viscous_friction": viscous_friction, "lead": lead}
+    given |= {"motor_inertia": motor_inertia, "encoder_resolution": encoder_resolution, "delay": delay}
+    given |= {"controller": controller or ["pd", "ctc", "t1", "it2"], "snr_db": snr or [math.inf, 20.0, 15.0, 10.0]}
+    values = {name: choice for name, choice in given.items() if choice}
+    outcome = Study(file, grid(**values, seed=range(seeds), duration=duration))
+    try:
+        with _study_progress() as progress:
+            outcome.run(workers, scheduler, progress)
+    except StudyInterrupted as interrupt:
+        typer.echo(f"{interrupt.done} of {interrupt.total} runs are in {file}; the same command goes on from there", err=True)
+        raise typer.Exit(INTERRUPTED) from None
+    rows = outcome.rows()
+    for title, headings, cells, note in _study_tables(rows, mean_variation is not None):
+        from rich.console import Console
+        from rich.text import Text
+
+        console = Console(highlight=False)
+        console.print(Text(title, style="bold"))
+        console.print(narrow_table(headings, cells))
+        console.print(Text(note, style="dim"))
+    if csv is not None:
+        outcome.export(csv)
+        typer.echo(csv)
+
+
+@contextmanager
+def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
+    """Show runs done, rate and remaining time on standard error: as a bar on a terminal, else as a line every tenth of the way."""
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True, highlight=False)
+    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
+    tenths = -1
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = None
+
+        def progress(done: int, total: int, rate: float) -> None:
+            nonlocal task, tenths
+            text = f"{rate:.1f} runs/s" if rate else ""
+            if task is None:
+                # Only now, so that runs of an earlier session do not count as speed.
+                task = bar.add_task(text, total=total, completed=done)
+            bar.update(task, completed=done, description=text)
+            if not console.is_terminal and 10 * done // total > tenths:
+                tenths = 10 * done // total
+                remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
+                typer.echo(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)
+
+        yield progress
+
+
+def _study_tables(rows: list[dict[str, Any]], show_mean_variation: bool) -> Iterator[tuple[str, list[str], list[list[str]], str]]:
+    """Title, headings, rows and note of the tables of a study: every setting, then type-2 beside type-1."""
+    from psp3.study.statistics import Estimate, compare, summarize
+
+    headings = {
+        "controller": "controller", "reading": "reading", "snr_db": "SNR (dB)", "trajectory": "trajectory", "learner": "learner",
+        "n_terms": "terms", "mean_variation": "mean variation", "payload": "payload (kg)",
+        "coulomb_friction": "dry friction (N)", "viscous_friction": "viscous friction (N s/m)", "motor_inertia": "motor inertia (kg m²)",
+        "lead": "lead (m)", "encoder_resolution": "encoder (m)", "delay": "delay (periods)",
+    }  # fmt: skip
+    summaries = summarize(rows)
+    names = [name for name in headings if name == "controller" or len({getattr(summary.run, name) for summary in summaries}) > 1]
+    if not show_mean_variation and "mean_variation" in names:
+        names.remove("mean_variation")
+    fixed = [f"{headings[name]} {cell_text(getattr(summaries[0].run, name))}" for name in ("reading", "trajectory") if name not in names]
+
+    def settings(run: Any) -> list[str]:
+        return [cell_text(getattr(run, name)) for name in names]
+
+    def number(estimate: Estimate, factor: float = 1.0, unit: str = "") -> str:
+        value, low, high = (cell_text(factor * x) for x in (estimate.value, estimate.low, estimate.high))
+        return f"{value}{unit} ({low} to {high})" if estimate.count > 1 else f"{value}{unit}"
+
+    title = ", ".join(["Sum of squared errors, one sample per 0.05 s (m²)", *fixed])
+    cells = [
+        [
+            *settings(summary.run),
+            number(summary.mean), number(summary.median), number(summary.diverged, 100.0, " %"), str(summary.diverged.count),
+        ]
+        for summary in summaries
+    ]  # fmt: skip
+    shown = [headings[name] for name in names]
+    note = (
+        "In brackets 95 % intervals, by bootstrap and of shares Wilson's. Means and medians are over the seeds that did not diverge. What "
+        "does not depend on the seed is done once."
+    )
+    yield title, [*shown, "mean", "median", "diverged", "seeds"], cells, note
+    cells = [
+        [*settings(comparison.run), number(comparison.difference), number(comparison.ratio), str(comparison.difference.count)]
+        for name in ("it2", "gt2")
+        for comparison in compare(rows, name, "t1")
+    ]
+    if cells:
+        note = "Paired by seed, over the seeds with which neither diverged: mean of type-2 minus type-1, and ratio of their means."
+        yield "Type-2 beside type-1", [*shown, "difference (m²)", "ratio", "seeds"], cells, note

@@ -1,0 +1,151 @@
+"""The command that shows the robot in the browser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from psp3.cli.options import (
+    MOTION,
+    ControllerName,
+    Duration,
+    End,
+    HoldTip,
+    Parameters,
+    ParametersName,
+    Radius,
+    Rise,
+    Start,
+    StartHeight,
+    TravelTime,
+    Triple,
+    TurnTime,
+    only_allowed,
+    page_output,
+    triple,
+    usage_error,
+)
+from psp3.cli.output import progress_bar
+from psp3.cli.shared import controller_from_file, controller_named, load_robot, trajectory_from_options
+
+if TYPE_CHECKING:
+    from psp3.control.controller import Controller
+    from psp3.simulation.result import Result
+    from psp3.three_psp.robot import PSP3
+    from psp3.trajectories.trajectory import Trajectory
+
+
+def view(
+    heights: Annotated[
+        Triple | None, typer.Option(parser=triple, metavar="A1,A2,A3", help="Show this pose (m); home unless given.")
+    ] = None,
+    result: Annotated[
+        list[Path] | None, typer.Option(metavar="FILE", help="Show the motion that psp3 simulate --out saved; may be given more than once.")
+    ] = None,
+    controller: Annotated[
+        list[ControllerName] | None,
+        typer.Option(metavar="NAME", help="Simulate this controller, as psp3 simulate does, and show it; may be given more than once."),
+    ] = None,
+    trained: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="FILE", help="Simulate a controller that psp3 train wrote, and show it; may be given more than once."),
+    ] = None,
+    record: Annotated[
+        Path | None,
+        typer.Option(parser=page_output, metavar="FILE", help="Write a page (.html) that any browser opens, and do not serve."),
+    ] = None,
+    port: Annotated[int, typer.Option(min=1, max=65000, help="Port to serve on; if it is taken, the next one.")] = 7000,
+    parameters: Parameters = ParametersName.DEFAULT,
+    trajectory: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=MOTION,
+            help="helix (unless given), circle, line, point-to-point, hold, or csv:FILE; without a controller shown as it is desired.",
+        ),
+    ] = None,
+    radius: Radius = None,
+    turn_time: TurnTime = None,
+    rise: Rise = None,
+    start_height: StartHeight = None,
+    start: Start = None,
+    end: End = None,
+    travel_time: TravelTime = None,
+    tip: HoldTip = None,
+    duration: Duration = None,
+) -> None:
+    """Show the robot in the browser, at rest or in motion.
+
+    Robots of several results and controllers stand side by side. Serves to this machine only, at 127.0.0.1, until Ctrl-C.
+    """
+    given = {
+        "radius": radius, "turn_time": turn_time, "rise": rise, "start_height": start_height,
+        "start": start, "end": end, "travel_time": travel_time, "tip": tip,
+    }  # fmt: skip
+    if heights is not None and result:
+        raise usage_error("give --heights or --result, not both")
+    simulated = bool(controller or trained)
+    if trajectory is None and not simulated:
+        what = "a view without --trajectory, --controller or --trained"
+        only_allowed(what, given | {"duration": duration}, ())
+    elif heights is not None:
+        raise usage_error("--heights is for a robot at rest: it does not apply to --trajectory, --controller or --trained")
+    elif result and not simulated:
+        raise usage_error("--trajectory does not apply to --result, which has its own")
+    robot = load_robot(parameters)
+    from psp3.simulation.result import load_result
+
+    # Files of the same name in different directories are told apart by their paths.
+    paths = list(dict.fromkeys(result or []))
+    stems = [path.stem for path in paths]
+    motions: dict[str, Result | Trajectory] = {path.stem if stems.count(path.stem) == 1 else str(path): load_result(path) for path in paths}
+    seconds = None
+    if trajectory is not None or simulated:
+        motion, seconds = trajectory_from_options(robot, trajectory or "helix", duration, given)
+        if simulated:
+            motions |= _simulated(robot, controller or [], trained or [], motion, seconds)
+        else:
+            motions["desired"] = motion
+    from psp3.visualize.scene import Scene
+    from psp3.visualize.viewer import Viewer
+
+    def stage(scene: Scene) -> None:
+        if motions:
+            scene.animate(motions if len(motions) > 1 else next(iter(motions.values())), seconds)
+        else:
+            scene.show(heights if heights is not None else (0.0, 0.0, 0.0))
+
+    if record is not None:
+        page = Scene(robot)
+        stage(page)
+        page.write_html(record)
+        typer.echo(record)
+        return
+    import threading
+
+    with Viewer(robot, port) as viewer:
+        stage(viewer)
+        typer.echo(f"{viewer.url} shows the robot; Ctrl-C ends.")
+        try:
+            threading.Event().wait()
+        except KeyboardInterrupt:
+            typer.echo(err=True)
+
+
+def _simulated(
+    robot: PSP3, names: Iterable[ControllerName], files: Iterable[Path], motion: Trajectory, seconds: float
+) -> dict[str, Result]:
+    """Simulate controllers on one motion, each once."""
+    from psp3.simulation.tracking import simulate as run
+
+    gains: dict[str, float | None] = {"kp": None, "kv": None, "ki": None}
+    steering: dict[str, Controller] = {name.value: controller_named(robot, name, None, gains)[0] for name in dict.fromkeys(names)}
+    steering |= {str(path): controller_from_file(robot, path)[0] for path in files}
+    results = {}
+    for name, one in steering.items():
+        with progress_bar(f"simulating {name}", seconds) as progress:
+            results[name] = run(robot, one, motion, seconds, progress=progress)
+    return results

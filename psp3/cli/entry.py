@@ -1,0 +1,57 @@
+"""The command ``psp3``: everything this package does, from a terminal.
+
+Only typer is imported here; each command imports what it needs when it runs, so that ``psp3 --help`` answers at once.
+Results go to standard output, progress and errors to standard error. Lengths are meters, angles degrees.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+import sys
+
+import typer
+
+from psp3.cli.app import app
+from psp3.cli.commands.reproduce import reproduce
+from psp3.cli.commands.robot import dynamics, info, pose, torques, workspace
+from psp3.cli.commands.simulate import simulate, train
+from psp3.cli.commands.study import study
+from psp3.cli.commands.view import view
+from psp3.cli.options import INTERRUPTED, USAGE
+from psp3.cli.output import error_message
+
+# In the order of the help.
+for command in (reproduce, simulate, train, study, torques, pose, dynamics, workspace, view, info):
+    app.command()(command)
+
+
+def main() -> None:
+    """Run the command line and exit: status 0, 2 for wrong usage or input, 130 for Ctrl-C."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper):
+            # Where the terminal knows no Greek a question mark is better than an error.
+            stream.reconfigure(errors="replace")
+    try:
+        returned = app(prog_name="psp3", standalone_mode=False)
+        status = returned if isinstance(returned, int) else 0
+        sys.stdout.flush()
+    except (KeyboardInterrupt, typer.Abort):
+        status = INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read the output has had enough. Python flushes once more at exit, which must not complain.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        status = 1
+    except Exception as error:
+        message = error_message(error)
+        if message is None:
+            raise
+        typer.echo(message, err=True)
+        status = USAGE
+    if status == INTERRUPTED:
+        typer.echo("psp3: interrupted", err=True)
+    sys.exit(status)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,225 @@
+"""Options that several commands share, and how their texts are read."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+import typer
+
+USAGE, INTERRUPTED = 2, 130
+"""Exit statuses: wrong usage or input, and Ctrl-C."""
+
+RIGHT_ANGLE = 90.0
+"""A star cannot be tilted that far [degrees]."""
+
+FIGURE_FORMATS = (".pdf", ".png", ".svg")
+SAMPLED = "10.4"
+"""Default duration of a motion without an end of its own [s], that of the thesis's simulations."""
+
+
+class Triple(NamedTuple):
+    """Three numbers of the command line, one for each screw or axis."""
+
+    first: float
+    second: float
+    third: float
+
+
+class Limit(NamedTuple):
+    """One number for all screws, or three."""
+
+    values: tuple[float, ...]
+
+
+class ControllerName(StrEnum):
+    """Controllers that the command line knows."""
+
+    PD = "pd"
+    PD_GRAVITY = "pd-gravity"
+    PID = "pid"
+    FEED_FORWARD = "feed-forward"
+    CTC = "ctc"
+    T1 = "t1"
+    IT2 = "it2"
+    GT2 = "gt2"
+
+
+class ModelName(StrEnum):
+    """Implementations of the equation of motion."""
+
+    CLOSED_FORM = "closed_form"
+    PINOCCHIO = "pinocchio"
+    NOC = "noc"
+
+
+class ParametersName(StrEnum):
+    """Parameter sets."""
+
+    DEFAULT = "default"
+    TABLE_3_1 = "table_3_1"
+    TABLE_5_1 = "table_5_1"
+
+
+class InitialSpeed(StrEnum):
+    """How a simulation starts."""
+
+    REST = "rest"
+    PATH = "path"
+
+
+class Over(StrEnum):
+    """Coordinates of a map of the workspace."""
+
+    TILT = "tilt"
+    TIP = "tip"
+
+
+# What the options look like
+
+
+def _numbers(text: str) -> tuple[float, ...]:
+    try:
+        return tuple(float(number) for number in text.split(","))
+    except ValueError:
+        raise typer.BadParameter(f"{text!r} is not a list of numbers separated by commas") from None
+
+
+def triple(text: str) -> Triple:
+    """Read three numbers, separated by commas."""
+    numbers = _numbers(text)
+    if len(numbers) != len(Triple._fields):
+        raise typer.BadParameter(f"{text!r} has {len(numbers)} numbers; three are needed, separated by commas")
+    return Triple(*numbers)
+
+
+def limit_of_torque(text: str) -> Limit:
+    """Read one positive number, or three."""
+    numbers = _numbers(text)
+    if len(numbers) not in (1, 3) or not all(math.isfinite(number) and number > 0.0 for number in numbers):
+        raise typer.BadParameter(f"{text!r} is not one positive number or three, separated by commas")
+    return Limit(numbers)
+
+
+def output_file(text: str) -> Path:
+    """Refuse what cannot be written before anything is computed, not after."""
+    path = Path(text)
+    if path.is_dir():
+        raise typer.BadParameter(f"{text} is a directory")
+    if not path.parent.is_dir():
+        raise typer.BadParameter(f"{text}: there is no directory {path.parent}")
+    if not os.access(path if path.exists() else path.parent, os.W_OK):
+        raise typer.BadParameter(f"{text} cannot be written to")
+    return path
+
+
+def page_output(text: str) -> Path:
+    """Refuse a page whose name no browser would open."""
+    if Path(text).suffix.lower() not in (".html", ".htm"):
+        raise typer.BadParameter(f"{text}: the name of a page must end in .html")
+    return output_file(text)
+
+
+def _csv_output(text: str) -> Path:
+    return Path("-") if text == "-" else output_file(text)
+
+
+def _figure_output(text: str) -> Path:
+    if Path(text).suffix.lower() not in FIGURE_FORMATS:
+        raise typer.BadParameter(f"{text}: the name of a figure must end in {', '.join(FIGURE_FORMATS)}")
+    return output_file(text)
+
+
+Parameters = Annotated[ParametersName, typer.Option(metavar="NAME", help="Parameter set: default, table_3_1 or table_5_1; see psp3 info.")]
+Model = Annotated[
+    ModelName | None, typer.Option(metavar="NAME", help="Where M, C and G come from: closed_form (unless given), pinocchio or noc.")
+]
+Heights = Annotated[Triple, typer.Option(parser=triple, metavar="A1,A2,A3", help="Nut heights (m).")]
+Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.", show_default=False)]
+FigureFile = Annotated[Path | None, typer.Option(parser=_figure_output, metavar="FILE", help="Draw to FILE: .pdf, .png or .svg.")]
+
+MOTION, RUNS, PLANT, OUTPUT = "Desired motion", "Runs", "Plant, for --reading plant", "Output"
+TrajectoryText = Annotated[
+    str,
+    typer.Option(
+        metavar="NAME", rich_help_panel=MOTION, help="helix, circle, line, point-to-point, hold, or csv:FILE for a motion on file."
+    ),
+]
+Radius = Annotated[
+    float | None, typer.Option(metavar="M", rich_help_panel=MOTION, help="Radius of helix and circle (m); 0.02 unless given.")
+]
+TurnTime = Annotated[
+    float | None, typer.Option(metavar="S", rich_help_panel=MOTION, help="Time for a turn of helix and circle (s); 2 unless given.")
+]
+Rise = Annotated[
+    float | None, typer.Option(metavar="M/S", rich_help_panel=MOTION, help="Vertical speed of the helix (m/s); 0.01 unless given.")
+]
+StartHeight = Annotated[
+    float | None,
+    typer.Option(metavar="M", rich_help_panel=MOTION, help="Tip height where helix and circle start (m); 0.07, home, unless given."),
+]
+Start = Annotated[
+    Triple | None,
+    typer.Option(parser=triple, metavar="X,Y,Z", rich_help_panel=MOTION, help="Tip where line and point-to-point start (m)."),
+]
+End = Annotated[
+    Triple | None,
+    typer.Option(parser=triple, metavar="X,Y,Z", rich_help_panel=MOTION, help="Tip where line and point-to-point end (m)."),
+]
+TravelTime = Annotated[
+    float | None, typer.Option(metavar="S", rich_help_panel=MOTION, help="Time that line and point-to-point take (s); 2 unless given.")
+]
+HoldTip = Annotated[
+    Triple | None,
+    typer.Option(parser=triple, metavar="X,Y,Z", rich_help_panel=MOTION, help="Tip to hold (m); 0,0,0.07, home, unless given."),
+]
+Duration = Annotated[
+    float | None,
+    typer.Option(
+        metavar="S", rich_help_panel=MOTION, help=f"Time in all (s); unless given until the motion ends, {SAMPLED} if it never does."
+    ),
+]
+CsvFile = Annotated[
+    Path | None,
+    typer.Option(
+        parser=_csv_output, metavar="FILE", rich_help_panel=OUTPUT, help="Write all samples as CSV, SI units; - is standard output."
+    ),
+]
+OutputFigure = Annotated[
+    Path | None, typer.Option(parser=_figure_output, metavar="FILE", rich_help_panel=OUTPUT, help="Draw to FILE: .pdf, .png or .svg.")
+]
+OutputJson = Annotated[bool, typer.Option("--json", rich_help_panel=OUTPUT, help="Print JSON and nothing else.", show_default=False)]
+
+
+# What the commands share
+
+
+def usage_error(message: str) -> typer.BadParameter:
+    """Return the error that says how a command is used."""
+    return typer.BadParameter(message)
+
+
+def option_of(name: str) -> str:
+    """Return the option of a parameter of a command."""
+    return "--" + name.replace("_", "-")
+
+
+def listed(names: Iterable[str]) -> str:
+    """Return names in words."""
+    *others, last = names
+    return f"{', '.join(others)} and {last}" if others else last
+
+
+def only_allowed(chosen: str, given: dict[str, Any], allowed: Iterable[str]) -> dict[str, Any]:
+    """Keep the options that were given; refuse those that mean nothing for what was chosen."""
+    allowed = tuple(allowed)
+    kept = {name: value for name, value in given.items() if value is not None}
+    for name in kept:
+        if name not in allowed:
+            instead = f", which takes {listed(map(option_of, allowed))}" if allowed else ""
+            raise usage_error(f"{option_of(name)} does not apply to {chosen}{instead}")
+    return kept

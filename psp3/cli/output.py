@@ -1,0 +1,153 @@
+"""What commands print and write: tables, JSON, CSV files, figures, progress and errors."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from psp3.cli.options import usage_error
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+def new_table(title: str, *columns: str, note: str = "") -> Table:
+    """Return a table with a title and columns."""
+    from rich import box
+    from rich.table import Table
+
+    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold", caption=note or None, caption_justify="left")
+    for number, column in enumerate(columns):
+        table.add_column(column, justify="left" if number == 0 else "right", overflow="fold")
+    return table
+
+
+def narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
+    """Return a table that breaks headings and sentences between words, and numbers never, so that it fits 80 columns."""
+    import textwrap
+
+    from rich import box
+    from rich.table import Table
+    from rich.text import Text
+
+    def is_number(word: str) -> bool:
+        return word.replace("\N{MINUS SIGN}", "-").lstrip("+-").replace(".", "", 1).replace("e-", "").isdigit()
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    cells = [[" ".join(cell.split()) for cell in row] for row in rows]
+    for heading, column in zip(headings, zip(*cells, strict=True), strict=True):
+        sentences = any(" " in cell and not all(map(is_number, cell.split())) for cell in column)
+        longest = max(map(len, (*heading.split(), *(word for cell in column for word in (cell.split() if sentences else [cell])), "")))
+        table.add_column(Text("\n".join(textwrap.wrap(heading, longest))), no_wrap=not sentences, min_width=longest)
+    for row in cells:
+        table.add_row(*map(Text, row))
+    return table
+
+
+def show(*tables: Table) -> None:
+    """Print tables."""
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    for table in tables:
+        console.print(table)
+
+
+def _plain(value: Any) -> Any:
+    """Turn arrays into lists and what JSON has no number for into null."""
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, dict):
+        return {name: _plain(entry) for name, entry in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return str(value) if isinstance(value, Path) else value
+
+
+def print_json(content: dict[str, Any]) -> None:
+    """Print content as JSON; numbers that JSON does not know are null."""
+    import json
+
+    typer.echo(json.dumps(_plain(content), allow_nan=False, ensure_ascii=False))
+
+
+def fixed(values: Any, digits: int = 6) -> list[str]:
+    """Numbers as text with a fixed number of digits, without negative zeros."""
+    return [f"{round(float(value), digits) + 0.0:.{digits}f}" if math.isfinite(value) else "∞" for value in values]
+
+
+def write_csv(path: Path, columns: dict[str, Any]) -> None:
+    """Write columns of numbers to a CSV file, or to standard output."""
+    import csv
+
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(columns)
+    writer.writerows(zip(*(values.tolist() for values in columns.values()), strict=True))
+    if path == Path("-"):
+        typer.echo(text.getvalue(), nl=False)
+    else:
+        path.write_text(text.getvalue(), encoding="utf-8")
+
+
+def draw_figure(path: Path, draw: Callable[[], Any]) -> None:
+    """Save a figure in the style of this package."""
+    from fuzzy2.plots.style import style
+
+    with style():
+        draw()[0].get_figure(root=True).savefig(path)
+
+
+@contextmanager
+def progress_bar(description: str, total: float) -> Iterator[Callable[[float], None]]:
+    """Show a progress bar on standard error, if that is a terminal."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+
+    console = Console(stderr=True)
+    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
+    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(description, total=total)
+        yield lambda done: bar.update(task, completed=done)
+
+
+def check_outputs(csv: Path | None, json: bool) -> None:
+    """Refuse two outputs that both want standard output."""
+    if json and csv == Path("-"):
+        raise usage_error("--json and --csv - both want standard output; give --csv a file")
+
+
+def cell_text(value: Any) -> str:
+    """Return a number as it stands in a table."""
+    if not isinstance(value, float):
+        return str(value)
+    return "∞" if value == math.inf else "–" if math.isnan(value) else f"{value:.3g}"
+
+
+def error_message(error: Exception) -> str | None:
+    """Return what a person needs to read of an error, in one line; None if it is none that a person made."""
+    if hasattr(error, "format_message"):
+        context = getattr(error, "ctx", None)
+        command = "psp3" if context is None else context.command_path
+        # The prefixes are typer's: what we say ourselves names its options, and the values that it refuses speak for themselves.
+        text = error.format_message().removeprefix("Invalid value: ").replace("Value error, ", "").rstrip(".")
+        return f"{command}: {' '.join(text.split())} (see {command} --help)"
+    if isinstance(error, MemoryError):
+        return "psp3: this takes more memory than there is; ask for less time or fewer samples"
+    from fuzzy2.errors import Fuzzy2Error
+    from psp3.errors import PSP3Error
+
+    if isinstance(error, PSP3Error | Fuzzy2Error):
+        return f"psp3: {' '.join(str(error).split())}"
+    if isinstance(error, OSError):
+        reason = error.strerror or str(error)
+        return f"psp3: {error.filename}: {reason}" if error.filename is not None else f"psp3: {reason}"
+    return None

@@ -1,0 +1,17 @@
+"""Loops closed numerically: tables, compiled kernels, assembly, mobility and rank."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzy2.support.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from psp3.closure.assembly import ASSEMBLED as ASSEMBLED
+    from psp3.closure.assembly import assembled as assembled
+    from psp3.closure.assembly import residual as residual
+    from psp3.closure.table import CLOSURE_TOLERANCE as CLOSURE_TOLERANCE
+    from psp3.closure.table import NO_MOTORS as NO_MOTORS
+    from psp3.closure.table import flattened as flattened
+
+__all__, __getattr__, __dir__ = lazy_names(__name__)

@@ -1,0 +1,101 @@
+"""A first closed configuration to start from, for a robot whose file leaves its loops a little open."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.closure.kernels import LARGEST_REPAIR, Table, jacobian, residuals
+from psp3.errors import ClosureFailed
+
+ASSEMBLED = 1e-9
+"""Residual at which a first configuration is handed to the exact closure [m, rad]."""
+
+
+def residual(table: Table, q: Array) -> Array:
+    """Return the residuals of all closures at a configuration, in the order of the groups [m, rad]."""
+    out = np.empty(int(table.closure_rows.sum()))
+    residuals(table, q, out)
+    return out
+
+
+def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
+    """Return a configuration near ``q0``, within the joint limits, that closes the loops: all joints move, also the actuated ones.
+
+    Newton's method with the shortest steps, which is enough near a closed configuration; otherwise SciPy's trust-region least squares on
+    the residual, from ``q0`` and then from up to 30 random configurations around it.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The tree.
+    table : Table
+        Its loops, flattened without motors.
+    q0 : (nq,) ndarray
+        Where to start.
+
+    Returns
+    -------
+    (nq,) ndarray
+        Closed to about 1e-9; Newton's method does the rest.
+
+    Raises
+    ------
+    ClosureFailed
+        If no start leads to a closed configuration.
+    """
+    lower, upper = _tangent_limits(model, q0)
+    nearest = _by_short_steps(model, table, q0)
+    if nearest is not None:
+        way = pin.difference(model, q0, nearest)
+        if (lower <= way).all() and (way <= upper).all():
+            return nearest
+    # Only here, because most robots are never as far from closed.
+    from scipy.optimize import least_squares
+
+    rng = np.random.default_rng(0)
+    least = np.inf
+    for attempt in range(31):
+        spread = 0.0 if attempt == 0 else 0.1 * attempt
+        # Strictly inside, as the library wants its start.
+        inside = 1e-6 * np.minimum(upper - lower, 1.0)
+        start = np.clip(spread * rng.uniform(-1.0, 1.0, model.nv), lower + inside, upper - inside)
+        solution = least_squares(
+            lambda step: residual(table, pin.integrate(model, q0, step)), start, bounds=(lower, upper), xtol=1e-15, ftol=1e-15, gtol=1e-15
+        )
+        size = float(np.abs(solution.fun).max())
+        least = min(least, size)
+        if size < ASSEMBLED:
+            return np.asarray(pin.integrate(model, q0, solution.x))
+    raise ClosureFailed(q0[table.actuated_q], least, 0.0)
+
+
+def _by_short_steps(model: pin.Model, table: Table, q: Array) -> Array | None:
+    """Return where Newton's method leads with the steps of least length, or None if that is farther than a guess may be off."""
+    moved, slope = np.zeros(model.nv), np.empty((int(table.closure_rows.sum()), model.nv))
+    for _ in range(20):
+        gap = residual(table, q)
+        if np.abs(gap).max(initial=0.0) < ASSEMBLED:
+            return q
+        jacobian(table, q, slope)
+        step = -np.linalg.lstsq(slope, gap, rcond=1e-9)[0]
+        moved += np.abs(step)
+        if not moved.max() <= LARGEST_REPAIR:
+            return None
+        q = pin.integrate(model, q, step)
+    return None
+
+
+def _tangent_limits(model: pin.Model, q0: Array) -> tuple[Array, Array]:
+    """Return how far each degree of freedom may move from q0 before it is at a limit; infinitely far where it has none."""
+    lower, upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
+    for joint in list(model.joints)[1:]:
+        if joint.nq != joint.nv:
+            continue
+        q, v = slice(joint.idx_q, joint.idx_q + joint.nq), slice(joint.idx_v, joint.idx_v + joint.nv)
+        low, high = model.lowerPositionLimit[q] - q0[q], model.upperPositionLimit[q] - q0[q]
+        # Pinocchio's placeholder for no limit is the largest number there is; a start beyond a limit is let be.
+        lower[v] = np.where(low < -1e100, -np.inf, np.minimum(low, -1e-3))
+        upper[v] = np.where(high > 1e100, np.inf, np.maximum(high, 1e-3))
+    return lower, upper

@@ -1,0 +1,186 @@
+r"""Mobility of a tree with loops: degrees of freedom by rank, compared with the motors.
+
+With :math:`\Phi` the Jacobian of all closures and N a basis of its null space, split in the rows of the actuated joints
+:math:`N_a` and the others,
+
+.. math:: f = n_v - \operatorname{rank} \Phi
+
+degrees of freedom remain. The motors command :math:`\operatorname{rank} N_a` of them: what is left of f moves freely
+(under-actuation), and motors beyond that rank work against each other (over-actuation). Counting equations, as in the formula of
+Chebyshev, Grübler and Kutzbach, gives :math:`n_v - m`, which is too small wherever closures are redundant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, one_row
+from psp3.closure.assembly import assembled
+from psp3.closure.kernels import Table, jacobian
+from psp3.closure.table import NO_MOTORS, flattened
+from psp3.errors import ClosureFailed, UnknownName
+
+RANK_TOLERANCE = 1e-7
+"""Singular values below this share of the largest one count as zero."""
+
+STEP = 0.02
+"""The rank is also taken this far from the given configuration [m, rad], so that a singular one does not pass for the usual."""
+
+
+class Mobility(NamedTuple):
+    """How many ways a mechanism can move, and how many of them its motors command."""
+
+    degrees_of_freedom: int
+    """Of the mechanism in general position."""
+    actuators: int
+    """Number of actuated joints."""
+    commanded: int
+    """Degrees of freedom that the actuators command."""
+    joint_velocities: int
+    """Of the tree with its loops open."""
+    closure_equations: int
+    """Three or six for every closure."""
+    rank: int
+    """Independent closure equations."""
+    free_joints: tuple[str, ...]
+    """Joints that can still move with every actuator locked."""
+    dependent_actuators: tuple[str, ...]
+    """Actuators that others already determine; which ones are named depends on the order."""
+
+    @property
+    def redundant_equations(self) -> int:
+        """Closure equations that follow from others."""
+        return self.closure_equations - self.rank
+
+    @property
+    def by_counting(self) -> int:
+        """Degrees of freedom after Chebyshev, Grübler and Kutzbach, who count equations and not their rank."""
+        return self.joint_velocities - self.closure_equations
+
+    @property
+    def under_actuation(self) -> int:
+        """Degrees of freedom that no actuator commands."""
+        return self.degrees_of_freedom - self.commanded
+
+    @property
+    def over_actuation(self) -> int:
+        """Actuators beyond those that would do."""
+        return self.actuators - self.commanded
+
+    def __str__(self) -> str:
+        parts = [
+            f"{_many(self.degrees_of_freedom, 'degree')} of freedom ({self.joint_velocities} joint velocities less {self.rank} independent "
+            f"of {self.closure_equations} closure equations) and {_many(self.actuators, 'actuated joint')}"
+        ]
+        if self.under_actuation:
+            parts.append(f"under-actuated: with all of these locked, {', '.join(self.free_joints)} can still move")
+        if self.over_actuation:
+            parts.append(f"over-actuated: the others determine {', '.join(self.dependent_actuators)}")
+        return "; ".join(parts)
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def mobility(model: pin.Model, constraint_models: Sequence[Any], actuated: Sequence[str], q: ArrayLike | None = None) -> Mobility:
+    """Return the mobility of a tree with loops.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The tree.
+    constraint_models : sequence of pinocchio.RigidConstraintModel
+        The loop closures.
+    actuated : sequence of str
+        Names of the actuated joints.
+    q : (nq,) array_like, optional
+        A configuration that closes the loops, or nearly; ``neutral`` by default.
+
+    Returns
+    -------
+    Mobility
+        Degrees of freedom, rank and what the actuators make of them. ``str`` of it is a sentence.
+
+    Raises
+    ------
+    UnknownName
+        If the model has no joint of a given name.
+    ClosureFailed
+        If no configuration near ``q`` closes the loops.
+    """
+    for name in actuated:
+        if not model.existJointName(name) or name == model.names[0]:
+            raise UnknownName("actuated joint", name, tuple(model.names)[1:])
+    table = flattened(model, constraint_models, NO_MOTORS)
+    start = assembled(model, table, pin.neutral(model) if q is None else one_row("q", q, model.nq))
+    motions, rank = _motions(model, table, start)
+    direction = motions @ np.random.default_rng(0).uniform(0.5, 1.0, motions.shape[1])
+    if motions.shape[1]:
+        away = pin.integrate(model, start, STEP / np.abs(direction).max() * direction)
+        try:
+            elsewhere = _motions(model, table, assembled(model, table, away))
+        except ClosureFailed:
+            # At the end of its way; the given configuration has to do.
+            elsewhere = motions, rank
+        if elsewhere[1] >= rank:
+            motions, rank = elsewhere
+    names = list(model.names)
+    joints = [model.joints[model.getJointId(name)] for name in actuated]
+    # Joints of several degrees of freedom cannot be commanded; who builds the robot says so.
+    driven = motions[[joint.idx_v for joint in joints]]
+    commanded = int(np.linalg.matrix_rank(driven, tol=RANK_TOLERANCE)) if driven.size else 0
+    return Mobility(
+        degrees_of_freedom=model.nv - rank,
+        actuators=len(joints),
+        commanded=commanded,
+        joint_velocities=model.nv,
+        closure_equations=int(table.closure_rows.sum()),
+        rank=rank,
+        free_joints=_moving(model, names, motions, driven),
+        dependent_actuators=_dependent(driven, list(actuated)),
+    )
+
+
+def _motions(model: pin.Model, table: Table, q: Array) -> tuple[Array, int]:
+    """Return a basis of the velocities that keep the loops closed, and the rank of the closures."""
+    out = np.zeros((int(table.closure_rows.sum()), model.nv))
+    jacobian(table, q, out)
+    return _null_space(out)
+
+
+def _null_space(matrix: Array) -> tuple[Array, int]:
+    """Return an orthonormal basis of a matrix's null space, and its rank."""
+    if not matrix.size:
+        return np.eye(matrix.shape[1]), 0
+    _, values, right = np.linalg.svd(matrix)
+    rank = int(np.count_nonzero(values > RANK_TOLERANCE * max(values[0], 1e-300)))
+    return np.ascontiguousarray(right[rank:].T), rank
+
+
+def _moving(model: pin.Model, names: list[str], motions: Array, driven: Array) -> tuple[str, ...]:
+    """Return the joints that move in some motion that moves no motor."""
+    if not motions.shape[1]:
+        return ()
+    free = motions @ _null_space(driven)[0] if driven.size else motions
+    return tuple(
+        str(names[index])
+        for index in range(1, model.njoints)
+        if np.abs(free[model.joints[index].idx_v : model.joints[index].idx_v + model.joints[index].nv]).max(initial=0.0) > 1e-6
+    )
+
+
+def _dependent(driven: Array, actuated: list[str]) -> tuple[str, ...]:
+    """Return the actuated joints whose motion follows from that of those before them."""
+    names, rank = [], 0
+    for count, name in enumerate(actuated, start=1):
+        more = int(np.linalg.matrix_rank(driven[:count], tol=RANK_TOLERANCE)) if driven.size else 0
+        if more == rank:
+            names.append(name)
+        rank = more
+    return tuple(names)

@@ -1,0 +1,212 @@
+r"""Controllers of the screw forces: feed-forward, PD, PD with gravity, PID and computed torque.
+
+A controller has ``reset()``, called once before a run, and ``torque(t, heights, speeds, desired)``, called once a control
+period. Everything that offers these two can be simulated. ``desired`` is a :class:`psp3.trajectories.motion.Motion`; the servo errors
+are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, as_floats, checked_not_negative, checked_positive
+from psp3.control.controller import Stateless
+from psp3.errors import InvalidArray
+from psp3.robots.dynamics_model import DynamicsModel, equation_of_motion_of
+from psp3.trajectories.motion import Motion
+
+
+def critically_damped_gains(bandwidth: float, mass: float | ArrayLike = 1.0) -> tuple[Any, Any]:
+    r"""Return the gains of a critically damped loop of a wanted bandwidth.
+
+    .. math:: k_p = \omega^2 M, \qquad k_v = 2 \omega M, \qquad \omega = \frac{\omega_b}{\sqrt{\sqrt 2 - 1}}
+
+    The error obeys :math:`M (\ddot e + 2\omega \dot e + \omega^2 e) = 0`, all poles are at :math:`-\omega`, and the position follows a
+    command :math:`k_p\, a_d` of the frequency :math:`\omega_b` with an amplitude of :math:`1/\sqrt 2`: of that is the bandwidth.
+
+    Parameters
+    ----------
+    bandwidth : float
+        Bandwidth :math:`\omega_b` [rad/s].
+    mass : float or (n, n) array_like
+        What the feedback moves: 1 under :class:`ComputedTorque`, which makes the robot a unit mass; for :class:`GravityCompensatedPD`
+        the mass matrix, ``robot.mass_matrix`` of the pose at which the loop is to be critically damped [kg].
+
+    Returns
+    -------
+    kp, kv : float or (n, n) ndarray
+        Gains of the shape of ``mass``, the two arguments of the controllers [N/m, N s/m; 1/s², 1/s of a unit mass].
+
+    Raises
+    ------
+    InvalidValue
+        If the bandwidth is not positive, or a mass that is a number is negative.
+    InvalidArray
+        If the mass matrix is not square or not finite.
+    """
+    # |ω²/(ω + iω_b)²| = 1/√2.
+    omega = checked_positive("bandwidth", bandwidth) / math.sqrt(math.sqrt(2.0) - 1.0)
+    moved = _gain("mass", mass)
+    return omega**2 * moved, 2.0 * omega * moved
+
+
+def _gain(name: str, value: float | ArrayLike) -> float | Array:
+    """Return a gain: a number that is not negative, or a square matrix."""
+    if np.ndim(value) == 0:
+        return checked_not_negative(name, value)
+    matrix = as_floats(name, value, "(n, n)")
+    if matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1] or not np.isfinite(matrix).all():
+        raise InvalidArray(name, "(n, n)", value)
+    return matrix
+
+
+def _times(gain: float | Array, error: Array) -> Array:
+    product: Array = gain @ error if isinstance(gain, np.ndarray) else gain * error
+    return product
+
+
+class FeedForward(Stateless):
+    r"""Open loop: the forces of the desired motion, without any feedback (eq. 4.1).
+
+    .. math:: \tau = M(a_d)\, \ddot a_d + C(a_d, \dot a_d)\, \dot a_d + G(a_d)
+
+    Parameters
+    ----------
+    model : DynamicsModel
+        Where M, C and G come from: a robot, or one of ``robot.dynamics(name)``.
+    """
+
+    def __init__(self, model: DynamicsModel) -> None:
+        self.model = model
+        self._equation = equation_of_motion_of(model)
+
+    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the forces of the desired motion, of shape (3,) [N]."""
+        M, C, G = self._equation(desired.heights, desired.speeds)
+        torque: Array = M @ desired.accelerations + C @ desired.speeds + G
+        return torque
+
+
+class PD(Stateless):
+    r"""Proportional and derivative feedback, :math:`\tau = k_p e + k_v \dot e`.
+
+    There is no gravity term, so under the thesis's gains (Table 6.1) every screw sags by its weight over :math:`k_p`, 87 mm.
+
+    Parameters
+    ----------
+    kp : float or (n, n) array_like
+        Proportional gain [N/m]: one for every screw by itself, or a matrix.
+    kv : float or (n, n) array_like
+        Derivative gain [N s/m]. :func:`critically_damped_gains` makes both of a bandwidth.
+
+    Raises
+    ------
+    InvalidValue
+        If a gain is negative or not finite.
+    InvalidArray
+        If a matrix is not square or not finite.
+    """
+
+    def __init__(self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0) -> None:
+        self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
+
+    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the feedback forces, of shape (3,) [N]."""
+        return _times(self.kp, desired.heights - heights) + _times(self.kv, desired.speeds - speeds)
+
+
+class GravityCompensatedPD(PD):
+    r"""PD plus the model's gravity at the present pose, :math:`\tau = k_p e + k_v \dot e + G(a)`: no sag at rest.
+
+    Parameters
+    ----------
+    model : DynamicsModel
+        Where G comes from.
+    kp, kv : float or (n, n) array_like
+        See :class:`PD`.
+    """
+
+    def __init__(self, model: DynamicsModel, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0) -> None:
+        super().__init__(kp, kv)
+        self.model = model
+        self._equation = equation_of_motion_of(model)
+
+    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+        """Return feedback and gravity forces, of shape (3,) [N]."""
+        return super().torque(t, heights, speeds, desired) + self._equation(heights, speeds)[2]
+
+
+class PID(PD):
+    r"""PD plus the integral of the error, :math:`\tau = k_p e + k_v \dot e + k_i \int e\, dt`: the sag dies out without a model.
+
+    The integral is the trapezoidal rule over the calls since the last reset.
+
+    Parameters
+    ----------
+    kp, kv : float or (n, n) array_like
+        See :class:`PD`.
+    ki : float
+        Integral gain [N/(m s)]; the loop of a mass m is stable for ki < kp kv / m.
+    """
+
+    def __init__(self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0, ki: float = 2000.0) -> None:
+        super().__init__(kp, kv)
+        self.ki = checked_not_negative("ki", ki)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the integral."""
+        self._integral: Array | float = 0.0
+        self._last: tuple[float, Array] | None = None
+
+    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the feedback forces, of shape (3,) [N], and go on with the integral."""
+        error = desired.heights - heights
+        if self._last is not None:
+            self._integral = self._integral + 0.5 * (t - self._last[0]) * (error + self._last[1])
+        self._last = (t, error)
+        return super().torque(t, heights, speeds, desired) + self.ki * self._integral
+
+
+class ComputedTorque(Stateless):
+    r"""Computed torque: the model makes the robot a unit mass, which a servo then steers (eq. 4.10–4.18).
+
+    .. math:: \tau = \alpha\, (\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad \alpha = M(a), \quad \beta = C(a, \dot a)\, \dot a + G(a)
+
+    With an exact model the error obeys :math:`\ddot e + k_v \dot e + k_p e = 0` whatever the pose.
+
+    Parameters
+    ----------
+    model : DynamicsModel
+        Where M, C and G come from: a robot, or one of ``robot.dynamics(name)``.
+    kp : float
+        Proportional gain, 10 in Table 6.1 [1/s²].
+    kv : float
+        Derivative gain, 1 in Table 6.1 [1/s]: a damping ratio of 0.16.
+
+    Raises
+    ------
+    InvalidValue
+        If a gain is negative or not finite, or the model offers no M, C and G.
+    """
+
+    def __init__(self, model: DynamicsModel, kp: float = 10.0, kv: float = 1.0) -> None:
+        self.model = model
+        self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
+        self._equation = equation_of_motion_of(model)
+
+    @classmethod
+    def critically_damped(cls, model: DynamicsModel, kp: float = 10.0) -> ComputedTorque:
+        r"""Return a controller with :math:`k_v = 2 \sqrt{k_p}`, whose error dies out fastest without overshoot (after eq. 4.15)."""
+        return cls(model, kp, 2.0 * np.sqrt(checked_not_negative("kp", kp)))
+
+    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the forces of eq. 4.10, of shape (3,) [N]."""
+        M, C, G = self._equation(heights, speeds)
+        servo = desired.accelerations + self.kv * (desired.speeds - speeds) + self.kp * (desired.heights - heights)
+        torque: Array = M @ servo + C @ speeds + G
+        return torque

@@ -1,0 +1,263 @@
+r"""Linear-quadratic regulators: the feedback that costs least, about a pose and along a trajectory.
+
+For a system :math:`\delta\dot x = A\, \delta x + B\, \delta u` the feedback :math:`\delta u = -K\, \delta x` that makes
+
+.. math::
+
+    \int \big( \delta x^T Q\, \delta x + \delta u^T R\, \delta u \big)\, dt, \qquad
+    \text{or, sampled,} \quad \sum_k \big( \delta x_k^T Q\, \delta x_k + \delta u_k^T R\, \delta u_k \big),
+
+smallest follows from a Riccati equation, and the least cost from :math:`\delta x` on is :math:`\delta x^T P\, \delta x` (B. D. O. Anderson
+and J. B. Moore, Optimal Control: Linear Quadratic Methods, 1990, chapters 2 and 3).
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from psp3.checks import Array, as_floats, checked_positive, one_row
+from psp3.dynamics.linearization import LinearSystem, checked_matrices, discretize, linearize
+from psp3.errors import InvalidArray, InvalidValue, NoStabilizingSolution
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.trajectories.motion import Motion
+from psp3.trajectories.trajectory import Trajectory
+
+
+class Regulator(NamedTuple):
+    """Gains ``K`` (..., n, m), cost ``P`` (..., m, m), and the closed loop's ``poles`` (..., m): eigenvalues of A − BK.
+
+    Poles of a continuous system are in 1/s, those of a sampled one are factors for a period.
+    """
+
+    K: Array
+    P: Array
+    poles: NDArray[np.complex128]
+
+
+class TimeVaryingRegulator(NamedTuple):
+    """Gains ``K`` (N, n, m) of N samples, and the cost ``P`` (N + 1, m, m) from each of them on; the last P is the final weight."""
+
+    K: Array
+    P: Array
+
+
+def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
+    r"""Return the linear-quadratic regulator of a system that goes on forever, from the algebraic Riccati equation.
+
+    .. math::
+
+        \text{continuous:} \quad & A^T P + P A - P B R^{-1} B^T P + Q = 0, & K &= R^{-1} B^T P, \\
+        \text{sampled:} \quad & A^T P A - A^T P B K + Q = P, & K &= (R + B^T P B)^{-1} B^T P A
+
+    Parameters
+    ----------
+    system : LinearSystem
+        A (..., m, m) and B (..., m, n), continuous or sampled, from :func:`psp3.dynamics.linearization.linearize` for instance.
+    Q : (m, m) array_like
+        Weight of the state, symmetric and positive semidefinite. With the square of an error that is just acceptable under each 1,
+        ``numpy.diag(1.0 / largest**2)``, entries of unlike units compare (Bryson's rule).
+    R : (n, n) array_like
+        Weight of the input, symmetric and positive definite.
+
+    Returns
+    -------
+    Regulator
+        ``.K .P .poles``.
+
+    Raises
+    ------
+    InvalidArray
+        If the matrices are not finite or their shapes do not go together.
+    InvalidValue
+        If a weight is not symmetric, or not definite as it must be.
+    NoStabilizingSolution
+        If no feedback of this cost makes the system stable.
+    """
+    from scipy.linalg import solve_continuous_are, solve_discrete_are
+
+    A, B = checked_matrices(system)
+    m, n = B.shape[-2:]
+    Q, R = _weight("Q", Q, m), _weight("R", R, n, definite=True)
+    K, P = np.empty((*A.shape[:-2], n, m)), np.empty(A.shape)
+    solve = solve_continuous_are if system.period is None else solve_discrete_are
+    for row in np.ndindex(A.shape[:-2]):
+        try:
+            P[row] = solve(A[row], B[row], Q, R)
+        except (np.linalg.LinAlgError, ValueError) as error:
+            raise NoStabilizingSolution(np.linalg.eigvals(A[row]).astype(complex), system.period) from error
+        K[row] = np.linalg.solve(R, B[row].T @ P[row]) if system.period is None else _gain(A[row], B[row], R, P[row])
+    poles = np.linalg.eigvals(A - B @ K).astype(complex)
+    unstable = ~(poles.real < 0.0 if system.period is None else np.abs(poles) < 1.0)
+    if unstable.any():
+        raise NoStabilizingSolution(poles[unstable.any(axis=-1)][0], system.period)
+    return Regulator(K, P, poles)
+
+
+def time_varying_lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike, terminal: ArrayLike | None = None) -> TimeVaryingRegulator:
+    r"""Return the linear-quadratic regulator of a sampled system that changes from sample to sample, by recursion from the end.
+
+    .. math::
+
+        K_k = (R + B_k^T P_{k+1} B_k)^{-1} B_k^T P_{k+1} A_k, \qquad
+        P_k = Q + K_k^T R K_k + (A_k - B_k K_k)^T P_{k+1} (A_k - B_k K_k)
+
+    Parameters
+    ----------
+    system : LinearSystem
+        A (N, m, m) and B (N, m, n) of N periods, sampled.
+    Q, R
+        See :func:`lqr`.
+    terminal : (m, m) array_like, optional
+        Weight of the state after the last period; by default the cost of going on forever with the last A and B.
+
+    Returns
+    -------
+    TimeVaryingRegulator
+        ``.K .P``.
+
+    Raises
+    ------
+    InvalidArray, InvalidValue, NoStabilizingSolution
+        See :func:`lqr`; also if the system is not sampled.
+    """
+    A, B = checked_matrices(system)
+    if A.ndim != 3 or not len(A):
+        raise InvalidArray("A", "(N, m, m) with N of at least 1", A)
+    if system.period is None:
+        raise InvalidValue("system", "continuous", "sampled, see psp3.dynamics.linearization.discretize")
+    m, n = B.shape[-2:]
+    Q, R = _weight("Q", Q, m), _weight("R", R, n, definite=True)
+    K, P = np.empty((len(A), n, m)), np.empty((len(A) + 1, m, m))
+    P[-1] = lqr(LinearSystem(A[-1], B[-1], system.period), Q, R).P if terminal is None else _weight("terminal", terminal, m)
+    for k in reversed(range(len(A))):
+        K[k] = _gain(A[k], B[k], R, P[k + 1])
+        closed = A[k] - B[k] @ K[k]
+        # Of the forms of this equation the one whose rounding errors leave P symmetric and positive.
+        P[k] = Q + K[k].T @ R @ K[k] + closed.T @ P[k + 1] @ closed
+    return TimeVaryingRegulator(K, P)
+
+
+def _gain(A: Array, B: Array, R: Array, P: Array) -> Array:
+    return np.asarray(np.linalg.solve(R + B.T @ P @ B, B.T @ P @ A), dtype=np.float64)
+
+
+def _weight(name: str, values: ArrayLike, width: int, definite: bool = False) -> Array:
+    """Return a symmetric matrix (width, width) that is positive definite or semidefinite."""
+    matrix = as_floats(name, values, f"({width}, {width})")
+    if matrix.shape != (width, width) or not np.isfinite(matrix).all():
+        raise InvalidArray(name, f"({width}, {width})", values)
+    size = np.abs(matrix).max(initial=0.0)
+    if np.abs(matrix - matrix.T).max(initial=0.0) > 1e-12 * size:
+        raise InvalidValue(name, matrix.tolist(), "symmetric")
+    least = np.linalg.eigvalsh(matrix).min(initial=np.inf)
+    if definite and not least > 0.0:
+        raise InvalidValue(name, matrix.tolist(), "positive definite")
+    if least < -1e-12 * size:
+        raise InvalidValue(name, matrix.tolist(), "positive semidefinite")
+    symmetric: Array = 0.5 * (matrix + matrix.T)
+    return symmetric
+
+
+class LinearQuadraticRegulator:
+    r"""The forces of the desired motion, and the linear-quadratic regulator of one pose on the errors of position and speed.
+
+    .. math::
+
+        \tau = M(a_d)\, \ddot a_d + C(a_d, \dot a_d)\, \dot a_d + G(a_d) + K \begin{bmatrix} e \\ \dot e \end{bmatrix}
+
+    While the desired motion rests the first terms are the weight. Gains are those of the sampled system, as the force is held for a
+    period.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        The robot as the controller knows it.
+    Q : (2n, 2n) array_like
+        Weight of the errors, positions first, see :func:`lqr`.
+    R : (n, n) array_like
+        Weight of the forces.
+    period : float
+        Control period [s].
+    positions : (n,) array_like, optional
+        Pose about which the robot is linearized [m or rad]; its reference pose by default.
+
+    Raises
+    ------
+    InvalidArray, InvalidValue, NoStabilizingSolution
+        See :func:`lqr`.
+    """
+
+    def __init__(
+        self, robot: ClosedLoopRobot, Q: ArrayLike, R: ArrayLike, period: float = 0.002, positions: ArrayLike | None = None
+    ) -> None:
+        pose = robot.reference if positions is None else one_row("positions", positions, len(robot.actuated))
+        self.robot = robot
+        self.system = discretize(linearize(robot, pose), period)
+        self.regulator = lqr(self.system, Q, R)
+
+    def reset(self) -> None:
+        """Forget nothing: this controller remembers nothing."""
+
+    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
+        return _forces(self.robot, self.regulator.K, heights, speeds, desired)
+
+
+class TimeVaryingLinearQuadraticRegulator:
+    r"""The forces of the desired motion, and the linear-quadratic regulator along it on the errors of position and speed.
+
+    As :class:`LinearQuadraticRegulator`, with gains :math:`K(t)` from the robot's linearization at every control period of the trajectory.
+    After its end the last gains stay.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        The robot as the controller knows it.
+    trajectory : Trajectory
+        The motion that will be desired.
+    duration : float
+        For how long [s].
+    Q, R, period
+        See :class:`LinearQuadraticRegulator`.
+    terminal : (2n, 2n) array_like, optional
+        Weight of the errors at the end, see :func:`time_varying_lqr`.
+
+    Raises
+    ------
+    InvalidArray, InvalidValue, NoStabilizingSolution
+        See :func:`lqr`.
+    """
+
+    def __init__(
+        self,
+        robot: ClosedLoopRobot,
+        trajectory: Trajectory,
+        duration: float,
+        Q: ArrayLike,
+        R: ArrayLike,
+        period: float = 0.002,
+        terminal: ArrayLike | None = None,
+    ) -> None:
+        self.robot, self.period = robot, checked_positive("period", period)
+        self.t = self.period * np.arange(int(checked_positive("duration", duration) / self.period + 1e-9) + 1)
+        motion = trajectory(self.t)
+        self.system = discretize(linearize(robot, motion.heights, motion.speeds, motion.accelerations), self.period)
+        self.regulator = time_varying_lqr(self.system, Q, R, terminal)
+
+    def reset(self) -> None:
+        """Forget nothing: the gains depend on time alone."""
+
+    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
+        # The small excess keeps rounding from taking the gains of the sample before.
+        sample = min(max(int(t / self.period + 1e-6), 0), len(self.t) - 1)
+        return _forces(self.robot, self.regulator.K[sample], heights, speeds, desired)
+
+
+def _forces(robot: ClosedLoopRobot, K: Array, heights: Array, speeds: Array, desired: Motion) -> Array:
+    error = np.concatenate([desired.heights - heights, desired.speeds - speeds])
+    forces: Array = robot.inverse_dynamics(desired.heights, desired.speeds, desired.accelerations) + K @ error
+    return forces

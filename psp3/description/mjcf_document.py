@@ -1,0 +1,197 @@
+"""An MJCF file as MuJoCo reads it: included files put in, defaults written out, angles in radians, poses of one kind.
+
+MuJoCo's own documentation of the format (XML Reference) says what each attribute means; the tests compare with what it compiles.
+"""
+
+from __future__ import annotations
+
+import copy
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.description.xml import described, numbers, read_xml
+from psp3.errors import InvalidRobotFile
+
+ORIENTATIONS = {"quat": 4, "axisangle": 4, "euler": 3, "xyaxes": 6, "zaxis": 3}
+"""Attributes that give an orientation, and how many numbers each holds."""
+
+REFUSED_COMPILER = {"coordinate": "local", "settotalmass": "-1", "inertiagrouprange": "0 5"}
+"""Settings of the compiler that change every number in the file; only these values, the default ones, are read."""
+
+
+class MjcfDocument:
+    """An MJCF file with what its elements inherit.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Raises
+    ------
+    InvalidRobotFile
+        If it is missing, is no MJCF, includes a file that is missing or twice included, or its compiler has settings that are not read.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self.root = read_xml(self.path, "mujoco")
+        self._include(self.root, {self.path.resolve()})
+        self.compiler: dict[str, str] = {}
+        for element in self.root.findall("compiler"):
+            self.compiler.update(element.attrib)
+        for attribute, value in REFUSED_COMPILER.items():
+            if self.compiler.get(attribute, value).split() != value.split():
+                raise self.wrong(f"<compiler {attribute}={self.compiler[attribute]!r}> is not read; {self.advice}")
+        self.radians_per_unit = 1.0 if self.compiler.get("angle", "degree") == "radian" else np.pi / 180.0
+        self._sequence = self.compiler.get("eulerseq", "xyz")
+        if len(self._sequence) != 3 or not set(self._sequence) <= set("xyzXYZ"):
+            raise self.wrong(f"<compiler>: eulerseq must be three of the letters x, y, z, X, Y, Z, got {self._sequence!r}")
+        self._main = "main"
+        self._classes: dict[str, dict[str, dict[str, str]]] = {}
+        for element in self.root.findall("default"):
+            self._main = element.get("class", self._main)
+            self._read_class(element, self._main, self._classes.get(self._main, {}))
+        self._classes.setdefault(self._main, {})
+
+    advice = "let MuJoCo write the model out (mj_saveLastXML) and read that file"
+    """What to do about an MJCF that says more than this reader takes."""
+
+    def wrong(self, reason: str) -> InvalidRobotFile:
+        """Return the error that says what is wrong with this file."""
+        return InvalidRobotFile(self.path, reason)
+
+    def _include(self, element: ElementTree.Element, included: set[Path]) -> None:
+        """Put the children of included files where the elements <include> stand."""
+        for index in reversed(range(len(element))):
+            child = element[index]
+            if child.tag == "include":
+                path = (self.path.parent / child.get("file", "")).resolve()
+                if path in included:
+                    raise self.wrong(f"{path.name} is included twice")
+                included.add(path)
+                other = read_xml(path, None)
+                self._include(other, included)
+                element[index : index + 1] = list(other)
+            else:
+                self._include(child, included)
+
+    def _read_class(self, element: ElementTree.Element, name: str, inherited: Mapping[str, dict[str, str]]) -> None:
+        known = self._classes[name] = copy.deepcopy(dict(inherited))
+        for child in element:
+            if child.tag != "default":
+                known.setdefault(child.tag, {}).update(child.attrib)
+        for child in element.findall("default"):
+            nested = child.get("class")
+            if not nested or nested in self._classes:
+                raise self.wrong(f"<default>: a nested class needs a name of its own, got {nested!r}")
+            self._read_class(child, nested, known)
+
+    def section(self, tag: str) -> Iterator[ElementTree.Element]:
+        """Return the elements of all sections of a name; MuJoCo puts repeated sections together."""
+        for section in self.root.findall(tag):
+            yield from section
+
+    def full(self, element: ElementTree.Element, child_class: str | None = None, tag: str | None = None) -> ElementTree.Element:
+        """Return an element with the attributes that it inherits: from its class, that of the body around it, or the main one."""
+        name = element.get("class") or child_class or self._main
+        if name not in self._classes:
+            raise self.wrong(f"{described(element)}: there is no default class {name!r}")
+        result = ElementTree.Element(element.tag, self._classes[name].get(tag or element.tag, {}))
+        result.attrib.update(element.attrib)
+        return result
+
+    def numbers(self, element: ElementTree.Element, attribute: str, *counts: int) -> Array | None:
+        """Return the numbers of an attribute, None without it; see :func:`psp3.description.xml.numbers`."""
+        return numbers(self.path, element, attribute, *counts)
+
+    def number(self, element: ElementTree.Element, attribute: str, default: float) -> float:
+        """Return the one number of an attribute."""
+        value = self.numbers(element, attribute, 1)
+        return default if value is None else float(value[0])
+
+    def vector(self, element: ElementTree.Element, attribute: str, default: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Array:
+        """Return the three numbers of an attribute."""
+        value = self.numbers(element, attribute, 3)
+        return np.array(default) if value is None else value
+
+    def is_true(self, element: ElementTree.Element, attribute: str, default: bool) -> bool:
+        """Return the value of an attribute that is ``true`` or ``false``."""
+        text = element.get(attribute, "true" if default else "false")
+        if text not in ("true", "false"):
+            raise self.wrong(f"{described(element)}: {attribute} must be true or false, got {text!r}")
+        return text == "true"
+
+    def placement(self, element: ElementTree.Element) -> pin.SE3:
+        """Return where an element sits in its body, or a body in its parent: ``pos`` and one of five ways to give an orientation."""
+        return pin.SE3(self._rotation(element), self.vector(element, "pos"))
+
+    def _rotation(self, element: ElementTree.Element) -> Array:
+        given = [attribute for attribute in ORIENTATIONS if element.get(attribute) is not None]
+        if not given:
+            return np.eye(3)
+        if len(given) > 1:
+            raise self.wrong(f"{described(element)} has several orientations: {', '.join(given)}")
+        values = self.numbers(element, given[0], ORIENTATIONS[given[0]])
+        assert values is not None
+        try:
+            rotation: Array = getattr(self, f"_from_{given[0]}")(values)
+            return rotation
+        except ZeroDivisionError:
+            raise self.wrong(f"{described(element)}: {given[0]} {element.get(given[0])!r} gives no direction") from None
+
+    def _from_quat(self, values: Array) -> Array:
+        w, x, y, z = unit(values)
+        return np.asarray(pin.Quaternion(w, x, y, z).toRotationMatrix())
+
+    def _from_axisangle(self, values: Array) -> Array:
+        return np.asarray(pin.AngleAxis(self.radians_per_unit * values[3], unit(values[:3])).toRotationMatrix())
+
+    def _from_euler(self, values: Array) -> Array:
+        rotation = np.eye(3)
+        for letter, angle in zip(self._sequence, values, strict=True):
+            turn = pin.utils.rotate(letter.lower(), self.radians_per_unit * angle)
+            # Small letters turn about the axes that were turned before, capitals about those of the parent.
+            rotation = rotation @ turn if letter.islower() else turn @ rotation
+        return rotation
+
+    def _from_xyaxes(self, values: Array) -> Array:
+        x = unit(values[:3])
+        y = unit(values[3:] - (values[3:] @ x) * x)
+        return np.column_stack([x, y, np.cross(x, y)])
+
+    def _from_zaxis(self, values: Array) -> Array:
+        return rotation_to(values)
+
+    def ends(self, element: ElementTree.Element) -> tuple[pin.SE3, float] | None:
+        """Return center and half length of an element that is given by the two ends of its z axis (``fromto``); None if it is not."""
+        ends = self.numbers(element, "fromto", 6)
+        if ends is None:
+            return None
+        axis = ends[:3] - ends[3:]
+        try:
+            return pin.SE3(rotation_to(axis), 0.5 * (ends[:3] + ends[3:])), 0.5 * float(np.linalg.norm(axis))
+        except ZeroDivisionError:
+            raise self.wrong(f"{described(element)}: the two ends in fromto are the same point") from None
+
+
+def unit(vector: Array) -> Array:
+    """Return a vector divided by its length; raise :class:`ZeroDivisionError` if it has none."""
+    length = float(np.linalg.norm(vector))
+    if length < 1e-14:
+        raise ZeroDivisionError
+    return np.asarray(vector / length)
+
+
+def rotation_to(direction: Array) -> Array:
+    """Return the shortest rotation that takes z to a direction; half a turn about x where that is downward."""
+    direction = unit(direction)
+    axis = np.cross([0.0, 0.0, 1.0], direction)
+    sine = float(np.linalg.norm(axis))
+    axis = axis / sine if sine > 1e-10 else np.array([1.0, 0.0, 0.0])
+    return np.asarray(pin.AngleAxis(np.arctan2(sine, direction[2]), axis).toRotationMatrix())

@@ -1,0 +1,30 @@
+"""What a robot file holds, and where the files of the shipped robots are."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from psp3.checks import Array
+
+
+class RobotParts(NamedTuple):
+    """What the files of a robot hold, in the order in which :class:`psp3.ClosedLoopRobot` takes it."""
+
+    model: Any
+    """The tree, a ``pinocchio.Model``."""
+    constraint_models: Any
+    """The loops, a ``pinocchio.StdVec_RigidConstraintModel``."""
+    actuated: tuple[str, ...]
+    """Names of the actuated joints."""
+    q0: Array | None
+    """The pose ``home``, (nq,), where the files have it."""
+    visual_model: Any
+    """The shapes, a ``pinocchio.GeometryModel``."""
+
+
+ROBOT_FILES = Path(__file__).resolve().parents[1] / "urdf"
+"""Directory of the robot description files that come with the package."""
+
+ROBOTS = ("psp3", "five_bar", "planar_3rrr", "delta", "gough_stewart", "tricept")
+"""Names of the robots that come with the package."""

@@ -1,0 +1,84 @@
+"""What is read of an SRDF file: named poses, and pairs of links that are not checked for collisions."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.description.xml import described, numbers, read_xml, unique_names
+from psp3.errors import InvalidRobotFile
+
+
+def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
+    """Return the reference poses of an SRDF by name, (nq,) each, and keep them in the model's ``referenceConfigurations``.
+
+    Joints that a pose does not name are at their neutral position. A joint of unlimited angle is given by its angle, a ball joint by its
+    quaternion (x, y, z, w).
+
+    Raises
+    ------
+    InvalidRobotFile
+        If the file is missing or malformed, or names a joint that the model does not have.
+    """
+    path = Path(srdf)
+    poses = {name: _pose(path, state, model) for name, state in unique_names(path, read_xml(path, "robot").findall("group_state")).items()}
+    for name, pose in poses.items():
+        model.referenceConfigurations[name] = pose
+    return poses
+
+
+def _pose(path: Path, state: ElementTree.Element, model: pin.Model) -> Array:
+    pose = np.asarray(pin.neutral(model))
+    for name, element in unique_names(path, state.findall("joint")).items():
+        if not model.existJointName(name) or name == model.names[0]:
+            raise InvalidRobotFile(path, f"{described(state)}: the robot has no joint {name!r}")
+        joint = model.joints[model.getJointId(name)]
+        is_angle = (joint.nq, joint.nv) == (2, 1)
+        values = numbers(path, element, "value", 1 if is_angle else joint.nq)
+        if values is None:
+            raise InvalidRobotFile(path, f"{described(state)}: {described(element)} has no value")
+        if is_angle:
+            values = np.array([np.cos(values[0]), np.sin(values[0])])
+        pose[joint.idx_q : joint.idx_q + joint.nq] = values
+    if not pin.isNormalized(model, pose, 1e-6):
+        raise InvalidRobotFile(path, f"{described(state)}: the coordinates of a ball joint or a free body are no unit quaternion")
+    return pose
+
+
+class Exclusion(NamedTuple):
+    """Two links whose collisions are not looked for, and why."""
+
+    first: str
+    second: str
+    reason: str
+
+
+def excluded_by_srdf(srdf: str | Path) -> list[Exclusion]:
+    """Return the pairs of links that an SRDF excludes.
+
+    Parameters
+    ----------
+    srdf : path
+        The file, with elements ``disable_collisions``.
+
+    Returns
+    -------
+    list of Exclusion
+
+    Raises
+    ------
+    InvalidRobotFile
+        If the file is missing or not XML, or an element does not name two links.
+    """
+    found = []
+    for element in read_xml(Path(srdf), "robot").iter("disable_collisions"):
+        first, second = element.get("link1"), element.get("link2")
+        if not first or not second or first == second:
+            raise InvalidRobotFile(srdf, f"<disable_collisions> must name two links, link1 and link2, got {first!r} and {second!r}")
+        found.append(Exclusion(first, second, element.get("reason") or "excluded by the SRDF"))
+    return found

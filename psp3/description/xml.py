@@ -1,0 +1,109 @@
+"""XML files of robots: read, and their numbers checked, before a parser of Pinocchio's sees them.
+
+Pinocchio's parsers pass over what they do not understand: a mass that is not a number becomes a body without mass.
+"""
+
+from __future__ import annotations
+
+import math
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+
+from psp3.checks import Array
+from psp3.errors import InvalidRobotFile
+
+
+def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
+    """Return the outermost element of an XML file, whose tag must be the given one, if any.
+
+    Raises
+    ------
+    InvalidRobotFile
+        If the file is missing, is not XML, or its outermost element is another one.
+    """
+    if not path.is_file():
+        raise InvalidRobotFile(path, "no such file")
+    try:
+        root = ElementTree.fromstring(path.read_bytes())
+    except (OSError, ElementTree.ParseError, LookupError, ValueError) as error:
+        raise InvalidRobotFile(path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})") from error
+    if tag is not None and root.tag != tag:
+        raise InvalidRobotFile(path, f"its outermost element must be <{tag}>, not <{root.tag}>")
+    return root
+
+
+LEAST_MOMENT = -1e-9
+"""A moment of inertia below this share of the largest one is negative, not rounded."""
+
+
+def described(element: ElementTree.Element) -> str:
+    """Return an element's tag, with its name if it has one, as an error message says them."""
+    name = element.get("name")
+    return f"<{element.tag}>" if name is None else f"<{element.tag} name={name!r}>"
+
+
+def numbers(path: Path, element: ElementTree.Element, attribute: str, *counts: int) -> Array | None:
+    """Return the finite numbers of an attribute, or None if the element does not have it.
+
+    Parameters
+    ----------
+    path : path
+        The file, for error messages.
+    element : xml.etree.ElementTree.Element
+        The element.
+    attribute : str
+        Name of its attribute.
+    *counts : int
+        How many numbers there may be; without any, one or more.
+
+    Returns
+    -------
+    (n,) ndarray or None
+        The numbers.
+
+    Raises
+    ------
+    InvalidRobotFile
+        If there is something else, too many or too few, or one is not finite.
+    """
+    text = element.get(attribute)
+    if text is None:
+        return None
+    try:
+        values = np.array([float(word) for word in text.split()])
+    except ValueError:
+        values = np.array([math.nan])
+    if not np.isfinite(values).all() or not values.size or (counts and values.size not in counts):
+        wanted = f"{' or '.join(map(str, counts))} " if counts else ""
+        plural = "s" if counts != (1,) else ""
+        raise InvalidRobotFile(path, f"{described(element)}: {attribute} must be {wanted}finite number{plural}, got {text!r}")
+    return values
+
+
+def unique_names(path: Path, elements: Iterable[ElementTree.Element]) -> dict[str, ElementTree.Element]:
+    """Return elements of one kind by their names; raise :class:`InvalidRobotFile` if one has none, or two have the same."""
+    known: dict[str, ElementTree.Element] = {}
+    for element in elements:
+        name = element.get("name")
+        if not name:
+            raise InvalidRobotFile(path, f"a <{element.tag}> has no name")
+        if name in known:
+            raise InvalidRobotFile(path, f"there are two of {described(element)}")
+        known[name] = element
+    return known
+
+
+def check_inertia(path: Path, body: ElementTree.Element, mass: float, inertia: Array) -> None:
+    """Raise :class:`InvalidRobotFile` if a body's mass [kg] or a principal moment of its inertia (3, 3) [kg m²] is negative.
+
+    Moments that no rigid body has (each must be at most the sum of the other two) pass: they matter only to bodies that turn, and the
+    published ones of the 3-PSP's nuts, which do not, are such.
+    """
+    moments = np.linalg.eigvalsh(inertia)
+    if mass < 0.0:
+        raise InvalidRobotFile(path, f"{described(body)}: the mass {mass:g} is negative")
+    if moments[0] < LEAST_MOMENT * abs(moments[2]):
+        raise InvalidRobotFile(path, f"{described(body)}: a principal moment of inertia is negative, {moments[0]:.6g} kg m²")

@@ -1,0 +1,1 @@
+"""Computed torque with M, C and G learned by fuzzy systems: training, adaptation and monitoring."""

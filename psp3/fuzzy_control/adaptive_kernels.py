@@ -1,0 +1,208 @@
+r"""Compiled loops of adaptive fuzzy computed torque: one step of the controller, and whole runs of it.
+
+A rule base of type-1 or interval type-2 is ``table``, see ``fuzzy2.systems.kernels``, with consequents (18, 2, R): left and right ends of the
+estimated numbers, for every rule. Of them M and G adapt, n = 9 R parameters. ``settings`` are, beginning as a controller of
+``control_kernels`` does, (kind, kp, kv, memory, lag, update period, least share of the trained M); without a memory, 0, nothing is learned.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy2.learning.adaptation_kernels import add, basis, forget, solve_within
+from fuzzy2.support.compiled import compiled
+from psp3.fuzzy_control.kernels import OUTPUTS, apply_model, is_positive_definite, width_of_force, write_servo
+
+Array = NDArray[np.float64]
+
+MEMORY, LAG, UPDATE_PERIOD, LEAST_SHARE = range(3, 7)
+
+ADAPTED = 9
+"""Estimated numbers that adapt: the upper triangle of M and G."""
+
+TIME, SINCE_UPDATE, CALLED = range(3)
+
+
+class Rules(NamedTuple):
+    """What was trained, and how far from it adaptation may go.
+
+    ``ranges`` (2, 4) are the trained inputs' ends, ``prior`` (n,) the weights of the trained consequents and ``reach`` (n,) the farthest
+    that they may go.
+    """
+
+    table: Array
+    ranges: Array
+    trained: Array
+    prior: Array
+    reach: Array
+
+
+class Memory(NamedTuple):
+    """What changes from call to call.
+
+    ``clock`` (3,), ``last`` (9,) heights, speeds and torque of the last call, ``rows`` (3, n) and ``residuals`` (3,) of the low-pass
+    filter, the least-squares problem with scratch space, how far the consequents are from the trained ones, and the consequents
+    themselves with the order that ``basis`` keeps of them.
+    """
+
+    clock: Array
+    last: Array
+    rows: Array
+    residuals: Array
+    information: Array
+    right: Array
+    factor: Array
+    trial: Array
+    delta: Array
+    consequents: Array
+    orders: NDArray[np.int64]
+
+
+def new_memory(trained: Array) -> Memory:
+    """Return the memory of a controller that has not been called yet."""
+    rules = trained.shape[2]
+    size = ADAPTED * rules
+    orders = np.tile(np.arange(rules, dtype=np.int64), (OUTPUTS, 2, 1))
+    square = np.zeros((2, size, size))
+    return Memory(
+        np.zeros(3), np.zeros(9), np.zeros((3, size)), np.zeros(3), square[0], np.zeros(size), square[1],
+        np.zeros(size), np.zeros(size), trained.copy(), orders,
+    )  # fmt: skip
+
+
+@compiled
+def _place(j):
+    """Place of output j among those that adapt, or −1."""
+    return j if j < 6 else (j - 9 if j >= 15 else -1)
+
+
+@compiled
+def _inputs(ranges, heights, speeds, x):
+    """Write the four differences, put back into the trained ranges; return whether they were there."""
+    x[0], x[1], x[2], x[3] = heights[0] - heights[1], heights[0] - heights[2], speeds[0] - speeds[1], speeds[0] - speeds[2]
+    covered = True
+    for i in range(4):
+        if not ranges[0, i] <= x[i] <= ranges[1, i]:
+            covered = False
+            x[i] = min(max(x[i], ranges[0, i]), ranges[1, i])
+    return covered
+
+
+@compiled
+def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi):
+    """Enter what the torque of the last period did into the least-squares problem."""
+    count = rules.trained.shape[2]
+    middle, rise = np.empty(6), np.empty(3)
+    for i in range(3):
+        middle[i], middle[3 + i] = 0.5 * (heights[i] + memory.last[i]), 0.5 * (speeds[i] + memory.last[3 + i])
+        # The mean acceleration of a period, exactly: the force was constant, and nothing is differentiated.
+        rise[i] = (speeds[i] - memory.last[3 + i]) / period
+    _inputs(rules.ranges, middle[:3], middle[3:], x)
+    if not basis(rules.table, x, memory.consequents, memory.orders, strengths, phi):
+        return
+    blend = -math.expm1(-period / settings[LAG])
+    forget(memory.information, memory.right, math.exp(-period / settings[MEMORY]))
+    for i in range(3):
+        row = memory.rows[i]
+        for k in range(row.size):
+            row[k] *= 1.0 - blend
+        trained = 0.0
+        for q in range(7):
+            if q < 3:
+                a, b = min(i, q), max(i, q)
+                j, factor = a * (5 - a) // 2 + b, rise[q]
+            elif q < 6:
+                j, factor = 3 + 3 * i + q, middle[q]
+            else:
+                j, factor = 15 + i, 1.0
+            place = _place(j)
+            total = 0.0
+            for r in range(count):
+                total += phi[j, 0, r] * rules.trained[j, 0, r] + phi[j, 1, r] * rules.trained[j, 1, r]
+                if place >= 0:
+                    row[place * count + r] += blend * factor * 0.5 * (phi[j, 0, r] + phi[j, 1, r])
+            trained += 0.5 * total * factor
+        memory.residuals[i] += blend * (memory.last[6 + i] - trained - memory.residuals[i])
+        add(memory.information, memory.right, row, memory.residuals[i], period)
+    memory.clock[SINCE_UPDATE] += period
+
+
+@compiled
+def _update(settings, rules, memory):
+    """Solve the least-squares problem now and then, within reach of what was trained."""
+    # The small excess keeps rounding from waiting for one period more.
+    if memory.clock[SINCE_UPDATE] < (1.0 - 1e-9) * settings[UPDATE_PERIOD]:
+        return
+    memory.clock[SINCE_UPDATE] = 0.0
+    solve_within(
+        memory.information, memory.right, rules.prior, -rules.reach, rules.reach, memory.factor, memory.trial, memory.delta
+    )  # fmt: skip
+    count = rules.trained.shape[2]
+    for j in range(OUTPUTS):
+        place = _place(j)
+        if place >= 0:
+            for r in range(count):
+                for end in range(2):
+                    memory.consequents[j, end, r] = rules.trained[j, end, r] + memory.delta[place * count + r]
+
+
+@compiled
+def _estimate(phi, consequents, middle, spread):
+    """Write middles and half-widths of the eighteen numbers."""
+    for j in range(OUTPUTS):
+        low, high = 0.0, 0.0
+        for r in range(consequents.shape[2]):
+            low += phi[j, 0, r] * consequents[j, 0, r]
+            high += phi[j, 1, r] * consequents[j, 1, r]
+        middle[j], spread[j] = 0.5 * (low + high), max(0.5 * (high - low), 0.0)
+
+
+@compiled
+def adaptive_step(
+    settings: Array, rules: Rules, memory: Memory, t: float, heights: Array, speeds: Array, desired: Array, out: Array
+) -> bool:
+    """Learn from the last period and write the next torque, as ``control_kernels.fuzzy_torque`` does; return whether it is finite.
+
+    ``fell back`` says that the trained consequents took the place of the adapted ones, because those gave no usable M.
+    """
+    total = t
+    for i in range(3):
+        total += heights[i] + speeds[i]
+    if not math.isfinite(total):
+        out[:] = math.nan
+        return False
+    count = rules.trained.shape[2]
+    x, strengths, phi = np.empty(4), np.empty(2 * count), np.empty((OUTPUTS, 2, count))
+    period = t - memory.clock[TIME]
+    if memory.clock[CALLED] > 0.0 and period > 0.0 and settings[MEMORY] > 0.0:
+        _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi)
+        _update(settings, rules, memory)
+    covered = _inputs(rules.ranges, heights, speeds, x)
+    middle, spread = np.full(OUTPUTS, math.nan), np.zeros(OUTPUTS)
+    fell_back = True
+    if basis(rules.table, x, memory.consequents, memory.orders, strengths, phi):
+        _estimate(phi, memory.consequents, middle, spread)
+        trained, other, least = np.empty(OUTPUTS), np.empty(OUTPUTS), np.empty(OUTPUTS)
+        _estimate(phi, rules.trained, trained, other)
+        for j in range(OUTPUTS):
+            least[j] = middle[j] - settings[LEAST_SHARE] * trained[j]
+        fell_back = not is_positive_definite(least)
+        if fell_back:
+            # Their order is another one than that of the adapted consequents, and so are their switch points.
+            basis(rules.table, x, rules.trained, memory.orders, strengths, phi)
+            _estimate(phi, rules.trained, middle, spread)
+    servo = np.empty(3)
+    write_servo(settings, heights, speeds, desired, servo)
+    apply_model(middle, servo, speeds, out, 0)
+    for i in range(3):
+        width = width_of_force(spread, servo, speeds, i, False)
+        out[3 + i], out[6 + i] = out[i] - width, out[i] + width
+    out[9], out[10] = 1.0 if covered else 0.0, 1.0 if fell_back else 0.0
+    memory.clock[TIME], memory.clock[CALLED] = t, 1.0
+    for i in range(3):
+        memory.last[i], memory.last[3 + i], memory.last[6 + i] = heights[i], speeds[i], out[i]
+    return math.isfinite(out[0] + out[1] + out[2])

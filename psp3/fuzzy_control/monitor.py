@@ -1,0 +1,205 @@
+r"""The torque interval as a monitor: an alarm when it is wider than it was where the rules were learned.
+
+A type-2 controller says with every torque between which ends its rules leave it (:attr:`psp3.FuzzyComputedTorque.torque_interval`). The
+monitor learns from runs under known conditions how wide that interval is, low-pass filtered, and raises an alarm when it is wider than
+all but a stated share of them. How well this detects what it is meant to detect is measured in :mod:`psp3.study.detection`, beside other
+signals that the same monitor can watch.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from psp3.checks import Array, as_floats, checked_number, checked_positive
+from psp3.errors import InvalidArray, InvalidValue, NoThreshold
+
+
+def torque_width(interval: ArrayLike) -> Array:
+    """Return the widths of torque intervals, added up over the screws.
+
+    Parameters
+    ----------
+    interval : (..., n, 2) array_like
+        Ends of the intervals [N].
+
+    Returns
+    -------
+    (...,) ndarray
+        Sums of the widths [N].
+
+    Raises
+    ------
+    InvalidArray
+        If the ends are not finite numbers of that shape in ascending order.
+    """
+    ends = as_floats("interval", interval, "(..., n, 2)")
+    if np.ndim(interval) < 2 or ends.shape[-1] != 2 or not np.isfinite(ends).all() or (ends[..., 0] > ends[..., 1]).any():
+        raise InvalidArray("interval", "(..., n, 2), left ends not above right ends", interval)
+    return np.asarray((ends[..., 1] - ends[..., 0]).sum(axis=-1))
+
+
+class Monitor:
+    r"""An alarm on a signal that is greater than it was while everything was well.
+
+    The signal s passes a first-order low-pass filter, :math:`T \dot y = s - y`. The alarm comes on where y exceeds the threshold
+    that was learned, and goes off where y falls below the threshold less a share of it, so that it does not flutter.
+
+    Parameters
+    ----------
+    quantile : float
+        Share of the samples of y in training that stay at or below the threshold, in (0, 1]; 1 for the greatest of all.
+    hysteresis : float
+        Share of the threshold by which y must fall below it for the alarm to go off, in [0, 1).
+    time_constant : float
+        T [s].
+
+    Attributes
+    ----------
+    threshold_ : float
+        What was learned, in the unit of the signal.
+
+    Raises
+    ------
+    InvalidValue
+        If a parameter is outside of what it can be.
+    """
+
+    threshold_: float
+
+    def __init__(self, quantile: float = 0.999, hysteresis: float = 0.05, time_constant: float = 0.05) -> None:
+        self.quantile = checked_positive("quantile", quantile)
+        if self.quantile > 1.0:
+            raise InvalidValue("quantile", quantile, "above 0 and at most 1")
+        self.hysteresis = checked_number("hysteresis", hysteresis, "at least 0 and below 1", 0.0)
+        if self.hysteresis >= 1.0:
+            raise InvalidValue("hysteresis", hysteresis, "at least 0 and below 1")
+        self.time_constant = checked_positive("time_constant", time_constant)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the signal so far; what was learned stays. The filter starts from the first value that comes."""
+        self._level, self._time, self._alarm = math.nan, math.nan, False
+
+    def filtered(self, t: ArrayLike, signal: ArrayLike) -> Array:
+        """Return a whole signal after the filter, started anew.
+
+        Parameters
+        ----------
+        t : (N,) array_like
+            Times in ascending order [s].
+        signal : (N,) array_like
+            Values at these times.
+
+        Returns
+        -------
+        (N,) ndarray
+
+        Raises
+        ------
+        InvalidArray
+            If times or values are not rows of finite numbers of the same length, or the times do not ascend.
+        """
+        times, values = (as_floats(name, row, "(N,)") for name, row in (("t", t), ("signal", signal)))
+        if np.ndim(t) != 1 or not times.size or not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
+            raise InvalidArray("t", "(N,), finite and ascending", t)
+        if values.shape != times.shape or np.ndim(signal) != 1 or not np.isfinite(values).all():
+            raise InvalidArray("signal", f"({times.size},), finite, one value for each time", signal)
+        shares = -np.expm1(-np.diff(times) / self.time_constant)
+        level, levels = float(values[0]), [float(values[0])]
+        for share, value in zip(shares.tolist(), values[1:].tolist(), strict=True):
+            level += share * (value - level)
+            levels.append(level)
+        return np.array(levels)
+
+    def learn(self, runs: Iterable[tuple[ArrayLike, ArrayLike]]) -> Self:
+        """Learn the threshold from runs in which everything was well.
+
+        Parameters
+        ----------
+        runs : iterable of (t, signal)
+            Times and values of each run, see :meth:`filtered`.
+
+        Returns
+        -------
+        Monitor
+            The monitor itself, with :attr:`threshold_`.
+
+        Raises
+        ------
+        InvalidValue
+            If there is no run.
+        InvalidArray
+            As from :meth:`filtered`.
+        """
+        levels = [self.filtered(t, signal) for t, signal in runs]
+        if not levels:
+            raise InvalidValue("runs", [], "at least one run")
+        self.threshold_ = float(np.quantile(np.concatenate(levels), self.quantile))
+        self.reset()
+        return self
+
+    def update(self, t: float, value: float) -> bool:
+        """Go on to a value, and return whether there is an alarm.
+
+        Parameters
+        ----------
+        t : float
+            Time, after that of the last call [s].
+        value : float
+            The signal now.
+
+        Returns
+        -------
+        bool
+
+        Raises
+        ------
+        NoThreshold
+            If no threshold was learned.
+        InvalidValue
+            If time or value is not a finite number, or the time is not after the last one.
+        """
+        threshold = self._threshold()
+        now, level = (
+            checked_number(name, number, "a finite number", -np.finfo(float).max) for name, number in (("t", t), ("value", value))
+        )
+        for name, number in (("t", now), ("value", level)):
+            if number == math.inf:
+                raise InvalidValue(name, number, "a finite number")
+        if now <= self._time:
+            raise InvalidValue("t", t, f"after the time of the last call, {self._time:.6g} s; reset() before another run")
+        if not math.isnan(self._level):
+            level = self._level - math.expm1(-(now - self._time) / self.time_constant) * (level - self._level)
+        self._level, self._time = level, now
+        self._alarm = level > (self._lower(threshold) if self._alarm else threshold)
+        return self._alarm
+
+    def watch(self, t: ArrayLike, signal: ArrayLike) -> NDArray[np.bool_]:
+        """Return where there would have been an alarm in a run that is over, (N,); see :meth:`filtered` for its arguments.
+
+        Raises
+        ------
+        NoThreshold
+            If no threshold was learned.
+        InvalidArray
+            As from :meth:`filtered`.
+        """
+        threshold = self._threshold()
+        levels = self.filtered(t, signal)
+        # On above the threshold, off below the lower one, and in between what was last: the last sample that decided.
+        decided = (levels > threshold) | (levels <= self._lower(threshold))
+        last = np.maximum.accumulate(np.where(decided, np.arange(len(levels)), -1))
+        return np.asarray((last >= 0) & (levels[last] > threshold))
+
+    def _lower(self, threshold: float) -> float:
+        return threshold - self.hysteresis * abs(threshold)
+
+    def _threshold(self) -> float:
+        if not hasattr(self, "threshold_"):
+            raise NoThreshold(type(self).__name__)
+        return self.threshold_

@@ -1,0 +1,174 @@
+r"""Records of the crisp computed-torque controller on a trajectory: what the fuzzy estimators of chapter 5 learn from.
+
+M, C and G do not change when all nuts rise together, so they are functions of four differences (Table 5.2),
+
+.. math:: x = (\Delta q_{12}, \Delta q_{13}, \Delta\dot q_{12}, \Delta\dot q_{13}), \qquad \Delta q_{1k} = a_1 - a_k,
+
+and of these alone. M is symmetric, so eighteen numbers hold all of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from psp3.checks import Array, finite_rows
+from psp3.control.classical import ComputedTorque
+from psp3.errors import InvalidValue
+from psp3.published import DURATION
+from psp3.simulation.tracking import simulate
+from psp3.three_psp.robot import PSP3
+from psp3.trajectories.trajectory import Trajectory
+
+INPUT_NAMES = ("Δq12", "Δq13", "Δq̇12", "Δq̇13")
+"""Inputs of the estimators, in order [m, m, m/s, m/s]."""
+
+OUTPUT_NAMES = (
+    *("M11", "M12", "M13", "M22", "M23", "M33"),
+    *(f"C{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3)),
+    *("G1", "G2", "G3"),
+)
+"""Outputs of the estimators, in order: the upper triangle of M [kg], C [kg/s] and G [N]."""
+
+STILL = 1e-9
+"""Range of an input below which it counts as not changing at all [m, m/s]: what is left is rounding."""
+
+_UPPER = np.triu_indices(3)
+
+
+def differences(heights: ArrayLike, speeds: ArrayLike) -> Array:
+    """Return the four difference inputs of the estimators.
+
+    Parameters
+    ----------
+    heights, speeds : (..., 3) array_like
+        Nut heights [m] and speeds [m/s].
+
+    Returns
+    -------
+    (..., 4) ndarray
+        Differences in the order of ``INPUT_NAMES``.
+
+    Raises
+    ------
+    InvalidArray
+        If an argument is not finite numbers of that shape.
+    """
+    a, v = finite_rows("heights", heights, 3), finite_rows("speeds", speeds, 3)
+    return np.concatenate([a[..., :1] - a[..., 1:], v[..., :1] - v[..., 1:]], axis=-1)
+
+
+def pack(M: Array, C: Array, G: Array) -> Array:
+    """Return M (..., 3, 3), C (..., 3, 3) and G (..., 3) as the eighteen outputs of the estimators, (..., 18)."""
+    return np.concatenate([M[..., _UPPER[0], _UPPER[1]], C.reshape(*C.shape[:-2], 9), G], axis=-1)
+
+
+def unpack(outputs: Array) -> tuple[Array, Array, Array]:
+    """Return M (..., 3, 3), symmetric, C (..., 3, 3) and G (..., 3) of the eighteen outputs (..., 18)."""
+    M = np.empty((*outputs.shape[:-1], 3, 3))
+    M[..., _UPPER[0], _UPPER[1]] = M[..., _UPPER[1], _UPPER[0]] = outputs[..., :6]
+    return M, outputs[..., 6:15].reshape(*outputs.shape[:-1], 3, 3), outputs[..., 15:]
+
+
+@dataclass(frozen=True)
+class Record:
+    """A recorded run.
+
+    Parameters
+    ----------
+    t : (N,) ndarray
+        Times [s].
+    heights, speeds : (N, 3) ndarray
+        Nut heights [m] and speeds [m/s].
+    inputs : (N, 4) ndarray
+        The four differences on the way.
+    outputs : (N, 18) ndarray
+        Exact M, C and G on the way, in the order of ``OUTPUT_NAMES``.
+    """
+
+    t: Array
+    heights: Array
+    speeds: Array
+    inputs: Array
+    outputs: Array
+    _chosen: dict[int, NDArray[np.intp]] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @property
+    def rms(self) -> Array:
+        """Root mean square of every output over the run, mean included, (18,): the amplitude of the signal that noise is set against."""
+        return np.asarray(np.sqrt(np.mean(self.outputs**2, axis=0)))
+
+    def sample(self, count: int) -> NDArray[np.intp]:
+        """Return the indices of samples that cover the recorded inputs evenly.
+
+        Each next sample is the recorded point that is farthest from all samples taken before, distances measured in shares of the
+        inputs' ranges; the first is the point farthest from the middle of the ranges. So every prefix covers the whole record.
+
+        Parameters
+        ----------
+        count : int
+            Number of samples, at least 2 and at most that of the record.
+
+        Returns
+        -------
+        (count,) ndarray of int
+            Indices in ascending order.
+
+        Raises
+        ------
+        InvalidValue
+            If the count is outside of these limits, or an input does not change at all.
+        """
+        if isinstance(count, bool) or not isinstance(count, int | np.integer) or not 2 <= count <= len(self.t):
+            raise InvalidValue("samples", count, f"a whole number from 2 to {len(self.t)}, the length of the record")
+        if count not in self._chosen:
+            # A study learns from the same samples again and again, with other noise on them.
+            self._chosen[count] = self._spread_evenly(count)
+        return self._chosen[count].copy()
+
+    def _spread_evenly(self, count: int) -> NDArray[np.intp]:
+        span = np.ptp(self.inputs, axis=0)
+        if not (span > STILL).all():
+            still = ", ".join(name for name, width in zip(INPUT_NAMES, span, strict=True) if not width > STILL)
+            raise InvalidValue(
+                "trajectory", still, "one on which every difference input changes; choose a path that tilts the star both ways"
+            )
+        points = (self.inputs - self.inputs.min(axis=0)) / span
+        chosen = [int(np.argmax(((points - 0.5) ** 2).sum(axis=1)))]
+        nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)
+        while len(chosen) < count:
+            chosen.append(int(np.argmax(nearest)))
+            np.minimum(nearest, ((points - points[chosen[-1]]) ** 2).sum(axis=1), out=nearest)
+        return np.sort(np.array(chosen))
+
+
+def record(
+    robot: PSP3, trajectory: Trajectory, duration: float = DURATION, period: float = 0.002, kp: float = 10.0, kv: float = 1.0
+) -> Record:
+    """Track a trajectory with the crisp computed-torque controller, started at rest on it, and record inputs and dynamics.
+
+    Parameters
+    ----------
+    robot : PSP3
+        The robot, whose M, C and G are recorded.
+    trajectory : Trajectory
+        The desired motion.
+    duration, period : float
+        Length of the run and control period [s].
+    kp, kv : float
+        Gains of the controller, see :class:`psp3.control.classical.ComputedTorque`.
+
+    Returns
+    -------
+    Record
+
+    Raises
+    ------
+    InvalidValue, UnreachableTip, StrokeExceeded, SimulationStopped
+        As from :func:`psp3.simulation.tracking.simulate`.
+    """
+    result = simulate(robot, ComputedTorque(robot, kp, kv), trajectory, duration, period)
+    outputs = pack(*robot.equation_of_motion(result.heights, result.speeds))
+    return Record(result.t, result.heights, result.speeds, differences(result.heights, result.speeds), outputs)

@@ -1,0 +1,193 @@
+r"""Base parameters: the combinations of masses and inertias that forces of actuators can tell, and no more.
+
+Columns of the regressor that depend on others join them. Which do is found numerically, from random motions (M. Gautier, Numerical
+calculation of the base inertial parameters of robots, Journal of Robotic Systems, 1991).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, Indices, one_row
+from psp3.closure.rank import RANK_TOLERANCE
+from psp3.errors import ClosureFailed, JointLimitExceeded, SingularConfiguration, UncertainRank, UnreachablePose
+from psp3.identification.unknowns import Unknowns
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+
+UNREACHABLE = (ClosureFailed, JointLimitExceeded, SingularConfiguration, UnreachablePose)
+"""Errors that say that a robot cannot take a pose."""
+
+
+@dataclass(frozen=True, eq=False)
+class BaseParameters:
+    r"""Combinations :math:`\beta = K\, \pi` of unknowns on which the actuator forces depend: :math:`\tau = Y_\beta\, \beta + Y \theta_0`.
+
+    Parameters
+    ----------
+    unknowns : Unknowns
+        The p numbers that are combined.
+    columns : (r,) ndarray of int
+        Which unknown opens each combination, with coefficient 1; no other combination has it.
+    grouping : (r, p) ndarray
+        The matrix K.
+    """
+
+    unknowns: Unknowns
+    columns: Indices
+    grouping: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The combinations in words, such as ``nut_mass + 3 ball_mass``."""
+        return tuple(_in_words(row, self.unknowns.names, int(first)) for row, first in zip(self.grouping, self.columns, strict=True))
+
+    @property
+    def believed(self) -> Array:
+        """Values that the robot's model has, (r,)."""
+        return self.values(self.unknowns.believed)
+
+    @property
+    def undetermined(self) -> tuple[str, ...]:
+        """Names of the unknowns that enter no actuator force."""
+        used = np.count_nonzero(self.grouping, axis=0)
+        return tuple(name for name, count in zip(self.unknowns.names, used, strict=True) if not count)
+
+    def values(self, unknowns: ArrayLike) -> Array:
+        r"""Return :math:`\beta = K\, \pi` for values (p,) of the unknowns."""
+        values: Array = self.grouping @ one_row("unknowns", unknowns, len(self.unknowns.names))
+        return values
+
+    def forces_of(self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike) -> tuple[Array, Array]:
+        r"""Return the matrix :math:`Y_\beta` (..., n, r), and the forces (..., n) of what is known already.
+
+        Arguments and errors are those of :func:`psp3.identification.regressor.regressor`.
+        """
+        full, known = self.unknowns.forces_of(positions, speeds, accelerations)
+        return full[..., self.columns], known
+
+    def nearest(self, values: ArrayLike) -> Array:
+        r"""Return the unknowns nearest to what is believed that have the given base parameters.
+
+        .. math:: \min_\pi \sum_j \Big( \frac{\pi_j - \hat\pi_j}{s_j} \Big)^2 \quad \text{subject to} \quad K\, \pi = \beta
+
+        The scale :math:`s_j` is :math:`|\hat\pi_j|`; where zero is believed, a thousandth of the least that is not. So what the forces
+        cannot tell apart is shared out in proportion to what is believed: one of many choices that the forces allow.
+
+        Parameters
+        ----------
+        values : (r,) array_like
+            Base parameters.
+
+        Returns
+        -------
+        (p,) ndarray
+        """
+        believed = self.unknowns.believed
+        sizes = np.abs(believed)
+        scales = np.where(sizes > 0.0, sizes, 1e-3 * np.min(sizes[sizes > 0.0], initial=1.0))
+        change = one_row("values", values, len(self.columns)) - self.believed
+        # Rows are scaled too, since kg stand beside kg m².
+        rows = np.linalg.norm(self.grouping * scales, axis=1)
+        scaled: Array = np.linalg.pinv(self.grouping * scales / rows[:, np.newaxis], rcond=1e-14) @ (change / rows)
+        return np.asarray(believed + scales * scaled)
+
+
+def base_parameters(unknowns: Unknowns, rng: np.random.Generator | None = None) -> BaseParameters:
+    """Return the base parameters of a robot, found from its regressor at random motions.
+
+    Parameters
+    ----------
+    unknowns : Unknowns
+        The numbers that are to be found.
+    rng : numpy.random.Generator, optional
+        Source of the random motions; unless given, the same one at every call.
+
+    Returns
+    -------
+    BaseParameters
+        Unknowns stand for a combination in the order in which they are given.
+
+    Raises
+    ------
+    UncertainRank
+        If rounding hides how many combinations there are.
+    """
+    source = np.random.default_rng(0) if rng is None else rng
+    robot, count = unknowns.robot, len(unknowns.names)
+    n = len(robot.actuated)
+    rows = 10 + 4 * count // n
+    motions = np.array(list(islice(_random_motions(robot, source), rows)))
+    stacked = unknowns.forces_of(*motions.transpose(1, 0, 2))[0].reshape(-1, count)
+    return BaseParameters(unknowns, *independent_columns(stacked))
+
+
+def independent_columns(matrix: Array) -> tuple[Indices, Array]:
+    r"""Return the first columns that are independent, and how all columns depend on them.
+
+    With :math:`W_1` the r columns found, :math:`W = W_1 K`; in W, of shape (N, p), a column counts as dependent if what the ones before
+    it leave of it is less than 1e-9 of its length.
+
+    Returns
+    -------
+    columns : (r,) ndarray of int
+    grouping : (r, p) ndarray
+        The matrix K, with the unit matrix in the r columns.
+
+    Raises
+    ------
+    UncertainRank
+        If the singular values say another rank.
+    """
+    lengths = np.linalg.norm(matrix, axis=0)
+    lengths[lengths <= RANK_TOLERANCE * lengths.max(initial=0.0)] = np.inf
+    scaled = matrix / lengths
+    basis = np.zeros((len(matrix), 0))
+    columns: list[int] = []
+    for j, column in enumerate(scaled.T):
+        left = column
+        for _ in range(2):  # a second time, because the first leaves rounding of the size of what is looked for
+            left = left - basis @ (basis.T @ left)
+        size = float(np.linalg.norm(left))
+        if size > RANK_TOLERANCE:
+            basis, columns = np.column_stack([basis, left / size]), [*columns, j]
+    values = np.linalg.svd(scaled, compute_uv=False)
+    rank = int(np.count_nonzero(values > RANK_TOLERANCE * values.max(initial=0.0)))
+    if rank != len(columns):
+        raise UncertainRank(len(columns), rank, values)
+    found = np.array(columns, dtype=np.int64)
+    grouping = np.linalg.lstsq(scaled[:, found], scaled, rcond=None)[0]
+    grouping[np.abs(grouping) < RANK_TOLERANCE] = 0.0
+    grouping = grouping * np.where(np.isinf(lengths), 0.0, lengths) / lengths[found, np.newaxis]
+    grouping[:, found] = np.eye(rank)
+    return found, grouping
+
+
+def _random_motions(robot: ClosedLoopRobot, rng: np.random.Generator) -> Iterator[Array]:
+    """Yield motions (3, n) at random poses that the robot can take: positions, speeds and accelerations."""
+    lower, upper = robot.limits
+    reference, n = robot.reference, len(robot.actuated)
+    lower, upper = np.where(np.isfinite(lower), lower, reference - 1.0), np.where(np.isfinite(upper), upper, reference + 1.0)
+    while True:
+        # Drawn toward the reference pose by a random share, since corners of the limits are seldom poses.
+        position = reference + rng.uniform() * (rng.uniform(lower, upper) - reference)
+        try:
+            robot.closure(position)
+        except UNREACHABLE:
+            continue
+        yield np.stack([position, rng.normal(size=n), 10.0 * rng.normal(size=n)])
+
+
+def _in_words(coefficients: Array, names: tuple[str, ...], first: int) -> str:
+    """Return a sum such as ``m(a1) + 0.5 m(b1)``, with the number that opens it first."""
+    order = [first, *(j for j in range(len(names)) if coefficients[j] != 0.0 and j != first)]
+    words = ""
+    for j in order:
+        size = abs(coefficients[j])
+        sign = ("-" if coefficients[j] < 0.0 else "") if not words else (" - " if coefficients[j] < 0.0 else " + ")
+        words += sign + ("" if abs(size - 1.0) < 1e-6 else f"{size:.4g} ") + names[j]
+    return words

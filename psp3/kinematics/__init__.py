@@ -1,0 +1,1 @@
+"""Frames, tasks, singularities and workspaces of any robot."""

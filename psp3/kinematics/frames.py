@@ -1,0 +1,110 @@
+"""Motion of a point or a frame of a robot: place, velocity and acceleration."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, finite_rows, together
+from psp3.kinematics.tasks import checked_frame
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+
+
+class FrameMotion(NamedTuple):
+    """Motion of a frame in base axes.
+
+    ``placement`` (..., 4, 4), a homogeneous transform: rotation, and position [m]; ``velocity`` (..., 6), of the origin [m/s], then
+    angular [rad/s]; ``acceleration`` (..., 6), of the origin [m/s²], then angular [rad/s²].
+    """
+
+    placement: Array
+    velocity: Array
+    acceleration: Array
+
+
+def point_motion(position: ArrayLike, velocity: ArrayLike = (0.0, 0.0, 0.0), acceleration: ArrayLike = (0.0, 0.0, 0.0)) -> FrameMotion:
+    """Return the motion of a frame that does not turn, as it is wanted of a tool whose orientation does not matter.
+
+    Parameters
+    ----------
+    position, velocity, acceleration : (..., 3) array_like
+        Of the origin, in base axes [m], [m/s], [m/s²]; at rest by default.
+
+    Returns
+    -------
+    FrameMotion
+        Its axes are those of the base.
+
+    Raises
+    ------
+    InvalidArray
+        If an argument is not finite or of another shape.
+    """
+    x, v, w = together(
+        position=finite_rows("position", position, 3),
+        velocity=finite_rows("velocity", velocity, 3),
+        acceleration=finite_rows("acceleration", acceleration, 3),
+    )
+    placement = np.zeros((*x.shape[:-1], 4, 4))
+    placement[..., :, :] = np.eye(4)
+    placement[..., :3, 3] = x
+    still = np.zeros_like(x)
+    return FrameMotion(placement, np.concatenate([v, still], axis=-1), np.concatenate([w, still], axis=-1))
+
+
+def frame_motion(
+    robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike, frame: str = "tip"
+) -> FrameMotion:
+    r"""Return how a frame moves while the actuated joints do, :math:`\dot x = J \dot a` and :math:`\ddot x = J \ddot a + \dot J \dot a`.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        The robot.
+    positions, speeds, accelerations : (..., n) array_like
+        Motion of the actuated joints [m or rad, per s, per s²].
+    frame : str
+        Name of a frame of the model.
+
+    Returns
+    -------
+    FrameMotion
+        Each field has the leading dimensions of the arguments.
+
+    Raises
+    ------
+    InvalidArray, UnknownName
+        If an argument is malformed, or the model has no such frame.
+    ClosureFailed, JointLimitExceeded, SingularConfiguration
+        If a pose cannot be taken, or the actuated joints do not determine the others there.
+    """
+    index, width = robot.model.getFrameId(checked_frame(robot, frame)), len(robot.actuated)
+    arrays = {"positions": positions, "speeds": speeds, "accelerations": accelerations}
+    a, v, w = together(**{name: finite_rows(name, values, width) for name, values in arrays.items()})
+    rows = [
+        motion_and_jacobian(robot, index, *row)[0]
+        for row in zip(a.reshape(-1, width), v.reshape(-1, width), w.reshape(-1, width), strict=True)
+    ]
+    shapes = (4, 4), (6,), (6,)
+    return FrameMotion(*(np.reshape([row[k] for row in rows], (*a.shape[:-1], *shape)) for k, shape in enumerate(shapes)))
+
+
+def motion_and_jacobian(
+    robot: ClosedLoopRobot, index: int, position: Array, speed: Array, acceleration: Array
+) -> tuple[FrameMotion, Array]:
+    """Return the motion of a frame, and its Jacobian (6, n), for one row of each argument."""
+    model, data, base = robot.model, robot.data, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    closure = robot.closure(position)
+    q, v = closure.configuration, closure.complement @ speed
+    pin.forwardKinematics(model, data, q, v, closure.complement @ acceleration + robot.drift(q, v))
+    motion = FrameMotion(
+        pin.updateFramePlacement(model, data, index).homogeneous,
+        pin.getFrameVelocity(model, data, index, base).vector,
+        # Classical: the second derivative of the origin's position. The spatial one lacks its centripetal part.
+        pin.getFrameClassicalAcceleration(model, data, index, base).vector,
+    )
+    jacobian: Array = pin.computeFrameJacobian(model, data, q, index, base) @ closure.complement
+    return motion, jacobian

@@ -1,0 +1,415 @@
+"""Workspaces of any robot with loops: maps over two or more coordinates, their borders, and the way to the border.
+
+Poses are reached from the robot's reference configuration by continuation, each from a neighbor, so a map is of one assembly mode (over
+the actuated coordinates) or of one working mode (over those of a task). Joint limits and singularities do not stop it; they are noted.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from psp3.checks import Array, as_floats, checked_not_negative, checked_number, checked_positive
+from psp3.errors import ClosureFailed, InvalidArray, InvalidValue, SingularConfiguration, UnknownName
+from psp3.kinematics.border import EDGE_ACCURACY, Boundary, Tracer
+from psp3.kinematics.pose_map import COORDINATES, KinematicMap, Status
+from psp3.kinematics.singularities import Measures, SingularityAnalysis
+from psp3.kinematics.task_driven import TaskDrivenRobot, without_limits
+from psp3.kinematics.tasks import rotating
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+
+UNLIMITED = 1e30
+"""Limits beyond this are none; Pinocchio writes them as the largest number."""
+
+LEAST_CONSTRAINT = 1e-6
+"""Closures closer to a singularity of constraint, as a share of what they are in the reference configuration, are in it.
+
+Branches of the motion meet there, and continuation could leave on any of them.
+"""
+
+RAY_STEPS = 64
+"""Poses along a ray between which its end is not overlooked."""
+
+RAY_ACCURACY = 1e-11
+"""Share of a ray to which its end is found; much less would be lost in the rounding of its closures."""
+
+
+class Reach(NamedTuple):
+    """How far a ray goes: ``distance`` in multiples of its direction, what ``ends`` it, and the last ``configuration`` before.
+
+    ``ends`` is ``"limit"``, then ``joint`` names the joint; ``"actuation"``, ``"end_effector"`` or ``"constraint"`` for the kind of
+    singularity; or ``"farthest"`` if nothing ended it so far.
+    """
+
+    distance: float
+    ends: str
+    joint: str
+    configuration: Array
+
+
+class Workspace:
+    """Where a robot's frame can go, and how well.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        The robot.
+    frame : str
+        Name of the frame.
+    task : sequence of str
+        Coordinates of the frame that matter, see :class:`psp3.kinematics.task_driven.TaskDrivenRobot`.
+    over : {"task", "actuators"}
+        Coordinates over which the workspace is seen: those of the task, of which there must then be as many as motors, or those of the
+        motors.
+    length : float, optional
+        Characteristic length [m], see :mod:`psp3.kinematics.singularities`.
+    singular_below : float
+        Poses whose measure of actuation or of the end effector is smaller count as singular, and those whose measure of constraint is
+        smaller than this share of what it is in the reference configuration. At 0.01 some motion of the motors moves the robot's joints
+        a hundred times as fast, or hardly moves the frame; 0 leaves the singularities themselves.
+
+    Attributes
+    ----------
+    analysis : SingularityAnalysis
+        What measures the poses.
+    coordinates : tuple of str
+        Names of the coordinates.
+    units : dict
+        Their units.
+    reference : dict
+        Their values in the robot's reference configuration.
+
+    Raises
+    ------
+    UnknownName
+        If the robot has no such frame, or there is no such coordinate; or if ``over`` is something else.
+    InvalidValue
+        If the task does not drive the robot, or a number is out of its range.
+    """
+
+    def __init__(
+        self,
+        robot: ClosedLoopRobot,
+        frame: str,
+        task: Sequence[str],
+        over: str = "task",
+        length: float | None = None,
+        singular_below: float = 0.01,
+    ) -> None:
+        if over not in COORDINATES:
+            raise UnknownName("coordinates of a workspace", over, COORDINATES)
+        self.singular_below = checked_not_negative("singular_below", singular_below)
+        self.analysis, self.over = SingularityAnalysis(robot, frame, task, length), over
+        if over == "task":
+            self._driven: ClosedLoopRobot = TaskDrivenRobot(robot, frame, task)
+            self.coordinates: tuple[str, ...] = self.analysis.task
+        else:
+            self._driven = ClosedLoopRobot(without_limits(robot.model), robot.constraint_models, robot.actuated, robot.q0)
+            self.coordinates = robot.actuated
+        angular = rotating(self._driven.model)[self._driven.actuated_v]
+        self.units = {name: "rad" if turns else "m" for name, turns in zip(self.coordinates, angular, strict=True)}
+        self.reference = dict(zip(self.coordinates, self._driven.reference.tolist(), strict=True))
+        self._scale = np.where(angular, self.analysis.length, 1.0)
+        self._limits = _Margins(robot, self.analysis.length)
+        at_reference = self.analysis.measures(robot.q0)
+        self._signs = float(at_reference.orientation), float(at_reference.assembly)
+        self._tight = float(at_reference.constraint)
+
+    def map(self, grid: Mapping[str, ArrayLike], held: Mapping[str, float] | None = None) -> KinematicMap:
+        """Return the poses over a grid, each reached from a neighbor, the first from the reference configuration.
+
+        Parameters
+        ----------
+        grid : mapping
+            Values of one or more coordinates, ascending [m or rad]: ``{"x": np.linspace(-0.1, 0.1, 41), "z": [...]}``.
+        held : mapping, optional
+            Values of the others [m or rad]; where not given, those of the reference configuration.
+
+        Returns
+        -------
+        KinematicMap
+
+        Raises
+        ------
+        UnknownName
+            If there is no such coordinate.
+        InvalidArray, InvalidValue
+            If values are not finite and ascending, or a coordinate is both in the grid and held.
+        """
+        axes = {name: self._ascending(name, values) for name, values in grid.items()}
+        if not axes:
+            raise InvalidValue("grid", dict(grid), f"values of one or more of {', '.join(self.coordinates)}")
+        fixed = self._point(held or {}, "held")
+        for name in axes:
+            if held is not None and name in held:
+                raise InvalidValue("held", name, "a coordinate that is not in the grid")
+        shape = tuple(values.size for values in axes.values())
+        targets = np.empty((*shape, len(self.coordinates)))
+        targets[:] = fixed
+        for name, values in zip(axes, np.meshgrid(*axes.values(), indexing="ij"), strict=True):
+            targets[..., self.coordinates.index(name)] = values
+        configuration = self._flood(targets)[..., : self.analysis.robot.model.nq]
+        status, position, margin, measures = self._evaluated(configuration)
+        status[_cut_off(status == Status.USABLE, self._away(targets))] = Status.APART
+        return KinematicMap(
+            robot=self.analysis.robot.model.name, frame=self.analysis.frame, task=self.analysis.task, over=self.over, grid=axes,
+            held={name: value for name, value in zip(self.coordinates, fixed.tolist(), strict=True) if name not in axes},
+            units=self.units, length=self.analysis.length, singular_below=self.singular_below, status=status,
+            configuration=configuration, position=position, margin=margin, measures=measures,
+        )  # fmt: skip
+
+    def boundary(self, poses: KinematicMap, at_least: Status = Status.USABLE) -> Boundary:
+        """Return the border of the poses of a map that are of a status or better.
+
+        Along every edge of the grid that crosses it, the border is found to a thousandth of the edge; between two edges it is drawn
+        straight, so the area is good to the square of the grid's step. Where the region goes on beyond the grid, the grid's own border
+        is not part of it.
+
+        Parameters
+        ----------
+        poses : KinematicMap
+            A map of two dimensions that this workspace made, of two lengths or two angles.
+        at_least : Status
+            Least status of the poses inside; ``Status.BEYOND_LIMIT`` for all that can be reached.
+
+        Returns
+        -------
+        Boundary
+
+        Raises
+        ------
+        InvalidValue
+            If the map is of other dimensions or coordinates, or ``at_least`` is no status of reachable poses.
+        """
+        if len(poses.grid) != 2 or len({poses.units[name] for name in poses.grid}) != 1:
+            raise InvalidValue("poses", tuple(poses.grid), "a map over two coordinates of the same unit")
+        if poses.over != self.over or set(poses.grid) | set(poses.held) != set(self.coordinates):
+            raise InvalidValue("poses", tuple(poses.grid), f"a map over {', '.join(self.coordinates)} of this workspace")
+        if at_least not in tuple(Status)[1:]:
+            raise InvalidValue("at_least", at_least, "a Status better than UNREACHABLE")
+        base, places, least = self._point(poses.held, "held"), [self._place(name) for name in poses.grid], Status(at_least)
+
+        def along(start: Array, way: Array, configuration: Array) -> float:
+            origin, whole_way = base.copy(), np.zeros_like(base)
+            origin[places], whole_way[places] = start, way
+            return self._as_far_as(origin, whole_way, self._whole(configuration), 1.0, 0.5, EDGE_ACCURACY, least)[0]
+
+        return Tracer(poses, least, along).trace()
+
+    def distance(self, direction: Mapping[str, float], farthest: float, start: Mapping[str, float] | None = None) -> Reach:
+        """Return how far the robot can go in a direction before its poses are no longer usable, and why.
+
+        Parameters
+        ----------
+        direction : mapping
+            Components of the direction, zero where not given: ``{"x": 1.0}`` for a distance in meters along x.
+        farthest : float
+            Where to stop looking, in multiples of the direction. The ray is searched in 64 steps.
+        start : mapping, optional
+            Coordinates to start from [m or rad]; where not given, those of the reference configuration.
+
+        Returns
+        -------
+        Reach
+            Distance 0 if the start is not usable.
+
+        Raises
+        ------
+        UnknownName
+            If there is no such coordinate.
+        InvalidValue
+            If a number is not finite, the direction is zero, or ``farthest`` is not positive.
+        ClosureFailed, SingularConfiguration
+            If the start cannot be reached.
+        """
+        end, way = checked_positive("farthest", farthest), np.zeros(len(self.coordinates))
+        for name, value in direction.items():
+            way[self._place(name)] = checked_number(f"direction[{name!r}]", value, "a finite number")
+        if not (np.isfinite(way).all() and way.any()):
+            raise InvalidValue("direction", dict(direction), "finite and not zero")
+        origin = self._point(start or {}, "start")
+        nq = self.analysis.robot.model.nq
+        good = self._driven.configuration(origin)
+        if self._status(good) < Status.USABLE:
+            return Reach(0.0, *self._reason(good), good[:nq])
+        done, good, bad = self._as_far_as(origin, way, good, end, end / RAY_STEPS, RAY_ACCURACY * end, Status.USABLE)
+        if done == end:
+            return Reach(end, "farthest", "", good[:nq])
+        return Reach(done, *self._reason(good if bad is None else bad, unreachable=bad is None), good[:nq])
+
+    # Inside
+
+    def _place(self, name: str) -> int:
+        if name not in self.coordinates:
+            raise UnknownName("coordinate", name, self.coordinates)
+        return self.coordinates.index(name)
+
+    def _point(self, values: Mapping[str, float], what: str) -> Array:
+        """Return all coordinates, those of the reference configuration where no others are given."""
+        point = np.array(list(self.reference.values()))
+        for name, value in values.items():
+            point[self._place(name)] = checked_number(f"{what}[{name!r}]", value, "a finite number")
+        if not np.isfinite(point).all():
+            raise InvalidValue(what, dict(values), "finite numbers")
+        return point
+
+    def _ascending(self, name: str, values: ArrayLike) -> Array:
+        self._place(name)
+        row = as_floats(f"grid[{name!r}]", values, "(N,)")
+        if row.ndim != 1 or row.size < 2 or not np.isfinite(row).all() or not (np.diff(row) > 0.0).all():
+            raise InvalidArray(f"grid[{name!r}]", "(N,), at least two, ascending", values)
+        return row
+
+    def _whole(self, configuration: Array) -> Array:
+        """Return a configuration of the driven robot that holds one of the robot."""
+        return self._driven.completed(configuration) if isinstance(self._driven, TaskDrivenRobot) else configuration
+
+    def _followed(self, target: Array, guess: Array) -> Array | None:
+        """Return the configuration at a target, reached from a guess; None if there is none."""
+        try:
+            return self._driven.configuration(target, guess=guess)
+        except (ClosureFailed, SingularConfiguration):
+            return None
+
+    def _as_far_as(
+        self, start: Array, way: Array, q: Array, end: float, longest: float, accuracy: float, least: Status
+    ) -> tuple[float, Array, Array | None]:
+        """Go from a configuration along a way, as long as poses have a status or better.
+
+        Return the multiple of the way, the last good configuration, and the one that was not, None if the loops did not close there. Not by
+        bisection: what cannot be reached from afar may be reached from nearby.
+        """
+        done, step, streak, bad = 0.0, longest, 0, None
+        # What failed last is twice a step away.
+        while done < end and 2.0 * step > accuracy:
+            goal = min(done + step, end)
+            found = self._followed(start + goal * way, q)
+            if found is not None and (least == Status.BEYOND_LIMIT or self._status(found) >= least):
+                done, q, streak = goal, found, streak + 1
+                if streak > 1:
+                    step = min(2.0 * step, longest)
+            else:
+                streak, step, bad = 0, 0.5 * step, found
+        return done, q, bad
+
+    def _flood(self, targets: Array) -> Array:
+        """Return configurations of the driven robot, NaN where there are none: neighbor by neighbor from where the grid is entered."""
+        shape = targets.shape[:-1]
+        found = np.full((*shape, self._driven.model.nq), np.nan)
+        for entry in np.argsort(self._away(targets), axis=None, kind="stable"):
+            index = tuple(int(i) for i in np.unravel_index(entry, shape))
+            first = self._followed(targets[index], self._driven.q0)
+            if first is not None:
+                found[index] = first
+                self._spread(targets, found, index)
+                break
+        return found
+
+    def _away(self, targets: Array) -> Array:
+        """Return the squares of the distances of targets from the reference configuration."""
+        squares: Array = (((targets - self._driven.reference) * self._scale) ** 2).sum(axis=-1)
+        return squares
+
+    def _spread(self, targets: Array, found: Array, start: tuple[int, ...]) -> None:
+        shape = targets.shape[:-1]
+        waiting = deque([start])
+        while waiting:
+            here = waiting.popleft()
+            for axis in range(len(shape)):
+                for step in (-1, 1):
+                    there = (*here[:axis], here[axis] + step, *here[axis + 1 :])
+                    if not 0 <= there[axis] < shape[axis] or not np.isnan(found[there][0]):
+                        continue
+                    reached = self._followed(targets[there], found[here])
+                    if reached is not None:
+                        found[there] = reached
+                        waiting.append(there)
+
+    def _evaluated(self, configuration: Array) -> tuple[NDArray[np.int64], Array, Array, Measures]:
+        """Return status, position, margin and measures of configurations, of which some are NaN."""
+        reached = ~np.isnan(configuration[..., 0])
+        rows = configuration[reached]
+        measures = self.analysis.measures(rows)
+
+        def spread(values: Array, fill: float = np.nan) -> Array:
+            whole = np.full(reached.shape + values.shape[1:], fill)
+            whole[reached] = values
+            return whole
+
+        margin = self._limits.of(rows)[0]
+        status = spread(self._statuses(margin, measures).astype(float), Status.UNREACHABLE).astype(np.int64)
+        return status, spread(self.analysis.positions(rows)), spread(margin), Measures(*(spread(values) for values in measures))
+
+    def _statuses(self, margin: Array, measures: Measures) -> Array:
+        with np.errstate(invalid="ignore"):
+            # What is NaN in a constraint singularity is not regular either.
+            regular = (measures.actuation > self.singular_below) & (measures.end_effector > self.singular_below)
+            regular &= measures.constraint > max(self.singular_below, LEAST_CONSTRAINT) * self._tight
+            other_side = (measures.orientation != self._signs[0]) | (measures.assembly != self._signs[1])
+            kinds = [margin < 0.0, ~regular, other_side]
+        return np.select(kinds, [Status.BEYOND_LIMIT, Status.SINGULAR, Status.APART], Status.USABLE)
+
+    def _status(self, q: Array) -> int:
+        rows = q[np.newaxis, : self.analysis.robot.model.nq]
+        margin = self._limits.of(rows)[0]
+        if margin[0] < 0.0:
+            return Status.BEYOND_LIMIT
+        return int(self._statuses(margin, self.analysis.measures(rows))[0])
+
+    def _reason(self, q: Array, unreachable: bool = False) -> tuple[str, str]:
+        """Return what ends a ray at a configuration, and the joint if it is one."""
+        q = q[: self.analysis.robot.model.nq]
+        margin, joint = self._limits.of(q[np.newaxis])
+        if margin[0] < 0.0:
+            return "limit", self._limits.names[joint[0]]
+        measures = self.analysis.measures(q)
+        if measures.mobility > len(self.analysis.robot.actuated):
+            return "constraint", ""
+        kinds = {"constraint": measures.constraint / self._tight, "actuation": measures.actuation, "end_effector": measures.end_effector}
+        if unreachable:
+            # The other kind does not keep the loops from closing.
+            kinds.pop("actuation" if self.over == "task" else "end_effector")
+        return min(kinds, key=lambda kind: float(kinds[kind])), ""
+
+
+def _cut_off(good: NDArray[np.bool_], away: Array) -> NDArray[np.bool_]:
+    """Return the good nodes of a grid that do not hang together with the one that is the least away."""
+    if not good.any():
+        return good
+    from scipy.ndimage import label
+
+    parts, _ = label(good)
+    here = np.unravel_index(np.where(good, away, np.inf).argmin(), good.shape)
+    cut: NDArray[np.bool_] = good & (parts != parts[here])
+    return cut
+
+
+class _Margins:
+    """Distances of joints of one coordinate from their limits."""
+
+    def __init__(self, robot: ClosedLoopRobot, length: float) -> None:
+        model, angular = robot.model, rotating(robot.model)
+        joints = [
+            (str(name), joint.idx_q, joint.idx_v)
+            for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+            if joint.nq == 1
+        ]
+        self.names = [name for name, _, _ in joints]
+        self._q = np.array([q for _, q, _ in joints], dtype=np.int64)
+        self._scale = np.where(angular[np.array([v for _, _, v in joints], dtype=np.int64)], length, 1.0)
+        self._lower, self._upper = model.lowerPositionLimit[self._q], model.upperPositionLimit[self._q]
+
+    def of(self, configurations: Array) -> tuple[Array, Array]:
+        """Return the least margin of each configuration (N, nq) [m], infinite without limits, and the index of its joint."""
+        if not self.names:
+            return np.full(len(configurations), np.inf), np.zeros(len(configurations), dtype=np.int64)
+        values = configurations[:, self._q]
+        below = np.where(self._lower < -UNLIMITED, np.inf, values - np.maximum(self._lower, -UNLIMITED))
+        above = np.where(self._upper > UNLIMITED, np.inf, np.minimum(self._upper, UNLIMITED) - values)
+        margins = np.minimum(below, above) * self._scale
+        nearest = margins.argmin(axis=1)
+        return margins[np.arange(len(margins)), nearest], nearest

@@ -1,0 +1,131 @@
+"""Figure of the comparison on robots that are not what controllers believe."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from psp3.checks import Array
+from psp3.errors import InvalidValue
+from psp3.plots.panels import Panels, given_panels
+from psp3.study.mismatch import Case, Comparison
+from psp3.study.statistics import mean
+
+
+def error_bars(value: Array, low: Array, high: Array) -> Array:
+    """Return lengths of error bars, (2, N); a corrected bootstrap interval need not hold the value."""
+    return np.maximum([value - low, high - value], 0.0)
+
+
+def figure_of_sweep(
+    series: Mapping[str, Mapping[float, tuple[float, float, float]]], label: str, axes: Sequence[Axes] | Axes | None = None
+) -> Panels:
+    """Draw the sum of squared errors against a setting, with intervals.
+
+    Parameters
+    ----------
+    series : mapping of str to mapping of float to (value, low, high)
+        For each series, by its name, the error and its interval [m²] at every value of the setting.
+    label : str
+        The setting, with its unit.
+    axes : Axes, optional
+        Those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given, or there is no series.
+    """
+    if not series:
+        raise InvalidValue("series", series, "at least one series")
+    (panel,) = given_panels(None if axes is None else list(np.ravel(np.asarray(axes, dtype=object))), 1) or (
+        Figure(figsize=(7.0, 4.0), layout="constrained").subplots(),
+    )
+    for name, points in series.items():
+        value, low, high = np.array(list(points.values())).T
+        panel.errorbar(list(points), value, error_bars(value, low, high), marker="o", markersize=4.0, capsize=3.0, label=name)
+    panel.set(yscale="log", xlabel=label, ylabel="sum of squared errors [m²]")
+    panel.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    return (panel,)
+
+
+LABELS = {
+    "error": ("sum of squared errors [m²]", 1.0),
+    "settled": ("settled error [mm]", 1e3),
+    "effort": ("mean square torque [N²]", 1.0),
+}
+"""What an axis says of a metric, and by what its values are multiplied."""
+
+MARKERS = "osv^DPX*"
+
+
+def figure_of_mismatch(found: Comparison, metric: str = "settled", axes: Sequence[Axes] | None = None) -> tuple[Axes, ...]:
+    """Draw the means of a metric over the payload, with their 95 % intervals, one panel for each trajectory and kind of records.
+
+    Parameters
+    ----------
+    found : Comparison
+        What :func:`psp3.study.mismatch.compare` returned.
+    metric : str
+        One of :data:`psp3.study.mismatch.METRICS`.
+    axes : sequence of Axes, optional
+        Where to draw, one for each panel; a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The panels, those of one kind of records after those of the other.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such metric.
+    InvalidValue
+        If there are not as many axes as panels.
+    """
+    found.values(found.cases[0], found.controllers[0], metric)
+    kinds = list(dict.fromkeys(case.snr_db for case in found.cases))
+    paths = list(dict.fromkeys(case.trajectory for case in found.cases))
+    groups = [[case for case in found.cases if (case.snr_db, case.trajectory) == (kind, path)] for kind in kinds for path in paths]
+    if axes is None:
+        figure = Figure(figsize=(1.5 + 3.2 * len(paths), 1.2 + 2.8 * len(kinds)), layout="constrained")
+        panels = tuple(np.ravel(figure.subplots(len(kinds), len(paths), sharey=True, squeeze=False)))
+    else:
+        panels = tuple(axes)
+    if len(panels) != len(groups):
+        raise InvalidValue("axes", len(panels), f"{len(groups)} axes for this figure")
+    for number, (panel, cases) in enumerate(zip(panels, groups, strict=True)):
+        _draw(panel, found, cases, metric)
+        if number % len(paths) == 0:
+            panel.set_ylabel(LABELS[metric][0])
+        if number >= len(groups) - len(paths):
+            panel.set_xlabel("payload [kg]")
+    if axes is None:
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=min(4, len(labels)))
+    return panels
+
+
+def _draw(panel: Axes, found: Comparison, cases: list[Case], metric: str) -> None:
+    scale, count = LABELS[metric][1], len(found.controllers)
+    for number, name in enumerate(found.controllers):
+        estimates = [mean(found.values(case, name, metric)) for case in cases]
+        values, low, high = (scale * np.array([getattr(one, end) for one in estimates]) for end in ("value", "low", "high"))
+        # Side by side within the place of a payload, so that intervals do not hide each other.
+        x = np.arange(len(cases)) + 0.8 * ((number + 0.5) / count - 0.5)
+        errors = np.nan_to_num(np.maximum(np.stack([values - low, high - values]), 0.0))
+        panel.errorbar(x, values, yerr=errors, fmt=MARKERS[number % len(MARKERS)], markersize=4.5, linewidth=1.2, label=name)
+    panel.set_yscale("log")
+    panel.set_xticks(range(len(cases)), [f"{case.payload:g}" for case in cases])
+    panel.set_xlim(-0.5, len(cases) - 0.5)
+    records = "exact records" if cases[0].snr_db == math.inf else f"records of {cases[0].snr_db:g} dB"
+    panel.set_title(f"{cases[0].trajectory}, {records}", fontsize="medium")

@@ -1,0 +1,96 @@
+"""A plant integrated by SciPy's DOP853, the reference for integration errors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from psp3.checks import Array, checked_positive
+from psp3.drives.drive import NO_DRIVE, Drive
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.simulation.plant import NO_POSE, DrivenPlant
+
+
+class DormandPrince(DrivenPlant):
+    """Actuated coordinates, integrated with SciPy's DOP853; events of the dry friction are found on its dense output.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        The robot.
+    tolerance : float
+        Relative and absolute tolerance of the integrator [m, m/s].
+    drive : Drive or sequence of Drive
+        Friction and motor inertia of all actuated joints, or of each.
+    """
+
+    def __init__(self, robot: ClosedLoopRobot, tolerance: float = 1e-12, drive: Drive | Sequence[Drive] = NO_DRIVE) -> None:
+        super().__init__(robot, drive)
+        self._tolerance = checked_positive("tolerance", tolerance)
+        self._state = np.zeros(2 * self._joints)
+
+    def start(self, heights: Array, speeds: Array) -> None:
+        """Put the robot into a state; positions [m, rad] and speeds of the actuated joints, each (n,)."""
+        self._state = np.concatenate([heights, speeds])
+
+    def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
+        """Return positions and speeds after ``duration`` [s] under constant forces, each (n,), or None."""
+        try:
+            return self._parts(self._state) if self._advance(forces, duration) else None
+        except NO_POSE:
+            return None
+
+    def _parts(self, state: Array) -> tuple[Array, Array]:
+        return state[: self._joints], state[self._joints :]
+
+    def _advance(self, forces: Array, duration: float) -> bool:
+        from scipy.integrate import solve_ivp
+
+        def rates(_: float, state: Array) -> Array:
+            q, v = self._parts(state)
+            return np.concatenate([v, self._accelerations(q, v, forces)])
+
+        q, v = self._parts(self._state)
+        self._choose_slip(q, v, v, forces)
+        now, options = 0.0, {"method": "DOP853", "rtol": self._tolerance, "atol": self._tolerance}
+        for _ in range(self._kernels.MOST_EVENTS):
+            events = [self._event(int(i), forces) for i in np.flatnonzero(self._is_dry)]
+            solution = solve_ivp(rates, (now, duration), self._state, events=events, **options)
+            if not solution.success:
+                return False
+            now, self._state = solution.t[-1], solution.y[:, -1]
+            if solution.status == 0:
+                return True
+            self._switch([event.joint for event, times in zip(events, solution.t_events, strict=True) if len(times)], forces)
+        return False
+
+    def _event(self, i: int, forces: Array) -> Any:
+        """Return a function of time and state that passes zero, downward, where the slip of joint i changes."""
+        slip = self._slip[i]
+
+        def event(_: float, state: Array) -> float:
+            if slip == 0.0:
+                return float(self._drives[i, self._kernels.DRY] - abs(self._friction(i, state, forces)))
+            return float(slip * state[self._joints + i])
+
+        event.joint, event.terminal, event.direction = i, True, -1.0  # type: ignore[attr-defined]
+        return event
+
+    def _friction(self, i: int, state: Array, forces: Array) -> float:
+        """Friction that holds joint i."""
+        mass, net = self._balance(*self._parts(state), forces)
+        return float(net[i] - mass[i] @ self._joint_accelerations(mass, net))
+
+    def _switch(self, joints: list[int], forces: Array) -> None:
+        """Stop the joints that came to rest, and let those go that cannot be held any more."""
+        stopped = [i for i in joints if self._slip[i] != 0.0]
+        # At this very moment friction can still hold the others, and in the next it cannot, so the choice is not asked.
+        directions = {i: np.sign(self._friction(i, self._state, forces)) for i in joints if self._slip[i] == 0.0}
+        q, v = self._parts(self._state)
+        v[stopped] = 0.0
+        if stopped:
+            self._choose_slip(q, v, v, forces)
+        for i, direction in directions.items():
+            self._slip[i] = direction

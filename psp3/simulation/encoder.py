@@ -1,0 +1,30 @@
+"""Encoders: positions in counts, speeds as their differences."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from psp3.checks import Array
+from psp3.errors import InvalidValue
+
+
+class Encoder:
+    """What a drive sees of its joints, see ``encoder_resolution`` of :func:`simulate`."""
+
+    def __init__(self, resolution: Array, period: float) -> None:
+        if not (resolution >= 0.0).all():
+            raise InvalidValue("encoder_resolution", resolution.tolist(), "not negative")
+        self._resolution, self._period = resolution, period
+        self._coarse = resolution > 0.0
+        self._is_perfect = not self._coarse.any()
+        self._last: Array | None = None
+
+    def read(self, positions: Array, speeds: Array) -> tuple[Array, Array]:
+        """Return the positions and speeds that a controller sees, each (n,)."""
+        if self._is_perfect:
+            return positions.copy(), speeds.copy()
+        with np.errstate(divide="ignore", invalid="ignore"):  # of perfect encoders among others
+            counted = np.where(self._coarse, self._resolution * np.floor(positions / self._resolution + 0.5), positions)
+        last = counted if self._last is None else self._last
+        self._last = counted
+        return counted.copy(), np.where(self._coarse, (counted - last) / self._period, speeds)

@@ -1,0 +1,142 @@
+"""MuJoCo as a plant: what a controller steers in :func:`psp3.simulate` is the exported robot in another engine.
+
+Nothing of it is computed here. The loops are MuJoCo's constraints, and so are the ends of the joints and dry friction; the motors and
+what they can at most are MuJoCo's, too. Needs the extra ``mujoco``: ``pip install 'psp3[mujoco]'``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, as_floats, checked_count
+from psp3.drives.drive import NO_DRIVE, Drive, drive_table
+from psp3.errors import InvalidValue, MissingPackage
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.mjcf_export import HARD, UNLIMITED, mujoco_state, to_mjcf
+
+LARGEST_GAP = 1e-3
+"""Loops that are open by more than this are taken for torn [m; of a 6D closure also the sine of half an angle]."""
+
+
+class MuJoCo:
+    r"""A robot in MuJoCo, integrated with its classical Runge–Kutta steps.
+
+    Closures, ends of joints and dry friction are MuJoCo's constraints: critically damped springs of a time constant of two steps
+    :math:`h`. What they give way vanishes with :math:`h^2`; ``docs/engines.md`` has numbers.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        Any robot with or without loops.
+    steps : int
+        Steps of MuJoCo in a control period.
+    drive : Drive or sequence of Drive
+        Friction and motors of the actuated joints, one for all or one for each.
+    limits : pair of (n,) array_like, optional
+        Where the actuated joints are stopped, lowest and highest positions [m or rad]; by default the limits of the model. The
+        simulation ends when a nut of the 3-PSP is beyond its screw, so stops that it is to run into lie within the stroke. All other
+        joints keep the limits of the model.
+    torque_limit : float or (n,) array_like, optional
+        Largest absolute forces of the motors [N or N m]; by default the effort limits of the model. The ``torque`` of a result is
+        what the controller asked for.
+
+    Raises
+    ------
+    MissingPackage
+        If MuJoCo is not installed.
+    InvalidValue
+        If an argument is malformed.
+    PSP3Error
+        If the robot cannot be exported, see :func:`psp3.robots.mjcf_export.to_mjcf`.
+    """
+
+    def __init__(
+        self,
+        robot: ClosedLoopRobot,
+        steps: int = 1,
+        *,
+        drive: Drive | Sequence[Drive] = NO_DRIVE,
+        limits: tuple[ArrayLike, ArrayLike] | None = None,
+        torque_limit: ArrayLike | None = None,
+    ) -> None:
+        self._engine = mujoco = _mujoco()
+        self._robot, self._steps = robot, checked_count("steps", steps)
+        n = len(robot.actuated)
+        table = drive_table(drive, n)
+        self.model = model = mujoco.MjModel.from_xml_string(to_mjcf(robot))
+        self.data = mujoco.MjData(model)
+        joints = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in robot.actuated]
+        self._positions, self._speeds = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
+        if limits is not None:
+            model.jnt_range[joints], model.jnt_limited[joints] = _stops(limits, n), 1
+            model.jnt_solref[joints], model.jnt_solimp[joints] = HARD
+        if torque_limit is not None:
+            largest = _largest(torque_limit, n)
+            model.actuator_ctrlrange[:], model.actuator_ctrllimited[:] = np.stack([-largest, largest], axis=1), 1
+            model.jnt_actfrclimited[joints] = 0
+        model.dof_armature[self._speeds] += table[:, 0]
+        model.dof_damping[self._speeds] = table[:, 1]
+        model.dof_frictionloss[self._speeds] = table[:, 2]
+        model.dof_solref[self._speeds], model.dof_solimp[self._speeds] = HARD
+        # A state that MuJoCo finds bad ends the simulation; its own answer would be to begin anew.
+        model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
+        # What follows from inertia, and is kept in the model, knows of the motors only now.
+        mujoco.mj_setConst(model, self.data)
+
+    @property
+    def gap(self) -> float:
+        """By how much the loops were open in the last step, at most [m; of a 6D closure also the sine of half an angle]."""
+        return float(np.abs(self.data.efc_pos[: self.data.ne]).max(initial=0.0))
+
+    def start(self, heights: Array, speeds: Array) -> None:
+        """Put the robot into a state; positions and speeds of the actuated joints, each (n,)."""
+        q, v = self._robot.configuration(heights), self._robot.velocity(heights, speeds)
+        self._engine.mj_resetData(self.model, self.data)
+        self.data.qpos[:], self.data.qvel[:] = mujoco_state(self._robot, q, v)
+
+    def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
+        """Return positions and speeds of the actuated joints after ``duration`` [s] under constant forces, or None if it went wrong.
+
+        None if MuJoCo warns of a bad state, or a loop is torn.
+        """
+        warnings: list[str] = []
+        self.model.opt.timestep = duration / self._steps
+        # MuJoCo passes over a force beyond this with a warning, as if there were none.
+        self.data.ctrl[:] = np.clip(forces, -UNLIMITED, UNLIMITED)
+        # Warnings would be printed, and written to a file in the working directory.
+        handler = self._engine.get_mju_user_warning()
+        self._engine.set_mju_user_warning(warnings.append)
+        try:
+            self._engine.mj_step(self.model, self.data, self._steps)
+        finally:
+            self._engine.set_mju_user_warning(handler)
+        if warnings or not np.isfinite(self.data.qvel).all() or self.gap > LARGEST_GAP:
+            return None
+        return self.data.qpos[self._positions], self.data.qvel[self._speeds]
+
+
+def _mujoco() -> Any:
+    try:
+        import mujoco
+    except ImportError as error:
+        raise MissingPackage("mujoco", "mujoco", error) from error
+    return mujoco
+
+
+def _stops(limits: Any, joints: int) -> Array:
+    """Return lowest and highest positions side by side, (n, 2)."""
+    array = as_floats("limits", limits, f"(2, {joints})")
+    if array.shape != (2, joints) or not np.isfinite(array).all() or not (array[0] < array[1]).all():
+        raise InvalidValue("limits", limits, f"{joints} lowest and {joints} highest positions, each highest above its lowest")
+    return array.T
+
+
+def _largest(torque_limit: ArrayLike, joints: int) -> Array:
+    array = as_floats("torque_limit", torque_limit, f"() or ({joints},)")
+    if np.shape(torque_limit) not in ((), (joints,)) or not (array > 0.0).all() or not np.isfinite(array).all():
+        raise InvalidValue("torque_limit", torque_limit, f"one positive number or {joints}")
+    return np.array(np.broadcast_to(array, joints))

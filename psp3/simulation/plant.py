@@ -1,0 +1,64 @@
+"""What a simulation needs of a plant, and what plants with drives have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+
+from psp3.checks import Array
+from psp3.drives.drive import Drive, drive_table
+from psp3.errors import ClosureFailed, InvalidArray, InvalidValue, JointLimitExceeded, SingularConfiguration, UnreachablePose
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+
+NO_POSE = (InvalidArray, InvalidValue, UnreachablePose, ClosureFailed, JointLimitExceeded, SingularConfiguration)
+"""What robots raise for a state that is none of theirs, once a state has been accepted."""
+
+
+class Plant(Protocol):
+    """What the simulation needs of a plant."""
+
+    def start(self, heights: Array, speeds: Array) -> None:
+        """Put the robot into a state."""
+        ...
+
+    def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
+        """Return heights and speeds after some time under constant forces, or None if the robot left the poses it can take."""
+        ...
+
+
+class DrivenPlant:
+    """A robot with drives in Python, in actuated coordinates: what is common to the ways to integrate it."""
+
+    def __init__(self, robot: ClosedLoopRobot, drive: Drive | Sequence[Drive]) -> None:
+        from psp3.drives import kernels as drive_kernels
+
+        self._robot, self._kernels, self._joints = robot, drive_kernels, len(robot.actuated)
+        self._drives = drive_table(drive, self._joints)
+        self._is_driven, self._is_dry = bool(self._drives.any()), self._drives[:, drive_kernels.DRY] > 0.0
+        self._slip = np.ones(self._joints)
+
+    def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
+        """Return M + J, and what is left of the forces for acceleration and dry friction."""
+        inertia, viscous, _ = self._drives.T
+        return (
+            self._robot.mass_matrix(q) + np.diag(inertia),
+            forces - self._robot.inverse_dynamics(q, v, np.zeros_like(v)) - viscous * v,
+        )
+
+    def _accelerations(self, q: Array, v: Array, forces: Array) -> Array:
+        """Return the derivative of v while the slip of the joints is constant."""
+        if self._is_driven:
+            return self._joint_accelerations(*self._balance(q, v, forces))
+        return self._robot.forward_dynamics(q, v, forces)
+
+    def _joint_accelerations(self, mass: Array, net: Array) -> Array:
+        out = np.empty(self._joints)
+        self._kernels.accelerations(mass, net, self._drives, self._slip, out)
+        return out
+
+    def _choose_slip(self, q: Array, v: Array, speeds: Array, forces: Array) -> None:
+        """Find out which joints stick, and which way the others slip."""
+        if self._kernels.slip_of(self._drives, speeds, self._slip):
+            self._kernels.choose_slip(*self._balance(q, v, forces), self._drives, speeds, self._slip)

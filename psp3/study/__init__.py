@@ -1,0 +1,14 @@
+"""Many runs of the 3-PSP's controllers: grids, files, statistics and comparisons."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from fuzzy2.support.lazy import lazy_names
+
+if TYPE_CHECKING:
+    from psp3.study.study import Progress as Progress
+    from psp3.study.study import Study as Study
+    from psp3.study.study import grid as grid
+
+__all__, __getattr__, __dir__ = lazy_names(__name__)

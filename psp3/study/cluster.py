@@ -1,0 +1,159 @@
+"""The workers of a dask.distributed cluster behind the interface of :mod:`concurrent.futures`."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import math
+import socket
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import CancelledError, Executor, ThreadPoolExecutor
+from contextlib import contextmanager, suppress
+from typing import Any
+from urllib.parse import urlsplit
+
+from psp3.errors import InvalidValue, SchedulerUnavailable
+
+PROTOCOLS = ("tcp", "tls", "ws", "wss")
+"""What dask speaks over the network."""
+
+PATIENCE = 5.0
+"""How long to wait for the scheduler, and then for its first worker [s]."""
+
+
+@contextmanager
+def connected(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
+    """Connect to a scheduler, and check that its workers can do the work.
+
+    Parameters
+    ----------
+    address : str
+        Where the scheduler listens, ``tcp://host:port``.
+
+    Yields
+    ------
+    executor, workers
+        The executor, and a function that tells how many runs the cluster does at a time.
+
+    Raises
+    ------
+    InvalidValue
+        If this is no address.
+    SchedulerUnavailable
+        Within a few seconds, if there is no scheduler, it has no workers, or they have another version of psp3 or none.
+    """
+    host, port = _host_and_port(address)
+    try:
+        import distributed
+    except ImportError as error:
+        reason = f"the package distributed cannot be imported ({error}); install it with: pip install 'psp3[cluster]'"
+        raise SchedulerUnavailable(address, reason) from error
+    make_client: Any = distributed.Client
+    try:
+        # Dask would try again and again; this tells at once whether anything listens there.
+        socket.create_connection((host, port), PATIENCE).close()
+        _shake_hands(address)
+        client = make_client(address, timeout=PATIENCE, set_as_default=False)
+    except Exception as error:
+        # Anything can come of talking to what is no scheduler.
+        reason = f"cannot be reached ({_in_one_line(error)}); start one with: dask scheduler"
+        raise SchedulerUnavailable(address, reason) from error
+    with _quiet(), client:
+        _check_workers(client, address)
+        # Impure, because equal calls would share one result, and a run that was lost could come back as that of another.
+        executor = client.get_executor(pure=False)
+        try:
+            yield executor, _Capacity(client)
+        finally:
+            executor.shutdown(wait=False)
+
+
+@contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep dask from logging at length what an error of ours says in a line: that the connection was lost."""
+    loggers = [logging.getLogger(name) for name in ("distributed.client", "tornado.application")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
+
+
+class _Capacity:
+    """How many runs a cluster does at a time; workers come and go, so its scheduler is asked now and then.
+
+    Raises ``CancelledError`` when the connection is gone for good.
+    """
+
+    def __init__(self, client: Any) -> None:
+        self._client, self._last, self._asked = client, 1, -math.inf
+
+    def __call__(self) -> int:
+        if self._client.status == "closed":
+            raise CancelledError
+        if time.monotonic() - self._asked > PATIENCE:
+            # A client that cannot reach its scheduler tries again for a while, and then cancels its runs and closes itself.
+            with suppress(OSError):
+                self._last = sum(self._client.sync(self._client.scheduler.ncores, callback_timeout=PATIENCE).values())
+            self._asked = time.monotonic()
+        return self._last
+
+
+def package_version() -> str:
+    """Return the version of psp3; asked of each worker."""
+    from psp3.version import __version__
+
+    return __version__
+
+
+def _host_and_port(address: str) -> tuple[str, int]:
+    try:
+        parts = urlsplit(address)
+        host, port = parts.hostname, parts.port
+    except ValueError:  # the port is not a number
+        host = port = None
+    if host is None or port is None or parts.scheme not in PROTOCOLS:
+        raise InvalidValue("scheduler", address, "an address such as tcp://host:8786")
+    return host, port
+
+
+def _shake_hands(address: str) -> None:
+    """Connect as dask does, but not without end: its client waits forever for the greeting of what is no scheduler."""
+    import distributed
+
+    security: Any = distributed.Security
+    connect: Any = distributed.comm.core.connect
+
+    async def greet() -> None:
+        comm = await asyncio.wait_for(connect(address, PATIENCE, **security().get_connection_args("client")), PATIENCE)
+        comm.abort()
+
+    # In a thread, because a notebook has an event loop of its own running in this one.
+    with ThreadPoolExecutor(1) as thread:
+        thread.submit(asyncio.run, greet()).result()
+
+
+def _check_workers(client: Any, address: str) -> None:
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError as error:
+        raise SchedulerUnavailable(address, f"has no workers; start some with: dask worker {address}") from error
+    here = package_version()
+    try:
+        versions = client.run(package_version)
+    except Exception as error:
+        # Whatever goes wrong on the way to a worker, a module that it lacks above all.
+        reason = f"a worker cannot run psp3 ({_in_one_line(error)}); install psp3 {here} on every worker"
+        raise SchedulerUnavailable(address, reason) from error
+    for worker, version in versions.items():
+        if version != here:
+            raise SchedulerUnavailable(address, f"worker {worker} has psp3 {version}, but this is psp3 {here}; install the same everywhere")
+
+
+def _in_one_line(error: BaseException) -> str:
+    text = " ".join(str(error).split())
+    return f"{type(error).__name__}: {text}" if text else type(error).__name__

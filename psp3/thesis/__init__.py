@@ -1,0 +1,1 @@
+"""The thesis, replicated: its chapters, tables and figures, and the report of ``psp3 reproduce``."""

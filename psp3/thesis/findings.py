@@ -1,0 +1,173 @@
+"""What the main job finds: tables of printed and computed values, verdicts in words, sentences of the answer, drawings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from psp3.checks import Array
+from psp3.simulation.result import Result
+from psp3.study.statistics import Estimate
+
+REPRODUCED = 0.05
+"""Relative difference up to which a printed number counts as reproduced."""
+
+SAME_ORDER = 3.0
+"""Factor up to which a number is of the same order as the printed one."""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table to show.
+
+    Parameters
+    ----------
+    title : str
+        Its title.
+    columns : list of str
+        Headings.
+    rows : list of list of str
+        Cells.
+    note : str
+        What the reader must know, in words.
+    figures : tuple of str
+        Names of the drawings that belong to it.
+    detail : bool
+        Whether it is for the report only, not for the terminal.
+    """
+
+    title: str
+    columns: list[str]
+    rows: list[list[str]]
+    note: str = ""
+    figures: tuple[str, ...] = ()
+    detail: bool = False
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure in a file, and in words: ``caption`` is shown below it, ``description`` is read to those who cannot see it."""
+
+    path: Path
+    caption: str
+    description: str
+
+    @property
+    def name(self) -> str:
+        """Name of the file without its suffix."""
+        return self.path.stem
+
+
+@dataclass
+class Reproduction:
+    """What :func:`psp3.thesis.replication.reproduce` found.
+
+    Parameters
+    ----------
+    tables : list of Table
+        Printed and computed values side by side.
+    answer : list of str
+        What came out, in sentences.
+    results : dict of Result
+        Simulations by name.
+    numbers : dict
+        Everything in numbers, for a machine.
+    drawings : list of Drawing
+        Figures.
+    files : list of Path
+        Everything that was written.
+    """
+
+    tables: list[Table] = field(default_factory=list)
+    answer: list[str] = field(default_factory=list)
+    results: dict[str, Result] = field(default_factory=dict)
+    numbers: dict[str, Any] = field(default_factory=dict)
+    drawings: list[Drawing] = field(default_factory=list)
+    files: list[Path] = field(default_factory=list)
+
+
+def verdict(computed: float, printed: float, interval: tuple[float, float] | None = None) -> str:
+    """Say in words how a number compares with the printed one.
+
+    Parameters
+    ----------
+    computed, printed : float
+        The numbers, both positive.
+    interval : (2,) tuple of float, optional
+        Interval of the computed one; whether it holds the printed number is said.
+
+    Returns
+    -------
+    str
+        "reproduced", "same order" or "not reproduced", and the difference or ratio.
+    """
+    if not np.isfinite(computed):
+        return "not reproduced: every run diverged"
+    ratio = computed / printed
+    if abs(ratio - 1.0) <= REPRODUCED:
+        return f"reproduced ({100 * (ratio - 1):+.1f} %)"
+    # Unbroken spaces, or the sign would end a line in narrow tables.
+    times = f"×\N{NO-BREAK SPACE}{ratio:.2g}"
+    if interval is not None and interval[0] <= printed <= interval[1]:
+        times += ", within the interval"
+    return f"{'same order' if 1.0 / SAME_ORDER <= ratio <= SAME_ORDER else 'not reproduced'} ({times})"
+
+
+def better(difference: Estimate, controller: str, baseline: str) -> str:
+    """Say in words which of two controllers has the smaller error.
+
+    Parameters
+    ----------
+    difference : Estimate
+        Of the errors, controller minus baseline, paired by seed.
+    controller, baseline : str
+        Their names.
+
+    Returns
+    -------
+    str
+        The better one, or that neither was shown to be.
+    """
+    if difference.high < 0.0:
+        return f"{controller} better"
+    if difference.low > 0.0:
+        return f"{baseline} better"
+    return "no difference shown"
+
+
+def significant(value: float) -> str:
+    """Return a number with three significant digits, six decimals at most and no exponent, as in tables of errors; a dash for none."""
+    if not np.isfinite(value):
+        return "–"
+    if value == 0.0:
+        return "0"
+    if abs(value) < 1e-6:
+        return "< 0.000001"
+    digits = max(0, 2 - int(np.floor(np.log10(abs(value)))))
+    return f"{value:.{min(digits, 6)}f}"
+
+
+def with_interval(estimate: Estimate, seeds: int | None = None) -> str:
+    """Return a value with its interval, and with the number of seeds it stands on where that is not ``seeds``."""
+    text = significant(estimate.value)
+    if np.isfinite(estimate.low) and estimate.low != estimate.high:
+        text += f" ({significant(estimate.low)} to {significant(estimate.high)})"
+    return text if seeds is None or estimate.count == seeds else f"{text}, n = {estimate.count}"
+
+
+def as_numbers(estimate: Estimate) -> dict[str, float | int]:
+    """Return an estimate for a machine."""
+    return {"value": estimate.value, "low": estimate.low, "high": estimate.high, "seeds": estimate.count}
+
+
+def compared(label: str, printed: Array, computed: Array, bar: float | None) -> list[list[str]]:
+    """Return rows of a matrix as printed and as computed; within ``bar`` they count as reproduced, and None says they cannot be."""
+    rows = []
+    for number, (old, new) in enumerate(zip(np.atleast_2d(printed), np.atleast_2d(computed), strict=True), start=1):
+        gap = float(np.abs(old - new).max())
+        words = "not reproducible" if bar is None else f"{'reproduced' if gap <= bar else 'not reproduced'}, to {gap:.4f}"
+        rows.append([label.format(number), *("  ".join(f"{value: .4f}" for value in values) for values in (old, new)), words])
+    return rows

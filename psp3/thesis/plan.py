@@ -1,0 +1,181 @@
+"""Which runs the replication of chapter 6 needs, and how their outcomes are put in words."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from psp3.checks import Array
+from psp3.study import statistics
+from psp3.study.file import Row, field_types
+from psp3.study.run import TRAJECTORIES, Run
+from psp3.study.statistics import Estimate
+from psp3.study.study import grid
+from psp3.thesis.findings import with_interval
+
+LABELS = {
+    "feed-forward": "feed-forward", "pd": "PD", "pd-gravity": "PD with gravity", "ctc": "CTC",
+    "t1": "type-1", "it2": "type-2", "gt2": "general type-2",
+}  # fmt: skip
+"""Controllers as tables name them."""
+
+FUZZY = ("t1", "it2", "gt2")
+
+LEARNERS = {
+    "strongest": "strongest sample", "average": "weighted average", "strict": "strict table look-up", "ridge": "ridge",
+}  # fmt: skip
+"""Learners as tables name them; the first is the default."""
+
+READINGS = {
+    "measurement": "noise on measured heights and speeds",
+    "online": "noise on M, C and G at run time",
+    "plant": "masses and inertias off, unknown payload",
+}
+"""Readings of noise besides the default one, as tables name them."""
+
+NOISY = (20.0, 15.0, 10.0)
+"""Finite signal-to-noise ratios of Table 6.3 [dB]."""
+
+NOISIER = (5.0, 0.0)
+"""Signal-to-noise ratios below those of the thesis [dB], to find out where controllers break."""
+
+MOST_SWEEP_SEEDS = 10
+"""Seeds of the comparisons that the thesis never showed."""
+
+ERROR = "sum_of_squared_errors"
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is run.
+
+    Parameters
+    ----------
+    seeds : int
+        Seeds of Table 6.3 and of the comparison of learners.
+    sweep_seeds : int
+        Seeds of everything else.
+    sweep_levels : tuple of float
+        Signal-to-noise ratios of everything else [dB], besides none.
+    variations : tuple of float
+        Mean variations that are tried, as shares of each input's range.
+    terms : tuple of int
+        Numbers of terms of each input that are tried.
+    widths : tuple of float
+        Factors of the standard deviation of type-1 terms that are tried.
+    trajectories : tuple of str
+        Names of the trajectories, that of the training first.
+    """
+
+    seeds: int
+    sweep_seeds: int
+    sweep_levels: tuple[float, ...] = NOISY
+    variations: tuple[float, ...] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.6)
+    terms: tuple[int, ...] = (2, 3, 4)
+    widths: tuple[float, ...] = (1.5, 2.0, 3.0)
+    trajectories: tuple[str, ...] = tuple(TRAJECTORIES)
+
+    @classmethod
+    def of(cls, seeds: int, quick: bool = False) -> Plan:
+        """Return the whole plan, or one that is done in seconds and shows only that everything works."""
+        if quick:
+            few = min(seeds, 2)
+            return cls(few, few, sweep_levels=(20.0,), variations=(0.1, 0.4), terms=(2, 3), widths=(2.0,), trajectories=("helix", "circle"))
+        return cls(seeds, min(seeds, MOST_SWEEP_SEEDS))
+
+    def runs(self) -> tuple[Run, ...]:
+        """Return all runs; the study does those that differ in nothing that matters once."""
+        all_seeds, seeds = range(self.seeds), range(self.sweep_seeds)
+        levels, classical = (math.inf, *self.sweep_levels), ("pd", "pd-gravity", "ctc")
+        return (
+            *grid(controller=classical),
+            *grid(controller=FUZZY, snr_db=(math.inf, *NOISY), seed=all_seeds),
+            *grid(controller=FUZZY, learner=LEARNERS, snr_db=levels, seed=all_seeds),
+            *grid(controller=FUZZY, learner=("strongest", "average"), snr_db=NOISIER, seed=seeds),
+            *grid(controller=(*classical, *FUZZY), reading=READINGS, snr_db=self.sweep_levels, seed=seeds),
+            *grid(controller="t1", term_width=self.widths, snr_db=levels, seed=all_seeds),
+            *grid(controller="it2", mean_variation=self.variations, snr_db=levels, seed=seeds),
+            *grid(controller=("t1", "it2"), learner="strict", n_terms=self.terms, snr_db=levels, seed=seeds),
+            *grid(controller=("feed-forward", *classical, *FUZZY), trajectory=self.trajectories),
+            *grid(controller="t1", trajectory=self.trajectories, learner="ridge"),
+            *grid(controller=("t1", "it2"), trajectory=self.trajectories, snr_db=20.0, seed=seeds),
+        )  # fmt: skip
+
+
+class Outcomes:
+    """Results of the study by run.
+
+    Parameters
+    ----------
+    rows : iterable of Row
+        From :meth:`psp3.Study.rows`.
+    """
+
+    def __init__(self, rows: Iterable[Row]) -> None:
+        self._rows = {Run(**{name: row[name] for name in field_types()}): row for row in rows}
+
+    def values(self, run: Run, seeds: int, metric: str = ERROR) -> Array:
+        """Return a metric of a run for each seed; of a run without noise, which no seed changes, once."""
+        if run.canonical().snr_db == math.inf:
+            seeds = 1
+        return np.array([self._rows[replace(run, seed=seed).canonical()][metric] for seed in range(seeds)])
+
+    def mean(self, run: Run, seeds: int, metric: str = ERROR) -> Estimate:
+        """Return the mean over the seeds that did not diverge."""
+        return statistics.mean(self.values(run, seeds, metric))
+
+    def average(self, run: Run, seeds: int, metric: str = "diverged") -> float:
+        """Return the average over all seeds: of what is 0 or 1, the share."""
+        return float(self.values(run, seeds, metric).mean())
+
+    def difference(self, run: Run, controller: str, seeds: int) -> Estimate:
+        """Return the mean difference of the errors by seed, that controller's minus type-1's."""
+        return statistics.paired_difference(*self._pair(run, controller, seeds))
+
+    def ratio(self, run: Run, controller: str, seeds: int, inverse: bool = False) -> Estimate:
+        """Return the ratio of the mean errors over the same seeds, that controller's over type-1's, or the inverse."""
+        pair = self._pair(run, controller, seeds)
+        return statistics.ratio_of_means(*(pair[::-1] if inverse else pair))
+
+    def shown(self, run: Run, seeds: int) -> str:
+        """Return the mean error with its interval, and the share of the runs that diverged if any did, as tables show it."""
+        return with_share(self.mean(run, seeds), self.average(run, seeds))
+
+    def _pair(self, run: Run, controller: str, seeds: int) -> tuple[Array, Array]:
+        return tuple(self.values(replace(run, controller=name), seeds) for name in (controller, "t1"))  # type: ignore[return-value]
+
+
+def decibels(snr_db: float) -> str:
+    """Return a signal-to-noise ratio as tables show it."""
+    return "∞" if math.isinf(snr_db) else f"{snr_db:g}"
+
+
+def count(seeds: int) -> str:
+    """Return the number of seeds in words."""
+    return f"{seeds} seed{'' if seeds == 1 else 's'}"
+
+
+def listed(words: Sequence[str]) -> str:
+    """Return words as a list in a sentence."""
+    return words[0] if len(words) == 1 else f"{', '.join(words[:-1])} and {words[-1]}"
+
+
+def percent(share: float) -> str:
+    """Return a share in percent."""
+    return f"{100.0 * share:.0f} %"
+
+
+def with_share(average: Estimate, diverged: float) -> str:
+    """Return an estimate with its interval, and the share of runs that diverged."""
+    return with_interval(average) + share_diverged(diverged)
+
+
+def share_diverged(share: float) -> str:
+    """Return the share of runs that diverged, in words; nothing if none did."""
+    return f", {percent(share)} diverged" if share > 0.0 else ""
+
+
+Series = dict[str, dict[float, tuple[float, float, float]]]

@@ -1,0 +1,220 @@
+"""Compiled Runge–Kutta steps of the 3-PSP in closed form, free or with drives from event to event."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+
+from fuzzy2.support.compiled import compiled
+from psp3.checks import Array, checked_count
+from psp3.drives.drive import Drive, drive_table
+from psp3.drives.kernels import (
+    DRY,
+    INERTIA,
+    MOST_EVENTS,
+    RESOLUTION,
+    VISCOUS,
+    accelerations,
+    choose_slip,
+    slip_of,
+    spare_friction,
+    stop_what_turned_back,
+)
+from psp3.three_psp.closed_form import (
+    RADIUS,
+    accelerations_of_state,
+    cosine_of_tilt,
+    equation_of_motion,
+    forward_kinematics,
+    is_finite,
+    is_valid_pose,
+    slope_of_nuts,
+)
+
+MOST_TRIALS = 60
+"""Trials in the search for the time of an event; some eight do."""
+
+
+@compiled
+def _balance(state: Array, forces: Array, p: Array, drives: Array, mass: Array, net: Array) -> None:
+    """Write M + J and what is left of the forces; NaN where the pose is none of the machine's."""
+    full = np.empty(21)
+    if equation_of_motion(state[:3], state[3:], p, full) >= 0:
+        full[:] = math.nan
+    for i in range(3):
+        net[i] = forces[i] - full[18 + i] - drives[i, VISCOUS] * state[3 + i]
+        for j in range(3):
+            mass[i, j] = full[3 * i + j]
+            net[i] -= full[9 + 3 * i + j] * state[3 + j]
+        mass[i, i] += drives[i, INERTIA]
+
+
+@compiled
+def _step(
+    state: Array, forces: Array, duration: float, p: Array, drives: Array, slip: Array, mass: Array, net: Array, rates: Array, new: Array
+) -> None:
+    """Write the state after one step of the classical Runge–Kutta method with constant slip; ``rates`` is scratch space (4, 6)."""
+    acceleration = np.empty(3)
+    for i in range(6):
+        new[i] = state[i]
+    for stage in range(4):
+        _balance(new, forces, p, drives, mass, net)
+        accelerations(mass, net, drives, slip, acceleration)
+        for i in range(3):
+            rates[stage, i], rates[stage, 3 + i] = new[3 + i], acceleration[i]
+        share = duration if stage == 2 else 0.5 * duration
+        for i in range(6):
+            new[i] = state[i] + share * rates[stage, i]
+    for i in range(6):
+        new[i] = state[i] + duration / 6.0 * (rates[0, i] + 2.0 * (rates[1, i] + rates[2, i]) + rates[3, i])
+
+
+@compiled
+def _margin(state: Array, forces: Array, p: Array, drives: Array, slip: Array, mass: Array, net: Array) -> float:
+    """Return what is left until a joint comes to rest or lets go, in m/s or N; negative once it has happened."""
+    margin, sticks = math.inf, False
+    for i in range(3):
+        if slip[i] == 0.0:
+            sticks = True
+        elif drives[i, DRY] > 0.0:
+            margin = min(margin, slip[i] * state[3 + i])
+    if sticks:
+        acceleration = np.empty(3)
+        _balance(state, forces, p, drives, mass, net)
+        accelerations(mass, net, drives, slip, acceleration)
+        for i in range(3):
+            if slip[i] == 0.0:
+                margin = min(margin, spare_friction(mass, net, drives, acceleration, i))
+    return margin
+
+
+@compiled
+def _first_event(
+    state: Array, forces: Array, step: float, p: Array, drives: Array, slip: Array, mass: Array, net: Array, rates: Array, new: Array
+) -> float:
+    """Write the state just after the first event in a step that has one, and return its time: false position (Illinois)."""
+    high, above = step, _margin(new, forces, p, drives, slip, mass, net)
+    # A joint that has just let go has no margin at first, so that a time must be found when it has.
+    low, below = high, above
+    while below < 0.0 and low > RESOLUTION * step:
+        high, above, low = low, below, 0.5 * low
+        _step(state, forces, low, p, drives, slip, mass, net, rates, new)
+        below = _margin(new, forces, p, drives, slip, mass, net)
+    if below < 0.0:
+        return low
+    for _ in range(MOST_TRIALS):
+        if high - low <= RESOLUTION * step:
+            break
+        time = (low * above - high * below) / (above - below)
+        if not low < time < high:
+            time = 0.5 * (low + high)
+        _step(state, forces, time, p, drives, slip, mass, net, rates, new)
+        margin = _margin(new, forces, p, drives, slip, mass, net)
+        # An end that stays counts for half, so that it does not stay for ever.
+        if margin < 0.0:
+            high, above, below = time, margin, 0.5 * below
+        else:
+            low, below, above = time, margin, 0.5 * above
+    _step(state, forces, high, p, drives, slip, mass, net, rates, new)
+    return high
+
+
+@compiled
+def advance_driven(state: Array, forces: Array, step: float, steps: int, p: Array, drives: Array) -> bool:
+    """Do as ``closed_form.advance`` for a robot with drives, an array (3, 3)."""
+    mass, net, rates, new, slip = np.empty((3, 3)), np.empty(3), np.empty((4, 6)), np.empty(6), np.zeros(3)
+    for _ in range(steps):
+        left = step
+        for event in range(MOST_EVENTS + 1):
+            if slip_of(drives, state[3:], slip):
+                _balance(state, forces, p, drives, mass, net)
+                choose_slip(mass, net, drives, state[3:], slip)
+            part = left
+            _step(state, forces, part, p, drives, slip, mass, net, rates, new)
+            if event < MOST_EVENTS and _margin(new, forces, p, drives, slip, mass, net) < 0.0:
+                part = _first_event(state, forces, part, p, drives, slip, mass, net, rates, new)
+            stop_what_turned_back(drives, new[3:], slip)
+            state[:] = new
+            left -= part
+            if left <= 0.0:
+                break
+    total = state[3] + state[4] + state[5]
+    valid: bool = math.isfinite(total) and forward_kinematics(state[:3], p, np.empty(18)) < 0
+    return valid
+
+
+@compiled
+def runge_kutta_step(state: Array, forces: Array, step: float, p: Array, mid: Array) -> None:
+    """Advance ``state`` (heights, speeds) in place by one step of the classical Runge–Kutta method under constant forces.
+
+    ``mid`` is scratch space of 6 numbers.
+    """
+    f0, f1, f2 = forces[0], forces[1], forces[2]
+    v0, v1, v2 = state[3], state[4], state[5]
+    a0, a1, a2 = accelerations_of_state(state, 0, state, 3, f0, f1, f2, p)
+    half = 0.5 * step
+    mid[0], mid[1], mid[2] = state[0] + half * v0, state[1] + half * v1, state[2] + half * v2
+    mid[3], mid[4], mid[5] = v0 + half * a0, v1 + half * a1, v2 + half * a2
+    p0, p1, p2 = mid[3], mid[4], mid[5]
+    b0, b1, b2 = accelerations_of_state(mid, 0, mid, 3, f0, f1, f2, p)
+    mid[0], mid[1], mid[2] = state[0] + half * p0, state[1] + half * p1, state[2] + half * p2
+    mid[3], mid[4], mid[5] = v0 + half * b0, v1 + half * b1, v2 + half * b2
+    q0, q1, q2 = mid[3], mid[4], mid[5]
+    c0, c1, c2 = accelerations_of_state(mid, 0, mid, 3, f0, f1, f2, p)
+    mid[0], mid[1], mid[2] = state[0] + step * q0, state[1] + step * q1, state[2] + step * q2
+    mid[3], mid[4], mid[5] = v0 + step * c0, v1 + step * c1, v2 + step * c2
+    r0, r1, r2 = mid[3], mid[4], mid[5]
+    d0, d1, d2 = accelerations_of_state(mid, 0, mid, 3, f0, f1, f2, p)
+    sixth = step / 6.0
+    state[0] += sixth * (v0 + 2.0 * (p0 + q0) + r0)
+    state[1] += sixth * (v1 + 2.0 * (p1 + q1) + r1)
+    state[2] += sixth * (v2 + 2.0 * (p2 + q2) + r2)
+    state[3] += sixth * (a0 + 2.0 * (b0 + c0) + d0)
+    state[4] += sixth * (a1 + 2.0 * (b1 + c1) + d1)
+    state[5] += sixth * (a2 + 2.0 * (b2 + c2) + d2)
+
+
+@compiled
+def advance(state: Array, forces: Array, step: float, steps: int, p: Array, mid: Array) -> bool:
+    """Take Runge–Kutta steps under constant forces; return whether the state reached is finite and a pose of the machine."""
+    for _ in range(steps):
+        runge_kutta_step(state, forces, step, p, mid)
+    u, v, _ = slope_of_nuts(state[0], state[1], state[2], p[RADIUS])
+    c, k = cosine_of_tilt(u, v)
+    valid: bool = is_valid_pose(u, v, c, k, p[RADIUS]) and is_finite(state, 3)
+    return valid
+
+
+class ClosedFormSteps:
+    """A plant: the 3-PSP in closed form, compiled.
+
+    Parameters
+    ----------
+    parameters : ndarray
+        The robot's numbers, :meth:`psp3.three_psp.parameters.Parameters.as_array`.
+    steps : int
+        Integration steps in a control period.
+    drive : Drive or sequence of Drive
+        Friction and motor inertia of all screws, or of each.
+    """
+
+    def __init__(self, parameters: Array, steps: int, drive: Drive | Sequence[Drive]) -> None:
+        self._p, self._scratch, self._steps = parameters, np.empty(6), checked_count("steps", steps)
+        self._drives = drive_table(drive, 3)
+        self._is_driven = bool(self._drives.any())
+        self._state = np.zeros(6)
+
+    def start(self, heights: Array, speeds: Array) -> None:
+        """Put the robot into a state; nut heights [m] and speeds [m/s], each (3,)."""
+        self._state = np.concatenate([heights, speeds])
+
+    def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
+        """Return heights and speeds after ``duration`` [s] under constant forces, each (3,), or None."""
+        step = duration / self._steps
+        if self._is_driven:
+            valid = advance_driven(self._state, forces, step, self._steps, self._p, self._drives)
+        else:
+            valid = advance(self._state, forces, step, self._steps, self._p, self._scratch)
+        return (self._state[:3], self._state[3:]) if valid else None

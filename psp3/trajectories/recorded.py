@@ -1,0 +1,133 @@
+"""Motions given by samples: waypoints in Python, and tables in CSV files."""
+
+from __future__ import annotations
+
+import csv
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, finite_rows
+from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.trajectories.motion import finite_times
+from psp3.trajectories.trajectory import Trajectory
+
+
+class Waypoints(Trajectory):
+    """A smooth path through given points at given times: a cubic spline, from rest to rest.
+
+    Parameters
+    ----------
+    times : (N,) array_like
+        Strictly increasing times, at least two [s].
+    points : (N, k) array_like
+        Tip, k = 3 [m], or actuated joints, k = n [m or rad], at these times.
+    robot, space
+        See :class:`Trajectory`.
+
+    Raises
+    ------
+    InvalidArray
+        If an array is not finite or has another shape.
+    InvalidValue
+        If the times do not increase.
+    """
+
+    def __init__(self, times: ArrayLike, points: ArrayLike, robot: ClosedLoopRobot | None = None, space: str | None = None) -> None:
+        from scipy.interpolate import CubicSpline
+
+        super().__init__(robot, space)
+        knots, values = _knots(times, points, self.width, minimum=2)
+        self.duration: float = float(knots[-1])
+        self._spline = CubicSpline(knots, values, bc_type="clamped")
+
+    def _path(self, t: Array) -> tuple[Array, Array, Array]:
+        return _spline_motion(self._spline, t)
+
+
+class FromCSV(Trajectory):
+    """A recorded motion from a CSV file, smoothed by a cubic spline through its rows.
+
+    The first line names the columns: ``t,x,y,z`` for a path of the tip, or ``t`` and the names of the actuated joints, ``t,a1,a2,a3``
+    for nut heights; seconds, meters and radians, other columns are ignored. Before the first and after the last row the robot rests
+    there.
+
+    Parameters
+    ----------
+    path : path
+        The file, with at least four rows of strictly increasing times.
+    robot : ClosedLoopRobot, optional
+        See :class:`Trajectory`.
+
+    Raises
+    ------
+    InvalidTrajectoryFile
+        If the file is missing, lacks the columns, or has a row that is not as many finite numbers; the error names the line.
+    """
+
+    def __init__(self, path: str | Path, robot: ClosedLoopRobot | None = None) -> None:
+        from scipy.interpolate import CubicSpline
+
+        super().__init__(robot)
+        columns = {"tip": ("t", "x", "y", "z")} if self.space == "tip" else {}
+        self.space, table = _read_table(Path(path), columns | {"joints": ("t", *self.robot.actuated)})
+        try:
+            knots, values = _knots(table[:, 0], table[:, 1:], self.width, minimum=4)
+        except (InvalidArray, InvalidValue) as error:
+            raise InvalidTrajectoryFile(path, str(error)) from error
+        self.duration: float = float(knots[-1])
+        self._spline = CubicSpline(knots, values)
+
+    def _path(self, t: Array) -> tuple[Array, Array, Array]:
+        return _spline_motion(self._spline, t)
+
+
+def _knots(times: ArrayLike, points: ArrayLike, width: int, minimum: int) -> tuple[Array, Array]:
+    values = finite_rows("points", points, width)
+    knots = finite_times(times)
+    if values.ndim != 2 or knots.shape != values.shape[:1] or knots.size < minimum:
+        raise InvalidArray("times and points", f"(N,) and (N, {width}) with N of at least {minimum}", knots)
+    late = np.flatnonzero(np.diff(knots) <= 0.0)
+    if late.size:
+        raise InvalidValue("times", float(knots[late[0] + 1]), f"later than the one before it, {knots[late[0]]:.6g} s")
+    return knots, values
+
+
+def _spline_motion(spline: object, t: Array) -> tuple[Array, Array, Array]:
+    """Value and two derivatives of a spline, at rest outside its knots."""
+    first, last = spline.x[0], spline.x[-1]  # type: ignore[attr-defined]
+    moving = ((t >= first) & (t <= last))[..., np.newaxis]
+    inside = np.clip(t, first, last)
+    value, rate, curvature = (spline(inside, order) for order in range(3))  # type: ignore[operator]
+    return value, np.where(moving, rate, 0.0), np.where(moving, curvature, 0.0)
+
+
+def _read_table(path: Path, known: dict[str, tuple[str, ...]]) -> tuple[str, Array]:
+    """Which of the known sets of columns a trajectory file has, and its rows."""
+    try:
+        lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InvalidTrajectoryFile(path, f"cannot be read ({getattr(error, 'strerror', None) or error})") from error
+    header = [name.strip() for name in lines[0]] if lines else []
+    matching = [space for space, columns in known.items() if set(columns) <= set(header)]
+    if not matching:
+        choices = " or ".join(map(",".join, known.values()))
+        raise InvalidTrajectoryFile(path, f"the first line must name the columns {choices}; it has {', '.join(header) or 'nothing'}")
+    columns = known[matching[0]]
+    places = [header.index(name) for name in columns]
+    rows = []
+    for number, cells in enumerate(lines[1:], start=2):
+        if not any(cell.strip() for cell in cells):
+            continue
+        try:
+            row = [float(cells[place]) for place in places]
+        except (IndexError, ValueError) as error:
+            raise InvalidTrajectoryFile(
+                path, f"line {number}: expected numbers for {', '.join(columns)}, got {','.join(cells)!r}"
+            ) from error
+        if not np.isfinite(row).all():
+            raise InvalidTrajectoryFile(path, f"line {number}: a number is not finite: {','.join(cells)!r}")
+        rows.append(row)
+    return matching[0], np.array(rows).reshape(-1, len(columns))

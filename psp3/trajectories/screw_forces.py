@@ -1,0 +1,103 @@
+r"""From a motion of the tip to the forces of the screws, the thesis's inverse dynamics (Figures 27, 28 and 31).
+
+Inverse kinematics turns the tip's path into nut heights, their rates follow, and the equation of motion gives the forces:
+
+.. math:: \tau = M(a)\, \ddot a + C(a, \dot a)\, \dot a + G(a) \qquad \text{(eq. 3.1)}
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array
+from psp3.errors import InvalidArray
+from psp3.robots.dynamics_model import DynamicsModel
+from psp3.trajectories.motion import Motion, finite_times
+from psp3.trajectories.trajectory import Trajectory
+
+
+@dataclass(frozen=True)
+class ScrewForces:
+    """A motion with the screw forces that it takes, sampled in time.
+
+    Parameters
+    ----------
+    t : (N,) ndarray
+        Times [s].
+    motion : Motion
+        ``.heights .speeds .accelerations .tip``, each (N, 3).
+    inertial, coriolis, gravity : (N, 3) ndarray
+        The three terms of eq. 3.1 [N].
+    """
+
+    t: Array
+    motion: Motion
+    inertial: Array
+    coriolis: Array
+    gravity: Array
+
+    @property
+    def forces(self) -> Array:
+        """Forces along the screws, the sum of the three terms, of shape (N, 3) [N]."""
+        total: Array = self.inertial + self.coriolis + self.gravity
+        return total
+
+    def columns(self) -> dict[str, Array]:
+        """Return everything as columns of a table, each of shape (N,), in SI units.
+
+        Returns
+        -------
+        dict of str to ndarray
+            ``t``, the tip ``x y z``, then ``a1 a2 a3`` and likewise ``speed``, ``acceleration`` and ``force``. With the names as
+            first line this is a file that :class:`psp3.trajectories.recorded.FromCSV` reads.
+        """
+        columns = {"t": self.t, **dict(zip("xyz", self.motion.tip.T, strict=True))}
+        for name, values in (
+            ("a", self.motion.heights),
+            ("speed", self.motion.speeds),
+            ("acceleration", self.motion.accelerations),
+            ("force", self.forces),
+        ):
+            columns |= {f"{name}{k}": column for k, column in enumerate(values.T, start=1)}
+        return columns
+
+
+def screw_forces(trajectory: Trajectory, t: ArrayLike, model: DynamicsModel | None = None) -> ScrewForces:
+    """Return the screw forces that a trajectory takes.
+
+    Parameters
+    ----------
+    trajectory : Trajectory
+        The motion.
+    t : (N,) array_like
+        Times [s].
+    model : DynamicsModel, optional
+        Where M, C and G come from: the trajectory's robot in closed form by default; ``robot.dynamics("noc")`` is the
+        thesis's own way.
+
+    Returns
+    -------
+    ScrewForces
+
+    Raises
+    ------
+    InvalidArray
+        If the times are not finite or not a list.
+    UnreachableTip, StrokeExceeded
+        If the robot cannot make the motion.
+    """
+    times = finite_times(t)
+    if times.ndim != 1:
+        raise InvalidArray("t", "(N,)", times)
+    motion = trajectory.check(times)
+    M, C, G = (trajectory.robot if model is None else model).equation_of_motion(motion.heights, motion.speeds)
+    return ScrewForces(
+        times,
+        motion,
+        inertial=np.einsum("nij,nj->ni", M, motion.accelerations),
+        coriolis=np.einsum("nij,nj->ni", C, motion.speeds),
+        gravity=G,
+    )

@@ -1,0 +1,131 @@
+"""Desired motions: of the tip along a path, turned into nut heights with their rates by inverse kinematics, or of the joints.
+
+A trajectory is called with a time or an array of times and returns a :class:`Motion`. The tip's are those of the 3-PSP, whose inverse
+kinematics is known; motions of the actuated joints are those of any robot. A path that the robot cannot follow is an error of that call;
+:meth:`Trajectory.check` also looks at the limits of the actuated joints, and a simulation does so before it starts.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array
+from psp3.collisions.motion import check_clearance
+from psp3.errors import InvalidValue, UnknownName
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.trajectories.motion import Motion, check_stroke, finite_times
+
+SPACES = ("tip", "joints")
+"""Names of the spaces in which a path can be given."""
+
+
+@cache
+def _default_robot() -> ClosedLoopRobot:
+    from psp3.loading import load
+
+    return load("psp3")
+
+
+class Trajectory:
+    """Base of the trajectories: a path in time, of the tip or of the actuated joints.
+
+    A subclass gives ``_path(t)``, the position on the path with its velocity and acceleration. What moves otherwise overrides
+    ``__call__``.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot, optional
+        Whose motion it is; ``psp3.load("psp3")`` by default.
+    space : str, optional
+        ``"tip"``, a path of the tip in base axes [m], or ``"joints"``, of the n actuated joints [m or rad]. By default the tip of a 3-PSP,
+        and the joints of any other robot.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such space.
+    InvalidValue
+        If the path is to be one of the tip, and the robot is not a 3-PSP.
+    """
+
+    duration: float | None = None
+    """Time after which the robot rests, None if it never does [s]."""
+
+    def __init__(self, robot: ClosedLoopRobot | None = None, space: str | None = None) -> None:
+        self.robot: ClosedLoopRobot = _default_robot() if robot is None else robot
+        has_inverse = self.robot.has_inverse_of_tip
+        self.space = ("tip" if has_inverse else "joints") if space is None else space
+        if self.space not in SPACES:
+            raise UnknownName("space", space, SPACES)
+        if self.space == "tip" and not has_inverse:
+            raise InvalidValue("space", "tip", "'joints' for another robot than the 3-PSP, whose tip has an inverse kinematics")
+
+    @property
+    def width(self) -> int:
+        """Number of coordinates of a point on the path."""
+        return 3 if self.space == "tip" else len(self.robot.actuated)
+
+    def __call__(self, t: ArrayLike) -> Motion:
+        r"""Return the desired motion at given times.
+
+        .. math:: \dot a = J^{-1} \dot x, \qquad \ddot a = J^{-1} (\ddot x - \dot J \dot a)
+
+        Parameters
+        ----------
+        t : (...,) array_like
+            Times from the start [s].
+
+        Returns
+        -------
+        Motion
+            ``.heights .speeds .accelerations``, each (..., n), and ``.tip`` (..., 3).
+
+        Raises
+        ------
+        InvalidArray
+            If a time is not finite.
+        UnreachableTip
+            If the tip would have to leave its reach.
+        UnreachablePose, ClosureFailed, JointLimitExceeded
+            If the joints lead to a pose that the robot cannot take.
+        """
+        point, velocity, acceleration = self._path(finite_times(t))
+        if self.space == "joints":
+            return Motion(point, velocity, acceleration, self.robot.tip(point))
+        return Motion(*self.robot.motion_of_tip(point, velocity, acceleration), point)
+
+    def _path(self, t: Array) -> tuple[Array, Array, Array]:
+        raise NotImplementedError(f"{type(self).__name__} must return a position with its velocity and acceleration")
+
+    def check(self, t: ArrayLike, clearance: float | None = None) -> Motion:
+        """Return the motion at given times, provided that the robot can make it.
+
+        Parameters
+        ----------
+        t : (N,) array_like
+            Times [s].
+        clearance : float, optional
+            Least distance that links must keep from each other [m]; not looked at by default.
+
+        Returns
+        -------
+        Motion
+            As from a call.
+
+        Raises
+        ------
+        InvalidArray, UnreachableTip, UnreachablePose, ClosureFailed, JointLimitExceeded
+            As from a call.
+        StrokeExceeded
+            If a nut would have to leave its screw, or another actuated joint its limits.
+        CollisionFound
+            If two links would come nearer to each other than ``clearance``.
+        """
+        motion = self(t)
+        check_stroke(self.robot, np.asarray(t, dtype=float), motion)
+        if clearance is not None:
+            check_clearance(self.robot, motion.heights, t, clearance)
+        return motion

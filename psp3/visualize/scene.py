@@ -1,0 +1,351 @@
+"""The robot on a floor in one page, at rest or in motion, beside other robots; a page that needs no network.
+
+A scene is a list of MeshCat's drawing commands. :class:`Scene` collects them with Pinocchio's MeshCat visualizer and puts them
+in one page, ``scene.html``, which holds MeshCat itself, the lights and the camera. Written to a file, the page carries the
+commands; served by :class:`psp3.visualize.viewer.Viewer`, it receives them one by one.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import html
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, one_row
+from psp3.errors import InvalidValue
+from psp3.kinematics.tasks import rotating
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.simulation.result import Result
+from psp3.trajectories.trajectory import Trajectory
+from psp3.visualize.animation import Frames, clip, frames_of
+from psp3.visualize.commands import DrawingCommands
+from psp3.visualize.force_arrows import FORCE_COLOR, ForceArrow, newtons_per_decimeter
+from psp3.visualize.robot_visualizer import RobotVisualizer
+from psp3.visualize.shapes import Flat, Tube, geometry, meshcat, meshcat_script
+
+VIEW_DIRECTION = (0.47, 0.76, 0.44)
+"""From the robot toward the camera: between arms 1 and 2, so that the third column stands behind the star."""
+
+FIELD_OF_VIEW = 24.0
+"""Vertical angle that the camera sees [degrees]."""
+
+SPACING = 0.72
+"""Least distance between robots that stand side by side [m]."""
+
+DESIRED_COLOR, ACTUAL_COLOR = "#0b7285", "#c2255c"
+
+TRACE_RADIUS = 0.0014
+"""WebGL draws lines one pixel wide, so the tip's path is a tube of this radius [m]; the desired one is a translucent sleeve of twice it."""
+
+FRAME_HEIGHT = 520
+"""Height of a scene in a notebook [pixels]."""
+
+
+class _Performer:
+    """One robot of a scene: its body, and as far as wanted its ghost, force arrows, paths of the tip, and target."""
+
+    def __init__(self, robot: ClosedLoopRobot, viewer: meshcat.Visualizer, node: str, frames: Frames) -> None:
+        self._robot, self._viewer, self._node = robot, viewer, node
+        self.body = RobotVisualizer(robot, viewer, node)
+        self._ghost = None if frames.desired_heights is None else RobotVisualizer(robot, viewer, f"{node}/ghost", DESIRED_COLOR)
+        self._arrows: list[ForceArrow] = []
+        if frames.force is not None:
+            joints = [robot.model.getJointId(name) for name in robot.actuated]
+            self._arrows = [
+                ForceArrow(viewer[self.body.joint_node(joint)], robot.point_of_force, axis)
+                for joint, axis in zip(joints, _axes_of_slides(robot), strict=True)
+            ]
+
+    def perform(self, frames: Frames, meters_per_newton: float) -> list[dict[str, Any]]:
+        """Take the pose of the first frame; return the animations through all."""
+        seconds = frames.time - frames.time[0]
+        configurations = self._robot.configuration(frames.heights)
+        clips = self.body.clips(configurations, seconds)
+        self.body.display(configurations[0])
+        if self._ghost is not None and frames.desired_heights is not None:
+            desired = self._robot.configuration(frames.desired_heights)
+            clips += self._ghost.clips(desired, seconds)
+            self._ghost.display(desired[0])
+        if frames.force is not None:
+            for arrow, force in zip(self._arrows, frames.force.T, strict=True):
+                clips += arrow.place(meters_per_newton * force, seconds)
+        self._draw_path("actual", frames.tip, Flat(ACTUAL_COLOR), TRACE_RADIUS)
+        self._draw_path("desired", frames.desired_tip, Flat(DESIRED_COLOR, opacity=0.5), 2.0 * TRACE_RADIUS)
+        if frames.desired_tip is not None:
+            target = self._viewer[f"{self._node}/target"]
+            target.set_object(geometry.Sphere(4.0 * TRACE_RADIUS), Flat(DESIRED_COLOR))
+            target.set_transform(pin.SE3(np.eye(3), frames.desired_tip[0]).homogeneous)
+            clips.append(clip(target.path.lower(), seconds, {"position": frames.desired_tip}))
+        return [one for one in clips if one["clip"]["tracks"]]
+
+    def _draw_path(self, name: str, path: Array | None, material: Flat, radius: float) -> None:
+        node = self._viewer[f"{self._node}/{name}"]
+        node.delete()
+        if path is None:
+            return
+        distinct = path[np.append(True, np.linalg.norm(np.diff(path, axis=0), axis=1) > 1e-6)]
+        if len(distinct) > 1:
+            node.set_object(Tube(distinct.round(5), radius), material)
+
+
+class Scene:
+    """Robots on a floor, in one pose or in motion, ready to be written to a file or shown in a notebook.
+
+    Parameters
+    ----------
+    robot : robot from :func:`psp3.load`
+        What to show.
+
+    Notes
+    -----
+    As the last value of a notebook's cell a scene shows itself. The whole scene is in the output, so it works on a JupyterHub and in
+    exported pages, where a server would be out of reach.
+    """
+
+    def __init__(self, robot: ClosedLoopRobot) -> None:
+        self.robot = robot
+        self._commands = DrawingCommands()
+        self._viewer = meshcat.Visualizer(window=self._commands)
+        self._performers: list[_Performer] = []
+        self._cast: tuple[Any, ...] | None = None
+
+    def show(self, heights: ArrayLike, *, desired: ArrayLike | None = None, force: ArrayLike | None = None) -> Self:
+        """Show the robot at rest.
+
+        Parameters
+        ----------
+        heights : (3,) array_like
+            Nut heights [m]; of another robot with loops, positions of its actuated joints.
+        desired : (3,) array_like, optional
+            Nut heights of a pose to show as a translucent ghost [m]: it comes out where the robot is not there.
+        force : (n,) array_like, optional
+            Forces of the sliding motors to show as arrows along them [N]; of the 3-PSP those of the screws on the nuts, up is positive.
+
+        Returns
+        -------
+        Scene
+            The scene itself.
+
+        Raises
+        ------
+        InvalidArray
+            If positions or forces are not as many finite numbers as the robot has motors.
+        UnreachablePose
+            If they ask for an arm length that is not positive.
+        InvalidValue
+            If a force is given for a robot with motors that do not slide.
+        """
+        if force is not None and not _is_driven_by_slides(self.robot):
+            raise InvalidValue("force", force, "left out: arrows are drawn along sliding motors only, and this robot has others")
+        pose = np.reshape(heights, -1)
+        # Before anything is drawn: what cannot be shown leaves the scene as it was.
+        for positions in (pose,) if desired is None else (pose, np.reshape(desired, -1)):
+            self.robot.configuration(positions)
+        self._perform(
+            {
+                "": Frames(
+                    np.zeros(1),
+                    pose[None],
+                    desired_heights=None if desired is None else np.reshape(desired, (1, -1)),
+                    force=None if force is None else one_row("force", force, len(self.robot.actuated))[None],
+                )
+            }
+        )
+        return self
+
+    def animate(
+        self, motions: Result | Trajectory | Mapping[str, Result] | Mapping[str, Result | Trajectory], duration: float | None = None
+    ) -> Self:
+        """Show simulated or desired motion in real time.
+
+        Of a result are shown: the robot, the desired pose as a translucent ghost, the paths of the tip and of the desired tip, and
+        the screw forces as arrows. Of a trajectory: the robot that follows it exactly, and the path of the tip.
+
+        Parameters
+        ----------
+        motions : Result, Trajectory, or mapping of str to these
+            A result of :func:`psp3.simulate`, a trajectory, or several by name: their robots stand side by side, each under its name.
+        duration : float, optional
+            How long trajectories are followed [s]; by default until they rest. Results have the time of their simulation.
+
+        Returns
+        -------
+        Scene
+            The scene itself.
+
+        Raises
+        ------
+        InvalidValue
+            If there is no motion, a result without a sample, or a trajectory that never rests without a duration.
+        """
+        named: dict[str, Result | Trajectory] = dict(motions) if isinstance(motions, Mapping) else {"": motions}
+        samples = {name: len(motion.t) for name, motion in named.items() if isinstance(motion, Result)}
+        if not named or min(samples.values(), default=1) == 0:
+            raise InvalidValue("motions", samples, "one simulation result or more, none of them empty (number of samples by name)")
+        frames = {name: frames_of(motion, duration) for name, motion in named.items()}
+        if not _is_driven_by_slides(self.robot):
+            # A torque has no arrow.
+            frames = {name: one._replace(force=None) for name, one in frames.items()}
+        self._perform(frames)
+        return self
+
+    def html(self) -> str:
+        """Return the scene as one page that needs no network."""
+        return page(f"{self._commands.as_json()}.forEach(handle);".replace("</", "<\\/"), name_of(self.robot))
+
+    def write_html(self, path: str | Path) -> None:
+        """Write the scene to a file that any browser opens, without a network.
+
+        Parameters
+        ----------
+        path : path
+            The file, conventionally ``.html``.
+        """
+        Path(path).write_text(self.html(), encoding="utf-8")
+
+    def _repr_html_(self) -> str:
+        # Compressed, a scene takes a third of the room in the notebook's file; the frame unpacks it into itself.
+        packed = base64.b64encode(gzip.compress(self.html().encode(), mtime=0)).decode()
+        unpack = (
+            f'<script>const packed = Uint8Array.from(atob("{packed}"), (letter) => letter.charCodeAt(0));'
+            'new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text().then((page) => '
+            "{ document.open(); document.write(page); document.close(); })</script>"
+        )
+        style = f"width: 100%; height: {FRAME_HEIGHT}px; border: 0"
+        return f'<iframe srcdoc="{html.escape(unpack)}" title="{name_of(self.robot)} in 3D" style="{style}"></iframe>'
+
+    def _perform(self, frames: Mapping[str, Frames]) -> None:
+        self._animate([])
+        largest = max((np.abs(one.force).max() for one in frames.values() if one.force is not None), default=0.0)
+        newtons = newtons_per_decimeter(largest)
+        self._set_up(frames, newtons)
+        animations: list[dict[str, Any]] = []
+        for performer, of_robot in zip(self._performers, frames.values(), strict=True):
+            animations += performer.perform(of_robot, 0.1 / newtons)
+        self._animate(animations)
+
+    def _set_up(self, frames: Mapping[str, Frames], newtons: float) -> None:
+        """Set up one robot for each name, side by side, and the camera before them; nothing if they stand there already."""
+        in_motion = any(len(one.time) > 1 for one in frames.values())
+        shown = tuple((name, *(part is not None for part in one)) for name, one in frames.items())
+        cast = (shown, in_motion, newtons if any(one.force is not None for one in frames.values()) else None)
+        if not in_motion and cast == self._cast:
+            return
+        self._viewer["robots"].delete()
+        self._performers = []
+        rightward = np.cross([0.0, 0.0, 1.0], VIEW_DIRECTION) / np.hypot(*VIEW_DIRECTION[:2])
+        points, nearby, texts = [], [], []
+        for number, (name, of_robot) in enumerate(frames.items()):
+            performer = _Performer(self.robot, self._viewer, f"robots/{number}", of_robot)
+            corners = performer.body.corners(self.robot.q0)
+            spacing = max(SPACING, 1.1 * float(np.ptp(corners @ rightward, axis=0)) if len(corners) else 0.0)
+            offset = (number - 0.5 * (len(frames) - 1)) * spacing * rightward
+            self._viewer[f"robots/{number}"].set_transform(pin.SE3(np.eye(3), offset).homogeneous)
+            corners = corners + offset
+            points.append(corners)
+            nearby += [performer.body.corners(q, moving_only=True) + offset for q in self._extremes(of_robot)]
+            if name:
+                above = np.append(offset[:2], corners[:, 2].max() + 0.1)
+                points.append(above[None])
+                texts.append({"text": name, "point": above.round(4)})
+            self._performers.append(performer)
+        self._cast = cast
+        self._commands.add(
+            {
+                "type": "stage",
+                "points": _hull(np.concatenate(points)),
+                "nearby": _hull(np.concatenate(nearby)) if in_motion else [],
+                "direction": VIEW_DIRECTION,
+                "field_of_view": FIELD_OF_VIEW,
+                "texts": texts,
+                "legend": _legend(frames, newtons),
+            }
+        )
+
+    def _extremes(self, frames: Frames) -> Array:
+        """Return the configurations at which nuts are highest or lowest, actual or desired."""
+        heights = frames.heights if frames.desired_heights is None else np.concatenate([frames.heights, frames.desired_heights])
+        return self.robot.configuration(heights[np.unique([heights.argmin(axis=0), heights.argmax(axis=0)])])
+
+    def _animate(self, animations: list[dict[str, Any]]) -> None:
+        endless = 1e9
+        options = {"play": True, "repetitions": endless}
+        self._commands.add({"type": "set_animation", "path": "", "animations": animations, "options": options})
+
+
+def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]]:
+    """Return what is to be explained: each entry has its own mark, so that none is told by color alone."""
+    entries = {
+        "desired_heights": ("desired pose", DESIRED_COLOR, "area"),
+        "desired_tip": ("desired tip", DESIRED_COLOR, "sleeve"),
+        "tip": ("tip", ACTUAL_COLOR, "line"),
+        "force": (f"screw force, 10 cm for {newtons:g} N", FORCE_COLOR, "arrow"),
+    }
+    return [
+        {"text": text, "color": color, "mark": mark}
+        for part, (text, color, mark) in entries.items()
+        if any(getattr(one, part) is not None for one in frames.values())
+    ]
+
+
+def _hull(points: Array) -> Array:
+    """Return the corners of the convex hull: what has them in view has all of the points in view."""
+    from scipy.spatial import ConvexHull
+
+    corners: Array = points[ConvexHull(points).vertices].round(3)
+    return corners
+
+
+def _is_driven_by_slides(robot: ClosedLoopRobot) -> bool:
+    """Whether all motors of a robot push along a line, which an arrow can show."""
+    return not rotating(robot.model)[robot.actuated_v].any()
+
+
+def _axes_of_slides(robot: ClosedLoopRobot) -> Array:
+    """Return the directions (n, 3) of a robot's sliding motors, in the axes of their joints."""
+    data = robot.model.createData()
+    pin.computeJointJacobians(robot.model, data, robot.q0)
+    axes = []
+    for name, column in zip(robot.actuated, robot.actuated_v, strict=True):
+        jacobian = pin.getJointJacobian(robot.model, data, robot.model.getJointId(name), pin.ReferenceFrame.LOCAL)
+        axes.append(jacobian.reshape(6, robot.model.nv)[:3, column])
+    return np.array(axes)
+
+
+def name_of(robot: ClosedLoopRobot) -> str:
+    """Return what a robot is called where it is shown."""
+    return html.escape(robot.title)
+
+
+def page(script: str, name: str = "Robot") -> str:
+    """Return the page with MeshCat and a script that feeds it commands; ``name`` is its title."""
+    text = Path(__file__).with_suffix(".html").read_text(encoding="utf-8")
+    # MeshCat last: the marks are then looked for in our own text only.
+    return text.replace("/*NAME*/", name).replace("/*COMMANDS*/", script).replace("/*MESHCAT*/", meshcat_script())
+
+
+def write_animation(robot: ClosedLoopRobot, results: Result | Mapping[str, Result], path: str | Path) -> None:
+    """Write a simulated motion to a file that any browser opens, without a network.
+
+    Parameters
+    ----------
+    robot : robot from :func:`psp3.load`
+        The robot that was simulated.
+    results : Result or mapping of str to Result
+        One result of :func:`psp3.simulate`, or several by name: their robots stand side by side, each under its name.
+    path : path
+        The file, conventionally ``.html``.
+
+    Raises
+    ------
+    InvalidValue
+        If there is no result, or one without a sample.
+    """
+    Scene(robot).animate(results).write_html(path)

@@ -1,0 +1,184 @@
+"""Exact type reduction against enumeration of all switch points, at any scale, and the approximations against their equations."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numpy.typing import NDArray
+
+from fuzzy2.errors import InvalidValue, UnknownName
+from fuzzy2.reduction.interval import METHODS, begian_melek_mendel, centroid, generalized_centroid, nie_tan, wu_mendel_bounds
+
+Array = NDArray[np.float64]
+
+
+def enumerate_switch_points(z: Array, w: Array) -> tuple[float, float]:
+    """All switch points of both ends, with exactly rounded sums; NaN where no weight can be positive."""
+    ends = []
+    for end, best in ((0, min), (1, max)):
+        order = np.argsort(z[:, end], kind="stable")
+        points, low, high = z[order, end], w[order, 0], w[order, 1]
+        averages = []
+        for k in range(len(points) + 1):
+            weights = np.concatenate([high[:k], low[k:]] if end == 0 else [low[:k], high[k:]])
+            mass = math.fsum(weights)
+            if mass > 0.0:
+                averages.append(math.fsum(weights * points) / mass)
+        ends.append(best(averages) if averages else math.nan)
+    return ends[0], ends[1]
+
+
+def random_case(rng: np.random.Generator) -> tuple[Array, Array]:
+    """Points and weights of every kind that has broken a library: see the comments."""
+    n = int(rng.integers(1, 13))
+    z = rng.normal(size=n)
+    if rng.random() < 0.3:
+        z = np.round(z)  # equal points
+    if rng.random() < 0.2:
+        z = z + 100.0  # far from zero
+    z = z[:, np.newaxis] + [0.0, 1.0] * (rng.random((n, 1)) * (rng.random() < 0.5))  # interval points in half of the cases
+    z = z * 10.0 ** int(rng.integers(-9, 10))
+    w = np.sort(rng.random((n, 2)), axis=1)
+    if rng.random() < 0.4:
+        w[rng.random(n) < 0.5, 0] = 0.0  # zero lower weights
+    if rng.random() < 0.3:
+        w[rng.random(n) < 0.4] = 0.0  # rules that do not fire
+    if rng.random() < 0.3:
+        w *= 10.0 ** rng.integers(-200, 1, size=(n, 1))  # weights that outweigh others by more than a float's digits
+    if rng.random() < 0.1:
+        w[:, 0] = w[:, 1]  # no uncertainty
+    return z, w
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_every_method_agrees_with_enumeration(method: str) -> None:
+    """3000 cases; 1e-12 of the largest point is the project's bar, 1e-15 is what is reached."""
+    rng = np.random.default_rng(11)
+    for _ in range(3000):
+        z, w = random_case(rng)
+        found, expected = generalized_centroid(z, w, method), enumerate_switch_points(z, w)
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * max(float(np.abs(z).max()), 1e-300))
+
+
+@given(
+    z=st.lists(st.floats(-1e6, 1e6), min_size=1, max_size=8),
+    seed=st.integers(0, 2**32 - 1),
+)
+@settings(max_examples=300)
+def test_interval_lies_between_the_extremes_and_does_not_depend_on_order(z: list[float], seed: int) -> None:
+    """1e-12 of the largest point, as for every method: an end near 0 between large points is a difference of large sums."""
+    rng = np.random.default_rng(seed)
+    points = np.array(z)
+    w = np.sort(rng.random((len(z), 2)), axis=1)
+    left, right = generalized_centroid(points, w)
+    assert points.min() - 1e-9 <= left <= right + 1e-9 <= points.max() + 2e-9
+    order = rng.permutation(len(z))
+    tolerance = 1e-12 * max(float(np.abs(points).max()), 1e-300)
+    np.testing.assert_allclose(generalized_centroid(points[order], w[order]), [left, right], rtol=0.0, atol=tolerance)
+
+
+@given(scale=st.sampled_from([1e-9, 1e-6, 1.0, 1e6, 1e9]), shift=st.floats(-10.0, 10.0), seed=st.integers(0, 1000))
+def test_affine_in_the_points(scale: float, shift: float, seed: int) -> None:
+    """Scaling and shifting the points scales and shifts the interval; 1e-12 of the size of the numbers."""
+    z, w = random_case(np.random.default_rng(seed))
+    z = z / max(np.abs(z).max(), 1e-300)
+    base, moved = generalized_centroid(z, w), generalized_centroid(scale * (z + shift), w)
+    np.testing.assert_allclose(moved, scale * (base + shift), atol=1e-12 * scale * (1.0 + abs(shift)), rtol=0.0)
+
+
+def test_a_weight_that_outweighs_all_others_does_not_hide_the_switch_point() -> None:
+    """The middle point has all the weight that a float sees, but its lower weight is 0, so the left end can do without it."""
+    z, w = np.array([0.0, 1.0, 2.0, 3.0]), np.array([[0.0, 1e-120], [0.0, 1e-17], [0.0, 1e-60], [1e-130, 1e-90]])
+    for method in METHODS:
+        np.testing.assert_allclose(generalized_centroid(z, w, method), [0.0, 3.0], atol=1e-9)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_one_rule_two_equal_rules_and_no_rule(method: str) -> None:
+    np.testing.assert_array_equal(generalized_centroid([[2.0, 3.0]], [[0.0, 0.5]], method), [2.0, 3.0])
+    np.testing.assert_array_equal(generalized_centroid([5.0, 5.0], [[0.1, 0.5], [0.2, 0.3]], method), [5.0, 5.0])
+    assert np.isnan(generalized_centroid([1.0, 2.0], np.zeros((2, 2)), method)).all()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_batches_equal_single_calls(method: str) -> None:
+    rng = np.random.default_rng(2)
+    z, w = rng.normal(size=(3, 4, 6)), np.sort(rng.random((3, 4, 6, 2)), axis=-1)
+    together = generalized_centroid(z, w, method)
+    assert together.shape == (3, 4, 2)
+    for index in np.ndindex(3, 4):
+        np.testing.assert_array_equal(together[index], generalized_centroid(z[index], w[index], method))
+    shared = generalized_centroid(z[0, 0], w, method)
+    np.testing.assert_array_equal(shared[1, 2], generalized_centroid(z[0, 0], w[1, 2], method))
+
+
+@pytest.mark.parametrize("count", [100, 100_000])
+def test_centroid_of_a_large_grid(count: int) -> None:
+    """Closed form for a constant footprint on [0, 1]: sqrt(h)/(1 + sqrt(h)); the grid's error is 1/N."""
+    x = np.linspace(0.0, 1.0, count)
+    for method in METHODS:
+        left, right = centroid(x, np.full(count, 0.25), np.ones(count), method)
+        np.testing.assert_allclose([left, right], [1.0 / 3.0, 2.0 / 3.0], atol=1.0 / count)
+
+
+def test_nie_tan_and_begian_melek_mendel_are_their_equations() -> None:
+    rng = np.random.default_rng(3)
+    z, w = rng.normal(size=5), np.sort(rng.random((5, 2)), axis=1)
+    middle = sum(z[i] * (w[i, 0] + w[i, 1]) for i in range(5)) / w.sum()
+    assert nie_tan(z, w) == pytest.approx(middle, rel=1e-14)
+    low, high = (np.average(z, weights=w[:, end]) for end in (0, 1))
+    assert begian_melek_mendel(z, w, 0.3, 0.7) == pytest.approx(0.3 * low + 0.7 * high, rel=1e-14)
+    w[:, 0] = 0.0
+    assert begian_melek_mendel(z, w) == pytest.approx(high, rel=1e-14)
+    assert np.isnan(nie_tan(z, np.zeros((5, 2))))
+    assert np.isnan(begian_melek_mendel(z, np.zeros((5, 2))))
+
+
+def test_wu_mendel_bounds_bound_both_ends() -> None:
+    """2000 cases, to rounding; and at zero uncertainty all four are the average."""
+    rng = np.random.default_rng(4)
+    for _ in range(2000):
+        z, w = random_case(rng)
+        left, right = enumerate_switch_points(z, w)
+        bounds = wu_mendel_bounds(z, w)
+        if math.isnan(left):
+            assert np.isnan(bounds).all()
+            continue
+        slack = 1e-12 * max(float(np.abs(z).max()), 1e-300)
+        assert bounds.left_lower - slack <= left <= bounds.left_upper + slack
+        assert bounds.right_lower - slack <= right <= bounds.right_upper + slack
+    z, weights = rng.normal(size=6), rng.random(6)
+    exact = wu_mendel_bounds(z, np.stack([weights, weights], axis=1))
+    np.testing.assert_allclose(exact, np.average(z, weights=weights), rtol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("z", "w"),
+    [
+        ([1.0, 2.0], [[0.1, 0.2]]),
+        ([1.0, np.nan], [[0.1, 0.2], [0.1, 0.2]]),
+        ([1.0, 2.0], [[0.2, 0.1], [0.1, 0.2]]),
+        ([1.0, 2.0], [[-0.1, 0.1], [0.1, 0.2]]),
+        ([[2.0, 1.0], [1.0, 2.0]], [[0.1, 0.2], [0.1, 0.2]]),
+        ([], np.zeros((0, 2))),
+        (np.zeros((3, 2)), np.zeros((5, 2, 2))),
+        ([1.0, 2.0], [0.1, 0.2]),
+    ],
+)
+def test_malformed_arguments_are_refused(z: object, w: object) -> None:
+    for function in (generalized_centroid, nie_tan, begian_melek_mendel, wu_mendel_bounds):
+        with pytest.raises(InvalidValue):
+            function(z, w)  # type: ignore[operator]
+
+
+def test_malformed_centroids_and_unknown_methods_are_refused() -> None:
+    with pytest.raises(InvalidValue):
+        centroid([0.0, 1.0], [0.1, 0.2, 0.3], [0.5, 0.5])
+    with pytest.raises(InvalidValue):
+        centroid(1.0, [0.1], [0.2])
+    with pytest.raises(UnknownName, match="eiasc"):
+        centroid([0.0, 1.0], [0.1, 0.2], [0.5, 0.5], method="karnik")

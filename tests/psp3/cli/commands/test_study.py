@@ -1,0 +1,197 @@
+"""``psp3 study`` as a user meets it: tables, files, wrong input, and Ctrl-C."""
+
+from __future__ import annotations
+
+import csv
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from psp3.cli import entry as cli
+from psp3.study import Study, grid
+from psp3.study.statistics import compare, summarize
+from tests.study_helpers import count_rows
+
+ROOT = Path(__file__).parents[4]
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80", "NO_COLOR": "1", "TERM": "dumb"}
+SMALL = ("--duration", "0.3", "--seeds", "3", "--snr", "20", "--snr", "10")
+
+Command = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def study(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Command:
+    """Run ``psp3 study FILE`` in this process, in an empty directory, in 80 columns; give back status, output and errors."""
+    monkeypatch.chdir(tmp_path)
+    for name in ("COLUMNS", "NO_COLOR", "TERM"):
+        monkeypatch.setenv(name, ENVIRONMENT[name])
+
+    def run(*arguments: object, file: str = "study.sqlite") -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["psp3", "study", file, *map(str, arguments)])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+        assert isinstance(end.value.code, int)
+        return end.value.code, *capsys.readouterr()
+
+    return run
+
+
+def test_tables_hold_the_estimates_and_the_seeds(study: Command) -> None:
+    """Against the statistics of the library on the rows of the file, to the three digits that are printed."""
+    status, out, err = study(*SMALL, "--controller", "t1", "--controller", "it2")
+    assert status == 0
+    assert max(map(len, out.splitlines())) <= 80
+    rows = Study("study.sqlite").rows()
+    assert len(rows) == 2 * 2 * 3
+    printed = " ".join(out.split())
+    for summary in summarize(rows):
+        for estimate in (summary.mean, summary.median):
+            for number in (estimate.value, estimate.low, estimate.high):
+                assert f"{number:.3g}" in printed
+        assert summary.diverged.count == 3
+    comparisons = compare(rows, "it2", "t1")
+    assert len(comparisons) == 2
+    for comparison in comparisons:
+        assert f"{comparison.difference.value:.3g}" in printed
+        assert f"{comparison.ratio.value:.3g}" in printed
+    assert "Type-2 beside type-1" in printed
+    assert "seeds" in printed
+    assert "56.1)" in printed, "no run in three diverged: Wilson's interval ends at 56.1 %"
+    assert err.splitlines()[0] == "[0/12]"
+    assert err.splitlines()[-1].startswith("[12/12] ")
+    assert "runs/s" in err
+
+
+def test_same_command_does_nothing_again_and_more_seeds_only_those(study: Command) -> None:
+    first = study(*SMALL, "--controller", "t1")
+    second = study(*SMALL, "--controller", "t1")
+    assert second[:2] == first[:2]
+    assert second[2] == "[6/6]\n"
+    status, out, err = study(*SMALL, "--seeds", 5, "--controller", "t1")
+    assert (status, err.splitlines()[0]) == (0, "[6/10]")
+    assert " 5" in out
+    assert count_rows(Path("study.sqlite")) == 10
+
+
+def test_defaults_are_those_of_table_6_3(study: Command) -> None:
+    """PD and CTC once each; type-1 and type-2 without noise once each, and at 20, 15 and 10 dB for every seed."""
+    status, out, _ = study("--duration", 0.1, "--seeds", 2)
+    assert status == 0
+    rows = Study("study.sqlite").rows()
+    assert len(rows) == 2 + 2 * (1 + 3 * 2)
+    assert {row["snr_db"] for row in rows} == {10.0, 15.0, 20.0, float("inf")}
+    assert "∞" in out
+
+
+def test_every_option_reaches_the_runs(study: Command) -> None:
+    arguments = "--controller gt2 --reading plant --snr 15 --seeds 2 --trajectory line --learner strict --terms 3 --mean-variation 0.2"
+    status, out, _ = study(*arguments.split(), "--payload", 0.5, "--duration", 0.1, "--workers", 1)
+    assert status == 0
+    assert out.startswith("Sum of squared errors")
+    runs = grid(
+        controller="gt2", reading="plant", snr_db=15.0, seed=range(2), trajectory="line", learner="strict", n_terms=3,
+        mean_variation=0.2, payload=0.5, duration=0.1,
+    )  # fmt: skip
+    assert len(Study("study.sqlite", runs).rows()) == 2
+    assert count_rows(Path("study.sqlite")) == 2
+
+
+def test_wide_studies_stay_within_80_columns_too(study: Command) -> None:
+    arguments = "--controller t1 --controller it2 --trajectory line --trajectory fast-helix --reading parameters --reading plant --seeds 2"
+    status, out, _ = study(*arguments.split(), "--snr", 20, "--mean-variation", 0.1, "--mean-variation", 0.3, "--duration", 0.1)
+    assert status == 0
+    assert max(map(len, out.splitlines())) <= 80
+    for heading in ("reading", "trajectory", "variation", "seeds"):
+        assert heading in out
+
+
+def test_csv_holds_every_run(study: Command) -> None:
+    status, out, _ = study(*SMALL, "--controller", "t1", "--csv", "table.csv")
+    assert status == 0
+    assert out.splitlines()[-1] == "table.csv"
+    with Path("table.csv").open(encoding="utf-8", newline="") as file:
+        read = list(csv.DictReader(file))
+    assert [float(row["effort"]) for row in read] == [row["effort"] for row in Study("study.sqlite").rows()]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ("--seeds 0", "--seeds"),
+        ("--seeds many", "--seeds"),
+        ("--snr loud", "--snr"),
+        ("--snr nan", "snr_db must be a number of decibels"),
+        ("--controller t3", "unknown controller 't3'; known are feed-forward, pd"),
+        ("--reading hearsay", "unknown reading 'hearsay'"),
+        ("--trajectory spiral", "unknown trajectory 'spiral'"),
+        ("--learner rote", "unknown learner 'rote'"),
+        ("--terms 0", "n_terms must be"),
+        ("--mean-variation -1", "mean_variation must be"),
+        ("--payload 2", "payload must be 0, but under the reading 'plant'"),
+        ("--duration 0", "duration must be finite and positive"),
+        ("--workers 0", "--workers"),
+        ("--workers 2 --scheduler tcp://127.0.0.1:8786", "--workers does not apply to --scheduler"),
+        ("--scheduler somewhere", "scheduler must be an address such as tcp://host:8786, got 'somewhere'"),
+        ("--csv study.sqlite", "--csv would overwrite FILE"),
+        ("--csv nowhere/table.csv", "there is no directory nowhere"),
+    ],
+)
+def test_wrong_input_is_one_clear_line_and_no_run_is_done(study: Command, arguments: str, words: str) -> None:
+    status, out, err = study(*arguments.split())
+    assert (status, out) == (2, "")
+    message = err.splitlines()[-1]
+    assert message.startswith("psp3")
+    assert words in message
+    assert len([line for line in err.splitlines() if not line.startswith("[0/")]) == 1
+    # Only a scheduler is looked for when the file is there already.
+    assert not Path("study.sqlite").exists() or "somewhere" in arguments
+
+
+@pytest.mark.parametrize(
+    ("file", "words"),
+    [
+        ("nowhere/study.sqlite", "there is no directory"),
+        (".", "is a directory"),
+        ("notes.txt", "is not the file of a study"),
+        ("protected.sqlite", "is read-only"),
+    ],
+)
+def test_files_that_cannot_hold_a_study(study: Command, file: str, words: str) -> None:
+    Path("notes.txt").write_text("no database\n" * 100)
+    Path("protected.sqlite").touch(mode=0o444)
+    status, out, err = study(*SMALL, file=file)
+    assert (status, out) == (2, "")
+    assert words in err
+    assert len(err.splitlines()) == 1
+
+
+def test_file_of_another_study(study: Command) -> None:
+    study("--duration", 0.1, "--controller", "pd")
+    status, _, err = study("--duration", 0.2, "--controller", "pd")
+    assert status == 2
+    assert "holds another study: its duration [s] is 0.1, not 0.2" in err
+
+
+def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(study: Command, tmp_path: Path) -> None:
+    """A real SIGINT to a real process, as soon as the first results are in."""
+    arguments = ["--duration", "2", "--seeds", "200", "--controller", "t1", "--snr", "20"]
+    command = [sys.executable, "-m", "psp3.cli.entry", "study", "study.sqlite", *arguments]
+    with subprocess.Popen(command, env=ENVIRONMENT, cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60.0
+        while count_rows(tmp_path / "study.sqlite") < 3 and time.monotonic() < deadline and process.poll() is None:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=30)
+    assert process.returncode == 130, err
+    assert out == ""
+    kept = count_rows(tmp_path / "study.sqlite")
+    assert 3 <= kept < 200
+    assert err.splitlines()[-2:] == [f"{kept} of 200 runs are in study.sqlite; the same command goes on from there", "psp3: interrupted"]
+    status, _, err = study(*arguments[2:], "--duration", 2, "--seeds", kept + 1)
+    assert (status, err.splitlines()[-1].split()[0]) == (0, f"[{kept + 1}/{kept + 1}]")

@@ -1,0 +1,382 @@
+"""Robots from their files: trees with and without limits and meshes, reference poses, replaced joints, and what is refused."""
+
+from __future__ import annotations
+
+import logging
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+from psp3.description.parts import ROBOT_FILES
+from psp3.description.srdf import reference_poses
+from psp3.description.urdf import read_robot, read_tree
+from psp3.errors import InvalidRobotFile, MobilityMismatch
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+
+STL = (
+    "solid s\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n  endloop\n endfacet\n"
+    " facet normal 0 1 0\n  outer loop\n   vertex 0 0 0\n   vertex 0 0 1\n   vertex 1 0 0\n  endloop\n endfacet\nendsolid s\n"
+)
+
+
+def link(name: str, *visuals: str) -> str:
+    shapes = "".join(f"<visual><geometry>{visual}</geometry></visual>" for visual in visuals)
+    inertia = "<inertia ixx='0.02' ixy='0' ixz='0' iyy='0.03' iyz='0' izz='0.04'/>"
+    return f"<link name='{name}'><inertial><origin xyz='0.1 0.02 -0.03'/><mass value='2'/>{inertia}</inertial>{shapes}</link>"
+
+
+def joint(name: str, parent: str, child: str, kind: str = "revolute", xyz: str = "0 0 0", axis: str = "0 0 1", limit: str = "") -> str:
+    limit = limit or "lower='-3' upper='3'"
+    return (
+        f"<joint name='{name}' type='{kind}'><origin xyz='{xyz}'/><parent link='{parent}'/><child link='{child}'/><axis xyz='{axis}'/>"
+        f"<limit {limit} effort='7' velocity='5'/></joint>"
+    )
+
+
+def written(path: Path, *parts: str) -> Path:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(f"<robot name='r'>{''.join(parts)}</robot>", encoding="utf-8")
+    return path
+
+
+# Limits
+
+
+def test_joints_without_lower_and_upper_limits_have_none(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """To the letter both would be 0, and the joint could not move. One limit alone leaves the other at 0, as the format says."""
+    links = [link(name) for name in "abcde"]
+    joints = [
+        joint("free", "a", "b", limit=" "),
+        joint("slide", "b", "c", "prismatic", limit=" "),
+        joint("half", "c", "d", limit="upper='2'"),
+        joint("locked", "d", "e", limit="lower='0' upper='0'"),
+    ]
+    with caplog.at_level(logging.WARNING, "psp3"):
+        model, _ = read_tree(written(tmp_path / "r.urdf", *links, *joints))
+    assert_array_equal(model.lowerPositionLimit, [-np.inf, -np.inf, 0.0, 0.0])
+    assert_array_equal(model.upperPositionLimit, [np.inf, np.inf, 2.0, 0.0])
+    assert [record.getMessage().partition(": ")[2] for record in caplog.records] == [
+        "without lower and upper limits, taken as unlimited: free, slide"
+    ]
+
+
+def test_many_joints_without_limits_are_not_all_listed(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    joints = [joint(f"j{k}", f"l{k}", f"l{k + 1}", limit=" ") for k in range(6)]
+    read_tree(written(tmp_path / "r.urdf", *(link(f"l{k}") for k in range(7)), *joints))
+    assert "unlimited: j0, j1, j2 and 3 more" in caplog.text
+
+
+# Meshes
+
+
+def test_meshes_are_found_as_their_package_or_relative_to_the_file(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """In the layout that most packages have; from another directory than the file's."""
+    package = tmp_path / "some_robot"
+    (package / "meshes").mkdir(parents=True)
+    (package / "meshes" / "arm.stl").write_text(STL)
+    (package / "urdf").mkdir()
+    (package / "urdf" / "arm.stl").write_text(STL)
+    absolute = (package / "meshes" / "arm.stl").as_posix()
+    names = ["package://some_robot/meshes/arm.stl", "package://meshes/arm.stl", "../meshes/arm.stl", "package:///arm.stl", absolute]
+    model, shapes = read_tree(written(package / "urdf" / "r.urdf", link("a", *(f"<mesh filename='{name}'/>" for name in names))))
+    assert model.nq == 0
+    assert [Path(shape.meshPath).name for shape in shapes.geometryObjects] == ["arm.stl"] * len(names)
+    assert not caplog.records
+
+
+def test_meshes_that_cannot_be_read_are_not_drawn_and_the_rest_is(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    """Missing in three ways, and broken: the model and all other shapes are there, and a warning for each file."""
+    (tmp_path / "good.stl").write_text(STL)
+    (tmp_path / "broken.stl").write_text("solid nothing")
+    box, sphere = "<box size='1 1 1'/>", "<sphere radius='1'/>"
+    bad = [f"<mesh filename='{name}'/>" for name in ("package://no_robot/a.stl", "file:///no/a.stl", "a.stl", "broken.stl")]
+    good = "<mesh filename='good.stl' scale='2 2 2'/>"
+    path = written(tmp_path / "r.urdf", link("a", box, *bad, good), link("b", bad[0], sphere), joint("j", "a", "b"))
+    model, shapes = read_tree(path)
+    assert model.njoints == 2
+    assert [(shape.parentJoint, Path(shape.meshPath).name) for shape in shapes.geometryObjects] == [
+        (0, "BOX"),
+        (0, "good.stl"),
+        (1, "SPHERE"),
+    ]
+    assert_array_equal(shapes.geometryObjects[1].meshScale, [2.0, 2.0, 2.0])
+    assert [record.levelname for record in caplog.records] == ["WARNING"] * 4
+    for name in ("package://no_robot/a.stl", "file:///no/a.stl", "/a.stl", "broken.stl"):
+        assert f"{name} cannot be read and is not drawn" in caplog.text
+
+
+def test_meshes_change_nothing_about_the_motion(tmp_path: Path) -> None:
+    bare = written(tmp_path / "bare.urdf", link("a"), link("b"), joint("j", "a", "b"))
+    drawn = written(tmp_path / "drawn.urdf", link("a", "<mesh filename='no.stl'/>"), link("b"), joint("j", "a", "b"))
+    assert read_tree(bare)[0] == read_tree(drawn)[0]
+
+
+# Reference poses
+
+
+@pytest.fixture
+def two_joints(tmp_path: Path) -> pin.Model:
+    path = written(
+        tmp_path / "two.urdf",
+        link("a"),
+        link("b"),
+        link("c"),
+        joint("wheel", "a", "b", "continuous"),
+        joint("slide", "b", "c", "prismatic"),
+    )
+    return read_tree(path)[0]
+
+
+def test_poses_by_name(tmp_path: Path, two_joints: pin.Model) -> None:
+    """A joint of unlimited angle is given by its angle."""
+    states = "<group_state name='home' group='g'><joint name='wheel' value='0.5'/><joint name='slide' value='-0.2'/></group_state>"
+    poses = reference_poses(two_joints, written(tmp_path / "r.srdf", states, "<group_state name='other' group='g'/>"))
+    assert set(poses) == {"home", "other"}
+    assert_allclose(poses["home"], [np.cos(0.5), np.sin(0.5), -0.2], rtol=0, atol=1e-15)
+    assert_array_equal(poses["other"], [1.0, 0.0, 0.0])
+    assert {item.key() for item in two_joints.referenceConfigurations} == {"home", "other"}
+
+
+def test_poses_are_those_of_the_file_read_last(tmp_path: Path, two_joints: pin.Model) -> None:
+    """Pinocchio's own reader keeps a pose that it has by the same name."""
+    for position in (0.1, 0.3):
+        state = f"<group_state name='home' group='g'><joint name='slide' value='{position}'/></group_state>"
+        assert reference_poses(two_joints, written(tmp_path / "r.srdf", state))["home"][2] == position
+        assert two_joints.referenceConfigurations["home"][2] == position
+
+
+@pytest.mark.parametrize(
+    ("states", "reason"),
+    [
+        ("<group_state name='home'><joint name='slide' value='nan'/></group_state>", "value must be 1 finite number, got 'nan'"),
+        ("<group_state name='home'><joint name='slide' value='1 2'/></group_state>", "value must be 1 finite number"),
+        ("<group_state name='home'><joint name='wheel' value='1 0'/></group_state>", "value must be 1 finite number"),
+        ("<group_state name='home'><joint name='slide' value='up'/></group_state>", "value must be 1 finite number"),
+        ("<group_state name='home'><joint name='slide'/></group_state>", "<joint name='slide'> has no value"),
+        ("<group_state name='home'><joint value='1'/></group_state>", "a <joint> has no name"),
+        ("<group_state name='home'><joint name='elbow' value='1'/></group_state>", "the robot has no joint 'elbow'"),
+        ("<group_state name='home'><joint name='universe' value='1'/></group_state>", "the robot has no joint 'universe'"),
+        ("<group_state/>", "a <group_state> has no name"),
+        ("<group_state name='home'/><group_state name='home'/>", "two of <group_state name='home'>"),
+    ],
+)
+def test_poses_that_pinocchio_would_pass_over_are_refused(tmp_path: Path, two_joints: pin.Model, states: str, reason: str) -> None:
+    path = written(tmp_path / "r.srdf", states)
+    with pytest.raises(InvalidRobotFile) as caught:
+        reference_poses(two_joints, path)
+    assert reason in caught.value.reason
+    assert caught.value.path == path
+
+
+def test_a_ball_joint_needs_a_unit_quaternion(tmp_path: Path) -> None:
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelSpherical(), pin.SE3.Identity(), "ball")
+    pose = "<group_state name='home' group='g'><joint name='ball' value='{}'/></group_state>"
+    good = reference_poses(model, written(tmp_path / "good.srdf", pose.format("0.6 0 0 0.8")))
+    assert_array_equal(good["home"], [0.6, 0.0, 0.0, 0.8])
+    with pytest.raises(InvalidRobotFile, match="no unit quaternion"):
+        reference_poses(model, written(tmp_path / "bad.srdf", pose.format("1 0 0 0.8")))
+
+
+# Whole robots
+
+
+LOOPS = "closed_loop: [[end, other]]\ntype: ['{kind}']\nname_mot: [crank]\njoint_name: [{names}]\njoint_type: [{kinds}]\n"
+HINGES = {"crank": "0 0 0", "coupler": "0.2 0 0", "rocker": "0.45 0 0"}
+
+
+def four_bar(directory: Path, *, hinge: str, crank: str = "revolute") -> Path:
+    """Write a planar four-bar linkage in the plane z = 0, closed at ``end`` and ``other``, with a fourth hinge of a kind in it or fixed."""
+    names = ("base", "one", "two", "three", "end", "other")
+    joints = [
+        joint("crank", "base", "one", crank, HINGES["crank"]),
+        # It turns with the crank, again and again.
+        joint("coupler", "one", "two", xyz=HINGES["coupler"], limit="lower='-99' upper='99'"),
+        joint("rocker", "base", "three", xyz=HINGES["rocker"]),
+        joint("tip", "two", "end", hinge, "0.35 0 0"),
+        joint("top", "three", "other", "fixed", "0.4 0 0"),
+    ]
+    return written(directory / "four_bar.urdf", *map(link, names), *joints)
+
+
+def loop_file(directory: Path, kind: str = "6d", **replaced: str) -> Path:
+    path = directory / "loops.yaml"
+    path.write_text(LOOPS.format(kind=kind, names=", ".join(replaced), kinds=", ".join(replaced.values())))
+    return path
+
+
+HOME = "<group_state name='home' group='g'><joint name='crank' value='1.0'/><joint name='coupler' value='-0.6'/>"
+
+
+def home(directory: Path, tip: bool = True) -> Path:
+    last = "<joint name='rocker' value='1.2'/>" + ("<joint name='tip' value='0.8'/>" if tip else "")
+    return written(directory / "r.srdf", f"{HOME}{last}</group_state>")
+
+
+def test_a_robot_has_what_its_files_say(tmp_path: Path) -> None:
+    parts = read_robot(four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path), home(tmp_path))
+    assert list(parts.model.names)[1:] == ["crank", "coupler", "tip", "rocker"]
+    assert parts.actuated == ("crank",)
+    assert [model.name for model in parts.constraint_models] == ["end-other"]
+    assert parts.q0 is not None
+    assert_array_equal(parts.q0, [1.0, -0.6, 0.8, 1.2])
+    assert read_robot(four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path)).q0 is None
+
+
+@pytest.mark.parametrize(
+    "replaced",
+    [
+        # Each leaves the linkage one degree of freedom and no play: what else the joint could do, the weld holds.
+        {"tip": "SPHERICAL"},
+        {"tip": "UJOINT_ZY"},
+        {"tip": "UJOINT_XZ"},
+        {"coupler": "SPHERICAL"},
+    ],
+    ids=str,
+)
+def test_a_planar_linkage_moves_the_same_with_a_ball_or_universal_joint_in_place_of_a_hinge(
+    tmp_path: Path, replaced: dict[str, str]
+) -> None:
+    """Mass, Coriolis and gravity terms of the linkage as written; 1e-10 relative, as the loops are closed to 1e-13."""
+    urdf = four_bar(tmp_path, hinge="revolute")
+    expected = ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path), home(tmp_path)))
+    parts = read_robot(urdf, loop_file(tmp_path, **replaced))
+    start = pin.neutral(parts.model)
+    for name, angle in {"crank": 1.0, "coupler": -0.6, "rocker": 1.2, "tip": 0.8}.items():
+        if parts.model.existJointName(name) and name not in replaced:
+            start[parts.model.joints[parts.model.getJointId(name)].idx_q] = angle
+        elif replaced.get(name) == "SPHERICAL":
+            first = parts.model.joints[parts.model.getJointId(name)].idx_q
+            start[first : first + 4] = [0.0, 0.0, np.sin(angle / 2), np.cos(angle / 2)]
+        else:
+            start[parts.model.joints[parts.model.getJointId(f"{name}_Z")].idx_q] = angle
+    found = ClosedLoopRobot(*parts._replace(q0=start))
+    angles = np.array([[1.0], [1.3], [0.8]])
+    speeds = np.array([[0.7], [-1.0], [2.0]])
+    for ours, theirs in zip(found.equation_of_motion(angles, speeds), expected.equation_of_motion(angles, speeds), strict=True):
+        assert_allclose(ours, theirs, rtol=1e-10, atol=1e-10)
+
+
+def test_a_hinge_that_is_fixed_leaves_a_linkage_that_a_point_closes(tmp_path: Path) -> None:
+    """The usual repair of a hinge that is there twice: FIXED, and the loop closed in position only."""
+    urdf = four_bar(tmp_path, hinge="revolute")
+    expected = ClosedLoopRobot(
+        *read_robot(four_bar(tmp_path / "fixed", hinge="fixed"), loop_file(tmp_path, "3d"), home(tmp_path, tip=False))
+    )
+    found = ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path, "3d", tip="FIXED"), home(tmp_path, tip=False)))
+    assert list(found.model.names)[1:] == ["crank", "coupler", "rocker"]
+    for ours, theirs in zip(found.equation_of_motion([1.3], [2.0]), expected.equation_of_motion([1.3], [2.0]), strict=True):
+        assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)
+
+
+# Two defects that are common in files of others: joints that move by themselves
+
+
+def closed_with_two_hinges(directory: Path) -> Path:
+    """Write the linkage with the hinge that closes it at both ends of the loop, so that what is between the two can spin."""
+    names = ("base", "one", "two", "three", "end", "other")
+    joints = [
+        joint("crank", "base", "one", xyz=HINGES["crank"]),
+        joint("coupler", "one", "two", xyz=HINGES["coupler"]),
+        joint("rocker", "base", "three", xyz=HINGES["rocker"]),
+        joint("tip", "two", "end", xyz="0.35 0 0"),
+        joint("top", "three", "other", xyz="0.4 0 0"),
+    ]
+    return written(directory / "two_hinges.urdf", *map(link, names), *joints)
+
+
+def test_a_hinge_that_is_there_twice_is_named_and_can_be_fixed(tmp_path: Path) -> None:
+    """Fixed in the loop file, either of the two leaves the motion of the linkage with one; 1e-10 relative.
+
+    The masses of the links at the end, which are the same, change hands with the hinge.
+    """
+    urdf = closed_with_two_hinges(tmp_path)
+    with pytest.raises(MobilityMismatch, match="2 degrees of freedom") as caught:
+        ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path), home(tmp_path)))
+    assert set(caught.value.mobility.free_joints) == {"tip", "top"}
+    assert caught.value.mobility.under_actuation == 1
+    whole = ClosedLoopRobot(*read_robot(four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path), home(tmp_path)))
+    fixed = ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path, top="FIXED"), home(tmp_path)))
+    for ours, theirs in zip(fixed.equation_of_motion([1.3], [2.0]), whole.equation_of_motion([1.3], [2.0]), strict=True):
+        assert_allclose(ours, theirs, rtol=1e-10, atol=1e-10)
+    assert ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path, tip="FIXED"))).mobility.degrees_of_freedom == 1
+
+
+def rod_between_two_balls(directory: Path) -> Path:
+    """Write crank, rod and rocker on crossed axes; the rod stands on the crank, and a hinge stands for its ball joint there."""
+    joints = [
+        joint("crank", "base", "one"),
+        joint("foot", "one", "rod", xyz="0.1 0 0"),
+        joint("rocker", "base", "two", xyz="0.3 0 0.2", axis="0 1 0"),
+        joint("end", "rod", "rod_end", "fixed", "0.35 0 0"),
+        joint("top", "two", "rocker_end", "fixed", "0 0 0.25"),
+    ]
+    return written(directory / "rod.urdf", *map(link, ("base", "one", "rod", "two", "rod_end", "rocker_end")), *joints)
+
+
+ROD = "closed_loop: [[rod_end, rocker_end]]\ntype: ['3d']\nname_mot: [crank]\njoint_name: [foot]\njoint_type: [{}]\n"
+
+
+def test_a_rod_between_two_ball_joints_spins_and_a_universal_joint_holds_it(tmp_path: Path) -> None:
+    """The rod lies along x of the frame at its foot: a universal joint about the two other axes leaves it no spin."""
+    urdf, loops = rod_between_two_balls(tmp_path), tmp_path / "rod.yaml"
+    loops.write_text(ROD.format("SPHERICAL"))
+    with pytest.raises(MobilityMismatch, match="2 degrees of freedom") as caught:
+        ClosedLoopRobot(*read_robot(urdf, loops))
+    assert caught.value.mobility.free_joints == ("foot",)
+    loops.write_text(ROD.format("UJOINT_ZY"))
+    robot = ClosedLoopRobot(*read_robot(urdf, loops))
+    assert robot.mobility.degrees_of_freedom == 1
+    q = robot.configuration(robot.reference + np.array([[0.05], [-0.05]]))
+    data = robot.model.createData()
+    for row in q:
+        pin.framesForwardKinematics(robot.model, data, row)
+        ends = [data.oMf[robot.model.getFrameId(name)].translation for name in ("rod_end", "rocker_end")]
+        assert_allclose(ends[0], ends[1], rtol=0, atol=1e-12)
+
+
+def test_a_continuous_motor_drives_an_angle_without_limits(tmp_path: Path) -> None:
+    """The same robot as with a revolute one, and again after two turns of the crank; 1e-10 relative, as the loop is closed to 1e-13."""
+    angles = np.array([[1.0], [1.0 + 4.0 * np.pi]])
+    parts = read_robot(four_bar(tmp_path, hinge="revolute", crank="continuous"), loop_file(tmp_path), home(tmp_path))
+    expected = ClosedLoopRobot(*read_robot(four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path), home(tmp_path)))
+    index = parts.model.joints[parts.model.getJointId("crank")].idx_q
+    assert (parts.model.lowerPositionLimit[index], parts.model.upperPositionLimit[index]) == (-np.inf, np.inf)
+    mass = ClosedLoopRobot(*parts).mass_matrix(angles)
+    assert_allclose(mass, expected.mass_matrix([[1.0], [1.0]]), rtol=1e-10)
+
+
+def test_poses_name_the_joints_of_a_universal_joint(tmp_path: Path) -> None:
+    """After the replacement ``tip`` is no joint any more."""
+    urdf, loops = four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path, tip="UJOINT_ZY")
+    with pytest.raises(InvalidRobotFile, match="no joint 'tip'"):
+        read_robot(urdf, loops, home(tmp_path))
+    pose = written(tmp_path / "u.srdf", f"{HOME}<joint name='tip_Z' value='0.8'/></group_state>")
+    q0 = read_robot(urdf, loops, pose).q0
+    assert q0 is not None
+    assert_array_equal(q0, [1.0, -0.6, 0.8, 0.0, 0.0])
+
+
+def test_the_file_at_fault_is_named(tmp_path: Path) -> None:
+    urdf, loops, poses = four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path), home(tmp_path)
+    files = {"urdf": urdf, "loops": loops, "srdf": poses}
+    for which in files:
+        missing = tmp_path / f"no.{which}"
+        with pytest.raises(InvalidRobotFile) as caught:
+            read_robot(**(files | {which: missing}))
+        assert caught.value.path == missing
+    for bad, reason in (({"elbow": "FIXED"}, "no joint 'elbow'"), ({"top": "FIXED"}, "no joint 'top'")):
+        with pytest.raises(InvalidRobotFile, match=reason) as caught:
+            read_robot(urdf, loop_file(tmp_path, **bad))
+        assert caught.value.path == loops
+
+
+@pytest.mark.parametrize("name", ["psp3", "five_bar"])
+def test_our_own_robots_read_without_a_warning(name: str, caplog: pytest.LogCaptureFixture) -> None:
+    parts = read_robot(*(ROBOT_FILES / f"{name}.{end}" for end in ("urdf", "yaml", "srdf")))
+    assert parts.q0 is not None
+    assert parts.visual_model.ngeoms > 0
+    assert not caplog.records

@@ -1,0 +1,73 @@
+"""XML files: what is read, and what is refused."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+
+import pytest
+from numpy.testing import assert_array_equal
+
+from psp3.description.xml import described, numbers, read_xml, unique_names
+from psp3.errors import InvalidRobotFile
+
+PATH = Path("some.xml")
+
+
+def test_reads_the_outermost_element(tmp_path: Path) -> None:
+    path = tmp_path / "a.xml"
+    path.write_text("<robot name='r'><link name='a'/></robot>")
+    assert [child.tag for child in read_xml(path, "robot")] == ["link"]
+    assert read_xml(path, None).tag == "robot"
+
+
+@pytest.mark.parametrize(
+    ("content", "reason"),
+    [
+        (b"", "cannot be read as XML"),
+        (b"<robot", "cannot be read as XML"),
+        (b"\xff\xfe\x00\xd8", "cannot be read as XML"),
+        (b"<?xml version='1.0' encoding='klingon'?><robot/>", "cannot be read as XML"),
+        (b"<mujoco/>", "must be <robot>, not <mujoco>"),
+    ],
+)
+def test_files_that_are_no_xml_or_of_another_kind_are_refused(tmp_path: Path, content: bytes, reason: str) -> None:
+    path = tmp_path / "a.xml"
+    path.write_bytes(content)
+    with pytest.raises(InvalidRobotFile, match=reason) as caught:
+        read_xml(path, "robot")
+    assert caught.value.path == path
+
+
+def test_missing_files_and_directories_are_refused(tmp_path: Path) -> None:
+    for path in (tmp_path / "no.xml", tmp_path):
+        with pytest.raises(InvalidRobotFile, match="no such file"):
+            read_xml(path, "robot")
+
+
+def test_numbers_of_an_attribute() -> None:
+    element = ElementTree.Element("joint", name="j", pos=" 1  -2e-3\t3 ")
+    assert_array_equal(numbers(PATH, element, "pos", 3), [1.0, -2e-3, 3.0])
+    assert_array_equal(numbers(PATH, element, "pos"), [1.0, -2e-3, 3.0])
+    assert numbers(PATH, element, "axis", 3) is None
+
+
+@pytest.mark.parametrize("text", ["", "1 2", "1 2 3 4", "1 2 x", "1 nan 2", "1 2 inf", "1,2,3"])
+def test_other_than_so_many_finite_numbers_is_refused(text: str) -> None:
+    with pytest.raises(InvalidRobotFile) as caught:
+        numbers(PATH, ElementTree.Element("joint", name="j", pos=text), "pos", 3)
+    assert caught.value.reason == f"<joint name='j'>: pos must be 3 finite numbers, got {text!r}"
+
+
+def test_elements_by_their_names() -> None:
+    first, second = ElementTree.Element("a", name="x"), ElementTree.Element("a", name="y")
+    assert unique_names(PATH, [first, second]) == {"x": first, "y": second}
+    with pytest.raises(InvalidRobotFile, match="two of <a name='x'>"):
+        unique_names(PATH, [first, first])
+    with pytest.raises(InvalidRobotFile, match="a <a> has no name"):
+        unique_names(PATH, [ElementTree.Element("a")])
+
+
+def test_elements_are_described_by_tag_and_name() -> None:
+    assert described(ElementTree.Element("a")) == "<a>"
+    assert described(ElementTree.Element("a", name="x")) == "<a name='x'>"

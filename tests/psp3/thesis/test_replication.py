@@ -1,0 +1,233 @@
+"""The main job as a user runs it: what it writes, that it resumes, and that the numbers in it are those of the runs."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+
+import psp3
+from psp3 import published
+from psp3.errors import InvalidValue, StudyMismatch
+from psp3.study.run import Run, execute
+from psp3.thesis import replication as module
+from psp3.thesis.findings import Reproduction, Table
+from psp3.thesis.plan import Plan
+from psp3.thesis.replication import reproduce
+
+FIGURES = {*(f"figure_{number}" for number in (49, *range(51, 65))), "mean_variation"}
+NAMES = {"report.html", "results.json", "study.sqlite", "pd.npz", "ctc.npz", *(f"figures/{name}.svg" for name in FIGURES)}
+
+
+class Job(NamedTuple):
+    """A job that was done, and what it said on the way."""
+
+    found: Reproduction
+    out: Path
+    steps: list[tuple[str, int, int]]
+    runs: list[tuple[int, int, float]]
+
+    @property
+    def numbers(self) -> dict[str, Any]:
+        """The numbers in its file, which must be JSON without the extensions of Python's."""
+
+        def refuse(word: str) -> None:
+            raise AssertionError(f"{word} is not JSON")
+
+        numbers: dict[str, Any] = json.loads((self.out / "results.json").read_text(encoding="utf-8"), parse_constant=refuse)
+        return numbers
+
+    def table(self, title: str) -> Table:
+        """Return the table whose title begins so."""
+        (table,) = (table for table in self.found.tables if table.title.startswith(title))
+        return table
+
+
+def run(out: Path, **options: Any) -> Job:
+    steps: list[tuple[str, int, int]] = []
+    runs: list[tuple[int, int, float]] = []
+    found = reproduce(out, progress=lambda *step: steps.append(step), run_progress=lambda *state: runs.append(state), **options)
+    return Job(found, out, steps, runs)
+
+
+@pytest.fixture(scope="module")
+def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
+    """Do the whole job with the plan of a quick one; the whole plan takes a minute."""
+    small = Plan.of(2, quick=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Plan, "of", lambda seeds, quick=False: small)
+        patch.setattr(module, "STEPS", 60)
+        patch.setattr(module, "SLOW_STEPS", 60)
+        return run(tmp_path_factory.mktemp("reproduce") / "deep" / "folder")
+
+
+@pytest.fixture(scope="module")
+def quick(job: Job, tmp_path_factory: pytest.TempPathFactory) -> Job:
+    """Do a quick one that finds its study done."""
+    out = tmp_path_factory.mktemp("quick")
+    shutil.copy(job.out / "study.sqlite", out)
+    return run(out, quick=True)
+
+
+def test_everything_promised_is_written(job: Job) -> None:
+    names = NAMES | {"animation.html"}
+    assert {str(file.resolve().relative_to(job.out.resolve())) for file in job.found.files} == names
+    assert {str(file.relative_to(job.out)) for file in job.out.rglob("*") if file.is_file()} == names
+    assert {drawing.name for drawing in job.found.drawings} == FIGURES
+
+
+def test_quick_leaves_out_the_animation_and_says_what_it_is(job: Job, quick: Job) -> None:
+    assert {str(file.relative_to(quick.out)) for file in quick.out.rglob("*") if file.is_file()} == NAMES
+    assert "animation.html" not in (quick.out / "report.html").read_text(encoding="utf-8")
+    assert "quick" in quick.found.answer[0]
+    assert "quick" not in " ".join(job.found.answer)
+
+
+def test_runs_that_the_study_holds_are_not_repeated(job: Job, quick: Job) -> None:
+    first, second = job.runs, quick.runs
+    assert first[0][0] == 0
+    assert first[-1][:2] == (second[0][1], second[0][1])
+    assert [state[0] for state in second] == [second[0][1]]
+    # Times are the only numbers that may differ.
+    assert {name: value for name, value in quick.numbers.items() if name not in ("table_6_2", "answer", "cross_check")} == {
+        name: value for name, value in job.numbers.items() if name not in ("table_6_2", "answer", "cross_check")
+    }
+
+
+def test_classical_rows_lie_where_the_thesis_has_them(job: Job) -> None:
+    """PD within 5 % of the printed 4.6339, as the project promises; CTC within a factor of two, because its start is unknown."""
+    rows = job.numbers["table_6_3"]
+    assert rows["PD"]["sum_of_squared_errors"] == pytest.approx(4.6339, rel=0.05)
+    assert 0.5 < rows["CTC"]["sum_of_squared_errors"] / 0.0241 < 2.0
+    for name in ("PD", "CTC"):
+        result = psp3.load_result(job.out / f"{name.lower()}.npz")
+        error = (result.desired.heights - result.heights)[::25]
+        assert rows[name]["sum_of_squared_errors"] == pytest.approx((error**2).sum(), rel=1e-12)
+
+
+def test_fuzzy_rows_are_means_over_runs(job: Job) -> None:
+    """Against runs done here, outside of any study; 1e-12 is the order of a sum."""
+    main, learners = job.numbers["table_6_3"]["fuzzy"]["20"], job.numbers["learners"]["average, 20"]
+    for one, found in (
+        (Run("t1", snr_db=20.0), main["t1"]["mean"]),
+        (Run("it2", snr_db=20.0), main["it2"]["mean"]),
+        (Run("gt2", snr_db=20.0, learner="average"), learners["gt2"]),
+    ):
+        errors = [execute(replace(one, seed=seed))["sum_of_squared_errors"] for seed in range(2)]
+        assert found["value"] == pytest.approx(np.mean(errors), rel=1e-12)
+        assert found["seeds"] == 2
+
+
+def test_type_1_and_type_2_agree_without_noise(job: Job) -> None:
+    """The mean variation is zero there; 1e-12 is the bar of the project."""
+    fuzzy = job.numbers["table_6_3"]["fuzzy"]["∞"]
+    assert fuzzy["it2"]["mean"]["value"] == pytest.approx(fuzzy["t1"]["mean"]["value"], rel=1e-12)
+    assert job.numbers["table_6_3"]["gap_without_noise"] <= 1e-12
+
+
+def test_table_5_1_within_its_bars(job: Job) -> None:
+    """Bars of the project: |ΔM| 0.0071 kg, |ΔG| 0.02 N. C is never compared."""
+    table = job.numbers["table_5_1"]
+    assert np.abs(np.array(table["M"]) - published.TABLE_5_1_MASS).max() <= 0.0071
+    assert np.abs(np.array(table["G"]) - published.TABLE_5_1_GRAVITY).max() <= 0.02
+    text = " ".join(cell for row in job.table("Table 5.1").rows for cell in row)
+    assert text.count("not reproducible") == 3
+
+
+def test_table_5_2_names_the_configurations_that_contradict_it(job: Job) -> None:
+    verdicts = {row[0]: row[-1] for row in job.table("Table 5.2").rows}
+    assert verdicts["Δq13"] == verdicts["Δq23"] == "contradicts configurations 2 and 3"
+    assert {verdicts[name] for name in ("Δq12", "Δq̇12", "Δq̇13", "Δq̇23")} == {"reproduced"}
+
+
+def test_three_implementations_agree_in_the_report(job: Job) -> None:
+    """1e-9 relative is the bar between the implementations."""
+    gaps = job.numbers["cross_check"]
+    assert max(gap for one in gaps.values() for gap in one.values()) < 1e-9
+
+
+def test_estimates_reach_their_bar_with_the_best_learner(job: Job) -> None:
+    """Relative RMS of M and G as matrices at most 2 %; M's small entries off its diagonal alone are worse, and the table shows them."""
+    errors = job.numbers["estimates"]
+    for name in ("M", "G"):
+        assert min(one[name] for one in errors.values()) <= 0.02
+    assert all(one["M12"] > one["M"] for one in errors.values())
+    shown = {row[0] for row in job.table("Estimated").rows}
+    assert shown >= {"M11", "M23", "C11", "C33", "G3"}
+
+
+def test_estimates_are_those_of_the_controller(job: Job) -> None:
+    """The whole matrices of the estimate against the robot's own, on the states of the training run, worked out anew."""
+    robot = psp3.load("psp3")
+    helix = psp3.trajectories.Helix(robot=robot)
+    result = psp3.simulate(robot, psp3.ComputedTorque(robot), helix, 10.4)
+    controller = psp3.FuzzyComputedTorque("it2", robot, learner="ridge").fit(helix)
+    for name, estimated, exact in zip(
+        "MCG", controller.estimate(result.heights, result.speeds), robot.equation_of_motion(result.heights, result.speeds), strict=True
+    ):
+        relative = np.linalg.norm(estimated - exact) / np.linalg.norm(exact)
+        assert job.numbers["estimates"]["ridge"][name] == pytest.approx(relative, rel=1e-9)
+
+
+def test_every_promised_table_is_there_with_printed_values_and_verdicts(job: Job) -> None:
+    for number, printed in {
+        "5.1": "10.0161", "5.2": "-0.10", "6.1": "1000 / 100", "6.2": "255", "6.3": "4.6339",
+    }.items():  # fmt: skip
+        table = job.table(f"Table {number}:")
+        assert table.columns[-1] == "verdict"
+        assert any(printed in cell for row in table.rows for cell in row)
+        assert all(len(row) == len(table.columns) for row in table.rows)
+    assert [row[2] for row in job.table("Table 6.3:").rows if row[0] == "type-2"] == ["0.0684", "0.2816", "0.5530", "1.3930"]
+
+
+def test_number_of_seeds_stands_with_every_statistic(job: Job) -> None:
+    for title in ("Table 6.3:", "Table 6.3 continued", "Figure 64", "What the learner", "Is it type-2", "Other readings", "Sensitivity"):
+        tables = [table for table in job.found.tables if table.title.startswith(title)]
+        assert tables
+        assert all("2 seeds" in table.title for table in tables)
+    captions = {drawing.name: drawing.caption for drawing in job.found.drawings}
+    for name in ("figure_64", "mean_variation"):
+        assert "2 seeds" in captions[name]
+
+
+def test_progress_ends_at_the_end(job: Job) -> None:
+    assert [done for _, done, _ in job.steps] == list(range(job.steps[-1][2] + 1))
+
+
+def test_the_whole_plan_has_the_seeds_it_is_asked_for() -> None:
+    runs = Plan.of(30).runs()
+    main = {run.seed for run in runs if (run.controller, run.snr_db, run.reading) == ("it2", 10.0, "parameters")}
+    sweep = {run.seed for run in runs if run.reading == "plant"}
+    assert main == set(range(30))
+    assert sweep == set(range(10))
+    assert Plan.of(3).sweep_seeds == 3
+    for run in runs:
+        run.check()
+
+
+@pytest.mark.parametrize("seeds", [0, -1, 2.5, True])
+def test_seeds_that_are_none_are_refused_first(seeds: Any, tmp_path: Path) -> None:
+    with pytest.raises(InvalidValue, match="seeds"):
+        reproduce(tmp_path / "out", seeds=seeds)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_place_that_cannot_be_written_to_is_refused_first(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("in the way")
+    seen: list[object] = []
+    with pytest.raises(OSError, match="file"):
+        reproduce(tmp_path / "file" / "out", progress=lambda *step: seen.append(step))
+    assert seen == []
+
+
+def test_a_study_of_other_runs_is_refused_first(tmp_path: Path) -> None:
+    psp3.Study(tmp_path / "study.sqlite", [Run("pd", duration=0.1)]).run()
+    seen: list[object] = []
+    with pytest.raises(StudyMismatch, match="duration"):
+        reproduce(tmp_path, quick=True, progress=lambda *step: seen.append(step))
+    assert seen == []

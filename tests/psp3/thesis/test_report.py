@@ -1,0 +1,127 @@
+"""The report as a browser and a reader get it."""
+
+from __future__ import annotations
+
+import base64
+import re
+from html.parser import HTMLParser
+from pathlib import Path
+
+import pytest
+from selenium import webdriver
+
+from psp3.thesis.findings import Drawing, Reproduction, Table
+from psp3.thesis.report import write_report
+
+SVG = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 900 300'><path d='M0 0 L900 300' stroke='black'/></svg>"
+
+
+class Page(HTMLParser):
+    """Tags with their attributes, and the text of each."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.order: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        """Keep a tag."""
+        self.tags.append((tag, dict(attrs)))
+
+    def handle_data(self, data: str) -> None:
+        """Keep a text."""
+        self.order.append(data)
+
+    def all(self, tag: str) -> list[dict[str, str | None]]:
+        """Return the attributes of every tag of a name."""
+        return [attributes for name, attributes in self.tags if name == tag]
+
+
+def drawing(directory: Path, name: str) -> Drawing:
+    path = directory / f"{name}.svg"
+    path.write_text(SVG, encoding="utf-8")
+    return Drawing(path, f"Caption of {name} <&'\">", f"What {name} shows.")
+
+
+@pytest.fixture
+def outcome(tmp_path: Path) -> Reproduction:
+    wide = Table(
+        "A wide table", [f"column {number} with a heading" for number in range(12)], [["1.234 (1.000 to 2.000)"] * 12] * 3,
+        "A note & more.", figures=("figure_64",), detail=True,
+    )  # fmt: skip
+    found = Reproduction(
+        tables=[wide, Table("A table with <tags> in it", ["a"], [["<b>"]])], answer=["The answer, in plain words.", "Another sentence."]
+    )
+    found.drawings += [drawing(tmp_path, name) for name in ("figure_49", "figure_64")]
+    found.numbers["versions"] = {"python": "3.11", "psp3": "0.1"}
+    return found
+
+
+@pytest.fixture
+def page(outcome: Reproduction, tmp_path: Path) -> Page:
+    return Page(write_report(outcome, tmp_path / "report.html").read_text(encoding="utf-8"))
+
+
+def test_nothing_comes_from_elsewhere(page: Page) -> None:
+    for _, attributes in page.tags:
+        for name in ("src", "href", "srcset", "data", "action"):
+            target = attributes.get(name)
+            assert target is None or target.startswith(("data:", "#"))
+    assert not page.all("script")
+    assert not page.all("link")
+    assert not re.search(r"@import|url\(", " ".join(page.order))
+
+
+def test_animation_is_linked_if_it_was_written(outcome: Reproduction, tmp_path: Path) -> None:
+    outcome.files.append(tmp_path / "animation.html")
+    page = Page(write_report(outcome, tmp_path / "report.html").read_text(encoding="utf-8"))
+    assert {link["href"] for link in page.all("a")} - {f"#table-{number}" for number in range(2)} == {"animation.html", "#figures"}
+
+
+def test_answer_comes_first(page: Page) -> None:
+    text = [piece for piece in page.order if piece.strip()]
+    assert text.index("The answer, in plain words.") < text.index("A wide table")
+    headings = [tag for tag, _ in page.tags]
+    assert headings.index("li") < headings.index("table")
+
+
+def test_every_figure_is_in_the_page_with_words_for_those_who_cannot_see_it(page: Page) -> None:
+    images = page.all("img")
+    assert [image["alt"] for image in images] == [
+        f"Caption of {name} <&'\"> What {name} shows." for name in ("figure_64", "figure_49")
+    ]  # that of the table stands with it
+    for image in images:
+        source = image["src"]
+        assert source is not None
+        kind, content = source.split(",", 1)
+        assert kind == "data:image/svg+xml;base64"
+        assert base64.b64decode(content).decode() == SVG
+
+
+def test_text_is_text_and_links_have_targets(page: Page) -> None:
+    assert "<b>" in page.order
+    assert not page.all("b")
+    targets = {f"#{attributes['id']}" for _, attributes in page.tags if "id" in attributes}
+    assert {link["href"] for link in page.all("a")} <= targets
+
+
+def test_on_a_phone_the_page_does_not_scroll_sideways_and_wide_tables_do(
+    outcome: Reproduction, tmp_path: Path, browser: webdriver.Chrome
+) -> None:
+    """390 by 844 is the screen of a common phone."""
+    path = write_report(outcome, tmp_path / "report.html")
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+    try:
+        browser.get(path.as_uri())
+        page, screen = browser.execute_script("return [document.documentElement.scrollWidth, window.innerWidth]")
+        assert page <= screen == 390
+        boxes = browser.execute_script(
+            "return [...document.querySelectorAll('.wide')].map(box => [box.scrollWidth, box.clientWidth, getComputedStyle(box).overflowX])"
+        )
+        assert boxes[0][0] > boxes[0][1]
+        assert {overflow for _, _, overflow in boxes} == {"auto"}
+        size = browser.execute_script("return parseFloat(getComputedStyle(document.querySelector('.answer li')).fontSize)")
+        assert size >= 16.0
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

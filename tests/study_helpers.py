@@ -1,0 +1,120 @@
+"""What the tests of studies share: quick runs, runs without a simulation, and what is done in processes that are killed."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import resource
+import signal
+import sqlite3
+import time
+from collections.abc import Callable
+from multiprocessing.connection import Connection
+from multiprocessing.process import BaseProcess
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from psp3.errors import StudyFileNotWritable
+from psp3.study import Study, grid, study
+from psp3.study.file import StudyFile
+from psp3.study.run import METRICS, Run
+
+PROCESSES = multiprocessing.get_context("forkserver")
+# The server imports this module once, and what it forks has it at once. A plain fork of the tests would copy locks of their threads.
+PROCESSES.set_forkserver_preload([__name__])
+
+QUICK: dict[str, Any] = {"controller": ("t1", "it2", "pd"), "snr_db": (20.0, 10.0), "duration": 0.3}
+"""Fields of runs that take milliseconds; PD sees no noise under the default reading, so it is one run."""
+
+SHARED = {"duration": Run().duration}
+
+
+def invented(run: Run) -> dict[str, float]:
+    """Stand in for :func:`psp3.study.run.execute` where the simulation does not matter: metrics that depend on seed and name alone."""
+    return {name: run.seed + 0.1 * number for number, name in enumerate(METRICS)}
+
+
+def slow(run: Run) -> dict[str, float]:
+    """Like :func:`invented`, after a time in which its worker can be killed."""
+    time.sleep(0.1)
+    return invented(run)
+
+
+def start(function: Callable[..., object], *arguments: object) -> BaseProcess:
+    """Call a function of a module in a new process."""
+    process = PROCESSES.Process(target=function, args=arguments, daemon=True)
+    process.start()
+    return process
+
+
+def wait_for(condition: Callable[[], bool], process: BaseProcess, seconds: float = 60.0) -> None:
+    """Wait until something is so; fail if the process ends before, or it takes too long."""
+    deadline = time.monotonic() + seconds
+    while not condition():
+        if not process.is_alive() or time.monotonic() > deadline:
+            process.kill()
+            pytest.fail(f"it did not come to that; exit code {process.exitcode}")
+        time.sleep(0.005)
+
+
+def count_rows(path: Path) -> int:
+    """Return how many results are in a file that may not be there yet."""
+    return len(Study(path).rows()) if path.exists() and path.stat().st_size else 0
+
+
+# What is done in processes that are killed
+
+
+def die() -> None:
+    """End as by ``kill -9``: no handlers, no clean-up."""
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def die_within_a_transaction(path: Path) -> None:
+    with StudyFile(path, SHARED).adding() as additions:
+        additions.add([(Run(seed=1), invented(Run(seed=1)))])
+        # No room in the cache, so that what is not committed is in the file already.
+        additions._connection.execute("PRAGMA cache_size = 1")
+        additions._connection.execute("BEGIN IMMEDIATE")
+        # As the first row, but with other keys.
+        columns = [row[1] for row in additions._connection.execute("PRAGMA table_info(runs)") if row[1] != "key"]
+        for number in range(300):
+            additions._connection.execute(f"INSERT INTO runs SELECT '{number}', {', '.join(columns)} FROM runs LIMIT 1")
+        die()
+
+
+def die_while_the_file_is_made(path: Path) -> None:
+    file = StudyFile(path, SHARED)
+    create = file._create
+
+    def create_and_die(connection: sqlite3.Connection) -> None:
+        connection.execute("PRAGMA cache_size = 1")
+        create(connection)
+        connection.executemany("INSERT INTO meta VALUES (?, 'x')", [(100 * str(number),) for number in range(300)])
+        die()
+
+    file._create = create_and_die  # type: ignore[method-assign]
+    with file.adding():
+        pass
+
+
+def hold_the_lock(path: Path, locked: Connection) -> None:
+    with StudyFile(path, SHARED).adding():
+        locked.send(True)
+        time.sleep(60.0)
+
+
+def run_with_small_files(path: Path, kept: Connection) -> None:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
+    study.execute = invented  # type: ignore[attr-defined]
+    try:
+        Study(path, grid(snr_db=20.0, seed=range(500))).run()
+    except StudyFileNotWritable as error:
+        kept.send(error.kept)
+
+
+def run_slowly(path: Path, runs: tuple[Run, ...], workers: int) -> None:
+    """Do a study with a pause after each report, so that there is time to kill it."""
+    Study(path, runs).run(workers, progress=lambda done, total, rate: time.sleep(0.02))
