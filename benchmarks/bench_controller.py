@@ -1,7 +1,9 @@
-"""Measure one control step from Python of every controller of chapter 6, and whole runs inside the study: ``make bench``.
+"""Measure one control step from Python of every controller of chapter 6.
 
-See ``timing.py`` for how calls are timed. Runs are those of Table 6.3 at 20 dB; workers are threads, because the loop of a run is
-compiled and holds no interpreter lock.
+Also whole runs inside the study. Run by ``make bench``.
+
+See ``timing.py`` for how calls are timed. Runs are those of Table 6.3 at 20 dB; workers are
+threads, because the loop of a run is compiled and holds no interpreter lock.
 """
 
 from __future__ import annotations
@@ -18,7 +20,15 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
+from timing import (
+    EMPTY_CALL,
+    bar_and_verdict,
+    bar_scale,
+    empty_call,
+    environment,
+    measure,
+    write_results,
+)
 
 import psp3
 from psp3.control.controller import Controller
@@ -45,7 +55,9 @@ def contenders() -> dict[str, Callable[[], object]]:
         "CTC, NOC": psp3.ComputedTorque(robot.dynamics("noc")),
     }
     for name, kind in zip(BARS, ("t1", "it2", "gt2"), strict=True):
-        controllers[name] = psp3.FuzzyComputedTorque(kind, robot, snr_db=SNR).learn(recorded, rng=np.random.default_rng(0))
+        controllers[name] = psp3.FuzzyComputedTorque(kind, robot, snr_db=SNR).learn(
+            recorded, rng=np.random.default_rng(0)
+        )
     functions: dict[str, Callable[[], object]] = {EMPTY_CALL: empty_call()}
     for name, controller in controllers.items():
         functions[name] = lambda torque=controller.torque: torque(0.0, heights, speeds, desired)
@@ -73,11 +85,15 @@ def runs_a_second(workers: int, runs: int) -> float:
 
 
 def memory_of_a_study(runs: int) -> dict[str, float]:
-    """Return peak memory in megabytes of a process before and after a study of that many short runs, and the size of its file."""
+    """Return peak memory [MB] before and after a study, and the size of its file.
+
+    The study has so many short runs.
+    """
     script = (
         "import resource, sys, psp3\n"
         "peak = lambda: resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024\n"
-        "grid = lambda seeds: psp3.grid(controller='ctc', reading='measurement', snr_db=20.0, duration=0.05, seed=range(seeds))\n"
+        "grid = lambda seeds: psp3.grid(controller='ctc', reading='measurement', snr_db=20.0, "
+        "duration=0.05, seed=range(seeds))\n"
         "psp3.Study(sys.argv[1], grid(100)).run()\n"
         "before = peak()\n"
         "psp3.Study(sys.argv[1], grid(int(sys.argv[2]))).run()\n"
@@ -85,7 +101,12 @@ def memory_of_a_study(runs: int) -> dict[str, float]:
     )
     with tempfile.TemporaryDirectory() as directory:
         path = Path(directory) / "study.sqlite"
-        output = subprocess.run([sys.executable, "-c", script, str(path), str(runs)], check=True, capture_output=True, text=True).stdout
+        output = subprocess.run(
+            [sys.executable, "-c", script, str(path), str(runs)],
+            check=True,
+            capture_output=True,
+            text=True,
+        ).stdout
         before, after = (float(number) for number in output.split())
         return {"before": before, "after": after, "file": path.stat().st_size / 1e6}
 
@@ -95,20 +116,32 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=100, help="samples per row")
     parser.add_argument("--runs", type=int, default=40, help="runs of each controller")
-    parser.add_argument("--out", type=Path, default=Path("results/bench_controller.json"), help="where the numbers go")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        default=Path("results/bench_controller.json"),
+        help="where the numbers go",
+    )
     arguments = parser.parse_args()
     medians = measure(contenders(), arguments.rounds)
     scale, base = bar_scale(medians), medians["PD"]
     versions = environment("pin", "numba", "numpy")
-    print(f"one control step from Python, median of {arguments.rounds} samples ({', '.join(map(' '.join, versions.items()))})\n")
+    print(
+        f"one control step from Python, median of {arguments.rounds} samples "
+        f"({', '.join(map(' '.join, versions.items()))})\n"
+    )
     print(f"{'controller':24s}{'µs':>9s}{'× PD':>9s}{'share of 2 ms':>15s}{'bar [µs]':>11s}")
     for name, median in medians.items():
         bar = BARS[name] * scale if name in BARS else None
-        print(f"{name:24s}{median:9.2f}{median / base:9.2f}{median / 2000.0:15.3%}{bar_and_verdict(median, bar)}")
+        print(
+            f"{name:24s}{median:9.2f}{median / base:9.2f}{median / 2000.0:15.3%}"
+            f"{bar_and_verdict(median, bar)}"
+        )
     print("\na run of 10 s at 2 ms in the study, learning included, on one core")
     runs = {name: seconds_a_run(name, arguments.runs) for name in ("pd", "ctc", "t1", "it2", "gt2")}
     for name, seconds in runs.items():
-        print(f"{name:24s}{seconds:9.4f} s{f'   bar {RUN_BAR} s' + (' met' if seconds <= RUN_BAR else ' MISSED') if name == 'it2' else ''}")
+        verdict = f"   bar {RUN_BAR} s " + ("met" if seconds <= RUN_BAR else "MISSED")
+        print(f"{name:24s}{seconds:9.4f} s{verdict if name == 'it2' else ''}")
     counts = sorted({1, 2, 4, os.cpu_count() or 1})
     rates = {workers: runs_a_second(workers, arguments.runs) for workers in counts}
     print(f"\nthreads, on {os.cpu_count()} cores")
@@ -116,12 +149,16 @@ def main() -> None:
         print(f"{workers:3d} workers{rate:9.1f} runs/s   × {rate / rates[1]:.2f}")
     memory = memory_of_a_study(MEMORY_RUNS)
     print(
-        f"\na study of {MEMORY_RUNS} short runs: peak memory {memory['before']:.0f} MB before, {memory['after']:.0f} MB after, "
-        f"file {memory['file']:.1f} MB"
+        f"\na study of {MEMORY_RUNS} short runs: peak memory {memory['before']:.0f} MB before, "
+        f"{memory['after']:.0f} MB after, file {memory['file']:.1f} MB"
     )
     results = {
-        "versions": versions, "microseconds": medians, "run_seconds": runs, "runs_per_second": rates, "study_megabytes": memory,
-    }  # fmt: skip
+        "versions": versions,
+        "microseconds": medians,
+        "run_seconds": runs,
+        "runs_per_second": rates,
+        "study_megabytes": memory,
+    }
     write_results(arguments.out, results)
 
 

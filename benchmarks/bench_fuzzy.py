@@ -1,12 +1,16 @@
-"""Measure fuzzy2 beside the fuzzy libraries that are installed, and how its cost grows: ``make bench``.
+"""Measure fuzzy2 beside the fuzzy libraries that are installed, and how its cost grows.
 
-The system is the one of the thesis's estimators: 4 inputs with 2 Gaussian terms of uncertain mean each, 16 rules, 21 outputs, center of
-sets. See ``timing.py`` for how calls are timed.
+Run by ``make bench``.
 
-The peers are no dependencies. Where ``ferrifuzz`` or ``pyit2fls`` can be imported they take part, and whether they solve the same problem
-is printed. Ferrifuzz has no Gaussian of uncertain mean, but any pair of Gaussians; the footprint of uncertain standard deviation
-stands for it, at the same cost. PyIT2FLS takes part twice: its center of sets computes the centroids of the consequents in every call,
-which fuzzy2 does once, when the system is made; its TSK system with constant consequents is spared them.
+The system is the one of the thesis's estimators: 4 inputs with 2 Gaussian terms of uncertain mean
+each, 16 rules, 21 outputs, center of sets. See ``timing.py`` for how calls are timed.
+
+The peers are no dependencies. Where ``ferrifuzz`` or ``pyit2fls`` can be imported they take part,
+and whether they solve the same problem is printed. Ferrifuzz has no Gaussian of uncertain mean, but
+any pair of Gaussians; the footprint of uncertain standard deviation stands for it, at the same
+cost. PyIT2FLS takes part twice: its center of sets computes the centroids of the consequents in
+every call, which fuzzy2 does once, when the system is made; its TSK system with constant
+consequents is spared them.
 """
 
 from __future__ import annotations
@@ -26,7 +30,15 @@ from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
+from timing import (
+    EMPTY_CALL,
+    bar_and_verdict,
+    bar_scale,
+    empty_call,
+    environment,
+    measure,
+    write_results,
+)
 
 from fuzzy2.errors import ApproximationWarning
 from fuzzy2.reduction.interval import METHODS, centroid
@@ -43,23 +55,34 @@ X = np.array([0.31, -0.22, 0.47, 0.05])
 
 CALL, BATCH_ITEM = "fuzzy2, interval type-2", "fuzzy2, interval type-2, batch, an item"
 COROLLARY, PLANES = "fuzzy2, general type-2, corollary", "fuzzy2, general type-2, 5 α-planes"
-FERRIFUZZ, PYIT2FLS, PYIT2FLS_TSK = "ferrifuzz", "PyIT2FLS, center of sets", "PyIT2FLS, TSK with constants"
+FERRIFUZZ, PYIT2FLS, PYIT2FLS_TSK = (
+    "ferrifuzz",
+    "PyIT2FLS, center of sets",
+    "PyIT2FLS, TSK with constants",
+)
 BARS = {CALL: 4.0, BATCH_ITEM: 1.6, COROLLARY: 20.0, PLANES: 50.0}  # [us]
 LEAST_RATIOS = {FERRIFUZZ: 8.0, PYIT2FLS: 500.0, PYIT2FLS_TSK: 500.0}
 SECONDS_OVER_NUMPY = 0.1
 
 
-def rule_base(terms: int = 2, outputs: int = OUTPUTS) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def rule_base(
+    terms: int = 2, outputs: int = OUTPUTS
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return all rules over four inputs, and random consequents."""
     rules = np.array(list(itertools.product(range(terms), repeat=INPUTS)))
     return rules, np.random.default_rng(0).normal(size=(len(rules), outputs))
 
 
-def interval_system(terms: int = 2, outputs: int = OUTPUTS, method: str = "eiasc") -> IntervalType2System:
+def interval_system(
+    terms: int = 2, outputs: int = OUTPUTS, method: str = "eiasc"
+) -> IntervalType2System:
     """Return an interval type-2 system with that many terms per input."""
     middles = np.linspace(-1.0, 1.0, terms)
     sigma = 1.2 / terms
-    sets = [GaussianUncertainMean(mean=(m - 0.15 * sigma, m + 0.15 * sigma), sigma=sigma) for m in middles.tolist()]
+    sets = [
+        GaussianUncertainMean(mean=(m - 0.15 * sigma, m + 0.15 * sigma), sigma=sigma)
+        for m in middles.tolist()
+    ]
     return IntervalType2System([sets] * INPUTS, *rule_base(terms, outputs), method=method)
 
 
@@ -68,7 +91,9 @@ def contenders() -> dict[str, Callable[[], object]]:
     system = interval_system()
     rules, consequents = rule_base()
     type1 = Type1System([[Gaussian(-1.0, 0.6), Gaussian(1.0, 0.6)]] * INPUTS, rules, consequents)
-    gaussian = [[GaussianType2Set(principal=Gaussian(m, 0.6), sigma=0.02) for m in (-1.0, 1.0)]] * INPUTS
+    gaussian = [
+        [GaussianType2Set(principal=Gaussian(m, 0.6), sigma=0.02) for m in (-1.0, 1.0)]
+    ] * INPUTS
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", ApproximationWarning)
         corollary = GeneralType2System(gaussian, rules, consequents, reduction="gaussian")
@@ -83,7 +108,11 @@ def contenders() -> dict[str, Callable[[], object]]:
         COROLLARY: lambda: corollary(X),
         PLANES: lambda: planes(X),
     }
-    peers: dict[str, Callable[[], Peer]] = {FERRIFUZZ: ferrifuzz, PYIT2FLS: pyit2fls, PYIT2FLS_TSK: pyit2fls_tsk}
+    peers: dict[str, Callable[[], Peer]] = {
+        FERRIFUZZ: ferrifuzz,
+        PYIT2FLS: pyit2fls,
+        PYIT2FLS_TSK: pyit2fls_tsk,
+    }
     for name, peer in peers.items():
         try:
             functions[name], outputs, expected = peer()
@@ -91,13 +120,17 @@ def contenders() -> dict[str, Callable[[], object]]:
             print(f"{name} takes no part: {error}")
             continue
         print(
-            f"{name} differs from fuzzy2 by {np.abs(outputs - expected).max():.1e} at most; the outputs go to {np.abs(expected).max():.2f}"
+            f"{name} differs from fuzzy2 by {np.abs(outputs - expected).max():.1e} at most; the "
+            f"outputs go to {np.abs(expected).max():.2f}"
         )
     return functions
 
 
 def same_system(consequents: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return what fuzzy2 gives for the system of the peers, whose terms have uncertain standard deviations."""
+    """Return what fuzzy2 gives for the system of the peers.
+
+    Its terms have uncertain standard deviations.
+    """
     sets = [GaussianUncertainSigma(mean=m, sigma=(0.5, 0.7)) for m in (-1.0, 1.0)]
     return IntervalType2System([sets] * INPUTS, rule_base()[0], consequents)(X)
 
@@ -110,7 +143,9 @@ def ferrifuzz() -> Peer:
     for i in range(INPUTS):
         variable = peer.Variable(f"x{i}", -10.0, 10.0)
         for t, mean in enumerate((-1.0, 1.0)):
-            variable[f"t{t}"] = peer.mf.it2(peer.mf.gaussian(mean, 0.7), peer.mf.gaussian(mean, 0.5))
+            variable[f"t{t}"] = peer.mf.it2(
+                peer.mf.gaussian(mean, 0.7), peer.mf.gaussian(mean, 0.5)
+            )
         system.add_input(variable)
     rules, consequents = rule_base()
     for j in range(OUTPUTS):
@@ -120,18 +155,29 @@ def ferrifuzz() -> Peer:
         system.add_output(variable)
     for r, rule in enumerate(rules.tolist()):
         antecedents = " AND ".join(f"x{i} IS t{t}" for i, t in enumerate(rule))
-        system.add_rule(f"IF {antecedents} THEN " + " AND ".join(f"y{j} IS r{r}" for j in range(OUTPUTS)))
+        system.add_rule(
+            f"IF {antecedents} THEN " + " AND ".join(f"y{j} IS r{r}" for j in range(OUTPUTS))
+        )
     values = X.tolist()
     outputs = dict(zip(system.output_names(), system.evaluate(values), strict=True))
-    return lambda: system.evaluate(values), np.array([outputs[f"y{j}"] for j in range(OUTPUTS)]), same_system(consequents)
+    return (
+        lambda: system.evaluate(values),
+        np.array([outputs[f"y{j}"] for j in range(OUTPUTS)]),
+        same_system(consequents),
+    )
 
 
 def pyit2fls() -> Peer:
-    """Return the call of the system in PyIT2FLS, with sets as consequents, its outputs, and those of fuzzy2."""
+    """Return the call of the system in PyIT2FLS, its outputs, and those of fuzzy2.
+
+    Sets are its consequents.
+    """
     import pyit2fls as peer
 
     universe = np.linspace(-10.0, 10.0, 100)
-    system = peer.IT2Mamdani(peer.product_t_norm, peer.max_s_norm, method="CoSet", algorithm="EIASC")
+    system = peer.IT2Mamdani(
+        peer.product_t_norm, peer.max_s_norm, method="CoSet", algorithm="EIASC"
+    )
 
     def conclude(value: float) -> object:
         return peer.IT2FS_Gaussian_UncertStd(universe, [value, 0.6, 0.2, 1.0])
@@ -139,22 +185,37 @@ def pyit2fls() -> Peer:
     call = _filled(system, universe, conclude)
     outputs = [sum(interval) / 2.0 for interval in call().values()]
     # The same centroids: of the same sets, sampled at the same points.
-    sets = [[GaussianUncertainSigma(mean=value, sigma=(0.5, 0.7)) for value in row] for row in rule_base()[1].tolist()]
-    centroids = np.array([[centroid(universe, one.lower(universe), one.upper(universe)) for one in row] for row in sets])
+    sets = [
+        [GaussianUncertainSigma(mean=value, sigma=(0.5, 0.7)) for value in row]
+        for row in rule_base()[1].tolist()
+    ]
+    centroids = np.array(
+        [
+            [centroid(universe, one.lower(universe), one.upper(universe)) for one in row]
+            for row in sets
+        ]
+    )
     return call, np.array(outputs), same_system(centroids)
 
 
 def pyit2fls_tsk() -> Peer:
-    """Return the call of the system in PyIT2FLS, with numbers as consequents, its outputs, and those of fuzzy2."""
+    """Return the call of the system in PyIT2FLS, its outputs, and those of fuzzy2.
+
+    Numbers are its consequents.
+    """
     import pyit2fls as peer
 
     system = peer.IT2TSK(peer.product_t_norm, peer.max_s_norm)
     no_slope = {f"x{i}": 0.0 for i in range(INPUTS)}
-    call = _filled(system, np.linspace(-10.0, 10.0, 100), lambda value: {"const": value, **no_slope})
+    call = _filled(
+        system, np.linspace(-10.0, 10.0, 100), lambda value: {"const": value, **no_slope}
+    )
     return call, np.array(list(call().values())), same_system(rule_base()[1])
 
 
-def _filled(system: Any, universe: NDArray[np.float64], conclude: Callable[[float], object]) -> Callable[[], dict[str, Any]]:
+def _filled(
+    system: Any, universe: NDArray[np.float64], conclude: Callable[[float], object]
+) -> Callable[[], dict[str, Any]]:
     """Give a system of PyIT2FLS its inputs, outputs and rules, and return its call."""
     import pyit2fls as peer
 
@@ -165,7 +226,10 @@ def _filled(system: Any, universe: NDArray[np.float64], conclude: Callable[[floa
         system.add_output_variable(f"y{j}")
     rules, consequents = rule_base()
     for rule, values in zip(rules.tolist(), consequents.tolist(), strict=True):
-        system.add_rule([(f"x{i}", terms[t]) for i, t in enumerate(rule)], [(f"y{j}", conclude(value)) for j, value in enumerate(values)])
+        system.add_rule(
+            [(f"x{i}", terms[t]) for i, t in enumerate(rule)],
+            [(f"y{j}", conclude(value)) for j, value in enumerate(values)],
+        )
     point = {f"x{i}": value for i, value in enumerate(X.tolist())}
     return lambda: system.evaluate(point)
 
@@ -180,14 +244,21 @@ def print_calls(medians: dict[str, float]) -> None:
     for name, least in LEAST_RATIOS.items():
         if name in medians:
             ratio = medians[name] / base
-            print(f"fuzzy2 is {ratio:.1f} times as fast as {name};{'':3s}bar: {bar_and_verdict(ratio, least, at_least=True).strip()}")
+            print(
+                f"fuzzy2 is {ratio:.1f} times as fast as {name};{'':3s}bar: "
+                f"{bar_and_verdict(ratio, least, at_least=True).strip()}"
+            )
 
 
 def growth_of_systems(rounds: int) -> dict[str, dict[str, float]]:
     """Return microseconds of one call by the number of rules and by the number of outputs."""
     systems = {f"rules {terms**INPUTS}": interval_system(terms) for terms in (2, 3, 4, 6, 8)}
-    systems |= {f"outputs {outputs}": interval_system(outputs=outputs) for outputs in (1, 3, 10, 30, 100)}
-    functions: dict[str, Callable[[], object]] = {name: lambda s=system: s(X) for name, system in systems.items()}  # type: ignore[misc]
+    systems |= {
+        f"outputs {outputs}": interval_system(outputs=outputs) for outputs in (1, 3, 10, 30, 100)
+    }
+    functions: dict[str, Callable[[], object]] = {
+        name: lambda s=system: s(X) for name, system in systems.items()
+    }  # type: ignore[misc]
     medians = measure(functions, rounds)
     tables: dict[str, dict[str, float]] = {"rules": {}, "outputs": {}}
     for name, median in medians.items():
@@ -197,14 +268,16 @@ def growth_of_systems(rounds: int) -> dict[str, dict[str, float]]:
 
 
 def growth_of_centroids(rounds: int) -> dict[str, dict[str, float]]:
-    """Return microseconds of one exact centroid on grids of points, by method and number of points."""
+    """Return microseconds of one exact centroid, by method and number of grid points."""
     fuzzy_set = GaussianUncertainMean(mean=(4.0, 6.0), sigma=1.5)
     functions: dict[str, Callable[[], object]] = {}
     for method in METHODS:
         for count in (100, 1000, 10_000, 100_000):
             x = np.linspace(0.0, 10.0, count)
             low, high = fuzzy_set.lower(x), fuzzy_set.upper(x)
-            functions[f"{method} {count}"] = lambda x=x, low=low, high=high, m=method: centroid(x, low, high, m)  # type: ignore[misc]
+            functions[f"{method} {count}"] = lambda x=x, low=low, high=high, m=method: centroid(
+                x, low, high, m
+            )  # type: ignore[misc]
     tables: dict[str, dict[str, float]] = {method: {} for method in METHODS}
     for name, median in measure(functions, rounds).items():
         method, number = name.split()
@@ -213,7 +286,10 @@ def growth_of_centroids(rounds: int) -> dict[str, dict[str, float]]:
 
 
 def print_growth(title: str, tables: dict[str, dict[str, float]]) -> None:
-    """Print rows of times with the growth exponent of each: 1 is linear, and N log N from 100 to 100 000 is 1.13."""
+    """Print rows of times with the growth exponent of each.
+
+    1 is linear, and N log N from 100 to 100 000 is 1.13.
+    """
     for name, times in tables.items():
         counts = [int(count) for count in times]
         values = list(times.values())
@@ -224,7 +300,10 @@ def print_growth(title: str, tables: dict[str, dict[str, float]]) -> None:
 
 
 def batch_memory() -> dict[str, float]:
-    """Return the peak of memory that a batch takes beyond its inputs, in bytes an item, by the size of the batch."""
+    """Return the peak of memory that a batch takes beyond its inputs.
+
+    In bytes an item, by the size of the batch.
+    """
     system = interval_system()
     peaks = {}
     for count in (1000, 10_000, 100_000):
@@ -252,7 +331,9 @@ def main() -> None:
     """Print the tables and write ``results/bench_fuzzy.json``."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=100, help="samples per row")
-    parser.add_argument("--out", type=Path, default=Path("results/bench_fuzzy.json"), help="where the numbers go")
+    parser.add_argument(
+        "--out", type=Path, default=Path("results/bench_fuzzy.json"), help="where the numbers go"
+    )
     arguments = parser.parse_args()
     versions = environment("numpy", "numba")
     print(f"medians of {arguments.rounds} samples ({', '.join(map(' '.join, versions.items()))})")
@@ -264,10 +345,16 @@ def main() -> None:
     centroids = growth_of_centroids(max(5, arguments.rounds // 5))
     print_growth("centroid, by points,", centroids)
     memory = batch_memory()
-    print(f"\n{'peak memory of a batch, bytes an item':44s}" + ", ".join(f"{peak:.0f} of {count}" for count, peak in memory.items()))
+    print(
+        f"\n{'peak memory of a batch, bytes an item':44s}"
+        + ", ".join(f"{peak:.0f} of {count}" for count, peak in memory.items())
+    )
     imports = import_seconds(max(5, arguments.rounds // 10))
     over = imports["numpy, fuzzy2"] - imports["numpy"]
-    print(f"{'import fuzzy2, over import numpy':44s}{over:10.3f} s{bar_and_verdict(over, SECONDS_OVER_NUMPY)}")
+    print(
+        f"{'import fuzzy2, over import numpy':44s}{over:10.3f} "
+        f"s{bar_and_verdict(over, SECONDS_OVER_NUMPY)}"
+    )
     results = {
         "versions": versions,
         "microseconds": medians,

@@ -1,4 +1,6 @@
-"""Measure robots with loops in general beside Pinocchio, MuJoCo and Drake, and how the cost grows with the loops: ``make bench``.
+"""Measure robots with loops in general beside Pinocchio, MuJoCo and Drake.
+
+Also how the cost grows with the loops. Run by ``make bench``.
 
 See ``timing.py`` for how.
 """
@@ -14,14 +16,26 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 from five_bar_chain import five_bar_chain
-from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
+from timing import (
+    EMPTY_CALL,
+    bar_and_verdict,
+    bar_scale,
+    empty_call,
+    environment,
+    measure,
+    write_results,
+)
 
 import psp3
 from psp3.description.parts import ROBOT_FILES, ROBOTS
 
 CLOSURE_BARS = {"five_bar": 300.0, "gough_stewart": 1000.0}  # [us]
 CHAINS = (1, 2, 5, 10, 20, 50)
-CLOSURE, INVERSE, FORWARD = "closure, from the reference pose", "inverse_dynamics", "forward_dynamics"
+CLOSURE, INVERSE, FORWARD = (
+    "closure, from the reference pose",
+    "inverse_dynamics",
+    "forward_dynamics",
+)
 
 
 def state_of(robot: psp3.ClosedLoopRobot, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
@@ -30,7 +44,12 @@ def state_of(robot: psp3.ClosedLoopRobot, rng: np.random.Generator) -> tuple[np.
     lower, upper = (np.clip(limit, -1.0, 1.0) for limit in robot.limits)
     positions = robot.reference + 0.1 * rng.uniform(-1.0, 1.0, n) * (upper - lower)
     speeds, accelerations = rng.uniform(-0.5, 0.5, n), rng.uniform(-1.0, 1.0, n)
-    return positions, speeds, accelerations, robot.inverse_dynamics(positions, speeds, accelerations)
+    return (
+        positions,
+        speeds,
+        accelerations,
+        robot.inverse_dynamics(positions, speeds, accelerations),
+    )
 
 
 def contenders(name: str) -> dict[str, Callable[[], object]]:
@@ -47,7 +66,9 @@ def contenders(name: str) -> dict[str, Callable[[], object]]:
         INVERSE: lambda: tree.inverse_dynamics(positions, speeds, accelerations),
         "equation_of_motion": lambda: tree.equation_of_motion(positions, speeds),
         FORWARD: lambda: tree.forward_dynamics(positions, speeds, forces),
-        "pin.constraintDynamics, loops closed already": lambda: tree.constrained_accelerations(q, v, forces),
+        "pin.constraintDynamics, loops closed already": lambda: tree.constrained_accelerations(
+            q, v, forces
+        ),
         "pin.rnea (tree only)": lambda: pin.rnea(tree.model, tree.data, q, v, v),
     }
     functions.update(mujoco_calls(tree, q, v))
@@ -55,7 +76,9 @@ def contenders(name: str) -> dict[str, Callable[[], object]]:
     return functions
 
 
-def mujoco_calls(robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray) -> dict[str, Callable[[], object]]:
+def mujoco_calls(
+    robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray
+) -> dict[str, Callable[[], object]]:
     """MuJoCo's dynamics of the exported robot, its loops soft constraints as exported."""
     try:
         import mujoco
@@ -72,8 +95,13 @@ def mujoco_calls(robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray) -> d
     }
 
 
-def drake_calls(name: str, robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray) -> dict[str, Callable[[], object]]:
-    """Drake's discrete step of 2 ms of the URDF, its loops constraints of the contact solver, where Drake is installed."""
+def drake_calls(
+    name: str, robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray
+) -> dict[str, Callable[[], object]]:
+    """Drake's discrete step of 2 ms of the URDF, where Drake is installed.
+
+    Its loops are constraints of the contact solver.
+    """
     try:
         from pydrake.math import RigidTransform
         from pydrake.multibody.parsing import Parser
@@ -97,19 +125,26 @@ def drake_calls(name: str, robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.nda
         if kind == "3d":
             plant.AddBallConstraint(body_A=one, p_AP=np.zeros(3), body_B=two, p_BQ=np.zeros(3))
         else:
-            plant.AddWeldConstraint(body_A=one, X_AP=RigidTransform(), body_B=two, X_BQ=RigidTransform())
+            plant.AddWeldConstraint(
+                body_A=one, X_AP=RigidTransform(), body_B=two, X_BQ=RigidTransform()
+            )
     plant.Finalize()
     context = plant.CreateDefaultContext()
     state = np.zeros(plant.num_positions() + plant.num_velocities())
     for number in range(1, robot.model.njoints):
-        joint, theirs = robot.model.joints[number], plant.GetJointByName(str(robot.model.names[number]))
+        joint, theirs = (
+            robot.model.joints[number],
+            plant.GetJointByName(str(robot.model.names[number])),
+        )
         state[theirs.position_start()] = q[joint.idx_q]
         state[plant.num_positions() + theirs.velocity_start()] = v[joint.idx_v]
     plant.SetPositionsAndVelocities(context, state)
 
     def step() -> object:
         # A changed input, so that the step of before is not handed out again.
-        plant.get_actuation_input_port().FixValue(context, np.zeros(plant.num_actuators())) if plant.num_actuators() else None
+        plant.get_actuation_input_port().FixValue(
+            context, np.zeros(plant.num_actuators())
+        ) if plant.num_actuators() else None
         plant.SetPositionsAndVelocities(context, state)
         return plant.EvalUniquePeriodicDiscreteUpdate(context)
 
@@ -142,12 +177,22 @@ def main() -> None:
         for function, value in medians.items():
             bar = CLOSURE_BARS.get(name) if function == CLOSURE else None
             bar = bar * scale if bar is not None else None
-            print(f"{function:50s}{value:10.1f}{value / medians[INVERSE]:20.2f}{bar_and_verdict(value, bar)}")
-    chains: dict[int, dict[str, float]] = {count: measure(chain_functions(count), arguments.rounds) for count in CHAINS}
-    print(f"\n{'five-bars in a chain':24s}" + "".join(f"{f'{name} [us]':>45s}" for name in chains[1]))
+            print(
+                f"{function:50s}{value:10.1f}{value / medians[INVERSE]:20.2f}"
+                f"{bar_and_verdict(value, bar)}"
+            )
+    chains: dict[int, dict[str, float]] = {
+        count: measure(chain_functions(count), arguments.rounds) for count in CHAINS
+    }
+    print(
+        f"\n{'five-bars in a chain':24s}" + "".join(f"{f'{name} [us]':>45s}" for name in chains[1])
+    )
     for count, medians in chains.items():
         print(f"{count:24d}" + "".join(f"{value:45.1f}" for value in medians.values()))
-    growth = {name: exponent({count: chains[count][name] for count in CHAINS if count >= 10}) for name in chains[1]}
+    growth = {
+        name: exponent({count: chains[count][name] for count in CHAINS if count >= 10})
+        for name in chains[1]
+    }
     for name, power in growth.items():
         print(f"from 10 to 50 loops {name} grows with their number to the power of {power:.2f}")
     results: dict[str, Any] = {

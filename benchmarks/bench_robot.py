@@ -1,4 +1,6 @@
-"""Measure one call from Python of the robot's functions beside Pinocchio and MuJoCo on the same tree: ``make bench``.
+"""Measure one call from Python of the robot's functions.
+
+Beside Pinocchio and MuJoCo on the same tree. Run by ``make bench``.
 
 See ``timing.py`` for how.
 """
@@ -13,12 +15,26 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
-from timing import EMPTY_CALL, bar_and_verdict, bar_scale, empty_call, environment, measure, write_results
+from timing import (
+    EMPTY_CALL,
+    bar_and_verdict,
+    bar_scale,
+    empty_call,
+    environment,
+    measure,
+    write_results,
+)
 
 import psp3
 from psp3.description.parts import ROBOT_FILES
 
-BARS = {"forward_kinematics": 3.0, "equation_of_motion": 5.0, "inverse_dynamics": 4.0, "forward_dynamics": 5.0}  # [us]
+# [us]
+BARS = {
+    "forward_kinematics": 3.0,
+    "equation_of_motion": 5.0,
+    "inverse_dynamics": 4.0,
+    "forward_dynamics": 5.0,
+}
 
 
 def contenders() -> dict[str, Callable[[], object]]:
@@ -43,12 +59,18 @@ def contenders() -> dict[str, Callable[[], object]]:
         "equation_of_motion": lambda: robot.equation_of_motion(heights, speeds),
         "inverse_dynamics": lambda: robot.inverse_dynamics(heights, speeds, accelerations),
         "forward_dynamics": lambda: robot.forward_dynamics(heights, speeds, forces),
-        "inverse_kinematics_tip": lambda: robot.inverse_kinematics_tip(np.array([0.01, 0.005, 0.1])),
+        "inverse_kinematics_tip": lambda: robot.inverse_kinematics_tip(
+            np.array([0.01, 0.005, 0.1])
+        ),
         "configuration": lambda: robot.configuration(heights),
         "pin.rnea (tree only)": lambda: pin.rnea(model, data, q, v, a),
         "pin.crba (tree only)": lambda: pin.crba(model, data, q),
-        "pin.constraintDynamics": lambda: pin.constraintDynamics(model, data, q, v, tau, closures, closure_data, settings),
-        "Pinocchio path: inverse_dynamics": lambda: pinocchio_path.inverse_dynamics(heights, speeds, accelerations),
+        "pin.constraintDynamics": lambda: pin.constraintDynamics(
+            model, data, q, v, tau, closures, closure_data, settings
+        ),
+        "Pinocchio path: inverse_dynamics": lambda: pinocchio_path.inverse_dynamics(
+            heights, speeds, accelerations
+        ),
         "NOC: equation_of_motion": lambda: noc.equation_of_motion(heights, speeds),
     }
     try:
@@ -57,8 +79,12 @@ def contenders() -> dict[str, Callable[[], object]]:
         return functions
     # MuJoCo refuses the nuts' inertia; balancing it changes nothing, because nuts do not turn.
     text = (ROBOT_FILES / "psp3.urdf").read_text(encoding="utf-8")
-    options = '<mujoco><compiler balanceinertia="true" discardvisual="true" fusestatic="false"/></mujoco>'
-    engine = mujoco.MjModel.from_xml_string(text.replace('<robot name="psp3">', f'<robot name="psp3">{options}'))
+    options = (
+        '<mujoco><compiler balanceinertia="true" discardvisual="true" fusestatic="false"/></mujoco>'
+    )
+    engine = mujoco.MjModel.from_xml_string(
+        text.replace('<robot name="psp3">', f'<robot name="psp3">{options}')
+    )
     state = mujoco.MjData(engine)
     functions["mujoco.mj_forward (tree only)"] = lambda: mujoco.mj_forward(engine, state)
     return functions
@@ -84,12 +110,17 @@ def main() -> None:
     """Print the table and write ``results/bench_robot.json``."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rounds", type=int, default=100, help="samples per row")
-    parser.add_argument("--out", type=Path, default=Path("results/bench_robot.json"), help="where the numbers go")
+    parser.add_argument(
+        "--out", type=Path, default=Path("results/bench_robot.json"), help="where the numbers go"
+    )
     arguments = parser.parse_args()
     medians = measure(contenders(), arguments.rounds)
     scale, base = bar_scale(medians), medians["equation_of_motion"]
     versions = environment("pin", "numba")
-    print(f"one call from Python, median of {arguments.rounds} samples ({', '.join(map(' '.join, versions.items()))})\n")
+    print(
+        f"one call from Python, median of {arguments.rounds} samples "
+        f"({', '.join(map(' '.join, versions.items()))})\n"
+    )
     print(f"{'function':36s}{'µs':>9s}{'× equation_of_motion':>22s}{'bar [µs]':>11s}")
     for name, median in medians.items():
         bar = BARS[name] * scale if name in BARS else None
@@ -97,8 +128,14 @@ def main() -> None:
     simulations = simulation_times()
     print()
     for name, seconds in simulations.items():
-        print(f"10 s simulation at 2 ms, RK4, {name:16s}{seconds:9.3f} s   (bar 0.15 s for ComputedTorque)")
-    write_results(arguments.out, {"versions": versions, "microseconds": medians, "simulation_seconds": simulations})
+        print(
+            f"10 s simulation at 2 ms, RK4, {name:16s}{seconds:9.3f} s   (bar 0.15 s for "
+            "ComputedTorque)"
+        )
+    write_results(
+        arguments.out,
+        {"versions": versions, "microseconds": medians, "simulation_seconds": simulations},
+    )
 
 
 if __name__ == "__main__":

@@ -1,7 +1,10 @@
-"""What the benchmarks share: medians of interleaved samples, what an empty compiled call costs, results on disk.
+"""What the benchmarks share.
 
-Many short runs of every function, one after another, so that a slow spell of the machine hits all alike. Ratios compare
-within one run; absolute times depend on the machine. An empty compiled call shows what a call costs before anything is computed.
+Medians of interleaved samples, what an empty compiled call costs, results on disk.
+
+Many short runs of every function, one after another, so that a slow spell of the machine hits all
+alike. Ratios compare within one run; absolute times depend on the machine. An empty compiled call
+shows what a call costs before anything is computed.
 """
 
 from __future__ import annotations
@@ -20,7 +23,8 @@ import numpy as np
 from fuzzy2.support.compiled import compiled
 
 EMPTY_CALL = "empty compiled call"
-REFERENCE_EMPTY_CALL = 0.8  # [us] what an empty compiled call may cost for the bars to hold as they are
+# [us] what an empty compiled call may cost for the bars to hold as they are
+REFERENCE_EMPTY_CALL = 0.8
 
 
 @compiled
@@ -43,7 +47,8 @@ def measure(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[
         start = time.perf_counter()
         for _ in range(5):
             function()
-        # About two milliseconds a sample: long against the clock and cold caches, short against what disturbs.
+        # About two milliseconds a sample: long against the clock and cold caches, short against
+        # what disturbs.
         loops[name] = max(1, round(2e-3 / ((time.perf_counter() - start) / 5 + 1e-9)))
     for _ in range(rounds):
         for name, function in functions.items():
@@ -56,12 +61,18 @@ def measure(functions: Mapping[str, Callable[[], object]], rounds: int) -> dict[
 
 
 def bar_scale(medians: Mapping[str, float]) -> float:
-    """Return the factor by which bars are raised on a machine where even an empty compiled call is slower than it should be."""
+    """Return the factor by which bars are raised on a slow machine.
+
+    There even an empty compiled call is slower than it should be.
+    """
     return max(1.0, medians[EMPTY_CALL] / REFERENCE_EMPTY_CALL)
 
 
 def bar_and_verdict(value: float, bar: float | None, at_least: bool = False) -> str:
-    """Return the column of a table that shows a bar, if there is one, and whether the value meets it."""
+    """Return the column of a table that shows a bar and whether the value meets it.
+
+    Both are there if there is a bar.
+    """
     if bar is None:
         return f"{'':>11s}"
     met = value >= bar if at_least else value <= bar
@@ -70,7 +81,10 @@ def bar_and_verdict(value: float, bar: float | None, at_least: bool = False) -> 
 
 def environment(*packages: str) -> dict[str, str]:
     """Return the versions of Python and of packages."""
-    return {"Python": platform.python_version(), **{package: version(package) for package in packages}}
+    return {
+        "Python": platform.python_version(),
+        **{package: version(package) for package in packages},
+    }
 
 
 def write_results(path: Path, results: Mapping[str, Any]) -> None:

@@ -1,4 +1,7 @@
-"""Sphinx builds the documentation from here: ``make docs``, or ``sphinx-build -W docs results/docs``. No network is needed."""
+"""Sphinx builds the documentation from here.
+
+Run by ``make docs``, or ``sphinx-build -W docs results/docs``. No network is needed.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +38,8 @@ version = release = psp3.__version__
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 exclude_patterns = ["_build", "pictures", "**/.ipynb_checkpoints"]
 
-# Notebooks are committed with their outputs and executed by the tests. Widgets need a kernel; without one their pictures remain.
+# Notebooks are committed with their outputs and executed by the tests. Widgets need a kernel;
+# without one their pictures remain.
 nb_execution_mode = "off"
 nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 myst_enable_extensions = ["dollarmath", "colon_fence"]
@@ -77,11 +81,15 @@ def write_api_pages(app: Sphinx) -> None:
         toctree = "\n".join(f"   {module}" for module in names)
         homes = "\n".join(f"- ``{name}.{public}``" for public in sorted(package.__all__))
         pages[name] = (
-            f"{name}\n{'=' * len(name)}\n\n.. automodule:: {name}\n\nImported by name\n----------------\n\n{homes}\n\n"
+            f"{name}\n{'=' * len(name)}\n\n.. automodule:: {name}\n\nImported by name\n"
+            f"----------------\n\n{homes}\n\n"
             f"Modules\n-------\n\n.. toctree::\n   :maxdepth: 1\n\n{toctree}\n"
         )
         for module in names:
-            pages[module] = f"{module}\n{'=' * len(module)}\n\n.. automodule:: {module}\n   :members:\n   :show-inheritance:\n"
+            pages[module] = (
+                f"{module}\n{'=' * len(module)}\n\n.. automodule:: {module}\n   :members:\n"
+                "   :show-inheritance:\n"
+            )
     for stale in {page.stem for page in API.glob("*.rst")} - set(pages):
         (API / f"{stale}.rst").unlink()
     for name, text in pages.items():
@@ -93,7 +101,9 @@ def write_api_pages(app: Sphinx) -> None:
 def copy_notebooks(app: Sphinx) -> None:
     """Copy the notebooks of the repository to where Sphinx looks for pages."""
     NOTEBOOKS.mkdir(exist_ok=True)
-    originals = {notebook.name: notebook for notebook in (HERE.parent / "notebooks").glob("*.ipynb")}
+    originals = {
+        notebook.name: notebook for notebook in (HERE.parent / "notebooks").glob("*.ipynb")
+    }
     for stale in {copy.name for copy in NOTEBOOKS.glob("*.ipynb")} - set(originals):
         (NOTEBOOKS / stale).unlink()
     for name, original in originals.items():
@@ -103,32 +113,54 @@ def copy_notebooks(app: Sphinx) -> None:
 
 
 class LinkNames(SphinxPostTransform):
-    """Make names of this library that are set as code, such as ``psp3.load``, links to their reference."""
+    """Link names of this library that are set as code to their reference.
+
+    For instance ``psp3.load``.
+    """
 
     default_priority = 5
 
     def run(self, **kwargs: Any) -> None:
-        """Replace every literal that is such a name, and say which error is meant where both packages have one of that name."""
+        """Replace every literal that is such a name.
+
+        Where both packages have an error of that name, say which is meant.
+        """
         objects = self.env.domains.python_domain.objects
         for reference in list(self.document.findall(pending_xref)):
             module, target = reference.get("py:module") or "", reference.get("reftarget")
             if reference.get("refdomain") != "py":
                 continue
-            known = [f"{module.split('.')[0]}.errors.{target}", f"{module}.{target}", imported_home(module, target)]
+            known = [
+                f"{module.split('.')[0]}.errors.{target}",
+                f"{module}.{target}",
+                imported_home(module, target),
+            ]
             meant = next((name for name in known if name in objects), None)
             if meant is not None:
                 reference["reftarget"], reference["refspecific"] = meant, False
             elif sum(name.endswith(f".{target}") for name in objects) > 1:
-                # A word, such as the K of an equation, that is also the name of more than one thing elsewhere.
+                # A word, such as the K of an equation, that is also the name of more than one thing
+                # elsewhere.
                 reference.replace_self(reference.children)
         for node in list(self.document.findall(nodes.literal)):
             name = node.astext().removesuffix("()")
-            if not re.fullmatch(r"(psp3|fuzzy2)(\.\w+)+", name) or isinstance(node.parent, nodes.reference | nodes.title):
+            if not re.fullmatch(r"(psp3|fuzzy2)(\.\w+)+", name) or isinstance(
+                node.parent, nodes.reference | nodes.title
+            ):
                 continue
             home = name if name in objects else home_of(name)
             if home in objects:
                 entry = objects[home]
-                node.replace_self(make_refnode(self.app.builder, self.env.docname, entry.docname, entry.node_id, node.deepcopy(), home))
+                node.replace_self(
+                    make_refnode(
+                        self.app.builder,
+                        self.env.docname,
+                        entry.docname,
+                        entry.node_id,
+                        node.deepcopy(),
+                        home,
+                    )
+                )
 
 
 def imported_home(module: str, name: str) -> str:
@@ -140,15 +172,25 @@ def imported_home(module: str, name: str) -> str:
 
 
 def home_of(name: str) -> str:
-    """Return where the object of a re-exported name is defined, such as ``psp3.loading.load`` of ``psp3.load``."""
+    """Return where the object of a re-exported name is defined.
+
+    For instance ``psp3.loading.load`` for ``psp3.load``.
+    """
     package, public, *rest = name.split(".")
-    thing = getattr(importlib.import_module(package), public, None) if public in importlib.import_module(package).__all__ else None
+    thing = (
+        getattr(importlib.import_module(package), public, None)
+        if public in importlib.import_module(package).__all__
+        else None
+    )
     module = getattr(thing, "__module__", None)
     return ".".join([module, public, *rest]) if module else name
 
 
 # What docutils does not know: sizes and operators, which need no command here, and dots.
-UNKNOWN_COMMANDS = ((r"\\(?:mathop|[bB]igg?[lr]?)(?![a-zA-Z])", ""), (r"\\dots(?![a-zA-Z])", r"\\ldots"))
+UNKNOWN_COMMANDS = (
+    (r"\\(?:mathop|[bB]igg?[lr]?)(?![a-zA-Z])", ""),
+    (r"\\dots(?![a-zA-Z])", r"\\ldots"),
+)
 
 
 ACCENTS = frozenset("˙¨ˆ˜~^_¯ˇ→")
@@ -158,11 +200,13 @@ MATHML = "http://www.w3.org/1998/Math/MathML"
 def accents_above(markup: str) -> str:
     """Return MathML in which accents are above their letters and indices beside them.
 
-    Docutils puts the index of an accented letter below it; and an accent that is marked as one is drawn into the letter by browsers that
-    find no mathematical font.
+    Docutils puts the index of an accented letter below it; and an accent that is marked as one is
+    drawn into the letter by browsers that find no mathematical font.
     """
     ElementTree.register_namespace("", MATHML)
-    root = ElementTree.fromstring(re.sub(r"&(?!lt;|gt;|amp;|#)\w+;", lambda entity: html.unescape(entity[0]), markup))
+    root = ElementTree.fromstring(
+        re.sub(r"&(?!lt;|gt;|amp;|#)\w+;", lambda entity: html.unescape(entity[0]), markup)
+    )
     for element in root.iter():
         parts, kind = list(element), element.tag.removeprefix(f"{{{MATHML}}}")
         if kind not in ("mover", "munderover") or parts[-1].text not in ACCENTS:
@@ -187,9 +231,13 @@ def mathml(translator: Any, node: nodes.Element, as_block: bool) -> None:
         markup = accents_above("".join(tex2mathml(equation, as_block=as_block)))
     except (MathError, AttributeError) as error:
         # The second is how the library stumbles over a row that ends outside of an array.
-        logging.getLogger(__name__).warning("equation cannot be written as MathML: %s", error, location=node)
+        logging.getLogger(__name__).warning(
+            "equation cannot be written as MathML: %s", error, location=node
+        )
         raise nodes.SkipNode from None
-    translator.body.append(f'<div class="equation" tabindex="0">{markup}</div>' if as_block else markup)
+    translator.body.append(
+        f'<div class="equation" tabindex="0">{markup}</div>' if as_block else markup
+    )
     raise nodes.SkipNode
 
 

@@ -1,4 +1,7 @@
-"""Write ``docs/benchmarks.md`` from what ``make bench`` left in ``results/``: ``python docs/make_benchmarks.py [directory]``."""
+"""Write ``docs/benchmarks.md`` from what ``make bench`` left in ``results/``.
+
+Run by ``python docs/make_benchmarks.py [directory]``.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +18,15 @@ EMPTY = "empty compiled call"
 
 HEAD = """# Benchmarks
 
-*Written by `docs/make_benchmarks.py` from the results of `make bench` of {date}; do not edit. Versions: {versions}.*
+*Written by `docs/make_benchmarks.py` from the results of `make bench` of {date}; do not edit. \
+Versions: {versions}.*
 
-Times depend on the machine and on what else it does. Every function of a table was timed in turn with the others, in many short samples of
-which the median counts, so what is slow hits all alike: compare the times of a table with each other, not with those of another machine. An
-empty compiled call is what calling anything compiled from Python costs here, before anything is computed. Measure on your own machine with
+Times depend on the machine and on what else it does. Every function of a table was timed in turn \
+with the others, in many short samples of
+which the median counts, so what is slow hits all alike: compare the times of a table with each \
+other, not with those of another machine. An
+empty compiled call is what calling anything compiled from Python costs here, before anything is \
+computed. Measure on your own machine with
 
 ```sh
 make bench && python docs/make_benchmarks.py
@@ -28,8 +35,10 @@ make bench && python docs/make_benchmarks.py
 
 ROBOT = """## The robot
 
-One call from Python at one state. The same tree in Pinocchio and MuJoCo does not close the loops where "tree only" is said. The two other
-implementations of the equation of motion are there to be compared with, not for speed: they close the loops by iteration, in NumPy.
+One call from Python at one state. The same tree in Pinocchio and MuJoCo does not close the loops \
+where "tree only" is said. The two other
+implementations of the equation of motion are there to be compared with, not for speed: they close \
+the loops by iteration, in NumPy.
 
 {table}
 
@@ -38,18 +47,21 @@ A simulation of 10 s at 2 ms with Runge–Kutta steps takes {simulations}.
 
 CONTROLLER = """## One control step
 
-One call of `torque`, from Python, at one state on the helix. The last column is the share of the control period of 2 ms.
+One call of `torque`, from Python, at one state on the helix. The last column is the share of the \
+control period of 2 ms.
 
 {table}
 
-The thesis gives 255 ms for a step of computed torque with the exact model, and learned a model because of that.
+The thesis gives 255 ms for a step of computed torque with the exact model, and learned a model \
+because of that.
 
 Whole runs of 10 s in a study, learning included, on one core: {runs}.
 """
 
 FUZZY = """## Type-2 inference
 
-4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, center of sets. Peers that could be imported solve the same system, with equal
+4 inputs with 2 Gaussian terms each, 16 rules, 21 outputs, center of sets. Peers that could be \
+imported solve the same system, with equal
 outputs.
 
 {table}
@@ -62,15 +74,19 @@ Time of an exact centroid of an interval type-2 set on a grid, by the number of 
 
 {centroids}
 
-A batch takes {bytes} bytes of memory an item beyond its inputs; `import fuzzy2` adds {seconds} to `import numpy`.
+A batch takes {bytes} bytes of memory an item beyond its inputs; `import fuzzy2` adds {seconds} to \
+`import numpy`.
 """
 
 
 GENERAL = """## Robots with loops in general
 
-One call from Python at one state near the reference pose, from which the loops are closed anew in every call (the 3-PSP without its closed
-form). MuJoCo has its loops as soft constraints, exported as [engines](engines.md) says; Drake, where it is installed, takes one step of
-2 ms with its loops in the contact solver. So the rows answer different questions: what an exact answer in the motors' coordinates costs,
+One call from Python at one state near the reference pose, from which the loops are closed anew in \
+every call (the 3-PSP without its closed
+form). MuJoCo has its loops as soft constraints, exported as [engines](engines.md) says; Drake, \
+where it is installed, takes one step of
+2 ms with its loops in the contact solver. So the rows answer different questions: what an exact \
+answer in the motors' coordinates costs,
 and what a step of a simulator costs.
 
 {robots}
@@ -89,11 +105,19 @@ def digits(value: float) -> str:
 
 
 def table(medians: Mapping[str, float], base: str, *columns: tuple[str, float]) -> str:
-    """Return a table of times, of their ratios to that of ``base``, and of further columns (heading, divisor) as percentages."""
+    """Return a table of times and of their ratios to that of ``base``.
+
+    Further columns (heading, divisor) are percentages.
+    """
     heads = ["", "µs", f"× {base}", *(heading for heading, _ in columns)]
     lines = ["| " + " | ".join(heads) + " |", "|---" * len(heads) + "|"]
     for name, value in medians.items():
-        cells = [name, digits(value), digits(value / medians[base]), *(f"{digits(100.0 * value / divisor)} %" for _, divisor in columns)]
+        cells = [
+            name,
+            digits(value),
+            digits(value / medians[base]),
+            *(f"{digits(100.0 * value / divisor)} %" for _, divisor in columns),
+        ]
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
@@ -102,33 +126,56 @@ def grid(rows: Mapping[str, Mapping[str, float]]) -> str:
     """Return a table of times with one line for each entry; all have the same keys."""
     keys = list(next(iter(rows.values())))
     lines = ["| | " + " | ".join(keys) + " |", "|---" * (len(keys) + 1) + "|"]
-    lines += [f"| {name} [µs] | " + " | ".join(digits(value) for value in row.values()) + " |" for name, row in rows.items()]
+    lines += [
+        f"| {name} [µs] | " + " | ".join(digits(value) for value in row.values()) + " |"
+        for name, row in rows.items()
+    ]
     return "\n".join(lines)
 
 
 def columns(measured: Mapping[str, Mapping[str, float]]) -> str:
-    """Return a table of times with one column for each entry and one line for each name that occurs."""
+    """Return a table of times: a column for each entry and a line for each name that occurs."""
     names = list(dict.fromkeys(name for medians in measured.values() for name in medians))
     lines = ["| [µs] | " + " | ".join(measured) + " |", "|---" * (len(measured) + 1) + "|"]
-    lines += [f"| {name} | " + " | ".join(digits(of[name]) if name in of else "" for of in measured.values()) + " |" for name in names]
+    lines += [
+        f"| {name} | "
+        + " | ".join(digits(of[name]) if name in of else "" for of in measured.values())
+        + " |"
+        for name in names
+    ]
     return "\n".join(lines)
 
 
 def page(results: Mapping[str, Any], date: str) -> str:
     """Return the page for the results of the four benchmarks."""
     robot, controller, fuzzy, general = (results[name] for name in NAMES)
-    versions = {name: version for result in results.values() for name, version in result["versions"].items()}
+    versions = {
+        name: version for result in results.values() for name, version in result["versions"].items()
+    }
     added = fuzzy["import_seconds"]["numpy, fuzzy2"] - fuzzy["import_seconds"]["numpy"]
-    simulations = " and ".join(f"{digits(seconds)} s under {name}" for name, seconds in robot["simulation_seconds"].items())
-    runs = ", ".join(f"{name} {digits(1e3 * seconds)} ms" for name, seconds in controller["run_seconds"].items())
+    simulations = " and ".join(
+        f"{digits(seconds)} s under {name}" for name, seconds in robot["simulation_seconds"].items()
+    )
+    runs = ", ".join(
+        f"{name} {digits(1e3 * seconds)} ms" for name, seconds in controller["run_seconds"].items()
+    )
     return "\n".join(
         [
-            HEAD.format(date=date, versions=", ".join(f"{name} {version}" for name, version in versions.items())),
-            ROBOT.format(table=table(robot["microseconds"], "equation_of_motion"), simulations=simulations),
-            CONTROLLER.format(table=table(controller["microseconds"], "PD", ("of 2 ms", 2000.0)), runs=runs),
+            HEAD.format(
+                date=date,
+                versions=", ".join(f"{name} {version}" for name, version in versions.items()),
+            ),
+            ROBOT.format(
+                table=table(robot["microseconds"], "equation_of_motion"), simulations=simulations
+            ),
+            CONTROLLER.format(
+                table=table(controller["microseconds"], "PD", ("of 2 ms", 2000.0)), runs=runs
+            ),
             FUZZY.format(
                 table=table(fuzzy["microseconds"], "fuzzy2, interval type-2"),
-                growth="\n\n".join(grid({f"by {name}": row}) for name, row in fuzzy["growth"]["systems"].items()),
+                growth="\n\n".join(
+                    grid({f"by {name}": row}) for name, row in fuzzy["growth"]["systems"].items()
+                ),
                 centroids=grid(fuzzy["growth"]["centroid"]),
                 bytes=digits(list(fuzzy["batch_bytes_an_item"].values())[-1]),
                 # Less than this is the scatter of starting an interpreter, and may be negative.
@@ -136,8 +183,15 @@ def page(results: Mapping[str, Any], date: str) -> str:
             ),
             GENERAL.format(
                 robots=columns(general["robots"]),
-                chains=columns({f"{count} loop{'s' * (int(count) > 1)}": times for count, times in general["chains"].items()}),
-                growth=", ".join(f"{power:.2f} ({name})" for name, power in general["growth"].items()),
+                chains=columns(
+                    {
+                        f"{count} loop{'s' * (int(count) > 1)}": times
+                        for count, times in general["chains"].items()
+                    }
+                ),
+                growth=", ".join(
+                    f"{power:.2f} ({name})" for name, power in general["growth"].items()
+                ),
             ),
         ]
     )
@@ -150,8 +204,13 @@ def main() -> None:
     missing = [str(file) for file in files if not file.is_file()]
     if missing:
         sys.exit(f"no results of make bench: {', '.join(missing)}")
-    results = {name: json.loads(file.read_text(encoding="utf-8")) for name, file in zip(NAMES, files, strict=True)}
-    date = datetime.fromtimestamp(max(file.stat().st_mtime for file in files), UTC).date().isoformat()
+    results = {
+        name: json.loads(file.read_text(encoding="utf-8"))
+        for name, file in zip(NAMES, files, strict=True)
+    }
+    date = (
+        datetime.fromtimestamp(max(file.stat().st_mtime for file in files), UTC).date().isoformat()
+    )
     (HERE / "benchmarks.md").write_text(page(results, date), encoding="utf-8")
 
 

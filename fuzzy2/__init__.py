@@ -1,6 +1,9 @@
-"""Type-1, interval and general type-2 fuzzy logic: sets, operations, measures, numbers, type reduction, systems, learning, files, plots.
+"""Type-1, interval and general type-2 fuzzy logic.
 
-Names are imported when they are first used, so ``import fuzzy2`` costs little more than ``import numpy``.
+Sets, operations, measures, numbers, type reduction, systems, learning, files, plots.
+
+Names are imported when they are first used, so ``import fuzzy2`` costs little more than
+``import numpy``.
 """
 
 from __future__ import annotations
@@ -47,12 +50,16 @@ if TYPE_CHECKING:
     from fuzzy2.operations.t_norms import t_conorm as t_conorm
     from fuzzy2.operations.t_norms import t_norm as t_norm
     from fuzzy2.reduction.approximate import approximate_centroid as approximate_centroid
-    from fuzzy2.reduction.approximate import approximate_generalized_centroid as approximate_generalized_centroid
+    from fuzzy2.reduction.approximate import (
+        approximate_generalized_centroid as approximate_generalized_centroid,
+    )
     from fuzzy2.reduction.defuzzification import defuzzify as defuzzify
     from fuzzy2.reduction.general import alpha_plane_centroid as alpha_plane_centroid
     from fuzzy2.reduction.general import alpha_plane_reduction as alpha_plane_reduction
     from fuzzy2.reduction.general import exhaustive_centroid as exhaustive_centroid
-    from fuzzy2.reduction.general import exhaustive_generalized_centroid as exhaustive_generalized_centroid
+    from fuzzy2.reduction.general import (
+        exhaustive_generalized_centroid as exhaustive_generalized_centroid,
+    )
     from fuzzy2.reduction.interval import begian_melek_mendel as begian_melek_mendel
     from fuzzy2.reduction.interval import centroid as centroid
     from fuzzy2.reduction.interval import generalized_centroid as generalized_centroid

@@ -1,4 +1,7 @@
-"""Everything this package raises on purpose: each error carries the values it is about and says what to do."""
+"""Everything this package raises on purpose.
+
+Each error carries the values it is about and says what to do.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,10 @@ import numpy as np
 
 
 class Fuzzy2Error(Exception):
-    """Base of every error this package raises on purpose. They can be pickled, so they cross process boundaries whole."""
+    """Base of every error this package raises on purpose.
+
+    They can be pickled, so they cross process boundaries whole.
+    """
 
     _arguments: tuple[Any, ...]
 
@@ -36,7 +42,11 @@ class InvalidValue(Fuzzy2Error, ValueError):
 
     def __init__(self, name: str, value: object, requirement: str) -> None:
         self.name, self.value = name, value
-        shown = np.array2string(value, threshold=12) if isinstance(value, np.ndarray) else repr(value)[:120]
+        shown = (
+            np.array2string(value, threshold=12)
+            if isinstance(value, np.ndarray)
+            else repr(value)[:120]
+        )
         super().__init__(f"{name} must be {requirement}, got {shown}")
 
 
@@ -57,7 +67,10 @@ class InvalidRule(Fuzzy2Error, ValueError):
 
 
 class MalformedFile(Fuzzy2Error, ValueError):
-    """A file is not what its format prescribes; ``place`` is the line, or the path within the document."""
+    """A file is not what its format prescribes.
+
+    ``place`` is the line, or the path within the document.
+    """
 
     def __init__(self, source: str, place: str, reason: str) -> None:
         self.source, self.place, self.reason = source, place, reason
@@ -65,7 +78,7 @@ class MalformedFile(Fuzzy2Error, ValueError):
 
 
 class NotExpressible(Fuzzy2Error, ValueError):
-    """A file format has no way to write something, or this package has no equivalent of what a file says."""
+    """A file format cannot hold something, or this package has no equivalent of what it says."""
 
     def __init__(self, what: str, where: str, reason: str) -> None:
         self.what, self.where, self.reason = what, where, reason
@@ -84,13 +97,17 @@ class TooManyEmbeddedSets(Fuzzy2Error, ValueError):
 
 
 class ApproximationWarning(UserWarning):
-    """An approximation is used where it need not be close, see :mod:`fuzzy2.reduction.approximate`."""
+    """An approximation is used where it need not be close.
+
+    See :mod:`fuzzy2.reduction.approximate`.
+    """
 
     def __init__(self, what: str, validity: float, limit: float) -> None:
         self.what, self.validity, self.limit = what, validity, limit
         super().__init__(
-            f"{what} has a validity measure of {validity:.3g}, above {limit:g}: the approximate type-reduced set may be far from "
-            "the exact one; reduce by alpha-planes, or use narrower type-2 sets"
+            f"{what} has a validity measure of {validity:.3g}, above {limit:g}: the approximate "
+            "type-reduced set may be far from the exact one; reduce by alpha-planes, or use "
+            "narrower type-2 sets"
         )
 
     def __reduce__(self) -> tuple[type[ApproximationWarning], tuple[str, float, float]]:
@@ -109,10 +126,17 @@ class UnsupportedRule(Fuzzy2Error, ValueError):
     """No sample says what a rule of the grid concludes."""
 
     def __init__(self, number: int, text: str, firing: float, least: float, count: int) -> None:
-        self.number, self.text, self.firing, self.least, self.count = number, text, firing, least, count
+        self.number, self.text, self.firing, self.least, self.count = (
+            number,
+            text,
+            firing,
+            least,
+            count,
+        )
         super().__init__(
-            f"rule {number} (IF {text}) is fired by no sample more than {firing:.3g}, and at least {least:g} is needed "
-            f"({count} such rules); add samples there, use fewer terms, or learner='strict'"
+            f"rule {number} (IF {text}) is fired by no sample more than {firing:.3g}, and at "
+            f"least {least:g} is needed ({count} such rules); add samples there, use fewer "
+            "terms, or learner='strict'"
         )
 
 
@@ -128,12 +152,19 @@ class WrongFeatures(Fuzzy2Error, ValueError):
     """Inputs have other columns than those an estimator learned from."""
 
     def __init__(
-        self, estimator: str, expected: int, given: int, expected_names: Sequence[str] = (), given_names: Sequence[str] = ()
+        self,
+        estimator: str,
+        expected: int,
+        given: int,
+        expected_names: Sequence[str] = (),
+        given_names: Sequence[str] = (),
     ) -> None:
         self.estimator, self.expected, self.given = estimator, expected, given
         self.expected_names, self.given_names = tuple(expected_names), tuple(given_names)
         if not given_names:
-            super().__init__(f"X has {given} features, but {estimator} is expecting {expected} features as input")
+            super().__init__(
+                f"X has {given} features, but {estimator} is expecting {expected} features as input"
+            )
             return
         lines = ["The feature names should match those that were passed during fit."]
         unseen = sorted(set(given_names) - set(expected_names))
@@ -141,21 +172,29 @@ class WrongFeatures(Fuzzy2Error, ValueError):
         if unseen:
             lines += ["Feature names unseen at fit time:", *(f"- {name}" for name in unseen)]
         if missing:
-            lines += ["Feature names seen at fit time, yet now missing:", *(f"- {name}" for name in missing)]
+            lines += [
+                "Feature names seen at fit time, yet now missing:",
+                *(f"- {name}" for name in missing),
+            ]
         if not unseen and not missing:
             lines.append("Feature names must be in the same order as they were in fit.")
         super().__init__("\n".join(lines) + "\n")
 
 
 class FeatureNamesWarning(UserWarning):
-    """Columns have names where an estimator learned from samples without, or the other way round."""
+    """Columns have names where the estimator learned without, or the other way round."""
 
     def __init__(self, estimator: str, was_fitted_with_names: bool) -> None:
         self.estimator, self.was_fitted_with_names = estimator, was_fitted_with_names
         if was_fitted_with_names:
-            super().__init__(f"X does not have valid feature names, but {estimator} was fitted with feature names")
+            super().__init__(
+                f"X does not have valid feature names, but {estimator} was fitted with feature "
+                "names"
+            )
         else:
-            super().__init__(f"X has feature names, but {estimator} was fitted without feature names")
+            super().__init__(
+                f"X has feature names, but {estimator} was fitted without feature names"
+            )
 
     def __reduce__(self) -> tuple[type[FeatureNamesWarning], tuple[str, bool]]:
         return type(self), (self.estimator, self.was_fitted_with_names)

@@ -1,7 +1,7 @@
 """Dynamics and control of the 3-PSP parallel robot on Pinocchio.
 
-``psp3.load("psp3")`` returns the robot. Names are imported when they are first used, so ``import psp3`` costs little more than
-``import pinocchio``.
+``psp3.load("psp3")`` returns the robot. Names are imported when they are first used, so
+``import psp3`` costs little more than ``import pinocchio``.
 """
 
 from __future__ import annotations
@@ -18,16 +18,28 @@ if TYPE_CHECKING:
     from psp3.control.classical import ComputedTorque as ComputedTorque
     from psp3.control.classical import FeedForward as FeedForward
     from psp3.control.classical import GravityCompensatedPD as GravityCompensatedPD
-    from psp3.control.linear_quadratic_regulator import LinearQuadraticRegulator as LinearQuadraticRegulator
-    from psp3.control.linear_quadratic_regulator import TimeVaryingLinearQuadraticRegulator as TimeVaryingLinearQuadraticRegulator
+    from psp3.control.linear_quadratic_regulator import (
+        LinearQuadraticRegulator as LinearQuadraticRegulator,
+    )
+    from psp3.control.linear_quadratic_regulator import (
+        TimeVaryingLinearQuadraticRegulator as TimeVaryingLinearQuadraticRegulator,
+    )
     from psp3.control.task_space import TaskSpaceComputedTorque as TaskSpaceComputedTorque
     from psp3.drives.drive import Drive as Drive
-    from psp3.dynamics.derivatives import forward_dynamics_derivatives as forward_dynamics_derivatives
-    from psp3.dynamics.derivatives import inverse_dynamics_derivatives as inverse_dynamics_derivatives
+    from psp3.dynamics.derivatives import (
+        forward_dynamics_derivatives as forward_dynamics_derivatives,
+    )
+    from psp3.dynamics.derivatives import (
+        inverse_dynamics_derivatives as inverse_dynamics_derivatives,
+    )
     from psp3.dynamics.linearization import linearize as linearize
-    from psp3.dynamics.natural_orthogonal_complement import NaturalOrthogonalComplement as NaturalOrthogonalComplement
+    from psp3.dynamics.natural_orthogonal_complement import (
+        NaturalOrthogonalComplement as NaturalOrthogonalComplement,
+    )
     from psp3.errors import PSP3Error as PSP3Error
-    from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque as AdaptiveFuzzyComputedTorque
+    from psp3.fuzzy_control.adaptive import (
+        AdaptiveFuzzyComputedTorque as AdaptiveFuzzyComputedTorque,
+    )
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque as FuzzyComputedTorque
     from psp3.fuzzy_control.monitor import Monitor as Monitor
     from psp3.identification.excitation import exciting_motion as exciting_motion

@@ -1,4 +1,7 @@
-"""Checks of arguments that every module shares: finite numbers of the right shape, or an error that says which."""
+"""Checks of arguments that every module shares.
+
+Finite numbers of the right shape, or an error that says which.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +23,8 @@ def as_floats(name: str, values: ArrayLike, shape: str) -> Array:
     Raises
     ------
     InvalidArray
-        If they are not real numbers. Complex ones are refused: their imaginary part would be lost without a word.
+        If they are not real numbers. Complex ones are refused: their imaginary part would be lost
+        without a word.
     """
     try:
         array = np.asarray(values)
@@ -44,13 +48,20 @@ def finite_rows(name: str, values: ArrayLike, width: int) -> Array:
     shape = f"(..., {width})"
     array = as_floats(name, values, shape)
     # ascontiguousarray makes a row of a scalar, which must not pass for one of width 1.
-    if array.shape[-1:] != (width,) or (width == 1 and np.ndim(values) == 0) or not np.isfinite(array).all():
+    if (
+        array.shape[-1:] != (width,)
+        or (width == 1 and np.ndim(values) == 0)
+        or not np.isfinite(array).all()
+    ):
         raise InvalidArray(name, shape, values)
     return array
 
 
 def one_row(name: str, values: ArrayLike, width: int) -> Array:
-    """Return ``values`` as an array of shape (width,) of finite numbers; raise :class:`InvalidArray` if they are not."""
+    """Return ``values`` as an array of shape (width,) of finite numbers.
+
+    Raise :class:`InvalidArray` if they are not.
+    """
     array = finite_rows(name, values, width)
     if array.shape != (width,):
         raise InvalidArray(name, f"({width},)", array)
@@ -58,7 +69,9 @@ def one_row(name: str, values: ArrayLike, width: int) -> Array:
 
 
 def together(**arrays: Array) -> list[Array]:
-    """Broadcast the leading dimensions of arrays (..., n) against each other; their last dimensions stay.
+    """Broadcast the leading dimensions of arrays (..., n) against each other.
+
+    Their last dimensions stay.
 
     Raises
     ------
@@ -69,13 +82,21 @@ def together(**arrays: Array) -> list[Array]:
         shape = np.broadcast_shapes(*(array.shape[:-1] for array in arrays.values()))
     except ValueError as error:
         shapes = " and ".join(f"{name} {array.shape}" for name, array in arrays.items())
-        raise InvalidArray(shapes, "(..., n) with leading dimensions that go together", next(iter(arrays.values()))) from error
-    # Copies, because views made by broadcasting are read-only, and numba would compile every kernel anew for those.
-    return [np.array(np.broadcast_to(array, (*shape, array.shape[-1]))) for array in arrays.values()]
+        raise InvalidArray(
+            shapes, "(..., n) with leading dimensions that go together", next(iter(arrays.values()))
+        ) from error
+    # Copies, because views made by broadcasting are read-only, and numba would compile every kernel
+    # anew for those.
+    return [
+        np.array(np.broadcast_to(array, (*shape, array.shape[-1]))) for array in arrays.values()
+    ]
 
 
 def checked_number(name: str, value: object, requirement: str, least: float = -math.inf) -> float:
-    """Return a real number as a float; raise :class:`InvalidValue` if it is none, or less than the least one."""
+    """Return a real number as a float.
+
+    Raise :class:`InvalidValue` if it is none, or less than the least one.
+    """
     number = math.nan
     if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):
         with contextlib.suppress(OverflowError):  # a whole number of hundreds of digits
@@ -94,7 +115,10 @@ def checked_positive(name: str, value: object) -> float:
 
 
 def checked_not_negative(name: str, value: object) -> float:
-    """Return a number as a float; raise :class:`InvalidValue` if it is not finite and not negative."""
+    """Return a number as a float.
+
+    Raise :class:`InvalidValue` if it is not finite and not negative.
+    """
     number = checked_number(name, value, "finite and not negative", 0.0)
     if number == math.inf:
         raise InvalidValue(name, value, "finite and not negative")
@@ -102,7 +126,10 @@ def checked_not_negative(name: str, value: object) -> float:
 
 
 def checked_count(name: str, value: object, least: int = 1) -> int:
-    """Return a whole number; raise :class:`InvalidValue` if it is none, or less than the least one."""
+    """Return a whole number.
+
+    Raise :class:`InvalidValue` if it is none, or less than the least one.
+    """
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise InvalidValue(name, value, f"a whole number of at least {least}")
     return int(value)

@@ -1,6 +1,9 @@
-"""Everything this package raises on purpose: each error carries the values it is about and says what to do.
+"""Everything this package raises on purpose.
 
-Errors about an argument are also :class:`ValueError`, so code that knows nothing of this package catches them too.
+Each error carries the values it is about and says what to do.
+
+Errors about an argument are also :class:`ValueError`, so code that knows nothing of this package
+catches them too.
 """
 
 from __future__ import annotations
@@ -16,12 +19,17 @@ Array = NDArray[np.float64]
 
 
 def _numbers(values: Any) -> str:
-    text = np.array2string(np.asarray(values), precision=6, separator=", ", threshold=12, suppress_small=True)
+    text = np.array2string(
+        np.asarray(values), precision=6, separator=", ", threshold=12, suppress_small=True
+    )
     return " ".join(text.split())
 
 
 class PSP3Error(Exception):
-    """Base of every error this package raises on purpose. They can be pickled, so they cross process boundaries whole."""
+    """Base of every error this package raises on purpose.
+
+    They can be pickled, so they cross process boundaries whole.
+    """
 
     _arguments: tuple[Any, ...]
 
@@ -54,7 +62,9 @@ class InvalidArray(PSP3Error, ValueError):
             values = np.asarray(None)
         if values.dtype.kind in "fiu":
             bad = np.count_nonzero(~np.isfinite(values))
-            found = f"shape {values.shape}" + (f", {bad} of its entries not finite: {_numbers(values)}" if bad else "")
+            found = f"shape {values.shape}" + (
+                f", {bad} of its entries not finite: {_numbers(values)}" if bad else ""
+            )
         else:
             found = repr(array)[:80].replace("\n", " ")
         super().__init__(f"{name} must be finite numbers of shape {shape}, got {found}")
@@ -69,35 +79,47 @@ class InvalidValue(PSP3Error, ValueError):
 
 
 class UnreachablePose(PSP3Error, ValueError):
-    """The nut heights put the star's center outside the nut triangle: an arm length is not positive."""
+    """The nut heights put the star's center outside the nut triangle.
+
+    An arm length is not positive.
+    """
 
     def __init__(self, heights: Array, arms: Array) -> None:
         self.heights, self.arms = heights, arms
         super().__init__(
-            f"heights {_numbers(heights)} m ask for arm lengths {_numbers(arms)} m; every arm must be longer than 0: "
-            f"bring the heights closer together (any tilt below 70.53 degrees is safe)"
+            f"heights {_numbers(heights)} m ask for arm lengths {_numbers(arms)} m; every arm "
+            "must be longer than 0: bring the heights closer together (any tilt below 70.53 "
+            "degrees is safe)"
         )
 
 
 class UnreachableTip(PSP3Error, ValueError):
-    """The tip is asked to go beyond the fold of the tip's map, where the branch connected to home ends."""
+    """The tip is asked to go beyond the fold of the tip's map.
+
+    There the branch connected to home ends.
+    """
 
     def __init__(self, tip: Array, radius: float, azimuth: float, reach: float) -> None:
         self.tip, self.radius, self.azimuth, self.reach = tip, radius, azimuth, reach
         super().__init__(
-            f"tip {_numbers(tip)} m is {1e3 * radius:.1f} mm from the vertical axis at azimuth {np.degrees(azimuth):.1f} degrees, "
-            f"where the robot reaches {1e3 * reach:.1f} mm; choose a smaller radius"
+            f"tip {_numbers(tip)} m is {1e3 * radius:.1f} mm from the vertical axis at azimuth "
+            f"{np.degrees(azimuth):.1f} degrees, where the robot reaches {1e3 * reach:.1f} mm; "
+            "choose a smaller radius"
         )
 
 
 class StrokeExceeded(PSP3Error, ValueError):
-    """A trajectory asks a nut to go beyond the end of its screw, or another actuated joint beyond its limits."""
+    """A trajectory asks an actuated joint to go beyond its limits.
+
+    Those of a nut are the ends of its screw.
+    """
 
     def __init__(self, time: float, heights: Array, lower: Array, upper: Array) -> None:
         self.time, self.heights, self.lower, self.upper = time, heights, lower, upper
         super().__init__(
-            f"at t = {time:.6g} s the trajectory asks for positions {_numbers(heights)}, outside the stroke "
-            f"{_numbers(lower)} to {_numbers(upper)} (m or rad); move or shrink the path"
+            f"at t = {time:.6g} s the trajectory asks for positions {_numbers(heights)}, outside "
+            f"the stroke {_numbers(lower)} to {_numbers(upper)} (m or rad); move or shrink the "
+            "path"
         )
 
 
@@ -107,20 +129,24 @@ class OpenLoops(PSP3Error, ValueError):
     def __init__(self, residual: float, tolerance: float) -> None:
         self.residual, self.tolerance = residual, tolerance
         super().__init__(
-            f"the configuration leaves the loops open by {residual:.3g} (m, rad; allowed {tolerance:.0e}); "
-            f"get a closed one from robot.configuration(heights)"
+            f"the configuration leaves the loops open by {residual:.3g} (m, rad; allowed "
+            f"{tolerance:.0e}); get a closed one from robot.configuration(heights)"
         )
 
 
 class ClosureFailed(PSP3Error, ValueError):
-    """The loops cannot be closed at the given actuated positions; ``residual`` is how far they are open there."""
+    """The loops cannot be closed at the given actuated positions.
+
+    ``residual`` is how far they are open there.
+    """
 
     def __init__(self, positions: Array, residual: float, reached: float) -> None:
         self.positions, self.residual, self.reached = positions, residual, reached
         super().__init__(
-            f"the loops could not be closed at actuated positions {_numbers(positions)}: the way from the reference pose ends after "
-            f"{100 * reached:.0f} %, and at its goal they would be open by {residual:.3g} (m, rad); the pose is outside the workspace or "
-            f"past a singularity"
+            f"the loops could not be closed at actuated positions {_numbers(positions)}: the way "
+            f"from the reference pose ends after {100 * reached:.0f} %, and at its goal they "
+            f"would be open by {residual:.3g} (m, rad); the pose is outside the workspace or "
+            "past a singularity"
         )
 
 
@@ -129,7 +155,10 @@ class JointLimitExceeded(PSP3Error, ValueError):
 
     def __init__(self, joint: str, position: float, lower: float, upper: float) -> None:
         self.joint, self.position, self.lower, self.upper = joint, position, lower, upper
-        super().__init__(f"the loops close with joint {joint!r} at {position:.6g}, outside its limits {lower:.6g} to {upper:.6g} (m, rad)")
+        super().__init__(
+            f"the loops close with joint {joint!r} at {position:.6g}, outside its limits "
+            f"{lower:.6g} to {upper:.6g} (m, rad)"
+        )
 
 
 class InconsistentVelocity(PSP3Error, ValueError):
@@ -137,7 +166,10 @@ class InconsistentVelocity(PSP3Error, ValueError):
 
     def __init__(self, residual: float, tolerance: float) -> None:
         self.residual, self.tolerance = residual, tolerance
-        super().__init__(f"the velocity violates the loops by {residual:.3g} (m/s, rad/s; allowed {tolerance:.0e}); use v = L(q) @ speeds")
+        super().__init__(
+            f"the velocity violates the loops by {residual:.3g} (m/s, rad/s; allowed "
+            f"{tolerance:.0e}); use v = L(q) @ speeds"
+        )
 
 
 class SingularConfiguration(PSP3Error, ValueError):
@@ -146,19 +178,24 @@ class SingularConfiguration(PSP3Error, ValueError):
     def __init__(self, rank: int, needed: int, condition: float) -> None:
         self.rank, self.needed, self.condition = rank, needed, condition
         super().__init__(
-            f"the constraint Jacobian of the un-actuated joints has rank {rank} of {needed} (condition number {condition:.2g}); "
-            f"this configuration is singular (a ball joint of the 3-PSP at 90 degrees, for example)"
+            f"the constraint Jacobian of the un-actuated joints has rank {rank} of {needed} "
+            f"(condition number {condition:.2g}); this configuration is singular (a ball joint "
+            "of the 3-PSP at 90 degrees, for example)"
         )
 
 
 class MobilityMismatch(PSP3Error, ValueError):
-    """The actuated joints do not command the degrees of freedom that the loops leave, each exactly once."""
+    """The actuated joints do not command each degree of freedom exactly once.
+
+    These are the degrees of freedom that the loops leave.
+    """
 
     def __init__(self, mobility: Any, actuated: Sequence[str]) -> None:
         self.mobility, self.actuated = mobility, tuple(actuated)
         super().__init__(
-            f"the mechanism has {mobility}; actuated are {', '.join(actuated) or 'none'}: correct name_mot or "
-            f"the loops, or hold a joint that need not move (joint_type FIXED in the loop file)"
+            f"the mechanism has {mobility}; actuated are {', '.join(actuated) or 'none'}: "
+            "correct name_mot or the loops, or hold a joint that need not move (joint_type "
+            "FIXED in the loop file)"
         )
 
 
@@ -168,8 +205,8 @@ class UnsupportedJoint(PSP3Error, ValueError):
     def __init__(self, joint: str, kind: str) -> None:
         self.joint, self.kind = joint, kind
         super().__init__(
-            f"joint {joint!r} is a {kind}; loops are closed through revolute, prismatic, helical, universal, ball and free joints: "
-            f"compose it of these"
+            f"joint {joint!r} is a {kind}; loops are closed through revolute, prismatic, "
+            "helical, universal, ball and free joints: compose it of these"
         )
 
 
@@ -179,8 +216,8 @@ class DisorderedJoints(PSP3Error, ValueError):
     def __init__(self, joint: str, parent: str) -> None:
         self.joint, self.parent = joint, parent
         super().__init__(
-            f"joint {joint!r} hangs on {parent!r}, but was added after joints of another branch; finish every chain before the next is "
-            f"begun, or Pinocchio's mass matrix is wrong"
+            f"joint {joint!r} hangs on {parent!r}, but was added after joints of another branch; "
+            "finish every chain before the next is begun, or Pinocchio's mass matrix is wrong"
         )
 
 
@@ -193,13 +230,16 @@ class InvalidRobotFile(PSP3Error, ValueError):
 
 
 class UnphysicalInertia(PSP3Error, ValueError):
-    """A body that turns has an inertia that no rigid body can have, so an engine that checks refuses it."""
+    """A body that turns has an inertia that no rigid body can have.
+
+    So an engine that checks refuses it.
+    """
 
     def __init__(self, body: str, moments: Array) -> None:
         self.body, self.moments = body, moments
         super().__init__(
-            f"body {body!r} has the principal moments {_numbers(moments)} kg m²; none may exceed the sum of the other two, and this "
-            f"body turns, so they matter: correct its inertia"
+            f"body {body!r} has the principal moments {_numbers(moments)} kg m²; none may exceed "
+            "the sum of the other two, and this body turns, so they matter: correct its inertia"
         )
 
 
@@ -209,7 +249,10 @@ class MasslessBody(PSP3Error, ValueError):
     def __init__(self, body: str, closed: bool, children: int) -> None:
         self.body, self.closed, self.children = body, closed, children
         reason = "a loop closes on it" if closed else f"it carries {children} bodies instead of one"
-        super().__init__(f"body {body!r} has no mass and {reason}; MuJoCo moves no body without mass: give it some")
+        super().__init__(
+            f"body {body!r} has no mass and {reason}; MuJoCo moves no body without mass: give it "
+            "some"
+        )
 
 
 class UnexportableJoint(PSP3Error, ValueError):
@@ -217,7 +260,10 @@ class UnexportableJoint(PSP3Error, ValueError):
 
     def __init__(self, joint: str, reason: str) -> None:
         self.joint, self.reason = joint, reason
-        super().__init__(f"joint {joint!r} cannot be written for MuJoCo, which composes joints of hinges, slides and balls: {reason}")
+        super().__init__(
+            f"joint {joint!r} cannot be written for MuJoCo, which composes joints of hinges, "
+            f"slides and balls: {reason}"
+        )
 
 
 class MissingPackage(PSP3Error, RuntimeError):
@@ -225,7 +271,10 @@ class MissingPackage(PSP3Error, RuntimeError):
 
     def __init__(self, package: str, extra: str, reason: object) -> None:
         self.package, self.extra = package, extra
-        super().__init__(f"the package {package} cannot be imported ({reason}); install it with: pip install 'psp3[{extra}]'")
+        super().__init__(
+            f"the package {package} cannot be imported ({reason}); install it with: pip install "
+            f"'psp3[{extra}]'"
+        )
 
 
 class OverlappingShapes(PSP3Error, ValueError):
@@ -233,9 +282,13 @@ class OverlappingShapes(PSP3Error, ValueError):
 
     def __init__(self, pairs: Sequence[tuple[str, str]], depths: Sequence[float]) -> None:
         self.pairs, self.depths = tuple(pairs), tuple(depths)
-        found = ", ".join(f"{one!r} and {other!r} by {1e3 * depth:.3g} mm" for (one, other), depth in zip(pairs, depths, strict=True))
+        found = ", ".join(
+            f"{one!r} and {other!r} by {1e3 * depth:.3g} mm"
+            for (one, other), depth in zip(pairs, depths, strict=True)
+        )
         super().__init__(
-            f"at the reference pose links overlap: {found}; correct their shapes, or exclude what touches by construction with "
+            f"at the reference pose links overlap: {found}; correct their shapes, or exclude "
+            "what touches by construction with "
             f'<disable_collisions link1="..." link2="..." reason="..."/> in the SRDF'
         )
 
@@ -244,15 +297,25 @@ class CollisionFound(PSP3Error, ValueError):
     """Along a motion two links come nearer to each other than they may."""
 
     def __init__(
-        self, time: float, links: tuple[str, str], distance: float, clearance: float, worst_time: float, worst_distance: float
+        self,
+        time: float,
+        links: tuple[str, str],
+        distance: float,
+        clearance: float,
+        worst_time: float,
+        worst_distance: float,
     ) -> None:
         self.time, self.links, self.distance, self.clearance = time, links, distance, clearance
         self.worst_time, self.worst_distance = worst_time, worst_distance
         first = "touch" if clearance == 0.0 else f"come as near as {1e3 * clearance:.3g} mm"
-        worst = f"{1e3 * worst_distance:.3g} mm apart" if worst_distance >= 0.0 else f"{-1e3 * worst_distance:.3g} mm in each other"
+        worst = (
+            f"{1e3 * worst_distance:.3g} mm apart"
+            if worst_distance >= 0.0
+            else f"{-1e3 * worst_distance:.3g} mm in each other"
+        )
         super().__init__(
-            f"at t = {time:.6g} s links {links[0]!r} and {links[1]!r} {first}; the worst is at t = {worst_time:.6g} s, {worst}: "
-            f"change the path, or ask for less clearance"
+            f"at t = {time:.6g} s links {links[0]!r} and {links[1]!r} {first}; the worst is at t "
+            f"= {worst_time:.6g} s, {worst}: change the path, or ask for less clearance"
         )
 
 
@@ -281,17 +344,32 @@ class InvalidMapFile(PSP3Error, ValueError):
 
 
 class SimulationStopped(PSP3Error, RuntimeError):
-    """Base of the errors that end a simulation early; ``result`` holds the part simulated so far, a :class:`psp3.Result`."""
+    """Base of the errors that end a simulation early.
 
-    def __init__(self, message: str, time: float, heights: Array, speeds: Array, torque: Array, result: Any) -> None:
-        self.time, self.heights, self.speeds, self.torque, self.result = time, heights, speeds, torque, result
+    ``result`` holds the part simulated so far, a :class:`psp3.Result`.
+    """
+
+    def __init__(
+        self, message: str, time: float, heights: Array, speeds: Array, torque: Array, result: Any
+    ) -> None:
+        self.time, self.heights, self.speeds, self.torque, self.result = (
+            time,
+            heights,
+            speeds,
+            torque,
+            result,
+        )
         super().__init__(
-            f"{message} at t = {time:.6g} s: positions {_numbers(heights)}, speeds {_numbers(speeds)}, torque {_numbers(torque)} (SI units)"
+            f"{message} at t = {time:.6g} s: positions {_numbers(heights)}, speeds "
+            f"{_numbers(speeds)}, torque {_numbers(torque)} (SI units)"
         )
 
 
 class SimulationDiverged(SimulationStopped):
-    """The simulated robot left the poses it can take: an arm, a stroke, a joint or the numbers themselves ran out."""
+    """The simulated robot left the poses it can take.
+
+    An arm, a stroke, a joint or the numbers themselves ran out.
+    """
 
 
 class InvalidTorque(SimulationStopped):
@@ -299,13 +377,14 @@ class InvalidTorque(SimulationStopped):
 
 
 class MotionDiverged(PSP3Error, RuntimeError):
-    """A simulated motion leaves the range of the numbers, or a force on the way is not a finite number."""
+    """A simulated motion leaves the range of the numbers, or a force is not finite."""
 
     def __init__(self, time: float, position: float, speed: float, force: float) -> None:
         self.time, self.position, self.speed, self.force = time, position, speed, force
         super().__init__(
-            f"the motion diverges at t = {time:.6g} s: position {position:.6g} m, speed {speed:.6g} m/s, force {force:.6g} N; "
-            f"check the gains (error_dynamics.is_stable) and the model, alpha and beta"
+            f"the motion diverges at t = {time:.6g} s: position {position:.6g} m, speed "
+            f"{speed:.6g} m/s, force {force:.6g} N; check the gains (error_dynamics.is_stable) "
+            "and the model, alpha and beta"
         )
 
 
@@ -314,7 +393,10 @@ class NotTrained(PSP3Error, RuntimeError):
 
     def __init__(self, name: str) -> None:
         self.name = name
-        super().__init__(f"this {name} has learned nothing yet; call fit(trajectory) or learn(record), or load a trained one")
+        super().__init__(
+            f"this {name} has learned nothing yet; call fit(trajectory) or learn(record), or "
+            "load a trained one"
+        )
 
 
 class NoThreshold(PSP3Error, RuntimeError):
@@ -322,7 +404,10 @@ class NoThreshold(PSP3Error, RuntimeError):
 
     def __init__(self, name: str) -> None:
         self.name = name
-        super().__init__(f"this {name} has no threshold yet; call learn(runs) with runs in which everything was well")
+        super().__init__(
+            f"this {name} has no threshold yet; call learn(runs) with runs in which everything "
+            "was well"
+        )
 
 
 class InvalidControllerFile(PSP3Error, ValueError):
@@ -334,13 +419,16 @@ class InvalidControllerFile(PSP3Error, ValueError):
 
 
 class UnusableEstimate(PSP3Error, ValueError):
-    """What was learned holds no mass matrix at all: even the average over the rules is not positive definite."""
+    """What was learned holds no mass matrix at all.
+
+    Even the average over the rules is not positive definite.
+    """
 
     def __init__(self, mass: Array) -> None:
         self.mass = mass
         super().__init__(
-            f"the average mass matrix of the rules, {_numbers(mass)}, is not positive definite, so there is nothing to fall back on; "
-            f"learn from more samples or less noise"
+            f"the average mass matrix of the rules, {_numbers(mass)}, is not positive definite, "
+            "so there is nothing to fall back on; learn from more samples or less noise"
         )
 
 
@@ -357,7 +445,10 @@ class StudyMismatch(PSP3Error, ValueError):
 
     def __init__(self, path: str | Path, what: str, found: object, expected: object) -> None:
         self.path, self.what, self.found, self.expected = Path(path), what, found, expected
-        super().__init__(f"{path} holds another study: its {what} is {found}, not {expected}; give another file, this one stays as it is")
+        super().__init__(
+            f"{path} holds another study: its {what} is {found}, not {expected}; give another "
+            "file, this one stays as it is"
+        )
 
 
 class StudyFileNotWritable(PSP3Error, RuntimeError):
@@ -365,7 +456,14 @@ class StudyFileNotWritable(PSP3Error, RuntimeError):
 
     def __init__(self, path: str | Path, reason: str, kept: int = 0) -> None:
         self.path, self.reason, self.kept = Path(path), reason, kept
-        safe = f"; the {kept} results in it are safe, and once it can be written the study goes on from there" if kept else ""
+        safe = (
+            (
+                f"; the {kept} results in it are safe, and once it can be written the study goes "
+                "on from there"
+            )
+            if kept
+            else ""
+        )
         super().__init__(f"{path} cannot be written to: {reason}{safe}")
 
 
@@ -374,18 +472,30 @@ class StudyInUse(PSP3Error, RuntimeError):
 
     def __init__(self, path: str | Path, holder: str) -> None:
         self.path, self.holder = Path(path), holder
-        super().__init__(f"{path} is being written to by {holder}; wait until that study has ended, or give another file")
+        super().__init__(
+            f"{path} is being written to by {holder}; wait until that study has ended, or give "
+            "another file"
+        )
 
 
 class RunsFailed(PSP3Error, RuntimeError):
-    """Runs of a study raised errors; the results of the others are kept. ``failures`` holds each run with its error in words."""
+    """Runs of a study raised errors.
 
-    def __init__(self, path: str | Path, failures: Sequence[tuple[object, str]], not_started: int) -> None:
+    The results of the others are kept. ``failures`` holds each run with its error in words.
+    """
+
+    def __init__(
+        self, path: str | Path, failures: Sequence[tuple[object, str]], not_started: int
+    ) -> None:
         self.path, self.failures, self.not_started = Path(path), tuple(failures), not_started
         run, reason = self.failures[0]
         more = f" (and {len(failures) - 1} more)" if len(failures) > 1 else ""
-        given_up = f"; after so many failures {not_started} others were not started" if not_started else ""
-        super().__init__(f"{run} failed{more}: {reason}{given_up}; the results of the others are in {path}")
+        given_up = (
+            f"; after so many failures {not_started} others were not started" if not_started else ""
+        )
+        super().__init__(
+            f"{run} failed{more}: {reason}{given_up}; the results of the others are in {path}"
+        )
 
 
 class SchedulerUnavailable(PSP3Error, RuntimeError):
@@ -399,13 +509,15 @@ class SchedulerUnavailable(PSP3Error, RuntimeError):
 class StudyInterrupted(KeyboardInterrupt):
     """Ctrl-C ended a study; its file holds ``done`` of ``total`` runs and is valid.
 
-    Not a :class:`PSP3Error`: whoever interrupts wants out, and ``except Exception`` must not stop that.
+    Not a :class:`PSP3Error`: whoever interrupts wants out, and ``except Exception`` must not stop
+    that.
     """
 
     def __init__(self, path: str | Path, done: int, total: int) -> None:
         self.path, self.done, self.total = Path(path), done, total
         super().__init__(
-            f"interrupted after {done} of {total} runs, which are in {path}; run the same study again and it goes on from there"
+            f"interrupted after {done} of {total} runs, which are in {path}; run the same study "
+            "again and it goes on from there"
         )
 
 
@@ -414,10 +526,15 @@ class NoStabilizingSolution(PSP3Error, ValueError):
 
     def __init__(self, poles: NDArray[np.complex128], period: float | None) -> None:
         self.poles, self.period = poles, period
-        region = "to the left of 0" if period is None else f"within the unit circle (period {period:g} s)"
+        region = (
+            "to the left of 0"
+            if period is None
+            else f"within the unit circle (period {period:g} s)"
+        )
         super().__init__(
-            f"no regulator brings the poles {_numbers(poles)} {region}; the input must reach every unstable motion, and Q must see "
-            f"every motion that does not die out by itself (give positions and speeds a positive weight)"
+            f"no regulator brings the poles {_numbers(poles)} {region}; the input must reach "
+            "every unstable motion, and Q must see every motion that does not die out by itself "
+            "(give positions and speeds a positive weight)"
         )
 
 
@@ -427,8 +544,9 @@ class UncertainRank(PSP3Error, RuntimeError):
     def __init__(self, counted: int, rank: int, singular_values: Array) -> None:
         self.counted, self.rank, self.singular_values = counted, rank, singular_values
         super().__init__(
-            f"{counted} columns seem independent one after the other, but {rank} singular values are not zero (the least are "
-            f"{_numbers(singular_values[-4:])}); two columns are nearly the same: take fewer unknowns, or give equal bodies as equal"
+            f"{counted} columns seem independent one after the other, but {rank} singular values "
+            f"are not zero (the least are {_numbers(singular_values[-4:])}); two columns are "
+            "nearly the same: take fewer unknowns, or give equal bodies as equal"
         )
 
 
@@ -437,4 +555,7 @@ class PoorExcitation(PSP3Error, ValueError):
 
     def __init__(self, what: str, rank: int, needed: int) -> None:
         self.what, self.rank, self.needed = what, rank, needed
-        super().__init__(f"the measurements determine {rank} of {needed} {what}; measure longer, or along a richer motion")
+        super().__init__(
+            f"the measurements determine {rank} of {needed} {what}; measure longer, or along a "
+            "richer motion"
+        )

@@ -26,22 +26,26 @@ def load(name: str = "psp3", parameters: str | Parameters = "default") -> Closed
     Parameters
     ----------
     name : str
-        ``"psp3"``, the 3-PSP, which has a closed form, or ``"five_bar"``, ``"planar_3rrr"``, ``"delta"``, ``"gough_stewart"`` or
-        ``"tricept"``, whose loops are closed by iteration. ``urdf/README.md`` describes them.
+        ``"psp3"``, the 3-PSP, which has a closed form, or ``"five_bar"``, ``"planar_3rrr"``,
+        ``"delta"``, ``"gough_stewart"`` or ``"tricept"``, whose loops are closed by iteration.
+        ``urdf/README.md`` describes them.
     parameters : str or Parameters
-        Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see :mod:`psp3.three_psp.parameters`) or your own. The other
-        robots have those of their files only.
+        Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see
+        :mod:`psp3.three_psp.parameters`) or your own. The other robots have those of their files
+        only.
 
     Returns
     -------
     PSP3 or ClosedLoopRobot
-        The robot: ``.model .data .q0 .visual_model`` as with example-robot-data, ``.constraint_models`` and ``.actuated`` for
-        the loops, and kinematics and dynamics in the actuated coordinates.
+        The robot: ``.model .data .q0 .visual_model`` as with example-robot-data,
+        ``.constraint_models`` and ``.actuated`` for the loops, and kinematics and dynamics in the
+        actuated coordinates.
 
     Raises
     ------
     UnknownName
-        If the robot or the parameter set is unknown; a :class:`ValueError` that lists the known names.
+        If the robot or the parameter set is unknown; a :class:`ValueError` that lists the known
+        names.
     InvalidValue
         If parameters are given for another robot than the 3-PSP.
     """
@@ -50,6 +54,8 @@ def load(name: str = "psp3", parameters: str | Parameters = "default") -> Closed
     if name == "psp3":
         return load_psp3(parameters)
     if parameters != "default":
-        raise InvalidValue("parameters", parameters, f"'default' for robot {name!r}: only 'psp3' has other sets")
+        raise InvalidValue(
+            "parameters", parameters, f"'default' for robot {name!r}: only 'psp3' has other sets"
+        )
     files = (ROBOT_FILES / f"{name}.{kind}" for kind in ("urdf", "yaml", "srdf"))
     return ClosedLoopRobot.from_urdf(*files)

@@ -1,4 +1,7 @@
-"""Compile every kernel once, so that the first user of a fresh installation does not wait: ``python -m psp3.warm_up``."""
+"""Compile every kernel once, so that the first user of a fresh installation does not wait.
+
+Run by ``python -m psp3.warm_up``.
+"""
 
 from __future__ import annotations
 
@@ -6,7 +9,10 @@ import numpy as np
 
 
 def warm_up() -> None:
-    """Call every compiled function; with a writable cache directory, later processes load what this one compiled."""
+    """Call every compiled function.
+
+    With a writable cache directory, later processes load what this one compiled.
+    """
     from psp3.control.classical import ComputedTorque
     from psp3.drives.drive import Drive
     from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
@@ -42,11 +48,20 @@ def warm_up() -> None:
 
 
 def _warm_up_fuzzy_systems() -> None:
-    from fuzzy2 import AdaptiveConsequents, Gaussian, GaussianType2Set, GeneralType2System, IntervalType2System, generalized_centroid
+    from fuzzy2 import (
+        AdaptiveConsequents,
+        Gaussian,
+        GaussianType2Set,
+        GeneralType2System,
+        IntervalType2System,
+        generalized_centroid,
+    )
 
     terms, rules, consequents = [[Gaussian(0.0, 1.0)]], [[0]], [[1.0]]
     system = IntervalType2System(terms, rules, consequents)
-    general = GeneralType2System([[GaussianType2Set(Gaussian(0.0, 1.0), 0.01)]], rules, consequents, reduction="gaussian")
+    general = GeneralType2System(
+        [[GaussianType2Set(Gaussian(0.0, 1.0), 0.01)]], rules, consequents, reduction="gaussian"
+    )
     for one in (system, general, GeneralType2System(terms, rules, consequents)):
         for x in (np.zeros(1), np.zeros((2, 1))):
             one(x)

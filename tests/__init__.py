@@ -2,6 +2,7 @@
 
 from hypothesis import settings
 
-# The first call of a compiled kernel takes up to seconds on a fresh machine, which is no property of the example at hand.
+# The first call of a compiled kernel takes up to seconds on a fresh machine, which is no property
+# of the example at hand.
 settings.register_profile("psp3", deadline=None)
 settings.load_profile("psp3")

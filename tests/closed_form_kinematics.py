@@ -1,7 +1,10 @@
-"""Kinematics of the robots of urdf/ in closed form, from the literature: independent of Pinocchio, of the URDF and of the package.
+"""Kinematics of the robots of urdf/ in closed form, from the literature.
 
-Each class holds the lengths of its machine a second time, as urdf/README.md states them. Positions are those of the actuated joints,
-in the order of the loop file; all functions take and return stacks. Branches of square roots are those of the pose ``home``.
+Independent of Pinocchio, of the URDF and of the package.
+
+Each class holds the lengths of its machine a second time, as urdf/README.md states them. Positions
+are those of the actuated joints, in the order of the loop file; all functions take and return
+stacks. Branches of square roots are those of the pose ``home``.
 """
 
 from __future__ import annotations
@@ -31,7 +34,10 @@ def rotation_xyz(angles: ArrayLike) -> Array:
 
 
 def lower_intersection_of_circles(first: Array, second: Array, radius: float) -> Array:
-    """Return the point (..., 2) at the same distance from two others, to the right when going from the first to the second."""
+    """Return the point (..., 2) at the same distance from two others.
+
+    It is to the right when going from the first to the second.
+    """
     middle, across = 0.5 * (first + second), second - first
     half = 0.5 * np.linalg.norm(across, axis=-1, keepdims=True)
     rightward = np.stack([across[..., 1], -across[..., 0]], axis=-1) / (2.0 * half)
@@ -39,12 +45,15 @@ def lower_intersection_of_circles(first: Array, second: Array, radius: float) ->
 
 
 def lower_intersection_of_spheres(centers: Array, radius: float) -> Array:
-    """Return the point (..., 3) at the same distance from three others (..., 3, 3), below their plane.
+    """Return the point (..., 3) equally far from three others (..., 3, 3), below their plane.
 
-    It is above or below the circumcenter of the three, which is found in the plane by its barycentric coordinates.
+    It is above or below the circumcenter of the three, which is found in the plane by its
+    barycentric coordinates.
     """
     a, b, c = np.moveaxis(centers, -2, 0)
-    sides = np.stack([((b - c) ** 2).sum(-1), ((c - a) ** 2).sum(-1), ((a - b) ** 2).sum(-1)], axis=-1)
+    sides = np.stack(
+        [((b - c) ** 2).sum(-1), ((c - a) ** 2).sum(-1), ((a - b) ** 2).sum(-1)], axis=-1
+    )
     weights = sides * (sides.sum(-1, keepdims=True) - 2.0 * sides)
     center = np.einsum("...k,...ki->...i", weights / weights.sum(-1, keepdims=True), centers)
     normal = np.cross(b - a, c - a)
@@ -54,10 +63,13 @@ def lower_intersection_of_spheres(centers: Array, radius: float) -> Array:
 
 
 class FiveBar:
-    """Planar five-bar linkage: forward kinematics by intersecting two circles, inverse by the law of cosines in each leg.
+    """Planar five-bar linkage.
 
-    Everybody's textbook example; e.g. X.-J. Liu, J. Wang and G. Pritschow, "Kinematics, singularity and workspace of planar 5R
-    symmetrical parallel mechanisms", Mechanism and Machine Theory 41 (2006) 145-169.
+    Forward kinematics by intersecting two circles, inverse by the law of cosines in each leg.
+
+    Everybody's textbook example; e.g. X.-J. Liu, J. Wang and G. Pritschow, "Kinematics, singularity
+    and workspace of planar 5R symmetrical parallel mechanisms", Mechanism and Machine Theory 41
+    (2006) 145-169.
     """
 
     shafts = np.array([[0.1, 0.0], [-0.1, 0.0]])  # (x, z)
@@ -79,22 +91,30 @@ class FiveBar:
         to_tip = np.asarray(tip, dtype=float)[..., None, :] - self.shafts
         distance = np.linalg.norm(to_tip, axis=-1)
         with np.errstate(invalid="ignore"):
-            swing = np.arccos((distance**2 + self.crank**2 - self.rod**2) / (2.0 * distance * self.crank))
+            swing = np.arccos(
+                (distance**2 + self.crank**2 - self.rod**2) / (2.0 * distance * self.crank)
+            )
         return np.arctan2(-to_tip[..., 0], -to_tip[..., 1]) + self.outward * swing
 
     def jacobian(self, positions: ArrayLike) -> Array:
-        """Velocity of the point per unit of crank speed, (..., 2, 2): the rods keep their lengths."""
+        """Velocity of the point per unit of crank speed, (..., 2, 2).
+
+        The rods keep their lengths.
+        """
         angles, elbows = np.asarray(positions, dtype=float), self.elbows(positions)
         rods = self.forward(positions)[..., None, :] - elbows
         sweep = -self.crank * np.stack([np.cos(angles), -np.sin(angles)], axis=-1)
-        return np.linalg.solve(rods, np.einsum("...ki,...ki->...k", rods, sweep)[..., None] * np.eye(2))
+        return np.linalg.solve(
+            rods, np.einsum("...ki,...ki->...k", rods, sweep)[..., None] * np.eye(2)
+        )
 
 
 class PlanarThreeRRR:
     """Planar 3-RRR robot: inverse kinematics leg by leg.
 
-    C. M. Gosselin and J. Angeles, "The optimum kinematic design of a planar three-degree-of-freedom parallel manipulator", Journal
-    of Mechanisms, Transmissions, and Automation in Design 110 (1988) 35-41.
+    C. M. Gosselin and J. Angeles, "The optimum kinematic design of a planar three-degree-of-freedom
+    parallel manipulator", Journal of Mechanisms, Transmissions, and Automation in Design 110 (1988)
+    35-41.
     """
 
     azimuths = np.pi / 2.0 + 2.0 * np.pi / 3.0 * np.arange(3)
@@ -105,13 +125,17 @@ class PlanarThreeRRR:
     def placed_corners(self, poses: ArrayLike) -> Array:
         """Corners (..., 3, 2) of the platform at poses (x, y, angle)."""
         x, y, angle = np.moveaxis(np.asarray(poses, dtype=float), -1, 0)
-        return np.stack([x, y], axis=-1)[..., None, :] + around(self.azimuths + angle[..., None], self.platform)[..., :2]
+        return (
+            np.stack([x, y], axis=-1)[..., None, :]
+            + around(self.azimuths + angle[..., None], self.platform)[..., :2]
+        )
 
     def inverse(self, poses: ArrayLike) -> Array:
         """Crank angles (..., 3), counted from the direction to the middle; NaN out of reach.
 
-        With the vector (x, y) from shaft to corner, the constant length of the rod gives a quadratic in tan(angle / 2), or directly
-        x cos(angle) + y sin(angle) = (x² + y² + crank² - rod²) / (2 crank).
+        With the vector (x, y) from shaft to corner, the constant length of the rod gives a
+        quadratic in tan(angle / 2), or directly x cos(angle) + y sin(angle) = (x² + y² + crank² -
+        rod²) / (2 crank).
         """
         x, y = np.moveaxis(self.placed_corners(poses) - self.shafts, -1, 0)
         right = (x**2 + y**2 + self.crank**2 - self.rod**2) / (2.0 * self.crank)
@@ -121,10 +145,18 @@ class PlanarThreeRRR:
 
     def elbows(self, positions: ArrayLike) -> Array:
         """Elbows (..., 3, 2)."""
-        return self.shafts + around(np.asarray(positions, dtype=float) + self.azimuths + np.pi, self.crank)[..., :2]
+        return (
+            self.shafts
+            + around(np.asarray(positions, dtype=float) + self.azimuths + np.pi, self.crank)[
+                ..., :2
+            ]
+        )
 
     def rates(self, poses: ArrayLike) -> tuple[Array, Array]:
-        """Matrices A (..., 3, 3) and B (..., 3) of the rods' constant lengths, A (x, y, angle)' = B * (crank speeds)."""
+        """Matrices A (..., 3, 3) and B (..., 3) of the rods' constant lengths.
+
+        A (x, y, angle)' = B * (crank speeds).
+        """
         corners, positions = self.placed_corners(poses), self.inverse(poses)
         rods = corners - self.elbows(positions)
         arms = corners - np.asarray(poses, dtype=float)[..., None, :2]
@@ -141,8 +173,9 @@ class PlanarThreeRRR:
 class Delta:
     """Delta robot: forward kinematics by intersecting three spheres, inverse arm by arm.
 
-    R. Clavel, "Delta, a fast robot with parallel geometry", 18th International Symposium on Industrial Robots (1988) 91-100;
-    F. Pierrot, C. Reynaud and A. Fournier, "DELTA: a simple and efficient parallel robot", Robotica 8 (1990) 105-109.
+    R. Clavel, "Delta, a fast robot with parallel geometry", 18th International Symposium on
+    Industrial Robots (1988) 91-100; F. Pierrot, C. Reynaud and A. Fournier, "DELTA: a simple and
+    efficient parallel robot", Robotica 8 (1990) 105-109.
     """
 
     azimuths = 2.0 * np.pi / 3.0 * np.arange(3)
@@ -159,9 +192,14 @@ class Delta:
             return np.arctan2(down, outward) - np.arccos(right / np.hypot(outward, down))
 
     def elbows(self, positions: ArrayLike) -> Array:
-        """Elbows (..., 3, 3), moved inward by the platform's radius, so that all rods end in its center."""
+        """Elbows (..., 3, 3), moved inward by the platform's radius.
+
+        So all rods end in its center.
+        """
         angles = np.asarray(positions, dtype=float)
-        elbows = (self.base - self.platform + self.arm * np.cos(angles))[..., None] * around(self.azimuths, 1.0)
+        elbows = (self.base - self.platform + self.arm * np.cos(angles))[..., None] * around(
+            self.azimuths, 1.0
+        )
         elbows[..., 2] = -self.arm * np.sin(angles)
         return elbows
 
@@ -179,13 +217,16 @@ class Delta:
 
 
 class ExtensibleLegs:
-    """Legs from fixed feet to the corners of a body, as in both robots below: lengths and their rates."""
+    """Legs from fixed feet to the corners of a body, as in both robots below.
+
+    Lengths and their rates.
+    """
 
     feet: Array
     corners: Array
 
     def legs(self, position: Array, rotation: Array) -> tuple[Array, Array]:
-        """Vectors from feet to corners and from the body's origin to its corners, both (..., k, 3)."""
+        """Vectors to corners, (..., k, 3), from feet and from the body's origin."""
         arms = np.einsum("...ij,kj->...ki", rotation, self.corners)
         return position[..., None, :] + arms - self.feet, arms
 
@@ -194,7 +235,10 @@ class ExtensibleLegs:
         return np.linalg.norm(self.legs(position, rotation)[0], axis=-1)
 
     def rates(self, position: Array, rotation: Array) -> Array:
-        """Leg rates per twist [v; ω] of the body, (..., k, 6): rows [n, (R b) × n] with n along the leg."""
+        """Leg rates per twist [v; ω] of the body, (..., k, 6).
+
+        Rows are [n, (R b) × n] with n along the leg.
+        """
         legs, arms = self.legs(position, rotation)
         directions = legs / np.linalg.norm(legs, axis=-1, keepdims=True)
         return np.concatenate([directions, np.cross(arms, directions)], axis=-1)
@@ -203,9 +247,9 @@ class ExtensibleLegs:
 class GoughStewart(ExtensibleLegs):
     """Gough-Stewart platform: a pose gives the leg lengths.
 
-    V. E. Gough, contribution to a discussion, Proceedings of the Automobile Division, Institution of Mechanical Engineers (1956)
-    392-394; D. Stewart, "A platform with six degrees of freedom", Proceedings of the Institution of Mechanical Engineers 180
-    (1965) 371-386.
+    V. E. Gough, contribution to a discussion, Proceedings of the Automobile Division, Institution
+    of Mechanical Engineers (1956) 392-394; D. Stewart, "A platform with six degrees of freedom",
+    Proceedings of the Institution of Mechanical Engineers 180 (1965) 371-386.
     """
 
     feet = around(np.radians([10.0, 110.0, 130.0, 230.0, 250.0, 350.0]), 0.5)
@@ -216,8 +260,8 @@ class GoughStewart(ExtensibleLegs):
 class Tricept(ExtensibleLegs):
     """Tricept: the tool's point gives the central leg, and this the three others.
 
-    B. Siciliano, "The Tricept robot: inverse kinematics, manipulability analysis and closed-loop direct kinematics algorithm",
-    Robotica 17 (1999) 437-445.
+    B. Siciliano, "The Tricept robot: inverse kinematics, manipulability analysis and closed-loop
+    direct kinematics algorithm", Robotica 17 (1999) 437-445.
     """
 
     feet = around(2.0 * np.pi / 3.0 * np.arange(3), 0.4)
@@ -226,13 +270,18 @@ class Tricept(ExtensibleLegs):
     home = np.array([0.0, 0.0, -1.4])
 
     def central_leg(self, tip: ArrayLike) -> tuple[Array, Array]:
-        """Angles (..., 2) of the central universal joint and length (...,) of the central leg that put the tool's point at ``tip``.
+        """Angles (..., 2) and length (...,) of the central leg.
 
-        The tool is on the central leg's line, so with d the distance to the tip: tip / d = -(sin b, -sin a cos b, cos a cos b).
+        They put the tool's point at ``tip``; the angles are those of the central universal joint.
+
+        The tool is on the central leg's line, so with d the distance to the tip: tip / d = -(sin b,
+        -sin a cos b, cos a cos b).
         """
         tip = np.asarray(tip, dtype=float)
         distance = np.linalg.norm(tip, axis=-1)
-        angles = np.stack([np.arctan2(tip[..., 1], -tip[..., 2]), np.arcsin(-tip[..., 0] / distance)], axis=-1)
+        angles = np.stack(
+            [np.arctan2(tip[..., 1], -tip[..., 2]), np.arcsin(-tip[..., 0] / distance)], axis=-1
+        )
         return angles, distance - self.tool
 
     def platform(self, tip: ArrayLike) -> tuple[Array, Array]:
@@ -248,15 +297,22 @@ class Tricept(ExtensibleLegs):
     def jacobian(self, tip: ArrayLike) -> Array:
         """Velocity of the tool's point per unit of leg rate, (..., 3, 3)."""
         (position, rotation), (angles, length) = self.platform(tip), self.central_leg(tip)
-        # Twist of the platform about its center per unit of the central leg's rates: the axes are x, then y turned by the first angle.
+        # Twist of the platform about its center per unit of the central leg's rates: the axes are
+        # x, then y turned by the first angle.
         first = np.broadcast_to([1.0, 0.0, 0.0], position.shape)
-        second = np.stack([np.zeros_like(length), np.cos(angles[..., 0]), np.sin(angles[..., 0])], axis=-1)
+        second = np.stack(
+            [np.zeros_like(length), np.cos(angles[..., 0]), np.sin(angles[..., 0])], axis=-1
+        )
         along = -rotation[..., 2]
         zero = np.zeros_like(along)
 
         def twists(reach: Array) -> Array:
-            columns = [(np.cross(axis, reach[..., None] * along), axis) for axis in (first, second)] + [(along, zero)]
+            columns = [
+                (np.cross(axis, reach[..., None] * along), axis) for axis in (first, second)
+            ] + [(along, zero)]
             return np.stack([np.concatenate(column, axis=-1) for column in columns], axis=-1)
 
         legs = self.rates(position, rotation) @ twists(length)
-        return np.linalg.solve(np.swapaxes(legs, -1, -2), np.swapaxes(twists(length + self.tool)[..., :3, :], -1, -2)).swapaxes(-1, -2)
+        return np.linalg.solve(
+            np.swapaxes(legs, -1, -2), np.swapaxes(twists(length + self.tool)[..., :3, :], -1, -2)
+        ).swapaxes(-1, -2)

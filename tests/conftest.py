@@ -12,15 +12,27 @@ from selenium.webdriver.chrome.service import Service
 
 CHROMIUM, DRIVER = Path("/usr/bin/chromium"), Path("/usr/bin/chromedriver")
 
-RENDER_WITHOUT_A_SCREEN = ("--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+RENDER_WITHOUT_A_SCREEN = (
+    "--headless",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
 
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator[webdriver.Chrome]:
-    """Chromium with WebGL in software; where there is none, the test is skipped, but fails in CI."""
+    """Chromium with WebGL in software.
+
+    Where there is none, the test is skipped, but fails in CI.
+    """
     missing = [str(path) for path in (CHROMIUM, DRIVER) if not path.exists()]
     if missing:
-        reason = f"no browser: {' and '.join(missing)} not found (apt-get install chromium chromium-driver)"
+        reason = (
+            f"no browser: {' and '.join(missing)} not found (apt-get install chromium "
+            "chromium-driver)"
+        )
         pytest.fail(reason) if os.environ.get("CI") else pytest.skip(reason)
     options = webdriver.ChromeOptions()
     options.binary_location = str(CHROMIUM)

@@ -1,7 +1,10 @@
-"""Distances of convex solids, independent of coal: projections onto each in turn, with a certificate of how near the answer is.
+"""Distances of convex solids, independent of coal.
 
-The distance of two points, one in each solid, is an upper bound. A lower bound is the gap between the solids in any direction, from
-their support functions. Here both are computed, so a result needs no trust in the iteration.
+Projections onto each in turn, with a certificate of how near the answer is.
+
+The distance of two points, one in each solid, is an upper bound. A lower bound is the gap between
+the solids in any direction, from their support functions. Here both are computed, so a result needs
+no trust in the iteration.
 """
 
 from __future__ import annotations
@@ -16,7 +19,10 @@ from tests.helpers import Array
 
 
 class Solid(NamedTuple):
-    """A cylinder on its z axis, a box or a ball; ``size`` (3,) is radius, radius and half length, the half edges, or thrice the radius."""
+    """A cylinder on its z axis, a box or a ball.
+
+    ``size`` (3,) is radius, radius and half length, the half edges, or thrice the radius.
+    """
 
     kind: str
     size: Array
@@ -62,7 +68,9 @@ def support(body: Solid, direction: Array) -> float:
     return float(reach + direction @ body.translation)
 
 
-def bounds(first: Solid, second: Solid, rounds: int = 20_000, gap: float = 1e-8) -> tuple[float, float]:
+def bounds(
+    first: Solid, second: Solid, rounds: int = 20_000, gap: float = 1e-8
+) -> tuple[float, float]:
     """Return a lower and an upper bound of the distance of two solids that do not overlap.
 
     Projected gradient steps on the squared distance with Nesterov's acceleration, from the middles.
@@ -76,9 +84,14 @@ def bounds(first: Solid, second: Solid, rounds: int = 20_000, gap: float = 1e-8)
         following = 0.5 * (1.0 + np.sqrt(1.0 + 4.0 * momentum**2))
         share = (momentum - 1.0) / following
         # Back to plain steps where the momentum leads uphill.
-        if (new_one - ahead_one) @ (new_one - one) + (new_other - ahead_other) @ (new_other - other) < 0.0 and k:
+        if (new_one - ahead_one) @ (new_one - one) + (new_other - ahead_other) @ (
+            new_other - other
+        ) < 0.0 and k:
             share, following = 0.0, 1.0
-        ahead_one, ahead_other = new_one + share * (new_one - one), new_other + share * (new_other - other)
+        ahead_one, ahead_other = (
+            new_one + share * (new_one - one),
+            new_other + share * (new_other - other),
+        )
         one, other, momentum = new_one, new_other, following
         if k % 10 == 0:
             way = other - one

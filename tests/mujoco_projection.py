@@ -1,4 +1,7 @@
-"""M, C v and G of a shipped robot from MuJoCo: its mass matrix, bias, Jacobians and their rates, projected with numpy alone."""
+"""M, C v and G of a shipped robot from MuJoCo.
+
+Its mass matrix, bias, Jacobians and their rates, projected with numpy alone.
+"""
 
 from __future__ import annotations
 
@@ -19,18 +22,24 @@ ROWS = {"3d": 3, "6d": 6}
 def engine(name: str) -> Any:
     """MuJoCo's model of a shipped URDF as it is, but for a compiler tag.
 
-    Frames stay bodies of their own, so that closures find them by name. The printed nut inertia of the 3-PSP violates the triangle
-    inequality, which MuJoCo accepts only with balanceinertia; the other robots must do without.
+    Frames stay bodies of their own, so that closures find them by name. The printed nut inertia of
+    the 3-PSP violates the triangle inequality, which MuJoCo accepts only with balanceinertia; the
+    other robots must do without.
     """
     text = (ROBOT_FILES / f"{name}.urdf").read_text(encoding="utf-8")
     balance = ' balanceinertia="true"' if name == "psp3" else ""
     tag = f'<mujoco><compiler discardvisual="true" fusestatic="false"{balance}/></mujoco>'
     assert text.count(f'<robot name="{name}">') == 1
-    return mujoco.MjModel.from_xml_string(text.replace(f'<robot name="{name}">', f'<robot name="{name}">{tag}'))
+    return mujoco.MjModel.from_xml_string(
+        text.replace(f'<robot name="{name}">', f'<robot name="{name}">{tag}')
+    )
 
 
 class State(NamedTuple):
-    """Projected dynamics at one state, and what MuJoCo finds of the loops there: ``gap`` is the largest distance of joined frames."""
+    """Projected dynamics at one state, and what MuJoCo finds of the loops there.
+
+    ``gap`` is the largest distance of joined frames.
+    """
 
     mass: Array
     coriolis: Array
@@ -45,7 +54,10 @@ class Projection:
         loops = yaml.safe_load((ROBOT_FILES / f"{name}.yaml").read_text(encoding="utf-8"))
         self.model, self.data = model, mujoco.MjData(model)
         self._closures = [
-            (*(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, frame) for frame in pair), ROWS[kind])
+            (
+                *(mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, frame) for frame in pair),
+                ROWS[kind],
+            )
             for pair, kind in zip(loops["closed_loop"], loops["type"], strict=True)
         ]
         assert all(body > 0 for closure in self._closures for body in closure[:2])
@@ -58,7 +70,10 @@ class Projection:
         return index
 
     def _rows(self, function: Any) -> Array:
-        """Twists of the second frame of each loop relative to the first, per unit of joint velocity (or their rates)."""
+        """Twists of the second frame of each loop relative to the first.
+
+        Per unit of joint velocity; or their rates.
+        """
         rows = []
         for first, second, count in self._closures:
             parts = []
@@ -72,15 +87,18 @@ class Projection:
     def at(self, coordinates: dict[str, float], speeds: Array) -> State:
         """Return the dynamics at joint coordinates, given by name, and actuated speeds.
 
-        The pseudo-inverse of the columns of the other joints is their inverse where no row is redundant, and solves them all the same
-        where one is.
+        The pseudo-inverse of the columns of the other joints is their inverse where no row is
+        redundant, and solves them all the same where one is.
         """
         model, data = self.model, self.data
         data.qvel[:] = 0.0
         for joint, value in coordinates.items():
             data.qpos[model.jnt_qposadr[self._joint(joint)]] = value
         mujoco.mj_forward(model, data)
-        gap = max(float(np.linalg.norm(data.xpos[first] - data.xpos[second])) for first, second, _ in self._closures)
+        gap = max(
+            float(np.linalg.norm(data.xpos[first] - data.xpos[second]))
+            for first, second, _ in self._closures
+        )
         gravity, jacobian = np.array(data.qfrc_bias), self._rows(mujoco.mj_jac)
         solve = np.linalg.pinv(jacobian[:, self._dependent], rcond=1e-10)
         complement = np.zeros((model.nv, len(self._actuated)))
@@ -96,4 +114,9 @@ class Projection:
         for row, unit in zip(mass, np.eye(model.nv), strict=True):
             mujoco.mj_mulM(model, data, row, unit)
         velocity_forces = np.array(data.qfrc_bias) - gravity
-        return State(complement.T @ mass @ complement, complement.T @ (velocity_forces + mass @ drift), complement.T @ gravity, gap)
+        return State(
+            complement.T @ mass @ complement,
+            complement.T @ (velocity_forces + mass @ drift),
+            complement.T @ gravity,
+            gap,
+        )

@@ -1,4 +1,7 @@
-"""What tests of the 3D view share: a page in a real browser, what it shows, and where it puts things."""
+"""What tests of the 3D view share.
+
+A page in a real browser, what it shows, and where it puts things.
+"""
 
 from __future__ import annotations
 
@@ -32,8 +35,12 @@ def set_size(browser: webdriver.Chrome, width: int, height: int) -> None:
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
 
 
-def open_scene(browser: webdriver.Chrome, scene: Scene, width: int = WIDTH, height: int = HEIGHT) -> None:
-    """Show a scene at rest: in the page that is open if it is ours already, since loading MeshCat takes seconds.
+def open_scene(
+    browser: webdriver.Chrome, scene: Scene, width: int = WIDTH, height: int = HEIGHT
+) -> None:
+    """Show a scene at rest.
+
+    In the page that is open if it is ours already, since loading MeshCat takes seconds.
 
     The page of a file differs from this one only in that its commands are written into it.
     """
@@ -41,7 +48,10 @@ def open_scene(browser: webdriver.Chrome, scene: Scene, width: int = WIDTH, heig
     browser.get_log("browser")
     if browser.execute_script("return window.fed") is not True:
         browser.get("about:blank")
-        browser.execute_script("document.open(); document.write(arguments[0]); document.close(); window.fed = true", page(""))
+        browser.execute_script(
+            "document.open(); document.write(arguments[0]); document.close(); window.fed = true",
+            page(""),
+        )
     browser.execute_script(
         """viewer.delete_path(["meshcat", "robots"]);
         arguments[0].forEach(handle); animator.pause(); animator.seek(0); animator.time = 0;""",
@@ -58,7 +68,10 @@ def open_file(browser: webdriver.Chrome, path: Path) -> None:
 
 
 def settle(browser: webdriver.Chrome) -> None:
-    """Stop the clock and let the page lay itself out: it sizes its picture in the next frame of the browser."""
+    """Stop the clock and let the page lay itself out.
+
+    It sizes its picture in the next frame of the browser.
+    """
     browser.execute_script("animator.pause()")
     browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
 
@@ -75,7 +88,10 @@ def screenshot(browser: webdriver.Chrome, name: str | None = None) -> np.ndarray
 
 def changed_pixels(browser: webdriver.Chrome, *paths: str) -> np.ndarray:
     """Where something is: the pixels that change when it is hidden, shadows aside."""
-    set_visible = "for (const name of arguments[0]) viewer.scene_tree.find(name).object.visible = arguments[1]"
+    set_visible = (
+        "for (const name of arguments[0]) viewer.scene_tree.find(name).object.visible = "
+        "arguments[1]"
+    )
     nodes = [["meshcat", *path.split("/")] for path in paths]
     browser.execute_script("light.castShadow = false")
     shown = screenshot(browser)
@@ -97,5 +113,9 @@ def star_center(browser: webdriver.Chrome, robot: int = 0) -> np.ndarray:
 
 def complaints(browser: webdriver.Chrome) -> list[str]:
     """Errors and warnings on the console, but for a software renderer's remarks on its speed."""
-    entries = [entry["message"] for entry in browser.get_log("browser") if entry["level"] in ("SEVERE", "WARNING")]
+    entries = [
+        entry["message"]
+        for entry in browser.get_log("browser")
+        if entry["level"] in ("SEVERE", "WARNING")
+    ]
     return [message for message in entries if "GL Driver Message" not in message]

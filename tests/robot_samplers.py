@@ -1,8 +1,11 @@
-"""Random reachable poses of the shipped robots, found without closing a loop: closed-form inverse kinematics of the end effector.
+"""Random reachable poses of the shipped robots.
 
-A pose counts as reachable if its actuated joints and elbows are within the limits of the URDF, its legs bend as at home, and it is
-in the assembly mode of home: the determinants that vanish where the actuators lose hold of the end effector have the signs that they
-have at home, and at least 5 % of their sizes, so that a tolerance of 1e-10 means something.
+Found without closing a loop, by closed-form inverse kinematics of the end effector.
+
+A pose counts as reachable if its actuated joints and elbows are within the limits of the URDF, its
+legs bend as at home, and it is in the assembly mode of home: the determinants that vanish where the
+actuators lose hold of the end effector have the signs that they have at home, and at least 5 % of
+their sizes, so that a tolerance of 1e-10 means something.
 """
 
 from __future__ import annotations
@@ -12,7 +15,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tests.closed_form_kinematics import Delta, FiveBar, GoughStewart, PlanarThreeRRR, Tricept, around, rotation_xyz
+from tests.closed_form_kinematics import (
+    Delta,
+    FiveBar,
+    GoughStewart,
+    PlanarThreeRRR,
+    Tricept,
+    around,
+    rotation_xyz,
+)
 from tests.helpers import Array, random_heights
 
 HOLD = 0.05
@@ -20,14 +31,20 @@ HOLD = 0.05
 
 
 class Reachable(NamedTuple):
-    """Poses (count, k) of the end effector, in the coordinates of :data:`WORKSPACES`, and actuated positions (count, n)."""
+    """Poses (count, k) of the end effector and actuated positions (count, n).
+
+    Poses are in the coordinates of :data:`WORKSPACES`.
+    """
 
     poses: Array
     positions: Array
 
 
 class Workspace(NamedTuple):
-    """A box of end-effector poses, the limits of the actuated joints, and what tells which poses in the box are reachable."""
+    """A box of end-effector poses, the limits of the actuated joints.
+
+    And what tells which poses in the box are reachable.
+    """
 
     lower: Array
     upper: Array
@@ -56,11 +73,22 @@ def _five_bar() -> Workspace:
         return np.asarray(np.linalg.det(_unit(tip[:, None] - robot.elbows(robot.inverse(tip)))))
 
     def bends(tip: Array) -> Array:
-        return _bends(robot.crank, robot.rod, np.linalg.norm(tip[:, None] - robot.shafts, axis=-1)).max(axis=1)
+        return _bends(
+            robot.crank, robot.rod, np.linalg.norm(tip[:, None] - robot.shafts, axis=-1)
+        ).max(axis=1)
 
     home = np.array([0.0, -0.1])
     home[1] = robot.forward([-0.6, 0.6])[1]
-    return Workspace(np.array([-0.4, -0.5]), np.array([0.4, 0.1]), (-1.5, 1.5), home, robot.inverse, determinants, bends, largest_bend=2.6)
+    return Workspace(
+        np.array([-0.4, -0.5]),
+        np.array([0.4, 0.1]),
+        (-1.5, 1.5),
+        home,
+        robot.inverse,
+        determinants,
+        bends,
+        largest_bend=2.6,
+    )
 
 
 def _planar_3rrr() -> Workspace:
@@ -68,26 +96,42 @@ def _planar_3rrr() -> Workspace:
 
     def determinants(poses: Array) -> Array:
         matrix, _ = robot.rates(poses)
-        return np.asarray(np.linalg.det(matrix / [robot.rod, robot.rod, robot.rod * robot.platform]))
+        return np.asarray(
+            np.linalg.det(matrix / [robot.rod, robot.rod, robot.rod * robot.platform])
+        )
 
     def bends(poses: Array) -> Array:
-        return _bends(robot.crank, robot.rod, np.linalg.norm(robot.placed_corners(poses) - robot.shafts, axis=-1)).max(axis=1)
+        return _bends(
+            robot.crank,
+            robot.rod,
+            np.linalg.norm(robot.placed_corners(poses) - robot.shafts, axis=-1),
+        ).max(axis=1)
 
     box = np.array([0.25, 0.25, 1.6])
-    return Workspace(-box, box, (-1.0, 2.2), np.zeros(3), robot.inverse, determinants, bends, largest_bend=2.7)
+    return Workspace(
+        -box, box, (-1.0, 2.2), np.zeros(3), robot.inverse, determinants, bends, largest_bend=2.7
+    )
 
 
 def _delta() -> Workspace:
     robot = Delta()
 
     def determinants(tip: Array) -> Array:
-        # The rods hold the platform's center; each pair, a parallelogram, also keeps it from turning about the normal of its plane.
+        # The rods hold the platform's center; each pair, a parallelogram, also keeps it from
+        # turning about the normal of its plane.
         rods = _unit(tip[:, None] - robot.elbows(robot.inverse(tip)))
         normals = np.cross(around(robot.azimuths + np.pi / 2.0, 1.0), rods)
         return np.stack([np.linalg.det(rods), np.linalg.det(normals)], axis=-1)
 
     home = robot.forward(np.zeros(3))
-    return Workspace(np.array([-0.4, -0.4, -0.6]), np.array([0.4, 0.4, 0.0]), (-1.0, 1.5), home, robot.inverse, determinants)
+    return Workspace(
+        np.array([-0.4, -0.4, -0.6]),
+        np.array([0.4, 0.4, 0.0]),
+        (-1.0, 1.5),
+        home,
+        robot.inverse,
+        determinants,
+    )
 
 
 def _gough_stewart() -> Workspace:
@@ -143,7 +187,9 @@ def reachable(name: str, count: int, rng: np.random.Generator) -> Reachable:
         drawn = rng.uniform(space.lower, space.upper, size=(4 * count + 100, space.home.size))
         positions = space.inverse(drawn)
         drawn = drawn[((positions >= space.limits[0]) & (positions <= space.limits[1])).all(axis=1)]
-        drawn = drawn[(space.determinants(drawn) / at_home >= HOLD).reshape(len(drawn), -1).all(axis=1)]
+        drawn = drawn[
+            (space.determinants(drawn) / at_home >= HOLD).reshape(len(drawn), -1).all(axis=1)
+        ]
         poses = np.concatenate([poses, drawn[space.bends(drawn) <= space.largest_bend]])
     return Reachable(poses[:count], space.inverse(poses[:count]))
 

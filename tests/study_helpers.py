@@ -1,4 +1,7 @@
-"""What the tests of studies share: quick runs, runs without a simulation, and what is done in processes that are killed."""
+"""What the tests of studies share.
+
+Quick runs, runs without a simulation, and what is done in processes that are killed.
+"""
 
 from __future__ import annotations
 
@@ -22,17 +25,23 @@ from psp3.study.file import StudyFile
 from psp3.study.run import METRICS, Run
 
 PROCESSES = multiprocessing.get_context("forkserver")
-# The server imports this module once, and what it forks has it at once. A plain fork of the tests would copy locks of their threads.
+# The server imports this module once, and what it forks has it at once. A plain fork of the tests
+# would copy locks of their threads.
 PROCESSES.set_forkserver_preload([__name__])
 
 QUICK: dict[str, Any] = {"controller": ("t1", "it2", "pd"), "snr_db": (20.0, 10.0), "duration": 0.3}
-"""Fields of runs that take milliseconds; PD sees no noise under the default reading, so it is one run."""
+"""Fields of runs that take milliseconds; PD sees no noise under the default reading, so it is one
+run.
+"""
 
 SHARED = {"duration": Run().duration}
 
 
 def invented(run: Run) -> dict[str, float]:
-    """Stand in for :func:`psp3.study.run.execute` where the simulation does not matter: metrics that depend on seed and name alone."""
+    """Stand in for :func:`psp3.study.run.execute` where the simulation does not matter.
+
+    The metrics depend on seed and name alone.
+    """
     return {name: run.seed + 0.1 * number for number, name in enumerate(METRICS)}
 
 
@@ -79,9 +88,15 @@ def die_within_a_transaction(path: Path) -> None:
         additions._connection.execute("PRAGMA cache_size = 1")
         additions._connection.execute("BEGIN IMMEDIATE")
         # As the first row, but with other keys.
-        columns = [row[1] for row in additions._connection.execute("PRAGMA table_info(runs)") if row[1] != "key"]
+        columns = [
+            row[1]
+            for row in additions._connection.execute("PRAGMA table_info(runs)")
+            if row[1] != "key"
+        ]
         for number in range(300):
-            additions._connection.execute(f"INSERT INTO runs SELECT '{number}', {', '.join(columns)} FROM runs LIMIT 1")
+            additions._connection.execute(
+                f"INSERT INTO runs SELECT '{number}', {', '.join(columns)} FROM runs LIMIT 1"
+            )
         die()
 
 
@@ -92,7 +107,9 @@ def die_while_the_file_is_made(path: Path) -> None:
     def create_and_die(connection: sqlite3.Connection) -> None:
         connection.execute("PRAGMA cache_size = 1")
         create(connection)
-        connection.executemany("INSERT INTO meta VALUES (?, 'x')", [(100 * str(number),) for number in range(300)])
+        connection.executemany(
+            "INSERT INTO meta VALUES (?, 'x')", [(100 * str(number),) for number in range(300)]
+        )
         die()
 
     file._create = create_and_die  # type: ignore[method-assign]

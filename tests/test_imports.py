@@ -1,4 +1,4 @@
-"""The order of imports where the contracts of import-linter do not look: imports that are there for types only count, too."""
+"""The order of imports, with those that are for types only, which import-linter leaves out."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
-CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]
+CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"][
+    "importlinter"
+]["contracts"]
 
 
 def name_of(path: Path) -> str:
@@ -19,11 +21,13 @@ def name_of(path: Path) -> str:
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-SOURCES = {name_of(path): path for package in ("psp3", "fuzzy2") for path in (ROOT / package).rglob("*.py")}
+SOURCES = {
+    name_of(path): path for package in ("psp3", "fuzzy2") for path in (ROOT / package).rglob("*.py")
+}
 
 
 def imported(path: Path) -> Iterator[str]:
-    """Yield the modules of the two packages that a module imports: at its head, in functions, and for types."""
+    """Yield the modules of the packages that a module imports: at its head, inside, for types."""
     for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.ImportFrom) and node.module in SOURCES:
             for alias in node.names:
@@ -51,8 +55,14 @@ def test_no_module_imports_itself_by_way_of_others() -> None:
 @pytest.mark.parametrize("root", ["psp3", "fuzzy2"])
 def test_no_import_goes_up(root: str) -> None:
     """Layers as in ``pyproject.toml``; those beside each other do not know each other."""
-    (layers,) = (contract["layers"] for contract in CONTRACTS if contract.get("containers") == [root])
-    height = {f"{root}.{name.strip()}": -number for number, layer in enumerate(layers) for name in layer.split("|")}
+    (layers,) = (
+        contract["layers"] for contract in CONTRACTS if contract.get("containers") == [root]
+    )
+    height = {
+        f"{root}.{name.strip()}": -number
+        for number, layer in enumerate(layers)
+        for name in layer.split("|")
+    }
 
     def package(module: str) -> str:
         return ".".join(module.split(".")[:2])
@@ -71,9 +81,20 @@ def test_no_import_goes_up(root: str) -> None:
 
 def test_few_modules_stand_outside_of_packages() -> None:
     """Each of them is what all others stand on, or what stands on all others."""
-    outside = {root: sorted(path.stem for path in (ROOT / root).glob("*.py")) for root in ("psp3", "fuzzy2")}
+    outside = {
+        root: sorted(path.stem for path in (ROOT / root).glob("*.py"))
+        for root in ("psp3", "fuzzy2")
+    }
     assert outside["fuzzy2"] == ["__init__", "errors"]
-    assert outside["psp3"] == ["__init__", "checks", "errors", "loading", "published", "version", "warm_up"]
+    assert outside["psp3"] == [
+        "__init__",
+        "checks",
+        "errors",
+        "loading",
+        "published",
+        "version",
+        "warm_up",
+    ]
 
 
 def test_only_the_3_psp_and_its_thesis_ask_whether_a_robot_is_one() -> None:

@@ -1,4 +1,7 @@
-"""The notebooks run from top to bottom, and what is committed is what they show: outputs, no errors, no traces of a machine."""
+"""The notebooks run from top to bottom, and what is committed is what they show.
+
+Outputs, no errors, no traces of a machine.
+"""
 
 from __future__ import annotations
 
@@ -9,8 +12,12 @@ from typing import Any
 
 import pytest
 
-nbformat = pytest.importorskip("nbformat", reason="nbformat, nbclient and ipykernel are in the extra test")
-nbclient = pytest.importorskip("nbclient", reason="nbformat, nbclient and ipykernel are in the extra test")
+nbformat = pytest.importorskip(
+    "nbformat", reason="nbformat, nbclient and ipykernel are in the extra test"
+)
+nbclient = pytest.importorskip(
+    "nbclient", reason="nbformat, nbclient and ipykernel are in the extra test"
+)
 
 NOTEBOOKS = sorted((Path(__file__).resolve().parents[1] / "notebooks").glob("*.ipynb"))
 LARGEST = 1_500_000
@@ -38,14 +45,20 @@ def path(request: pytest.FixtureRequest) -> Path:
 def is_picture(cell: Any) -> bool:
     """Whether a cell shows a picture, a 3D view or an animation."""
     data = [name for output in cell.get("outputs", []) for name in output.get("data", {})]
-    frames = ["<iframe" in "".join(output.get("data", {}).get("text/html", "")) for output in cell.get("outputs", [])]
+    frames = [
+        "<iframe" in "".join(output.get("data", {}).get("text/html", ""))
+        for output in cell.get("outputs", [])
+    ]
     return any(name.startswith("image/") for name in data) or any(frames)
 
 
 def text_of(output: Any) -> str:
     """Return what an output says in words; pictures are left out."""
     data = output.get("data", {})
-    words = [output.get("text", ""), *(data.get(kind, "") for kind in ("text/plain", "text/markdown"))]
+    words = [
+        output.get("text", ""),
+        *(data.get(kind, "") for kind in ("text/plain", "text/markdown")),
+    ]
     if "<iframe" not in data.get("text/html", ""):
         words.append(data.get("text/html", ""))
     return "\n".join(words)
@@ -66,16 +79,23 @@ def test_committed_with_outputs(path: Path) -> None:
     assert notebook.metadata.language_info == {"name": "python"}
 
 
-def test_opens_with_what_the_reader_will_be_able_to_do_and_ends_with_two_exercises(path: Path) -> None:
+def test_opens_with_what_the_reader_will_be_able_to_do_and_ends_with_two_exercises(
+    path: Path,
+) -> None:
     cells = read(path).cells
     assert cells[0].cell_type == cells[-1].cell_type == "markdown"
-    assert re.match(r"# \d+ .+\n\nAfter this notebook you will be able to\n\n(- .+\n)", cells[0].source)
+    assert re.match(
+        r"# \d+ .+\n\nAfter this notebook you will be able to\n\n(- .+\n)", cells[0].source
+    )
     assert cells[-1].source.startswith("## Exercises\n")
     assert re.findall(r"^(\d+)\. \*\*", cells[-1].source, flags=re.MULTILINE) == ["1", "2"]
 
 
 def test_every_picture_is_put_in_words(path: Path) -> None:
-    """The text below a picture opens with its caption, which describes it, and the documentation gets the same as its alternative text."""
+    """The text below a picture opens with its caption.
+
+    It describes the picture, and the documentation gets the same as its alternative text.
+    """
     cells = read(path).cells
     pictures = 0
     for cell, following in pairwise(cells):
@@ -92,7 +112,9 @@ def test_every_picture_is_put_in_words(path: Path) -> None:
 
 
 def test_figures_are_numbered_in_order(path: Path) -> None:
-    captions = [FIGURE.match(cell.source) for cell in read(path).cells if cell.cell_type == "markdown"]
+    captions = [
+        FIGURE.match(cell.source) for cell in read(path).cells if cell.cell_type == "markdown"
+    ]
     numbers: dict[str, list[int]] = {}
     for caption in filter(None, captions):
         numbers.setdefault(caption[1], []).append(int(caption[0].split()[-1].rstrip(".")))
@@ -106,10 +128,22 @@ def test_figures_are_numbered_in_order(path: Path) -> None:
 def test_runs_from_top_to_bottom(path: Path, tmp_path: Path) -> None:
     """In a directory of its own, with warnings as errors from the first cell on."""
     notebook = read(path)
-    strict = nbformat.v4.new_code_cell('import warnings\n\nwarnings.simplefilter("error")', id="warnings-are-errors")
+    strict = nbformat.v4.new_code_cell(
+        'import warnings\n\nwarnings.simplefilter("error")', id="warnings-are-errors"
+    )
     notebook.cells.insert(0, strict)
-    client = nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}})
+    client = nbclient.NotebookClient(
+        notebook,
+        timeout=120,
+        kernel_name="python3",
+        resources={"metadata": {"path": str(tmp_path)}},
+    )
     client.execute()
-    errors = [output.text for cell in notebook.cells for output in cell.get("outputs", []) if output.get("name") == "stderr"]
+    errors = [
+        output.text
+        for cell in notebook.cells
+        for output in cell.get("outputs", [])
+        if output.get("name") == "stderr"
+    ]
     assert errors == []
     assert list(tmp_path.iterdir()) == []

@@ -1,4 +1,4 @@
-"""Public names: those that users' code has stay, and a facade offers nothing that could be one of its modules instead."""
+"""Public names: those that users have stay, and none of a facade's is one of its modules, too."""
 
 from __future__ import annotations
 
@@ -13,47 +13,71 @@ import psp3
 
 PUBLIC = {
     "psp3": """
-        PARAMETER_SETS PD PID PSP3 AdaptiveFuzzyComputedTorque ClosedLoopRobot ComputedTorque Drive FeedForward FuzzyComputedTorque
-        GravityCompensatedPD LinearQuadraticRegulator Monitor MuJoCo NaturalOrthogonalComplement PSP3Error Parameters Pose Result Run
-        SingularityAnalysis Study TaskSpaceComputedTorque TimeVaryingLinearQuadraticRegulator Workspace exciting_motion
-        forward_dynamics_derivatives grid identify inverse_dynamics_derivatives linearize load load_result simulate statistics to_mjcf
+        PARAMETER_SETS PD PID PSP3 AdaptiveFuzzyComputedTorque ClosedLoopRobot ComputedTorque \
+Drive FeedForward FuzzyComputedTorque
+        GravityCompensatedPD LinearQuadraticRegulator Monitor MuJoCo NaturalOrthogonalComplement \
+PSP3Error Parameters Pose Result Run
+        SingularityAnalysis Study TaskSpaceComputedTorque TimeVaryingLinearQuadraticRegulator \
+Workspace exciting_motion
+        forward_dynamics_derivatives grid identify inverse_dynamics_derivatives linearize load \
+load_result simulate statistics to_mjcf
         trajectories with_payload
     """,
     "fuzzy2": """
-        AdaptiveConsequents ApproximationWarning Bell Clusters Complement FineTuning FunctionalSet FunctionalType2Set Fuzzy2Error
-        FuzzyNumber FuzzySystem Gaussian GaussianNumber GaussianType2Set GaussianUncertainMean GaussianUncertainSigma GeneralType2Set
-        GeneralType2System Interval IntervalNumber IntervalType2Set IntervalType2System Linear NonSingletonFuzzifier PiShaped Rule
-        SampledSet SampledType2Set Sigmoid SigmoidDifference SigmoidProduct Singleton SingletonFuzzifier Trapezoidal Triangular
-        TwoSidedGaussian Type1Set Type1System WangMendel ZSlices add_noise alpha_plane_centroid alpha_plane_reduction
-        approximate_centroid approximate_generalized_centroid begian_melek_mendel cardinality cartesian_product centroid complement
-        compose defuzzify exhaustive_centroid exhaustive_generalized_centroid extend fine_tune format_rules from_json fuzziness
-        fuzzy_c_means gaussian_meet gaussian_meet_error gaussian_partition generalized_centroid intersection jaccard join load
-        mean_variation_from_snr meet negation nie_tan parse_rules rank save snr_from_mean_variation t_conorm t_norm to_json union
+        AdaptiveConsequents ApproximationWarning Bell Clusters Complement FineTuning FunctionalSet \
+FunctionalType2Set Fuzzy2Error
+        FuzzyNumber FuzzySystem Gaussian GaussianNumber GaussianType2Set GaussianUncertainMean \
+GaussianUncertainSigma GeneralType2Set
+        GeneralType2System Interval IntervalNumber IntervalType2Set IntervalType2System Linear \
+NonSingletonFuzzifier PiShaped Rule
+        SampledSet SampledType2Set Sigmoid SigmoidDifference SigmoidProduct Singleton \
+SingletonFuzzifier Trapezoidal Triangular
+        TwoSidedGaussian Type1Set Type1System WangMendel ZSlices add_noise alpha_plane_centroid \
+alpha_plane_reduction
+        approximate_centroid approximate_generalized_centroid begian_melek_mendel cardinality \
+cartesian_product centroid complement
+        compose defuzzify exhaustive_centroid exhaustive_generalized_centroid extend fine_tune \
+format_rules from_json fuzziness
+        fuzzy_c_means gaussian_meet gaussian_meet_error gaussian_partition generalized_centroid \
+intersection jaccard join load
+        mean_variation_from_snr meet negation nie_tan parse_rules rank save \
+snr_from_mean_variation t_conorm t_norm to_json union
         wu_mendel_bounds
     """,
     "psp3.trajectories": """
-        SPACES Circle FromCSV Helix Hold Line Motion PointToPoint Trajectory Waypoints check_stroke finite_times tip_of
+        SPACES Circle FromCSV Helix Hold Line Motion PointToPoint Trajectory Waypoints \
+check_stroke finite_times tip_of
     """,
     "psp3.study.statistics": """
-        CONFIDENCE CONTROLLERS METRICS RESAMPLES Comparison Estimate Summary compare mean median paired_difference ratio_of_means share
+        CONFIDENCE CONTROLLERS METRICS RESAMPLES Comparison Estimate Summary compare mean median \
+paired_difference ratio_of_means share
         summarize
     """,
     "psp3.visualize": "Scene Viewer write_animation",
     "psp3.errors": """
-        ClosureFailed CollisionFound DisorderedJoints InconsistentVelocity InvalidArray InvalidControllerFile InvalidMapFile
-        InvalidResultFile InvalidRobotFile InvalidStudyFile InvalidTorque InvalidTrajectoryFile InvalidValue JointLimitExceeded
-        MasslessBody MissingPackage MobilityMismatch MotionDiverged NoStabilizingSolution NoThreshold NotTrained OpenLoops
-        OverlappingShapes PSP3Error PoorExcitation RunsFailed SchedulerUnavailable SimulationDiverged SimulationStopped
-        SingularConfiguration StrokeExceeded StudyFileNotWritable StudyInUse StudyInterrupted StudyMismatch UncertainRank
-        UnexportableJoint UnknownName UnphysicalInertia UnreachablePose UnreachableTip UnsupportedJoint UnusableEstimate
+        ClosureFailed CollisionFound DisorderedJoints InconsistentVelocity InvalidArray \
+InvalidControllerFile InvalidMapFile
+        InvalidResultFile InvalidRobotFile InvalidStudyFile InvalidTorque InvalidTrajectoryFile \
+InvalidValue JointLimitExceeded
+        MasslessBody MissingPackage MobilityMismatch MotionDiverged NoStabilizingSolution \
+NoThreshold NotTrained OpenLoops
+        OverlappingShapes PSP3Error PoorExcitation RunsFailed SchedulerUnavailable \
+SimulationDiverged SimulationStopped
+        SingularConfiguration StrokeExceeded StudyFileNotWritable StudyInUse StudyInterrupted \
+StudyMismatch UncertainRank
+        UnexportableJoint UnknownName UnphysicalInertia UnreachablePose UnreachableTip \
+UnsupportedJoint UnusableEstimate
     """,
     "fuzzy2.errors": """
-        ApproximationWarning FeatureNamesWarning Fuzzy2Error InvalidRule InvalidValue MalformedFile NotApplicable NotExpressible
+        ApproximationWarning FeatureNamesWarning Fuzzy2Error InvalidRule InvalidValue \
+MalformedFile NotApplicable NotExpressible
         NotFitted NotNumbers TooManyEmbeddedSets UnknownName UnsupportedRule WrongFeatures
     """,
     "fuzzy2.plots": """
-        ACROSS POINTS REACH VISIBLE figure_1 figure_2 figure_3 figure_4 figure_5 figure_from_above figure_in_space
-        figure_of_join_and_meet figure_of_operations figure_of_response figure_of_rule_surface figure_of_secondaries figure_of_sets
+        ACROSS POINTS REACH VISIBLE figure_1 figure_2 figure_3 figure_4 figure_5 figure_from_above \
+figure_in_space
+        figure_of_join_and_meet figure_of_operations figure_of_response figure_of_rule_surface \
+figure_of_secondaries figure_of_sets
         figure_of_type_reduced
     """,
     # Packages that took the name of a module.
@@ -63,9 +87,14 @@ PUBLIC = {
     "psp3.identification": "CONFIDENCE Identified identify",
     "psp3.simulation": "Encoder Result load_result simulate",
     "psp3.study": "Progress Study grid",
-    "fuzzy2.learning": "COMPLETIONS KINDS LEARNERS PARTITIONS WangMendel cluster_partition gaussian_partition term_names",
+    "fuzzy2.learning": (
+        "COMPLETIONS KINDS LEARNERS PARTITIONS WangMendel cluster_partition gaussian_partition "
+        "term_names"
+    ),
     "fuzzy2.numbers": "FuzzyNumber GaussianNumber IntervalNumber gaussian_meet gaussian_meet_error",
-    "fuzzy2.systems": "AnySet FuzzySystem GeneralType2System IntervalType2System Linear Report Type1System",
+    "fuzzy2.systems": (
+        "AnySet FuzzySystem GeneralType2System IntervalType2System Linear Report Type1System"
+    ),
 }
 ROOTS = (psp3, fuzzy2)
 PACKAGES = [
@@ -73,13 +102,20 @@ PACKAGES = [
     for root in ROOTS
     for name in [
         root.__name__,
-        *(found.name for found in pkgutil.walk_packages(root.__path__, f"{root.__name__}.") if found.ispkg),
+        *(
+            found.name
+            for found in pkgutil.walk_packages(root.__path__, f"{root.__name__}.")
+            if found.ispkg
+        ),
     ]
 ]
 FACADES = [package for package in PACKAGES if hasattr(package, "__all__")]
 
 
-@pytest.mark.parametrize(("module", "name"), [(module, name) for module, names in PUBLIC.items() for name in names.split()])
+@pytest.mark.parametrize(
+    ("module", "name"),
+    [(module, name) for module, names in PUBLIC.items() for name in names.split()],
+)
 def test_a_public_name_stays(module: str, name: str) -> None:
     assert getattr(importlib.import_module(module), name) is not None
 
@@ -97,7 +133,10 @@ def test_names_that_are_modules_are_those_of_the_root() -> None:
 
 @pytest.mark.parametrize("facade", FACADES, ids=lambda facade: facade.__name__)
 def test_no_facade_offers_a_name_that_one_of_its_modules_bears(facade: ModuleType) -> None:
-    """It would be the module or the thing, depending on who imported first. A module that is offered as such is one and the same."""
+    """It would be the module or the thing, depending on who imported first.
+
+    A module that is offered as such is one and the same.
+    """
     modules = {found.name for found in pkgutil.iter_modules(facade.__path__)}
     for name in modules & set(facade.__all__):
         assert getattr(facade, name) is importlib.import_module(f"{facade.__name__}.{name}")
@@ -108,5 +147,7 @@ def test_a_facade_lists_what_it_offers_and_knows_nothing_else(facade: ModuleType
     assert dir(facade) == sorted(facade.__all__)
     for name in facade.__all__:
         assert getattr(facade, name) is not None
-    with pytest.raises(AttributeError, match=f"'{facade.__name__}' has no attribute 'none_of_these'"):
+    with pytest.raises(
+        AttributeError, match=f"'{facade.__name__}' has no attribute 'none_of_these'"
+    ):
         _ = facade.none_of_these

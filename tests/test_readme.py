@@ -1,4 +1,7 @@
-"""The table of results in the README is what the main job finds; its code and links are tested in ``test_docs.py``."""
+"""The table of results in the README is what the main job finds.
+
+Its code and links are tested in ``test_docs.py``.
+"""
 
 from __future__ import annotations
 

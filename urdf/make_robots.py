@@ -1,7 +1,10 @@
-"""Write the files of five parallel robots, ``<name>.urdf``, ``.srdf`` and ``.yaml``: ``python urdf/make_robots.py [directory]``.
+"""Write the files of five parallel robots, ``<name>.urdf``, ``.srdf`` and ``.yaml``.
 
-Every length is here once, and every mass and inertia is computed from the solids that are drawn: a box, a ball, a rod or a tube of the
-density of its material. What a frame stands on is drawn but never moves, so it has no mass. README.md says where the numbers come from.
+Run by ``python urdf/make_robots.py [directory]``.
+
+Every length is here once, and every mass and inertia is computed from the solids that are drawn: a
+box, a ball, a rod or a tube of the density of its material. What a frame stands on is drawn but
+never moves, so it has no mass. README.md says where the numbers come from.
 """
 
 from __future__ import annotations
@@ -35,11 +38,16 @@ X, Y, Z = np.eye(3)
 """Unit vectors."""
 
 PASSIVE_SPEED = 100.0
-"""Limit of the velocity of joints without a motor [rad/s, m/s]: none, in words that a URDF accepts."""
+"""Limit of the velocity of joints without a motor [rad/s, m/s]: none, in words that a URDF
+accepts.
+"""
 
 
 class Solid(NamedTuple):
-    """A homogeneous solid: what is drawn, and what weighs. ``bore`` is the radius of the hole along a cylinder [m]."""
+    """A homogeneous solid: what is drawn, and what weighs.
+
+    ``bore`` is the radius of the hole along a cylinder [m].
+    """
 
     shape: str
     size: tuple[float, ...]
@@ -53,7 +61,9 @@ class Solid(NamedTuple):
         if self.shape == "box":
             body = pin.Inertia.FromBox(density * float(np.prod(self.size)), *self.size)
         elif self.shape == "sphere":
-            body = pin.Inertia.FromSphere(density * 4.0 / 3.0 * np.pi * self.size[0] ** 3, *self.size)
+            body = pin.Inertia.FromSphere(
+                density * 4.0 / 3.0 * np.pi * self.size[0] ** 3, *self.size
+            )
         else:
             outer, length = self.size
             mass = density * np.pi * (outer**2 - self.bore**2) * length
@@ -63,9 +73,13 @@ class Solid(NamedTuple):
         return self.placement.act(body)
 
 
-def box(size: tuple[float, float, float], center: ArrayLike, material: str, turn: float = 0.0) -> Solid:
+def box(
+    size: tuple[float, float, float], center: ArrayLike, material: str, turn: float = 0.0
+) -> Solid:
     """Return a box, turned about the vertical through its center."""
-    return Solid("box", size, material, pin.SE3(pin.utils.rotate("z", turn), np.asarray(center, dtype=float)))
+    return Solid(
+        "box", size, material, pin.SE3(pin.utils.rotate("z", turn), np.asarray(center, dtype=float))
+    )
 
 
 def ball(radius: float, center: ArrayLike, material: str) -> Solid:
@@ -77,13 +91,21 @@ def rod(start: ArrayLike, end: ArrayLike, radius: float, material: str, bore: fl
     """Return a cylinder between two points, or a tube."""
     first, last = np.asarray(start, dtype=float), np.asarray(end, dtype=float)
     placement = pin.SE3(_turn_to(last - first), 0.5 * (first + last))
-    return Solid("cylinder", (radius, float(np.linalg.norm(last - first))), material, placement, bore)
+    return Solid(
+        "cylinder", (radius, float(np.linalg.norm(last - first))), material, placement, bore
+    )
 
 
 def cross(radius: float, length: float, first: str, second: str) -> list[Solid]:
-    """Return the two pins of a universal joint, along the axes ``x``, ``y`` or ``z`` of its two hinges."""
+    """Return the two pins of a universal joint.
+
+    Along the axes ``x``, ``y`` or ``z`` of its two hinges.
+    """
     axes = {"x": X, "y": Y, "z": Z}
-    return [rod(-0.5 * length * axes[axis], 0.5 * length * axes[axis], radius, "steel") for axis in (first, second)]
+    return [
+        rod(-0.5 * length * axes[axis], 0.5 * length * axes[axis], radius, "steel")
+        for axis in (first, second)
+    ]
 
 
 def moved(solids: Iterable[Solid], by: ArrayLike) -> list[Solid]:
@@ -107,20 +129,31 @@ def _turn_to(direction: Array) -> Array:
 
 def _exact(values: ArrayLike) -> str:
     """Write numbers so that they are read back bit by bit."""
-    return " ".join(repr(float(value) + 0.0) for value in np.atleast_1d(np.asarray(values, dtype=float)))
+    return " ".join(
+        repr(float(value) + 0.0) for value in np.atleast_1d(np.asarray(values, dtype=float))
+    )
 
 
 def _short(values: ArrayLike) -> str:
     """Write numbers to a micrometer, for what is only drawn."""
-    return " ".join(f"{value + 0.0:.6g}" for value in np.round(np.atleast_1d(np.asarray(values, dtype=float)), 6))
+    return " ".join(
+        f"{value + 0.0:.6g}"
+        for value in np.round(np.atleast_1d(np.asarray(values, dtype=float)), 6)
+    )
 
 
 def _origin(placement: pin.SE3, write: Callable[[ArrayLike], str]) -> str:
-    return f'<origin xyz="{write(placement.translation)}" rpy="{write(pin.rpy.matrixToRpy(placement.rotation))}"/>'
+    return (
+        f'<origin xyz="{write(placement.translation)}" '
+        f'rpy="{write(pin.rpy.matrixToRpy(placement.rotation))}"/>'
+    )
 
 
 class Robot:
-    """A robot on its way to three files: links, joints, loops, actuated joints and the pose ``home``."""
+    """A robot on its way to three files.
+
+    Links, joints, loops, actuated joints and the pose ``home``.
+    """
 
     def __init__(self, name: str, title: str) -> None:
         self.name, self.title = name, title
@@ -145,12 +178,16 @@ class Robot:
         home: float = 0.0,
         motor: tuple[float, float] | None = None,
     ) -> None:
-        """Add a link with its joint: revolute about ``axis``, or prismatic along it where the axis starts with ``along``.
+        """Add a link with its joint.
+
+        Revolute about ``axis``, or prismatic along it where the axis starts with ``along``.
 
         ``motor`` holds the limits of effort and velocity of an actuated joint.
         """
         kind = "prismatic" if axis.startswith("along") else "revolute"
-        vector = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1", "-y": "0 -1 0", "-z": "0 0 -1"}[axis.split()[-1]]
+        vector = {"x": "1 0 0", "y": "0 1 0", "z": "0 0 1", "-y": "0 -1 0", "-z": "0 0 -1"}[
+            axis.split()[-1]
+        ]
         effort, velocity = motor or (0.0, PASSIVE_SPEED)
         self.elements += [
             f'  <joint name="{joint}" type="{kind}">',
@@ -158,7 +195,10 @@ class Robot:
             f'    <child link="{link}"/>',
             f"    {_origin(placement, _exact)}",
             f'    <axis xyz="{vector}"/>',
-            f'    <limit lower="{limits[0]:g}" upper="{limits[1]:g}" effort="{effort:g}" velocity="{velocity:g}"/>',
+            (
+                f'    <limit lower="{limits[0]:g}" upper="{limits[1]:g}" effort="{effort:g}" '
+                f'velocity="{velocity:g}"/>'
+            ),
             "  </joint>",
         ]
         inertia = sum((solid.inertia() for solid in solids[1:]), start=solids[0].inertia())
@@ -186,9 +226,14 @@ class Robot:
         self.elements.append(f'  <link name="{name}">')
         if inertia is not None:
             moments = inertia.inertia
-            entries = zip(("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), moments[np.triu_indices(3)], strict=True)
+            entries = zip(
+                ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), moments[np.triu_indices(3)], strict=True
+            )
             # What rounding leaves of a zero is written as zero.
-            written = " ".join(f'{key}="{value if abs(value) > 1e-12 * moments.max() else 0.0:.12g}"' for key, value in entries)
+            written = " ".join(
+                f'{key}="{value if abs(value) > 1e-12 * moments.max() else 0.0:.12g}"'
+                for key, value in entries
+            )
             center = np.where(np.abs(inertia.lever) > 1e-12, inertia.lever, 0.0)
             self.elements += [
                 "    <inertial>",
@@ -201,22 +246,49 @@ class Robot:
             tag = {
                 "box": f'box size="{_short(solid.size)}"',
                 "sphere": f'sphere radius="{_short(solid.size)}"',
-                "cylinder": f'cylinder radius="{_short(solid.size[0])}" length="{_short(solid.size[-1])}"',
+                "cylinder": (
+                    f'cylinder radius="{_short(solid.size[0])}" length="{_short(solid.size[-1])}"'
+                ),
             }[solid.shape]
             self.elements.append(
-                f'    <visual>{_origin(solid.placement, _short)}<geometry><{tag}/></geometry><material name="{solid.material}"/></visual>'
+                f"    <visual>{_origin(solid.placement, _short)}<geometry><{tag}/></geometry>"
+                f'<material name="{solid.material}"/></visual>'
             )
         self.elements.append("  </link>")
 
     def texts(self) -> Mapping[str, str]:
         """Return the contents of the three files by their names."""
-        used = [name for name in MATERIALS if any(f'<material name="{name}"/>' in line for line in self.elements)]
-        materials = [f'  <material name="{name}"><color rgba="{MATERIALS[name][0]}"/></material>' for name in used]
-        head = ['<?xml version="1.0"?>', f"<!-- {self.title} Written by make_robots.py; README.md says where every number comes from. -->"]
-        urdf = [*head, f'<robot name="{self.name}">', *materials, "", *self.elements, "</robot>", ""]
+        used = [
+            name
+            for name in MATERIALS
+            if any(f'<material name="{name}"/>' in line for line in self.elements)
+        ]
+        materials = [
+            f'  <material name="{name}"><color rgba="{MATERIALS[name][0]}"/></material>'
+            for name in used
+        ]
+        head = [
+            '<?xml version="1.0"?>',
+            (
+                f"<!-- {self.title} Written by make_robots.py; README.md says where every number "
+                "comes from. -->"
+            ),
+        ]
+        urdf = [
+            *head,
+            f'<robot name="{self.name}">',
+            *materials,
+            "",
+            *self.elements,
+            "</robot>",
+            "",
+        ]
         srdf = [
             '<?xml version="1.0"?>',
-            f"<!-- Reference pose of {self.name}.urdf, which closes the loops of {self.name}.yaml to 1e-12. Written by make_robots.py. -->",
+            (
+                f"<!-- Reference pose of {self.name}.urdf, which closes the loops of "
+                f"{self.name}.yaml to 1e-12. Written by make_robots.py. -->"
+            ),
             f'<robot name="{self.name}">',
             '  <group name="all">',
             *(f'    <joint name="{joint}"/>' for joint in self.home),
@@ -225,14 +297,20 @@ class Robot:
             *(f'    <joint name="{joint}"/>' for joint in self.actuated),
             "  </group>",
             '  <group_state name="home" group="all">',
-            *(f'    <joint name="{joint}" value="{_exact(value)}"/>' for joint, value in self.home.items()),
+            *(
+                f'    <joint name="{joint}" value="{_exact(value)}"/>'
+                for joint, value in self.home.items()
+            ),
             "  </group_state>",
             "</robot>",
             "",
         ]
         pairs = ",\n              ".join(f"[{first}, {second}]" for first, second in self.loops)
         yaml = [
-            f"# The loops of {self.name}.urdf and its actuated joints, in the keys of toolbox-parallel-robots. Written by make_robots.py.",
+            (
+                f"# The loops of {self.name}.urdf and its actuated joints, in the keys of "
+                "toolbox-parallel-robots. Written by make_robots.py."
+            ),
             f"closed_loop: [{pairs}]",
             f"type: [{', '.join(['3d'] * len(self.loops))}]",
             f"name_mot: [{', '.join(self.actuated)}]",
@@ -240,12 +318,18 @@ class Robot:
             "joint_type: []",
             "",
         ]
-        return {f"{self.name}.urdf": "\n".join(urdf), f"{self.name}.srdf": "\n".join(srdf), f"{self.name}.yaml": "\n".join(yaml)}
+        return {
+            f"{self.name}.urdf": "\n".join(urdf),
+            f"{self.name}.srdf": "\n".join(srdf),
+            f"{self.name}.yaml": "\n".join(yaml),
+        }
 
 
 def at(position: ArrayLike = (0.0, 0.0, 0.0), rotation: ArrayLike | None = None) -> pin.SE3:
     """Return a placement; without a rotation the axes stay parallel."""
-    return pin.SE3(np.eye(3) if rotation is None else np.asarray(rotation), np.asarray(position, dtype=float))
+    return pin.SE3(
+        np.eye(3) if rotation is None else np.asarray(rotation), np.asarray(position, dtype=float)
+    )
 
 
 def turn(angle: float) -> Array:
@@ -255,10 +339,15 @@ def turn(angle: float) -> Array:
 
 def beams(radius: float, height: float, azimuths: Iterable[float], width: float) -> list[Solid]:
     """Return beams from the axis outward."""
-    return [box((radius, width, width), around(azimuth, 0.5 * radius, height), "anodized", azimuth) for azimuth in azimuths]
+    return [
+        box((radius, width, width), around(azimuth, 0.5 * radius, height), "anodized", azimuth)
+        for azimuth in azimuths
+    ]
 
 
-def columns(radius: float, top: float, floor: float, azimuths: Iterable[float], width: float) -> list[Solid]:
+def columns(
+    radius: float, top: float, floor: float, azimuths: Iterable[float], width: float
+) -> list[Solid]:
     """Return columns at a distance from the axis, each with a foot."""
     solids = []
     for azimuth in azimuths:
@@ -271,16 +360,24 @@ def columns(radius: float, top: float, floor: float, azimuths: Iterable[float], 
 
 
 def five_bar() -> Robot:
-    """Return two motors side by side, two cranks, two rods that meet in a point; in a vertical plane, seen from the side of y."""
+    """Return two motors side by side, two cranks, two rods that meet in a point.
+
+    In a vertical plane, seen from the side of y.
+    """
     spacing, crank, coupler, swing = 0.2, 0.2, 0.28, 0.6
     robot = Robot("five_bar", "Planar five-bar linkage in the plane y = 0.")
     shafts = {1: 0.5 * spacing * X, 2: -0.5 * spacing * X}
     posts = [box((0.03, 0.03, 0.66), [x, -0.075, -0.29], "anodized") for x in (-0.17, 0.17)]
     motors = [rod(shaft - 0.06 * Y, shaft - 0.15 * Y, 0.032, "rubber") for shaft in shafts.values()]
-    bearings = [rod(shaft - 0.012 * Y, shaft - 0.05 * Y, 0.022, "steel") for shaft in shafts.values()]
+    bearings = [
+        rod(shaft - 0.012 * Y, shaft - 0.05 * Y, 0.022, "steel") for shaft in shafts.values()
+    ]
     foot = box((0.46, 0.24, 0.02), [0.0, -0.06, -0.63], "anodized")
-    robot.base([box((0.40, 0.03, 0.10), [0.0, -0.05, 0.0], "aluminum"), *posts, foot, *motors, *bearings])
-    # At home the robot is symmetric, its point below the middle: each rod leans toward it by this angle.
+    robot.base(
+        [box((0.40, 0.03, 0.10), [0.0, -0.05, 0.0], "aluminum"), *posts, foot, *motors, *bearings]
+    )
+    # At home the robot is symmetric, its point below the middle: each rod leans toward it by this
+    # angle.
     lean = np.arcsin((0.5 * spacing + crank * np.sin(swing)) / coupler)
     elbow = -crank * Z
     end = -coupler * Z
@@ -300,9 +397,28 @@ def five_bar() -> Robot:
         if leg == 1:
             lower.append(rod(end + 0.01 * Y, end + 0.055 * Y, 0.006, "accent"))
         shoulder, limits = at(shafts[leg]), (-1.5, 1.5)
-        robot.body(f"leg{leg}_crank", upper, f"leg{leg}_shoulder", "base", shoulder, "y", limits, side * swing, (20.0, 20.0))
+        robot.body(
+            f"leg{leg}_crank",
+            upper,
+            f"leg{leg}_shoulder",
+            "base",
+            shoulder,
+            "y",
+            limits,
+            side * swing,
+            (20.0, 20.0),
+        )
         bend = -side * (lean + swing)
-        robot.body(f"leg{leg}_rod", lower, f"leg{leg}_elbow", f"leg{leg}_crank", at(elbow), "y", (-2.6, 2.6), bend)
+        robot.body(
+            f"leg{leg}_rod",
+            lower,
+            f"leg{leg}_elbow",
+            f"leg{leg}_crank",
+            at(elbow),
+            "y",
+            (-2.6, 2.6),
+            bend,
+        )
     robot.frame("tip", "leg1_rod", end)
     robot.frame("leg2_end", "leg2_rod", end)
     robot.close("tip", "leg2_end")
@@ -322,7 +438,8 @@ def planar_3rrr() -> Robot:
             rod(shaft - 0.025 * Z, shaft - 0.008 * Z, 0.02, "steel"),
         ]
     robot.base(table)
-    # At home the platform is centered and not turned; the law of cosines in the triangle shaft, elbow, wrist.
+    # At home the platform is centered and not turned; the law of cosines in the triangle shaft,
+    # elbow, wrist.
     reach = base - platform
     swing = np.arccos((reach**2 + crank**2 - coupler**2) / (2.0 * reach * crank))
     bend = np.pi - np.arccos((crank**2 + coupler**2 - reach**2) / (2.0 * crank * coupler))
@@ -339,8 +456,27 @@ def planar_3rrr() -> Robot:
         ]
         # The crank's angle is counted from the direction to the middle.
         placement = at(around(azimuth, base), turn(azimuth + np.pi))
-        robot.body(f"leg{leg}_crank", upper, f"leg{leg}_shoulder", "base", placement, "z", (-1.0, 2.2), swing, (10.0, 20.0))
-        robot.body(f"leg{leg}_rod", lower, f"leg{leg}_elbow", f"leg{leg}_crank", at([crank, 0.0, 0.0]), "z", (-2.7, 2.7), -bend)
+        robot.body(
+            f"leg{leg}_crank",
+            upper,
+            f"leg{leg}_shoulder",
+            "base",
+            placement,
+            "z",
+            (-1.0, 2.2),
+            swing,
+            (10.0, 20.0),
+        )
+        robot.body(
+            f"leg{leg}_rod",
+            lower,
+            f"leg{leg}_elbow",
+            f"leg{leg}_crank",
+            at([crank, 0.0, 0.0]),
+            "z",
+            (-2.7, 2.7),
+            -bend,
+        )
     corners = {leg: around(azimuth, platform) for leg, azimuth in azimuths.items()}
     plate = [rod(0.022 * Z, 0.034 * Z, 0.03, "anodized"), rod(0.034 * Z, 0.07 * Z, 0.008, "accent")]
     for corner, azimuth in zip(corners.values(), azimuths.values(), strict=True):
@@ -348,10 +484,17 @@ def planar_3rrr() -> Robot:
             box((platform, 0.022, 0.008), 0.5 * corner + 0.028 * Z, "aluminum", azimuth),
             rod(corner + 0.022 * Z, corner + 0.036 * Z, 0.014, "anodized"),
         ]
-    # The platform's axes are the base's at home, where the rod of leg 1 has turned by the azimuth of its frame, the swing and the bend.
+    # The platform's axes are the base's at home, where the rod of leg 1 has turned by the azimuth
+    # of its frame, the swing and the bend.
     rod_direction = azimuths[1] + np.pi + swing - bend
     robot.body(
-        "platform", moved(plate, -corners[1]), "leg1_wrist", "leg1_rod", at([coupler, 0.0, 0.0], turn(-rod_direction)), "z", (-2.7, 2.7)
+        "platform",
+        moved(plate, -corners[1]),
+        "leg1_wrist",
+        "leg1_rod",
+        at([coupler, 0.0, 0.0], turn(-rod_direction)),
+        "z",
+        (-2.7, 2.7),
     )
     robot.frame("tip", "platform", -corners[1])
     for leg in (2, 3):
@@ -367,7 +510,9 @@ def delta() -> Robot:
     robot = Robot("delta", "Delta robot: three driven arms, six rods.")
     azimuths = {leg: 2.0 * np.pi / 3.0 * (leg - 1) for leg in (1, 2, 3)}
     # The beams pass above the arms, as far up as these swing.
-    stand = beams(0.46, 0.3, azimuths.values(), 0.04) + columns(0.46, 0.3, -0.62, azimuths.values(), 0.04)
+    stand = beams(0.46, 0.3, azimuths.values(), 0.04) + columns(
+        0.46, 0.3, -0.62, azimuths.values(), 0.04
+    )
     stand += [rod(0.05 * Z, 0.09 * Z, 0.16, "anodized"), rod(0.09 * Z, 0.3 * Z, 0.06, "anodized")]
     for azimuth in azimuths.values():
         sideways, shoulder = around(azimuth + np.pi / 2.0, 1.0), around(azimuth, base)
@@ -390,14 +535,34 @@ def delta() -> Robot:
     ]
     for leg, azimuth in azimuths.items():
         placement = at(around(azimuth, base), turn(azimuth))
-        robot.body(f"leg{leg}_arm", link, f"leg{leg}_shoulder", "base", placement, "y", (-1.0, 1.5), 0.0, (30.0, 20.0))
+        robot.body(
+            f"leg{leg}_arm",
+            link,
+            f"leg{leg}_shoulder",
+            "base",
+            placement,
+            "y",
+            (-1.0, 1.5),
+            0.0,
+            (30.0, 20.0),
+        )
         for number, side in ((1, 1.0), (2, -1.0)):
             name = f"leg{leg}_rod{number}"
             hinge = at([arm, 0.5 * side * spacing, 0.0])
-            robot.body(f"{name}_cross", cross(0.005, 0.024, "y", "x"), f"{name}_pitch", f"leg{leg}_arm", hinge, "y", (-1.5, 2.6), lean)
+            robot.body(
+                f"{name}_cross",
+                cross(0.005, 0.024, "y", "x"),
+                f"{name}_pitch",
+                f"leg{leg}_arm",
+                hinge,
+                "y",
+                (-1.5, 2.6),
+                lean,
+            )
             robot.body(name, thin, f"{name}_swing", f"{name}_cross", at(), "x", (-1.2, 1.2))
     ends = {
-        (leg, number): around(azimuth, platform) + 0.5 * side * spacing * around(azimuth + np.pi / 2.0, 1.0)
+        (leg, number): around(azimuth, platform)
+        + 0.5 * side * spacing * around(azimuth + np.pi / 2.0, 1.0)
         for leg, azimuth in azimuths.items()
         for number, side in ((1, 1.0), (2, -1.0))
     }
@@ -406,12 +571,38 @@ def delta() -> Robot:
         rod(-0.05 * Z, -0.012 * Z, 0.012, "accent"),
         *(rod(ends[leg, 1], ends[leg, 2], 0.007, "steel") for leg in azimuths),
     ]
-    # A ball joint at the lower end of the first rod of leg 1 carries the platform. It undoes swing and pitch of the rod, so that its middle
-    # angle is always 0, far from where its axes fall together.
+    # A ball joint at the lower end of the first rod of leg 1 carries the platform. It undoes swing
+    # and pitch of the rod, so that its middle angle is always 0, far from where its axes fall
+    # together.
     lower = at(-rod_length * Z)
-    robot.body("platform_cross1", cross(0.004, 0.02, "x", "z"), "platform_x", "leg1_rod1", lower, "x", (-1.2, 1.2))
-    robot.body("platform_cross2", cross(0.004, 0.02, "z", "y"), "platform_z", "platform_cross1", at(), "z", (-1.2, 1.2))
-    robot.body("platform", moved(plate, -ends[1, 1]), "platform_y", "platform_cross2", at(), "y", (-2.6, 2.6), -lean)
+    robot.body(
+        "platform_cross1",
+        cross(0.004, 0.02, "x", "z"),
+        "platform_x",
+        "leg1_rod1",
+        lower,
+        "x",
+        (-1.2, 1.2),
+    )
+    robot.body(
+        "platform_cross2",
+        cross(0.004, 0.02, "z", "y"),
+        "platform_z",
+        "platform_cross1",
+        at(),
+        "z",
+        (-1.2, 1.2),
+    )
+    robot.body(
+        "platform",
+        moved(plate, -ends[1, 1]),
+        "platform_y",
+        "platform_cross2",
+        at(),
+        "y",
+        (-2.6, 2.6),
+        -lean,
+    )
     robot.frame("tip", "platform", -ends[1, 1])
     for (leg, number), end in ends.items():
         if (leg, number) != (1, 1):
@@ -431,10 +622,12 @@ def extensible_leg(
     stroke: tuple[float, float],
     motor: tuple[float, float],
 ) -> None:
-    """Add a universal joint at ``foot`` and a slider whose coordinate is the distance to the leg's end.
+    """Add a universal joint at ``foot`` and a slider.
 
-    At home the leg points to ``end`` and its universal joint is straight: the leg's frame has z along the leg and x horizontal.
-    ``tube`` and ``piston`` hold radius and length.
+    The slider's coordinate is the distance to the leg's end.
+
+    At home the leg points to ``end`` and its universal joint is straight: the leg's frame has z
+    along the leg and x horizontal. ``tube`` and ``piston`` hold radius and length.
     """
     placement = at(foot, _turn_to(end - foot))
     body = [
@@ -447,26 +640,61 @@ def extensible_leg(
         ball(1.5 * piston[0], np.zeros(3), "steel"),
     ]
     length = float(np.linalg.norm(end - foot))
-    robot.body(f"{name}_cross", cross(0.4 * tube[0], 2.6 * tube[0], "x", "y"), f"{name}_universal_x", "base", placement, "x", (-1.2, 1.2))
+    robot.body(
+        f"{name}_cross",
+        cross(0.4 * tube[0], 2.6 * tube[0], "x", "y"),
+        f"{name}_universal_x",
+        "base",
+        placement,
+        "x",
+        (-1.2, 1.2),
+    )
     robot.body(f"{name}_tube", body, f"{name}_universal_y", f"{name}_cross", at(), "y", (-1.2, 1.2))
-    robot.body(f"{name}_rod", slider, f"{name}_length", f"{name}_tube", at(), "along z", stroke, length, motor)
+    robot.body(
+        f"{name}_rod",
+        slider,
+        f"{name}_length",
+        f"{name}_tube",
+        at(),
+        "along z",
+        stroke,
+        length,
+        motor,
+    )
 
 
 def gough_stewart() -> Robot:
-    """Return six legs of adjustable length between a base and a platform, each on a universal joint below and a ball above."""
+    """Return six legs of adjustable length between a base and a platform.
+
+    Each is on a universal joint below and a ball above.
+    """
     base, platform, height = 0.5, 0.3, 0.7
     robot = Robot("gough_stewart", "Gough-Stewart platform: six legs of adjustable length (6-UPS).")
     near = np.radians(10.0)
-    feet = [around(2.0 * np.pi / 3.0 * k + sign * near, base) for k, sign in ((0, 1), (1, -1), (1, 1), (2, -1), (2, 1), (3, -1))]
+    feet = [
+        around(2.0 * np.pi / 3.0 * k + sign * near, base)
+        for k, sign in ((0, 1), (1, -1), (1, 1), (2, -1), (2, 1), (3, -1))
+    ]
     corners = [
         around(np.pi / 3.0 + 2.0 * np.pi / 3.0 * k + sign * near, platform)
         for k, sign in ((0, -1), (0, 1), (1, -1), (1, 1), (2, -1), (2, 1))
     ]
     floor = [rod(-0.09 * Z, -0.06 * Z, 0.6, "anodized"), rod(-0.11 * Z, -0.09 * Z, 0.56, "rubber")]
-    robot.base([*floor, *(rod(foot - 0.06 * Z, foot - 0.02 * Z, 0.05, "aluminum") for foot in feet)])
+    robot.base(
+        [*floor, *(rod(foot - 0.06 * Z, foot - 0.02 * Z, 0.05, "aluminum") for foot in feet)]
+    )
     lift = height * Z
     for leg, (foot, corner) in enumerate(zip(feet, corners, strict=True), start=1):
-        extensible_leg(robot, f"leg{leg}", foot, corner + lift, (0.035, 0.5), (0.018, 0.55), (0.6, 0.95), (3000.0, 2.0))
+        extensible_leg(
+            robot,
+            f"leg{leg}",
+            foot,
+            corner + lift,
+            (0.035, 0.5),
+            (0.018, 0.55),
+            (0.6, 0.95),
+            (3000.0, 2.0),
+        )
         if leg == 1:
             plate = [
                 rod(0.02 * Z, 0.04 * Z, 0.32, "anodized"),
@@ -476,9 +704,33 @@ def gough_stewart() -> Robot:
             ]
             # The ball's axes are the base's at home.
             level = at(rotation=_turn_to(corner + lift - foot).T)
-            robot.body("platform_cross1", cross(0.012, 0.06, "x", "y"), "platform_x", "leg1_rod", level, "x", (-1.5, 1.5))
-            robot.body("platform_cross2", cross(0.012, 0.06, "y", "z"), "platform_y", "platform_cross1", at(), "y", (-1.5, 1.5))
-            robot.body("platform", moved(plate, -corner), "platform_z", "platform_cross2", at(), "z", (-1.5, 1.5))
+            robot.body(
+                "platform_cross1",
+                cross(0.012, 0.06, "x", "y"),
+                "platform_x",
+                "leg1_rod",
+                level,
+                "x",
+                (-1.5, 1.5),
+            )
+            robot.body(
+                "platform_cross2",
+                cross(0.012, 0.06, "y", "z"),
+                "platform_y",
+                "platform_cross1",
+                at(),
+                "y",
+                (-1.5, 1.5),
+            )
+            robot.body(
+                "platform",
+                moved(plate, -corner),
+                "platform_z",
+                "platform_cross2",
+                at(),
+                "z",
+                (-1.5, 1.5),
+            )
             robot.frame("tip", "platform", -corner)
         else:
             robot.frame(f"leg{leg}_end", f"leg{leg}_rod")
@@ -488,9 +740,15 @@ def gough_stewart() -> Robot:
 
 
 def tricept() -> Robot:
-    """Return three legs of adjustable length and a tube in the middle that slides in a universal joint and carries platform and tool."""
+    """Return three legs of adjustable length and a tube in the middle.
+
+    The tube slides in a universal joint and carries platform and tool.
+    """
     base, platform, depth, tool = 0.4, 0.16, 1.15, 0.25
-    robot = Robot("tricept", "Tricept: three legs of adjustable length (UPS) around a sliding central tube (UP).")
+    robot = Robot(
+        "tricept",
+        "Tricept: three legs of adjustable length (UPS) around a sliding central tube (UP).",
+    )
     azimuths = {leg: 2.0 * np.pi / 3.0 * (leg - 1) for leg in (1, 2, 3)}
     feet = {leg: around(azimuth, base) for leg, azimuth in azimuths.items()}
     # One column out of the tool's reach.
@@ -501,12 +759,24 @@ def tricept() -> Robot:
     # A fork above each leg's universal joint; its hinge lies across the leg's azimuth.
     for azimuth, foot in zip(azimuths.values(), feet.values(), strict=True):
         sideways = around(azimuth + np.pi / 2.0, 0.055)
-        stand += [box((0.08, 0.02, 0.1), foot + side * sideways + 0.03 * Z, "aluminum", azimuth) for side in (-1.0, 1.0)]
+        stand += [
+            box((0.08, 0.02, 0.1), foot + side * sideways + 0.03 * Z, "aluminum", azimuth)
+            for side in (-1.0, 1.0)
+        ]
     robot.base(stand)
     corners = {leg: around(azimuth, platform) for leg, azimuth in azimuths.items()}
     down = -depth * Z
     for leg in azimuths:
-        extensible_leg(robot, f"leg{leg}", feet[leg], corners[leg] + down, (0.04, 0.8), (0.02, 0.85), (0.9, 1.55), (5000.0, 2.0))
+        extensible_leg(
+            robot,
+            f"leg{leg}",
+            feet[leg],
+            corners[leg] + down,
+            (0.04, 0.8),
+            (0.02, 0.85),
+            (0.9, 1.55),
+            (5000.0, 2.0),
+        )
     ring = [rod(-0.05 * Y, 0.05 * Y, 0.02, "steel"), rod(-0.09 * X, 0.09 * X, 0.02, "steel")]
     sleeve = [rod(-0.08 * Z, 0.08 * Z, 0.06, "anodized", 0.045)]
     tube = [
@@ -514,12 +784,19 @@ def tricept() -> Robot:
         rod(-0.03 * Z, 0.0 * Z, 0.19, "anodized"),
         rod(-0.17 * Z, -0.03 * Z, 0.05, "aluminum"),
         rod(-tool * Z, -0.17 * Z, 0.012, "accent"),
-        *(rod(corner - 0.02 * Z, corner + 0.01 * Z, 0.03, "aluminum") for corner in corners.values()),
+        *(
+            rod(corner - 0.02 * Z, corner + 0.01 * Z, 0.03, "aluminum")
+            for corner in corners.values()
+        ),
     ]
     robot.body("center_cross", ring, "center_universal_x", "base", at(), "x", (-0.7, 0.7))
-    robot.body("center_sleeve", sleeve, "center_universal_y", "center_cross", at(), "y", (-0.7, 0.7))
+    robot.body(
+        "center_sleeve", sleeve, "center_universal_y", "center_cross", at(), "y", (-0.7, 0.7)
+    )
     # The tube's coordinate is the distance from the universal joint down to the platform.
-    robot.body("platform", tube, "center_length", "center_sleeve", at(), "along -z", (0.8, 1.45), depth)
+    robot.body(
+        "platform", tube, "center_length", "center_sleeve", at(), "along -z", (0.8, 1.45), depth
+    )
     robot.frame("tip", "platform", -tool * Z)
     for leg, corner in corners.items():
         robot.frame(f"leg{leg}_end", f"leg{leg}_rod")

@@ -1,7 +1,10 @@
-"""Draw the figures of the documentation anew: ``make pictures``, or ``python docs/pictures/make_figures.py``.
+"""Draw the figures of the documentation anew.
 
-Each is one SVG for light and dark pages: it follows the reader's color scheme, and has a ground of its own, so that it can be read on
-any page. What lines and areas are is written beside them, and never told by color alone.
+Run by ``make pictures``, or ``python docs/pictures/make_figures.py``.
+
+Each is one SVG for light and dark pages: it follows the reader's color scheme, and has a ground of
+its own, so that it can be read on any page. What lines and areas are is written beside them, and
+never told by color alone.
 """
 
 from __future__ import annotations
@@ -27,18 +30,28 @@ TEXT, MUTED = GROUNDS["light"][1:3]
 
 
 def save(figure: Figure, name: str) -> None:
-    """Write a figure drawn in the light style as an SVG whose colors change with the reader's scheme."""
+    """Write a figure drawn in the light style as an SVG.
+
+    Its colors change with the reader's scheme.
+    """
     buffer = io.StringIO()
-    figure.savefig(buffer, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None})
+    figure.savefig(
+        buffer, format="svg", metadata={"Date": None, "Creator": None, "Type": None, "Format": None}
+    )
     light = (*GROUNDS["light"], *CYCLES["light"])
     dark = (*GROUNDS["dark"], *CYCLES["dark"])
     text = buffer.getvalue()
     for number, color in enumerate(light):
         text = re.sub(rf"(?<=[ \"':]){color}\b", f"var(--c{number})", text, flags=re.IGNORECASE)
-    sheets = [":root {" + " ".join(f"--c{n}: {color.lower()};" for n, color in enumerate(scheme)) + "}" for scheme in (light, dark)]
+    sheets = [
+        ":root {" + " ".join(f"--c{n}: {color.lower()};" for n, color in enumerate(scheme)) + "}"
+        for scheme in (light, dark)
+    ]
     rules = f"<style>{sheets[0]} @media (prefers-color-scheme: dark) {{{sheets[1]}}}</style>"
     text = re.sub(r"(<svg\b[^>]*>)", rf"\1\n {rules}", text, count=1)
-    (HERE / f"{name}.svg").write_text(re.sub(r"[ \t]+$", "", text, flags=re.MULTILINE), encoding="utf-8")
+    (HERE / f"{name}.svg").write_text(
+        re.sub(r"[ \t]+$", "", text, flags=re.MULTILINE), encoding="utf-8"
+    )
 
 
 def box(
@@ -46,22 +59,52 @@ def box(
 ) -> tuple[float, float, float, float]:
     """Draw a box with a text in its middle and return its middle and half sizes."""
     options = {"edgecolor": MUTED, "facecolor": "none", "linewidth": 1.2, **edge}
-    axes.add_patch(FancyBboxPatch((x - width / 2, y - height / 2), width, height, boxstyle="round,pad=0,rounding_size=0.12", **options))
+    axes.add_patch(
+        FancyBboxPatch(
+            (x - width / 2, y - height / 2),
+            width,
+            height,
+            boxstyle="round,pad=0,rounding_size=0.12",
+            **options,
+        )
+    )
     axes.text(x, y, text, ha="center", va="center", fontsize=9.0)
     return x, y, width / 2, height / 2
 
 
 def arrow(
-    axes: Axes, start: tuple[float, float], end: tuple[float, float], text: str = "", offset: tuple[float, float] = (0.0, 0.14), **line: Any
+    axes: Axes,
+    start: tuple[float, float],
+    end: tuple[float, float],
+    text: str = "",
+    offset: tuple[float, float] = (0.0, 0.14),
+    **line: Any,
 ) -> None:
     """Draw an arrow with a text beside its middle."""
-    options = {"arrowstyle": "-|>", "mutation_scale": 11.0, "color": TEXT, "linewidth": 1.2, "shrinkA": 0.0, "shrinkB": 0.0, **line}
+    options = {
+        "arrowstyle": "-|>",
+        "mutation_scale": 11.0,
+        "color": TEXT,
+        "linewidth": 1.2,
+        "shrinkA": 0.0,
+        "shrinkB": 0.0,
+        **line,
+    }
     axes.add_patch(FancyArrowPatch(start, end, **options))
     if text:
-        axes.text((start[0] + end[0]) / 2 + offset[0], (start[1] + end[1]) / 2 + offset[1], text, ha="center", va="bottom", fontsize=9.0)
+        axes.text(
+            (start[0] + end[0]) / 2 + offset[0],
+            (start[1] + end[1]) / 2 + offset[1],
+            text,
+            ha="center",
+            va="bottom",
+            fontsize=9.0,
+        )
 
 
-def diagram(width: float, height: float, x: tuple[float, float], y: tuple[float, float]) -> tuple[Figure, Axes]:
+def diagram(
+    width: float, height: float, x: tuple[float, float], y: tuple[float, float]
+) -> tuple[Figure, Axes]:
     """Return a figure for a diagram, without axes."""
     figure = Figure(figsize=(width, height), layout="constrained")
     axes = figure.subplots()
@@ -78,26 +121,49 @@ def panel(width: float = 3.4, height: float = 3.2) -> tuple[Figure, Axes]:
 
 def note(axes: Axes, text: str, point: tuple[float, float], place: tuple[float, float]) -> None:
     """Write what something is, with a line that leads to it."""
-    axes.annotate(text, point, xytext=place, fontsize=9.0, arrowprops={"arrowstyle": "-", "color": MUTED})
+    axes.annotate(
+        text, point, xytext=place, fontsize=9.0, arrowprops={"arrowstyle": "-", "color": MUTED}
+    )
 
 
 def star() -> None:
     """Draw nuts and star from above, at home and tilted."""
     robot = psp3.load("psp3")
     azimuths = 2.0 * np.pi / 3.0 * np.arange(3)
-    nuts = 1e3 * robot.parameters.screw_radius * np.stack([np.cos(azimuths), np.sin(azimuths)], axis=1)
-    tilted = robot.forward_kinematics(robot.inverse_kinematics(height=0.0, tilt=np.radians(30.0), azimuth=np.radians(200.0))).center
+    nuts = (
+        1e3 * robot.parameters.screw_radius * np.stack([np.cos(azimuths), np.sin(azimuths)], axis=1)
+    )
+    tilted = robot.forward_kinematics(
+        robot.inverse_kinematics(height=0.0, tilt=np.radians(30.0), azimuth=np.radians(200.0))
+    ).center
     figure, axes = panel()
     axes.plot(*np.vstack([nuts, nuts[:1]]).T, color=MUTED, linestyle=":", linewidth=1.0)
     axes.plot(*nuts.T, "o", color=TEXT, markersize=7)
     for leg, nut in enumerate(nuts, start=1):
-        axes.annotate(f"nut {leg}", nut, xytext=(0, 9 if leg != 3 else -15), textcoords="offset points", ha="center", fontsize=9)
-    for center, marker, label, color, line in ((np.zeros(3), "s", "home", BLUE, "--"), (tilted, "D", "tilt 30°", VERMILLION, "-")):
+        axes.annotate(
+            f"nut {leg}",
+            nut,
+            xytext=(0, 9 if leg != 3 else -15),
+            textcoords="offset points",
+            ha="center",
+            fontsize=9,
+        )
+    for center, marker, label, color, line in (
+        (np.zeros(3), "s", "home", BLUE, "--"),
+        (tilted, "D", "tilt 30°", VERMILLION, "-"),
+    ):
         for nut in nuts:
             axes.plot(*np.stack([nut, 1e3 * center[:2]]).T, line, color=color, linewidth=1.4)
         axes.plot(*(1e3 * center[:2]), marker + line, color=color, markersize=6, label=label)
     axes.legend(loc="upper right")
-    axes.set(title="Star from above", xlabel="x [mm]", ylabel="y [mm]", aspect="equal", xlim=(-140, 250), ylim=(-195, 195))
+    axes.set(
+        title="Star from above",
+        xlabel="x [mm]",
+        ylabel="y [mm]",
+        aspect="equal",
+        xlim=(-140, 250),
+        ylim=(-195, 195),
+    )
     save(figure, "star")
 
 
@@ -110,8 +176,17 @@ def parasitic_motion() -> None:
         centers = 1e3 * robot.forward_kinematics(heights).center
         axes.plot(*centers[:, :2].T, line, color=color)
         top = centers[np.argmax(centers[:, 1])][:2]
-        axes.annotate(f"{tilt:.0f}°", top, xytext=(0, 2), textcoords="offset points", ha="center", fontsize=9)
-    axes.set(title="Path of the center, by tilt", xlabel="x [mm]", ylabel="y [mm]", aspect="equal", xlim=(-16, 16), ylim=(-16, 17))
+        axes.annotate(
+            f"{tilt:.0f}°", top, xytext=(0, 2), textcoords="offset points", ha="center", fontsize=9
+        )
+    axes.set(
+        title="Path of the center, by tilt",
+        xlabel="x [mm]",
+        ylabel="y [mm]",
+        aspect="equal",
+        xlim=(-16, 16),
+        ylim=(-16, 17),
+    )
     save(figure, "parasitic_motion")
 
 
@@ -125,7 +200,14 @@ def reach() -> None:
     note(axes, f"{radius[0]:.1f} mm\ntoward screw 1", (radius[0], 0.0), (27.0, 14.0))
     note(axes, f"{radius[180]:.1f} mm", (-radius[180], 0.0), (-52.0, -28.0))
     axes.plot(0.0, 0.0, "+", color=TEXT)
-    axes.set(title="Reach of the tip", xlabel="x [mm]", ylabel="y [mm]", aspect="equal", xlim=(-60, 72), ylim=(-66, 66))
+    axes.set(
+        title="Reach of the tip",
+        xlabel="x [mm]",
+        ylabel="y [mm]",
+        aspect="equal",
+        xlim=(-60, 72),
+        ylim=(-66, 66),
+    )
     save(figure, "reach")
 
 
@@ -133,7 +215,12 @@ def loops() -> None:
     """Draw the tree and the two closures."""
     figure, axes = diagram(4.3, 5.4, (-0.9, 5.9), (-1.0, 7.6))
     box(axes, 2.5, 7.0, "base", 6.4, 0.8)
-    rows = ("motor, nut $a_{}$", "ball, 1st $\\varphi_{}$", "ball, 2nd $\\theta_{}$", "ball, 3rd $\\lambda_{}$")
+    rows = (
+        "motor, nut $a_{}$",
+        "ball, 1st $\\varphi_{}$",
+        "ball, 2nd $\\theta_{}$",
+        "ball, 3rd $\\lambda_{}$",
+    )
     for x, leg in ((0.25, 2), (2.5, 1), (4.75, 3)):
         below = 6.6
         for number, words in enumerate(rows):
@@ -142,10 +229,27 @@ def loops() -> None:
             box(axes, x, y, words.format(leg), 1.7, 0.7, **edge)
             arrow(axes, (x, below), (x, y + 0.35))
             below = y - 0.35
-        box(axes, x, 0.5, f"slider $b_{leg}$,\none third\nof the star", 1.5, 1.15, edgecolor=BLUE, linewidth=2.2)
+        box(
+            axes,
+            x,
+            0.5,
+            f"slider $b_{leg}$,\none third\nof the star",
+            1.5,
+            1.15,
+            edgecolor=BLUE,
+            linewidth=2.2,
+        )
         arrow(axes, (x, below), (x, 1.08))
     for start, end in ((1.0, 1.75), (3.25, 4.0)):
-        arrow(axes, (start, 0.5), (end, 0.5), arrowstyle="<|-|>", linestyle="--", color=BLUE, linewidth=1.8)
+        arrow(
+            axes,
+            (start, 0.5),
+            (end, 0.5),
+            arrowstyle="<|-|>",
+            linestyle="--",
+            color=BLUE,
+            linewidth=1.8,
+        )
         axes.text((start + end) / 2, -0.2, "closure,\n6D", ha="center", va="top", fontsize=9.0)
     save(figure, "loops")
 
@@ -153,7 +257,11 @@ def loops() -> None:
 def complement() -> None:
     """Draw how speeds become twists, and forces come back."""
     figure, axes = diagram(3.9, 4.6, (-2.3, 3.2), (-0.8, 5.7))
-    for y, words in ((5.0, "3 motors: speeds $\\dot a$"), (2.5, "15 joints: velocities $\\dot q$"), (0.0, "15 bodies: twists $t$")):
+    for y, words in (
+        (5.0, "3 motors: speeds $\\dot a$"),
+        (2.5, "15 joints: velocities $\\dot q$"),
+        (0.0, "15 bodies: twists $t$"),
+    ):
         box(axes, 0.0, y, words, 3.2, 0.9)
     for y, name in ((4.55, "L"), (2.05, "K")):
         arrow(axes, (-0.3, y), (-0.3, y - 1.6))
@@ -185,9 +293,20 @@ def vertical_slices() -> None:
     axes.plot([0.0, low, low, high, high, 1.0], [0.0, 0.0, 1.0, 1.0, 0.0, 0.0], color=BLUE)
     axes.text((low + high) / 2, 1.04, "interval", ha="center", fontsize=9)
     u = np.linspace(0.0, 1.0, 400)
-    axes.plot(u, fuzzy2.GaussianType2Set(fuzzy2.Gaussian(0.0, 0.6), 0.11).secondary_grade(SLICE, u), "--", color=VERMILLION)
+    axes.plot(
+        u,
+        fuzzy2.GaussianType2Set(fuzzy2.Gaussian(0.0, 0.6), 0.11).secondary_grade(SLICE, u),
+        "--",
+        color=VERMILLION,
+    )
     note(axes, "Gaussian", (0.7, 0.7), (0.86, 0.85))
-    axes.set(title=f"Vertical slice at {SLICE}", xlabel="membership u", ylabel="secondary grade", ylim=(0.0, 1.18), xlim=(-0.05, 1.15))
+    axes.set(
+        title=f"Vertical slice at {SLICE}",
+        xlabel="membership u",
+        ylabel="secondary grade",
+        ylim=(0.0, 1.18),
+        xlim=(-0.05, 1.15),
+    )
     save(figure, "vertical_slices")
 
 
@@ -197,7 +316,9 @@ def centroid() -> None:
     interval = _band(axes)
     left, right = interval.centroid()
     x = np.linspace(-2.2, 2.2, 600)
-    axes.plot(x, np.where(x < left, interval.upper(x), interval.lower(x)), color=VERMILLION, linewidth=2.2)
+    axes.plot(
+        x, np.where(x < left, interval.upper(x), interval.lower(x)), color=VERMILLION, linewidth=2.2
+    )
     note(axes, "embedded set of the left\nend: upper, then lower", (-0.55, 0.85), (-2.15, 1.05))
     axes.plot([left, right], [0.04, 0.04], color=TEXT, linewidth=5.0, solid_capstyle="butt")
     note(axes, f"centroid\n[{left:.2f}, {right:.2f}]", (right - 0.05, 0.05), (1.0, 0.6))
@@ -227,7 +348,12 @@ def fuzzy_computed_torque() -> None:
     box(axes, 0.0, 3.7, "torque, fuzzy\n$\\alpha\\,(\\cdot) + \\beta$", 2.8, 1.1, **blue)
     box(axes, 0.0, 1.9, "defuzzify", 2.8, 0.8)
     box(axes, 0.0, 0.0, "robot", 2.8, 0.9)
-    for start, end, words in ((6.9, 6.15, ""), (5.05, 4.25, ""), (3.15, 2.3, ""), (1.5, 0.45, "$\\tau$")):
+    for start, end, words in (
+        (6.9, 6.15, ""),
+        (5.05, 4.25, ""),
+        (3.15, 2.3, ""),
+        (1.5, 0.45, "$\\tau$"),
+    ):
         arrow(axes, (0.0, start), (0.0, end))
         axes.text(0.15, (start + end) / 2, words, ha="left", va="center", fontsize=9.0)
     box(axes, 3.5, 3.7, "fuzzy estimator\n16 rules,\n18 outputs", 2.2, 1.4, **blue)
@@ -242,7 +368,17 @@ def fuzzy_computed_torque() -> None:
     save(figure, "fuzzy_computed_torque")
 
 
-FIGURES = (star, parasitic_motion, reach, loops, complement, footprint, vertical_slices, centroid, fuzzy_computed_torque)
+FIGURES = (
+    star,
+    parasitic_motion,
+    reach,
+    loops,
+    complement,
+    footprint,
+    vertical_slices,
+    centroid,
+    fuzzy_computed_torque,
+)
 
 
 def main() -> None:

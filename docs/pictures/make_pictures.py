@@ -23,12 +23,21 @@ ANIMATION_WIDTH, SECONDS, FRAME_RATE, COLORS = 720, 4.0, 10, 255
 OTHER_WIDTH = 400
 OTHERS = {"five_bar": 0.3, "planar_3rrr": 0.2, "delta": 0.3, "gough_stewart": 0.05, "tricept": 0.08}
 """How far each robot is from its reference pose [rad or m]."""
-HEIGHTS = psp3.load().inverse_kinematics(height=0.03, tilt=np.radians(18.0), azimuth=np.radians(200.0))
+HEIGHTS = psp3.load().inverse_kinematics(
+    height=0.03, tilt=np.radians(18.0), azimuth=np.radians(200.0)
+)
 
-RENDER_WITHOUT_A_SCREEN = ("--headless", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
+RENDER_WITHOUT_A_SCREEN = (
+    "--headless",
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+)
 
 HIDE_CONTROLS = """
-for (const name of ['playback', 'distance']) document.getElementById(name).style.visibility = 'hidden';
+for (const name of ['playback', 'distance']) document.getElementById(name).style.visibility = \
+'hidden';
 animator.pause();
 """
 
@@ -41,7 +50,9 @@ light.shadow.radius = 1;
 """
 
 
-def picture(browser: webdriver.Chrome, scene: Scene, width: int, script: str = "", *arguments: object) -> Image.Image:
+def picture(
+    browser: webdriver.Chrome, scene: Scene, width: int, script: str = "", *arguments: object
+) -> Image.Image:
     """Render a scene, after running a script in its page."""
     metrics = {"width": width, "height": HEIGHT, "deviceScaleFactor": 2, "mobile": False}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
@@ -49,9 +60,17 @@ def picture(browser: webdriver.Chrome, scene: Scene, width: int, script: str = "
         page = Path(directory) / "scene.html"
         scene.write_html(page)
         browser.get(page.as_uri())
-        browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
-        browser.execute_script("light.shadow.mapSize.set(4096, 4096); light.shadow.map.dispose(); light.shadow.map = null")
-        browser.execute_script(f"viewer.gui.domElement.style.visibility = 'hidden'; {script}; viewer.render()", *arguments)
+        browser.execute_async_script(
+            "requestAnimationFrame(() => requestAnimationFrame(arguments[0]))"
+        )
+        browser.execute_script(
+            "light.shadow.mapSize.set(4096, 4096); light.shadow.map.dispose(); light.shadow.map "
+            "= null"
+        )
+        browser.execute_script(
+            f"viewer.gui.domElement.style.visibility = 'hidden'; {script}; viewer.render()",
+            *arguments,
+        )
         return Image.open(io.BytesIO(browser.get_screenshot_as_png())).convert("RGB")
 
 
@@ -73,7 +92,9 @@ def others(browser: webdriver.Chrome) -> Image.Image:
     images = []
     for name, share in OTHERS.items():
         robot = psp3.load(name)
-        pose = robot.reference + share * np.random.default_rng(2).uniform(-1.0, 1.0, len(robot.actuated))
+        pose = robot.reference + share * np.random.default_rng(2).uniform(
+            -1.0, 1.0, len(robot.actuated)
+        )
         images.append(picture(browser, Scene(robot).show(pose), OTHER_WIDTH))
     row = Image.new("RGB", (sum(image.width for image in images), images[0].height))
     for number, image in enumerate(images):
@@ -82,23 +103,36 @@ def others(browser: webdriver.Chrome) -> Image.Image:
 
 
 def animation(browser: webdriver.Chrome) -> list[Image.Image]:
-    """Return PD beside computed torque on the helix, frame by frame, from a place where both are whole."""
+    """Return PD beside computed torque on the helix, frame by frame.
+
+    It starts from a place where both are whole.
+    """
     robot = psp3.load()
     helix = psp3.trajectories.Helix(robot=robot)
     controllers = {"PD": psp3.PD(), "computed torque": psp3.ComputedTorque(robot)}
     scene = Scene(robot)
-    scene.animate({name: psp3.simulate(robot, controller, helix, SECONDS) for name, controller in controllers.items()})
+    scene.animate(
+        {
+            name: psp3.simulate(robot, controller, helix, SECONDS)
+            for name, controller in controllers.items()
+        }
+    )
     picture(browser, scene, ANIMATION_WIDTH, HIDE_CONTROLS)
     frames = []
     for time in np.arange(0.0, SECONDS, 1.0 / FRAME_RATE).tolist():
-        browser.execute_script("animator.seek(arguments[0]); animator.time = arguments[0]; viewer.render()", time)
+        browser.execute_script(
+            "animator.seek(arguments[0]); animator.time = arguments[0]; viewer.render()", time
+        )
         frame = Image.open(io.BytesIO(browser.get_screenshot_as_png())).convert("RGB")
         frames.append(frame.resize((ANIMATION_WIDTH, HEIGHT), Image.Resampling.LANCZOS))
     return frames
 
 
 def with_one_palette(frames: list[Image.Image]) -> list[Image.Image]:
-    """Return frames in the colors that the middle one needs most, the same for all, so that nothing flickers."""
+    """Return frames in the colors that the middle one needs most.
+
+    They are the same for all, so that nothing flickers.
+    """
     palette = frames[len(frames) // 2].quantize(COLORS, Image.Quantize.FASTOCTREE)
     return [frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames]
 
@@ -114,7 +148,14 @@ def main() -> None:
         robot(browser).save(HERE / "robot.png", optimize=True)
         others(browser).quantize(COLORS).save(HERE / "robots.png", optimize=True)
         first, *rest = with_one_palette(animation(browser))
-        first.save(HERE / "tracking.gif", save_all=True, append_images=rest, duration=1000 // FRAME_RATE, loop=0, optimize=True)
+        first.save(
+            HERE / "tracking.gif",
+            save_all=True,
+            append_images=rest,
+            duration=1000 // FRAME_RATE,
+            loop=0,
+            optimize=True,
+        )
     finally:
         browser.quit()
 

@@ -1,4 +1,7 @@
-"""Draw the result at the top of the README anew: ``make pictures``, or ``python docs/pictures/make_result.py``; half a minute."""
+"""Draw the result at the top of the README anew.
+
+Run by ``make pictures``, or ``python docs/pictures/make_result.py``; half a minute.
+"""
 
 from __future__ import annotations
 
@@ -33,12 +36,24 @@ def errors() -> dict[str, list[Estimate]]:
     """Return the mean error of every series at every noise level."""
     with tempfile.TemporaryDirectory() as directory:
         runs = {
-            (name, snr): [replace(run, snr_db=snr, seed=seed) for seed in range(SEEDS)] for name, run in SERIES.items() for snr in NOISE
+            (name, snr): [replace(run, snr_db=snr, seed=seed) for seed in range(SEEDS)]
+            for name, run in SERIES.items()
+            for snr in NOISE
         }
-        study = psp3.Study(Path(directory) / "study.sqlite", [run for group in runs.values() for run in group])
+        study = psp3.Study(
+            Path(directory) / "study.sqlite", [run for group in runs.values() for run in group]
+        )
         study.run()
-        found = {Run(**{name: row[name] for name in Run.__dataclass_fields__}): row["sum_of_squared_errors"] for row in study.rows()}
-        return {name: [mean([found[run.canonical()] for run in runs[name, snr]]) for snr in NOISE] for name in SERIES}
+        found = {
+            Run(**{name: row[name] for name in Run.__dataclass_fields__}): row[
+                "sum_of_squared_errors"
+            ]
+            for row in study.rows()
+        }
+        return {
+            name: [mean([found[run.canonical()] for run in runs[name, snr]]) for snr in NOISE]
+            for name in SERIES
+        }
 
 
 def draw(axes: Axes, found: dict[str, list[Estimate]]) -> None:
@@ -47,14 +62,18 @@ def draw(axes: Axes, found: dict[str, list[Estimate]]) -> None:
         x = [at + 0.12 * (place - 2) for at in range(len(NOISE))]
         values = [estimate.value for estimate in estimates]
         spread = [[e.value - e.low for e in estimates], [e.high - e.value for e in estimates]]
-        axes.errorbar(x, values, yerr=spread, linestyle="none", marker=MARKERS[place], capsize=3.0, label=name)
+        axes.errorbar(
+            x, values, yerr=spread, linestyle="none", marker=MARKERS[place], capsize=3.0, label=name
+        )
     for name, kind in (("PD", "pd"), ("exact computed torque", "ctc")):
         value = execute(Run(kind))["sum_of_squared_errors"]
         axes.axhline(value, linestyle="--", linewidth=1.0, color="0.5")
         printed = TABLE_6_3["PD" if kind == "pd" else "CTC"]
         place = (0.5 if kind == "pd" else 1.0, value)
         text = f"{name} (printed {printed:g})"
-        axes.annotate(text, place, xytext=(0, -4), textcoords="offset points", ha="center", va="top")
+        axes.annotate(
+            text, place, xytext=(0, -4), textcoords="offset points", ha="center", va="top"
+        )
     axes.set_xticks(range(len(NOISE)), [f"{snr:g} dB" for snr in NOISE])
     axes.set_xlabel("signal-to-noise ratio of the records")
     axes.set_ylabel("sum of squared errors [m²]")

@@ -1,4 +1,7 @@
-"""Draw the map in the guide to workspaces and singularities anew: ``make pictures``, or ``python docs/pictures/make_workspaces.py``."""
+"""Draw the map in the guide to workspaces and singularities anew.
+
+Run by ``make pictures``, or ``python docs/pictures/make_workspaces.py``.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ def main() -> None:
     poses = space.map({"x": np.linspace(-0.42, 0.42, 85), "z": np.linspace(-0.5, 0.3, 81)})
     with style():
         figure = figure_of_map(poses, space.boundary(poses))[0].figure
-        figure.savefig(Path(__file__).parent / "workspace_five_bar.png", dpi=90, metadata={"Software": None})
+        figure.savefig(
+            Path(__file__).parent / "workspace_five_bar.png", dpi=90, metadata={"Software": None}
+        )
 
 
 if __name__ == "__main__":

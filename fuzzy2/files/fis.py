@@ -3,14 +3,17 @@
 Three layouts are known by what is in them:
 
 * type-1 (version 2): ``MF1='poor':'gaussmf',[1.5 0]``;
-* type-2 of the Fuzzy Logic Toolbox (version 3): ``MF1='low':'trimf',[0 1 2],[0.8],[0.1 0.1]``, the upper membership function with
-  the scale of the lower one and its lags on both sides, the grades of the upper one at which the lower one begins;
-* type-2 of the open IT2-FLS toolbox by Taskin and Kumbasar (``.t2fis``): ``MF1U='low':'trimf',[0 1 2 1]`` and ``MF1L=...``, any two
-  membership functions, with a height after their parameters.
+* type-2 of the Fuzzy Logic Toolbox (version 3): ``MF1='low':'trimf',[0 1 2],[0.8],[0.1 0.1]``, the
+  upper membership function with the scale of the lower one and its lags on both sides, the grades
+  of the upper one at which the lower one begins;
+* type-2 of the open IT2-FLS toolbox by Taskin and Kumbasar (``.t2fis``):
+  ``MF1U='low':'trimf',[0 1 2 1]`` and ``MF1L=...``, any two membership functions, with a height
+  after their parameters.
 
-A system takes one t-norm for *and* and for the implication. A rule with *or* becomes one rule for each alternative, where that
-is the same: under the maximum. A term that a rule negates has its complement as a term beside it, called *not* with its name, and
-is written as such a negation. Weights and defuzzifiers other than the centroid are refused. MATLAB takes 101 points of an output's
+A system takes one t-norm for *and* and for the implication. A rule with *or* becomes one rule for
+each alternative, where that is the same: under the maximum. A term that a rule negates has its
+complement as a term beside it, called *not* with its name, and is written as such a negation.
+Weights and defuzzifiers other than the centroid are refused. MATLAB takes 101 points of an output's
 range, and so does a system that is read.
 
 Not kept are terms of outputs, and complements, that no rule mentions.
@@ -43,7 +46,14 @@ from fuzzy2.operations.set_operations import complement
 from fuzzy2.sets.derived import Complement
 from fuzzy2.sets.interval_type2 import GaussianUncertainSigma, IntervalType2Set, NearestMeanGaussian
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, PiShaped, Sigmoid, SigmoidDifference, SigmoidProduct, TwoSidedGaussian
+from fuzzy2.sets.smooth_shapes import (
+    Bell,
+    PiShaped,
+    Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
+    TwoSidedGaussian,
+)
 from fuzzy2.sets.type1 import Singleton, Type1Set
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.rules import nearest_name
@@ -57,18 +67,39 @@ OPEN_TOOLBOX_SUFFIX = ".t2fis"
 _T_NORMS = {"min": "min", "prod": "product"}
 _AGGREGATIONS = {"max": "max", "probor": "probabilistic", "sum": SUM}
 _REDUCERS = {"karnikmendel": "km", "ekm": "ekm", "iasc": "iasc", "eiasc": "eiasc"}
-_OPEN_TOOLBOX_REDUCERS = {"KM": "km", "Karnik-Mendel": "km", "EKM": "ekm", "IASC": "iasc", "EIASC": "eiasc"}
+_OPEN_TOOLBOX_REDUCERS = {
+    "KM": "km",
+    "Karnik-Mendel": "km",
+    "EKM": "ekm",
+    "IASC": "iasc",
+    "EIASC": "eiasc",
+}
 
 _KEYS_OF_SYSTEM = (
-    "Name", "Type", "Version", "NumInputs", "NumOutputs", "NumRules", "AndMethod", "OrMethod", "ImpMethod", "AggMethod",
-    "DefuzzMethod", "TypeReductionMethod", "TypeRedMethod", "outputType", "CrispInterval",
-)  # fmt: skip
+    "Name",
+    "Type",
+    "Version",
+    "NumInputs",
+    "NumOutputs",
+    "NumRules",
+    "AndMethod",
+    "OrMethod",
+    "ImpMethod",
+    "AggMethod",
+    "DefuzzMethod",
+    "TypeReductionMethod",
+    "TypeRedMethod",
+    "outputType",
+    "CrispInterval",
+)
 _KEYS_OF_VARIABLE = ("Name", "Range", "NumMFs", "CrispInterval")
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|[iI]nf)"
 _QUOTED = r"'((?:[^']|'')*)'"
 _VECTOR = r"\[([^\]']*)\]"
-_TERM = re.compile(rf"{_QUOTED}\s*:\s*{_QUOTED}\s*,\s*{_VECTOR}(?:\s*,\s*{_VECTOR}\s*,\s*{_VECTOR})?\s*")
+_TERM = re.compile(
+    rf"{_QUOTED}\s*:\s*{_QUOTED}\s*,\s*{_VECTOR}(?:\s*,\s*{_VECTOR}\s*,\s*{_VECTOR})?\s*"
+)
 _RULE = re.compile(rf"([^,():]*),([^,():]*)\(\s*({_NUMBER})\s*\)\s*:\s*(\d+)\s*")
 
 
@@ -84,7 +115,9 @@ class _Section(NamedTuple):
     rules: list[_Line]
 
 
-def _gaussian_combination(sigma1: float, mean1: float, sigma2: float, mean2: float, height: float) -> Type1Set:
+def _gaussian_combination(
+    sigma1: float, mean1: float, sigma2: float, mean2: float, height: float
+) -> Type1Set:
     if abs(sigma1) == abs(sigma2) and mean1 <= mean2:
         return _unscaled(NearestMeanGaussian((mean1, mean2), abs(sigma1)), height)
     return _unscaled(TwoSidedGaussian((mean1, mean2), (abs(sigma1), abs(sigma2))), height)
@@ -97,7 +130,11 @@ def _pi(a: float, b: float, c: float, d: float, height: float) -> Type1Set:
     if math.isfinite(d) and c >= d:
         c = d = 0.5 * c + 0.5 * d
     if b > c:
-        raise NotExpressible("pimf with shoulders that cross", "fuzzy2", "the second shoulder must not be left of the first one")
+        raise NotExpressible(
+            "pimf with shoulders that cross",
+            "fuzzy2",
+            "the second shoulder must not be left of the first one",
+        )
     return PiShaped(a, b, c, d, height)
 
 
@@ -117,10 +154,19 @@ _SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
     "pimf": (4, _pi),
     "gaussmf": (2, lambda sigma, mean, height: Gaussian(mean, abs(sigma), height)),
     "gauss2mf": (4, _gaussian_combination),
-    "gbellmf": (3, lambda width, slope, center, height: _unscaled(Bell(center, abs(width), slope), height)),
+    "gbellmf": (
+        3,
+        lambda width, slope, center, height: _unscaled(Bell(center, abs(width), slope), height),
+    ),
     "sigmf": (2, lambda slope, center, height: _unscaled(Sigmoid(center, slope), height)),
-    "dsigmf": (4, lambda s1, c1, s2, c2, height: _unscaled(SigmoidDifference((c1, c2), (s1, s2)), height)),
-    "psigmf": (4, lambda s1, c1, s2, c2, height: _unscaled(SigmoidProduct((c1, c2), (s1, s2)), height)),
+    "dsigmf": (
+        4,
+        lambda s1, c1, s2, c2, height: _unscaled(SigmoidDifference((c1, c2), (s1, s2)), height),
+    ),
+    "psigmf": (
+        4,
+        lambda s1, c1, s2, c2, height: _unscaled(SigmoidProduct((c1, c2), (s1, s2)), height),
+    ),
 }
 """Shapes with the number of their parameters; what makes them takes the height last."""
 
@@ -161,8 +207,8 @@ def read_fis(path: str | os.PathLike[str]) -> FuzzySystem:
     Returns
     -------
     Type1System or IntervalType2System
-        Mamdani systems with the reducer ``"centroid"`` (``"center_of_sums"`` if the file sums), on 101 points; Sugeno systems with
-        ``"center_of_sets"``.
+        Mamdani systems with the reducer ``"centroid"`` (``"center_of_sums"`` if the file sums), on
+        101 points; Sugeno systems with ``"center_of_sets"``.
 
     Raises
     ------
@@ -203,10 +249,13 @@ def format_fis(system: FuzzySystem, name: str = "system", open_toolbox: bool = F
 
 
 def write_fis(system: FuzzySystem, path: str | os.PathLike[str]) -> None:
-    """Write a system to a MATLAB ``.fis`` file, or to a ``.t2fis`` file of the IT2-FLS toolbox if that is the ending of its name.
+    """Write a system to a MATLAB ``.fis`` file, or to a ``.t2fis`` file.
 
-    MATLAB's own type-2 files hold only lower membership functions that are the upper one, scaled and, if it is a triangle or a
-    trapezoid, with feet further in. The other ones hold any pair, but only Sugeno systems.
+    The latter is the IT2-FLS toolbox's, and taken if the name ends so.
+
+    MATLAB's own type-2 files hold only lower membership functions that are the upper one, scaled
+    and, if it is a triangle or a trapezoid, with feet further in. The other ones hold any pair, but
+    only Sugeno systems.
 
     Parameters
     ----------
@@ -267,9 +316,14 @@ class _Reader:
         key, known = entry[1], _KEYS_OF_SYSTEM if section.name == "System" else _KEYS_OF_VARIABLE
         if key not in known and (section.name == "System" or not re.fullmatch(r"MF\d+[UL]?", key)):
             suggestion = nearest_name(key, known)
-            raise self.malformed(number, f"unknown key {key!r}{f'; did you mean {suggestion!r}?' if suggestion else ''}")
+            raise self.malformed(
+                number,
+                f"unknown key {key!r}{f'; did you mean {suggestion!r}?' if suggestion else ''}",
+            )
         if key in section.entries:
-            raise self.malformed(number, f"{key} is there twice, first in line {section.entries[key].number}")
+            raise self.malformed(
+                number, f"{key} is there twice, first in line {section.entries[key].number}"
+            )
         section.entries[key] = _Line(number, entry[2])
 
     def entry(self, section: _Section, key: str) -> _Line:
@@ -287,7 +341,9 @@ class _Reader:
     def count(self, section: _Section, key: str) -> int:
         line = self.entry(section, key)
         if not re.fullmatch(r"\d{1,9}", line.value):
-            raise self.malformed(line.number, f"expected a whole number for {key}, got {line.value[:40]!r}")
+            raise self.malformed(
+                line.number, f"expected a whole number for {key}, got {line.value[:40]!r}"
+            )
         return int(line.value)
 
     def vector(self, number: int, text: str) -> list[float]:
@@ -308,7 +364,9 @@ class _Reader:
         section = self.sections["System"]
         kind = self.string(section, "Type")
         if kind not in ("mamdani", "sugeno"):
-            raise self.malformed(section.entries["Type"].number, f"expected 'mamdani' or 'sugeno', got {kind!r}")
+            raise self.malformed(
+                section.entries["Type"].number, f"expected 'mamdani' or 'sugeno', got {kind!r}"
+            )
         mamdani = kind == "mamdani"
         for stem, key in (("Input", "NumInputs"), ("Output", "NumOutputs")):
             count, line = self.count(section, key), section.entries[key].number
@@ -316,13 +374,26 @@ class _Reader:
                 raise self.malformed(line, f"a system needs at least one {stem.lower()}")
             for name, found in self.sections.items():
                 if name.startswith(stem) and not 1 <= int(name[len(stem) :]) <= count:
-                    raise self.malformed(found.number, f"{key} in line {line} is {count}, but there is a section [{name}]")
+                    raise self.malformed(
+                        found.number,
+                        f"{key} in line {line} is {count}, but there is a section [{name}]",
+                    )
         t_norm = self._t_norm(section, mamdani)
-        inputs = tuple(self._variable(f"Input{i + 1}", section, None) for i in range(self.count(section, "NumInputs")))
-        outputs = tuple(self._variable(f"Output{i + 1}", section, (mamdani, len(inputs))) for i in range(self.count(section, "NumOutputs")))
+        inputs = tuple(
+            self._variable(f"Input{i + 1}", section, None)
+            for i in range(self.count(section, "NumInputs"))
+        )
+        outputs = tuple(
+            self._variable(f"Output{i + 1}", section, (mamdani, len(inputs)))
+            for i in range(self.count(section, "NumOutputs"))
+        )
         aggregation = self.choice(section, "AggMethod", _AGGREGATIONS) if mamdani else "max"
         reducer = self._reducer(section)
-        terms = [term for variable in (*inputs, *(outputs if mamdani else ())) for term in variable.terms.values()]
+        terms = [
+            term
+            for variable in (*inputs, *(outputs if mamdani else ()))
+            for term in variable.terms.values()
+        ]
         type2 = reducer is not None or any(isinstance(term, IntervalType2Set) for term in terms)
         description = Description(
             inputs,
@@ -342,22 +413,37 @@ class _Reader:
 
     def _t_norm(self, section: _Section, mamdani: bool) -> str:
         t_norm = self.choice(section, "AndMethod", _T_NORMS)
-        defuzzifier, known = self.string(section, "DefuzzMethod"), "centroid" if mamdani else "wtaver"
+        defuzzifier, known = (
+            self.string(section, "DefuzzMethod"),
+            "centroid" if mamdani else "wtaver",
+        )
         if defuzzifier != known:
-            raise self.refused(section.entries["DefuzzMethod"].number, f"DefuzzMethod={defuzzifier!r}", f"known is {known}")
+            raise self.refused(
+                section.entries["DefuzzMethod"].number,
+                f"DefuzzMethod={defuzzifier!r}",
+                f"known is {known}",
+            )
         if mamdani and self.choice(section, "ImpMethod", _T_NORMS) != t_norm:
             line = section.entries["ImpMethod"].number
-            raise self.refused(line, "another ImpMethod than AndMethod", "a system has one t-norm for both")
+            raise self.refused(
+                line, "another ImpMethod than AndMethod", "a system has one t-norm for both"
+            )
         return t_norm
 
     def _reducer(self, section: _Section) -> str | None:
-        for key, known in (("TypeReductionMethod", _REDUCERS), ("TypeRedMethod", _OPEN_TOOLBOX_REDUCERS)):
+        for key, known in (
+            ("TypeReductionMethod", _REDUCERS),
+            ("TypeRedMethod", _OPEN_TOOLBOX_REDUCERS),
+        ):
             if key in section.entries:
                 return self.choice(section, key, known)
         return None
 
     def _variable(self, header: str, system: _Section, output: tuple[bool, int] | None) -> Variable:
-        """Return a variable; of an output it matters whether it is Mamdani's, and how many inputs there are."""
+        """Return a variable.
+
+        Of an output it matters whether it is Mamdani's, and how many inputs there are.
+        """
         if header not in self.sections:
             raise self.malformed(system.number, f"there is no section [{header}]")
         section = self.sections[header]
@@ -371,19 +457,31 @@ class _Reader:
         for number in range(1, count + 1):
             name, term = self._term(section, number, output)
             if name in terms:
-                raise self.malformed(self._line_of(section, number), f"the name {name!r} is given to two membership functions")
+                raise self.malformed(
+                    self._line_of(section, number),
+                    f"the name {name!r} is given to two membership functions",
+                )
             terms[name] = term
         if not terms:
-            raise self.malformed(section.entries["NumMFs"].number, "a variable needs at least one membership function")
+            raise self.malformed(
+                section.entries["NumMFs"].number,
+                "a variable needs at least one membership function",
+            )
         for key, entry in section.entries.items():
             if key.startswith("MF") and int(key[2:].rstrip("UL")) not in range(1, count + 1):
                 raise self.malformed(entry.number, f"NumMFs is {count}, but there is {key}")
         return Variable(self.string(section, "Name"), (ends[0], ends[1]), terms)
 
     def _line_of(self, section: _Section, number: int) -> int:
-        return next(section.entries[key].number for key in (f"MF{number}", f"MF{number}U") if key in section.entries)
+        return next(
+            section.entries[key].number
+            for key in (f"MF{number}", f"MF{number}U")
+            if key in section.entries
+        )
 
-    def _term(self, section: _Section, number: int, output: tuple[bool, int] | None) -> tuple[str, Any]:
+    def _term(
+        self, section: _Section, number: int, output: tuple[bool, int] | None
+    ) -> tuple[str, Any]:
         if f"MF{number}U" not in section.entries:
             line = self.entry(section, f"MF{number}")
             name, kind, parameters, lower = self._membership(line)
@@ -391,21 +489,36 @@ class _Reader:
                 return name, self._constant(line.number, kind, parameters, output[1])
             return name, self._guarded(line.number, kind, lambda: _shape(kind, parameters, lower))
         above, below = self.entry(section, f"MF{number}U"), self.entry(section, f"MF{number}L")
-        (name, kind, parameters, _), (other, other_kind, other_parameters, _) = self._membership(above), self._membership(below)
+        (name, kind, parameters, _), (other, other_kind, other_parameters, _) = (
+            self._membership(above),
+            self._membership(below),
+        )
         upper = self._guarded(above.number, kind, lambda: _shape_with_height(kind, parameters))
-        lower_set = self._guarded(below.number, other_kind, lambda: _shape_with_height(other_kind, other_parameters))
+        lower_set = self._guarded(
+            below.number, other_kind, lambda: _shape_with_height(other_kind, other_parameters)
+        )
         # The toolbox's own names are mf1U and mf1L for the term mf1.
         common = name[:-1] if name[-1:] == "U" and other == f"{name[:-1]}L" and name[:-1] else name
-        return common, upper if lower_set == upper else self._guarded(below.number, "the pair", lambda: _pair(lower_set, upper))
+        return common, upper if lower_set == upper else self._guarded(
+            below.number, "the pair", lambda: _pair(lower_set, upper)
+        )
 
-    def _membership(self, line: _Line) -> tuple[str, str, list[float], tuple[list[float], list[float]] | None]:
+    def _membership(
+        self, line: _Line
+    ) -> tuple[str, str, list[float], tuple[list[float], list[float]] | None]:
         found = _TERM.fullmatch(line.value)
         if found is None:
-            raise self.malformed(line.number, f"expected '<name>':'<kind>',[parameters], got {line.value[:60]!r}")
+            raise self.malformed(
+                line.number, f"expected '<name>':'<kind>',[parameters], got {line.value[:60]!r}"
+            )
         name, kind = found[1].replace("''", "'"), found[2]
         if not name:
             raise self.malformed(line.number, "the name of the membership function is empty")
-        lower = None if found[4] is None else (self.vector(line.number, found[4]), self.vector(line.number, found[5]))
+        lower = (
+            None
+            if found[4] is None
+            else (self.vector(line.number, found[4]), self.vector(line.number, found[5]))
+        )
         return name, kind, self.vector(line.number, found[3]), lower
 
     def _guarded(self, line: int, kind: str, make: Callable[[], Any]) -> Any:
@@ -417,43 +530,71 @@ class _Reader:
         except Fuzzy2Error as error:
             raise self.malformed(line, f"{kind}: {error}") from error
 
-    def _constant(self, line: int, kind: str, parameters: list[float], inputs: int) -> Constant | LinearFunction:
+    def _constant(
+        self, line: int, kind: str, parameters: list[float], inputs: int
+    ) -> Constant | LinearFunction:
         if not all(map(math.isfinite, parameters)):
             raise self.malformed(line, f"expected finite numbers, got {parameters}")
         if kind == "constant":
             if len(parameters) not in (1, 2) or parameters[0] > parameters[-1]:
-                raise self.malformed(line, f"expected one number, or the ends of an interval, got {parameters}")
+                raise self.malformed(
+                    line, f"expected one number, or the ends of an interval, got {parameters}"
+                )
             return Constant(parameters[0], parameters[-1])
         if kind == "linear":
             if len(parameters) == 2 * (inputs + 1):
-                raise self.refused(line, "a linear function with intervals", "how their ends are listed is not documented")
+                raise self.refused(
+                    line,
+                    "a linear function with intervals",
+                    "how their ends are listed is not documented",
+                )
             if len(parameters) != inputs + 1:
-                raise self.malformed(line, f"expected {inputs + 1} numbers, a slope for each input and the constant, got {len(parameters)}")
+                raise self.malformed(
+                    line,
+                    f"expected {inputs + 1} numbers, a slope for each input and the constant, "
+                    f"got {len(parameters)}",
+                )
             return LinearFunction(parameters[-1], tuple(parameters[:-1]))
         raise self.refused(line, f"the output {kind!r}", "known are constant and linear")
 
     def _rules(
-        self, system: _Section, inputs: tuple[Variable, ...], outputs: tuple[Variable, ...], mamdani: bool, aggregation: str
+        self,
+        system: _Section,
+        inputs: tuple[Variable, ...],
+        outputs: tuple[Variable, ...],
+        mamdani: bool,
+        aggregation: str,
     ) -> tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]:
         if "Rules" not in self.sections or not self.sections["Rules"].rules:
             raise self.malformed(system.number, "there are no rules")
         section = self.sections["Rules"]
         count = self.count(system, "NumRules")
         if count != len(section.rules):
-            raise self.malformed(system.entries["NumRules"].number, f"NumRules is {count}, but there are {len(section.rules)} rules")
+            raise self.malformed(
+                system.entries["NumRules"].number,
+                f"NumRules is {count}, but there are {len(section.rules)} rules",
+            )
         rules = []
         # A negation adds a term to its variable, which the numbers of the file do not count.
-        input_counts, output_counts = ([len(variable.terms) for variable in variables] for variables in (inputs, outputs))
+        input_counts, output_counts = (
+            [len(variable.terms) for variable in variables] for variables in (inputs, outputs)
+        )
         for line in section.rules:
             found = _RULE.fullmatch(line.value)
             if found is None:
-                raise self.malformed(line.number, f"expected '<inputs>, <outputs> (<weight>) : <1 or 2>', got {line.value[:60]!r}")
+                raise self.malformed(
+                    line.number,
+                    "expected '<inputs>, <outputs> (<weight>) : <1 or 2>', got "
+                    f"{line.value[:60]!r}",
+                )
             asked = self._numbers(line.number, found[1], inputs, input_counts, "input")
             said = self._numbers(line.number, found[2], outputs, output_counts, "output")
             if float(found[3]) != 1.0:
                 raise self.refused(line.number, f"the weight {found[3]}", "rules have no weights")
             if found[4] not in ("1", "2"):
-                raise self.malformed(line.number, f"expected 1 (and) or 2 (or) at the end, got {found[4]}")
+                raise self.malformed(
+                    line.number, f"expected 1 (and) or 2 (or) at the end, got {found[4]}"
+                )
             used = [term for term in asked if term >= 0]
             if not used:
                 raise self.malformed(line.number, "the rule asks for nothing")
@@ -461,21 +602,34 @@ class _Reader:
                 rules.append((asked, said))
                 continue
             if not mamdani or aggregation != "max" or self.string(system, "OrMethod") != "max":
-                reason = "only with AggMethod='max' and OrMethod='max' it is the same as one rule for each alternative"
+                reason = (
+                    "only with AggMethod='max' and OrMethod='max' it is the same as one rule for "
+                    "each alternative"
+                )
                 raise self.refused(line.number, "a rule with or", reason)
             rules += [(alternative, said) for alternative in alternatives(asked)]
         return tuple(rules)
 
-    def _numbers(self, line: int, text: str, variables: tuple[Variable, ...], counts: list[int], kind: str) -> tuple[int, ...]:
+    def _numbers(
+        self, line: int, text: str, variables: tuple[Variable, ...], counts: list[int], kind: str
+    ) -> tuple[int, ...]:
         words = text.split()
         if len(words) != len(variables):
-            raise self.malformed(line, f"expected {len(variables)} numbers for the {kind}s, got {len(words)}")
+            raise self.malformed(
+                line, f"expected {len(variables)} numbers for the {kind}s, got {len(words)}"
+            )
         numbers = []
         for word, variable, count in zip(words, variables, counts, strict=True):
             if not re.fullmatch(r"-?\d{1,9}", word) or abs(int(word)) > count:
-                raise self.malformed(line, f"{variable.name} has membership functions 1 to {count}, got {word!r}")
+                raise self.malformed(
+                    line, f"{variable.name} has membership functions 1 to {count}, got {word!r}"
+                )
             if kind == "output" and int(word) == 0:
-                raise self.refused(line, f"a rule that says nothing about {variable.name}", "each rule gives every output a term")
+                raise self.refused(
+                    line,
+                    f"a rule that says nothing about {variable.name}",
+                    "each rule gives every output a term",
+                )
             number = abs(int(word)) - 1
             if int(word) < 0:
                 if isinstance(list(variable.terms.values())[number], Constant | LinearFunction):
@@ -485,13 +639,22 @@ class _Reader:
         return tuple(numbers)
 
 
-def _shape(kind: str, parameters: list[float], lower: tuple[list[float], list[float]] | None) -> Any:
-    """Return a set of the Fuzzy Logic Toolbox; ``lower`` is the scale and the lags of a type-2 set."""
+def _shape(
+    kind: str, parameters: list[float], lower: tuple[list[float], list[float]] | None
+) -> Any:
+    """Return a set of the Fuzzy Logic Toolbox.
+
+    ``lower`` is the scale and the lags of a type-2 set.
+    """
     upper = _named_shape(kind, parameters, 1.0)
     if lower is None:
         return upper
     scale, lag = lower
-    if len(scale) != 1 or len(lag) not in (1, 2) or not all(0.0 <= value <= 1.0 for value in (*scale, *lag)):
+    if (
+        len(scale) != 1
+        or len(lag) not in (1, 2)
+        or not all(0.0 <= value <= 1.0 for value in (*scale, *lag))
+    ):
         raise InvalidValue("[scale],[lags]", (scale, lag), "one number and one or two, in [0, 1]")
     height, (left, right) = scale[0], (lag[0], lag[-1])
     if height == 1.0 and left == right == 0.0:
@@ -499,13 +662,18 @@ def _shape(kind: str, parameters: list[float], lower: tuple[list[float], list[fl
     if left == right == 0.0:
         return _pair(_named_shape(kind, parameters, height), upper)
     if not isinstance(upper, Triangular | Trapezoidal):
-        raise NotExpressible(f"a lag of {kind!r}", "fuzzy2", "what it means where sides are curved is not documented")
+        raise NotExpressible(
+            f"a lag of {kind!r}", "fuzzy2", "what it means where sides are curved is not documented"
+        )
     return _pair(_lagged(upper, left, right, height), upper)
 
 
 def _lagged(upper: Triangular | Trapezoidal, left: float, right: float, height: float) -> Type1Set:
     if isinstance(upper, Triangular):
-        foot, other_foot = upper.left + left * (upper.peak - upper.left), upper.right - right * (upper.right - upper.peak)
+        foot, other_foot = (
+            upper.left + left * (upper.peak - upper.left),
+            upper.right - right * (upper.right - upper.peak),
+        )
         return Triangular(min(foot, upper.peak), upper.peak, max(other_foot, upper.peak), height)
     a = upper.a if math.isinf(upper.a) else min(upper.a + left * (upper.b - upper.a), upper.b)
     d = upper.d if math.isinf(upper.d) else max(upper.d - right * (upper.d - upper.c), upper.c)
@@ -516,13 +684,17 @@ def _shape_with_height(kind: str, parameters: list[float]) -> Type1Set:
     """Return a set of the open toolbox, whose height may follow its parameters."""
     count = _SHAPES[kind][0] if kind in _SHAPES else 0
     return (
-        _named_shape(kind, parameters[:count], parameters[count]) if len(parameters) == count + 1 else _named_shape(kind, parameters, 1.0)
+        _named_shape(kind, parameters[:count], parameters[count])
+        if len(parameters) == count + 1
+        else _named_shape(kind, parameters, 1.0)
     )
 
 
 def _named_shape(kind: str, parameters: list[float], height: float) -> Type1Set:
     if kind not in _SHAPES:
-        raise NotExpressible(f"the membership function {kind!r}", "fuzzy2", f"known are {', '.join(_SHAPES)}")
+        raise NotExpressible(
+            f"the membership function {kind!r}", "fuzzy2", f"known are {', '.join(_SHAPES)}"
+        )
     count, make = _SHAPES[kind]
     if len(parameters) != count:
         raise InvalidValue("the parameters", parameters, f"{count} numbers")
@@ -530,9 +702,16 @@ def _named_shape(kind: str, parameters: list[float], height: float) -> Type1Set:
 
 
 def _pair(lower: Type1Set, upper: Type1Set) -> IntervalType2Set:
-    if isinstance(lower, Gaussian) and isinstance(upper, Gaussian) and lower.mean == upper.mean and lower.height == upper.height == 1.0:
+    if (
+        isinstance(lower, Gaussian)
+        and isinstance(upper, Gaussian)
+        and lower.mean == upper.mean
+        and lower.height == upper.height == 1.0
+    ):
         return (
-            GaussianUncertainSigma(lower.mean, (lower.sigma, upper.sigma)) if lower.sigma <= upper.sigma else IntervalType2Set(lower, upper)
+            GaussianUncertainSigma(lower.mean, (lower.sigma, upper.sigma))
+            if lower.sigma <= upper.sigma
+            else IntervalType2Set(lower, upper)
         )
     return IntervalType2Set(lower=lower, upper=upper)
 
@@ -552,11 +731,17 @@ class _Writer:
     def text(self) -> str:
         described = self.description
         if self.open_toolbox and described.mamdani:
-            self.refuse("a system whose consequents are sets", "that toolbox has Sugeno systems only; write .fis")
+            self.refuse(
+                "a system whose consequents are sets",
+                "that toolbox has Sugeno systems only; write .fis",
+            )
         if self.open_toolbox and not described.type2:
             self.refuse("a type-1 system", "that toolbox has type-2 systems only; write .fis")
         lines = ["[System]", f"Name={_quote(self.name)}", *self._system(), ""]
-        inputs, outputs = ([_without_complements(variable) for variable in of] for of in (described.inputs, described.outputs))
+        inputs, outputs = (
+            [_without_complements(variable) for variable in of]
+            for of in (described.inputs, described.outputs)
+        )
         for i, (variable, _) in enumerate(inputs):
             lines += [f"[Input{i + 1}]", *self._variable(variable, True), ""]
         for i, (variable, _) in enumerate(outputs):
@@ -564,9 +749,14 @@ class _Writer:
         lines.append("[Rules]")
         for asked, said in described.rules:
             if max(asked) < 0:
-                self.refuse("a rule that asks for nothing", "it cannot be told from one that never fires")
+                self.refuse(
+                    "a rule that asks for nothing", "it cannot be told from one that never fires"
+                )
             sides = (
-                " ".join(str(numbers[term] if term >= 0 else 0) for term, (_, numbers) in zip(terms, variables, strict=True))
+                " ".join(
+                    str(numbers[term] if term >= 0 else 0)
+                    for term, (_, numbers) in zip(terms, variables, strict=True)
+                )
                 for terms, variables in ((asked, inputs), (said, outputs))
             )
             lines.append(f"{', '.join(sides)} (1) : 1")
@@ -575,21 +765,41 @@ class _Writer:
     def _system(self) -> list[str]:
         described = self.description
         version = "3.0" if described.type2 and not self.open_toolbox else "2.0"
-        t_norm = _known_as(described.t_norm, _T_NORMS) or self.refuse(f"the t-norm {described.t_norm!r}", "it has min and prod only")
+        t_norm = _known_as(described.t_norm, _T_NORMS) or self.refuse(
+            f"the t-norm {described.t_norm!r}", "it has min and prod only"
+        )
         if described.mamdani:
             aggregation = _known_as(described.aggregation, _AGGREGATIONS)
             if aggregation is None:
-                self.refuse(f"the t-conorm {described.aggregation!r}", "it has max, probor and sum only")
+                self.refuse(
+                    f"the t-conorm {described.aggregation!r}", "it has max, probor and sum only"
+                )
             kind, methods = "mamdani", ("max", t_norm, aggregation, "centroid")
         else:
             kind, methods = "sugeno", ("probor", "prod", "sum", "wtaver")
-        lines = [f"Type='{kind}'", f"Version={version}", f"NumInputs={len(described.inputs)}", f"NumOutputs={len(described.outputs)}"]
+        lines = [
+            f"Type='{kind}'",
+            f"Version={version}",
+            f"NumInputs={len(described.inputs)}",
+            f"NumOutputs={len(described.outputs)}",
+        ]
         lines += [f"NumRules={len(described.rules)}", f"AndMethod='{t_norm}'"]
-        lines += [f"{key}='{method}'" for key, method in zip(("OrMethod", "ImpMethod", "AggMethod", "DefuzzMethod"), methods, strict=True)]
+        lines += [
+            f"{key}='{method}'"
+            for key, method in zip(
+                ("OrMethod", "ImpMethod", "AggMethod", "DefuzzMethod"), methods, strict=True
+            )
+        ]
         if described.type2:
             # A method that MATLAB has not is as exact as the one that it is exchanged for.
-            known, key = (_OPEN_TOOLBOX_REDUCERS, "TypeRedMethod") if self.open_toolbox else (_REDUCERS, "TypeReductionMethod")
-            lines.append(f"{key}='{_known_as(described.method, known) or _known_as('eiasc', known)}'")
+            known, key = (
+                (_OPEN_TOOLBOX_REDUCERS, "TypeRedMethod")
+                if self.open_toolbox
+                else (_REDUCERS, "TypeReductionMethod")
+            )
+            lines.append(
+                f"{key}='{_known_as(described.method, known) or _known_as('eiasc', known)}'"
+            )
         return lines
 
     def _variable(self, variable: Variable, of_sets: bool) -> list[str]:
@@ -598,42 +808,70 @@ class _Writer:
             # A range of no width is not read; constants may all be one.
             margin = max(1.0, 0.5 * abs(low))
             low, high = low - margin, high + margin
-        lines = [f"Name={_quote(variable.name)}", f"Range={_vector((low, high))}", f"NumMFs={len(variable.terms)}"]
+        lines = [
+            f"Name={_quote(variable.name)}",
+            f"Range={_vector((low, high))}",
+            f"NumMFs={len(variable.terms)}",
+        ]
         for i, (name, term) in enumerate(variable.terms.items()):
             if of_sets:
                 lines += self._term(f"MF{i + 1}", name, term)
             elif isinstance(term, LinearFunction):
-                lines.append(f"MF{i + 1}={_quote(name)}:'linear',{_vector((*term.slopes, term.constant))}")
+                lines.append(
+                    f"MF{i + 1}={_quote(name)}:'linear',{_vector((*term.slopes, term.constant))}"
+                )
             elif self.open_toolbox:
                 lines.append(f"MF{i + 1}={_quote(name)}:'constant',{_vector(term)}")
             elif term.left == term.right:
                 lines.append(f"MF{i + 1}={_quote(name)}:'constant',{_vector(term[:1])}")
             else:
-                self.refuse(f"the interval {list(term)} as a consequent", "its constants are crisp; write .t2fis")
+                self.refuse(
+                    f"the interval {list(term)} as a consequent",
+                    "its constants are crisp; write .t2fis",
+                )
         return lines
 
     def _term(self, key: str, name: str, term: Any) -> list[str]:
-        lower, upper = (term.lower, term.upper) if isinstance(term, IntervalType2Set) else (term, term)
+        lower, upper = (
+            (term.lower, term.upper) if isinstance(term, IntervalType2Set) else (term, term)
+        )
         if self.open_toolbox:
             both = [(side, *self._shape(one)) for side, one in (("U", upper), ("L", lower))]
-            return [f"{key}{side}={_quote(name)}:'{kind}',{_vector((*values, height))}" for side, kind, values, height in both]
+            return [
+                f"{key}{side}={_quote(name)}:'{kind}',{_vector((*values, height))}"
+                for side, kind, values, height in both
+            ]
         kind, values, height = self._shape(upper)
         if height != 1.0:
             self.refuse(f"{upper!r}", "its membership functions reach 1")
         if not self.description.type2:
             return [f"{key}={_quote(name)}:'{kind}',{_vector(values)}"]
         scale, lags = self._scale_and_lags(term, lower, upper)
-        return [f"{key}={_quote(name)}:'{kind}',{_vector(values)},{_vector([scale])},{_vector(lags)}"]
+        return [
+            f"{key}={_quote(name)}:'{kind}',{_vector(values)},{_vector([scale])},{_vector(lags)}"
+        ]
 
-    def _scale_and_lags(self, term: Any, lower: Type1Set, upper: Type1Set) -> tuple[float, tuple[float, float]]:
+    def _scale_and_lags(
+        self, term: Any, lower: Type1Set, upper: Type1Set
+    ) -> tuple[float, tuple[float, float]]:
         if lower == upper:
             return 1.0, (0.0, 0.0)
-        if isinstance(lower, Gaussian | PiShaped) and dataclasses.replace(lower, height=1.0) == upper:
+        if (
+            isinstance(lower, Gaussian | PiShaped)
+            and dataclasses.replace(lower, height=1.0) == upper
+        ):
             return lower.height, (0.0, 0.0)
         below, above = _corners(lower), _corners(upper)
         if below is None or above is None or below[1:3] != above[1:3]:
-            self.refuse(f"{term!r}", "the lower membership function is not the upper one, scaled and lagged; write .t2fis or JSON")
-        return lower.height, (_lag(above[0], below[0], above[1]), _lag(above[3], below[3], above[2]))
+            self.refuse(
+                f"{term!r}",
+                "the lower membership function is not the upper one, scaled and lagged; write "
+                ".t2fis or JSON",
+            )
+        return lower.height, (
+            _lag(above[0], below[0], above[1]),
+            _lag(above[3], below[3], above[2]),
+        )
 
     def _shape(self, one: Type1Set) -> tuple[str, tuple[float, ...], float]:
         if isinstance(one, Trapezoidal) and math.isinf(one.a) and math.isfinite(one.d):
@@ -642,7 +880,11 @@ class _Writer:
             return "linsmf", (one.a, one.b), one.height
         corners = _corners(one)
         if corners is not None and all(map(math.isfinite, corners)):
-            return ("trimf", (corners[0], *corners[2:]), one.height) if isinstance(one, Triangular) else ("trapmf", corners, one.height)
+            return (
+                ("trimf", (corners[0], *corners[2:]), one.height)
+                if isinstance(one, Triangular)
+                else ("trapmf", corners, one.height)
+            )
         if isinstance(one, Gaussian):
             return "gaussmf", (one.sigma, one.mean), one.height
         if isinstance(one, NearestMeanGaussian):
@@ -655,7 +897,11 @@ class _Writer:
             return "gauss2mf", (one.sigma[0], one.mean[0], one.sigma[1], one.mean[1]), 1.0
         if isinstance(one, SigmoidDifference | SigmoidProduct):
             (c1, c2), (s1, s2) = one.center, one.slope
-            return "dsigmf" if isinstance(one, SigmoidDifference) else "psigmf", (s1, c1, s2, c2), 1.0
+            return (
+                "dsigmf" if isinstance(one, SigmoidDifference) else "psigmf",
+                (s1, c1, s2, c2),
+                1.0,
+            )
         if isinstance(one, Bell):
             return "gbellmf", (one.width, one.slope, one.center), 1.0
         if isinstance(one, Sigmoid):
@@ -675,7 +921,10 @@ def _corners(one: Type1Set) -> tuple[float, float, float, float] | None:
 
 
 def _without_complements(variable: Variable) -> tuple[Variable, list[int]]:
-    """Return a variable without its complements, and the number from 1 of each of its terms, negative for a complement."""
+    """Return a variable without its complements, and the number of each term.
+
+    Numbers count from 1 and are negative for a complement.
+    """
     terms = {name: term for name, term in variable.terms.items() if not _is_complement(term)}
     numbers = []
     for name, term in variable.terms.items():
@@ -698,7 +947,9 @@ def _is_complement(term: Any) -> bool:
 
 def _lag(foot: float, lower_foot: float, shoulder: float) -> float:
     """Return the grade of the upper membership function at the foot of the lower one."""
-    return 0.0 if foot == lower_foot else min(max((lower_foot - foot) / (shoulder - foot), 0.0), 1.0)
+    return (
+        0.0 if foot == lower_foot else min(max((lower_foot - foot) / (shoulder - foot), 0.0), 1.0)
+    )
 
 
 def _known_as(name: str, known: dict[str, str]) -> str | None:
@@ -711,4 +962,8 @@ def _quote(name: str) -> str:
 
 def _vector(values: Iterable[float]) -> str:
     # The digits that give back the same float.
-    return "[" + " ".join(repr(float(value)).removesuffix(".0").replace("inf", "Inf") for value in values) + "]"
+    return (
+        "["
+        + " ".join(repr(float(value)).removesuffix(".0").replace("inf", "Inf") for value in values)
+        + "]"
+    )

@@ -1,14 +1,18 @@
-r"""Sets, rule bases and systems as JSON, without pickle: a file can describe them, and do nothing else.
+r"""Sets, rule bases and systems as JSON, without pickle.
 
-A document is an object with ``"format": "fuzzy2"``, the ``"version"`` of the schema, and the thing itself: its class under ``"type"``,
-and beside it the arguments of the constructor by name::
+A file can describe them, and do nothing else.
 
-    {"format": "fuzzy2", "version": 1, "type": "GaussianUncertainMean", "mean": [-0.5, 0.5], "sigma": 2.0}
+A document is an object with ``"format": "fuzzy2"``, the ``"version"`` of the schema, and the thing
+itself: its class under ``"type"``, and beside it the arguments of the constructor by name::
 
-A set within a set or a system is such an object without format and version. Numbers are written with the digits that give back the
-same float, bit for bit; infinite ones are the strings ``"inf"`` and ``"-inf"``. Arguments with a default may be left out. A rule base
-is of the type ``"RuleBase"`` and has ``"rules"``, a list of texts (see :mod:`fuzzy2.systems.rules`). The JSON Schema of it all is shipped
-as ``fuzzy2/files/schema.json``.
+    {"format": "fuzzy2", "version": 1, "type": "GaussianUncertainMean",
+     "mean": [-0.5, 0.5], "sigma": 2.0}
+
+A set within a set or a system is such an object without format and version. Numbers are written
+with the digits that give back the same float, bit for bit; infinite ones are the strings ``"inf"``
+and ``"-inf"``. Arguments with a default may be left out. A rule base is of the type ``"RuleBase"``
+and has ``"rules"``, a list of texts (see :mod:`fuzzy2.systems.rules`). The JSON Schema of it all is
+shipped as ``fuzzy2/files/schema.json``.
 
 What a Python function defines, like a `FunctionalSet`, cannot be written: sample it first.
 """
@@ -30,7 +34,13 @@ from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.reduction.interval import METHODS
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import AlphaPlane, GeneralType2Set, SampledType2Set, Staircase, ZSlices
+from fuzzy2.sets.general_type2 import (
+    AlphaPlane,
+    GeneralType2Set,
+    SampledType2Set,
+    Staircase,
+    ZSlices,
+)
 from fuzzy2.sets.interval_type2 import (
     EmbeddedSet,
     FarthestMeanGaussian,
@@ -40,7 +50,14 @@ from fuzzy2.sets.interval_type2 import (
     NearestMeanGaussian,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, PiShaped, Sigmoid, SigmoidDifference, SigmoidProduct, TwoSidedGaussian
+from fuzzy2.sets.smooth_shapes import (
+    Bell,
+    PiShaped,
+    Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
+    TwoSidedGaussian,
+)
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.consequents import Linear
@@ -62,7 +79,9 @@ RULE_BASE: Final = "RuleBase"
 """Type of a document that holds rules."""
 
 Json = Any
-"""What ``json`` makes of a document: dictionaries, lists, strings, numbers, True, False and None."""
+"""What ``json`` makes of a document: dictionaries, lists, strings, numbers, True, False and
+None.
+"""
 
 
 class _Kind(NamedTuple):
@@ -123,7 +142,9 @@ def _listed(kind: _Kind) -> _Kind:
     """Return the kind of lists of things of one kind."""
     return _Kind(
         lambda values, path: [kind.write(value, f"{path}[{i}]") for i, value in enumerate(values)],
-        lambda values, path: [kind.read(value, f"{path}[{i}]") for i, value in enumerate(_read_list(values, path))],
+        lambda values, path: [
+            kind.read(value, f"{path}[{i}]") for i, value in enumerate(_read_list(values, path))
+        ],
     )
 
 
@@ -150,7 +171,10 @@ def _depth(value: Json) -> int:
 
 
 def _table(of: _Kind, name: str, *dimensions: int) -> _Kind:
-    """Return the kind of nested lists whose rows are alike, with one of some numbers of dimensions."""
+    """Return the kind of nested lists whose rows are alike.
+
+    They have one of some numbers of dimensions.
+    """
 
     def write(values: Any, path: str) -> Json:
         kind = of
@@ -169,7 +193,9 @@ def _table(of: _Kind, name: str, *dimensions: int) -> _Kind:
         try:
             np.array(rows)
         except ValueError:
-            raise _malformed(path, f"expected {name}, but its rows are of different lengths") from None
+            raise _malformed(
+                path, f"expected {name}, but its rows are of different lengths"
+            ) from None
         return rows
 
     return _Kind(write, read)
@@ -192,7 +218,11 @@ def _norm(known: Mapping[str, Any], name: str) -> _Kind:
     def write(value: Any, path: str) -> Json:
         written = value.name
         if known.get(written) is not value:
-            raise NotExpressible(f"the {name} {written!r} at {path}", "JSON", f"only {', '.join(known)} have names; it is a function")
+            raise NotExpressible(
+                f"the {name} {written!r} at {path}",
+                "JSON",
+                f"only {', '.join(known)} have names; it is a function",
+            )
         return written
 
     return _Kind(write, _choice(known, name).read)
@@ -231,7 +261,11 @@ _NAMES = _listed(_Kind(lambda value, path: value, _read_text))
 def _write_consequents(value: Any, path: str) -> Json:
     if isinstance(value, Linear):
         return _write_object(value, path)
-    return _NUMBER_TABLE.write(value, path) if isinstance(value, np.ndarray) else _SET_TABLE.write(value, path)
+    return (
+        _NUMBER_TABLE.write(value, path)
+        if isinstance(value, np.ndarray)
+        else _SET_TABLE.write(value, path)
+    )
 
 
 def _read_consequents(value: Json, path: str) -> Any:
@@ -242,7 +276,9 @@ def _read_consequents(value: Json, path: str) -> Any:
     return _SET_TABLE.read(value, path) if of_sets else _NUMBER_TABLE.read(value, path)
 
 
-_NUMBER_TABLE = _table(_NUMBER, "numbers (R, m) or (R, m, 2), or a list of sets for each rule", 2, 3)
+_NUMBER_TABLE = _table(
+    _NUMBER, "numbers (R, m) or (R, m, 2), or a list of sets for each rule", 2, 3
+)
 _SET_TABLE = _listed(_listed(_SET))
 _COEFFICIENTS = _table(_NUMBER, "numbers (R, m, p + 1)", 3)
 
@@ -267,14 +303,26 @@ _SYSTEM: dict[str, _Kind] = {
 _FIELDS: dict[type, dict[str, _Kind]] = {
     Gaussian: {"mean": _NUMBER, "sigma": _NUMBER, "height": _NUMBER},
     Triangular: {"left": _NUMBER, "peak": _NUMBER, "right": _NUMBER, "height": _NUMBER},
-    Trapezoidal: {"a": _ANY_NUMBER, "b": _ANY_NUMBER, "c": _ANY_NUMBER, "d": _ANY_NUMBER, "height": _NUMBER},
+    Trapezoidal: {
+        "a": _ANY_NUMBER,
+        "b": _ANY_NUMBER,
+        "c": _ANY_NUMBER,
+        "d": _ANY_NUMBER,
+        "height": _NUMBER,
+    },
     Bell: {"center": _NUMBER, "width": _NUMBER, "slope": _NUMBER},
     Sigmoid: {"center": _NUMBER, "slope": _NUMBER},
     Singleton: {"point": _NUMBER},
     Interval: {"left": _NUMBER, "right": _NUMBER},
     SampledSet: {"points": _NUMBERS, "grades": _NUMBERS},
     Truncated: {"whole": _TYPE1, "left": _NUMBER, "right": _NUMBER},
-    PiShaped: {"a": _ANY_NUMBER, "b": _ANY_NUMBER, "c": _ANY_NUMBER, "d": _ANY_NUMBER, "height": _NUMBER},
+    PiShaped: {
+        "a": _ANY_NUMBER,
+        "b": _ANY_NUMBER,
+        "c": _ANY_NUMBER,
+        "d": _ANY_NUMBER,
+        "height": _NUMBER,
+    },
     TwoSidedGaussian: {"mean": _PAIR, "sigma": _ANY_PAIR},
     SigmoidDifference: {"center": _PAIR, "slope": _PAIR},
     SigmoidProduct: {"center": _PAIR, "slope": _PAIR},
@@ -307,11 +355,21 @@ _FIELDS: dict[type, dict[str, _Kind]] = {
 def _write_object(value: object, path: str) -> dict[str, Json]:
     fields = _FIELDS.get(type(value))
     if fields is None:
-        reason = "it is given by a Python function; sample it first" if hasattr(value, "function") else "its class has no schema"
+        reason = (
+            "it is given by a Python function; sample it first"
+            if hasattr(value, "function")
+            else "its class has no schema"
+        )
         raise NotExpressible(f"{type(value).__name__} at {path}", "JSON", reason)
     if callable(getattr(value, "sigma", None)):
-        raise NotExpressible(f"the function sigma at {path}", "JSON", "only numbers can be written; sample the set first")
-    written = {name: kind.write(getattr(value, name), f"{path}.{name}") for name, kind in fields.items()}
+        raise NotExpressible(
+            f"the function sigma at {path}",
+            "JSON",
+            "only numbers can be written; sample the set first",
+        )
+    written = {
+        name: kind.write(getattr(value, name), f"{path}.{name}") for name, kind in fields.items()
+    }
     return {"type": type(value).__name__, **written}
 
 
@@ -333,7 +391,11 @@ def _read_object(value: Json, path: str) -> object:
     for field in fields:
         if field not in value and field not in optional:
             raise _malformed(path, f"{name} needs {field!r}")
-    arguments = {field: kind.read(value[field], f"{path}.{field}") for field, kind in fields.items() if field in value}
+    arguments = {
+        field: kind.read(value[field], f"{path}.{field}")
+        for field, kind in fields.items()
+        if field in value
+    }
     try:
         return classes[name](**arguments)
     except Fuzzy2Error as error:
@@ -356,8 +418,14 @@ def _optional(of: type) -> frozenset[str]:
     """Return the arguments of a constructor that have a default."""
     # A system passes options that it does not use itself on to its base.
     constructors = (of, FuzzySystem) if issubclass(of, FuzzySystem) else (of,)
-    parameters = [parameter for constructor in constructors for parameter in inspect.signature(constructor).parameters.values()]
-    return frozenset(parameter.name for parameter in parameters if parameter.default is not parameter.empty)
+    parameters = [
+        parameter
+        for constructor in constructors
+        for parameter in inspect.signature(constructor).parameters.values()
+    ]
+    return frozenset(
+        parameter.name for parameter in parameters if parameter.default is not parameter.empty
+    )
 
 
 def _unknown(kind: str, name: str, known: Iterable[str]) -> str:
@@ -373,7 +441,11 @@ class _Repeated(dict[str, Json]):
 
 def _without_repetition(pairs: list[tuple[str, Json]]) -> dict[str, Json]:
     names = [name for name, _ in pairs]
-    repeated = next((name for i, name in enumerate(names) if name in names[:i]), None) if len(set(names)) < len(names) else None
+    repeated = (
+        next((name for i, name in enumerate(names) if name in names[:i]), None)
+        if len(set(names)) < len(names)
+        else None
+    )
     if repeated is None:
         return dict(pairs)
     marked = _Repeated(pairs)
@@ -421,7 +493,8 @@ def from_json(document: Mapping[str, Json]) -> Any:
     Raises
     ------
     MalformedFile
-        If it is no such document; ``place`` is the path within it, such as ``$.inputs[0][1].sigma``.
+        If it is no such document; ``place`` is the path within it, such as
+        ``$.inputs[0][1].sigma``.
     """
     if not isinstance(document, Mapping):
         raise _malformed("$", f"expected an object, got {_shown(document)}")
@@ -431,10 +504,14 @@ def from_json(document: Mapping[str, Json]) -> Any:
         raise _malformed("$.format", f'expected "{FORMAT}", got {_shown(document.get("format"))}')
     version = document.get("version")
     if isinstance(version, bool) or version != SCHEMA_VERSION:
-        raise _malformed("$.version", f"this release reads version {SCHEMA_VERSION}, got {_shown(version)}")
+        raise _malformed(
+            "$.version", f"this release reads version {SCHEMA_VERSION}, got {_shown(version)}"
+        )
     content = {name: value for name, value in document.items() if name not in ("format", "version")}
     try:
-        return _read_rules(content) if content.get("type") == RULE_BASE else _read_object(content, "$")
+        return (
+            _read_rules(content) if content.get("type") == RULE_BASE else _read_object(content, "$")
+        )
     except RecursionError:
         raise _malformed("$", "is nested too deeply") from None
 
@@ -471,7 +548,9 @@ def save(thing: object, path: str | os.PathLike[str]) -> None:
     OSError
         If the file cannot be written; what was there before remains.
     """
-    write_text(json.dumps(to_json(thing), indent=2, ensure_ascii=False, allow_nan=False) + "\n", path)
+    write_text(
+        json.dumps(to_json(thing), indent=2, ensure_ascii=False, allow_nan=False) + "\n", path
+    )
 
 
 def load(path: str | os.PathLike[str]) -> Any:
@@ -490,7 +569,8 @@ def load(path: str | os.PathLike[str]) -> Any:
     Raises
     ------
     MalformedFile
-        If it is not JSON (``place`` is the line and column), or no such document (``place`` is the path within it).
+        If it is not JSON (``place`` is the line and column), or no such document (``place`` is the
+        path within it).
     OSError
         If it cannot be read.
     """
@@ -498,7 +578,9 @@ def load(path: str | os.PathLike[str]) -> Any:
     try:
         document = json.loads(text, object_pairs_hook=_without_repetition)
     except json.JSONDecodeError as error:
-        raise MalformedFile(str(path), f"line {error.lineno}, column {error.colno}", error.msg) from None
+        raise MalformedFile(
+            str(path), f"line {error.lineno}, column {error.colno}", error.msg
+        ) from None
     except RecursionError:
         raise MalformedFile(str(path), "$", "is nested too deeply") from None
     except ValueError as error:  # an integer of thousands of digits

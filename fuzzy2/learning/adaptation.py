@@ -1,28 +1,33 @@
 r"""Online adaptation of what rules say: recursive least squares with forgetting, bounded.
 
-At an input x the crisp output of a system is linear in its consequents, with the fuzzy basis functions for factors,
+At an input x the crisp output of a system is linear in its consequents, with the fuzzy basis
+functions for factors,
 
 .. math:: y(x) = \tfrac12 \sum_r \left(\phi^l_r(x)\, c^l_r + \phi^r_r(x)\, c^r_r\right), \qquad
           \phi_r = \frac{w_r}{\sum_s w_s},
 
-where w are the weights at which the left and the right end of the type-reduced interval are attained: upper firing strengths up to the
-switch point and lower ones after it, or the other way round; those of a type-1 system are its firing strengths. So samples that come
-one by one correct the consequents by recursive least squares. They minimize, for each output,
+where w are the weights at which the left and the right end of the type-reduced interval are
+attained: upper firing strengths up to the switch point and lower ones after it, or the other way
+round; those of a type-1 system are its firing strengths. So samples that come one by one correct
+the consequents by recursive least squares. They minimize, for each output,
 
-.. math:: \sum_{n=1}^{N} \lambda^{N-n} \left(y_n - \phi_n^T c\right)^2 + \kappa\, \lVert c - c_0 \rVert^2,
+.. math:: \sum_{n=1}^{N} \lambda^{N-n} \left(y_n - \phi_n^T c\right)^2
+          + \kappa\, \lVert c - c_0 \rVert^2,
 
-old samples fade with the forgetting factor :math:`\lambda`, and :math:`c_0`, what was trained, keeps its weight :math:`\kappa`. Without
-that weight, exponential forgetting loses what rules knew that do not fire for a while, and their covariance grows without bound until
-the next sample throws them off (wind-up). With it the covariance never exceeds :math:`1/\kappa`, and rules that do not fire any more go
-back to what they were trained to say.
+old samples fade with the forgetting factor :math:`\lambda`, and :math:`c_0`, what was trained,
+keeps its weight :math:`\kappa`. Without that weight, exponential forgetting loses what rules knew
+that do not fire for a while, and their covariance grows without bound until the next sample throws
+them off (wind-up). With it the covariance never exceeds :math:`1/\kappa`, and rules that do not
+fire any more go back to what they were trained to say.
 
-The switch points depend on the consequents. Each sample is entered with those of its time, which makes the problem linear; a type-1
-system has none, and for that the minimum is exact.
+The switch points depend on the consequents. Each sample is entered with those of its time, which
+makes the problem linear; a type-1 system has none, and for that the minimum is exact.
 
-Sources: L.-X. Wang and J. M. Mendel, "Fuzzy basis functions, universal approximation, and orthogonal least-squares learning", IEEE
-Transactions on Neural Networks 3(5), 1992; J. M. Mendel, "Computing derivatives in interval type-2 fuzzy logic systems", IEEE Transactions
-on Fuzzy Systems 12(1), 2004, for the switch points; R. Kulhavý and M. B. Zarrop, "On a general concept of forgetting", International
-Journal of Control 58(4), 1993, for forgetting toward a prior that stays.
+Sources: L.-X. Wang and J. M. Mendel, "Fuzzy basis functions, universal approximation, and
+orthogonal least-squares learning", IEEE Transactions on Neural Networks 3(5), 1992; J. M. Mendel,
+"Computing derivatives in interval type-2 fuzzy logic systems", IEEE Transactions on Fuzzy Systems
+12(1), 2004, for the switch points; R. Kulhavý and M. B. Zarrop, "On a general concept of
+forgetting", International Journal of Control 58(4), 1993, for forgetting toward a prior that stays.
 """
 
 from __future__ import annotations
@@ -43,22 +48,27 @@ class AdaptiveConsequents:
     Parameters
     ----------
     system : Type1System or IntervalType2System
-        What was trained: center of sets, product or minimum t-norm, Gaussian, triangular or trapezoidal terms, and consequents that
-        are numbers or intervals. It stays as it is.
+        What was trained: center of sets, product or minimum t-norm, Gaussian, triangular or
+        trapezoidal terms, and consequents that are numbers or intervals. It stays as it is.
     forgetting : float
-        :math:`\lambda`, in (0, 1]: a sample counts half after :math:`\log 2 / (1 - \lambda)` others.
+        :math:`\lambda`, in (0, 1]: a sample counts half after :math:`\log 2 / (1 - \lambda)`
+        others.
     trust : float
-        :math:`\kappa`, above 0: what was trained counts as much as so many samples that fire a single rule.
+        :math:`\kappa`, above 0: what was trained counts as much as so many samples that fire a
+        single rule.
     bounds : pair of array_like, optional
-        Least and greatest consequents, each of a shape that broadcasts to that of the system's consequents, (R, m) or (R, m, 2). The
-        minimum is then that within them. By default there are none.
+        Least and greatest consequents, each of a shape that broadcasts to that of the system's
+        consequents, (R, m) or (R, m, 2). The minimum is then that within them. By default there are
+        none.
 
     Raises
     ------
     NotApplicable
-        If the output of the system is not of the form above, or cannot be computed by the compiled loop.
+        If the output of the system is not of the form above, or cannot be computed by the compiled
+        loop.
     InvalidValue
-        If a number is outside of what it can be, or the trained consequents are outside of the bounds.
+        If a number is outside of what it can be, or the trained consequents are outside of the
+        bounds.
     """
 
     def __init__(
@@ -86,20 +96,32 @@ class AdaptiveConsequents:
         try:
             least, greatest = (np.broadcast_to(reals("bounds", ends), shape) for ends in bounds)
         except (TypeError, ValueError) as error:
-            raise InvalidValue("bounds", bounds, f"two arrays that broadcast to {shape}, least and greatest consequents") from error
+            raise InvalidValue(
+                "bounds",
+                bounds,
+                f"two arrays that broadcast to {shape}, least and greatest consequents",
+            ) from error
         if not ((least <= self._given.consequents) & (self._given.consequents <= greatest)).all():
             raise InvalidValue("bounds", bounds, "around the trained consequents")
-        return self._flat(_by_output(least) - self._trained), self._flat(_by_output(greatest) - self._trained)
+        return self._flat(_by_output(least) - self._trained), self._flat(
+            _by_output(greatest) - self._trained
+        )
 
     def _flat(self, ends: Array) -> Array:
         """Return numbers (m, 2, R) as parameters (m, n)."""
-        return np.ascontiguousarray(ends.reshape(len(ends), -1) if self._is_interval else ends[:, 0])
+        return np.ascontiguousarray(
+            ends.reshape(len(ends), -1) if self._is_interval else ends[:, 0]
+        )
 
     def reset(self) -> None:
         """Go back to what was trained, and forget all samples."""
         outputs, _, rules = self._trained.shape
         size = self._prior.size
-        self._information, self._right, self._moved = np.zeros((outputs, size, size)), np.zeros((outputs, size)), np.zeros((outputs, size))
+        self._information, self._right, self._moved = (
+            np.zeros((outputs, size, size)),
+            np.zeros((outputs, size)),
+            np.zeros((outputs, size)),
+        )
         self._consequents = self._trained.copy()
         self._orders = np.tile(np.arange(rules, dtype=np.int64), (outputs, 2, 1))
 
@@ -116,29 +138,48 @@ class AdaptiveConsequents:
         Returns
         -------
         (..., m) ndarray
-            By how much the system missed each of them before it learned from it. NaN where no rule fires: such a sample says
-            nothing about any rule, and is passed over.
+            By how much the system missed each of them before it learned from it. NaN where no rule
+            fires: such a sample says nothing about any rule, and is passed over.
 
         Raises
         ------
         InvalidValue
-            If inputs or outputs are not finite or of another shape; then none of them has been learned from.
+            If inputs or outputs are not finite or of another shape; then none of them has been
+            learned from.
         """
         from fuzzy2.learning import adaptation_kernels
 
         inputs, shape = self._rows("X", X, len(self._given.inputs))
         outputs, other = self._rows("y", y, self._given.n_outputs)
         if shape != other:
-            raise InvalidValue("y", np.shape(y), f"of shape {(*shape, self._given.n_outputs)}, one row for each of X")
+            raise InvalidValue(
+                "y",
+                np.shape(y),
+                f"of shape {(*shape, self._given.n_outputs)}, one row for each of X",
+            )
         errors = np.empty_like(outputs)
         adaptation_kernels.learn(
-            self._table, inputs, outputs, self._trained, self._lower, self._upper, self._prior, self.forgetting,
-            self._information, self._right, self._moved, self._consequents, self._orders, errors,
-        )  # fmt: skip
+            self._table,
+            inputs,
+            outputs,
+            self._trained,
+            self._lower,
+            self._upper,
+            self._prior,
+            self.forgetting,
+            self._information,
+            self._right,
+            self._moved,
+            self._consequents,
+            self._orders,
+            errors,
+        )
         return errors.reshape(*shape, -1)
 
     def __call__(self, X: ArrayLike) -> Array:
-        """Return the crisp outputs (..., m) at inputs (..., p) with the consequents as they are now, as :attr:`system` does.
+        """Return the crisp outputs (..., m) at inputs (..., p), as :attr:`system` does.
+
+        The consequents are those of now.
 
         Raises
         ------
@@ -149,7 +190,9 @@ class AdaptiveConsequents:
 
         inputs, shape = self._rows("X", X, len(self._given.inputs))
         out = np.empty((len(inputs), self._given.n_outputs))
-        adaptation_kernels.evaluate(self._table, inputs, self._consequents, self._orders.copy(), out)
+        adaptation_kernels.evaluate(
+            self._table, inputs, self._consequents, self._orders.copy(), out
+        )
         return out.reshape(*shape, -1)
 
     @property
@@ -160,9 +203,12 @@ class AdaptiveConsequents:
 
     @property
     def covariance(self) -> Array:
-        r"""Covariance of each output's consequents in units of the variance of its samples, (m, n, n); at most :math:`1/\kappa`.
+        r"""Covariance of each output's consequents, (m, n, n), at most :math:`1/\kappa`.
 
-        n is R, or 2 R for intervals: left ends, then right ends. It is the inverse of the least-squares problem's matrix.
+        It is in units of the variance of the output's samples.
+
+        n is R, or 2 R for intervals: left ends, then right ends. It is the inverse of the
+        least-squares problem's matrix.
         """
         upper = np.triu(self._information)
         whole = upper + np.swapaxes(np.triu(self._information, 1), -1, -2) + np.diag(self._prior)
@@ -173,11 +219,22 @@ class AdaptiveConsequents:
         """A new system with the consequents as they are now, and all else as it was trained."""
         given = self._given
         return type(given)(
-            given.inputs, given.rules, self.consequents, given.t_norm, given.type_reduction, given.method,
-            t_conorm=given.t_conorm, fuzzifier=given.fuzzifier, input_names=given.input_names, output_names=given.output_names,
-            term_names=given.term_names, consequent_names=given.consequent_names, input_ranges=given.input_ranges,
-            output_ranges=given.output_ranges, resolution=given.resolution,
-        )  # fmt: skip
+            given.inputs,
+            given.rules,
+            self.consequents,
+            given.t_norm,
+            given.type_reduction,
+            given.method,
+            t_conorm=given.t_conorm,
+            fuzzifier=given.fuzzifier,
+            input_names=given.input_names,
+            output_names=given.output_names,
+            term_names=given.term_names,
+            consequent_names=given.consequent_names,
+            input_ranges=given.input_ranges,
+            output_ranges=given.output_ranges,
+            resolution=given.resolution,
+        )
 
     def _rows(self, name: str, values: ArrayLike, width: int) -> tuple[Array, tuple[int, ...]]:
         """Return finite values (..., width) as rows, and their leading shape."""
@@ -196,12 +253,23 @@ def _by_output(consequents: Array) -> Array:
 
 
 def _adaptable_table(system: FuzzySystem) -> Array:
-    """Return the system as the compiled loops take it, or say why its consequents cannot be adapted."""
+    """Return the system as the compiled loops take it.
+
+    Or say why its consequents cannot be adapted.
+    """
     what = "adaptation of consequents"
     if not isinstance(system, Type1System | IntervalType2System):
         raise NotApplicable(what, f"it takes a type-1 or an interval type-2 system, not {system!r}")
     if system.type_reduction != "center_of_sets" or not isinstance(system.consequents, np.ndarray):
-        raise NotApplicable(what, "it needs center of sets, and consequents that are numbers or intervals; of sets take their centroids")
+        raise NotApplicable(
+            what,
+            "it needs center of sets, and consequents that are numbers or intervals; of sets "
+            "take their centroids",
+        )
     if system.table is None:
-        raise NotApplicable(what, "it needs product or minimum, singleton fuzzifiers, and Gaussian, triangular or trapezoidal terms")
+        raise NotApplicable(
+            what,
+            "it needs product or minimum, singleton fuzzifiers, and Gaussian, triangular or "
+            "trapezoidal terms",
+        )
     return system.table

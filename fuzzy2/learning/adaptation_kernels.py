@@ -1,8 +1,11 @@
-r"""Compiled loops of online adaptation: fuzzy basis functions, and least squares that forget. :mod:`fuzzy2.learning.adaptation` is their face.
+r"""Compiled loops of online adaptation: fuzzy basis functions, and least squares that forget.
 
-The least-squares problem is kept as its information matrix :math:`\Lambda` and right side :math:`s`, which new rows are added to and old
-ones fade from; the weight of what was known before is added when it is solved. That weight never fades, so the matrix that is inverted
-is never smaller than it, however little the rows excite.
+:mod:`fuzzy2.learning.adaptation` is their face.
+
+The least-squares problem is kept as its information matrix :math:`\Lambda` and right side
+:math:`s`, which new rows are added to and old ones fade from; the weight of what was known before
+is added when it is solved. That weight never fades, so the matrix that is inverted is never smaller
+than it, however little the rows excite.
 """
 
 from __future__ import annotations
@@ -23,7 +26,10 @@ SWEEPS = 10
 
 @compiled
 def _sort(values, order):
-    """Put the indices in ``order`` in ascending order of the values; few steps where it was nearly right before."""
+    """Put the indices in ``order`` in ascending order of the values.
+
+    Few steps where it was nearly right before.
+    """
     for i in range(1, order.size):
         index = order[i]
         j = i - 1
@@ -35,7 +41,10 @@ def _sort(values, order):
 
 @compiled
 def _end(points, order, strengths, largest, left, out):
-    """Write the weights, which add up to 1, whose average of the points is the left or right end of their generalized centroid."""
+    """Write the weights of the left or right end of the generalized centroid.
+
+    They add up to 1, and the end is the average of the points with them.
+    """
     rules = points.size
     mass, moment = 0.0, 0.0
     first = points[order[0]] if left else points[order[rules - 1]]
@@ -43,7 +52,8 @@ def _end(points, order, strengths, largest, left, out):
         out[r] = strengths[2 * r] / largest
         mass += out[r]
         moment += out[r] * abs(points[r] - first)
-    # From the extreme point inward the weights become upper ones, as long as that draws the average outward.
+    # From the extreme point inward the weights become upper ones, as long as that draws the average
+    # outward.
     for i in range(rules):
         r = order[i] if left else order[rules - 1 - i]
         distance = abs(points[r] - first)
@@ -58,11 +68,20 @@ def _end(points, order, strengths, largest, left, out):
 
 
 @compiled
-def basis(table: Array, x: Array, consequents: Array, orders: NDArray[np.int64], strengths: Array, out: Array) -> bool:
-    """Write the fuzzy basis functions (m, 2, R) of both ends for consequents (m, 2, R); return False where no rule fires.
+def basis(
+    table: Array,
+    x: Array,
+    consequents: Array,
+    orders: NDArray[np.int64],
+    strengths: Array,
+    out: Array,
+) -> bool:
+    """Write the fuzzy basis functions (m, 2, R) of both ends for consequents (m, 2, R).
 
-    Of the system in ``table`` only the antecedents count. ``orders`` (m, 2, R) holds any order of the rules and gets the one of the
-    consequents; ``strengths`` (2 R,) gets the firing intervals.
+    Return False where no rule fires.
+
+    Of the system in ``table`` only the antecedents count. ``orders`` (m, 2, R) holds any order of
+    the rules and gets the one of the consequents; ``strengths`` (2 R,) gets the firing intervals.
     """
     firing(table, x, 0.0, strengths)
     rules = consequents.shape[2]
@@ -81,7 +100,10 @@ def basis(table: Array, x: Array, consequents: Array, orders: NDArray[np.int64],
 
 @compiled
 def forget(information: Array, right: Array, factor: float) -> None:
-    """Multiply the information (n, n), of which the upper triangle is kept, and the right side (n,) by a factor."""
+    """Multiply the information (n, n) and the right side (n,) by a factor.
+
+    Of the information the upper triangle is kept.
+    """
     n = right.size
     for i in range(n):
         right[i] *= factor
@@ -105,9 +127,12 @@ def add(information: Array, right: Array, row: Array, residual: float, weight: f
 
 @compiled
 def solve(information: Array, right: Array, prior: Array, factor: Array, out: Array) -> bool:
-    """Solve (information + diag(prior)) out = right by Cholesky's method; ``factor`` (n, n) gets the upper factor.
+    """Solve (information + diag(prior)) out = right by Cholesky's method.
 
-    Return whether the matrix is positive definite, which it is unless numbers overflow: the prior (n,) is positive.
+    ``factor`` (n, n) gets the upper factor.
+
+    Return whether the matrix is positive definite, which it is unless numbers overflow: the prior
+    (n,) is positive.
     """
     n = right.size
     for i in range(n):
@@ -116,7 +141,8 @@ def solve(information: Array, right: Array, prior: Array, factor: Array, out: Ar
             target[j] = source[j]
         target[0] += prior[i]
         out[i] = right[i]
-    # Row by row, each subtracted from those below it: along rows, because only there the compiler works on several numbers at once.
+    # Row by row, each subtracted from those below it: along rows, because only there the compiler
+    # works on several numbers at once.
     for k in range(n):
         pivot = factor[k, k]
         if not 0.0 < pivot < math.inf:
@@ -144,12 +170,22 @@ def solve(information: Array, right: Array, prior: Array, factor: Array, out: Ar
 
 @compiled
 def settle(
-    information: Array, right: Array, prior: Array, lower: Array, upper: Array, sweeps: int, whole: Array, gradient: Array, out: Array
+    information: Array,
+    right: Array,
+    prior: Array,
+    lower: Array,
+    upper: Array,
+    sweeps: int,
+    whole: Array,
+    gradient: Array,
+    out: Array,
 ) -> None:
-    """Go on from ``out``, within the box, toward the least squares within the box, by sweeps of coordinate descent.
+    """Go on from ``out``, within the box, toward the least squares within the box.
 
-    No step leaves the box or makes the sum of squares greater; each one goes to the best place on its line. ``whole`` (n, n) and
-    ``gradient`` (n,) are scratch space.
+    By sweeps of coordinate descent.
+
+    No step leaves the box or makes the sum of squares greater; each one goes to the best place on
+    its line. ``whole`` (n, n) and ``gradient`` (n,) are scratch space.
     """
     n = right.size
     for i in range(n):
@@ -182,7 +218,10 @@ def settle(
 
 @compiled
 def _write(row, phi, is_interval):
-    """Write the derivatives (R,) or (2 R,) of a crisp output with respect to consequents that are numbers or intervals."""
+    """Write the derivatives (R,) or (2 R,) of a crisp output by the consequents.
+
+    Consequents are numbers or intervals.
+    """
     rules = phi.shape[1]
     for r in range(rules):
         if is_interval:
@@ -193,12 +232,19 @@ def _write(row, phi, is_interval):
 
 @compiled
 def solve_within(
-    information: Array, right: Array, prior: Array, lower: Array, upper: Array, factor: Array, trial: Array, out: Array
+    information: Array,
+    right: Array,
+    prior: Array,
+    lower: Array,
+    upper: Array,
+    factor: Array,
+    trial: Array,
+    out: Array,
 ) -> None:
     """Solve the least-squares problem within the box, going on from ``out`` where the box matters.
 
-    ``factor`` (n, n) and ``trial`` (n,) are scratch space. The problem changes little from sample to sample, so a few sweeps from the last
-    solution keep up with it.
+    ``factor`` (n, n) and ``trial`` (n,) are scratch space. The problem changes little from sample
+    to sample, so a few sweeps from the last solution keep up with it.
     """
     if not solve(information, right, prior, factor, trial):
         return
@@ -213,13 +259,28 @@ def solve_within(
 
 @compiled
 def learn(
-    table: Array, x: Array, y: Array, trained: Array, lower: Array, upper: Array, prior: Array, forgetting: float,
-    information: Array, right: Array, moved: Array, consequents: Array, orders: NDArray[np.int64], errors: Array,
-) -> None:  # fmt: skip
-    """Learn from samples x (N, p), y (N, m) one after the other, and write what was missed before each was learned from, (N, m).
+    table: Array,
+    x: Array,
+    y: Array,
+    trained: Array,
+    lower: Array,
+    upper: Array,
+    prior: Array,
+    forgetting: float,
+    information: Array,
+    right: Array,
+    moved: Array,
+    consequents: Array,
+    orders: NDArray[np.int64],
+    errors: Array,
+) -> None:
+    """Learn from samples x (N, p), y (N, m) one after the other.
 
-    ``trained`` and ``consequents`` are (m, 2, R), ``information`` (m, n, n) and ``right`` (m, n) with n = R for consequents that are
-    numbers and 2 R for intervals, ``moved`` (m, n) how far they are from the trained ones, between ``lower`` and ``upper``, ``prior`` (n,).
+    Write what was missed before each was learned from, (N, m).
+
+    ``trained`` and ``consequents`` are (m, 2, R), ``information`` (m, n, n) and ``right`` (m, n)
+    with n = R for consequents that are numbers and 2 R for intervals, ``moved`` (m, n) how far they
+    are from the trained ones, between ``lower`` and ``upper``, ``prior`` (n,).
     """
     outputs, rules = consequents.shape[0], consequents.shape[2]
     size = right.shape[1]
@@ -239,7 +300,9 @@ def learn(
             _write(row, phi[j], size == 2 * rules)
             forget(information[j], right[j], forgetting)
             add(information[j], right[j], row, y[n, j] - before, 1.0)
-            solve_within(information[j], right[j], prior, lower[j], upper[j], factor, trial, moved[j])
+            solve_within(
+                information[j], right[j], prior, lower[j], upper[j], factor, trial, moved[j]
+            )
             for r in range(rules):
                 low = trained[j, 0, r] + moved[j, r]
                 high = trained[j, 1, r] + moved[j, rules + r if size == 2 * rules else r]
@@ -249,7 +312,9 @@ def learn(
 
 
 @compiled
-def evaluate(table: Array, x: Array, consequents: Array, orders: NDArray[np.int64], out: Array) -> None:
+def evaluate(
+    table: Array, x: Array, consequents: Array, orders: NDArray[np.int64], out: Array
+) -> None:
     """Write the crisp outputs (N, m) at inputs (N, p); NaN where no rule fires."""
     outputs, rules = consequents.shape[0], consequents.shape[2]
     strengths, phi = np.empty(2 * rules), np.empty((outputs, 2, rules))

@@ -2,12 +2,14 @@ r"""Fuzzy c-means: clusters to which samples belong by degrees.
 
 The centers :math:`v_k` and memberships :math:`u_{nk}` of N samples in K clusters minimize
 
-.. math:: J = \sum_{n=1}^{N} \sum_{k=1}^{K} u_{nk}^m \lVert x_n - v_k \rVert^2, \qquad \sum_k u_{nk} = 1,
+.. math:: J = \sum_{n=1}^{N} \sum_{k=1}^{K} u_{nk}^m \lVert x_n - v_k \rVert^2, \qquad
+          \sum_k u_{nk} = 1,
 
-with the fuzzifier m > 1: the closer it is to 1, the crisper the clusters, and k-means is the limit. Distances are Euclidean, so columns
-of different units are put on one scale first.
+with the fuzzifier m > 1: the closer it is to 1, the crisper the clusters, and k-means is the limit.
+Distances are Euclidean, so columns of different units are put on one scale first.
 
-Source: J. C. Bezdek, "Pattern Recognition with Fuzzy Objective Function Algorithms", Plenum Press, 1981.
+Source: J. C. Bezdek, "Pattern Recognition with Fuzzy Objective Function Algorithms", Plenum Press,
+1981.
 """
 
 from __future__ import annotations
@@ -38,8 +40,8 @@ class Clusters:
     memberships : (N, K) ndarray
         Degrees to which the samples belong to the clusters; each row adds up to 1.
     spreads : (K, p) ndarray
-        Standard deviation of each cluster's samples along each column, about its center and weighted with the memberships to the power
-        of the fuzzifier.
+        Standard deviation of each cluster's samples along each column, about its center and
+        weighted with the memberships to the power of the fuzzifier.
     fuzzifier : float
         m in the objective.
     objectives : (iterations,) ndarray
@@ -57,18 +59,27 @@ class Clusters:
 
     @property
     def partition_coefficient(self) -> float:
-        r"""Share of certainty, :math:`\frac{1}{N} \sum_{nk} u_{nk}^2`, from 1/K (nothing is told apart) to 1 (crisp); Bezdek 1981."""
+        r"""Share of certainty, :math:`\frac{1}{N} \sum_{nk} u_{nk}^2`, Bezdek 1981.
+
+        From 1/K (nothing is told apart) to 1 (crisp).
+        """
         return float((self.memberships**2).sum() / len(self.memberships))
 
     @property
     def xie_beni(self) -> float:
-        r"""How far clusters are spread against how far they are apart, :math:`J / (N \min_{j \ne k} \lVert v_j - v_k \rVert^2)`.
+        r"""How far clusters are spread against how far they are apart.
 
-        The smaller the better: of several numbers of clusters take the one with the least. It falls again as the number of clusters nears
-        that of the samples. Infinite for centers that coincide, and NaN for a single cluster. (X. L. Xie and G. Beni, "A
-        validity measure for fuzzy clustering", IEEE Transactions on Pattern Analysis and Machine Intelligence 13(8), 1991.)
+        The measure is :math:`J / (N \min_{j \ne k} \lVert v_j - v_k \rVert^2)`.
+
+        The smaller the better: of several numbers of clusters take the one with the least. It falls
+        again as the number of clusters nears that of the samples. Infinite for centers that
+        coincide, and NaN for a single cluster. (X. L. Xie and G. Beni, "A validity measure for
+        fuzzy clustering", IEEE Transactions on Pattern Analysis and Machine Intelligence 13(8),
+        1991.)
         """
-        apart = _squared_distances(self.centers, self.centers)[~np.eye(len(self.centers), dtype=bool)]
+        apart = _squared_distances(self.centers, self.centers)[
+            ~np.eye(len(self.centers), dtype=bool)
+        ]
         if not apart.size:
             return float("nan")
         with np.errstate(divide="ignore"):
@@ -77,7 +88,8 @@ class Clusters:
     def membership(self, X: ArrayLike) -> Array:
         r"""Return the memberships of any points.
 
-        .. math:: \frac{1}{u_{nk}} = \sum_j \left(\frac{\lVert x_n - v_k \rVert}{\lVert x_n - v_j \rVert}\right)^{2/(m-1)}
+        .. math:: \frac{1}{u_{nk}} = \sum_j \left(\frac{\lVert x_n - v_k \rVert}
+                  {\lVert x_n - v_j \rVert}\right)^{2/(m-1)}
 
         Parameters
         ----------
@@ -98,20 +110,28 @@ class Clusters:
         width = self.centers.shape[1]
         if points.shape[-1:] != (width,) or not np.isfinite(points).all():
             raise InvalidValue("X", points, f"finite and of shape (..., {width})")
-        found = _memberships(_squared_distances(points.reshape(-1, width), self.centers), self.fuzzifier)
+        found = _memberships(
+            _squared_distances(points.reshape(-1, width), self.centers), self.fuzzifier
+        )
         return found.reshape(*points.shape[:-1], len(self.centers))
 
 
 def fuzzy_c_means(
-    X: ArrayLike, n_clusters: int, fuzzifier: float = 2.0, rng: np.random.Generator | None = None, starts: int = 10
+    X: ArrayLike,
+    n_clusters: int,
+    fuzzifier: float = 2.0,
+    rng: np.random.Generator | None = None,
+    starts: int = 10,
 ) -> Clusters:
     r"""Return the best of the clusterings that alternating optimization finds from random starts.
 
-    Memberships and centers take turns to minimize the objective, the other held; neither step can raise it:
+    Memberships and centers take turns to minimize the objective, the other held; neither step can
+    raise it:
 
     .. math::
 
-        \frac{1}{u_{nk}} = \sum_j \left(\frac{\lVert x_n - v_k \rVert}{\lVert x_n - v_j \rVert}\right)^{2/(m-1)}, \qquad
+        \frac{1}{u_{nk}} = \sum_j \left(\frac{\lVert x_n - v_k \rVert}
+        {\lVert x_n - v_j \rVert}\right)^{2/(m-1)}, \qquad
         v_k = \frac{\sum_n u_{nk}^m x_n}{\sum_n u_{nk}^m}
 
     Parameters
@@ -125,7 +145,8 @@ def fuzzy_c_means(
     rng : numpy.random.Generator, optional
         Which samples the centers start from; seeded with 0 by default.
     starts : int
-        Number of starts. One may end in a local minimum, so that of the least objective is returned.
+        Number of starts. One may end in a local minimum, so that of the least objective is
+        returned.
 
     Returns
     -------
@@ -135,8 +156,8 @@ def fuzzy_c_means(
     Raises
     ------
     InvalidValue
-        If the samples are no table of finite numbers, there are fewer different samples than clusters, or a number is outside of what it
-        can be.
+        If the samples are no table of finite numbers, there are fewer different samples than
+        clusters, or a number is outside of what it can be.
     """
     samples = reals("X", X)
     if samples.ndim != 2 or 0 in samples.shape or not np.isfinite(samples).all():
@@ -145,16 +166,27 @@ def fuzzy_c_means(
     if power <= 1.0:
         raise InvalidValue("fuzzifier", fuzzifier, "a finite number above 1")
     for name, value in (("n_clusters", n_clusters), ("starts", starts)):
-        if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer) or value < 1:
+        if (
+            isinstance(value, bool | np.bool_)
+            or not isinstance(value, int | np.integer)
+            or value < 1
+        ):
             raise InvalidValue(name, value, "a whole number of at least 1")
     if rng is not None and not isinstance(rng, np.random.Generator):
-        raise InvalidValue("rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)")
+        raise InvalidValue(
+            "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
+        )
     different = np.unique(samples, axis=0)
     if len(different) < n_clusters:
-        raise InvalidValue("n_clusters", n_clusters, f"at most {len(different)}, the number of different samples")
+        raise InvalidValue(
+            "n_clusters", n_clusters, f"at most {len(different)}, the number of different samples"
+        )
     generator = np.random.default_rng(0) if rng is None else rng
     # Centers that coincide would never part again, so they start from different samples.
-    runs = [_alternate(samples, generator.choice(different, n_clusters, replace=False), power) for _ in range(starts)]
+    runs = [
+        _alternate(samples, generator.choice(different, n_clusters, replace=False), power)
+        for _ in range(starts)
+    ]
     return min(runs, key=lambda run: run.objectives[-1])
 
 
@@ -177,28 +209,45 @@ def _alternate(samples: Array, centers: Array, power: float) -> Clusters:
     objectives.append(float((weights * squares).sum()))
     order = np.lexsort(centers.T[::-1])
     centers, memberships, weights = centers[order], memberships[:, order], weights[:, order]
-    # About the center as it is: it has moved by no more than the tolerance since it was the weighted mean.
+    # About the center as it is: it has moved by no more than the tolerance since it was the
+    # weighted mean.
     deviations = (samples[:, np.newaxis] - centers) ** 2
     mass = weights.sum(axis=0)[:, np.newaxis]
-    spreads = np.sqrt(np.divide(np.einsum("nk,nkp->kp", weights, deviations), mass, out=np.zeros_like(centers), where=mass > 0.0))
+    spreads = np.sqrt(
+        np.divide(
+            np.einsum("nk,nkp->kp", weights, deviations),
+            mass,
+            out=np.zeros_like(centers),
+            where=mass > 0.0,
+        )
+    )
     return Clusters(centers, memberships, spreads, power, np.array(objectives), converged)
 
 
 def _squared_distances(points: Array, centers: Array) -> Array:
-    """Return the squared distances (N, K), as sums of squares: expanding them would cancel digits near the centers."""
+    """Return the squared distances (N, K), as sums of squares.
+
+    Expanding them would cancel digits near the centers.
+    """
     return np.asarray(((points[:, np.newaxis] - centers) ** 2).sum(axis=-1))
 
 
 def _memberships(squares: Array, power: float) -> Array:
     """Return the memberships (N, K) that minimize the objective for squared distances (N, K)."""
     nearest = squares.min(axis=1, keepdims=True)
-    # Relative to the nearest center no power can overflow; at a center it is 0/0 for that one, which has all of the sample.
+    # Relative to the nearest center no power can overflow; at a center it is 0/0 for that one,
+    # which has all of the sample.
     with np.errstate(divide="ignore", invalid="ignore", under="ignore"):
         shares = np.where(squares == nearest, 1.0, (nearest / squares) ** (1.0 / (power - 1.0)))
     return np.asarray(shares / shares.sum(axis=1, keepdims=True))
 
 
 def _centers(samples: Array, weights: Array, last: Array) -> Array:
-    """Return the weighted means (K, p); a cluster that no sample belongs to any more, by underflow, stays where it was."""
+    """Return the weighted means (K, p).
+
+    A cluster that no sample belongs to any more, by underflow, stays where it was.
+    """
     mass = weights.sum(axis=0)[:, np.newaxis]
-    return np.where(mass > 0.0, (weights.T @ samples) / np.maximum(mass, np.finfo(float).tiny), last)
+    return np.where(
+        mass > 0.0, (weights.T @ samples) / np.maximum(mass, np.finfo(float).tiny), last
+    )

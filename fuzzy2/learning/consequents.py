@@ -1,4 +1,4 @@
-"""Consequents of rules learned from samples: every sample a rule, or every rule from all samples."""
+"""Consequents of rules learned from samples: each sample a rule, or each rule from all samples."""
 
 from __future__ import annotations
 
@@ -10,7 +10,13 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzy2.errors import UnsupportedRule
-from fuzzy2.learning.partition import Integers, centroid_of_term, gaussian_partition, grades_in, principal_terms
+from fuzzy2.learning.partition import (
+    Integers,
+    centroid_of_term,
+    gaussian_partition,
+    grades_in,
+    principal_terms,
+)
 from fuzzy2.support.checks import Array
 
 COMPLETIONS = ("nearest", "average", "none")
@@ -22,7 +28,10 @@ _BLOCK = 2**22  # firing strengths held in memory at once
 
 
 class Learned(NamedTuple):
-    """Rules with consequents as values (R, m), intervals (R, m, 2) or numbers of output terms (R, m)."""
+    """Rules with consequents: values, intervals or numbers of output terms.
+
+    Their shapes are (R, m), (R, m, 2) and (R, m).
+    """
 
     rules: Integers
     best_firing: Array
@@ -47,20 +56,35 @@ class Learned(NamedTuple):
 class Quantizer:
     """Output terms: which is nearest to a value, and what its centroid is."""
 
-    def __init__(self, ranges: list[tuple[float, float]], n_terms: int, kind: str, mean_variation: float) -> None:
-        self.terms = tuple(gaussian_partition(*ends, n_terms, kind, mean_variation) for ends in ranges)
+    def __init__(
+        self, ranges: list[tuple[float, float]], n_terms: int, kind: str, mean_variation: float
+    ) -> None:
+        self.terms = tuple(
+            gaussian_partition(*ends, n_terms, kind, mean_variation) for ends in ranges
+        )
         self.principal = [principal_terms(*ends, n_terms) for ends in ranges]
         self.means = np.array([[term.mean for term in row] for row in self.principal])
         self.centroids = np.array([[centroid_of_term(term) for term in row] for row in self.terms])
 
     def nearest(self, values: Array) -> Integers:
-        """Return the numbers (N, m) of the terms with the means nearest to the values (N, m), in which they have most membership."""
-        return np.asarray(np.abs(values[..., np.newaxis] - self.means).argmin(axis=-1), dtype=np.int64)
+        """Return the numbers (N, m) of the terms nearest to the values (N, m).
+
+        The means are nearest, so the values have most membership there.
+        """
+        return np.asarray(
+            np.abs(values[..., np.newaxis] - self.means).argmin(axis=-1), dtype=np.int64
+        )
 
     def memberships(self, values: Array, numbers: Integers) -> Array:
         """Return the memberships (N, m) of the values in terms (N, m), the principal ones."""
         columns = (grades_in(values[:, j], self.principal[j]) for j in range(values.shape[1]))
-        return np.stack([np.take_along_axis(grades, numbers[:, [j]], axis=1)[:, 0] for j, grades in enumerate(columns)], axis=1)
+        return np.stack(
+            [
+                np.take_along_axis(grades, numbers[:, [j]], axis=1)[:, 0]
+                for j, grades in enumerate(columns)
+            ],
+            axis=1,
+        )
 
     def intervals(self, numbers: Integers) -> Array:
         """Return the centroids (R, m, 2) of terms (R, m)."""
@@ -68,7 +92,12 @@ class Quantizer:
 
 
 def rules_from_all(
-    grades: list[Array], outputs: Array, combine: Callable[..., Array], given: Integers | None, learner: str, ridge: float
+    grades: list[Array],
+    outputs: Array,
+    combine: Callable[..., Array],
+    given: Integers | None,
+    learner: str,
+    ridge: float,
 ) -> Learned:
     """Let every rule, given or of the grid, take its consequent from all samples."""
     rules = _all_cells([of_input.shape[1] for of_input in grades]) if given is None else given
@@ -78,11 +107,20 @@ def rules_from_all(
         winner = firing.argmax(axis=0)
         strength = firing[winner, np.arange(len(rules))]
         stronger = strength > best  # not >=: the first of equally strong samples stays
-        best, sample = np.where(stronger, strength, best), np.where(stronger, winner + rows.start, sample)
+        best, sample = (
+            np.where(stronger, strength, best),
+            np.where(stronger, winner + rows.start, sample),
+        )
         weight += firing.sum(axis=0)
         moment += firing.T @ outputs[rows]
     if learner == "strongest":
-        return Learned(rules, best, outputs[sample], None, np.repeat(sample[:, np.newaxis], outputs.shape[1], axis=1))
+        return Learned(
+            rules,
+            best,
+            outputs[sample],
+            None,
+            np.repeat(sample[:, np.newaxis], outputs.shape[1], axis=1),
+        )
     # A rule that nothing fires is refused later, and must not warn before.
     average = moment / np.maximum(weight, np.finfo(float).tiny)[:, np.newaxis]
     if learner == "average":
@@ -93,13 +131,22 @@ def rules_from_all(
         gram += shares.T @ shares
         right_side += shares.T @ (outputs[rows] - shares @ average)
     gram = gram / len(outputs) + ridge * np.eye(len(rules))
-    return Learned(rules, best, average + np.linalg.solve(gram, right_side / len(outputs)), None, None)
+    return Learned(
+        rules, best, average + np.linalg.solve(gram, right_side / len(outputs)), None, None
+    )
 
 
 def strict_rules(
-    grades: list[Array], outputs: Array, combine: Callable[..., Array], quantizer: Quantizer | None, completion: str
+    grades: list[Array],
+    outputs: Array,
+    combine: Callable[..., Array],
+    quantizer: Quantizer | None,
+    completion: str,
 ) -> Learned:
-    """Let every sample make a rule, settle conflicts by degree, and complete the cells that have no rule."""
+    """Let every sample make a rule, settle conflicts by degree, and complete empty cells.
+
+    These are the cells that have no rule.
+    """
     own = np.stack([of_input.argmax(axis=1) for of_input in grades], axis=1)
     antecedent = _reduced(combine, [of_input.max(axis=1) for of_input in grades])
     degree = np.repeat(antecedent[:, np.newaxis], outputs.shape[1], axis=1)
@@ -111,7 +158,8 @@ def strict_rules(
     cell = cell.reshape(-1)
     samples = np.empty((len(covered), outputs.shape[1]), dtype=np.int64)
     for j in range(outputs.shape[1]):
-        # Stable, so that the first of equal degrees comes first; the last written, which is the first in order, stays.
+        # Stable, so that the first of equal degrees comes first; the last written, which is the
+        # first in order, stays.
         order = np.argsort(-degree[:, j], kind="stable")[::-1]
         samples[cell[order], j] = order
     columns = np.arange(outputs.shape[1])
@@ -120,7 +168,9 @@ def strict_rules(
     np.maximum.at(best, cell, antecedent)
     if completion == "none":
         values = outputs[samples, columns] if numbers is None else None
-        return Learned(covered, best, values, None if numbers is None else numbers[samples, columns], samples)
+        return Learned(
+            covered, best, values, None if numbers is None else numbers[samples, columns], samples
+        )
 
     shape = [of_input.shape[1] for of_input in grades]
     rules = _all_cells(shape)
@@ -140,10 +190,22 @@ def strict_rules(
             distance = _squared_distances(covered, rules[c], scale)
             # Squares of sums of shares; equal distances differ by rounding.
             near = distance <= distance.min() * (1.0 + 1e-12)
-            donors[c] = samples[np.where(near[:, np.newaxis], degrees, -1.0).argmax(axis=0), columns]
+            donors[c] = samples[
+                np.where(near[:, np.newaxis], degrees, -1.0).argmax(axis=0), columns
+            ]
         values = outputs[donors, columns] if numbers is None else None
-        return Learned(rules, firing, values, None if numbers is None else numbers[donors, columns], full_samples)
-    known = outputs[samples, columns] if quantizer is None or numbers is None else quantizer.intervals(numbers[samples, columns])
+        return Learned(
+            rules,
+            firing,
+            values,
+            None if numbers is None else numbers[donors, columns],
+            full_samples,
+        )
+    known = (
+        outputs[samples, columns]
+        if quantizer is None or numbers is None
+        else quantizer.intervals(numbers[samples, columns])
+    )
     values = np.empty((len(rules), *known.shape[1:]))
     values[position] = known
     for c in empty:
@@ -165,8 +227,17 @@ def check_support(learned: Learned, names: Sequence[str], words: Sequence[Sequen
     weakest = int(np.argmin(learned.best_firing))
     firing = float(learned.best_firing[weakest])
     if firing < LEAST_FIRING:
-        clauses = (f"{name} is {of_input[k]}" for name, of_input, k in zip(names, words, learned.rules[weakest], strict=True))
-        raise UnsupportedRule(weakest + 1, " and ".join(clauses), firing, LEAST_FIRING, int((learned.best_firing < LEAST_FIRING).sum()))
+        clauses = (
+            f"{name} is {of_input[k]}"
+            for name, of_input, k in zip(names, words, learned.rules[weakest], strict=True)
+        )
+        raise UnsupportedRule(
+            weakest + 1,
+            " and ".join(clauses),
+            firing,
+            LEAST_FIRING,
+            int((learned.best_firing < LEAST_FIRING).sum()),
+        )
 
 
 def _all_cells(shape: Sequence[int]) -> Integers:
@@ -174,18 +245,37 @@ def _all_cells(shape: Sequence[int]) -> Integers:
     return np.array(list(itertools.product(*map(range, shape))), dtype=np.int64)
 
 
-def _firing_blocks(grades: list[Array], combine: Callable[..., Array], rules: Integers | None = None) -> Iterator[tuple[slice, Array]]:
-    """Yield blocks of samples with their firing strengths (n, R) of the rules, by default of :func:`_all_cells`."""
-    count, size = len(grades[0]), math.prod(of_input.shape[1] for of_input in grades) if rules is None else len(rules)
+def _firing_blocks(
+    grades: list[Array], combine: Callable[..., Array], rules: Integers | None = None
+) -> Iterator[tuple[slice, Array]]:
+    """Yield blocks of samples with their firing strengths (n, R) of the rules.
+
+    By default of those of :func:`_all_cells`.
+    """
+    count, size = (
+        len(grades[0]),
+        math.prod(of_input.shape[1] for of_input in grades) if rules is None else len(rules),
+    )
     step = max(1, _BLOCK // size)
     for start in range(0, count, step):
         rows = slice(start, min(start + step, count))
         if rules is not None:
-            yield rows, _reduced(combine, [of_input[rows][:, asked] for of_input, asked in zip(grades, rules.T, strict=True)])
+            yield (
+                rows,
+                _reduced(
+                    combine,
+                    [
+                        of_input[rows][:, asked]
+                        for of_input, asked in zip(grades, rules.T, strict=True)
+                    ],
+                ),
+            )
             continue
         firing = grades[0][rows]
         for of_input in grades[1:]:
-            firing = combine(firing[:, :, np.newaxis], of_input[rows, np.newaxis, :]).reshape(len(firing), -1)
+            firing = combine(firing[:, :, np.newaxis], of_input[rows, np.newaxis, :]).reshape(
+                len(firing), -1
+            )
         yield rows, firing
 
 

@@ -1,16 +1,21 @@
 r"""Gradient fine-tuning of a system: means, spreads and consequents that predict samples better.
 
-The objective is the mean squared error of the crisp output :math:`y = (y_l + y_r)/2`, each output in units of its standard deviation
-:math:`s_j` over the samples (so that a mass and a force count alike):
+The objective is the mean squared error of the crisp output :math:`y = (y_l + y_r)/2`, each output
+in units of its standard deviation :math:`s_j` over the samples (so that a mass and a force count
+alike):
 
-.. math:: E = \frac{1}{N m} \sum_{n=1}^{N} \sum_{j=1}^{m} \left(\frac{y_{nj} - \hat y_{nj}}{s_j}\right)^2
+.. math:: E = \frac{1}{N m} \sum_{n=1}^{N} \sum_{j=1}^{m}
+          \left(\frac{y_{nj} - \hat y_{nj}}{s_j}\right)^2
 
-Its gradient is analytic and goes through the exact type reduction. Each end is an extreme over all switch points, so that its
-derivative is that of the weighted average at the switch point that was found (with W the sum of the weights there):
+Its gradient is analytic and goes through the exact type reduction. Each end is an extreme over all
+switch points, so that its derivative is that of the weighted average at the switch point that was
+found (with W the sum of the weights there):
 
-.. math:: \frac{\partial y_l}{\partial w_r} = \frac{z_r - y_l}{W}, \qquad \frac{\partial y_l}{\partial z_r} = \frac{w_r}{W}
+.. math:: \frac{\partial y_l}{\partial w_r} = \frac{z_r - y_l}{W}, \qquad
+          \frac{\partial y_l}{\partial z_r} = \frac{w_r}{W}
 
-Where two switch points give the same end the output has a kink, and the derivative is that of one of them.
+Where two switch points give the same end the output has a kink, and the derivative is that of one
+of them.
 """
 
 from __future__ import annotations
@@ -59,18 +64,22 @@ def fine_tune(
     patience: int = 50,
     validation_share: float = 0.2,
 ) -> FineTuning:
-    """Return a system with the same rules, whose means, spreads and consequents follow samples better.
+    """Return a system with the same rules that follows samples better.
 
-    Adam on all training samples at once. Means move in units of the input's range over the samples, spreads in relative units,
-    consequents in units of the output's standard deviation, so that one learning rate suits all. What is certain stays so: a type-1 term
-    stays type-1, a crisp consequent crisp; the two means (standard deviations, ends) of an uncertain one move separately, but never
-    past each other.
+    Means, spreads and consequents are tuned.
+
+    Adam on all training samples at once. Means move in units of the input's range over the samples,
+    spreads in relative units, consequents in units of the output's standard deviation, so that one
+    learning rate suits all. What is certain stays so: a type-1 term stays type-1, a crisp
+    consequent crisp; the two means (standard deviations, ends) of an uncertain one move separately,
+    but never past each other.
 
     Parameters
     ----------
     system : Type1System or IntervalType2System
-        Where to start from; it is not changed. Terms are Gaussians, with uncertain mean or uncertain standard deviation, consequents
-        numbers or intervals, the t-norm product or minimum, the type reduction center of sets.
+        Where to start from; it is not changed. Terms are Gaussians, with uncertain mean or
+        uncertain standard deviation, consequents numbers or intervals, the t-norm product or
+        minimum, the type reduction center of sets.
     X : (N, p) array_like
         Inputs of the samples.
     y : (N,) or (N, m) array_like
@@ -84,19 +93,22 @@ def fine_tune(
     patience : int
         Epochs without a smaller validation error after which to stop.
     validation_share : float
-        Share of the samples, in (0, 1), that are not learned from but tell when to stop; at least one sample.
+        Share of the samples, in (0, 1), that are not learned from but tell when to stop; at least
+        one sample.
 
     Returns
     -------
     FineTuning
-        The best system, and the errors on the way. Its validation error is never above that of the given system.
+        The best system, and the errors on the way. Its validation error is never above that of the
+        given system.
 
     Raises
     ------
     NotApplicable
         If the system has parts that cannot be tuned.
     InvalidValue
-        If the samples are not finite or of other shapes, no rule fires at one of them, or an option is outside of what it can be.
+        If the samples are not finite or of other shapes, no rule fires at one of them, or an option
+        is outside of what it can be.
 
     Notes
     -----
@@ -104,23 +116,34 @@ def fine_tune(
     """
     inputs, outputs = _samples(system, X, y)
     if positive("learning_rate", learning_rate) > 1.0:
-        raise InvalidValue("learning_rate", learning_rate, "at most 1, a step as wide as the range of the samples")
+        raise InvalidValue(
+            "learning_rate", learning_rate, "at most 1, a step as wide as the range of the samples"
+        )
     for name, value in (("most_epochs", most_epochs), ("patience", patience)):
         if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < 1:
             raise InvalidValue(name, value, "a whole number of at least 1")
     if not 0.0 < validation_share < 1.0:
         raise InvalidValue("validation_share", validation_share, "between 0 and 1, both excluded")
     if not isinstance(rng, np.random.Generator):
-        raise InvalidValue("rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)")
+        raise InvalidValue(
+            "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
+        )
     if len(inputs) < 2:
-        raise InvalidValue("X", inputs.shape, "at least 2 samples, to learn from one and validate with the other")
+        raise InvalidValue(
+            "X", inputs.shape, "at least 2 samples, to learn from one and validate with the other"
+        )
     order = rng.permutation(len(inputs))
     held_back = min(max(1, round(validation_share * len(inputs))), len(inputs) - 1)
     validation, training = order[:held_back], order[held_back:]
 
-    tunable = TunableSystem(system, input_scales=_scales(np.ptp(inputs, axis=0)), output_scales=_scales(outputs.std(axis=0)))
+    tunable = TunableSystem(
+        system,
+        input_scales=_scales(np.ptp(inputs, axis=0)),
+        output_scales=_scales(outputs.std(axis=0)),
+    )
     parameters = best = tunable.parameters
-    tunable.objective(parameters, inputs, outputs)  # in the order of the samples, so that an error names the right one
+    # in the order of the samples, so that an error names the right one
+    tunable.objective(parameters, inputs, outputs)
     first, second = np.zeros_like(parameters), np.zeros_like(parameters)
     error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
     smallest = tunable.objective(parameters, inputs[validation], outputs[validation])[0]
@@ -128,12 +151,19 @@ def fine_tune(
     for epoch in range(1, most_epochs + 1):
         first = _FIRST_DECAY * first + (1.0 - _FIRST_DECAY) * gradient
         second = _SECOND_DECAY * second + (1.0 - _SECOND_DECAY) * gradient**2
-        step = first / (1.0 - _FIRST_DECAY**epoch) / (np.sqrt(second / (1.0 - _SECOND_DECAY**epoch)) + _TINY)
+        step = (
+            first
+            / (1.0 - _FIRST_DECAY**epoch)
+            / (np.sqrt(second / (1.0 - _SECOND_DECAY**epoch)) + _TINY)
+        )
         parameters = tunable.admissible(parameters - learning_rate * step)
         try:
-            with np.errstate(over="ignore", invalid="ignore"):  # what overflows makes terms that are refused
+            # what overflows makes terms that are refused
+            with np.errstate(over="ignore", invalid="ignore"):
                 error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
-                validation_error = tunable.objective(parameters, inputs[validation], outputs[validation])[0]
+                validation_error = tunable.objective(
+                    parameters, inputs[validation], outputs[validation]
+                )[0]
         except InvalidValue:  # steps so large that no rule fires at some sample any more
             break
         training_errors.append(error)
@@ -143,14 +173,21 @@ def fine_tune(
         elif epoch - best_epoch >= patience:
             break
     epochs = len(training_errors) - 1
-    return FineTuning(tunable.system(best), np.array(training_errors), np.array(validation_errors), best_epoch, epochs < most_epochs)
+    return FineTuning(
+        tunable.system(best),
+        np.array(training_errors),
+        np.array(validation_errors),
+        best_epoch,
+        epochs < most_epochs,
+    )
 
 
 class TunableSystem:
     r"""A system as a vector of parameters, with the objective and its gradient.
 
-    The vector holds, for every term, its mean(s) :math:`m / a` and the logarithm(s) of its standard deviation(s), then the consequents
-    :math:`z / s`: numbers, or all left and then all right ends; a and s are the scales of input and output.
+    The vector holds, for every term, its mean(s) :math:`m / a` and the logarithm(s) of its standard
+    deviation(s), then the consequents :math:`z / s`: numbers, or all left and then all right ends;
+    a and s are the scales of input and output.
 
     Parameters
     ----------
@@ -167,7 +204,9 @@ class TunableSystem:
         If the system has parts that cannot be tuned.
     """
 
-    def __init__(self, system: FuzzySystem, input_scales: ArrayLike, output_scales: ArrayLike) -> None:
+    def __init__(
+        self, system: FuzzySystem, input_scales: ArrayLike, output_scales: ArrayLike
+    ) -> None:
         _check_tunable(system)
         self._given = system
         self._input_scales = np.asarray(input_scales, dtype=float)
@@ -183,17 +222,24 @@ class TunableSystem:
             for term in terms:
                 starts.append(len(values))
                 means, sigmas = _means(term), _sigmas(term)
-                for group, numbers in ((0, [mean / scale for mean in means]), (len(means), [float(np.log(s)) for s in sigmas])):
+                for group, numbers in (
+                    (0, [mean / scale for mean in means]),
+                    (len(means), [float(np.log(s)) for s in sigmas]),
+                ):
                     if len(numbers) == 2:
                         self._pairs.append((starts[-1] + group, starts[-1] + group + 1))
                     values.extend(numbers)
             self._starts.append(starts)
         self._first_consequent = len(values)
-        scaled = self._intervals / (self._output_scales[:, np.newaxis] if self._has_intervals else self._output_scales)
+        scaled = self._intervals / (
+            self._output_scales[:, np.newaxis] if self._has_intervals else self._output_scales
+        )
         tail = np.moveaxis(scaled, -1, 0).ravel() if self._has_intervals else scaled.ravel()
         if self._has_intervals:
             half = tail.size // 2
-            self._pairs.extend((self._first_consequent + k, self._first_consequent + half + k) for k in range(half))
+            self._pairs.extend(
+                (self._first_consequent + k, self._first_consequent + half + k) for k in range(half)
+            )
         self.parameters: Array = np.concatenate([values, tail])
 
     def admissible(self, parameters: Array) -> Array:
@@ -208,13 +254,21 @@ class TunableSystem:
 
     def _terms(self, parameters: Array) -> list[list[Any]]:
         changed: list[list[Any]] = []
-        for terms, starts, scale in zip(self._given.inputs, self._starts, self._input_scales, strict=True):
+        for terms, starts, scale in zip(
+            self._given.inputs, self._starts, self._input_scales, strict=True
+        ):
             row = []
             for term, start in zip(terms, starts, strict=True):
                 count = len(_means(term))
                 means = tuple(float(mean) for mean in scale * parameters[start : start + count])
-                sigmas = tuple(float(s) for s in np.exp(parameters[start + count : start + count + len(_sigmas(term))]))
-                mean, sigma = (means if len(means) == 2 else means[0]), (sigmas if len(sigmas) == 2 else sigmas[0])
+                sigmas = tuple(
+                    float(s)
+                    for s in np.exp(parameters[start + count : start + count + len(_sigmas(term))])
+                )
+                mean, sigma = (
+                    (means if len(means) == 2 else means[0]),
+                    (sigmas if len(sigmas) == 2 else sigmas[0]),
+                )
                 row.append(dataclasses.replace(term, mean=mean, sigma=sigma))
             changed.append(row)
         return changed
@@ -241,10 +295,21 @@ class TunableSystem:
         """
         given = self._given
         return type(given)(
-            self._terms(parameters), given.rules, self._consequents(parameters), given.t_norm, given.type_reduction, given.method,
-            t_conorm=given.t_conorm, fuzzifier=given.fuzzifier, input_names=given.input_names, output_names=given.output_names,
-            term_names=given.term_names, input_ranges=given.input_ranges, output_ranges=given.output_ranges, resolution=given.resolution,
-        )  # fmt: skip
+            self._terms(parameters),
+            given.rules,
+            self._consequents(parameters),
+            given.t_norm,
+            given.type_reduction,
+            given.method,
+            t_conorm=given.t_conorm,
+            fuzzifier=given.fuzzifier,
+            input_names=given.input_names,
+            output_names=given.output_names,
+            term_names=given.term_names,
+            input_ranges=given.input_ranges,
+            output_ranges=given.output_ranges,
+            resolution=given.resolution,
+        )
 
     def objective(self, parameters: Array, X: Array, y: Array) -> tuple[float, Array]:
         """Return the objective and its gradient.
@@ -271,7 +336,9 @@ class TunableSystem:
             If no rule fires at a sample.
         """
         terms, consequents = self._terms(parameters), self._consequents(parameters)
-        intervals = consequents if self._has_intervals else np.stack([consequents, consequents], axis=-1)
+        intervals = (
+            consequents if self._has_intervals else np.stack([consequents, consequents], axis=-1)
+        )
         step = max(1, _BLOCK // intervals[..., 0].size)
         error, gradient = 0.0, np.zeros_like(parameters)
         for start in range(0, len(X), step):
@@ -280,16 +347,32 @@ class TunableSystem:
         count = y.size
         return error / count, gradient / count
 
-    def _add(self, terms: list[list[Any]], intervals: Array, X: Array, y: Array, gradient: Array, first_sample: int) -> float:
-        """Add the gradient of the sum of squared errors of a block of samples, and return that sum."""
+    def _add(
+        self,
+        terms: list[list[Any]],
+        intervals: Array,
+        X: Array,
+        y: Array,
+        gradient: Array,
+        first_sample: int,
+    ) -> float:
+        """Add the gradient of a block's sum of squared errors, and return that sum."""
         grades = [
-            np.stack([np.stack([term.lower(X[:, i]), term.upper(X[:, i])], axis=-1) for term in of_input], axis=1)
+            np.stack(
+                [
+                    np.stack([term.lower(X[:, i]), term.upper(X[:, i])], axis=-1)
+                    for term in of_input
+                ],
+                axis=1,
+            )
             for i, of_input in enumerate(terms)
         ]
         rules, minimum = self._given.rules, self._given.t_norm.name == "min"
         antecedents = np.stack(
             [
-                np.where((rules[:, i] >= 0)[:, np.newaxis], of_input[:, np.maximum(rules[:, i], 0)], 1.0)
+                np.where(
+                    (rules[:, i] >= 0)[:, np.newaxis], of_input[:, np.maximum(rules[:, i], 0)], 1.0
+                )
                 for i, of_input in enumerate(grades)
             ],
             axis=-1,
@@ -297,12 +380,20 @@ class TunableSystem:
         firing = antecedents.min(axis=-1) if minimum else antecedents.prod(axis=-1)
         silent = np.flatnonzero(~(firing[..., 1].max(axis=1) > 0.0))
         if silent.size:
-            raise InvalidValue(f"X[{first_sample + silent[0]}]", X[silent[0]], "where some rule fires, for the system to have an output")
+            raise InvalidValue(
+                f"X[{first_sample + silent[0]}]",
+                X[silent[0]],
+                "where some rule fires, for the system to have an output",
+            )
         points = np.moveaxis(intervals, 1, 0)
-        reduced = generalized_centroid(points[np.newaxis], firing[:, np.newaxis], self._given.method)  # (n, m, 2)
+        # (n, m, 2)
+        reduced = generalized_centroid(
+            points[np.newaxis], firing[:, np.newaxis], self._given.method
+        )
 
         residual = (reduced.mean(axis=-1) - y) / self._output_scales
-        slope = residual / self._output_scales  # derivative with respect to each end: 2 r / s, times 1/2
+        # derivative with respect to each end: 2 r / s, times 1/2
+        slope = residual / self._output_scales
         by_firing = np.zeros_like(firing)
         by_consequent = np.zeros_like(intervals)
         for end in (0, 1):
@@ -311,7 +402,8 @@ class TunableSystem:
             takes_upper = offset < 0.0 if end == 0 else offset > 0.0
             weight = np.where(takes_upper, firing[..., 1, np.newaxis], firing[..., 0, np.newaxis])
             total = weight.sum(axis=1, keepdims=True)
-            # One rule alone with no lower firing: its point is the end, and all of its weight is the upper one.
+            # One rule alone with no lower firing: its point is the end, and all of its weight is
+            # the upper one.
             alone = total[:, 0] <= 0.0
             if alone.any():
                 on_end = (offset == 0.0) & alone[:, np.newaxis]
@@ -329,18 +421,23 @@ class TunableSystem:
                 asks = rules[:, i] == t
                 along = by_grade[:, asks].sum(axis=1)  # (n, 2)
                 start = self._starts[i][t]
-                slopes = _grade_slopes(term, X[:, i], grades[i][:, t])  # (n, 2, parameters of the term)
+                # (n, 2, parameters of the term)
+                slopes = _grade_slopes(term, X[:, i], grades[i][:, t])
                 derivative = np.einsum("ne,nek->k", along, slopes)
                 derivative[: len(_means(term))] *= self._input_scales[i]
                 gradient[start : start + derivative.size] += derivative
         scaled = by_consequent * self._output_scales[:, np.newaxis]
-        tail = np.moveaxis(scaled, -1, 0).ravel() if self._has_intervals else scaled.sum(axis=-1).ravel()
+        tail = (
+            np.moveaxis(scaled, -1, 0).ravel()
+            if self._has_intervals
+            else scaled.sum(axis=-1).ravel()
+        )
         gradient[self._first_consequent :] += tail
         return float((residual**2).sum())
 
 
 def _others(antecedents: Array, i: int, minimum: bool) -> Array:
-    """Return the derivative (n, R, 2) of the firing strength with respect to the grade of input i."""
+    """Return the derivative (n, R, 2) of the firing strength by the grade of input i."""
     if minimum:
         # Of equal grades the first is the smallest.
         return np.asarray((antecedents.argmin(axis=-1) == i).astype(float))
@@ -349,7 +446,10 @@ def _others(antecedents: Array, i: int, minimum: bool) -> Array:
 
 
 def _grade_slopes(term: Any, x: Array, grades: Array) -> Array:
-    """Return the derivatives (n, 2, k) of lower and upper grade (n, 2) with respect to the means and the logarithms of the sigmas."""
+    """Return the derivatives (n, 2, k) of lower and upper grade (n, 2).
+
+    They are by the means and the logarithms of the sigmas.
+    """
     means, sigmas = _means(term), _sigmas(term)
     slopes = np.zeros((x.size, 2, len(means) + len(sigmas)))
     for end in (0, 1):
@@ -361,7 +461,9 @@ def _grade_slopes(term: Any, x: Array, grades: Array) -> Array:
             if end == 1:  # between the means the upper grade is 1 and stays so
                 deviation = np.where(below | above, deviation, 0.0)
             for k in (0, 1):
-                slopes[:, end, k] = np.where(which == k, grades[:, end] * deviation / sigmas[0] / sigmas[0], 0.0)
+                slopes[:, end, k] = np.where(
+                    which == k, grades[:, end] * deviation / sigmas[0] / sigmas[0], 0.0
+                )
             slopes[:, end, 2] = grades[:, end] * (deviation / sigmas[0]) ** 2
         else:
             sigma, k = (sigmas[end], end) if len(sigmas) == 2 else (sigmas[0], 0)
@@ -388,12 +490,22 @@ def _check_tunable(system: FuzzySystem) -> None:
             if not isinstance(term, Gaussian | GaussianUncertainMean | GaussianUncertainSigma):
                 raise NotApplicable(what, f"the term {term!r} of {name} is no Gaussian")
     if not isinstance(system.consequents, np.ndarray):
-        raise NotApplicable(what, "the consequents are neither numbers nor intervals; put the sets' centroids in their place")
+        raise NotApplicable(
+            what,
+            "the consequents are neither numbers nor intervals; put the sets' centroids in their "
+            "place",
+        )
     given = system.fuzzifier
     fuzzifiers = () if given is None else (given,) if isinstance(given, Fuzzifier) else given
     singleton = all(isinstance(one, SingletonFuzzifier) for one in fuzzifiers)
-    if system.t_norm.name not in ("product", "min") or system.type_reduction != "center_of_sets" or not singleton:
-        raise NotApplicable(what, "it needs the product or minimum t-norm, center of sets and a singleton fuzzifier")
+    if (
+        system.t_norm.name not in ("product", "min")
+        or system.type_reduction != "center_of_sets"
+        or not singleton
+    ):
+        raise NotApplicable(
+            what, "it needs the product or minimum t-norm, center of sets and a singleton fuzzifier"
+        )
 
 
 def _samples(system: FuzzySystem, X: ArrayLike, y: ArrayLike) -> tuple[Array, Array]:

@@ -1,8 +1,11 @@
-r"""Noise of a given signal-to-noise ratio, and how uncertain the means of type-2 terms should be when records are that noisy.
+r"""Noise of a given signal-to-noise ratio.
 
-The width that the terms of a type-2 system need grows with the noise of the data that its rules are learned from, and is zero
-without noise, where the type-1 system is right. The rule of :func:`mean_variation_from_snr` is a choice, not a theorem: zero for
-infinite ratios, in proportion to the amplitude of weak noise, and level for strong noise, because terms that are much wider than
+And how uncertain the means of type-2 terms should be when records are that noisy.
+
+The width that the terms of a type-2 system need grows with the noise of the data that its rules are
+learned from, and is zero without noise, where the type-1 system is right. The rule of
+:func:`mean_variation_from_snr` is a choice, not a theorem: zero for infinite ratios, in proportion
+to the amplitude of weak noise, and level for strong noise, because terms that are much wider than
 the distance between them no longer tell inputs apart.
 """
 
@@ -24,10 +27,12 @@ HALFWAY_SNR = 30.0
 def mean_variation_from_snr(snr_db: ArrayLike) -> Array:
     r"""Return the mean variation of type-2 terms for records of a signal-to-noise ratio.
 
-    .. math:: \nu(S) = \frac{0.4}{1 + 10^{(S - 30)/20}} = 0.4\,\frac{q}{q + q_{30}}, \qquad q = 10^{-S/20}, \quad q_{30} = 10^{-30/20}
+    .. math:: \nu(S) = \frac{0.4}{1 + 10^{(S - 30)/20}} = 0.4\,\frac{q}{q + q_{30}}, \qquad
+              q = 10^{-S/20}, \quad q_{30} = 10^{-30/20}
 
-    with S in decibels and q the ratio of noise to signal amplitude. It is 0.30, 0.34 and 0.36 at 20, 15 and 10 dB, falls in
-    proportion to the amplitude of the noise where that is small, and is 0 at an infinite ratio.
+    with S in decibels and q the ratio of noise to signal amplitude. It is 0.30, 0.34 and 0.36 at
+    20, 15 and 10 dB, falls in proportion to the amplitude of the noise where that is small, and is
+    0 at an infinite ratio.
 
     Parameters
     ----------
@@ -37,7 +42,8 @@ def mean_variation_from_snr(snr_db: ArrayLike) -> Array:
     Returns
     -------
     (...,) array
-        Mean variation, the distance of a term's smallest and largest mean from the middle one, as a share of the input's range.
+        Mean variation, the distance of a term's smallest and largest mean from the middle one, as a
+        share of the input's range.
 
     Raises
     ------
@@ -46,24 +52,31 @@ def mean_variation_from_snr(snr_db: ArrayLike) -> Array:
 
     Notes
     -----
-    The two constants are chosen so that the noise levels of Table 6.3 (20, 15 and 10 dB) get the 0.3 to 0.4 of each input's range
-    with which the computed-torque controller of chapter 5, learned by firing-weighted averages from records that noisy, keeps 0.3 to
-    0.6 of the type-1 controller's squared error (at 0.3: 0.57, 0.47, 0.44; at 0.4: 0.48, 0.33, 0.28; ten seeds).
+    The two constants are chosen so that the noise levels of Table 6.3 (20, 15 and 10 dB) get the
+    0.3 to 0.4 of each input's range with which the computed-torque controller of chapter 5, learned
+    by firing-weighted averages from records that noisy, keeps 0.3 to 0.6 of the type-1 controller's
+    squared error (at 0.3: 0.57, 0.47, 0.44; at 0.4: 0.48, 0.33, 0.28; ten seeds).
     """
     ratios = _numbers("snr_db", snr_db)
-    with np.errstate(over="ignore"):  # the power of a huge ratio is infinite, and the variation then 0
-        return np.asarray(GREATEST_MEAN_VARIATION / (1.0 + 10.0 ** ((ratios - HALFWAY_SNR) / 20.0)))[()]
+    # the power of a huge ratio is infinite, and the variation then 0
+    with np.errstate(over="ignore"):
+        return np.asarray(
+            GREATEST_MEAN_VARIATION / (1.0 + 10.0 ** ((ratios - HALFWAY_SNR) / 20.0))
+        )[()]
 
 
 def snr_from_mean_variation(mean_variation: ArrayLike) -> Array:
-    r"""Return the signal-to-noise ratio that a mean variation is made for, the inverse of :func:`mean_variation_from_snr`.
+    r"""Return the signal-to-noise ratio that a mean variation is made for.
+
+    It is the inverse of :func:`mean_variation_from_snr`.
 
     .. math:: S(\nu) = 30 + 20 \log_{10}\left(\frac{0.4}{\nu} - 1\right)
 
     Parameters
     ----------
     mean_variation : (...,) array_like
-        Distance of a term's smallest and largest mean from the middle one as a share of the input's range, in [0, 0.4].
+        Distance of a term's smallest and largest mean from the middle one as a share of the input's
+        range, in [0, 0.4].
 
     Returns
     -------
@@ -77,15 +90,22 @@ def snr_from_mean_variation(mean_variation: ArrayLike) -> Array:
     """
     variations = _numbers("mean_variation", mean_variation)
     if not ((variations >= 0.0) & (variations <= GREATEST_MEAN_VARIATION)).all():
-        raise InvalidValue("mean_variation", variations, f"in [0, {GREATEST_MEAN_VARIATION}], what the rule gives for some ratio")
+        raise InvalidValue(
+            "mean_variation",
+            variations,
+            f"in [0, {GREATEST_MEAN_VARIATION}], what the rule gives for some ratio",
+        )
     with np.errstate(divide="ignore"):
-        return np.asarray(HALFWAY_SNR + 20.0 * np.log10(GREATEST_MEAN_VARIATION / variations - 1.0))[()]
+        return np.asarray(
+            HALFWAY_SNR + 20.0 * np.log10(GREATEST_MEAN_VARIATION / variations - 1.0)
+        )[()]
 
 
 def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Array:
     r"""Return a signal with white Gaussian noise of a given signal-to-noise ratio added.
 
-    .. math:: y_t = x_t + \sqrt{P\,10^{-S/10}}\;\varepsilon_t, \qquad P = \frac{1}{N} \sum_t x_t^2, \quad \varepsilon_t \sim N(0, 1)
+    .. math:: y_t = x_t + \sqrt{P\,10^{-S/10}}\;\varepsilon_t, \qquad
+              P = \frac{1}{N} \sum_t x_t^2, \quad \varepsilon_t \sim N(0, 1)
 
     The power P of the signal is its mean square, its mean included, not its variance.
 
@@ -96,7 +116,8 @@ def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Arr
     snr_db : float
         Signal-to-noise ratio S [dB]; infinity adds nothing.
     rng : numpy.random.Generator
-        Source of random numbers. An infinite ratio draws as many as a finite one, so that runs of different ratios are comparable.
+        Source of random numbers. An infinite ratio draws as many as a finite one, so that runs of
+        different ratios are comparable.
 
     Returns
     -------
@@ -106,7 +127,8 @@ def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Arr
     Raises
     ------
     InvalidValue
-        If the signal is empty or not finite, the ratio is not a number or minus infinity, or ``rng`` is not a Generator.
+        If the signal is empty or not finite, the ratio is not a number or minus infinity, or
+        ``rng`` is not a Generator.
     """
     samples = reals("signal", signal)
     if samples.ndim == 0 or samples.size == 0 or not np.isfinite(samples).all():
@@ -115,7 +137,9 @@ def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Arr
     if ratio.ndim or ratio == -np.inf:
         raise InvalidValue("snr_db", snr_db, "one number above minus infinity")
     if not isinstance(rng, np.random.Generator):
-        raise InvalidValue("rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)")
+        raise InvalidValue(
+            "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
+        )
     amplitude = np.sqrt(np.mean(samples**2, axis=0)) * 10.0 ** (-ratio / 20.0)
     return np.asarray(samples + amplitude * rng.standard_normal(samples.shape))
 

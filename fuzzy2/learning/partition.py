@@ -21,18 +21,24 @@ Integers = NDArray[np.int64]
 KINDS = ("t1", "it2", "gt2")
 """Kinds of systems: type-1, interval type-2, general type-2."""
 
-_CROSSING = 2.0 * math.sqrt(2.0 * math.log(2.0))  # full width of a Gaussian at half its height, in standard deviations
+# full width of a Gaussian at half its height, in standard deviations
+_CROSSING = 2.0 * math.sqrt(2.0 * math.log(2.0))
 
 
-def gaussian_partition(least: float, greatest: float, n_terms: int = 2, kind: str = "it2", mean_variation: float = 0.0) -> tuple[Term, ...]:
+def gaussian_partition(
+    least: float, greatest: float, n_terms: int = 2, kind: str = "it2", mean_variation: float = 0.0
+) -> tuple[Term, ...]:
     r"""Return Gaussian terms that partition a range evenly; neighbors cross at a membership of 1/2.
 
     .. math::
 
-        m_k = a + k\,d, \quad d = \frac{b - a}{K - 1}, \quad \sigma = \frac{d}{2\sqrt{2\ln 2}}, \qquad k = 0, \dots, K - 1
+        m_k = a + k\,d, \quad d = \frac{b - a}{K - 1}, \quad
+        \sigma = \frac{d}{2\sqrt{2\ln 2}}, \qquad
+        k = 0, \dots, K - 1
 
-    A single term has its mean in the middle of the range and membership 1/2 at both ends. With a crossing of 1/2 the memberships of
-    two neighbors add up to between 1 and 17/16 everywhere between their means: no part of the range counts much more than another.
+    A single term has its mean in the middle of the range and membership 1/2 at both ends. With a
+    crossing of 1/2 the memberships of two neighbors add up to between 1 and 17/16 everywhere
+    between their means: no part of the range counts much more than another.
 
     Parameters
     ----------
@@ -41,12 +47,13 @@ def gaussian_partition(least: float, greatest: float, n_terms: int = 2, kind: st
     n_terms : int
         Number K of terms, at least 1.
     kind : {"t1", "it2", "gt2"}
-        Type-1 Gaussians; Gaussians with uncertain mean :math:`m_k \pm \nu (b - a)`; or Gaussian principal memberships with
-        Gaussian secondary grades of standard deviation :math:`\nu (b - a)\, e^{-1/2} / (\sqrt{3}\,\sigma)`, which is to first
-        order what a mean spread evenly over that interval does to the membership where that is steepest.
+        Type-1 Gaussians; Gaussians with uncertain mean :math:`m_k \pm \nu (b - a)`; or Gaussian
+        principal memberships with Gaussian secondary grades of standard deviation
+        :math:`\nu (b - a)\, e^{-1/2} / (\sqrt{3}\,\sigma)`, which is to first order what a mean
+        spread evenly over that interval does to the membership where that is steepest.
     mean_variation : float
-        Distance :math:`\nu` of the smallest and the largest mean from the middle as a share of the range, at least 0; 0 is type-1. Not
-        used by "t1".
+        Distance :math:`\nu` of the smallest and the largest mean from the middle as a share of the
+        range, at least 0; 0 is type-1. Not used by "t1".
 
     Returns
     -------
@@ -70,32 +77,45 @@ def gaussian_partition(least: float, greatest: float, n_terms: int = 2, kind: st
     if variation < 0.0:
         raise InvalidValue("mean_variation", mean_variation, "at least 0")
     width = greatest - least
-    means = np.linspace(least, greatest, count) if count > 1 else np.array([0.5 * least + 0.5 * greatest])
+    means = (
+        np.linspace(least, greatest, count)
+        if count > 1
+        else np.array([0.5 * least + 0.5 * greatest])
+    )
     sigmas = np.full(count, width / max(count - 1, 1) / _CROSSING)
     return _gaussian_terms(means, sigmas, kind, variation * width)
 
 
 def _gaussian_terms(means: Array, sigmas: Array, kind: str, reach: float) -> tuple[Term, ...]:
-    """Return Gaussian terms of a kind whose means are uncertain by ``reach`` to both sides; see :func:`gaussian_partition`."""
+    """Return Gaussian terms of a kind whose means are uncertain by ``reach`` to both sides.
+
+    See :func:`gaussian_partition`.
+    """
     pairs = list(zip(means.tolist(), sigmas.tolist(), strict=True))
     if kind == "t1":
         return tuple(Gaussian(mean, sigma) for mean, sigma in pairs)
     if kind == "it2":
-        return tuple(GaussianUncertainMean((mean - reach, mean + reach), sigma) for mean, sigma in pairs)
-    return tuple(GaussianType2Set(Gaussian(mean, sigma), reach * math.exp(-0.5) / (math.sqrt(3.0) * sigma)) for mean, sigma in pairs)
+        return tuple(
+            GaussianUncertainMean((mean - reach, mean + reach), sigma) for mean, sigma in pairs
+        )
+    return tuple(
+        GaussianType2Set(Gaussian(mean, sigma), reach * math.exp(-0.5) / (math.sqrt(3.0) * sigma))
+        for mean, sigma in pairs
+    )
 
 
 def cluster_partition(
     clusters: Clusters, widths: ArrayLike, kind: str = "it2", mean_variation: float = 0.0
 ) -> tuple[tuple[tuple[Term, ...], ...], Integers]:
-    r"""Return the projections of clusters on the inputs as Gaussian terms, and a rule for each cluster.
+    r"""Return projections of clusters on the inputs as Gaussian terms, and a rule for each.
 
-    The term of cluster k on input i has the center :math:`v_{ki}` for its mean and the spread of the cluster's samples along that input,
+    The term of cluster k on input i has the center :math:`v_{ki}` for its mean and the spread of
+    the cluster's samples along that input,
 
     .. math:: \sigma_{ki}^2 = \frac{\sum_n u_{nk}^m (x_{ni} - v_{ki})^2}{\sum_n u_{nk}^m},
 
-    for its standard deviation. (M. Sugeno and T. Yasukawa, "A fuzzy-logic-based approach to qualitative modeling", IEEE Transactions on
-    Fuzzy Systems 1(1), 1993, for rules by projection.)
+    for its standard deviation. (M. Sugeno and T. Yasukawa, "A fuzzy-logic-based approach to
+    qualitative modeling", IEEE Transactions on Fuzzy Systems 1(1), 1993, for rules by projection.)
 
     Parameters
     ----------
@@ -116,8 +136,8 @@ def cluster_partition(
     Raises
     ------
     InvalidValue
-        If all samples of a cluster have the same value of an input, so that it has no width there, or a number is outside of what it can
-        be.
+        If all samples of a cluster have the same value of an input, so that it has no width there,
+        or a number is outside of what it can be.
     UnknownName
         If the kind is unknown.
     """
@@ -133,17 +153,26 @@ def cluster_partition(
     flat = np.argwhere(~(spreads > 0.0))
     if len(flat):
         k, i = (int(index) for index in flat[0])
-        wanted = f"clusters with a width along every input; cluster {k + 1} has none along input {i + 1}: take fewer clusters"
+        wanted = (
+            f"clusters with a width along every input; cluster {k + 1} has none along input "
+            f"{i + 1}: take fewer clusters"
+        )
         raise InvalidValue("clusters", spreads[k], wanted)
     order = np.argsort(centers, axis=0, kind="stable")
     terms = tuple(
-        _gaussian_terms(centers[order[:, i], i], spreads[order[:, i], i], kind, float(variation * reaches[i])) for i in range(len(reaches))
+        _gaussian_terms(
+            centers[order[:, i], i], spreads[order[:, i], i], kind, float(variation * reaches[i])
+        )
+        for i in range(len(reaches))
     )
     return terms, np.asarray(np.argsort(order, axis=0), dtype=np.int64)
 
 
 def term_names(n_terms: int) -> tuple[str, ...]:
-    """Return names for the terms of a partition in ascending order: Low, Mid and High for up to three, else with numbers."""
+    """Return names for the terms of a partition in ascending order.
+
+    Low, Mid and High for up to three, else with numbers.
+    """
     known: dict[int, tuple[str, ...]] = {1: ("Any",), 2: ("Low", "High"), 3: ("Low", "Mid", "High")}
     return known.get(n_terms) or tuple(f"Level{k + 1}" for k in range(n_terms))
 
@@ -175,6 +204,10 @@ def centroid_of_term(term: Term) -> tuple[float, float]:
 
 def whole_number(name: str, value: object, least: int) -> int:
     """Return a whole number of at least the least one; refuse anything else."""
-    if isinstance(value, bool | np.bool_) or not isinstance(value, int | np.integer) or value < least:
+    if (
+        isinstance(value, bool | np.bool_)
+        or not isinstance(value, int | np.integer)
+        or value < least
+    ):
         raise InvalidValue(name, value, f"a whole number of at least {least}")
     return int(value)

@@ -1,15 +1,19 @@
-r"""Learning a rule base from samples by table look-up (Wang and Mendel), for type-1, interval and general type-2 systems.
+r"""Learning a rule base from samples by table look-up (Wang and Mendel).
 
-Every input's range is partitioned by Gaussian terms, and each cell of the grid of terms is a rule; or clusters of the samples are the
-rules, and their projections on the inputs the terms. What the rules say is read from the samples. Means of type-2 terms are uncertain
-to both sides by a share of the range, see :mod:`fuzzy2.learning.noise` for how much; rules are chosen by the memberships in the *principal*
-terms, with the mean in its middle, so that systems of all three kinds learned from the same samples have the same rules and differ in
-nothing but their uncertainty. Without uncertainty they are the same system.
+For type-1, interval and general type-2 systems.
+
+Every input's range is partitioned by Gaussian terms, and each cell of the grid of terms is a rule;
+or clusters of the samples are the rules, and their projections on the inputs the terms. What the
+rules say is read from the samples. Means of type-2 terms are uncertain to both sides by a share of
+the range, see :mod:`fuzzy2.learning.noise` for how much; rules are chosen by the memberships in the
+*principal* terms, with the mean in its middle, so that systems of all three kinds learned from the
+same samples have the same rules and differ in nothing but their uncertainty. Without uncertainty
+they are the same system.
 
 :class:`WangMendel` follows scikit-learn's conventions and does not need it.
 
-Source: L.-X. Wang and J. M. Mendel, "Generating fuzzy rules by learning from examples", IEEE Transactions on Systems, Man, and
-Cybernetics 22(6), 1992.
+Source: L.-X. Wang and J. M. Mendel, "Generating fuzzy rules by learning from examples", IEEE
+Transactions on Systems, Man, and Cybernetics 22(6), 1992.
 """
 
 from __future__ import annotations
@@ -25,9 +29,22 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy2.errors import FeatureNamesWarning, InvalidValue, NotFitted, NotNumbers, UnknownName, WrongFeatures
+from fuzzy2.errors import (
+    FeatureNamesWarning,
+    InvalidValue,
+    NotFitted,
+    NotNumbers,
+    UnknownName,
+    WrongFeatures,
+)
 from fuzzy2.learning.clustering import Clusters, fuzzy_c_means
-from fuzzy2.learning.consequents import COMPLETIONS, Quantizer, check_support, rules_from_all, strict_rules
+from fuzzy2.learning.consequents import (
+    COMPLETIONS,
+    Quantizer,
+    check_support,
+    rules_from_all,
+    strict_rules,
+)
 from fuzzy2.learning.partition import (
     KINDS,
     Integers,
@@ -55,58 +72,71 @@ MOST_RULES = 2**20
 """Rules of the largest grid that is filled."""
 
 MOST_RIDGE_RULES = 2**13
-"""Rules of the largest grid whose least-squares problem is solved: its matrix takes half a gigabyte."""
+"""Rules of the largest grid whose least-squares problem is solved: its matrix takes half a
+gigabyte.
+"""
 
 
 class WangMendel:
     r"""Table look-up learning of fuzzy rules (Wang and Mendel), with scikit-learn's conventions.
 
-    The rules are the cells of the grid of all inputs' terms, or clusters of the samples. ``learner`` says what a rule's consequent is:
+    The rules are the cells of the grid of all inputs' terms, or clusters of the samples.
+    ``learner`` says what a rule's consequent is:
 
-    - ``"strongest"``: that of the sample that fires the rule most (the first of several), so that no cell stays empty.
-    - ``"strict"``: the procedure as published. Every sample makes one rule, of the terms in which its inputs (and output) have most
-      membership; its degree is the t-norm of these memberships; of rules for the same cell the one of the highest degree stays.
-      Cells without a rule are completed as ``completion`` says.
+    - ``"strongest"``: that of the sample that fires the rule most (the first of several), so that
+      no cell stays empty.
+    - ``"strict"``: the procedure as published. Every sample makes one rule, of the terms in which
+      its inputs (and output) have most membership; its degree is the t-norm of these memberships;
+      of rules for the same cell the one of the highest degree stays. Cells without a rule are
+      completed as ``completion`` says.
     - ``"average"``: the average of all samples, weighted with how strongly they fire the rule.
     - ``"ridge"``: the consequents c that minimize
-      :math:`\frac{1}{N} \sum_n \lVert y_n - \sum_r \phi_{nr} c_r \rVert^2 + \lambda \sum_r \lVert c_r - \bar c_r \rVert^2`, with
-      :math:`\phi` the firing strengths of the type-1 system over their sum and :math:`\bar c` the averages: least squares where the
-      samples say something, the average where they do not.
+      :math:`\frac{1}{N} \sum_n \lVert y_n - \sum_r \phi_{nr} c_r \rVert^2
+      + \lambda \sum_r \lVert c_r - \bar c_r \rVert^2`,
+      with :math:`\phi` the firing strengths of the type-1 system over their sum and :math:`\bar c`
+      the averages: least squares where the samples say something, the average where they do not.
 
     Firing here is that of the principal (type-1) terms.
 
     Parameters
     ----------
     n_terms : int or sequence of p ints
-        Number of Gaussian terms of every input; one number for all of them if terms come from clusters, which is that of the rules, too.
+        Number of Gaussian terms of every input; one number for all of them if terms come from
+        clusters, which is that of the rules, too.
     kind : {"it2", "t1", "gt2"}
         Kind of system: interval type-2, type-1, or general type-2.
     mean_variation : float
-        Uncertainty of the terms' means, to either side, as a share of each input's range; 0 is type-1. See
-        :func:`fuzzy2.learning.noise.mean_variation_from_snr`. Not used by ``kind="t1"``.
+        Uncertainty of the terms' means, to either side, as a share of each input's range; 0 is
+        type-1. See :func:`fuzzy2.learning.noise.mean_variation_from_snr`. Not used by
+        ``kind="t1"``.
     learner : {"strongest", "strict", "average", "ridge"}
         How consequents are found.
     completion : {"nearest", "average", "none"}
-        What the strict learner does about empty cells: takes the rule of the nearest cell (distances between cells are those of
-        their centers, in shares of the inputs' ranges; the highest degree decides between equally near ones), averages all rules
-        with the inverse squares of their distances as weights, or leaves the cells without a rule.
+        What the strict learner does about empty cells: takes the rule of the nearest cell
+        (distances between cells are those of their centers, in shares of the inputs' ranges; the
+        highest degree decides between equally near ones), averages all rules with the inverse
+        squares of their distances as weights, or leaves the cells without a rule.
     ridge : float
         Weight :math:`\lambda` of the ridge learner, above 0.
     output_terms : int or None
-        None: consequents are values. A number K: every output's range is partitioned by K Gaussian terms of the same mean variation,
-        a consequent is the term whose mean is nearest, and enters the system as that term's centroid (an interval for "it2"
-        and "gt2", whose output terms are both interval type-2).
+        None: consequents are values. A number K: every output's range is partitioned by K Gaussian
+        terms of the same mean variation, a consequent is the term whose mean is nearest, and enters
+        the system as that term's centroid (an interval for "it2" and "gt2", whose output terms are
+        both interval type-2).
     t_norm : {"product", "min"}
         How the memberships of a rule's antecedents are combined.
     reduction : {"alpha_planes", "gaussian"}
-        Type reduction of ``kind="gt2"``, see :class:`fuzzy2.systems.general_type2.GeneralType2System`.
+        Type reduction of ``kind="gt2"``, see
+        :class:`fuzzy2.systems.general_type2.GeneralType2System`.
     levels : int
         Number of α-planes of ``kind="gt2"``.
     partition : {"grid", "clusters"}
-        Where terms and rules come from. On the grid the terms lie evenly over the range of the samples, see :func:`gaussian_partition`,
-        and every combination of them is a rule. With clusters, fuzzy c-means comes first: each of ``n_terms`` clusters of the
-        inputs is a rule, and its projections are its terms (:func:`cluster_partition`). Many inputs then need no more rules than few,
-        and there are rules only where samples are. Inputs count in shares of their ranges; not for the strict learner.
+        Where terms and rules come from. On the grid the terms lie evenly over the range of the
+        samples, see :func:`gaussian_partition`, and every combination of them is a rule. With
+        clusters, fuzzy c-means comes first: each of ``n_terms`` clusters of the inputs is a rule,
+        and its projections are its terms (:func:`cluster_partition`). Many inputs then need no more
+        rules than few, and there are rules only where samples are. Inputs count in shares of their
+        ranges; not for the strict learner.
     fuzzifier : float
         Of the clusters, see :func:`fuzzy2.fuzzy_c_means`.
     rng : numpy.random.Generator, optional
@@ -119,15 +149,18 @@ class WangMendel:
     n_features_in_, n_outputs_ : int
         Numbers of inputs and outputs.
     feature_names_in_ : (p,) ndarray of str
-        Names of the columns, if the samples were a table with names; then they name the system's inputs, too.
+        Names of the columns, if the samples were a table with names; then they name the system's
+        inputs, too.
     best_firing_ : (R,) ndarray
         Greatest firing of each rule by a sample, before completion.
     rule_samples_ : (R, m) ndarray of int
-        Sample from which a rule has its consequent; -1 where it is no single sample's. For "strongest" and "strict".
+        Sample from which a rule has its consequent; -1 where it is no single sample's. For
+        "strongest" and "strict".
     output_terms_ : tuple of m tuples of sets
         Terms of the outputs, if ``output_terms`` is a number.
     output_rules_ : (R, m) ndarray of int
-        Number of the output term of every rule, -1 where completion averaged, if ``output_terms`` is a number.
+        Number of the output term of every rule, -1 where completion averaged, if ``output_terms``
+        is a number.
     clusters_ : Clusters
         What fuzzy c-means found, in shares of the inputs' ranges, if the rules are clusters.
     """
@@ -175,7 +208,11 @@ class WangMendel:
 
     def __repr__(self) -> str:
         defaults = inspect.signature(type(self).__init__).parameters
-        changed = (f"{name}={value!r}" for name, value in self.get_params().items() if not _same(value, defaults[name].default))
+        changed = (
+            f"{name}={value!r}"
+            for name, value in self.get_params().items()
+            if not _same(value, defaults[name].default)
+        )
         return f"{type(self).__name__}({', '.join(changed)})"
 
     def get_params(self, deep: bool = True) -> dict[str, Any]:
@@ -191,7 +228,9 @@ class WangMendel:
         dict
             Parameters as they were given.
         """
-        names = sorted(name for name in inspect.signature(type(self).__init__).parameters if name != "self")
+        names = sorted(
+            name for name in inspect.signature(type(self).__init__).parameters if name != "self"
+        )
         return {name: getattr(self, name) for name in names}
 
     def set_params(self, **parameters: Any) -> Self:
@@ -238,27 +277,39 @@ class WangMendel:
         Raises
         ------
         InvalidValue, NotNumbers
-            If samples or parameters are not what they must be; an input (or output, if it has terms) that has the same value in all
-            samples is named.
+            If samples or parameters are not what they must be; an input (or output, if it has
+            terms) that has the same value in all samples is named.
         UnknownName
-            If ``kind``, ``learner``, ``completion``, ``t_norm``, ``reduction`` or ``partition`` is unknown.
+            If ``kind``, ``learner``, ``completion``, ``t_norm``, ``reduction`` or ``partition`` is
+            unknown.
         UnsupportedRule
-            If no sample fires some rule by more than 0.001; the strict learner needs no such sample.
+            If no sample fires some rule by more than 0.001; the strict learner needs no such
+            sample.
         """
         self._check_parameters()
         names = _column_names(X)
         inputs = _table("X", X)
         if inputs.shape[0] < 2:
-            raise InvalidValue("X", f"{inputs.shape[0]} sample", "a table of at least 2 samples, which span a range")
+            raise InvalidValue(
+                "X",
+                f"{inputs.shape[0]} sample",
+                "a table of at least 2 samples, which span a range",
+            )
         outputs, one_column = _outputs(y, len(inputs))
         count = inputs.shape[1]
-        input_names = tuple(names) if names is not None else tuple(f"x{i + 1}" for i in range(count))
+        input_names = (
+            tuple(names) if names is not None else tuple(f"x{i + 1}" for i in range(count))
+        )
         ranges = _ranges("input", input_names, inputs)
         output_names = _column_names(y)
         if output_names is None or len(output_names) != outputs.shape[1]:
             output_names = [f"y{j + 1}" for j in range(outputs.shape[1])]
 
-        partition = self._partition_by_clusters(inputs, ranges) if self.partition == "clusters" else self._partition_evenly(ranges)
+        partition = (
+            self._partition_by_clusters(inputs, ranges)
+            if self.partition == "clusters"
+            else self._partition_evenly(ranges)
+        )
         terms, principal, rules, clusters = partition
         grades = [grades_in(inputs[:, i], principal[i]) for i in range(count)]
         words = [term_names(len(of_input)) for of_input in terms]
@@ -275,10 +326,16 @@ class WangMendel:
             learned = rules_from_all(grades, outputs, combine, rules, self.learner, self.ridge)
             check_support(learned, input_names, words)
             if quantizer is not None:
-                learned = learned._replace(values=None, terms=quantizer.nearest(learned.point_values()))
+                learned = learned._replace(
+                    values=None, terms=quantizer.nearest(learned.point_values())
+                )
         consequents = learned.consequents(quantizer)
 
-        options: dict[str, Any] = {"input_names": input_names, "output_names": tuple(output_names), "term_names": words}
+        options: dict[str, Any] = {
+            "input_names": input_names,
+            "output_names": tuple(output_names),
+            "term_names": words,
+        }
         system: FuzzySystem
         if self.kind == "t1":
             system = Type1System(terms, learned.rules, consequents, self.t_norm, **options)
@@ -305,20 +362,34 @@ class WangMendel:
     def _partition_evenly(self, ranges: list[tuple[float, float]]) -> _Partition:
         numbers = _terms_per_input(self.n_terms, len(ranges))
         self._check_size(math.prod(numbers))
-        terms = [gaussian_partition(*ends, number, self.kind, self.mean_variation) for ends, number in zip(ranges, numbers, strict=True)]
-        # Of all kinds the same numbers to the last digit, so that equal grades are settled in the same way.
-        principal = [principal_terms(*ends, number) for ends, number in zip(ranges, numbers, strict=True)]
+        terms = [
+            gaussian_partition(*ends, number, self.kind, self.mean_variation)
+            for ends, number in zip(ranges, numbers, strict=True)
+        ]
+        # Of all kinds the same numbers to the last digit, so that equal grades are settled in the
+        # same way.
+        principal = [
+            principal_terms(*ends, number) for ends, number in zip(ranges, numbers, strict=True)
+        ]
         return _Partition(terms, principal, None, None)
 
-    def _partition_by_clusters(self, inputs: Array, ranges: list[tuple[float, float]]) -> _Partition:
+    def _partition_by_clusters(
+        self, inputs: Array, ranges: list[tuple[float, float]]
+    ) -> _Partition:
         if self.learner == "strict":
-            raise InvalidValue("learner", self.learner, "another one with partition='clusters', where every rule is a cluster's")
+            raise InvalidValue(
+                "learner",
+                self.learner,
+                "another one with partition='clusters', where every rule is a cluster's",
+            )
         number = whole_number("n_terms", self.n_terms, 1)
         self._check_size(number)
         least, greatest = np.array(ranges).T
         widths = greatest - least
         clusters = fuzzy_c_means((inputs - least) / widths, number, self.fuzzifier, self.rng)
-        placed = dataclasses.replace(clusters, centers=least + widths * clusters.centers, spreads=widths * clusters.spreads)
+        placed = dataclasses.replace(
+            clusters, centers=least + widths * clusters.centers, spreads=widths * clusters.spreads
+        )
         terms, rules = cluster_partition(placed, widths, self.kind, self.mean_variation)
         principal, _ = cluster_partition(placed, widths, "t1")
         return _Partition(terms, gaussian_terms(principal), rules, clusters)
@@ -339,7 +410,8 @@ class WangMendel:
         Raises
         ------
         NotFitted
-            If there is no system yet; scikit-learn's ``NotFittedError`` as well, if that is imported.
+            If there is no system yet; scikit-learn's ``NotFittedError`` as well, if that is
+            imported.
         InvalidValue, NotNumbers, WrongFeatures
             If the inputs are not finite numbers, or not those of :meth:`fit`.
         """
@@ -349,8 +421,8 @@ class WangMendel:
     def predict_interval(self, X: ArrayLike) -> Array:
         """Return the type-reduced intervals of the system.
 
-        They show what the uncertainty of the terms does to the output. They are no confidence intervals: how often they cover the
-        truth is not known.
+        They show what the uncertainty of the terms does to the output. They are no confidence
+        intervals: how often they cover the truth is not known.
 
         Parameters
         ----------
@@ -360,8 +432,9 @@ class WangMendel:
         Returns
         -------
         (n, 2) or (n, m, 2) ndarray
-            Left and right ends, NaN where no rule fires. Of ``kind="gt2"`` those of the lowest α-plane, or two standard deviations
-            to both sides of the mean under ``reduction="gaussian"``.
+            Left and right ends, NaN where no rule fires. Of ``kind="gt2"`` those of the lowest
+            α-plane, or two standard deviations to both sides of the mean under
+            ``reduction="gaussian"``.
 
         Raises
         ------
@@ -376,7 +449,9 @@ class WangMendel:
         return reduced[:, 0] if self._one_column else reduced
 
     def score(self, X: ArrayLike, y: ArrayLike) -> float:
-        r"""Return the coefficient of determination, :math:`R^2 = 1 - \sum_n (y_n - \hat y_n)^2 / \sum_n (y_n - \bar y)^2`.
+        r"""Return the coefficient of determination.
+
+        It is :math:`R^2 = 1 - \sum_n (y_n - \hat y_n)^2 / \sum_n (y_n - \bar y)^2`.
 
         Parameters
         ----------
@@ -388,8 +463,8 @@ class WangMendel:
         Returns
         -------
         float
-            At most 1; the plain average over the outputs. An output that is constant counts 1 if it is met exactly and else 0.
-            NaN if no rule fires at some input.
+            At most 1; the plain average over the outputs. An output that is constant counts 1 if it
+            is met exactly and else 0. NaN if no rule fires at some input.
 
         Raises
         ------
@@ -403,7 +478,9 @@ class WangMendel:
         residual = ((truth - predicted) ** 2).sum(axis=0)
         total = ((truth - truth.mean(axis=0)) ** 2).sum(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            determination = np.where(total > 0.0, 1.0 - residual / total, np.where(residual == 0.0, 1.0, 0.0))
+            determination = np.where(
+                total > 0.0, 1.0 - residual / total, np.where(residual == 0.0, 1.0, 0.0)
+            )
         return float(np.where(np.isnan(residual), np.nan, determination).mean())
 
     def __sklearn_is_fitted__(self) -> bool:
@@ -411,7 +488,10 @@ class WangMendel:
         return hasattr(self, "system_")
 
     def __sklearn_tags__(self) -> Any:
-        """Return scikit-learn's description of the estimator; only scikit-learn itself asks for it."""
+        """Return scikit-learn's description of the estimator.
+
+        Only scikit-learn itself asks for it.
+        """
         from sklearn.utils import InputTags, RegressorTags, Tags, TargetTags
 
         return Tags(
@@ -443,11 +523,24 @@ class WangMendel:
             return
         most = MOST_RIDGE_RULES if self.learner == "ridge" else MOST_RULES
         if rules > most:
-            remedy = "or use partition='clusters', or learner='strict' with completion='none', which have rules where samples are"
-            raise InvalidValue("n_terms", self.n_terms, f"so few that there are at most {most:,} rules, not {rules:,}; {remedy}")
+            remedy = (
+                "or use partition='clusters', or learner='strict' with completion='none', which "
+                "have rules where samples are"
+            )
+            raise InvalidValue(
+                "n_terms",
+                self.n_terms,
+                f"so few that there are at most {most:,} rules, not {rules:,}; {remedy}",
+            )
 
     def _forget(self) -> None:
-        for name in ("feature_names_in_", "rule_samples_", "output_terms_", "output_rules_", "clusters_"):
+        for name in (
+            "feature_names_in_",
+            "rule_samples_",
+            "output_terms_",
+            "output_rules_",
+            "clusters_",
+        ):
             self.__dict__.pop(name, None)
 
     def _system(self) -> FuzzySystem:
@@ -458,7 +551,9 @@ class WangMendel:
     def _inputs(self, X: ArrayLike) -> Array:
         names, known = _column_names(X), getattr(self, "feature_names_in_", None)
         if names is not None and known is not None and list(known) != names:
-            raise WrongFeatures(type(self).__name__, self.n_features_in_, len(names), tuple(known), tuple(names))
+            raise WrongFeatures(
+                type(self).__name__, self.n_features_in_, len(names), tuple(known), tuple(names)
+            )
         if (names is None) != (known is None):
             warnings.warn(FeatureNamesWarning(type(self).__name__, known is not None), stacklevel=3)
         inputs = _table("X", X)
@@ -468,7 +563,11 @@ class WangMendel:
 
 
 class _Partition(NamedTuple):
-    """Terms of every input, the principal ones, rules (R, p) where they are not all combinations, and clusters where there are some."""
+    """Terms of every input, rules and clusters.
+
+    Terms are the principal ones. Rules (R, p) are there where they are not all combinations, and
+    clusters where there are some.
+    """
 
     terms: Sequence[tuple[Term, ...]]
     principal: Sequence[tuple[Gaussian, ...]]
@@ -481,7 +580,9 @@ def _terms_per_input(n_terms: int | Sequence[int], count: int) -> list[int]:
         return [whole_number("n_terms", n_terms, 1)] * count
     numbers = [whole_number("n_terms", number, 1) for number in np.asarray(n_terms).ravel()]
     if len(numbers) != count:
-        raise InvalidValue("n_terms", n_terms, f"one whole number, or one for each of the {count} inputs")
+        raise InvalidValue(
+            "n_terms", n_terms, f"one whole number, or one for each of the {count} inputs"
+        )
     return numbers
 
 
@@ -491,7 +592,11 @@ def _ranges(what: str, names: Sequence[str], columns: Array) -> list[tuple[float
     for name, low, high in zip(names, least, greatest, strict=True):
         if not low < high:
             remedy = "leave it out" if what == "input" else "learn it without output terms"
-            raise InvalidValue(f"{what} {name}", low, f"different in at least two samples, since its terms partition its range; {remedy}")
+            raise InvalidValue(
+                f"{what} {name}",
+                low,
+                f"different in at least two samples, since its terms partition its range; {remedy}",
+            )
     return [(float(low), float(high)) for low, high in zip(least, greatest, strict=True)]
 
 
@@ -511,20 +616,35 @@ def _table(name: str, values: Any) -> Array:
             raise InvalidValue(name, array, f"numbers ({error})") from error
     table = np.ascontiguousarray(array, dtype=np.float64)
     if table.ndim != 2:
-        raise InvalidValue(name, table.shape, "of shape (n, p), a row for each sample. Reshape your data: a single sample is (1, p)")
+        raise InvalidValue(
+            name,
+            table.shape,
+            "of shape (n, p), a row for each sample. Reshape your data: a single sample is (1, p)",
+        )
     if 0 in table.shape:
         empty = "sample" if table.shape[0] == 0 else "feature"
-        raise InvalidValue(name, f"0 {empty}(s) (shape={table.shape}) while a minimum of 1 is required.", "a table that is not empty")
+        raise InvalidValue(
+            name,
+            f"0 {empty}(s) (shape={table.shape}) while a minimum of 1 is required.",
+            "a table that is not empty",
+        )
     if not np.isfinite(table).all():
         row, column = (int(index) for index in np.argwhere(~np.isfinite(table))[0])
-        raise InvalidValue(f"{name}[{row}, {column}]", float(table[row, column]), "finite, not NaN or infinity")
+        raise InvalidValue(
+            f"{name}[{row}, {column}]", float(table[row, column]), "finite, not NaN or infinity"
+        )
     return table
 
 
 def _outputs(y: Any, count: int) -> tuple[Array, bool]:
-    """Return the outputs as a table (N, m), and whether they were one column without a second dimension."""
+    """Return the outputs as a table (N, m), and whether they had one dimension."""
     if y is None:
-        raise InvalidValue("y", None, "the outputs of the samples: WangMendel requires y to be passed, but the target y is None")
+        raise InvalidValue(
+            "y",
+            None,
+            "the outputs of the samples: WangMendel requires y to be passed, but the target y is "
+            "None",
+        )
     one_column = np.asarray(y).ndim == 1
     table = _table("y", np.asarray(y)[:, np.newaxis] if one_column else y)
     if len(table) != count:
@@ -546,12 +666,16 @@ def _same(value: Any, default: Any) -> bool:
 
 
 def _not_fitted(name: str) -> NotFitted:
-    """Return the error for an estimator without a system, which is scikit-learn's as well where that is imported."""
+    """Return the error for an estimator without a system.
+
+    It is scikit-learn's as well where that is imported.
+    """
     exceptions: Any = sys.modules.get("sklearn.exceptions")
     if exceptions is None:
         return NotFitted(name)
 
-    class NotFittedForScikitLearn(NotFitted, exceptions.NotFittedError):  # type: ignore[misc] # a base that is known at run time only
+    # a base that is known at run time only
+    class NotFittedForScikitLearn(NotFitted, exceptions.NotFittedError):  # type: ignore[misc]
         """Both this package's error and scikit-learn's."""
 
         def __reduce__(self) -> tuple[type[NotFitted], tuple[str]]:

@@ -1,10 +1,12 @@
 """Fuzzy numbers: arrays of them, with an algebra that is exact.
 
-`IntervalNumber` and `GaussianNumber` are closed under affine combinations (Theorems 1.4 and 1.5), so that a matrix of fuzzy
-numbers times a crisp vector costs two crisp products. What is not affine is left to `FuzzyNumber`, which carries the α-cuts of
-any convex fuzzy number and does all four operations.
+`IntervalNumber` and `GaussianNumber` are closed under affine combinations (Theorems 1.4 and 1.5),
+so that a matrix of fuzzy numbers times a crisp vector costs two crisp products. What is not affine
+is left to `FuzzyNumber`, which carries the α-cuts of any convex fuzzy number and does all four
+operations.
 
-Operands count as non-interactive, as everywhere in fuzzy arithmetic: ``a - a`` has the center 0 but twice the spread.
+Operands count as non-interactive, as everywhere in fuzzy arithmetic: ``a - a`` has the center 0 but
+twice the spread.
 """
 
 from __future__ import annotations
@@ -92,7 +94,12 @@ class AffineNumber(Number, ABC):
             return NotImplemented
         self._require_same_kind(other, "sum")
         location = self._location + other._location
-        pairs = np.stack([np.broadcast_to(self._width, location.shape), np.broadcast_to(other._width, location.shape)])
+        pairs = np.stack(
+            [
+                np.broadcast_to(self._width, location.shape),
+                np.broadcast_to(other._width, location.shape),
+            ]
+        )
         return self._with(location, self._combined_widths(pairs, np.ones(2), "k...,k->..."))
 
     def __radd__(self, other: object) -> Self:
@@ -114,7 +121,8 @@ class AffineNumber(Number, ABC):
         if isinstance(other, AffineNumber):
             raise NotApplicable(
                 f"the exact algebra of {type(self).__name__}",
-                "the product of two fuzzy numbers is not affine; use FuzzyNumber.of(...) * FuzzyNumber.of(...)",
+                "the product of two fuzzy numbers is not affine; use FuzzyNumber.of(...) * "
+                "FuzzyNumber.of(...)",
             )
         return NotImplemented
 
@@ -130,25 +138,38 @@ class AffineNumber(Number, ABC):
         if isinstance(other, AffineNumber):
             raise NotApplicable(
                 f"the exact algebra of {type(self).__name__}",
-                "the quotient of two fuzzy numbers is not affine; use FuzzyNumber.of(...) / FuzzyNumber.of(...)",
+                "the quotient of two fuzzy numbers is not affine; use FuzzyNumber.of(...) / "
+                "FuzzyNumber.of(...)",
             )
         return NotImplemented
 
     def __matmul__(self, vector: ArrayLike) -> Self:
-        """Return the matrices of numbers times crisp vectors: (..., m, n) and (..., n) give (..., m), (n,) and (n,) give ()."""
+        """Return the matrices of numbers times crisp vectors.
+
+        (..., m, n) and (..., n) give (..., m), (n,) and (n,) give ().
+        """
         crisp = crisp_operand(vector)
         if crisp is None:
-            raise NotApplicable("a product of matrices", "one factor must be crisp; the product of two fuzzy numbers is not affine")
+            raise NotApplicable(
+                "a product of matrices",
+                "one factor must be crisp; the product of two fuzzy numbers is not affine",
+            )
         _require_same_length(self.shape, crisp.shape)
         subscripts = "n,...n->..." if self.ndim == 1 else "...mn,...n->...m"
         location = np.einsum(subscripts, self._location, crisp)
         return self._with(location, self._combined_widths(self._width, crisp, subscripts))
 
     def __rmatmul__(self, matrix: ArrayLike) -> Self:
-        """Return crisp matrices times vectors of numbers: (..., m, n) and (..., n) give (..., m), (n,) and (n,) give ()."""
+        """Return crisp matrices times vectors of numbers.
+
+        (..., m, n) and (..., n) give (..., m), (n,) and (n,) give ().
+        """
         crisp = crisp_operand(matrix)
         if crisp is None:
-            raise NotApplicable("a product of matrices", "one factor must be crisp; the product of two fuzzy numbers is not affine")
+            raise NotApplicable(
+                "a product of matrices",
+                "one factor must be crisp; the product of two fuzzy numbers is not affine",
+            )
         _require_same_length(crisp.shape, self.shape)
         subscripts = "...n,n->..." if crisp.ndim == 1 else "...n,...mn->...m"
         location = np.einsum(subscripts, self._location, crisp)
@@ -157,7 +178,10 @@ class AffineNumber(Number, ABC):
     def sum(self, axis: int = -1) -> Self:
         """Return the sum along one axis."""
         location, width = np.moveaxis(self._location, axis, -1), np.moveaxis(self._width, axis, -1)
-        return self._with(location.sum(axis=-1), self._combined_widths(width, np.ones(width.shape[-1]), "...n,n->..."))
+        return self._with(
+            location.sum(axis=-1),
+            self._combined_widths(width, np.ones(width.shape[-1]), "...n,n->..."),
+        )
 
     def defuzzify(self) -> Array:
         """Return the crisp centers, which are the centroids of these symmetric numbers."""
@@ -171,7 +195,10 @@ def _require_same_length(matrix: tuple[int, ...], vector: tuple[int, ...]) -> No
 
 def _checked_fields(location: ArrayLike, width: ArrayLike, name: str) -> tuple[Array, Array]:
     """Return both fields as read-only arrays of one shape."""
-    centers, widths = (np.array(field) for field in np.broadcast_arrays(np.asarray(location, float), np.asarray(width, float)))
+    centers, widths = (
+        np.array(field)
+        for field in np.broadcast_arrays(np.asarray(location, float), np.asarray(width, float))
+    )
     if (widths < 0.0).any():  # NaN passes: it is what a system returns where no rule fires
         raise InvalidValue(name, widths, "at least 0")
     centers.setflags(write=False)
@@ -183,7 +210,8 @@ def _checked_fields(location: ArrayLike, width: ArrayLike, name: str) -> tuple[A
 class IntervalNumber(AffineNumber):
     r"""Interval fuzzy numbers: membership 1 on :math:`[c - s, c + s]` and 0 elsewhere.
 
-    .. math:: \sum_i \alpha_i F_i + \beta = \Big[\text{center } \sum_i \alpha_i c_i + \beta,\ \text{spread } \sum_i |\alpha_i| s_i\Big]
+    .. math:: \sum_i \alpha_i F_i + \beta = \Big[\text{center } \sum_i \alpha_i c_i + \beta,\
+              \text{spread } \sum_i |\alpha_i| s_i\Big]
 
     is exact under any t-norm (Theorem 1.4, eq. 1.46-1.48).
 
@@ -235,7 +263,8 @@ class IntervalNumber(AffineNumber):
         if not isinstance(other, IntervalNumber):
             raise NotApplicable(
                 f"the exact {operation} of fuzzy numbers",
-                f"{type(self).__name__} and {type(other).__name__} are of different kinds; use FuzzyNumber.of(...) for both",
+                f"{type(self).__name__} and {type(other).__name__} are of different kinds; use "
+                "FuzzyNumber.of(...) for both",
             )
 
     def interval(self, alpha: float = 1.0) -> Array:
@@ -248,10 +277,15 @@ class IntervalNumber(AffineNumber):
         return self.membership(x)
 
     def membership(self, x: ArrayLike) -> Array:
-        """Return the memberships at x, whose shape broadcasts with that of the numbers; NaN gives NaN."""
+        """Return the memberships at x, whose shape broadcasts with that of the numbers.
+
+        NaN gives NaN.
+        """
         points = np.asarray(x, dtype=float)
         distance = np.abs(points - self.center)
-        return np.where(np.isnan(distance + self.spread), np.nan, (distance <= self.spread).astype(float))
+        return np.where(
+            np.isnan(distance + self.spread), np.nan, (distance <= self.spread).astype(float)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -270,7 +304,8 @@ class GaussianNumber(AffineNumber):
     mean : (...) array_like
         Means :math:`m`, of any shape.
     sigma : (...) array_like
-        Standard deviations :math:`\sigma`, at least 0 (0 is a crisp number); broadcast with the means.
+        Standard deviations :math:`\sigma`, at least 0 (0 is a crisp number); broadcast with the
+        means.
     t_norm : {"product", "min"}
         How the memberships of summands are combined.
 
@@ -308,25 +343,33 @@ class GaussianNumber(AffineNumber):
     def _combined_widths(self, widths: Array, coefficients: Array, subscripts: str) -> Array:
         if self.t_norm == "min":
             return np.asarray(np.einsum(subscripts, widths, np.abs(coefficients)))
-        # Squares of widths below 1e-154 vanish and above 1e154 overflow; a common scale keeps the root exact.
+        # Squares of widths below 1e-154 vanish and above 1e154 overflow; a common scale keeps the
+        # root exact.
         scale = np.max(widths, initial=0.0) if np.isfinite(widths).all() else 0.0
         if scale == 0.0:
             scale = 1.0
-        return np.asarray(scale * np.sqrt(np.einsum(subscripts, (widths / scale) ** 2, coefficients**2)))
+        return np.asarray(
+            scale * np.sqrt(np.einsum(subscripts, (widths / scale) ** 2, coefficients**2))
+        )
 
     def _require_same_kind(self, other: AffineNumber, operation: str) -> None:
         if not isinstance(other, GaussianNumber):
             raise NotApplicable(
                 f"the exact {operation} of fuzzy numbers",
-                f"{type(self).__name__} and {type(other).__name__} are of different kinds; use FuzzyNumber.of(...) for both",
+                f"{type(self).__name__} and {type(other).__name__} are of different kinds; use "
+                "FuzzyNumber.of(...) for both",
             )
         if other.t_norm != self.t_norm:
             raise NotApplicable(
-                f"the exact {operation} of Gaussian numbers", f'their t-norms "{self.t_norm}" and "{other.t_norm}" differ (Theorem 1.5)'
+                f"the exact {operation} of Gaussian numbers",
+                f'their t-norms "{self.t_norm}" and "{other.t_norm}" differ (Theorem 1.5)',
             )
 
     def interval(self, alpha: float) -> Array:
-        r"""Return the (..., 2) ends :math:`m \mp \sigma\sqrt{-2\ln\alpha}` of the α-cuts, :math:`0 < \alpha \le 1`."""
+        r"""Return the (..., 2) ends :math:`m \mp \sigma\sqrt{-2\ln\alpha}` of the α-cuts.
+
+        For :math:`0 < \alpha \le 1`.
+        """
         reach = self.sigma * np.sqrt(-2.0 * np.log(checked_level(alpha)))
         return np.stack([self.mean - reach, self.mean + reach], axis=-1)
 
@@ -335,7 +378,10 @@ class GaussianNumber(AffineNumber):
         return self.membership(x)
 
     def membership(self, x: ArrayLike) -> Array:
-        """Return the memberships at x, whose shape broadcasts with that of the numbers; NaN gives NaN."""
+        """Return the memberships at x, whose shape broadcasts with that of the numbers.
+
+        NaN gives NaN.
+        """
         distance = np.asarray(x, dtype=float) - self.mean
         crisp = self.sigma == 0.0
         with np.errstate(over="ignore", under="ignore"):  # far tails are 0

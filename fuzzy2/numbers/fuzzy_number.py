@@ -17,7 +17,8 @@ from fuzzy2.sets.type1 import Type1Set
 
 
 def _default_levels() -> Array:
-    # Dense near 0 and 1, where the cuts of smooth sets move fastest; 0 and 1 themselves are among them.
+    # Dense near 0 and 1, where the cuts of smooth sets move fastest; 0 and 1 themselves are among
+    # them.
     return np.asarray(0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 129))))
 
 
@@ -26,14 +27,16 @@ Convertible: TypeAlias = "FuzzyNumber | IntervalNumber | GaussianNumber | Type1S
 
 @dataclass(frozen=True, eq=False)
 class FuzzyNumber(Number):
-    r"""Convex, normal fuzzy numbers of any shape, held as α-cuts, with all four operations under the minimum t-norm.
+    r"""Convex, normal fuzzy numbers of any shape, held as α-cuts.
+
+    All four operations are there, under the minimum t-norm.
 
     The cut of a result is the interval result of the cuts (eq. 1.43 with :math:`* = \wedge`),
 
     .. math:: (F \otimes G)_\alpha = \{v \otimes w : v \in F_\alpha, w \in G_\alpha\}
 
-    exactly so at the levels that are held; between two levels the ends are interpolated linearly. A set without a bounded
-    support is cut off where its membership is 1e-6.
+    exactly so at the levels that are held; between two levels the ends are interpolated linearly. A
+    set without a bounded support is cut off where its membership is 1e-6.
 
     Parameters
     ----------
@@ -45,7 +48,8 @@ class FuzzyNumber(Number):
     Raises
     ------
     InvalidValue
-        If the levels do not ascend from 0 to 1, the ends are not finite, or the cuts are not nested.
+        If the levels do not ascend from 0 to 1, the ends are not finite, or the cuts are not
+        nested.
 
     Notes
     -----
@@ -60,24 +64,49 @@ class FuzzyNumber(Number):
 
     def __init__(self, left: ArrayLike, right: ArrayLike, levels: ArrayLike | None = None) -> None:
         heights = _default_levels() if levels is None else np.array(levels, dtype=float)
-        if heights.ndim != 1 or heights.size < 2 or heights[0] != 0.0 or heights[-1] != 1.0 or not (np.diff(heights) > 0.0).all():
+        if (
+            heights.ndim != 1
+            or heights.size < 2
+            or heights[0] != 0.0
+            or heights[-1] != 1.0
+            or not (np.diff(heights) > 0.0).all()
+        ):
             raise InvalidValue("levels", heights, "ascending from 0 to 1")
-        lower, upper = (np.array(end) for end in np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float)))
+        lower, upper = (
+            np.array(end)
+            for end in np.broadcast_arrays(np.asarray(left, float), np.asarray(right, float))
+        )
         if lower.shape[-1:] != heights.shape:
-            raise InvalidValue("the last axis of left and right", lower.shape, f"as long as the {heights.size} levels")
+            raise InvalidValue(
+                "the last axis of left and right",
+                lower.shape,
+                f"as long as the {heights.size} levels",
+            )
         if not (np.isfinite(lower).all() and np.isfinite(upper).all()):
             raise InvalidValue("left and right", np.stack([lower, upper]), "finite")
-        if (lower > upper).any() or (np.diff(lower, axis=-1) < 0.0).any() or (np.diff(upper, axis=-1) > 0.0).any():
-            raise InvalidValue("left and right", np.stack([lower, upper]), "nested: each cut within those of lower levels")
+        if (
+            (lower > upper).any()
+            or (np.diff(lower, axis=-1) < 0.0).any()
+            or (np.diff(upper, axis=-1) > 0.0).any()
+        ):
+            raise InvalidValue(
+                "left and right",
+                np.stack([lower, upper]),
+                "nested: each cut within those of lower levels",
+            )
         for name, value in (("left", lower), ("right", upper), ("levels", heights)):
             value.setflags(write=False)
             object.__setattr__(self, name, value)
 
     @classmethod
     def of(
-        cls, value: FuzzyNumber | IntervalNumber | GaussianNumber | Type1Set | ArrayLike, levels: ArrayLike | None = None
+        cls,
+        value: FuzzyNumber | IntervalNumber | GaussianNumber | Type1Set | ArrayLike,
+        levels: ArrayLike | None = None,
     ) -> FuzzyNumber:
-        """Return a fuzzy number with the α-cuts of a convex type-1 set, of interval or Gaussian numbers, or of crisp numbers.
+        """Return a fuzzy number with the α-cuts of a set or of other numbers.
+
+        Of a convex type-1 set, of interval or Gaussian numbers, or of crisp numbers.
 
         Parameters
         ----------
@@ -89,8 +118,8 @@ class FuzzyNumber(Number):
         Raises
         ------
         NotApplicable
-            If the set is not convex or not normal, if its cuts are unbounded, or if a Gaussian number is meant for the
-            product t-norm, to which α-cuts do not apply.
+            If the set is not convex or not normal, if its cuts are unbounded, or if a Gaussian
+            number is meant for the product t-norm, to which α-cuts do not apply.
         """
         if isinstance(value, FuzzyNumber):
             return value if levels is None else value.at_levels(levels)
@@ -104,18 +133,32 @@ class FuzzyNumber(Number):
             return cls(left, right, heights)
         if isinstance(value, GaussianNumber):
             if value.t_norm != "min":
-                reason = 'it uses the minimum; make the Gaussian numbers with t_norm="min" if that is meant'
+                reason = (
+                    'it uses the minimum; make the Gaussian numbers with t_norm="min" if that is '
+                    "meant"
+                )
                 raise NotApplicable("arithmetic by α-cuts", reason)
-            cut = np.stack([value.interval(max(float(level), LOWEST_LEVEL_OF_UNBOUNDED_SETS)) for level in heights], axis=-2)
+            cut = np.stack(
+                [
+                    value.interval(max(float(level), LOWEST_LEVEL_OF_UNBOUNDED_SETS))
+                    for level in heights
+                ],
+                axis=-2,
+            )
             return cls(cut[..., 0], cut[..., 1], heights)
         if not isinstance(value, Type1Set):
-            raise InvalidValue("value", value, "a convex type-1 set, fuzzy numbers or crisp numbers")
+            raise InvalidValue(
+                "value", value, "a convex type-1 set, fuzzy numbers or crisp numbers"
+            )
         return cls._of_set(value, heights)
 
     @classmethod
     def _of_set(cls, convex_set: Type1Set, heights: Array) -> FuzzyNumber:
         if not convex_set.is_normal():
-            raise NotApplicable("arithmetic by α-cuts", f"{convex_set!r} does not reach the membership 1, as a fuzzy number does")
+            raise NotApplicable(
+                "arithmetic by α-cuts",
+                f"{convex_set!r} does not reach the membership 1, as a fuzzy number does",
+            )
         lowest = 0.0 if np.isfinite(convex_set.support).all() else LOWEST_LEVEL_OF_UNBOUNDED_SETS
         # The height may fall short of 1 by rounding.
         left, right = convex_set.alpha_cut(np.clip(heights, lowest, convex_set.height))
@@ -131,49 +174,75 @@ class FuzzyNumber(Number):
     def __getitem__(self, index: Any) -> FuzzyNumber:
         keys = index if isinstance(index, tuple) else (index,)
         if any(key is Ellipsis for key in keys):
-            return FuzzyNumber(self.left[(*keys, slice(None))], self.right[(*keys, slice(None))], self.levels)
-        return FuzzyNumber(self.left[(*keys, ..., slice(None))], self.right[(*keys, ..., slice(None))], self.levels)
+            return FuzzyNumber(
+                self.left[(*keys, slice(None))], self.right[(*keys, slice(None))], self.levels
+            )
+        return FuzzyNumber(
+            self.left[(*keys, ..., slice(None))], self.right[(*keys, ..., slice(None))], self.levels
+        )
 
     def __eq__(self, other: object) -> bool:
         """Tell whether all cuts are the same, with no tolerance."""
         if not isinstance(other, FuzzyNumber):
             return NotImplemented
-        return all(np.array_equal(getattr(self, name), getattr(other, name)) for name in ("left", "right", "levels"))
+        return all(
+            np.array_equal(getattr(self, name), getattr(other, name))
+            for name in ("left", "right", "levels")
+        )
 
     def at_levels(self, levels: ArrayLike) -> FuzzyNumber:
         """Return the same numbers with their cuts at other levels, interpolated linearly."""
         heights = np.asarray(levels, dtype=float)
         if np.array_equal(heights, self.levels):
             return self
-        return FuzzyNumber(*_nested(self._ends_at(self.left, heights), self._ends_at(self.right, heights)), heights)
+        return FuzzyNumber(
+            *_nested(self._ends_at(self.left, heights), self._ends_at(self.right, heights)), heights
+        )
 
     def _ends_at(self, ends: Array, heights: Array) -> Array:
-        segment = np.clip(np.searchsorted(self.levels, heights, side="right") - 1, 0, self.levels.size - 2)
-        fraction = (heights - self.levels[segment]) / (self.levels[segment + 1] - self.levels[segment])
-        return np.asarray(ends[..., segment] + fraction * (ends[..., segment + 1] - ends[..., segment]))
+        segment = np.clip(
+            np.searchsorted(self.levels, heights, side="right") - 1, 0, self.levels.size - 2
+        )
+        fraction = (heights - self.levels[segment]) / (
+            self.levels[segment + 1] - self.levels[segment]
+        )
+        return np.asarray(
+            ends[..., segment] + fraction * (ends[..., segment + 1] - ends[..., segment])
+        )
 
     def interval(self, alpha: float) -> Array:
         """Return the (..., 2) ends of the α-cuts, 0 <= alpha <= 1."""
         if not 0.0 <= alpha <= 1.0:
             raise InvalidValue("alpha", alpha, "a level from 0 to 1")
         heights = np.array([alpha])
-        return np.concatenate([self._ends_at(self.left, heights), self._ends_at(self.right, heights)], axis=-1)
+        return np.concatenate(
+            [self._ends_at(self.left, heights), self._ends_at(self.right, heights)], axis=-1
+        )
 
     def __call__(self, x: ArrayLike) -> Array:
         """Return the memberships at x; see `membership`."""
         return self.membership(x)
 
     def membership(self, x: ArrayLike) -> Array:
-        """Return the memberships at x, whose shape broadcasts with that of the numbers; NaN gives NaN."""
+        """Return the memberships at x, whose shape broadcasts with that of the numbers.
+
+        NaN gives NaN.
+        """
         points = np.asarray(x, dtype=float)
         shape = np.broadcast_shapes(points.shape, self.shape)
         points = np.broadcast_to(points, shape)
-        left, right = (np.broadcast_to(end, (*shape, self.levels.size)) for end in (self.left, self.right))
-        grades = np.minimum(_level_reached(left, points, self.levels), _level_reached(-right, -points, self.levels))
+        left, right = (
+            np.broadcast_to(end, (*shape, self.levels.size)) for end in (self.left, self.right)
+        )
+        grades = np.minimum(
+            _level_reached(left, points, self.levels), _level_reached(-right, -points, self.levels)
+        )
         return np.where(np.isnan(points), np.nan, grades)
 
     def defuzzify(self) -> Array:
-        r"""Return the (...) centroids, exact for cuts whose ends :math:`l, r` are linear between levels.
+        r"""Return the (...) centroids.
+
+        They are exact for cuts whose ends :math:`l, r` are linear between levels.
 
         .. math:: \frac{\int_0^1 (r^2 - l^2)\,d\alpha}{2 \int_0^1 (r - l)\,d\alpha}
 
@@ -183,21 +252,35 @@ class FuzzyNumber(Number):
         origin = 0.5 * (self.left[..., :1] + self.right[..., :1])
         left, right = self.left - origin, self.right - origin
         area = _integral_of_linear(right - left, self.levels)
-        moment = 0.5 * (_integral_of_square(right, self.levels) - _integral_of_square(left, self.levels))
+        moment = 0.5 * (
+            _integral_of_square(right, self.levels) - _integral_of_square(left, self.levels)
+        )
         wide = area > 0.0
         return np.asarray(origin[..., 0] + np.where(wide, moment / np.where(wide, area, 1.0), 0.0))
 
     def _paired(self, other: object) -> tuple[FuzzyNumber, FuzzyNumber] | None:
         """Return both operands at the levels of either, or None if the other is not a number."""
-        if not isinstance(other, (FuzzyNumber, AffineNumber, Type1Set)) and crisp_operand(other) is None:
+        if (
+            not isinstance(other, (FuzzyNumber, AffineNumber, Type1Set))
+            and crisp_operand(other) is None
+        ):
             return None
-        second = other if isinstance(other, FuzzyNumber) else FuzzyNumber.of(other, self.levels)  # type: ignore[arg-type]
+        second = (
+            other
+            if isinstance(other, FuzzyNumber)
+            else FuzzyNumber.of(
+                other,  # type: ignore[arg-type]
+                self.levels,
+            )
+        )
         if np.array_equal(self.levels, second.levels):
             return self, second
         common = np.union1d(self.levels, second.levels)
         return self.at_levels(common), second.at_levels(common)
 
-    def _combined(self, other: object, ends: Callable[[FuzzyNumber, FuzzyNumber], tuple[Array, Array]]) -> FuzzyNumber:
+    def _combined(
+        self, other: object, ends: Callable[[FuzzyNumber, FuzzyNumber], tuple[Array, Array]]
+    ) -> FuzzyNumber:
         pair = self._paired(other)
         return NotImplemented if pair is None else FuzzyNumber(*ends(*pair), pair[0].levels)
 
@@ -227,7 +310,11 @@ class FuzzyNumber(Number):
 
     def __rtruediv__(self, other: object) -> FuzzyNumber:
         pair = self._paired(other)
-        return NotImplemented if pair is None else FuzzyNumber(*_quotient_of_cuts(pair[1], pair[0]), pair[0].levels)
+        return (
+            NotImplemented
+            if pair is None
+            else FuzzyNumber(*_quotient_of_cuts(pair[1], pair[0]), pair[0].levels)
+        )
 
 
 def _nested(left: Array, right: Array) -> tuple[Array, Array]:
@@ -240,7 +327,9 @@ def _nested(left: Array, right: Array) -> tuple[Array, Array]:
 
 
 def _product_of_cuts(a: FuzzyNumber, b: FuzzyNumber) -> tuple[Array, Array]:
-    corners = np.stack(np.broadcast_arrays(a.left * b.left, a.left * b.right, a.right * b.left, a.right * b.right))
+    corners = np.stack(
+        np.broadcast_arrays(a.left * b.left, a.left * b.right, a.right * b.left, a.right * b.right)
+    )
     return corners.min(axis=0), corners.max(axis=0)
 
 
@@ -248,19 +337,28 @@ def _quotient_of_cuts(a: FuzzyNumber, b: FuzzyNumber) -> tuple[Array, Array]:
     contains_zero = (b.left[..., 0] <= 0.0) & (b.right[..., 0] >= 0.0)
     if contains_zero.any():
         supports = np.stack([b.left[..., 0], b.right[..., 0]], axis=-1)[contains_zero]
-        raise InvalidValue("the denominator", supports, "a fuzzy number whose support does not contain 0")
-    corners = np.stack(np.broadcast_arrays(a.left / b.left, a.left / b.right, a.right / b.left, a.right / b.right))
+        raise InvalidValue(
+            "the denominator", supports, "a fuzzy number whose support does not contain 0"
+        )
+    corners = np.stack(
+        np.broadcast_arrays(a.left / b.left, a.left / b.right, a.right / b.left, a.right / b.right)
+    )
     return corners.min(axis=0), corners.max(axis=0)
 
 
 def _level_reached(left: Array, points: Array, levels: Array) -> Array:
-    """Return the highest level whose left end is at most the point, interpolated, and 0 left of all ends."""
+    """Return the highest level whose left end is at most the point.
+
+    It is interpolated, and 0 left of all ends.
+    """
     # Ends may repeat (a jump of the membership), so the last one that the point has passed counts.
     passed = (left <= points[..., None]).sum(axis=-1)
     segment = np.clip(passed - 1, 0, levels.size - 2)
     start = np.take_along_axis(left, segment[..., None], axis=-1)[..., 0]
     width = np.take_along_axis(left, segment[..., None] + 1, axis=-1)[..., 0] - start
-    fraction = np.clip(np.where(width > 0.0, (points - start) / np.where(width > 0.0, width, 1.0), 1.0), 0.0, 1.0)
+    fraction = np.clip(
+        np.where(width > 0.0, (points - start) / np.where(width > 0.0, width, 1.0), 1.0), 0.0, 1.0
+    )
     reached = levels[segment] * (1.0 - fraction) + levels[segment + 1] * fraction
     return np.asarray(np.where(passed == 0, 0.0, np.where(passed == levels.size, 1.0, reached)))
 

@@ -12,14 +12,18 @@ from fuzzy2.sets.shapes import Gaussian
 
 
 def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
-    r"""Return the Gaussian approximation of the meet of Gaussian memberships under the product t-norm (Theorem 1.3, eq. 1.30).
+    r"""Return the Gaussian approximation of the meet of Gaussian memberships (eq. 1.30).
+
+    The t-norm is the product (Theorem 1.3).
 
     .. math::
-        \mu(\theta) \approx \exp\left(-\tfrac12 \left(\frac{\theta - \prod_i m_i}{\bar\sigma}\right)^2\right), \qquad
+        \mu(\theta) \approx \exp\left(-\tfrac12
+        \left(\frac{\theta - \prod_i m_i}{\bar\sigma}\right)^2\right), \qquad
         \bar\sigma^2 = \sum_j \sigma_j^2 \prod_{i \ne j} m_i^2
 
-    It is an approximation: the exact meet, ``fuzzy2.meet(..., t_norm="product")``, is not Gaussian. `gaussian_meet_error` says how far
-    it is off: 0.033 for the means 0.5 and 0.7 with the standard deviations 0.05, 0.234 for 0.1 and 0.2 with 0.1 and 0.15.
+    It is an approximation: the exact meet, ``fuzzy2.meet(..., t_norm="product")``, is not Gaussian.
+    `gaussian_meet_error` says how far it is off: 0.033 for the means 0.5 and 0.7 with the standard
+    deviations 0.05, 0.234 for 0.1 and 0.2 with 0.1 and 0.15.
 
     Parameters
     ----------
@@ -31,28 +35,39 @@ def gaussian_meet(means: ArrayLike, sigmas: ArrayLike) -> GaussianNumber:
     Returns
     -------
     GaussianNumber
-        Of shape (...), with ``.mean`` and ``.sigma``; called with memberships it returns their grades.
+        Of shape (...), with ``.mean`` and ``.sigma``; called with memberships it returns their
+        grades.
 
     Raises
     ------
     InvalidValue
         If there are no memberships to meet, or a standard deviation is negative.
     """
-    m, sigma = (np.asarray(field) for field in np.broadcast_arrays(np.asarray(means, float), np.asarray(sigmas, float)))
+    m, sigma = (
+        np.asarray(field)
+        for field in np.broadcast_arrays(np.asarray(means, float), np.asarray(sigmas, float))
+    )
     if m.ndim == 0 or m.shape[-1] == 0:
         raise InvalidValue("means", m, "of shape (..., n) with n of at least 1")
     if (sigma < 0.0).any():
         raise InvalidValue("sigmas", sigma, "at least 0")
     # Products of all means but one, without dividing: a mean may be 0.
     before = np.cumprod(np.concatenate([np.ones_like(m[..., :1]), m[..., :-1]], axis=-1), axis=-1)
-    after = np.cumprod(np.concatenate([np.ones_like(m[..., :1]), m[..., :0:-1]], axis=-1), axis=-1)[..., ::-1]
-    return GaussianNumber(m.prod(axis=-1), np.sqrt(((sigma * before * after) ** 2).sum(axis=-1)), "product")
+    after = np.cumprod(np.concatenate([np.ones_like(m[..., :1]), m[..., :0:-1]], axis=-1), axis=-1)[
+        ..., ::-1
+    ]
+    return GaussianNumber(
+        m.prod(axis=-1), np.sqrt(((sigma * before * after) ** 2).sum(axis=-1)), "product"
+    )
 
 
 def gaussian_meet_error(means: ArrayLike, sigmas: ArrayLike, points: int = 1001) -> float:
-    r"""Return the largest difference between `gaussian_meet` and the exact meet (eq. 1.31-1.36), on an even grid of [0, 1].
+    r"""Return the largest difference between `gaussian_meet` and the exact meet.
 
-    The exact meet is that of the memberships cut off outside [0, 1], with :math:`\theta = 0` included (1.33).
+    The exact one is that of eq. 1.31-1.36, on an even grid of [0, 1].
+
+    The exact meet is that of the memberships cut off outside [0, 1], with :math:`\theta = 0`
+    included (1.33).
 
     Parameters
     ----------

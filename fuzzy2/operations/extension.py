@@ -1,8 +1,11 @@
-r"""Zadeh's extension principle: a function of numbers becomes a function of fuzzy sets (eq. 1.8, 1.43-1.45).
+r"""Zadeh's extension principle.
+
+A function of numbers becomes a function of fuzzy sets (eq. 1.8, 1.43-1.45).
 
 .. math:: \mu_B(y) = \sup_{f(x_1, \ldots, x_n) = y} \mu_1(x_1) * \cdots * \mu_n(x_n)
 
-A `SampledSet` or a `Singleton` is a discrete set here, and among discrete sets the principle is carried out exactly, by enumeration.
+A `SampledSet` or a `Singleton` is a discrete set here, and among discrete sets the principle is
+carried out exactly, by enumeration.
 """
 
 from __future__ import annotations
@@ -22,7 +25,8 @@ from fuzzy2.support.checks import Array
 # Combinations that are held at once: 32 MiB per array.
 CHUNK = 1 << 22
 
-# The cut that stands for the support of a set that has no ends, for instance of a Gaussian: 5.26 standard deviations.
+# The cut that stands for the support of a set that has no ends, for instance of a Gaussian: 5.26
+# standard deviations.
 LOWEST_LEVEL_OF_UNBOUNDED_SETS = 1e-6
 
 _LEVELS = 257
@@ -43,7 +47,9 @@ def discrete_points(operand: Type1Set) -> tuple[Array, Array]:
     if isinstance(operand, Singleton):
         return np.array([operand.point]), np.ones(1)
     raise NotApplicable(
-        "enumeration", f"{operand!r} is not discrete; sample it first, for instance {type(operand).__name__}.sample(points)"
+        "enumeration",
+        f"{operand!r} is not discrete; sample it first, for instance "
+        f"{type(operand).__name__}.sample(points)",
     )
 
 
@@ -66,10 +72,12 @@ def extend(
     .. math:: f(F_1, \ldots, F_n) = \int_{\theta_1} \cdots \int_{\theta_n}
         \mu_{F_1}(\theta_1) * \cdots * \mu_{F_n}(\theta_n) \,/\, f(\theta_1, \ldots, \theta_n)
 
-    Discrete sets are enumerated; images within 1e-12 of each other are one point, of the greatest grade. Otherwise f must be
-    continuous where the sets live. Under the minimum, the cuts of convex sets are mapped: the image of each box of cuts is searched
-    on a grid that closes in on its ends (exact where f is monotone in each argument). In all other cases the sets are sampled, and
-    of all images in each of 256 cells the one of the greatest grade is kept: its grade is a lower bound of the true one.
+    Discrete sets are enumerated; images within 1e-12 of each other are one point, of the greatest
+    grade. Otherwise f must be continuous where the sets live. Under the minimum, the cuts of convex
+    sets are mapped: the image of each box of cuts is searched on a grid that closes in on its ends
+    (exact where f is monotone in each argument). In all other cases the sets are sampled, and of
+    all images in each of 256 cells the one of the greatest grade is kept: its grade is a lower
+    bound of the true one.
 
     Parameters
     ----------
@@ -83,7 +91,8 @@ def extend(
     Returns
     -------
     SampledSet
-        The image. Of discrete sets it is a discrete set; otherwise its linear interpolation is the membership.
+        The image. Of discrete sets it is a discrete set; otherwise its linear interpolation is the
+        membership.
 
     Raises
     ------
@@ -97,13 +106,18 @@ def extend(
     if all(is_discrete(operand) for operand in sets):
         return enumerated(f, [discrete_points(operand) for operand in sets], norm)
     bounds = [bounded_support(operand, "the extension principle") for operand in sets]
-    if norm is T_NORMS["min"] and all(operand.is_convex() and operand.maxima is not None for operand in sets):
+    if norm is T_NORMS["min"] and all(
+        operand.is_convex() and operand.maxima is not None for operand in sets
+    ):
         return _mapped_cuts(f, sets, bounds)
     return _mapped_samples(f, sets, bounds, norm)
 
 
 def bounded_support(operand: Type1Set, what: str) -> tuple[float, float]:
-    """Return the support of a set or, if that is unbounded, where the membership is 1e-6 of the height."""
+    """Return the support of a set, or its part above 1e-6 of the height.
+
+    The latter if the support is unbounded.
+    """
     left, right = operand.support
     if math.isfinite(left) and math.isfinite(right):
         return left, right
@@ -112,11 +126,15 @@ def bounded_support(operand: Type1Set, what: str) -> tuple[float, float]:
     low, high = operand.alpha_cut(LOWEST_LEVEL_OF_UNBOUNDED_SETS * operand.height)
     left, right = max(left, float(low)), min(right, float(high))
     if not (math.isfinite(left) and math.isfinite(right)):
-        raise NotApplicable(what, f"{operand!r} does not fall to 0 on both sides; cut it off or sample it first")
+        raise NotApplicable(
+            what, f"{operand!r} does not fall to 0 on both sides; cut it off or sample it first"
+        )
     return left, right
 
 
-def enumerated(f: Callable[..., NDArray[np.generic]], operands: Sequence[tuple[Array, Array]], norm: TNorm) -> SampledSet:
+def enumerated(
+    f: Callable[..., NDArray[np.generic]], operands: Sequence[tuple[Array, Array]], norm: TNorm
+) -> SampledSet:
     """Return the exact image of discrete sets, given as points and grades."""
     images, grades = [], []
     for points, levels in _combinations(operands):
@@ -128,13 +146,21 @@ def enumerated(f: Callable[..., NDArray[np.generic]], operands: Sequence[tuple[A
     return SampledSet(np.concatenate(images), np.concatenate(grades))
 
 
-def _combinations(operands: Sequence[tuple[Array, Array]]) -> Iterator[tuple[list[Array], list[Array]]]:
-    """Yield all combinations of points with their grades, in blocks of at most `CHUNK`, split along the first set."""
+def _combinations(
+    operands: Sequence[tuple[Array, Array]],
+) -> Iterator[tuple[list[Array], list[Array]]]:
+    """Yield all combinations of points with their grades, in blocks.
+
+    Blocks have at most `CHUNK` points and are split along the first set.
+    """
     rest = math.prod(points.size for points, _ in operands[1:])
     first_points, first_grades = operands[0]
     step = max(1, CHUNK // rest)
     for start in range(0, first_points.size, step):
-        block = [(first_points[start : start + step], first_grades[start : start + step]), *operands[1:]]
+        block = [
+            (first_points[start : start + step], first_grades[start : start + step]),
+            *operands[1:],
+        ]
         yield (
             list(np.meshgrid(*(points for points, _ in block), indexing="ij")),
             list(np.meshgrid(*(grades for _, grades in block), indexing="ij")),
@@ -145,15 +171,26 @@ def _image(f: Callable[..., NDArray[np.generic]], arguments: Sequence[Array]) ->
     with np.errstate(all="ignore"):  # what comes out is checked
         image = np.asarray(f(*arguments), dtype=float)
     if image.shape != arguments[0].shape:
-        raise InvalidValue("f", image.shape, f"a function of arrays that returns their shape, {arguments[0].shape}")
+        raise InvalidValue(
+            "f", image.shape, f"a function of arrays that returns their shape, {arguments[0].shape}"
+        )
     if not np.isfinite(image).all():
         where = tuple(float(argument[~np.isfinite(image)][0]) for argument in arguments)
-        raise InvalidValue(f"f{where}", float(image[~np.isfinite(image)][0]), "finite on the supports of the sets")
+        raise InvalidValue(
+            f"f{where}", float(image[~np.isfinite(image)][0]), "finite on the supports of the sets"
+        )
     return image
 
 
-def _mapped_cuts(f: Callable[..., NDArray[np.generic]], sets: Sequence[Type1Set], bounds: Sequence[tuple[float, float]]) -> SampledSet:
-    """Return the image of convex sets under the minimum: the cut of the image is the image of the cuts."""
+def _mapped_cuts(
+    f: Callable[..., NDArray[np.generic]],
+    sets: Sequence[Type1Set],
+    bounds: Sequence[tuple[float, float]],
+) -> SampledSet:
+    """Return the image of convex sets under the minimum.
+
+    The cut of the image is the image of the cuts.
+    """
     height = min(operand.height for operand in sets)
     # Dense near 0 and near the height, where the cuts of smooth sets move fastest.
     levels = height * 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, _LEVELS)))
@@ -163,20 +200,29 @@ def _mapped_cuts(f: Callable[..., NDArray[np.generic]], sets: Sequence[Type1Set]
         boxes.append((np.clip(left, first, last), np.clip(right, first, last)))
     left = -_greatest(lambda *x: -_image(f, x), boxes)
     right = _greatest(lambda *x: _image(f, x), boxes)
-    # A search can miss an end by its tolerance; cuts are nested, so what a higher cut reaches every lower one does.
+    # A search can miss an end by its tolerance; cuts are nested, so what a higher cut reaches every
+    # lower one does.
     left, right = np.minimum.accumulate(left[::-1])[::-1], np.maximum.accumulate(right[::-1])[::-1]
     return SampledSet(np.concatenate([left, right]), np.concatenate([levels, levels]))
 
 
 def _greatest(f: Callable[..., Array], boxes: Sequence[tuple[Array, Array]]) -> Array:
-    """Return the greatest values (L,) of f over L boxes at once, by a grid that closes in on the best point."""
-    per_axis = max(5, round(4096 ** (1.0 / len(boxes)))) | 1  # odd: the best point of a step stays on the grid of the next
+    """Return the greatest values (L,) of f over L boxes at once.
+
+    By a grid that closes in on the best point.
+    """
+    # odd: the best point of a step stays on the grid of the next
+    per_axis = max(5, round(4096 ** (1.0 / len(boxes)))) | 1
     centers = [0.5 * (left + right) for left, right in boxes]
     reach = [0.5 * (right - left) for left, right in boxes]
     best = np.full(centers[0].shape, -np.inf)
     for _ in range(_SEARCH_STEPS):
         axes = [
-            np.clip(center[:, None] + size[:, None] * np.linspace(-1.0, 1.0, per_axis), left[:, None], right[:, None])
+            np.clip(
+                center[:, None] + size[:, None] * np.linspace(-1.0, 1.0, per_axis),
+                left[:, None],
+                right[:, None],
+            )
             for center, size, (left, right) in zip(centers, reach, boxes, strict=True)
         ]
         grid = np.broadcast_arrays(*_outer(axes))
@@ -194,25 +240,43 @@ def _greatest(f: Callable[..., Array], boxes: Sequence[tuple[Array, Array]]) -> 
 def _outer(axes: Sequence[Array]) -> list[Array]:
     """Return axes (L, P) shaped to broadcast to (L, P, ..., P)."""
     n = len(axes)
-    return [axis.reshape(axis.shape[0], *(axis.shape[1] if k == j else 1 for j in range(n))) for k, axis in enumerate(axes)]
+    return [
+        axis.reshape(axis.shape[0], *(axis.shape[1] if k == j else 1 for j in range(n)))
+        for k, axis in enumerate(axes)
+    ]
 
 
 def _mapped_samples(
-    f: Callable[..., NDArray[np.generic]], sets: Sequence[Type1Set], bounds: Sequence[tuple[float, float]], norm: TNorm
+    f: Callable[..., NDArray[np.generic]],
+    sets: Sequence[Type1Set],
+    bounds: Sequence[tuple[float, float]],
+    norm: TNorm,
 ) -> SampledSet:
-    """Return the best of all sampled images in each of equal cells: their grades are attained, so they are lower bounds."""
+    """Return the best of all sampled images in each of equal cells.
+
+    Their grades are attained, so they are lower bounds.
+    """
     per_axis = max(5, int(_GRID ** (1.0 / len(sets))))
     operands = []
     for operand, (left, right) in zip(sets, bounds, strict=True):
         landmarks = operand.landmarks
-        points = np.union1d(np.linspace(left, right, per_axis), landmarks[(landmarks >= left) & (landmarks <= right)])
+        points = np.union1d(
+            np.linspace(left, right, per_axis),
+            landmarks[(landmarks >= left) & (landmarks <= right)],
+        )
         if is_discrete(operand):
             points = discrete_points(operand)[0]
         operands.append((points, operand.membership(points)))
-    cells = [(_image(f, points).ravel(), norm(*grades).ravel()) for points, grades in _combinations(operands)]
+    cells = [
+        (_image(f, points).ravel(), norm(*grades).ravel())
+        for points, grades in _combinations(operands)
+    ]
     images, grades = (np.concatenate(parts) for parts in zip(*cells, strict=True))
     first, last = images.min(), images.max()
-    cell = np.minimum(((images - first) * (_CELLS / max(last - first, np.finfo(float).tiny))).astype(np.int64), _CELLS - 1)
+    cell = np.minimum(
+        ((images - first) * (_CELLS / max(last - first, np.finfo(float).tiny))).astype(np.int64),
+        _CELLS - 1,
+    )
     order = np.lexsort((grades, cell))
     best = order[np.flatnonzero(np.diff(cell[order], append=_CELLS))]
     # The ends of the image are kept as well, so that it is as wide as it should be.

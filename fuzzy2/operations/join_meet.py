@@ -1,19 +1,24 @@
-r"""Join, meet and negation: *or*, *and* and *not* of secondary memberships (eq. 1.9-1.15, 1.28, 1.29).
+r"""Join, meet and negation: *or*, *and* and *not* of secondary memberships.
+
+See eq. 1.9-1.15, 1.28 and 1.29.
 
 .. math:: F \sqcup G = \int_u \int_w \frac{f(u) * g(w)}{u \vee w}, \qquad
     F \sqcap G = \int_u \int_w \frac{f(u) * g(w)}{u \star w}, \qquad
     \neg F = \int_u \frac{f(u)}{1 - u}
 
-Two t-norms are at work. The memberships u and w are met by ``t_norm`` and joined by ``t_conorm``; the grades f(u) and g(w) are combined
-by ``grade_t_norm``, which is the same as ``t_norm`` unless another is given. The join takes the maximum of memberships under every
-t-norm, as the thesis does, unless another t-conorm is given.
+Two t-norms are at work. The memberships u and w are met by ``t_norm`` and joined by ``t_conorm``;
+the grades f(u) and g(w) are combined by ``grade_t_norm``, which is the same as ``t_norm`` unless
+another is given. The join takes the maximum of memberships under every t-norm, as the thesis does,
+unless another t-conorm is given.
 
-Sets that are all discrete (`SampledSet`, `Singleton`) give a discrete set, exactly. Sets of which at least one is a function give a
-function, evaluated where it is asked for; a sampled set among them counts by its linear interpolation.
+Sets that are all discrete (`SampledSet`, `Singleton`) give a discrete set, exactly. Sets of which
+at least one is a function give a function, evaluated where it is asked for; a sampled set among
+them counts by its linear interpolation.
 
-Which laws hold: both operations are commutative, and associative up to rounding. De Morgan's laws hold for the maximum with the
-minimum and for any other dual pair; not for the maximum with the product. Absorption, idempotence and distributivity hold
-for convex normal sets under the minimum (for memberships and for grades) only.
+Which laws hold: both operations are commutative, and associative up to rounding. De Morgan's laws
+hold for the maximum with the minimum and for any other dual pair; not for the maximum with the
+product. Absorption, idempotence and distributivity hold for convex normal sets under the minimum
+(for memberships and for grades) only.
 """
 
 from __future__ import annotations
@@ -74,19 +79,22 @@ def join(
     t_conorm : str, TConorm or callable
         How the memberships are combined.
     method : {"auto", "theorem_1_1", "intervals", "shift", "general"}
-        Theorem 1.1 (1.14, and 1.28 for grades other than the minimum), the interval theorem (1.29), the shift corollary, or
-        what needs no conditions; "auto" takes the first that holds of intervals, shift and theorem 1.1. All give the same set.
+        Theorem 1.1 (1.14, and 1.28 for grades other than the minimum), the interval theorem (1.29),
+        the shift corollary, or what needs no conditions; "auto" takes the first that holds of
+        intervals, shift and theorem 1.1. All give the same set.
 
     Returns
     -------
     Type1Set
-        `SampledSet` or `Singleton` if all sets are discrete; `Interval` if all are intervals; else a function. Its values are exact to
-        rounding for the maximum, and otherwise as exact as those of `meet`.
+        `SampledSet` or `Singleton` if all sets are discrete; `Interval` if all are intervals; else
+        a function. Its values are exact to rounding for the maximum, and otherwise as exact as
+        those of `meet`.
 
     Raises
     ------
     NotApplicable
-        If a method is asked for whose conditions do not hold, or the t-conorm is not continuous and a set is not discrete.
+        If a method is asked for whose conditions do not hold, or the t-conorm is not continuous and
+        a set is not discrete.
     InvalidValue
         If a t-conorm other than the maximum is applied to memberships outside [0, 1].
     """
@@ -96,13 +104,19 @@ def join(
     if conorm is T_CONORMS["max"]:
         return _extremum("join", sets, grade_norm, method)
     what = f"the join by the t-conorm {conorm.name}"
-    # By duality, so that intervals and functions need no formulas of their own; negating them costs one rounding.
-    if all(isinstance(operand, Interval | Singleton) for operand in sets) and method in ("auto", "intervals"):
+    # By duality, so that intervals and functions need no formulas of their own; negating them costs
+    # one rounding.
+    if all(isinstance(operand, Interval | Singleton) for operand in sets) and method in (
+        "auto",
+        "intervals",
+    ):
         return _interval_theorem(sets, conorm, conorm.dual.continuous, what)
     _require_general(method, what)
     if all(is_discrete(operand) for operand in sets):
         return _enumerated(sets, conorm, grade_norm)
-    return negation(_continuous_meet([negation(operand) for operand in sets], conorm.dual, grade_norm))
+    return negation(
+        _continuous_meet([negation(operand) for operand in sets], conorm.dual, grade_norm)
+    )
 
 
 def meet(
@@ -122,27 +136,31 @@ def meet(
     grade_t_norm : str, TNorm or callable, optional
         How the grades are combined; the same t-norm by default.
     method : {"auto", "theorem_1_1", "intervals", "shift", "general"}
-        Theorem 1.1 (1.15; minimum of memberships only), the interval theorem (1.29), the shift corollary, or what needs no
-        conditions; "auto" takes the first that holds of intervals, shift and theorem 1.1. All give the same set.
+        Theorem 1.1 (1.15; minimum of memberships only), the interval theorem (1.29), the shift
+        corollary, or what needs no conditions; "auto" takes the first that holds of intervals,
+        shift and theorem 1.1. All give the same set.
 
     Returns
     -------
     Type1Set
-        `SampledSet` or `Singleton` if all sets are discrete; `Interval` if all are intervals; else a function. Under the
-        minimum of memberships its values are exact to rounding. Under another t-norm it is 0 outside [0, 1], where the sets are cut
-        off, and its values are exact to 1e-12 for the minimum of grades of convex sets, and to 1e-8 otherwise (1e-7 times the number
-        of sets when there are three or more), for sets whose features are wider than 1/1000.
+        `SampledSet` or `Singleton` if all sets are discrete; `Interval` if all are intervals; else
+        a function. Under the minimum of memberships its values are exact to rounding. Under another
+        t-norm it is 0 outside [0, 1], where the sets are cut off, and its values are exact to 1e-12
+        for the minimum of grades of convex sets, and to 1e-8 otherwise (1e-7 times the number of
+        sets when there are three or more), for sets whose features are wider than 1/1000.
 
     Raises
     ------
     NotApplicable
-        If a method is asked for whose conditions do not hold, or the t-norm is not continuous and a set is not discrete.
+        If a method is asked for whose conditions do not hold, or the t-norm is not continuous and a
+        set is not discrete.
     InvalidValue
         If a t-norm other than the minimum is applied to memberships outside [0, 1].
 
     See Also
     --------
-    fuzzy2.gaussian_meet : the closed form (1.30) for Gaussian sets under the product, which is an approximation.
+    fuzzy2.gaussian_meet : the closed form (1.30) for Gaussian sets under the product,
+        which is an approximation.
     """
     require_sets(sets)
     norm = as_t_norm(t_norm)
@@ -150,7 +168,10 @@ def meet(
     if norm is T_NORMS["min"]:
         return _extremum("meet", sets, grade_norm, method)
     what = f"the meet by the t-norm {norm.name}"
-    if all(isinstance(operand, Interval | Singleton) for operand in sets) and method in ("auto", "intervals"):
+    if all(isinstance(operand, Interval | Singleton) for operand in sets) and method in (
+        "auto",
+        "intervals",
+    ):
         return _interval_theorem(sets, norm, norm.continuous, what)
     _require_general(method, what)
     if all(is_discrete(operand) for operand in sets):
@@ -159,7 +180,9 @@ def meet(
 
 
 def negation(fuzzy_set: Type1Set) -> Type1Set:
-    r"""Return the negation of a secondary membership (eq. 1.11), of the same class wherever that is closed under it.
+    r"""Return the negation of a secondary membership (eq. 1.11).
+
+    It is of the same class wherever that is closed under it.
 
     .. math:: \neg F = \int_u f(u) / (1 - u)
 
@@ -197,20 +220,31 @@ def negation(fuzzy_set: Type1Set) -> Type1Set:
             return NegatedSet(fuzzy_set)
 
 
-# --- discrete sets ---------------------------------------------------------------------------------------------------------------
+# --- discrete sets --------------------------------------------------------------------------------
 
 
 def _as_discrete(sets: Sequence[Type1Set], result: SampledSet) -> Type1Set:
     """Return a single point as a `Singleton` where all operands are."""
-    return Singleton(float(result.points[0])) if all(isinstance(operand, Singleton) for operand in sets) else result
+    return (
+        Singleton(float(result.points[0]))
+        if all(isinstance(operand, Singleton) for operand in sets)
+        else result
+    )
 
 
 def _enumerated(sets: Sequence[Type1Set], combine: TNorm | TConorm, grade_norm: TNorm) -> Type1Set:
-    """Return the join or meet of discrete sets under any norm, pair by pair: merging after each keeps the numbers small."""
+    """Return the join or meet of discrete sets under any norm, pair by pair.
+
+    Merging after each keeps the numbers small.
+    """
     operands = [discrete_points(operand) for operand in sets]
     for points, _ in operands:
         if points[0] < 0.0 or points[-1] > 1.0:
-            raise InvalidValue("the memberships of a set", points[[0, -1]], f"in [0, 1], where the norm {combine.name} is defined")
+            raise InvalidValue(
+                "the memberships of a set",
+                points[[0, -1]],
+                f"in [0, 1], where the norm {combine.name} is defined",
+            )
 
     def paired(first: SampledSet, second: tuple[Array, Array]) -> SampledSet:
         return enumerated(combine, [(first.points, first.grades), second], grade_norm)
@@ -219,11 +253,15 @@ def _enumerated(sets: Sequence[Type1Set], combine: TNorm | TConorm, grade_norm: 
 
 
 def _discrete_extremum(kind: str, sets: Sequence[Type1Set], grade_norm: TNorm) -> Type1Set:
-    r"""Return the join by the maximum, or the meet by the minimum, of discrete sets of any shape in O(N log N).
+    r"""Return the join by the maximum, or the meet by the minimum, of discrete sets.
 
-    A pair gives :math:`\theta` as its maximum if one member is :math:`\theta` and the other is not greater, so that (1.17)
+    They have any shape; it takes O(N log N).
 
-    .. math:: \mu(\theta) = \max_i \Big( f_i(\theta) * \mathop{*}_{j \ne i} \sup_{w \le \theta} f_j(w) \Big)
+    A pair gives :math:`\theta` as its maximum if one member is :math:`\theta` and the other is not
+    greater, so that (1.17)
+
+    .. math:: \mu(\theta) = \max_i \Big( f_i(\theta) * \mathop{*}_{j \ne i}
+              \sup_{w \le \theta} f_j(w) \Big)
 
     needs no enumeration of pairs, under any t-norm of the grades.
     """
@@ -243,7 +281,7 @@ def _discrete_extremum(kind: str, sets: Sequence[Type1Set], grade_norm: TNorm) -
     return _as_discrete(sets, SampledSet(sign * theta, best_of_pairs(own, reached, grade_norm)))
 
 
-# --- fast paths ------------------------------------------------------------------------------------------------------------------
+# --- fast paths -----------------------------------------------------------------------------------
 
 
 def _require_known(method: str) -> None:
@@ -254,40 +292,65 @@ def _require_known(method: str) -> None:
 def _require_general(method: str, what: str) -> None:
     _require_known(method)
     if method == "theorem_1_1":
-        raise NotApplicable("Theorem 1.1", f"it holds for the minimum and the maximum of memberships, and this is {what}")
+        raise NotApplicable(
+            "Theorem 1.1",
+            f"it holds for the minimum and the maximum of memberships, and this is {what}",
+        )
     if method == "shift":
-        raise NotApplicable("the shift corollary", f"it holds for the minimum only, and this is {what}")
+        raise NotApplicable(
+            "the shift corollary", f"it holds for the minimum only, and this is {what}"
+        )
     if method == "intervals":
         raise NotApplicable("the interval theorem (1.29)", "not all sets are intervals")
 
 
-def _interval_theorem(sets: Sequence[Type1Set], combine: TNorm | TConorm, continuous: bool, what: str) -> Type1Set:
+def _interval_theorem(
+    sets: Sequence[Type1Set], combine: TNorm | TConorm, continuous: bool, what: str
+) -> Type1Set:
     """Return the interval between the combined left and the combined right ends (1.29)."""
     if not all(isinstance(operand, Interval | Singleton) for operand in sets):
         raise NotApplicable("the interval theorem (1.29)", "not all sets are intervals")
     ends = np.array([operand.support for operand in sets])
-    if combine not in (T_NORMS["min"], T_CONORMS["max"]) and not ((ends >= 0.0) & (ends <= 1.0)).all():
-        raise InvalidValue("the ends of the intervals", ends, f"in [0, 1], where the norm {combine.name} is defined")
+    if (
+        combine not in (T_NORMS["min"], T_CONORMS["max"])
+        and not ((ends >= 0.0) & (ends <= 1.0)).all()
+    ):
+        raise InvalidValue(
+            "the ends of the intervals",
+            ends,
+            f"in [0, 1], where the norm {combine.name} is defined",
+        )
     left, right = (float(end) for end in combine.reduce(ends, axis=0))
     if all(isinstance(operand, Singleton) for operand in sets):
         return Singleton(left)
     if not continuous:
-        raise NotApplicable("the interval theorem (1.29)", f"{what} is not continuous and may leave gaps; sample the intervals")
+        raise NotApplicable(
+            "the interval theorem (1.29)",
+            f"{what} is not continuous and may leave gaps; sample the intervals",
+        )
     # The ends of a narrow interval may be exchanged by rounding.
     return Interval(min(left, right), max(left, right))
 
 
-def _extremum(kind: Literal["join", "meet"], sets: Sequence[Type1Set], grade_norm: TNorm, method: Method) -> Type1Set:
+def _extremum(
+    kind: Literal["join", "meet"], sets: Sequence[Type1Set], grade_norm: TNorm, method: Method
+) -> Type1Set:
     """Return the join by the maximum or the meet by the minimum."""
     _require_known(method)
     if len(sets) == 1:
         return sets[0]
-    if method == "intervals" or (method == "auto" and all(isinstance(operand, Interval | Singleton) for operand in sets)):
-        return _interval_theorem(sets, T_CONORMS["max"] if kind == "join" else T_NORMS["min"], True, f"the {kind}")
+    if method == "intervals" or (
+        method == "auto" and all(isinstance(operand, Interval | Singleton) for operand in sets)
+    ):
+        return _interval_theorem(
+            sets, T_CONORMS["max"] if kind == "join" else T_NORMS["min"], True, f"the {kind}"
+        )
     if method in ("auto", "shift"):
         reason = _why_no_shift(sets, grade_norm)
         if reason is None:
-            return (max if kind == "join" else min)(sets, key=lambda operand: operand.maxima or (0.0, 0.0))
+            return (max if kind == "join" else min)(
+                sets, key=lambda operand: operand.maxima or (0.0, 0.0)
+            )
         if method == "shift":
             raise NotApplicable("the shift corollary", reason)
     discrete = all(is_discrete(operand) for operand in sets)
@@ -304,13 +367,15 @@ def _extremum(kind: Literal["join", "meet"], sets: Sequence[Type1Set], grade_nor
 
 
 def _shape_of(operand: Type1Set) -> tuple[object, ...] | None:
-    """Return what stays of a parametric set when it is shifted, or None if the set has no such parameters."""
+    """Return what stays of a parametric set when it is shifted,or None without such parameters."""
     match operand:
         case Gaussian(sigma=sigma, height=height):
             return Gaussian, sigma, height
         case Triangular(left=left, peak=peak, right=right, height=height):
             return Triangular, left - peak, right - peak, height
-        case Trapezoidal(a=a, b=b, c=c, d=d, height=height) if math.isfinite(a) and math.isfinite(d):
+        case Trapezoidal(a=a, b=b, c=c, d=d, height=height) if math.isfinite(a) and math.isfinite(
+            d
+        ):
             return Trapezoidal, a - b, c - b, d - b, height
         case Bell(width=width, slope=slope):
             return Bell, width, slope
@@ -330,7 +395,10 @@ def _why_no_shift(sets: Sequence[Type1Set], grade_norm: TNorm) -> str | None:
         if first is None or shape is None:
             return f"{brief(operand)} has no parameters that tell its shape from its place"
         if shape[0] is not first[0] or not np.allclose(
-            np.array(shape[1:], dtype=float), np.array(first[1:], dtype=float), rtol=0.0, atol=ROUNDING
+            np.array(shape[1:], dtype=float),
+            np.array(first[1:], dtype=float),
+            rtol=0.0,
+            atol=ROUNDING,
         ):
             return f"{brief(operand)} is not {brief(sets[0])} shifted"
     return None
@@ -340,24 +408,36 @@ def _why_no_theorem(sets: Sequence[Type1Set]) -> str | None:
     """Return why Theorem 1.1 does not hold, or None if it does."""
     for operand in sets:
         if operand.core is None:
-            why = f"its height is {operand.height:g}" if operand.maxima else "it approaches its height but never reaches it"
+            why = (
+                f"its height is {operand.height:g}"
+                if operand.maxima
+                else "it approaches its height but never reaches it"
+            )
             return f"{brief(operand)} is not normal: {why}"
         if not operand.is_convex():
             return f"{brief(operand)} is not convex"
     if all(is_discrete(operand) for operand in sets):
         points = [discrete_points(operand)[0] for operand in sets]
         if any(other.size != points[0].size or (other != points[0]).any() for other in points[1:]):
-            return "the discrete sets are not given at the same points, so that at a point of one the others are 0, which is not convex"
+            return (
+                "the discrete sets are not given at the same points, so that at a point of one "
+                "the others are 0, which is not convex"
+            )
     return None
 
 
 def _discrete_theorem(kind: str, sets: Sequence[Type1Set], grade_norm: TNorm) -> Type1Set:
     points = discrete_points(sets[0])[0]
     grades = np.stack([discrete_points(operand)[1] for operand in sets])
-    return _as_discrete(sets, SampledSet(points, extremum_of_grades(kind, points, peaks_of(kind, sets), grades, grade_norm)))
+    return _as_discrete(
+        sets,
+        SampledSet(
+            points, extremum_of_grades(kind, points, peaks_of(kind, sets), grades, grade_norm)
+        ),
+    )
 
 
-# --- meets under t-norms other than the minimum ----------------------------------------------------------------------------------
+# --- meets under t-norms other than the minimum ---------------------------------------------------
 
 
 def _continuous_meet(sets: Sequence[Type1Set], norm: TNorm, grade_norm: TNorm) -> Type1Set:
@@ -368,7 +448,9 @@ def _continuous_meet(sets: Sequence[Type1Set], norm: TNorm, grade_norm: TNorm) -
         )
     if len(sets) == 1:
         return sets[0]
-    return ContinuousMeet(tuple(_on_the_unit_interval(operand) for operand in sets), norm, grade_norm)
+    return ContinuousMeet(
+        tuple(_on_the_unit_interval(operand) for operand in sets), norm, grade_norm
+    )
 
 
 def _on_the_unit_interval(operand: Type1Set) -> Type1Set:
@@ -377,5 +459,7 @@ def _on_the_unit_interval(operand: Type1Set) -> Type1Set:
     if left >= 0.0 and right <= 1.0:
         return operand
     if isinstance(operand, SampledSet | Singleton | Interval):
-        raise InvalidValue("the memberships of a set", (left, right), "in [0, 1], where t-norms are defined")
+        raise InvalidValue(
+            "the memberships of a set", (left, right), "in [0, 1], where t-norms are defined"
+        )
     return Truncated(operand, 0.0, 1.0)

@@ -17,17 +17,19 @@ from fuzzy2.support.checks import Array
 from fuzzy2.support.quadrature import Moments, merged
 
 ROUNDING = 1e-12
-# Ends of intervals of memberships are widened by this relative amount, so that a closed edge is not missed by rounding.
+# Ends of intervals of memberships are widened by this relative amount, so that a closed edge is not
+# missed by rounding.
 _EDGE = 4.0 * np.finfo(float).eps
 
-# Search for the best factorization of a membership: nodes of the first grid, then points and number of the grids that close in on
-# the best node. The last spacing is 2e-11 of the first interval.
+# Search for the best factorization of a membership: nodes of the first grid, then points and number
+# of the grids that close in on the best node. The last spacing is 2e-11 of the first interval.
 _NODES, _CLOSER_NODES, _CLOSER_GRIDS = 64, 8, 14
 _NODES_IF_NOT_CONVEX = 1024
 _MOST_LANDMARKS = 32
 _HALVINGS = 60
 _DEEPEST = 700.0  # exp(-700) is about the smallest normal number
-# Largest error of the linear interpolation by which an intermediate result of a meet of three or more sets is replaced.
+# Largest error of the linear interpolation by which an intermediate result of a meet of three or
+# more sets is replaced.
 TABLE_TOLERANCE = 1e-7
 
 
@@ -36,7 +38,8 @@ def best_of_pairs(own: Sequence[Array], reached: Sequence[Array], grade_norm: TN
     n = len(own)
     if n == 1:
         return own[0]
-    # Suprema of the sets before i and after i: n combinations instead of n²; the order of factors is kept for commutative results.
+    # Suprema of the sets before i and after i: n combinations instead of n²; the order of factors
+    # is kept for commutative results.
     before = [reached[0]]
     after = [reached[-1]]
     for k in range(1, n - 1):
@@ -55,8 +58,13 @@ def brief(operand: Type1Set) -> str:
     return shown if len(shown) <= 120 else f"{shown[:117]}..."
 
 
-def extremum_of_grades(kind: str, theta: Array, peaks: Array, grades: Array, grade_norm: TNorm) -> Array:
-    """Return (1.14) and (1.28) for a join, (1.15) for a meet, at theta (...,) from the grades (n, ...) of sets with given peaks (n,)."""
+def extremum_of_grades(
+    kind: str, theta: Array, peaks: Array, grades: Array, grade_norm: TNorm
+) -> Array:
+    """Return (1.14) and (1.28) for a join, (1.15) for a meet, at theta (...,).
+
+    From the grades (n, ...) of sets with given peaks (n,).
+    """
     order = np.argsort(peaks, kind="stable")
     if kind == "meet":  # mirrored, the meet is the join
         order, theta, peaks = order[::-1], -theta, -peaks
@@ -73,22 +81,31 @@ def extremum_of_grades(kind: str, theta: Array, peaks: Array, grades: Array, gra
 
 def peaks_of(kind: str, sets: Sequence[Type1Set]) -> Array:
     """Return one point of membership 1 of each set: the first for a join, the last for a meet."""
-    return np.array([(operand.core or (np.nan, np.nan))[0 if kind == "join" else 1] for operand in sets])
+    return np.array(
+        [(operand.core or (np.nan, np.nan))[0 if kind == "join" else 1] for operand in sets]
+    )
 
 
-# --- functions -------------------------------------------------------------------------------------------------------------------
+# --- functions ------------------------------------------------------------------------------------
 
 
 def supremum(operand: Type1Set, left: Array, right: Array) -> Array:
-    """Return the supremum (...,) of the membership over closed intervals, whose ends may be infinite; 0 for an empty one."""
+    """Return the supremum (...,) of the membership over closed intervals.
+
+    Ends may be infinite; it is 0 for an empty interval.
+    """
     if operand.is_convex():
         maxima = operand.maxima
         if maxima is None:  # a sigmoid: the better end is the one toward its far end
-            far_left, far_right = np.where(np.isneginf(left), -1e300, left), np.where(np.isposinf(right), 1e300, right)
+            far_left, far_right = (
+                np.where(np.isneginf(left), -1e300, left),
+                np.where(np.isposinf(right), 1e300, right),
+            )
             best = np.maximum(operand(far_left), operand(far_right))
         else:
             first, last = maxima
-            # The nearest point of the interval to the maxima; on the maxima itself the height, whatever rounding does there.
+            # The nearest point of the interval to the maxima; on the maxima itself the height,
+            # whatever rounding does there.
             nearest = np.where(right < first, right, np.where(left > last, left, first))
             best = np.where((left <= last) & (right >= first), operand.height, operand(nearest))
         return np.where(left <= right, best, np.where(np.isnan(left + right), np.nan, 0.0))
@@ -96,12 +113,21 @@ def supremum(operand: Type1Set, left: Array, right: Array) -> Array:
     grades = operand(points)
     ends = np.maximum(operand(np.maximum(left, points[0])), operand(np.minimum(right, points[-1])))
     ends = np.where((right >= points[0]) & (left <= points[-1]), ends, 0.0)
-    inside = _range_maxima(grades, np.searchsorted(points, left, side="left"), np.searchsorted(points, right, side="right"))
-    return np.where(left <= right, np.maximum(ends, inside), np.where(np.isnan(left + right), np.nan, 0.0))
+    inside = _range_maxima(
+        grades,
+        np.searchsorted(points, left, side="left"),
+        np.searchsorted(points, right, side="right"),
+    )
+    return np.where(
+        left <= right, np.maximum(ends, inside), np.where(np.isnan(left + right), np.nan, 0.0)
+    )
 
 
 def _range_maxima(grades: Array, first: NDArray[np.intp], last: NDArray[np.intp]) -> Array:
-    """Return the greatest of grades[first:last] for arrays of ends, 0 where that is empty: by a table of maxima over powers of two."""
+    """Return the greatest of grades[first:last] for arrays of ends, 0 where that is empty.
+
+    By a table of maxima over powers of two.
+    """
     table = [grades]
     while 2 ** len(table) <= grades.size:
         half = 2 ** (len(table) - 1)
@@ -119,11 +145,15 @@ def _range_maxima(grades: Array, first: NDArray[np.intp], last: NDArray[np.intp]
 
 @dataclass(frozen=True)
 class ExtremumSet(Type1Set):
-    r"""Join by the maximum, or meet by the minimum, of secondary memberships of which at least one is a function.
+    r"""Join by the maximum, or meet by the minimum, of secondary memberships.
 
-    Its membership is exact under any t-norm of the grades: (1.14), (1.15) and (1.28) for normal convex sets, and otherwise
+    At least one of them is a function.
 
-    .. math:: \mu(\theta) = \max_i \Big( f_i(\theta) * \mathop{*}_{j \ne i} \sup_{w \le \theta} f_j(w) \Big)
+    Its membership is exact under any t-norm of the grades: (1.14), (1.15) and (1.28) for normal
+    convex sets, and otherwise
+
+    .. math:: \mu(\theta) = \max_i \Big( f_i(\theta) * \mathop{*}_{j \ne i}
+              \sup_{w \le \theta} f_j(w) \Big)
 
     for a join (1.17), with :math:`w \ge \theta` for a meet. Made by `join` and `meet`.
 
@@ -161,10 +191,20 @@ class ExtremumSet(Type1Set):
     def _grades(self, x: Array) -> Array:
         own = [np.asarray(operand(x)) for operand in self.operands]
         if self.by_theorem:
-            grades = extremum_of_grades(self.kind, x, peaks_of(self.kind, self.operands), np.stack(own), self.grade_t_norm)
+            grades = extremum_of_grades(
+                self.kind, x, peaks_of(self.kind, self.operands), np.stack(own), self.grade_t_norm
+            )
         else:
-            left, right = (np.full(x.shape, -np.inf), x) if self.kind == "join" else (x, np.full(x.shape, np.inf))
-            grades = best_of_pairs(own, [supremum(operand, left, right) for operand in self.operands], self.grade_t_norm)
+            left, right = (
+                (np.full(x.shape, -np.inf), x)
+                if self.kind == "join"
+                else (x, np.full(x.shape, np.inf))
+            )
+            grades = best_of_pairs(
+                own,
+                [supremum(operand, left, right) for operand in self.operands],
+                self.grade_t_norm,
+            )
         return np.where(np.isnan(x), np.nan, grades)
 
     def _support(self) -> tuple[float, float]:
@@ -179,12 +219,20 @@ class ExtremumSet(Type1Set):
             if maxima is None:  # a sigmoid is highest at one end of the line
                 end = math.inf if operand(1e300) > operand(-1e300) else -math.inf
                 maxima = end, end
-            elif self.grade_t_norm is T_NORMS["min"] and operand.height > self.height and operand.is_convex():
-                # The minimum of the heights is reached wherever this set is as high as the lowest one.
+            elif (
+                self.grade_t_norm is T_NORMS["min"]
+                and operand.height > self.height
+                and operand.is_convex()
+            ):
+                # The minimum of the heights is reached wherever this set is as high as the lowest
+                # one.
                 cut = operand.alpha_cut(self.height)
                 maxima = float(cut[0]), float(cut[1])
             ends.append(maxima)
-        left, right = (float(end) for end in self._outer.reduce(np.array(ends), axis=0))  # type: ignore[attr-defined]
+        left, right = (
+            float(end)
+            for end in self._outer.reduce(np.array(ends), axis=0)  # type: ignore[attr-defined]
+        )
         return (left, right) if math.isfinite(left) and math.isfinite(right) else None
 
     def _landmarks(self) -> Array:
@@ -195,7 +243,10 @@ class ExtremumSet(Type1Set):
             return _cut_by_bisection(self, alpha)
         # Grades at the very height of a sigmoid, which never reaches it, are cut at infinity.
         cuts = [operand._cut(np.minimum(alpha, operand.height)) for operand in self.operands]
-        left, right = (self._outer.reduce(np.array(ends), axis=0) for ends in zip(*cuts, strict=True))  # type: ignore[attr-defined]
+        left, right = (
+            self._outer.reduce(np.array(ends), axis=0)  # type: ignore[attr-defined]
+            for ends in zip(*cuts, strict=True)
+        )
         return left, right
 
     def _quadrature_points(self, power: int) -> Array:
@@ -204,7 +255,10 @@ class ExtremumSet(Type1Set):
         return merged(*(operand.quadrature_points(power) for operand in self.operands))
 
     def is_convex(self) -> bool:
-        """Return whether the membership rises to its maximum and then falls: it does if those of all operands do."""
+        """Return whether the membership rises to its maximum and then falls.
+
+        It does if those of all operands do.
+        """
         return all(operand.is_convex() for operand in self.operands)
 
 
@@ -252,11 +306,17 @@ class NegatedSet(Type1Set):
 
 
 def _cut_by_bisection(convex_set: Type1Set, alpha: Array) -> tuple[Array, Array]:
-    """Return the ends of the cuts of a convex set from its membership alone, outermost points from the support to the maxima."""
+    """Return the ends of the cuts of a convex set from its membership alone.
+
+    These are outermost points, from the support to the maxima.
+    """
     maxima, points = convex_set.maxima, convex_set.landmarks
     first, last = (float(points[0]), float(points[-1])) if maxima is None else maxima
     ends = []
-    for inner, outer, side in ((first, convex_set.support[0], -1.0), (last, convex_set.support[1], 1.0)):
+    for inner, outer, side in (
+        (first, convex_set.support[0], -1.0),
+        (last, convex_set.support[1], 1.0),
+    ):
         inside = np.full(alpha.shape, inner)
         if math.isfinite(outer):
             outside = np.full(alpha.shape, outer)
@@ -280,13 +340,16 @@ def _cut_by_bisection(convex_set: Type1Set, alpha: Array) -> tuple[Array, Array]
 
 @dataclass(frozen=True)
 class ContinuousMeet(Type1Set):
-    r"""Meet of secondary memberships by a continuous t-norm other than the minimum (eq. 1.31-1.34 for the product).
+    r"""Meet of secondary memberships by a t-norm other than the minimum.
+
+    The t-norm is continuous (eq. 1.31-1.34 for the product).
 
     .. math:: \mu(\theta) = \sup_{v \star w = \theta} f(v) * g(w)
 
-    For the minimum of grades and convex sets it follows from the cuts, whose ends are the t-norms of those of the sets. Otherwise the
-    supremum is searched over v between the best membership of the first set and that which leaves the best of the second. Of three
-    or more sets all but the last are met first, and tabulated. Made by `meet`.
+    For the minimum of grades and convex sets it follows from the cuts, whose ends are the t-norms
+    of those of the sets. Otherwise the supremum is searched over v between the best membership of
+    the first set and that which leaves the best of the second. Of three or more sets all but the
+    last are met first, and tabulated. Made by `meet`.
 
     Parameters
     ----------
@@ -304,7 +367,9 @@ class ContinuousMeet(Type1Set):
 
     def __repr__(self) -> str:
         shown = ", ".join(map(repr, self.operands))
-        return f'meet({shown}, t_norm="{self.t_norm.name}", grade_t_norm="{self.grade_t_norm.name}")'
+        return (
+            f'meet({shown}, t_norm="{self.t_norm.name}", grade_t_norm="{self.grade_t_norm.name}")'
+        )
 
     @property
     def height(self) -> float:
@@ -331,7 +396,9 @@ class ContinuousMeet(Type1Set):
             if self._convex and self.grade_t_norm is T_NORMS["min"]:
                 grades[within] = self._grades_by_cuts(theta[within])
             else:
-                grades[within] = _best_factorizations(*self._pair, theta[within], self.t_norm, self.grade_t_norm)
+                grades[within] = _best_factorizations(
+                    *self._pair, theta[within], self.t_norm, self.grade_t_norm
+                )
         grades[np.isnan(theta)] = np.nan
         return grades.reshape(x.shape)
 
@@ -363,7 +430,9 @@ class ContinuousMeet(Type1Set):
             left, right = self._cut(np.asarray(self.height))
         else:
             # Cut off at 0 and 1, every set reaches its height.
-            left, right = self._ends([operand.maxima or operand.support for operand in self.operands])
+            left, right = self._ends(
+                [operand.maxima or operand.support for operand in self.operands]
+            )
         return float(left), float(right)
 
     def _landmarks(self) -> Array:
@@ -385,20 +454,32 @@ class ContinuousMeet(Type1Set):
         return tabulated(self)
 
     def moments(self, origin: float, power: int = 1) -> Moments:
-        """Return area and first moment of the membership about ``origin``, of the linear interpolation that is within 1e-7 of it."""
+        """Return area and first moment of the membership about ``origin``.
+
+        They are those of the linear interpolation that is within 1e-7 of the membership.
+        """
         return self._table.moments(origin, power)
 
     def centroid(self) -> float:
-        """Return the centroid (eq. 1.68) of the linear interpolation that is within 1e-7 of the membership."""
+        """Return the centroid (eq. 1.68) by linear interpolation.
+
+        The interpolation is within 1e-7 of the membership.
+        """
         return self._table.centroid()
 
     def is_convex(self) -> bool:
-        """Return whether the membership rises to its maximum and then falls: it does if those of all operands do."""
+        """Return whether the membership rises to its maximum and then falls.
+
+        It does if those of all operands do.
+        """
         return self._convex
 
 
 def tabulated(fuzzy_set: Type1Set) -> SampledSet:
-    """Return the set sampled so densely that the linear interpolation is within 1e-7 of it wherever it was tried: between all points."""
+    """Return the set sampled so densely that interpolation is within 1e-7 of it.
+
+    The interpolation is linear, and it was tried between all points.
+    """
     first, last = fuzzy_set.support
     points = merged(np.linspace(first, last, 257), fuzzy_set.landmarks)
     points = points[(points >= first) & (points <= last)]
@@ -409,14 +490,18 @@ def tabulated(fuzzy_set: Type1Set) -> SampledSet:
         left, right = points[rough], points[rough + 1]
         middle = 0.5 * (left + right)
         found = np.asarray(fuzzy_set(middle))
-        bad = (np.abs(found - 0.5 * (grades[rough] + grades[rough + 1])) > TABLE_TOLERANCE) & (right - left > 4.0 * ROUNDING)
+        bad = (np.abs(found - 0.5 * (grades[rough] + grades[rough + 1])) > TABLE_TOLERANCE) & (
+            right - left > 4.0 * ROUNDING
+        )
         inserted = rough[bad] + 1
         points = np.insert(points, inserted, middle[bad])
         grades = np.insert(grades, inserted, found[bad])
         new = inserted + np.arange(inserted.size)
         rough = np.sort(np.concatenate([new - 1, new]))
     if fuzzy_set.is_convex():  # the last digits of a search are not
-        grades = np.minimum(np.maximum.accumulate(grades), np.maximum.accumulate(grades[::-1])[::-1])
+        grades = np.minimum(
+            np.maximum.accumulate(grades), np.maximum.accumulate(grades[::-1])[::-1]
+        )
     return SampledSet(points, grades)
 
 
@@ -424,7 +509,10 @@ def _residuum(norm: TNorm, theta: Array, v: Array) -> Array:
     """Return the greatest w in [0, 1] with v * w <= theta."""
     if norm is T_NORMS["product"]:
         return np.where(v > theta, theta / np.where(v > 0.0, v, 1.0), 1.0)
-    low, high = np.zeros(np.broadcast_shapes(theta.shape, v.shape)), np.ones(np.broadcast_shapes(theta.shape, v.shape))
+    low, high = (
+        np.zeros(np.broadcast_shapes(theta.shape, v.shape)),
+        np.ones(np.broadcast_shapes(theta.shape, v.shape)),
+    )
     whole = norm(v, high) <= theta
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
@@ -437,7 +525,10 @@ def _least_factor(norm: TNorm, theta: Array, v: Array) -> Array:
     """Return the least w in [0, 1] with v * w >= theta, for v >= theta."""
     if norm is T_NORMS["product"]:
         return np.where(theta > 0.0, np.minimum(theta / np.where(v > 0.0, v, 1.0), 1.0), 0.0)
-    low, high = np.zeros(np.broadcast_shapes(theta.shape, v.shape)), np.ones(np.broadcast_shapes(theta.shape, v.shape))
+    low, high = (
+        np.zeros(np.broadcast_shapes(theta.shape, v.shape)),
+        np.ones(np.broadcast_shapes(theta.shape, v.shape)),
+    )
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         above = norm(v, middle) >= theta
@@ -445,16 +536,22 @@ def _least_factor(norm: TNorm, theta: Array, v: Array) -> Array:
     return np.where(theta > 0.0, high, 0.0)
 
 
-def _best_factorizations(f: Type1Set, g: Type1Set, theta: Array, norm: TNorm, grade_norm: TNorm) -> Array:
+def _best_factorizations(
+    f: Type1Set, g: Type1Set, theta: Array, norm: TNorm, grade_norm: TNorm
+) -> Array:
     """Return the supremum of f(v) with g(w) over all v, w in [0, 1] that give theta (N,)."""
     chunk = 4096
     if theta.size > chunk:
-        pieces = [_best_factorizations(f, g, theta[k : k + chunk], norm, grade_norm) for k in range(0, theta.size, chunk)]
+        pieces = [
+            _best_factorizations(f, g, theta[k : k + chunk], norm, grade_norm)
+            for k in range(0, theta.size, chunk)
+        ]
         return np.concatenate(pieces)
     target = theta[:, None]
 
     def value(v: Array) -> Array:
-        # For most v there is one w; a t-norm that is flat, or theta = 0, leaves an interval of them.
+        # For most v there is one w; a t-norm that is flat, or theta = 0, leaves an interval of
+        # them.
         least, greatest = _least_factor(norm, target, v), _residuum(norm, target, v)
         best = supremum(g, least * (1.0 - _EDGE), greatest * (1.0 + _EDGE))
         return grade_norm(f(v), best)
@@ -462,23 +559,33 @@ def _best_factorizations(f: Type1Set, g: Type1Set, theta: Array, norm: TNorm, gr
     left, right = theta, np.ones(theta.shape)
     nodes = _NODES_IF_NOT_CONVEX
     if f.is_convex() and g.is_convex():
-        # On either side of both best points the grades of both sets fall together, so the search stays between them.
+        # On either side of both best points the grades of both sets fall together, so the search
+        # stays between them.
         own = np.clip((f.maxima or f.support)[0], theta, 1.0)
-        others = np.clip(_residuum(norm, theta, np.full(theta.shape, (g.maxima or g.support)[0])), theta, 1.0)
+        others = np.clip(
+            _residuum(norm, theta, np.full(theta.shape, (g.maxima or g.support)[0])), theta, 1.0
+        )
         left, right = np.minimum(own, others), np.maximum(own, others)
         nodes = _NODES
     kinks = [_few(f), *([] if norm is not T_NORMS["product"] else [_few(g)])]
     candidates = [np.broadcast_to(np.clip(kinks[0], target, 1.0), (theta.size, kinks[0].size))]
     if len(kinks) > 1:
         candidates.append(np.clip(_residuum(norm, target, kinks[1][None, :]), target, 1.0))
-    v = np.concatenate([left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, nodes + 1), *candidates], axis=1)
+    v = np.concatenate(
+        [left[:, None] + (right - left)[:, None] * np.linspace(0.0, 1.0, nodes + 1), *candidates],
+        axis=1,
+    )
     rows = np.arange(theta.size)
     values = value(v)
     best = values.max(axis=1)
     center = v[rows, values.argmax(axis=1)]
     reach = (right - left) / nodes
     for _ in range(_CLOSER_GRIDS):
-        v = np.clip(center[:, None] + reach[:, None] * np.linspace(-1.0, 1.0, _CLOSER_NODES + 1), target, 1.0)
+        v = np.clip(
+            center[:, None] + reach[:, None] * np.linspace(-1.0, 1.0, _CLOSER_NODES + 1),
+            target,
+            1.0,
+        )
         values = value(v)
         center = v[rows, values.argmax(axis=1)]
         best = np.maximum(best, values.max(axis=1))
@@ -487,7 +594,10 @@ def _best_factorizations(f: Type1Set, g: Type1Set, theta: Array, norm: TNorm, gr
 
 
 def _few(operand: Type1Set) -> Array:
-    """Return the points where a set may jump or bend; of one with very many, the ends and the maxima."""
+    """Return the points where a set may jump or bend.
+
+    Of one with very many, the ends and the maxima.
+    """
     points = operand.landmarks
     if points.size > _MOST_LANDMARKS:
         points = np.unique([*operand.support, *(operand.maxima or ())])

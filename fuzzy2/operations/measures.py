@@ -1,12 +1,16 @@
-r"""Cardinality, fuzziness, similarity and order of type-1 and interval type-2 sets, on the continuous domain.
+r"""Cardinality, fuzziness, similarity and order of type-1 and interval type-2 sets.
 
-Every measure of a type-1 set carries over to the footprint of uncertainty: it is the interval of what the embedded type-1 sets give,
-and the ends come from two of them, known in closed form. A type-1 set is a footprint without width, and its intervals are points.
+All on the continuous domain.
 
-The integrals are taken by quadrature, as those of the centroid, and not normalized with the length of the domain, which for Gaussians
-has none: cardinality and fuzziness are lengths, in the unit of the points. (D. Wu and J. M. Mendel, "Uncertainty measures for interval
-type-2 fuzzy sets", Information Sciences 177, 2007; "A comparative study of ranking methods, similarity measures and uncertainty measures
-for interval type-2 fuzzy sets", Information Sciences 179, 2009.)
+Every measure of a type-1 set carries over to the footprint of uncertainty: it is the interval of
+what the embedded type-1 sets give, and the ends come from two of them, known in closed form. A
+type-1 set is a footprint without width, and its intervals are points.
+
+The integrals are taken by quadrature, as those of the centroid, and not normalized with the length
+of the domain, which for Gaussians has none: cardinality and fuzziness are lengths, in the unit of
+the points. (D. Wu and J. M. Mendel, "Uncertainty measures for interval type-2 fuzzy sets",
+Information Sciences 177, 2007; "A comparative study of ranking methods, similarity measures and
+uncertainty measures for interval type-2 fuzzy sets", Information Sciences 179, 2009.)
 """
 
 from __future__ import annotations
@@ -40,7 +44,8 @@ def cardinality(fuzzy_set: Footprint) -> tuple[float, float]:
     Returns
     -------
     left, right : float
-        Ends of the interval, in the unit of the points; equal for a type-1 set, and 0 for a single point.
+        Ends of the interval, in the unit of the points; equal for a type-1 set, and 0 for a single
+        point.
 
     Raises
     ------
@@ -54,23 +59,27 @@ def cardinality(fuzzy_set: Footprint) -> tuple[float, float]:
 
 
 def fuzziness(fuzzy_set: Footprint) -> tuple[float, float]:
-    r"""Return the fuzziness (entropy), the interval of the linear indices of fuzziness of all embedded sets.
+    r"""Return the fuzziness (entropy).
 
-    The linear index is twice the distance from the nearest crisp set. It is 0 where the grade is 0 or 1, 1 where it is 1/2, and the
-    simplest that satisfies the axioms of De Luca and Termini:
+    It is the interval of the linear indices of fuzziness of all embedded sets.
+
+    The linear index is twice the distance from the nearest crisp set. It is 0 where the grade is 0
+    or 1, 1 where it is 1/2, and the simplest that satisfies the axioms of De Luca and Termini:
 
     .. math:: f(A) = 2 \int \min(\mu(x),\ 1 - \mu(x))\,dx
 
-    The least fuzzy embedded set takes, at every point, the grade of the footprint that is farthest from 1/2, and the fuzziest one that
-    which is closest to it (Wu and Mendel 2007), so that
+    The least fuzzy embedded set takes, at every point, the grade of the footprint that is farthest
+    from 1/2, and the fuzziest one that which is closest to it (Wu and Mendel 2007), so that
 
     .. math::
 
         f(\tilde A) = \left[2 \int \min\left(\underline\mu(x),\ 1 - \overline\mu(x)\right) dx,\
-                            2 \int \min\left(\overline\mu(x),\ 1 - \underline\mu(x),\ \tfrac{1}{2}\right) dx\right]
+                            2 \int \min\left(\overline\mu(x),\ 1 - \underline\mu(x),\
+                            \tfrac{1}{2}\right) dx\right]
 
-    (A. Kaufmann, "Introduction to the Theory of Fuzzy Subsets", Academic Press, 1975, for the index; A. De Luca and S. Termini, "A
-    definition of a nonprobabilistic entropy in the setting of fuzzy sets theory", Information and Control 20, 1972, for the axioms.)
+    (A. Kaufmann, "Introduction to the Theory of Fuzzy Subsets", Academic Press, 1975, for the
+    index; A. De Luca and S. Termini, "A definition of a nonprobabilistic entropy in the setting of
+    fuzzy sets theory", Information and Control 20, 1972, for the axioms.)
 
     Parameters
     ----------
@@ -80,7 +89,8 @@ def fuzziness(fuzzy_set: Footprint) -> tuple[float, float]:
     Returns
     -------
     left, right : float
-        Ends of the interval, in the unit of the points; equal for a type-1 set, and 0 for a crisp one.
+        Ends of the interval, in the unit of the points; equal for a type-1 set, and 0 for a crisp
+        one.
 
     Raises
     ------
@@ -92,7 +102,8 @@ def fuzziness(fuzzy_set: Footprint) -> tuple[float, float]:
     points = _domain("fuzziness", fuzzy_set)
     lower, upper = fuzzy_set.lower, fuzzy_set.upper
 
-    # Near the top 1 - u is the rounding of u, which quadrature relative to the integral cannot resolve; so u is integrated along.
+    # Near the top 1 - u is the rounding of u, which quadrature relative to the integral cannot
+    # resolve; so u is integrated along.
     def with_least(x: Array) -> Array:
         low, high = lower(x), upper(x)
         return high + np.minimum(low, 1.0 - high)
@@ -102,17 +113,23 @@ def fuzziness(fuzzy_set: Footprint) -> tuple[float, float]:
         return high + np.minimum(np.minimum(high, 1.0 - low), 0.5)
 
     area = _area(upper, points)
-    left, right = (2.0 * max(_area(integrand, points) - area, 0.0) for integrand in (with_least, with_greatest))
+    left, right = (
+        2.0 * max(_area(integrand, points) - area, 0.0) for integrand in (with_least, with_greatest)
+    )
     return left, right
 
 
 def jaccard(first: Footprint, second: Footprint) -> float:
-    r"""Return the Jaccard similarity of two sets, by which share of their union they intersect (Wu and Mendel 2009).
+    r"""Return the Jaccard similarity of two sets (Wu and Mendel 2009).
+
+    It is the share of their union in which they intersect.
 
     .. math::
 
-        s(\tilde A, \tilde B) = \frac{\int \min(\overline\mu_A, \overline\mu_B)\,dx + \int \min(\underline\mu_A, \underline\mu_B)\,dx}
-                                     {\int \max(\overline\mu_A, \overline\mu_B)\,dx + \int \max(\underline\mu_A, \underline\mu_B)\,dx}
+        s(\tilde A, \tilde B) = \frac{\int \min(\overline\mu_A, \overline\mu_B)\,dx
+            + \int \min(\underline\mu_A, \underline\mu_B)\,dx}
+                                     {\int \max(\overline\mu_A, \overline\mu_B)\,dx
+                                         + \int \max(\underline\mu_A, \underline\mu_B)\,dx}
 
     Parameters
     ----------
@@ -122,7 +139,8 @@ def jaccard(first: Footprint, second: Footprint) -> float:
     Returns
     -------
     float
-        1 for equal memberships and for no others, 0 where the sets do not meet; the same if the sets are exchanged.
+        1 for equal memberships and for no others, 0 where the sets do not meet; the same if the
+        sets are exchanged.
 
     Raises
     ------
@@ -134,15 +152,22 @@ def jaccard(first: Footprint, second: Footprint) -> float:
     points = _domain("jaccard", first, second)
 
     def intersection(x: Array) -> Array:
-        return np.minimum(first.upper(x), second.upper(x)) + np.minimum(first.lower(x), second.lower(x))
+        return np.minimum(first.upper(x), second.upper(x)) + np.minimum(
+            first.lower(x), second.lower(x)
+        )
 
     def union(x: Array) -> Array:
-        return np.maximum(first.upper(x), second.upper(x)) + np.maximum(first.lower(x), second.lower(x))
+        return np.maximum(first.upper(x), second.upper(x)) + np.maximum(
+            first.lower(x), second.lower(x)
+        )
 
     whole = _area(union, points)
     if whole == 0.0:
-        raise NotApplicable("jaccard", f"the memberships of {first!r} and {second!r} are zero almost everywhere")
-    # Both integrals have their own rounding, which must not make nearly equal sets more similar than equal ones.
+        raise NotApplicable(
+            "jaccard", f"the memberships of {first!r} and {second!r} are zero almost everywhere"
+        )
+    # Both integrals have their own rounding, which must not make nearly equal sets more similar
+    # than equal ones.
     return min(_area(intersection, points) / whole, 1.0)
 
 
@@ -159,8 +184,9 @@ def rank(sets: Iterable[Footprint]) -> NDArray[np.intp]:
     Returns
     -------
     (N,) array of int
-        Indices of the sets, from the smallest middle to the greatest: ``[sets[i] for i in rank(sets)]`` are in order. Sets with the same
-        middle stay in the order in which they are given.
+        Indices of the sets, from the smallest middle to the greatest:
+        ``[sets[i] for i in rank(sets)]`` are in order. Sets with the same middle stay in the order
+        in which they are given.
 
     Raises
     ------
@@ -188,20 +214,33 @@ def _middle(fuzzy_set: Footprint) -> float:
 def _check(*sets: Footprint) -> None:
     for one in sets:
         if not isinstance(one, Type1Set | IntervalType2Set):
-            raise InvalidValue("fuzzy_set", one, "a type-1 or an interval type-2 set (of a general one take an alpha-plane)")
+            raise InvalidValue(
+                "fuzzy_set",
+                one,
+                "a type-1 or an interval type-2 set (of a general one take an alpha-plane)",
+            )
 
 
 def _domain(measure: str, *sets: Footprint) -> Array:
-    """Return ascending points from end to end of all upper memberships, with every kink that is known of the lower ones, too."""
+    """Return ascending points from end to end of all upper memberships.
+
+    With every kink that is known of the lower ones, too.
+    """
     _check(*sets)
     try:
         points = merged(*(one.upper.quadrature_points(power=0) for one in sets))
     except NotApplicable as error:
-        raise NotApplicable(measure, f"{error.reason}; sample() the set on the domain that matters") from error
+        raise NotApplicable(
+            measure, f"{error.reason}; sample() the set on the domain that matters"
+        ) from error
     kinks = merged(*(membership.landmarks for one in sets for membership in (one.lower, one.upper)))
     return merged(points, kinks[(kinks > points[0]) & (kinks < points[-1])])
 
 
 def _area(integrand: Callable[[Array], Array], points: Array) -> float:
     """Return the integral over the domain from the first to the last point, 0 over a single one."""
-    return Moments(integrand, points, 0.5 * float(points[0]) + 0.5 * float(points[-1])).total[0] if points.size > 1 else 0.0
+    return (
+        Moments(integrand, points, 0.5 * float(points[0]) + 0.5 * float(points[-1])).total[0]
+        if points.size > 1
+        else 0.0
+    )

@@ -1,6 +1,7 @@
 r"""Fuzzy relations on discrete universes: Cartesian products and compositions (eq. 1.61, 1.62).
 
-A relation on U x V is an array over both universes, and a set on U an array over one. Their entries say of which kind they are:
+A relation on U x V is an array over both universes, and a set on U an array over one. Their entries
+say of which kind they are:
 
 =================  ===================  =======================================================
 kind               relation             entries
@@ -38,7 +39,10 @@ _CHUNK = 1 << 22
 
 
 def _objects(value: RelationLike) -> Relation:
-    """Return sets in an array of objects; one with a length must not be taken for a row of numbers."""
+    """Return sets in an array of objects.
+
+    One with a length must not be taken for a row of numbers.
+    """
     if isinstance(value, np.ndarray):
         return value
 
@@ -47,7 +51,9 @@ def _objects(value: RelationLike) -> Relation:
             return ()
         lengths = {shape_of(item) for item in level}
         if len(lengths) != 1:
-            raise InvalidValue("a relation", value, "rows of the same number of secondary memberships")
+            raise InvalidValue(
+                "a relation", value, "rows of the same number of secondary memberships"
+            )
         return (len(level), *lengths.pop())
 
     result = np.empty(shape_of(value), dtype=object)
@@ -64,13 +70,20 @@ def _holds_sets(value: Any) -> bool:
         return value.dtype == object and all(isinstance(item, Type1Set) for item in value.ravel())
     if isinstance(value, Type1Set):
         return True
-    return isinstance(value, list | tuple) and len(value) > 0 and all(_holds_sets(item) for item in value)
+    return (
+        isinstance(value, list | tuple)
+        and len(value) > 0
+        and all(_holds_sets(item) for item in value)
+    )
 
 
 def _checked(name: str, value: RelationLike, universes: int) -> tuple[Kind, Relation]:
     """Return the kind of a set (one universe) or relation, and its array."""
     shape = {1: "(U,)", 2: "(U, V)"}[universes]
-    requirement = f"grades in [0, 1] of shape {shape}, intervals of shape {shape[:-1].rstrip(',')}, 2), or secondary memberships {shape}"
+    requirement = (
+        f"grades in [0, 1] of shape {shape}, intervals of shape {shape[:-1].rstrip(',')}, 2), or "
+        f"secondary memberships {shape}"
+    )
     if _holds_sets(value):
         secondaries = _objects(value)
         if secondaries.ndim != universes or secondaries.size == 0:
@@ -81,16 +94,24 @@ def _checked(name: str, value: RelationLike, universes: int) -> tuple[Kind, Rela
     except (TypeError, ValueError) as error:
         raise InvalidValue(name, value, requirement) from error
     kind: Kind = "type-1" if grades.ndim == universes else "interval"
-    if grades.size == 0 or grades.ndim not in (universes, universes + 1) or (kind == "interval" and grades.shape[-1] != 2):
+    if (
+        grades.size == 0
+        or grades.ndim not in (universes, universes + 1)
+        or (kind == "interval" and grades.shape[-1] != 2)
+    ):
         raise InvalidValue(name, grades.shape, requirement)
-    if not ((grades >= 0.0) & (grades <= 1.0)).all() or (kind == "interval" and (grades[..., 0] > grades[..., 1]).any()):
+    if not ((grades >= 0.0) & (grades <= 1.0)).all() or (
+        kind == "interval" and (grades[..., 0] > grades[..., 1]).any()
+    ):
         raise InvalidValue(name, grades, requirement)
     return kind, grades
 
 
 def _dimensions(value: RelationLike) -> int:
     try:
-        return _objects(value).ndim if _holds_sets(value) else np.ndim(np.asarray(value, dtype=float))
+        return (
+            _objects(value).ndim if _holds_sets(value) else np.ndim(np.asarray(value, dtype=float))
+        )
     except (TypeError, ValueError) as error:
         raise InvalidValue("R", value, "numbers, or secondary memberships") from error
 
@@ -104,7 +125,11 @@ def _promoted(kind: Kind, value: Relation, to: Kind) -> Relation:
     shape = value.shape if kind == "type-1" else value.shape[:-1]
     result = np.empty(shape, dtype=object)
     for index in np.ndindex(shape):
-        result[index] = Singleton(float(value[index])) if kind == "type-1" else Interval(*(float(end) for end in value[index]))
+        result[index] = (
+            Singleton(float(value[index]))
+            if kind == "type-1"
+            else Interval(*(float(end) for end in value[index]))
+        )
     return result
 
 
@@ -118,10 +143,13 @@ def _same_kind(operands: Sequence[tuple[Kind, Relation]]) -> tuple[Kind, list[Re
     return kind, [_promoted(own, value, kind) for own, value in operands]
 
 
-def cartesian_product(*sets: RelationLike, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None) -> Relation:
+def cartesian_product(
+    *sets: RelationLike, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None
+) -> Relation:
     r"""Return the Cartesian product of sets on discrete universes.
 
-    .. math:: \mu_{F_1 \times \cdots \times F_n}(x_1, \ldots, x_n) = \mu_{F_1}(x_1) \sqcap \cdots \sqcap \mu_{F_n}(x_n)
+    .. math:: \mu_{F_1 \times \cdots \times F_n}(x_1, \ldots, x_n)
+              = \mu_{F_1}(x_1) \sqcap \cdots \sqcap \mu_{F_n}(x_n)
 
     Parameters
     ----------
@@ -151,26 +179,39 @@ def cartesian_product(*sets: RelationLike, t_norm: TNormLike = "min", grade_t_no
             result[index] = meet(*slices, t_norm=t_norm, grade_t_norm=grade_t_norm)
         return result
     norm, n = as_t_norm(t_norm), len(operands)
-    aligned = [operand.reshape(*(shape[k] if k == j else 1 for j in range(n)), *operand.shape[1:]) for k, operand in enumerate(operands)]
+    aligned = [
+        operand.reshape(*(shape[k] if k == j else 1 for j in range(n)), *operand.shape[1:])
+        for k, operand in enumerate(operands)
+    ]
     return _in_order(kind, norm(*np.broadcast_arrays(*aligned)))
 
 
 def _sup_star(R: Array, S: Array, norm: TNorm) -> Array:
     """Return the sup-star composition of (U, V) and (V, W) grades, in blocks of rows."""
     step = max(1, _CHUNK // S.size)
-    blocks = [norm(R[k : k + step, :, None], S[None]).max(axis=1) for k in range(0, R.shape[0], step)]
+    blocks = [
+        norm(R[k : k + step, :, None], S[None]).max(axis=1) for k in range(0, R.shape[0], step)
+    ]
     return np.concatenate(blocks)
 
 
-def compose(R: RelationLike, S: RelationLike, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None) -> Relation:
-    r"""Return the composition of two relations on discrete universes (eq. 1.61, 1.62), or of a set with a relation (eq. 1.65).
+def compose(
+    R: RelationLike,
+    S: RelationLike,
+    t_norm: TNormLike = "min",
+    grade_t_norm: TNormLike | None = None,
+) -> Relation:
+    r"""Return the composition of two relations, or of a set with a relation.
+
+    On discrete universes, eq. 1.61 and 1.62; of a set with a relation, eq. 1.65.
 
     .. math::
         \mu_{R \circ S}(u, w) = \sup_{v \in V} \left[\mu_R(u, v) * \mu_S(v, w)\right], \qquad
-        \mu_{\tilde R \circ \tilde S}(u, w) = \bigsqcup_{v \in V} \left[\mu_{\tilde R}(u, v) \sqcap \mu_{\tilde S}(v, w)\right]
+        \mu_{\tilde R \circ \tilde S}(u, w) = \bigsqcup_{v \in V}
+        \left[\mu_{\tilde R}(u, v) \sqcap \mu_{\tilde S}(v, w)\right]
 
-    the sup-star composition of type-1 relations, and its extension; for interval relations the extension is the sup-star composition
-    of the lower and of the upper grades (1.29).
+    the sup-star composition of type-1 relations, and its extension; for interval relations the
+    extension is the sup-star composition of the lower and of the upper grades (1.29).
 
     Parameters
     ----------
@@ -189,7 +230,8 @@ def compose(R: RelationLike, S: RelationLike, t_norm: TNormLike = "min", grade_t
     Raises
     ------
     InvalidValue
-        If an argument is of none of the three kinds, both are not of the same kind, or the universes V differ in size.
+        If an argument is of none of the three kinds, both are not of the same kind, or the
+        universes V differ in size.
     """
     kind, second = _checked("S", S, 2)
     is_set = _dimensions(R) == second.ndim - 1
@@ -199,24 +241,39 @@ def compose(R: RelationLike, S: RelationLike, t_norm: TNormLike = "min", grade_t
     if is_set:
         first = first[None]
     if first.shape[1] != second.shape[0]:
-        raise InvalidValue("R and S", (first.shape, second.shape), "over universes (U, V) and (V, W) that share V")
+        raise InvalidValue(
+            "R and S", (first.shape, second.shape), "over universes (U, V) and (V, W) that share V"
+        )
     if kind == "type-1":
         result: Relation = _sup_star(first, second, as_t_norm(t_norm))
     elif kind == "interval":
         norm = as_t_norm(t_norm)
-        result = _in_order(kind, np.stack([_sup_star(first[..., end], second[..., end], norm) for end in (0, 1)], axis=-1))
+        result = _in_order(
+            kind,
+            np.stack(
+                [_sup_star(first[..., end], second[..., end], norm) for end in (0, 1)], axis=-1
+            ),
+        )
     else:
         result = np.empty((first.shape[0], second.shape[1]), dtype=object)
         for u, w in np.ndindex(result.shape):
-            meets = [meet(first[u, v], second[v, w], t_norm=t_norm, grade_t_norm=grade_t_norm) for v in range(second.shape[0])]
+            meets = [
+                meet(first[u, v], second[v, w], t_norm=t_norm, grade_t_norm=grade_t_norm)
+                for v in range(second.shape[0])
+            ]
             result[u, w] = join(*meets, t_norm=t_norm, grade_t_norm=grade_t_norm)
     return result[0] if is_set else result
 
 
 def relation_union(
-    *relations: RelationLike, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None, t_conorm: TConormLike = "max"
+    *relations: RelationLike,
+    t_norm: TNormLike = "min",
+    grade_t_norm: TNormLike | None = None,
+    t_conorm: TConormLike = "max",
 ) -> Relation:
-    r"""Return the union of relations on the same universes, :math:`\mu_{R \cup S}(u, v) = \mu_R(u, v) \sqcup \mu_S(u, v)`.
+    r"""Return the union of relations on the same universes.
+
+    It is :math:`\mu_{R \cup S}(u, v) = \mu_R(u, v) \sqcup \mu_S(u, v)`.
 
     Parameters
     ----------
@@ -238,11 +295,18 @@ def relation_union(
     kind, operands = _on_the_same_universes(relations)
     if kind != "general":
         return _in_order(kind, as_t_conorm(t_conorm)(*operands))
-    return _entry_by_entry(operands, lambda *slices: join(*slices, t_norm=t_norm, grade_t_norm=grade_t_norm, t_conorm=t_conorm))
+    return _entry_by_entry(
+        operands,
+        lambda *slices: join(*slices, t_norm=t_norm, grade_t_norm=grade_t_norm, t_conorm=t_conorm),
+    )
 
 
-def relation_intersection(*relations: RelationLike, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None) -> Relation:
-    r"""Return the intersection of relations on the same universes, :math:`\mu_{R \cap S}(u, v) = \mu_R(u, v) \sqcap \mu_S(u, v)`.
+def relation_intersection(
+    *relations: RelationLike, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None
+) -> Relation:
+    r"""Return the intersection of relations on the same universes.
+
+    It is :math:`\mu_{R \cap S}(u, v) = \mu_R(u, v) \sqcap \mu_S(u, v)`.
 
     Parameters
     ----------
@@ -264,7 +328,9 @@ def relation_intersection(*relations: RelationLike, t_norm: TNormLike = "min", g
     kind, operands = _on_the_same_universes(relations)
     if kind != "general":
         return _in_order(kind, as_t_norm(t_norm)(*operands))
-    return _entry_by_entry(operands, lambda *slices: meet(*slices, t_norm=t_norm, grade_t_norm=grade_t_norm))
+    return _entry_by_entry(
+        operands, lambda *slices: meet(*slices, t_norm=t_norm, grade_t_norm=grade_t_norm)
+    )
 
 
 def relation_complement(R: RelationLike) -> Relation:
@@ -296,7 +362,9 @@ def _on_the_same_universes(relations: Sequence[RelationLike]) -> tuple[Kind, lis
         raise InvalidValue("relations", relations, "at least one relation")
     kind, operands = _same_kind([_checked("a relation", relation, 2) for relation in relations])
     if len({operand.shape for operand in operands}) > 1:
-        raise InvalidValue("relations", [operand.shape[:2] for operand in operands], "on the same universes")
+        raise InvalidValue(
+            "relations", [operand.shape[:2] for operand in operands], "on the same universes"
+        )
     return kind, operands
 
 

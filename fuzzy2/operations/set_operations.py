@@ -5,8 +5,9 @@ r"""Union, intersection and complement of fuzzy sets of every type (eq. 1.9-1.11
     \mu_{\tilde A \cap \tilde B}(x) = \mu_{\tilde A}(x) \sqcap \mu_{\tilde B}(x), \qquad
     \mu_{\overline{\tilde A}}(x) = \neg \mu_{\tilde A}(x)
 
-Of type-1 sets the grades themselves are combined, and of interval type-2 sets the lower and the upper grades, each among themselves
-(1.29). The result is of the most general type among the operands.
+Of type-1 sets the grades themselves are combined, and of interval type-2 sets the lower and the
+upper grades, each among themselves (1.29). The result is of the most general type among the
+operands.
 """
 
 from __future__ import annotations
@@ -33,7 +34,12 @@ Slices: TypeAlias = Callable[[Sequence[Type1Set]], Type1Set]
 Grades: TypeAlias = Callable[..., Array]
 
 
-def union(*sets: FuzzySet, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None, t_conorm: TConormLike = "max") -> FuzzySet:
+def union(
+    *sets: FuzzySet,
+    t_norm: TNormLike = "min",
+    grade_t_norm: TNormLike | None = None,
+    t_conorm: TConormLike = "max",
+) -> FuzzySet:
     """Return the union of fuzzy sets (eq. 1.9).
 
     Parameters
@@ -63,7 +69,9 @@ def union(*sets: FuzzySet, t_norm: TNormLike = "min", grade_t_norm: TNormLike | 
     )
 
 
-def intersection(*sets: FuzzySet, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None) -> FuzzySet:
+def intersection(
+    *sets: FuzzySet, t_norm: TNormLike = "min", grade_t_norm: TNormLike | None = None
+) -> FuzzySet:
     """Return the intersection of fuzzy sets (eq. 1.10).
 
     Parameters
@@ -87,7 +95,12 @@ def intersection(*sets: FuzzySet, t_norm: TNormLike = "min", grade_t_norm: TNorm
     left, right = max(left for left, _ in supports), min(right for _, right in supports)
     # Of sets that do not meet nothing is left; a point between them is as good a domain as any.
     domain = (left, right) if left <= right else (0.5 * (left + right),) * 2
-    return _combined(sets, domain, as_t_norm(t_norm), lambda slices: meet(*slices, t_norm=t_norm, grade_t_norm=grade_t_norm))
+    return _combined(
+        sets,
+        domain,
+        as_t_norm(t_norm),
+        lambda slices: meet(*slices, t_norm=t_norm, grade_t_norm=grade_t_norm),
+    )
 
 
 def complement(fuzzy_set: FuzzySet) -> FuzzySet:
@@ -110,12 +123,21 @@ def complement(fuzzy_set: FuzzySet) -> FuzzySet:
     """
     _supports([fuzzy_set])
     if isinstance(fuzzy_set, SampledType2Set):
-        return SampledType2Set(np.array(fuzzy_set.points), [negation(one) for one in fuzzy_set.slices])
+        return SampledType2Set(
+            np.array(fuzzy_set.points), [negation(one) for one in fuzzy_set.slices]
+        )
     if isinstance(fuzzy_set, Type1Set):
         return _complement(fuzzy_set)
     if isinstance(fuzzy_set, IntervalType2Set):
-        return IntervalType2Set(lower=_complement(fuzzy_set.upper), upper=_complement(fuzzy_set.lower))
-    return FunctionalType2Set(lambda x: negation(fuzzy_set.secondary(x)), -math.inf, math.inf, _two_knots(fuzzy_set.landmarks))
+        return IntervalType2Set(
+            lower=_complement(fuzzy_set.upper), upper=_complement(fuzzy_set.lower)
+        )
+    return FunctionalType2Set(
+        lambda x: negation(fuzzy_set.secondary(x)),
+        -math.inf,
+        math.inf,
+        _two_knots(fuzzy_set.landmarks),
+    )
 
 
 def _complement(fuzzy_set: Type1Set) -> Type1Set:
@@ -123,7 +145,10 @@ def _complement(fuzzy_set: Type1Set) -> Type1Set:
 
 
 def _two_knots(landmarks: Array) -> tuple[float, ...]:
-    """Return the landmarks, and for a single one two points beside it: an unbounded set must say where it is."""
+    """Return the landmarks, and for a single one two points beside it.
+
+    An unbounded set must say where it is.
+    """
     if landmarks.size == 1:
         landmarks = landmarks[0] + np.array([-1.0, 0.0, 1.0])
     return tuple(landmarks.tolist())
@@ -138,25 +163,44 @@ def _supports(sets: Sequence[FuzzySet]) -> list[tuple[float, float]]:
     return [one.support for one in sets]
 
 
-def _combined(sets: Sequence[FuzzySet], domain: tuple[float, float], combine: Grades, combine_slices: Slices) -> FuzzySet:
+def _combined(
+    sets: Sequence[FuzzySet], domain: tuple[float, float], combine: Grades, combine_slices: Slices
+) -> FuzzySet:
     landmarks = merged(*(one.landmarks for one in sets))
-    knots = _two_knots(landmarks[(landmarks >= domain[0]) & (landmarks <= domain[1])] if domain[0] < domain[1] else landmarks)
+    knots = _two_knots(
+        landmarks[(landmarks >= domain[0]) & (landmarks <= domain[1])]
+        if domain[0] < domain[1]
+        else landmarks
+    )
 
     def of_type_1(operands: Sequence[Type1Set]) -> Type1Set:
-        return FunctionalSet(lambda x: combine(*(operand(x) for operand in operands)), *domain, knots)
+        return FunctionalSet(
+            lambda x: combine(*(operand(x) for operand in operands)), *domain, knots
+        )
 
     type_1 = [one for one in sets if isinstance(one, Type1Set)]
     if len(type_1) == len(sets):
         return of_type_1(type_1)
     bounded = [one for one in sets if not isinstance(one, GeneralType2Set)]
     if len(bounded) == len(sets):
-        return IntervalType2Set(lower=of_type_1([one.lower for one in bounded]), upper=of_type_1([one.upper for one in bounded]))
+        return IntervalType2Set(
+            lower=of_type_1([one.lower for one in bounded]),
+            upper=of_type_1([one.upper for one in bounded]),
+        )
     sampled = [one for one in sets if isinstance(one, SampledType2Set)]
     if len(sampled) == len(sets) and all(one.points == sampled[0].points for one in sampled):
-        slices = [combine_slices(column) for column in zip(*(one.slices for one in sampled), strict=True)]
+        slices = [
+            combine_slices(column) for column in zip(*(one.slices for one in sampled), strict=True)
+        ]
         return SampledType2Set(np.array(sampled[0].points), slices)
-    return FunctionalType2Set(lambda x: combine_slices([_slice(one, x) for one in sets]), *domain, knots)
+    return FunctionalType2Set(
+        lambda x: combine_slices([_slice(one, x) for one in sets]), *domain, knots
+    )
 
 
 def _slice(fuzzy_set: FuzzySet, x: float) -> Type1Set:
-    return Singleton(float(fuzzy_set(x))) if isinstance(fuzzy_set, Type1Set) else fuzzy_set.secondary(x)
+    return (
+        Singleton(float(fuzzy_set(x)))
+        if isinstance(fuzzy_set, Type1Set)
+        else fuzzy_set.secondary(x)
+    )

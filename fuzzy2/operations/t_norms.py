@@ -1,7 +1,8 @@
 """T-norms and t-conorms: how grades are combined by *and* and by *or*.
 
-A t-norm is commutative, associative, non-decreasing in both grades, and has 1 as its identity; its dual t-conorm is
-``S(a, b) = 1 - T(1 - a, 1 - b)``. Kernels for the two t-norms of the thesis know them by the codes `MINIMUM` and `PRODUCT`.
+A t-norm is commutative, associative, non-decreasing in both grades, and has 1 as its identity; its
+dual t-conorm is ``S(a, b) = 1 - T(1 - a, 1 - b)``. Kernels for the two t-norms of the thesis know
+them by the codes `MINIMUM` and `PRODUCT`.
 """
 
 from __future__ import annotations
@@ -22,13 +23,17 @@ BinaryFunction = Callable[[Array, Array], Array]
 MINIMUM: Final = 0
 PRODUCT: Final = 1
 
-# A t-norm that is written by a user is tried on these grades; 1/3 and 2/3 are not on the even grid on purpose.
+# A t-norm that is written by a user is tried on these grades; 1/3 and 2/3 are not on the even grid
+# on purpose.
 _TRIAL_GRADES = np.unique(np.concatenate([np.linspace(0.0, 1.0, 11), [1.0 / 3.0, 2.0 / 3.0]]))
 _TRIAL_TOLERANCE = 1e-9
 
 
 class _Norm:
-    """What t-norms and t-conorms share: a name, a function of two grades, and calls with any number of arrays of grades."""
+    """What t-norms and t-conorms share.
+
+    A name, a function of two grades, and calls with any number of arrays of grades.
+    """
 
     name: str
     function: BinaryFunction
@@ -39,7 +44,9 @@ class _Norm:
             raise InvalidValue("grades", grades, "at least one array")
         combined = np.asarray(grades[0], dtype=float)
         for other in grades[1:]:
-            combined = np.asarray(self.function(combined, np.asarray(other, dtype=float)), dtype=float)
+            combined = np.asarray(
+                self.function(combined, np.asarray(other, dtype=float)), dtype=float
+            )
         return combined
 
     def reduce(self, grades: ArrayLike, axis: int = -1) -> Array:
@@ -61,8 +68,8 @@ class TNorm(_Norm):
     function : callable
         Takes two arrays of grades and returns an array.
     continuous : bool
-        Whether it is a continuous function of both grades. The interval theorem (1.29) and the operations on sets over a
-        continuous domain hold only then.
+        Whether it is a continuous function of both grades. The interval theorem (1.29) and the
+        operations on sets over a continuous domain hold only then.
     """
 
     name: str
@@ -82,7 +89,10 @@ class TNorm(_Norm):
             return MINIMUM
         if self is T_NORMS["product"]:
             return PRODUCT
-        raise NotApplicable(f"a compiled kernel with the t-norm {self.name}", 'kernels know "min" and "product" only')
+        raise NotApplicable(
+            f"a compiled kernel with the t-norm {self.name}",
+            'kernels know "min" and "product" only',
+        )
 
 
 @dataclass(frozen=True)
@@ -155,7 +165,11 @@ def _nilpotent_maximum(a: Array, b: Array) -> Array:
 def _hamacher_sum(a: Array, b: Array) -> Array:
     # (a + b - 2ab) / (1 - ab), written so that 1 with anything is 1 to the last digit.
     low, high = np.minimum(a, b), np.maximum(a, b)
-    return np.where(high == 1.0, 1.0, high + low * (1.0 - high) ** 2 / np.where(high == 1.0, 1.0, 1.0 - low * high))
+    return np.where(
+        high == 1.0,
+        1.0,
+        high + low * (1.0 - high) ** 2 / np.where(high == 1.0, 1.0, 1.0 - low * high),
+    )
 
 
 def _einstein_sum(a: Array, b: Array) -> Array:
@@ -205,11 +219,17 @@ T_CONORMS = MappingProxyType(
 
 
 def _violated_law(function: BinaryFunction, identity: float) -> str | None:
-    """Return the law of t-norms (identity 1) or t-conorms (identity 0) that fails on the trial grades, or None."""
+    """Return the law of t-norms or t-conorms that fails on the trial grades, or None.
+
+    The identity is 1 for t-norms and 0 for t-conorms.
+    """
     a, b = _TRIAL_GRADES[:, None], _TRIAL_GRADES[None, :]
     table = np.asarray(function(*np.broadcast_arrays(a, b)), dtype=float)
     if table.shape != (a.size, b.size):
-        return f"a function of arrays, which returns the shape of its arguments (not {table.shape} for {(a.size, b.size)})"
+        return (
+            f"a function of arrays, which returns the shape of its arguments (not {table.shape} "
+            f"for {(a.size, b.size)})"
+        )
     with_identity = table[:, -1 if identity == 1.0 else 0]
     laws = {
         f"a function that returns a for (a, {identity:g})": np.abs(with_identity - _TRIAL_GRADES),
@@ -221,7 +241,9 @@ def _violated_law(function: BinaryFunction, identity: float) -> str | None:
         ),
     }
     # Not `violation > tolerance`: a function that returns NaN must fail, too.
-    return next((law for law, violation in laws.items() if not violation.max() <= _TRIAL_TOLERANCE), None)
+    return next(
+        (law for law, violation in laws.items() if not violation.max() <= _TRIAL_TOLERANCE), None
+    )
 
 
 def t_norm(name: str | TNorm | BinaryFunction) -> TNorm:
@@ -242,8 +264,8 @@ def t_norm(name: str | TNorm | BinaryFunction) -> TNorm:
     Parameters
     ----------
     name : str, TNorm or callable
-        A function takes two arrays of grades in [0, 1]. It is taken for continuous: make a `TNorm` with ``continuous=False``
-        of one that is not.
+        A function takes two arrays of grades in [0, 1]. It is taken for continuous: make a `TNorm`
+        with ``continuous=False`` of one that is not.
 
     Returns
     -------

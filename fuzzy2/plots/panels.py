@@ -17,7 +17,7 @@ Panels = tuple[Axes, ...]
 
 
 def given_panels(axes: Sequence[Axes] | Axes | None, count: int) -> Panels | None:
-    """Return the panels to draw into, None if none are given; refuse another number than is needed."""
+    """Return the panels to draw into, None if none are given; refuse a wrong number of them."""
     if axes is None:
         return None
     panels = tuple(np.ravel(np.asarray(axes, dtype=object)))
@@ -26,7 +26,9 @@ def given_panels(axes: Sequence[Axes] | Axes | None, count: int) -> Panels | Non
     return panels
 
 
-def new_panels(width: float, height: float, rows: int = 1, columns: int = 1, **options: Any) -> Panels:
+def new_panels(
+    width: float, height: float, rows: int = 1, columns: int = 1, **options: Any
+) -> Panels:
     """Return the panels of a new figure."""
     figure = Figure(figsize=(width, height), layout="constrained")
     return tuple(figure.subplots(rows, columns, squeeze=False, **options).flat)
@@ -38,7 +40,10 @@ def cycle_colors() -> list[str]:
 
 
 def muted() -> str:
-    """Color for what is not data: that of the ticks, which every theme sets against its background."""
+    """Color for what is not data.
+
+    That of the ticks, which every theme sets against its background.
+    """
     return to_hex(rcParams["xtick.color"])
 
 
@@ -48,5 +53,10 @@ def deep(color: str) -> str:
 
 
 def shades_of(color: str) -> Colormap:
-    """Return colors for grades from 0 to 1: from none at all, so that sets can lie over one another, to full."""
-    return LinearSegmentedColormap.from_list("grades", [to_rgba(color, 0.0), to_rgba(color, 0.5), to_rgba(color, 1.0)])
+    """Return colors for grades from 0 to 1.
+
+    From none at all, so that sets can lie over one another, to full.
+    """
+    return LinearSegmentedColormap.from_list(
+        "grades", [to_rgba(color, 0.0), to_rgba(color, 0.5), to_rgba(color, 1.0)]
+    )

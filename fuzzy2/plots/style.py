@@ -1,4 +1,6 @@
-"""How the figures of both packages look: colors that color-blind readers tell apart, thin grids, light and dark.
+"""How the figures of both packages look.
+
+Colors that color-blind readers tell apart, thin grids, light and dark.
 
 Matplotlib is imported when a style is first entered, not before.
 """
@@ -10,9 +12,17 @@ from contextlib import contextmanager
 from types import MappingProxyType
 from typing import Any
 
-# Okabe and Ito's colors ("Color Universal Design", 2008) without the yellow, which is lost on white. The order keeps neighbors
-# apart for every kind of color vision, and puts those of least contrast to the background last.
-BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9"
+# Okabe and Ito's colors ("Color Universal Design", 2008) without the yellow, which is lost on
+# white. The order keeps neighbors apart for every kind of color vision, and puts those of least
+# contrast to the background last.
+BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY = (
+    "#0072B2",
+    "#D55E00",
+    "#009E73",
+    "#CC79A7",
+    "#E69F00",
+    "#56B4E9",
+)
 
 CYCLES = MappingProxyType(
     {
@@ -90,7 +100,8 @@ def parameters(theme: str = "light") -> dict[str, Any]:
         "savefig.dpi": 150.0,
         "savefig.edgecolor": background,
         "savefig.facecolor": background,
-        # Letters as outlines look alike in every browser; the salt gives the same figure the same identifiers.
+        # Letters as outlines look alike in every browser; the salt gives the same figure the same
+        # identifiers.
         "svg.fonttype": "path",
         "svg.hashsalt": "psp3",
         "text.color": text,
@@ -115,14 +126,16 @@ def style(theme: str = "light") -> Iterator[None]:
     Yields
     ------
     None
-        Everything created within, and files saved within, have the style; matplotlib's own settings come back after.
+        Everything created within, and files saved within, have the style; matplotlib's own settings
+        come back after.
 
     Raises
     ------
     ValueError
         If there is no such theme.
     """
-    settings: Any = parameters(theme)  # matplotlib lists every key it knows in the type of its argument
+    # matplotlib lists every key it knows in the type of its argument
+    settings: Any = parameters(theme)
     from matplotlib import rc_context
 
     with rc_context(settings):

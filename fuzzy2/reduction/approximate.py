@@ -1,19 +1,26 @@
-r"""Approximate type reduction: the generalized centroid of fuzzy numbers, to first order in the uncertainty of the weights.
+r"""Approximate type reduction.
 
-Theorem 1.6 replaces the quotient by an affine combination, which fuzzy numbers of one kind are closed under,
+The generalized centroid of fuzzy numbers, to first order in the uncertainty of the weights.
 
-.. math:: Y \approx \sum_l \left[(Z_l - c_l) \frac{h_l}{\sum_i h_i} + (W_l - h_l) \frac{c_l - \xi}{\sum_i h_i}\right] + \xi,
+Theorem 1.6 replaces the quotient by an affine combination, which fuzzy numbers of one kind are
+closed under,
+
+.. math:: Y \approx \sum_l \left[(Z_l - c_l) \frac{h_l}{\sum_i h_i}
+          + (W_l - h_l) \frac{c_l - \xi}{\sum_i h_i}\right] + \xi,
     \qquad \xi = \frac{\sum_l h_l c_l}{\sum_l h_l}
 
-(eq. 1.85-1.87; the thesis prints :math:`\xi` divided by :math:`h_l`). What is left out is of the order of the validity measure
+(eq. 1.85-1.87; the thesis prints :math:`\xi` divided by :math:`h_l`). What is left out is of the
+order of the validity measure
 
 .. math:: \frac{\sum_l \Delta_l}{\sum_l h_l} \ll 1
 
-(eq. 1.88), which every result carries. It is exact where all weights are crisp (eq. 1.102), however wide the :math:`Z_l` are. In
-practice the measure is seldom small: sets whose footprints are half as high as they are have a measure of 1/3.
+(eq. 1.88), which every result carries. It is exact where all weights are crisp (eq. 1.102), however
+wide the :math:`Z_l` are. In practice the measure is seldom small: sets whose footprints are half as
+high as they are have a measure of 1/3.
 
-The center of the result is the output of the type-1 system in the middle, whatever the uncertainty: to defuzzify it is to
-throw the uncertainty away. The exact reducers in :mod:`fuzzy2.reduction.interval` and :mod:`fuzzy2.reduction.general` do not do that.
+The center of the result is the output of the type-1 system in the middle, whatever the uncertainty:
+to defuzzify it is to throw the uncertainty away. The exact reducers in
+:mod:`fuzzy2.reduction.interval` and :mod:`fuzzy2.reduction.general` do not do that.
 """
 
 from __future__ import annotations
@@ -32,7 +39,9 @@ from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, reals
 
 STANDARD_DEVIATIONS = 2.0
-"""Half-width :math:`k` of a Gaussian weight, in standard deviations, in its validity measure (eq. 1.109, 1.114)."""
+"""Half-width :math:`k` of a Gaussian weight, in standard deviations, in its validity measure
+(eq. 1.109, 1.114).
+"""
 
 VALIDITY_LIMIT = 0.1
 """Validity measure above which a system that uses the approximation warns when it is made."""
@@ -50,8 +59,8 @@ class ApproximateReduction(NamedTuple, Generic[Number]):
     value : IntervalNumber, GaussianNumber or FuzzyNumber
         The type-reduced set, of shape (...,).
     validity : (...,) array
-        Uncertainty of the weights relative to the weights (eq. 1.88, 1.104, 1.109, 1.114): 0 where the result is exact; what was left
-        out is small where this is small against 1.
+        Uncertainty of the weights relative to the weights (eq. 1.88, 1.104, 1.109, 1.114): 0 where
+        the result is exact; what was left out is small where this is small against 1.
     """
 
     value: Number
@@ -73,54 +82,71 @@ def approximate_generalized_centroid(
 @overload
 def approximate_generalized_centroid(
     Z: Operand, W: Operand, t_norm: NumberTNorm | None = None
-) -> ApproximateReduction[IntervalNumber] | ApproximateReduction[GaussianNumber] | ApproximateReduction[FuzzyNumber]: ...
+) -> (
+    ApproximateReduction[IntervalNumber]
+    | ApproximateReduction[GaussianNumber]
+    | ApproximateReduction[FuzzyNumber]
+): ...
 def approximate_generalized_centroid(
     Z: Operand, W: Operand, t_norm: NumberTNorm | None = None
-) -> ApproximateReduction[IntervalNumber] | ApproximateReduction[GaussianNumber] | ApproximateReduction[FuzzyNumber]:
-    r"""Return the generalized centroid of fuzzy points with fuzzy weights, to first order in the width of the weights (eq. 1.85).
+) -> (
+    ApproximateReduction[IntervalNumber]
+    | ApproximateReduction[GaussianNumber]
+    | ApproximateReduction[FuzzyNumber]
+):
+    r"""Return the generalized centroid of fuzzy points with fuzzy weights (eq. 1.85).
 
-    Intervals :math:`[c_l \pm s_l]` with weights :math:`[h_l \pm \Delta_l]` have the center :math:`\xi` and the spread (eq. 1.103)
+    To first order in the width of the weights.
+
+    Intervals :math:`[c_l \pm s_l]` with weights :math:`[h_l \pm \Delta_l]` have the center
+    :math:`\xi` and the spread (eq. 1.103)
 
     .. math:: \kappa = \frac{\sum_l (h_l s_l + |c_l - \xi| \Delta_l)}{\sum_l h_l};
 
-    Gaussians of means :math:`m_l, h_l` and standard deviations :math:`\sigma_l, \Delta_l` have the mean
-    :math:`\varsigma = \sum_l h_l m_l / \sum_l h_l` (eq. 1.107) and the standard deviation (eq. 1.108)
+    Gaussians of means :math:`m_l, h_l` and standard deviations :math:`\sigma_l, \Delta_l` have the
+    mean :math:`\varsigma = \sum_l h_l m_l / \sum_l h_l` (eq. 1.107) and the standard deviation
+    (eq. 1.108)
 
     .. math::
 
         \Sigma = \frac{1}{\sum_l h_l} \begin{cases}
-        \sqrt{\sum_l \left[(h_l \sigma_l)^2 + (m_l - \varsigma)^2 \Delta_l^2\right]} & \text{product t-norm} \\
+        \sqrt{\sum_l \left[(h_l \sigma_l)^2 + (m_l - \varsigma)^2 \Delta_l^2\right]}
+        & \text{product t-norm} \\
         \sum_l \left[h_l \sigma_l + |m_l - \varsigma| \Delta_l\right] & \text{minimum t-norm}
         \end{cases}
 
-    (the thesis prints the first line without the plus, and the second one with a factor :math:`k` that its proof does not have);
-    other fuzzy numbers follow eq. 1.85 by arithmetic on their α-cuts, with :math:`c_l` and :math:`h_l` the middles of the supports.
+    (the thesis prints the first line without the plus, and the second one with a factor :math:`k`
+    that its proof does not have); other fuzzy numbers follow eq. 1.85 by arithmetic on their
+    α-cuts, with :math:`c_l` and :math:`h_l` the middles of the supports.
 
     Parameters
     ----------
     Z : (..., N) fuzzy numbers, (..., N) array_like or N convex type-1 sets
-        Points: crisp for the centroid and the height reducer, centroids of the consequents for center of sets.
+        Points: crisp for the centroid and the height reducer, centroids of the consequents for
+        center of sets.
     W : (..., N) fuzzy numbers, (..., N) array_like or N convex type-1 sets
-        Weights: memberships or firing strengths, of the same kind as ``Z`` unless one of them is crisp. Numbers of different kinds
-        are combined by their α-cuts.
+        Weights: memberships or firing strengths, of the same kind as ``Z`` unless one of them is
+        crisp. Numbers of different kinds are combined by their α-cuts.
     t_norm : {"product", "min"}, optional
-        How Gaussian memberships are combined; without it as the numbers themselves say. It makes no difference to
-        intervals; other fuzzy numbers have the minimum only.
+        How Gaussian memberships are combined; without it as the numbers themselves say. It makes no
+        difference to intervals; other fuzzy numbers have the minimum only.
 
     Returns
     -------
     ApproximateReduction
-        ``.value``, a number of the kind of the operands (intervals, where all are crisp), and ``.validity``, both of shape (...,). The
-        validity is :math:`\sum \Delta_l / \sum h_l` with half-widths :math:`\Delta_l`; those of Gaussians count as :math:`k = 2`
-        standard deviations. Both are NaN where all weights are zero.
+        ``.value``, a number of the kind of the operands (intervals, where all are crisp), and
+        ``.validity``, both of shape (...,). The validity is :math:`\sum \Delta_l / \sum h_l` with
+        half-widths :math:`\Delta_l`; those of Gaussians count as :math:`k = 2` standard deviations.
+        Both are NaN where all weights are zero.
 
     Raises
     ------
     InvalidValue
-        If the numbers of points and weights differ, a number is not finite or a weight has a negative center, or if all weights are zero
-        and the numbers are held by α-cuts.
+        If the numbers of points and weights differ, a number is not finite or a weight has a
+        negative center, or if all weights are zero and the numbers are held by α-cuts.
     NotApplicable
-        If the t-norms of Gaussian numbers differ and none is given, or α-cuts are needed under the product.
+        If the t-norms of Gaussian numbers differ and none is given, or α-cuts are needed under the
+        product.
     UnknownName
         If there is no such t-norm.
 
@@ -141,16 +167,24 @@ def approximate_generalized_centroid(
 
 def approximate_centroid(
     x: ArrayLike, memberships: IntervalNumber | GaussianNumber | FuzzyNumber | Sequence[Type1Set]
-) -> ApproximateReduction[IntervalNumber] | ApproximateReduction[GaussianNumber] | ApproximateReduction[FuzzyNumber]:
-    r"""Return the centroid of a type-2 set on sampled points, to first order in the width of its memberships, under the minimum.
+) -> (
+    ApproximateReduction[IntervalNumber]
+    | ApproximateReduction[GaussianNumber]
+    | ApproximateReduction[FuzzyNumber]
+):
+    r"""Return the centroid of a type-2 set on sampled points.
 
-    Intervals follow eq. 1.106, :math:`\kappa = \sum_l |x_l - \xi| \Delta_l / \sum_l h_l`, and Gaussians eq. 1.112-1.113,
+    To first order in the width of its memberships, under the minimum.
+
+    Intervals follow eq. 1.106, :math:`\kappa = \sum_l |x_l - \xi| \Delta_l / \sum_l h_l`, and
+    Gaussians eq. 1.112-1.113,
 
     .. math:: \varsigma = \frac{\sum_l x_l\, m(x_l)}{\sum_l m(x_l)}, \qquad
         \Sigma = \frac{\sum_l |x_l - \varsigma|\, \sigma(x_l)}{\sum_l m(x_l)}
 
-    (the thesis prints :math:`\Delta_l` for :math:`\sigma(x_l)`). The minimum combines the secondary grades whatever the numbers say:
-    under the product the centroid depends on how many points there are, and shrinks to a crisp number as they become more.
+    (the thesis prints :math:`\Delta_l` for :math:`\sigma(x_l)`). The minimum combines the secondary
+    grades whatever the numbers say: under the product the centroid depends on how many points there
+    are, and shrinks to a crisp number as they become more.
 
     Parameters
     ----------
@@ -187,12 +221,17 @@ def _number(value: Operand, name: str) -> AnyNumber | _Crisp:
     number: AnyNumber | _Crisp
     if isinstance(value, IntervalNumber | GaussianNumber | FuzzyNumber):
         number, shape = value, value.shape
-    elif isinstance(value, Sequence) and value and all(isinstance(item, Type1Set) for item in value):
+    elif (
+        isinstance(value, Sequence) and value and all(isinstance(item, Type1Set) for item in value)
+    ):
         cuts = [FuzzyNumber.of(item) for item in value]
-        number = FuzzyNumber(np.stack([cut.left for cut in cuts]), np.stack([cut.right for cut in cuts]))
+        number = FuzzyNumber(
+            np.stack([cut.left for cut in cuts]), np.stack([cut.right for cut in cuts])
+        )
         shape = number.shape
     else:
-        number = _Crisp(reals(name, value))  # type: ignore[arg-type]  # it refuses what is not an array
+        # it refuses what is not an array
+        number = _Crisp(reals(name, value))  # type: ignore[arg-type]
         shape = number.location.shape
     if not shape or shape[-1] == 0:
         raise InvalidValue(name, shape, "an array of at least one number along its last axis")
@@ -200,24 +239,40 @@ def _number(value: Operand, name: str) -> AnyNumber | _Crisp:
 
 
 def _interval(number: IntervalNumber | _Crisp) -> tuple[Array, Array]:
-    return (number.center, number.spread) if isinstance(number, IntervalNumber) else (number.location, np.zeros(1))
+    return (
+        (number.center, number.spread)
+        if isinstance(number, IntervalNumber)
+        else (number.location, np.zeros(1))
+    )
 
 
 def _gaussian(number: GaussianNumber | _Crisp) -> tuple[Array, Array]:
-    return (number.mean, number.sigma) if isinstance(number, GaussianNumber) else (number.location, np.zeros(1))
+    return (
+        (number.mean, number.sigma)
+        if isinstance(number, GaussianNumber)
+        else (number.location, np.zeros(1))
+    )
 
 
 def _common_norm(points: GaussianNumber | _Crisp, weights: GaussianNumber | _Crisp) -> NumberTNorm:
     norms = [number.t_norm for number in (points, weights) if isinstance(number, GaussianNumber)]
     if len(set(norms)) > 1:
-        raise NotApplicable("the Gaussian corollary", f'points have the t-norm "{norms[0]}" and weights "{norms[1]}"; say which one counts')
+        raise NotApplicable(
+            "the Gaussian corollary",
+            f'points have the t-norm "{norms[0]}" and weights "{norms[1]}"; say which one counts',
+        )
     return norms[0]
 
 
 def _average(c: Array, h: Array) -> tuple[Array, Array, Array]:
-    """Return the sum of the weights (..., 1), NaN for 0, their shares (..., N) and the average of the points (..., 1)."""
+    """Return the sum of the weights (..., 1), their shares (..., N) and the average (..., 1).
+
+    The sum is NaN for 0; the average is that of the points.
+    """
     if c.shape[-1] != h.shape[-1]:
-        raise InvalidValue("Z and W", (c.shape, h.shape), "as many points as weights, along the last axes")
+        raise InvalidValue(
+            "Z and W", (c.shape, h.shape), "as many points as weights, along the last axes"
+        )
     if not np.isfinite(c).all():
         raise InvalidValue("Z", c, "finite")
     if not np.isfinite(h).all() or (h < 0.0).any():
@@ -230,34 +285,54 @@ def _average(c: Array, h: Array) -> tuple[Array, Array, Array]:
     return total, share, origin + ((c - origin) * share).sum(axis=-1, keepdims=True)
 
 
-def _of_intervals(points: tuple[Array, Array], weights: tuple[Array, Array]) -> ApproximateReduction[IntervalNumber]:
+def _of_intervals(
+    points: tuple[Array, Array], weights: tuple[Array, Array]
+) -> ApproximateReduction[IntervalNumber]:
     (c, s), (h, delta) = points, weights
     total, share, xi = _average(c, h)
     spread = (share * s + np.abs(c - xi) * (delta / total)).sum(axis=-1)
-    return ApproximateReduction(IntervalNumber(xi[..., 0], spread), _validity(delta, total, spread.shape))
+    return ApproximateReduction(
+        IntervalNumber(xi[..., 0], spread), _validity(delta, total, spread.shape)
+    )
 
 
-def _of_gaussians(points: tuple[Array, Array], weights: tuple[Array, Array], norm: NumberTNorm) -> ApproximateReduction[GaussianNumber]:
+def _of_gaussians(
+    points: tuple[Array, Array], weights: tuple[Array, Array], norm: NumberTNorm
+) -> ApproximateReduction[GaussianNumber]:
     (m, sigma), (h, delta) = points, weights
     total, share, mean = _average(m, h)
     from_points, from_weights = share * sigma, np.abs(m - mean) * (delta / total)
     # No squares under the product: those of tiny widths underflow.
     combined = np.add if norm == "min" else np.hypot
     width = combined.reduce(combined(from_points, from_weights), axis=-1)
-    return ApproximateReduction(GaussianNumber(mean[..., 0], width, norm), _validity(STANDARD_DEVIATIONS * delta, total, width.shape))
+    return ApproximateReduction(
+        GaussianNumber(mean[..., 0], width, norm),
+        _validity(STANDARD_DEVIATIONS * delta, total, width.shape),
+    )
 
 
-def _of_cuts(points: AnyNumber | _Crisp, weights: AnyNumber | _Crisp, norm: NumberTNorm | None) -> ApproximateReduction[FuzzyNumber]:
+def _of_cuts(
+    points: AnyNumber | _Crisp, weights: AnyNumber | _Crisp, norm: NumberTNorm | None
+) -> ApproximateReduction[FuzzyNumber]:
     if norm == "product":
-        raise NotApplicable("the reduction by α-cuts", "its arithmetic is that of the minimum; only Gaussian numbers have the product")
+        raise NotApplicable(
+            "the reduction by α-cuts",
+            "its arithmetic is that of the minimum; only Gaussian numbers have the product",
+        )
     z, w = (_cuts(number, norm) for number in (points, weights))
     c, h = (0.5 * (number.left[..., 0] + number.right[..., 0]) for number in (z, w))
     total, share, xi = _average(c, h)
     if np.isnan(total).any():
-        raise InvalidValue("W", h, "positive for at least one point: α-cuts cannot express that there is no output")
+        raise InvalidValue(
+            "W", h, "positive for at least one point: α-cuts cannot express that there is no output"
+        )
     terms = (z - c) * share + (w - h) * ((c - xi) / total)
-    value = FuzzyNumber(terms.left.sum(axis=-2), terms.right.sum(axis=-2), terms.levels) + xi[..., 0]
-    return ApproximateReduction(value, _validity(0.5 * (w.right[..., 0] - w.left[..., 0]), total, xi.shape[:-1]))
+    value = (
+        FuzzyNumber(terms.left.sum(axis=-2), terms.right.sum(axis=-2), terms.levels) + xi[..., 0]
+    )
+    return ApproximateReduction(
+        value, _validity(0.5 * (w.right[..., 0] - w.left[..., 0]), total, xi.shape[:-1])
+    )
 
 
 def _cuts(number: AnyNumber | _Crisp, norm: NumberTNorm | None) -> FuzzyNumber:

@@ -1,9 +1,12 @@
-r"""Defuzzifiers: one crisp number for a type-1 set, given by its membership function or by samples of it.
+r"""Defuzzifiers: one crisp number for a type-1 set.
 
-A caution of the thesis (section on defuzzification). A type-reduced set of a general type-2 system often has a single point of
-membership 1, and it is tempting to take that point, which is what the height defuzzifier and the maxima do. But membership 1 means
-that all secondary grades along the way are 1: the point is the output of the type-1 system of the principal membership functions,
-whatever the uncertainty, and all the work of the type-2 system is thrown away. Take the centroid.
+The set is given by its membership function or by samples of it.
+
+A caution of the thesis (section on defuzzification). A type-reduced set of a general type-2 system
+often has a single point of membership 1, and it is tempting to take that point, which is what the
+height defuzzifier and the maxima do. But membership 1 means that all secondary grades along the way
+are 1: the point is the output of the type-1 system of the principal membership functions, whatever
+the uncertainty, and all the work of the type-2 system is thrown away. Take the centroid.
 """
 
 from __future__ import annotations
@@ -29,10 +32,12 @@ def defuzzify(fuzzy_set: Type1Set, method: str = "centroid") -> float:
     Parameters
     ----------
     fuzzy_set : Type1Set
-        The set. A :class:`SampledSet` is interpolated; for one that is meant as a discrete set, such as a type-reduced
-        set of many embedded ones, use :func:`defuzzify_samples`.
-    method : {"centroid", "bisector", "height", "smallest_of_maxima", "mean_of_maxima", "largest_of_maxima"}
-        The defuzzifier. Of a single set, height is the mean of maxima.
+        The set. A :class:`SampledSet` is interpolated; for one that is meant as a discrete set,
+        such as a type-reduced set of many embedded ones, use :func:`defuzzify_samples`.
+    method : str
+        The defuzzifier: ``"centroid"``, ``"bisector"``, ``"height"``, ``"smallest_of_maxima"``,
+        ``"mean_of_maxima"`` or ``"largest_of_maxima"``. Of a single set, height is the mean of
+        maxima.
 
     Returns
     -------
@@ -60,9 +65,10 @@ def defuzzify_samples(points: ArrayLike, grades: ArrayLike, method: str = "centr
         Points in ascending order.
     grades : (..., N) array_like
         Grades, not negative.
-    method : {"centroid", "bisector", "height", "smallest_of_maxima", "mean_of_maxima", "largest_of_maxima"}
-        The defuzzifier. The bisector is the median of the points, weighted with their grades; where two points are equally good it
-        is midway between them.
+    method : str
+        ``"centroid"``, ``"bisector"``, ``"height"``, ``"smallest_of_maxima"``, ``"mean_of_maxima"``
+        or ``"largest_of_maxima"``. The defuzzifier. The bisector is the median of the points,
+        weighted with their grades; where two points are equally good it is midway between them.
 
     Returns
     -------
@@ -79,12 +85,17 @@ def defuzzify_samples(points: ArrayLike, grades: ArrayLike, method: str = "centr
     rule = _named(method, _OF_SAMPLES)
     x, u = reals("points", points), reals("grades", grades)
     if x.ndim != 1 or x.size == 0 or not np.isfinite(x).all() or (np.diff(x) < 0.0).any():
-        raise InvalidValue("points", points, "finite numbers in ascending order, of shape (N,) with N of at least 1")
+        raise InvalidValue(
+            "points",
+            points,
+            "finite numbers in ascending order, of shape (N,) with N of at least 1",
+        )
     if u.shape[-1:] != x.shape or (u < 0.0).any() or np.isinf(u).any():
         raise InvalidValue("grades", grades, f"finite and not negative, of shape (..., {x.size})")
     height = u.max(axis=-1, keepdims=True)  # NaN where one is
     with np.errstate(invalid="ignore"):
-        relative = u / np.where(height > 0.0, height, np.nan)  # sums of tiny grades must not lose their digits
+        # sums of tiny grades must not lose their digits
+        relative = u / np.where(height > 0.0, height, np.nan)
     return np.asarray(np.where(np.isnan(relative).any(axis=-1), np.nan, rule(x, relative)))[()]
 
 
@@ -106,7 +117,8 @@ def bisector(fuzzy_set: Type1Set) -> float:
     Returns
     -------
     float
-        The point; the middle of an interval without membership where every point of it halves the area.
+        The point; the middle of an interval without membership where every point of it halves the
+        area.
 
     Raises
     ------
@@ -120,10 +132,15 @@ def bisector(fuzzy_set: Type1Set) -> float:
     moments = fuzzy_set.moments(0.5 * first + 0.5 * last, power=0)
     area = moments.total[0]
     if area == 0.0:
-        raise NotApplicable("bisector", f"the membership of {fuzzy_set!r} is zero almost everywhere")
-    # Coming from both ends leaves a gap in the middle undecided; its middle is the answer that a mirrored set would get, mirrored.
+        raise NotApplicable(
+            "bisector", f"the membership of {fuzzy_set!r} is zero almost everywhere"
+        )
+    # Coming from both ends leaves a gap in the middle undecided; its middle is the answer that a
+    # mirrored set would get, mirrored.
     slack = 4.0 * np.finfo(float).eps * area
-    return 0.5 * (moments.point_of_area(0.5 * area - slack) + moments.point_of_area(0.5 * area + slack))
+    return 0.5 * (
+        moments.point_of_area(0.5 * area - slack) + moments.point_of_area(0.5 * area + slack)
+    )
 
 
 def height(fuzzy_sets: Type1Set | Sequence[Type1Set]) -> float:
@@ -134,12 +151,14 @@ def height(fuzzy_sets: Type1Set | Sequence[Type1Set]) -> float:
     Parameters
     ----------
     fuzzy_sets : Type1Set or sequence of M Type1Set
-        Output sets :math:`B^l`, each replaced by a singleton at the mean of its maxima :math:`\bar y^l`, with its height.
+        Output sets :math:`B^l`, each replaced by a singleton at the mean of its maxima
+        :math:`\bar y^l`, with its height.
 
     Returns
     -------
     float
-        The crisp number; NaN if the height of all sets is 0. Read the caution at the top of this module.
+        The crisp number; NaN if the height of all sets is 0. Read the caution at the top of this
+        module.
 
     Raises
     ------
@@ -151,17 +170,26 @@ def height(fuzzy_sets: Type1Set | Sequence[Type1Set]) -> float:
     sets = [fuzzy_sets] if isinstance(fuzzy_sets, Type1Set) else list(fuzzy_sets)
     if not sets:
         raise InvalidValue("fuzzy_sets", fuzzy_sets, "at least one set")
-    peaks, heights = np.array([mean_of_maxima(one) for one in sets]), np.array([one.height for one in sets])
+    peaks, heights = (
+        np.array([mean_of_maxima(one) for one in sets]),
+        np.array([one.height for one in sets]),
+    )
     return float(heights @ peaks / heights.sum()) if heights.any() else float("nan")
 
 
 def smallest_of_maxima(fuzzy_set: Type1Set) -> float:
-    """Return the first point of the greatest membership; raise :class:`NotApplicable` if it is never reached."""
+    """Return the first point of the greatest membership.
+
+    Raise :class:`NotApplicable` if it is never reached.
+    """
     return _maxima(fuzzy_set)[0]
 
 
 def largest_of_maxima(fuzzy_set: Type1Set) -> float:
-    """Return the last point of the greatest membership; raise :class:`NotApplicable` if it is never reached."""
+    """Return the last point of the greatest membership.
+
+    Raise :class:`NotApplicable` if it is never reached.
+    """
     return _maxima(fuzzy_set)[1]
 
 
@@ -188,17 +216,28 @@ def mean_of_maxima(fuzzy_set: Type1Set) -> float:
         raise NotApplicable("mean_of_maxima", f"the maximum of {fuzzy_set!r} has no end")
     if fuzzy_set.is_convex():
         return 0.5 * first + 0.5 * last
-    sampled = fuzzy_set if isinstance(fuzzy_set, SampledSet) else fuzzy_set.sample(refined(fuzzy_set.landmarks))
+    sampled = (
+        fuzzy_set
+        if isinstance(fuzzy_set, SampledSet)
+        else fuzzy_set.sample(refined(fuzzy_set.landmarks))
+    )
     highest = sampled.grades >= sampled.height - ROUNDING
     lengths = np.where(highest[:-1] & highest[1:], np.diff(sampled.points), 0.0)
     middles = 0.5 * (sampled.points[:-1] + sampled.points[1:])
-    return float(lengths @ middles / lengths.sum()) if lengths.any() else float(sampled.points[highest].mean())
+    return (
+        float(lengths @ middles / lengths.sum())
+        if lengths.any()
+        else float(sampled.points[highest].mean())
+    )
 
 
 def _maxima(fuzzy_set: Type1Set) -> tuple[float, float]:
     maxima = fuzzy_set.maxima
     if maxima is None:
-        raise NotApplicable("a defuzzifier of maxima", f"{fuzzy_set!r} approaches its greatest membership but never reaches it")
+        raise NotApplicable(
+            "a defuzzifier of maxima",
+            f"{fuzzy_set!r} approaches its greatest membership but never reaches it",
+        )
     return maxima
 
 
@@ -217,7 +256,8 @@ def _centroids(x: Array, u: Array) -> Array:
 def _bisectors(x: Array, u: Array) -> Array:
     total = np.cumsum(u, axis=-1)
     share = total / total[..., -1:]
-    # First point that has half of the weight behind it, and first that has more than half: a gap between them is halved.
+    # First point that has half of the weight behind it, and first that has more than half: a gap
+    # between them is halved.
     low, high = (np.argmax(share >= 0.5 + offset, axis=-1) for offset in (-ROUNDING, ROUNDING))
     return np.asarray(0.5 * (x[low] + x[high]))
 
@@ -231,7 +271,9 @@ def _last_maxima(x: Array, u: Array) -> Array:
 
 
 def _mean_maxima(x: Array, u: Array) -> Array:
-    return _centroids(x, np.where(np.isnan(u).any(axis=-1, keepdims=True), np.nan, u >= 1.0 - ROUNDING))
+    return _centroids(
+        x, np.where(np.isnan(u).any(axis=-1, keepdims=True), np.nan, u >= 1.0 - ROUNDING)
+    )
 
 
 _OF_SETS: MappingProxyType[str, Callable[[Type1Set], float]] = MappingProxyType(

@@ -1,18 +1,21 @@
 r"""Type reduction of general type-2 sets and systems: by alpha-planes, and by all embedded sets.
 
-The generalized centroid (eq. 1.84, 1.115) of fuzzy points :math:`Z_l` with fuzzy weights :math:`W_l`,
+The generalized centroid (eq. 1.84, 1.115) of fuzzy points :math:`Z_l` with fuzzy weights
+:math:`W_l`,
 
 .. math::
 
     Y = \int_{z_1} \cdots \int_{z_N} \int_{w_1} \cdots \int_{w_N}
-    \mathop{\mathcal T}_l \mu_{Z_l}(z_l) * \mathop{\mathcal T}_l \mu_{W_l}(w_l) \Big/ \frac{\sum_l w_l z_l}{\sum_l w_l},
+    \mathop{\mathcal T}_l \mu_{Z_l}(z_l) * \mathop{\mathcal T}_l \mu_{W_l}(w_l)
+    \Big/ \frac{\sum_l w_l z_l}{\sum_l w_l},
 
-is reduced in two ways. Under the minimum, the α-cut of :math:`Y` is the interval reduction of the α-cuts of its arguments, if those are
-intervals: one exact reduction for each alpha. Of discrete sets, any combination of points is an embedded set, and their
-:math:`\prod_l M_l` averages with their grades are all there is to :math:`Y`; this is the oracle for small cases.
+is reduced in two ways. Under the minimum, the α-cut of :math:`Y` is the interval reduction of the
+α-cuts of its arguments, if those are intervals: one exact reduction for each alpha. Of discrete
+sets, any combination of points is an embedded set, and their :math:`\prod_l M_l` averages with
+their grades are all there is to :math:`Y`; this is the oracle for small cases.
 
-Grades of continuous secondary sets are not multiplied: the more points stand for the domain, the narrower the result would
-be, and with sampled secondaries it depends on the samples.
+Grades of continuous secondary sets are not multiplied: the more points stand for the domain, the
+narrower the result would be, and with sampled secondaries it depends on the samples.
 """
 
 from __future__ import annotations
@@ -49,7 +52,8 @@ class TypeReducedPlanes(NamedTuple):
     intervals : (..., L, 2) array
         α-cuts of the type-reduced set; NaN where nothing has weight.
     crisp : (...,) array
-        Average of their middles, weighted by the levels, :math:`\sum_i \alpha_i\, (y_{l,i} + y_{r,i})/2 \,/ \sum_i \alpha_i`.
+        Average of their middles, weighted by the levels,
+        :math:`\sum_i \alpha_i\, (y_{l,i} + y_{r,i})/2 \,/ \sum_i \alpha_i`.
     """
 
     alphas: Array
@@ -72,10 +76,15 @@ class TypeReducedPoints(NamedTuple):
     crisp: float
 
 
-def alpha_plane_reduction(alphas: ArrayLike, z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> TypeReducedPlanes:
-    r"""Return the generalized centroid of points with weights that are given by their α-cuts, exact at each level.
+def alpha_plane_reduction(
+    alphas: ArrayLike, z: ArrayLike, w: ArrayLike, method: str = "eiasc"
+) -> TypeReducedPlanes:
+    r"""Return the generalized centroid of points with weights that are given by their α-cuts.
 
-    .. math:: Y_\alpha = \left[\min_{z_l \in (Z_l)_\alpha,\, w_l \in (W_l)_\alpha} \frac{\sum_l w_l z_l}{\sum_l w_l},\
+    It is exact at each level.
+
+    .. math:: Y_\alpha = \left[\min_{z_l \in (Z_l)_\alpha,\, w_l \in (W_l)_\alpha}
+              \frac{\sum_l w_l z_l}{\sum_l w_l},\
         \max_{z_l \in (Z_l)_\alpha,\, w_l \in (W_l)_\alpha} \frac{\sum_l w_l z_l}{\sum_l w_l}\right]
 
     Parameters
@@ -97,23 +106,29 @@ def alpha_plane_reduction(alphas: ArrayLike, z: ArrayLike, w: ArrayLike, method:
     Raises
     ------
     InvalidValue
-        If the levels do not ascend in (0, 1], shapes do not go together, or intervals of a higher level reach out of those of a lower.
+        If the levels do not ascend in (0, 1], shapes do not go together, or intervals of a higher
+        level reach out of those of a lower.
     UnknownName
         If there is no such method.
 
     Notes
     -----
-    Liu, "An efficient centroid type-reduction strategy for general type-2 fuzzy logic system", Information Sciences 178 (2008); Wagner
-    and Hagras, "Toward general type-2 fuzzy logic systems based on zSlices", IEEE Transactions on Fuzzy Systems 18 (2010), whose worked
-    example is among the tests.
+    Liu, "An efficient centroid type-reduction strategy for general type-2 fuzzy logic system",
+    Information Sciences 178 (2008); Wagner and Hagras, "Toward general type-2 fuzzy logic systems
+    based on zSlices", IEEE Transactions on Fuzzy Systems 18 (2010), whose worked example is among
+    the tests.
     """
     levels, points, weights = _levels(alphas), reals("z", z), reals("w", w)
     if weights.ndim < 3 or weights.shape[-3] != levels.size or weights.shape[-1] != 2:
-        raise InvalidValue("w", weights.shape, f"of shape (..., {levels.size}, N, 2), one layer for each level")
+        raise InvalidValue(
+            "w", weights.shape, f"of shape (..., {levels.size}, N, 2), one layer for each level"
+        )
     _require_nested("w", weights)
     if points.ndim > 2:
         if points.shape[-3] != levels.size or points.shape[-1] != 2:
-            raise InvalidValue("z", points.shape, f"of shape (N,), (N, 2) or (..., {levels.size}, N, 2)")
+            raise InvalidValue(
+                "z", points.shape, f"of shape (N,), (N, 2) or (..., {levels.size}, N, 2)"
+            )
         _require_nested("z", points)
     elif points.ndim == 1:
         points = np.stack([points, points], axis=-1)
@@ -121,8 +136,12 @@ def alpha_plane_reduction(alphas: ArrayLike, z: ArrayLike, w: ArrayLike, method:
     return TypeReducedPlanes(levels, intervals, alpha_plane_defuzzify(levels, intervals))
 
 
-def alpha_plane_centroid(fuzzy_set: GeneralType2Set, x: ArrayLike, alphas: ArrayLike, method: str = "eiasc") -> TypeReducedPlanes:
-    """Return the centroid of a general type-2 set on sampled points under the minimum, exact at each level (eq. 1.70).
+def alpha_plane_centroid(
+    fuzzy_set: GeneralType2Set, x: ArrayLike, alphas: ArrayLike, method: str = "eiasc"
+) -> TypeReducedPlanes:
+    """Return the centroid of a general type-2 set on sampled points (eq. 1.70).
+
+    Under the minimum, exact at each level.
 
     Parameters
     ----------
@@ -131,7 +150,8 @@ def alpha_plane_centroid(fuzzy_set: GeneralType2Set, x: ArrayLike, alphas: Array
     x : (N,) array_like
         Points of the domain.
     alphas : (L,) array_like
-        Levels in (0, 1], ascending. Equally spaced ones from 1/L to 1 make the zSlices of Wagner and Hagras.
+        Levels in (0, 1], ascending. Equally spaced ones from 1/L to 1 make the zSlices of Wagner
+        and Hagras.
     method : str
         See :func:`fuzzy2.reduction.interval.generalized_centroid`.
 
@@ -146,8 +166,12 @@ def alpha_plane_centroid(fuzzy_set: GeneralType2Set, x: ArrayLike, alphas: Array
         See :func:`alpha_plane_reduction`.
     """
     points = reals("x", x)
-    planes = [fuzzy_set.alpha_plane(float(alpha)) for alpha in np.atleast_1d(reals("alphas", alphas))]
-    weights = np.stack([np.stack([plane.lower(points), plane.upper(points)], axis=-1) for plane in planes])
+    planes = [
+        fuzzy_set.alpha_plane(float(alpha)) for alpha in np.atleast_1d(reals("alphas", alphas))
+    ]
+    weights = np.stack(
+        [np.stack([plane.lower(points), plane.upper(points)], axis=-1) for plane in planes]
+    )
     return alpha_plane_reduction(alphas, points, weights, method)
 
 
@@ -175,11 +199,14 @@ def alpha_plane_defuzzify(alphas: ArrayLike, intervals: ArrayLike) -> Array:
 
     Notes
     -----
-    Wagner and Hagras, "Toward general type-2 fuzzy logic systems based on zSlices", IEEE Transactions on Fuzzy Systems 18 (2010).
+    Wagner and Hagras, "Toward general type-2 fuzzy logic systems based on zSlices", IEEE
+    Transactions on Fuzzy Systems 18 (2010).
     """
     levels, cuts = _levels(alphas), reals("intervals", intervals)
     if cuts.ndim < 2 or cuts.shape[-2:] != (levels.size, 2):
-        raise InvalidValue("intervals", cuts.shape, f"of shape (..., {levels.size}, 2), one cut for each level")
+        raise InvalidValue(
+            "intervals", cuts.shape, f"of shape (..., {levels.size}, 2), one cut for each level"
+        )
     return np.asarray(cuts.mean(axis=-1) @ (levels / levels.sum()))
 
 
@@ -190,22 +217,27 @@ def exhaustive_generalized_centroid(
     samples: int | None = None,
     limit: int = MOST_EMBEDDED_SETS,
 ) -> TypeReducedPoints:
-    r"""Return the generalized centroid by enumeration of all embedded sets (eq. 1.70, 1.76, 1.80, 1.84).
+    r"""Return the generalized centroid by enumeration of all embedded sets.
 
-    Combinations of which no weight is positive have no average and are left out. Averages within 1e-12 of each other are one, of the
-    greatest of their grades.
+    See eq. 1.70, 1.76, 1.80 and 1.84.
+
+    Combinations of which no weight is positive have no average and are left out. Averages within
+    1e-12 of each other are one, of the greatest of their grades.
 
     Parameters
     ----------
     Z : N numbers or type-1 sets
-        Points; crisp for the centroid and the height reducer, centroids of the consequents for center of sets.
+        Points; crisp for the centroid and the height reducer, centroids of the consequents for
+        center of sets.
     W : N type-1 sets or numbers
         Weights, not negative: secondary sets, or firing sets.
     t_norm : str, TNorm or callable
-        How grades are combined. For continuous sets only the minimum, except for intervals, whose grades are all 1.
+        How grades are combined. For continuous sets only the minimum, except for intervals, whose
+        grades are all 1.
     samples : int, optional
-        Number of points that stand for each continuous set: even over its support, in which it is :math:`W \ge 0`, and its maxima.
-        The type-reduced set is then one of samples, too, and its grades are lower bounds.
+        Number of points that stand for each continuous set: even over its support, in which it is
+        :math:`W \ge 0`, and its maxima. The type-reduced set is then one of samples, too, and its
+        grades are lower bounds.
     limit : int
         Embedded sets that are enumerated at most.
 
@@ -217,7 +249,8 @@ def exhaustive_generalized_centroid(
     Raises
     ------
     NotApplicable
-        If a set is continuous and ``samples`` is not given or the t-norm is not the minimum; or if no combination has an average.
+        If a set is continuous and ``samples`` is not given or the t-norm is not the minimum; or if
+        no combination has an average.
     InvalidValue
         If the numbers of points and weights differ, or a weight is negative.
     TooManyEmbeddedSets
@@ -227,7 +260,9 @@ def exhaustive_generalized_centroid(
     points = [_discretized("Z", item, norm, samples, -math.inf) for item in Z]
     weights = [_discretized("W", item, norm, samples, 0.0) for item in W]
     if len(points) != len(weights) or not points:
-        raise InvalidValue("Z and W", (len(points), len(weights)), "as many points as weights, at least one")
+        raise InvalidValue(
+            "Z and W", (len(points), len(weights)), "as many points as weights, at least one"
+        )
     count = math.prod(values.size for values, _ in (*points, *weights))
     if count > limit:
         raise TooManyEmbeddedSets(count, limit)
@@ -240,25 +275,32 @@ def exhaustive_generalized_centroid(
         grade = norm(grade[:, None], norm(z_grades[:, None], w_grades).ravel()).ravel()
     has_average = mass > 0.0
     if not (grade[has_average] > 0.0).any():
-        raise NotApplicable("type reduction", "no embedded set with a positive grade has a positive weight to average with")
+        raise NotApplicable(
+            "type reduction",
+            "no embedded set with a positive grade has a positive weight to average with",
+        )
     reduced = SampledSet(origin + moment[has_average] / mass[has_average], grade[has_average])
     crisp = origin + float((reduced.points - origin) @ reduced.grades) / float(reduced.grades.sum())
     return TypeReducedPoints(reduced, crisp)
 
 
 def exhaustive_centroid(
-    fuzzy_set: SampledType2Set, t_norm: str | TNorm | BinaryFunction = "min", limit: int = MOST_EMBEDDED_SETS
+    fuzzy_set: SampledType2Set,
+    t_norm: str | TNorm | BinaryFunction = "min",
+    limit: int = MOST_EMBEDDED_SETS,
 ) -> TypeReducedPoints:
     r"""Return the centroid of a discrete type-2 set by enumeration of all embedded sets (eq. 1.70).
 
-    .. math:: C = \int_{\theta_1} \cdots \int_{\theta_N} \mu_{D_1}(\theta_1) * \cdots * \mu_{D_N}(\theta_N)
+    .. math:: C = \int_{\theta_1} \cdots \int_{\theta_N}
+              \mu_{D_1}(\theta_1) * \cdots * \mu_{D_N}(\theta_N)
         \Big/ \frac{\sum_i x_i \theta_i}{\sum_i \theta_i}
 
     Parameters
     ----------
     fuzzy_set : SampledType2Set
-        A set on finitely many points with discrete slices. ``sample`` makes one of any general type-2 set, but under another t-norm
-        than the minimum its centroid depends on the samples, and shrinks to a point as they become more.
+        A set on finitely many points with discrete slices. ``sample`` makes one of any general
+        type-2 set, but under another t-norm than the minimum its centroid depends on the samples,
+        and shrinks to a point as they become more.
     t_norm : str, TNorm or callable
         How secondary grades are combined.
     limit : int
@@ -281,20 +323,32 @@ def exhaustive_centroid(
 
 def _levels(alphas: ArrayLike) -> Array:
     levels = reals("alphas", alphas)
-    if levels.ndim != 1 or levels.size == 0 or not ((levels > 0.0) & (levels <= 1.0)).all() or (np.diff(levels) <= 0.0).any():
+    if (
+        levels.ndim != 1
+        or levels.size == 0
+        or not ((levels > 0.0) & (levels <= 1.0)).all()
+        or (np.diff(levels) <= 0.0).any()
+    ):
         raise InvalidValue("alphas", alphas, "levels in (0, 1], ascending")
     return levels
 
 
 def _require_nested(name: str, layers: Array) -> None:
-    """Raise unless the intervals of each layer (..., L, N, 2) lie within those of the layer before it, up to rounding."""
+    """Raise unless the intervals of each layer (..., L, N, 2) lie within those before.
+
+    Those of the layer before it, up to rounding.
+    """
     rounding = ROUNDING * np.max(np.abs(layers), initial=0.0)
     inward = np.diff(layers, axis=-3)
     if (inward[..., 0] < -rounding).any() or (inward[..., 1] > rounding).any():
-        raise InvalidValue(name, layers, "nested: the intervals of each level within those of the level before it")
+        raise InvalidValue(
+            name, layers, "nested: the intervals of each level within those of the level before it"
+        )
 
 
-def _discretized(name: str, item: Type1Set | float, norm: TNorm, samples: int | None, least: float) -> tuple[Array, Array]:
+def _discretized(
+    name: str, item: Type1Set | float, norm: TNorm, samples: int | None, least: float
+) -> tuple[Array, Array]:
     """Return points and grades of a number, a discrete set, or a continuous set that is sampled."""
     if not isinstance(item, Type1Set):
         points, grades = np.array([real(name, item)]), np.ones(1)
@@ -303,9 +357,15 @@ def _discretized(name: str, item: Type1Set | float, norm: TNorm, samples: int | 
     else:
         what = f"enumeration of the continuous set {item!r}"
         if norm is not norm_of("min") and not isinstance(item, Interval):
-            raise NotApplicable(what, f"with grades combined by {norm.name} the result depends on the grid; use the minimum")
+            raise NotApplicable(
+                what,
+                f"with grades combined by {norm.name} the result depends on the grid; use the "
+                "minimum",
+            )
         if samples is None:
-            raise NotApplicable(what, "say how many samples stand for it, or reduce by alpha-planes")
+            raise NotApplicable(
+                what, "say how many samples stand for it, or reduce by alpha-planes"
+            )
         left, right = bounded_support(item, what)
         points = merged(np.linspace(max(left, least), right, samples), item.maxima or ())
         grades = item.membership(points)

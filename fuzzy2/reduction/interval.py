@@ -1,15 +1,19 @@
-r"""Exact type reduction of interval type-2 sets and systems: the generalized centroid (eq. 1.84, 1.115, 1.116).
+r"""Exact type reduction of interval type-2 sets and systems.
+
+The generalized centroid (eq. 1.84, 1.115, 1.116).
 
 .. math::
 
     y_l = \min_{z_i \in Z_i,\, w_i \in W_i} \frac{\sum_i w_i z_i}{\sum_i w_i}, \qquad
     y_r = \max_{z_i \in Z_i,\, w_i \in W_i} \frac{\sum_i w_i z_i}{\sum_i w_i}
 
-Centroid, height and center of sets are cases of it. The left end takes the left ends of all :math:`Z_i`, sorted; up to a switch
-point k the weights are the upper ends of :math:`W_i`, after it the lower ends (the other way round for the right end). All methods
-here find the switch point exactly and differ in the way to it only; they stop when the switch point stays, never on a tolerance.
-Points of equal weight zero are left out first, equal points need no care, and each end sorts by its own ends of the intervals. (The
-thesis's procedure after eq. 1.116 lacks the sorting, the minimum, and ``w = h`` in its first step, and stops on equal floats.)
+Centroid, height and center of sets are cases of it. The left end takes the left ends of all
+:math:`Z_i`, sorted; up to a switch point k the weights are the upper ends of :math:`W_i`, after it
+the lower ends (the other way round for the right end). All methods here find the switch point
+exactly and differ in the way to it only; they stop when the switch point stays, never on a
+tolerance. Points of equal weight zero are left out first, equal points need no care, and each end
+sorts by its own ends of the intervals. (The thesis's procedure after eq. 1.116 lacks the sorting,
+the minimum, and ``w = h`` in its first step, and stops on equal floats.)
 
 Where no weight can be positive there is no output: both ends are NaN.
 """
@@ -47,8 +51,14 @@ def _code(method: str) -> int:
 def _weights(w: ArrayLike) -> Array:
     weights = np.asarray(w, dtype=float)
     if weights.ndim < 2 or weights.shape[-1] != 2 or weights.shape[-2] == 0:
-        raise InvalidValue("w", weights.shape, "an array of intervals, of shape (..., N, 2) with N of at least 1")
-    if not np.isfinite(weights).all() or (weights < 0.0).any() or (weights[..., 0] > weights[..., 1]).any():
+        raise InvalidValue(
+            "w", weights.shape, "an array of intervals, of shape (..., N, 2) with N of at least 1"
+        )
+    if (
+        not np.isfinite(weights).all()
+        or (weights < 0.0).any()
+        or (weights[..., 0] > weights[..., 1]).any()
+    ):
         raise InvalidValue("w", weights, "finite intervals with 0 <= lower <= upper")
     return weights
 
@@ -60,7 +70,11 @@ def _points(z: ArrayLike, count: int) -> Array:
     is_interval = points.ndim >= 2 and points.shape[-2:] == (count, 2)
     if not is_interval:
         if points.ndim < 1 or points.shape[-1] != count:
-            raise InvalidValue("z", points.shape, f"of shape (..., {count}) or (..., {count}, 2), to go with the weights")
+            raise InvalidValue(
+                "z",
+                points.shape,
+                f"of shape (..., {count}) or (..., {count}, 2), to go with the weights",
+            )
         points = np.stack([points, points], axis=-1)
     if not np.isfinite(points).all() or (points[..., 0] > points[..., 1]).any():
         raise InvalidValue("z", points, "finite numbers, or finite intervals with left <= right")
@@ -74,7 +88,9 @@ def _paired(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array]:
     try:
         np.broadcast_shapes(points.shape[:-2], weights.shape[:-2])
     except ValueError as error:
-        raise InvalidValue("z and w", (points.shape, weights.shape), "arrays whose leading dimensions go together") from error
+        raise InvalidValue(
+            "z and w", (points.shape, weights.shape), "arrays whose leading dimensions go together"
+        ) from error
     return points, weights
 
 
@@ -84,24 +100,27 @@ def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> A
     Parameters
     ----------
     z : (..., N) or (..., N, 2) array_like
-        Points, or intervals [left, right] of points; an array that can be read both ways, as for N = 2, holds intervals. Domain
-        points for the centroid, points of maximum membership for the height reducer, centroids of the consequents for center of sets.
+        Points, or intervals [left, right] of points; an array that can be read both ways, as for
+        N = 2, holds intervals. Domain points for the centroid, points of maximum membership for the
+        height reducer, centroids of the consequents for center of sets.
     w : (..., N, 2) array_like
         Weight intervals [lower, upper], not negative.
     method : {"km", "ekm", "iasc", "eiasc", "scan"}
-        Karnik–Mendel from the middle of the weights; enhanced Karnik–Mendel (starts at N/2.4 and N/1.7); the iterative algorithm with
-        stop condition; its enhanced version; or a sorted scan of all switch points. All give the same interval; only their speed differs.
+        Karnik–Mendel from the middle of the weights; enhanced Karnik–Mendel (starts at N/2.4 and
+        N/1.7); the iterative algorithm with stop condition; its enhanced version; or a sorted scan
+        of all switch points. All give the same interval; only their speed differs.
 
     Returns
     -------
     (..., 2) ndarray
-        Left and right end; NaN where all upper weights are zero. Not a confidence interval: how often it covers what it is about
-        is not known in advance.
+        Left and right end; NaN where all upper weights are zero. Not a confidence interval: how
+        often it covers what it is about is not known in advance.
 
     Raises
     ------
     InvalidValue
-        If shapes do not go together, a number is not finite, an interval is reversed or a weight is negative.
+        If shapes do not go together, a number is not finite, an interval is reversed or a weight is
+        negative.
     UnknownName
         If there is no such method.
     """
@@ -113,13 +132,21 @@ def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> A
 
     # Points that are the same for every item are sorted once.
     shared = points.ndim == 2
-    flat_points = points if shared else np.broadcast_to(points, (*shape, count, 2)).reshape(-1, count, 2)
-    flat_weights = np.ascontiguousarray(np.broadcast_to(weights, (*shape, count, 2)).reshape(-1, count, 2))
+    flat_points = (
+        points if shared else np.broadcast_to(points, (*shape, count, 2)).reshape(-1, count, 2)
+    )
+    flat_weights = np.ascontiguousarray(
+        np.broadcast_to(weights, (*shape, count, 2)).reshape(-1, count, 2)
+    )
     order = np.argsort(flat_points, axis=-2, kind="stable")
     in_order = np.ascontiguousarray(np.take_along_axis(flat_points, order, axis=-2))
     out = np.empty((flat_weights.shape[0], 2))
     reduction_kernels.reduce_rows(
-        in_order.reshape(-1, count, 2), np.ascontiguousarray(order.reshape(-1, count, 2)), flat_weights, code, out
+        in_order.reshape(-1, count, 2),
+        np.ascontiguousarray(order.reshape(-1, count, 2)),
+        flat_weights,
+        code,
+        out,
     )
     return out.reshape(*shape, 2)
 
@@ -139,7 +166,8 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
     Returns
     -------
     (..., 2) ndarray
-        Left and right end of the centroid; NaN where the set is empty. A set's own ``centroid()`` works on the continuous domain.
+        Left and right end of the centroid; NaN where the set is empty. A set's own ``centroid()``
+        works on the continuous domain.
 
     Raises
     ------
@@ -147,20 +175,31 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
         See :func:`generalized_centroid`.
     """
     try:
-        low, high = np.broadcast_arrays(np.asarray(lower, dtype=float), np.asarray(upper, dtype=float))
+        low, high = np.broadcast_arrays(
+            np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
+        )
     except ValueError as error:
-        raise InvalidValue("lower and upper", (np.shape(lower), np.shape(upper)), "arrays of one shape") from error
+        raise InvalidValue(
+            "lower and upper", (np.shape(lower), np.shape(upper)), "arrays of one shape"
+        ) from error
     points = np.asarray(x, dtype=float)
     if points.ndim == 0 or low.ndim == 0 or points.shape[-1] != low.shape[-1]:
-        raise InvalidValue("x", points.shape, f"of shape (..., N) like the grades, which have {low.shape}")
-    return generalized_centroid(np.stack([points, points], axis=-1), np.stack([low, high], axis=-1), method)
+        raise InvalidValue(
+            "x", points.shape, f"of shape (..., N) like the grades, which have {low.shape}"
+        )
+    return generalized_centroid(
+        np.stack([points, points], axis=-1), np.stack([low, high], axis=-1), method
+    )
 
 
 def nie_tan(z: ArrayLike, w: ArrayLike) -> Array:
-    r"""Return the Nie–Tan approximation of the defuzzified output, :math:`\sum z_i (w_i^l + w_i^u) / \sum (w_i^l + w_i^u)`.
+    r"""Return the Nie–Tan approximation of the defuzzified output.
 
-    An approximation: it needs no sorting, and differs from the middle of the exact interval. (M. Nie and W. W. Tan, "Towards an
-    efficient type-reduction method for interval type-2 fuzzy logic systems", FUZZ-IEEE 2008.)
+    It is :math:`\sum z_i (w_i^l + w_i^u) / \sum (w_i^l + w_i^u)`.
+
+    An approximation: it needs no sorting, and differs from the middle of the exact interval. (M.
+    Nie and W. W. Tan, "Towards an efficient type-reduction method for interval type-2 fuzzy logic
+    systems", FUZZ-IEEE 2008.)
 
     Parameters
     ----------
@@ -189,8 +228,9 @@ def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0
 
     .. math:: y = m \frac{\sum_i w_i^l z_i}{\sum_i w_i^l} + n \frac{\sum_i w_i^u z_i}{\sum_i w_i^u}
 
-    An approximation with design parameters m and n. Where all lower weights are zero its first term has no value; then the second
-    one stands for both. (M. Begian, W. Melek, J. Mendel, "Stability analysis of type-2 fuzzy systems", FUZZ-IEEE 2008.)
+    An approximation with design parameters m and n. Where all lower weights are zero its first term
+    has no value; then the second one stands for both. (M. Begian, W. Melek, J. Mendel, "Stability
+    analysis of type-2 fuzzy systems", FUZZ-IEEE 2008.)
 
     Parameters
     ----------
@@ -213,7 +253,10 @@ def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0
     """
     points, weights = _paired(z, w)
     points = points.mean(axis=-1)
-    low, high = (_ratio((points * weights[..., end]).sum(axis=-1), weights[..., end].sum(axis=-1)) for end in (0, 1))
+    low, high = (
+        _ratio((points * weights[..., end]).sum(axis=-1), weights[..., end].sum(axis=-1))
+        for end in (0, 1)
+    )
     return m * np.where(np.isnan(low), high, low) + n * high
 
 
@@ -227,16 +270,19 @@ def _ratio(numerator: Array, denominator: Array) -> Array:
 def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
     r"""Return the Wu–Mendel bounds of both ends of the type-reduced interval, without iteration.
 
-    With :math:`z` sorted, :math:`y^{(0)}` and :math:`y^{(N)}` the averages with all lower and with all upper weights,
+    With :math:`z` sorted, :math:`y^{(0)}` and :math:`y^{(N)}` the averages with all lower and with
+    all upper weights,
 
     .. math::
 
         \bar y_l = \min(y_l^{(0)}, y_l^{(N)}), \qquad
         \underline y_l = \bar y_l - \frac{\sum_i (w_i^u - w_i^l)}{\sum_i w_i^u \sum_i w_i^l}\,
-        \frac{\sum_i w_i^l (z_i - z_1)\, \sum_i w_i^u (z_N - z_i)}{\sum_i w_i^l (z_i - z_1) + \sum_i w_i^u (z_N - z_i)},
+        \frac{\sum_i w_i^l (z_i - z_1)\, \sum_i w_i^u (z_N - z_i)}{\sum_i w_i^l (z_i - z_1)
+        + \sum_i w_i^u (z_N - z_i)},
 
-    and the mirror image for the right end. (H. Wu and J. Mendel, "Uncertainty bounds and their use in the design of interval type-2
-    fuzzy logic systems", IEEE Transactions on Fuzzy Systems 10, 2002.)
+    and the mirror image for the right end. (H. Wu and J. Mendel, "Uncertainty bounds and their use
+    in the design of interval type-2 fuzzy logic systems", IEEE Transactions on Fuzzy Systems 10,
+    2002.)
 
     Parameters
     ----------
@@ -248,8 +294,9 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
     Returns
     -------
     WuMendelBounds
-        ``left_lower <= y_l <= left_upper`` and ``right_lower <= y_r <= right_upper``. Where all lower weights are zero the outer bounds
-        are the extreme points that can carry weight; NaN where all upper weights are zero.
+        ``left_lower <= y_l <= left_upper`` and ``right_lower <= y_r <= right_upper``. Where all
+        lower weights are zero the outer bounds are the extreme points that can carry weight; NaN
+        where all upper weights are zero.
 
     Raises
     ------
@@ -272,11 +319,18 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
         first, last = (np.where(np.isfinite(edge), edge, 0.0) for edge in (first, last))
         # Weights as shares of the sum of the upper ones: products of tiny weights would underflow.
         with np.errstate(invalid="ignore", divide="ignore"):
-            low_share, high_share = low / sum_high[..., np.newaxis], high / sum_high[..., np.newaxis]
+            low_share, high_share = (
+                low / sum_high[..., np.newaxis],
+                high / sum_high[..., np.newaxis],
+            )
             share = low_share.sum(axis=-1)
             rise = (low_share * (y - first[..., np.newaxis]).clip(0.0)).sum(axis=-1)
             fall = (high_share * (last[..., np.newaxis] - y).clip(0.0)).sum(axis=-1)
-            gap = (1.0 - share) / share * np.where((rise > 0.0) & (fall > 0.0), rise / (rise + fall) * fall, 0.0)
+            gap = (
+                (1.0 - share)
+                / share
+                * np.where((rise > 0.0) & (fall > 0.0), rise / (rise + fall) * fall, 0.0)
+            )
         outer = np.where(share > 0.0, inner - gap, first)
         outer = np.where(sum_high > 0.0, outer, np.nan)
         bounds.append((sign * outer, sign * inner))

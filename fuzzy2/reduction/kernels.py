@@ -1,15 +1,18 @@
 """Compiled loops of type reduction; :mod:`fuzzy2.reduction.interval` is their face.
 
-Type reduction works on one row: points sorted in ascending order, and the weights in that order. The left end takes upper weights up
-to the switch point and lower ones after it; the right end is computed on the same points with the roles exchanged.
+Type reduction works on one row: points sorted in ascending order, and the weights in that order.
+The left end takes upper weights up to the switch point and lower ones after it; the right end is
+computed on the same points with the roles exchanged.
 
-Whether point k lies below the average is decided without the average: it does if its moment from the points below is smaller
-than that from the points above,
+Whether point k lies below the average is decided without the average: it does if its moment from
+the points below is smaller than that from the points above,
 
-    F(k) = sum of before[i] (z[k] - z[i]) over i < k   <   H(k) = sum of after[i] (z[i] - z[k]) over i > k.
+    F(k) = sum of before[i] (z[k] - z[i]) over i < k < H(k) = sum of after[i] (z[i] - z[k]) over i >
+    k.
 
-Weight k itself takes no part, so a weight that outweighs all others by more digits than a float has cannot hide the answer, as it
-does when z[k] is compared with an average that it dominates. F never falls with k and H never rises, so there is one switch point.
+Weight k itself takes no part, so a weight that outweighs all others by more digits than a float has
+cannot hide the answer, as it does when z[k] is compared with an average that it dominates. F never
+falls with k and H never rises, so there is one switch point.
 """
 
 from __future__ import annotations
@@ -28,7 +31,10 @@ KM, EKM, IASC, EIASC, SCAN = range(5)
 
 @compiled
 def _moments(z, before, after, below, above):
-    """Write F and H of every point. All terms are positive and sums are only added to, so nothing cancels."""
+    """Write F and H of every point.
+
+    All terms are positive and sums are only added to, so nothing cancels.
+    """
     n = z.size
     mass, moment = 0.0, 0.0
     for k in range(n):
@@ -46,7 +52,10 @@ def _moments(z, before, after, below, above):
 
 @compiled
 def _average(z, before, after, k):
-    """Average of the points, measured from the first one, with ``before`` for the first k weights and ``after`` for the others."""
+    """Average of the points, measured from the first one.
+
+    ``before`` are the first k weights and ``after`` the others.
+    """
     numerator, denominator = 0.0, 0.0
     for i in range(k):
         numerator += before[i] * (z[i] - z[0])
@@ -59,7 +68,7 @@ def _average(z, before, after, k):
 
 @compiled
 def _switch_of(z, average):
-    """Return the number of points that do not lie above the average, at least 1 and at most n − 1."""
+    """Return how many points do not lie above the average, at least 1 and at most n − 1."""
     k = 1
     while k < z.size - 1 and z[k] - z[0] <= average:
         k += 1
@@ -68,11 +77,13 @@ def _switch_of(z, average):
 
 @compiled
 def end_of_interval(z, before, after, left, method, below, above):
-    """One end of the interval: the extreme average over all switch points k, for points that can all carry weight.
+    """One end of the interval: the extreme average over all switch points k.
 
-    ``before`` are the weights of the first k points and ``after`` those of the others: upper and lower for the left end, lower and
-    upper for the right end. The best k lies between 1 and n − 1, and there the point at the extreme end has its upper weight, so no
-    sum of weights is ever zero.
+    For points that can all carry weight.
+
+    ``before`` are the weights of the first k points and ``after`` those of the others: upper and
+    lower for the left end, lower and upper for the right end. The best k lies between 1 and n − 1,
+    and there the point at the extreme end has its upper weight, so no sum of weights is ever zero.
     """
     n = z.size
     if n == 1:
@@ -115,7 +126,8 @@ def end_of_interval(z, before, after, left, method, below, above):
             if new == k or not (candidate < average if left else candidate > average):
                 break
             k, average = new, candidate
-    # The step with stop condition, one point at a time; after Karnik and Mendel's it only confirms, or settles a hidden switch point.
+    # The step with stop condition, one point at a time; after Karnik and Mendel's it only confirms,
+    # or settles a hidden switch point.
     while k < n - 1 and below[k] < above[k]:
         k += 1
     while k > 1 and below[k - 1] >= above[k - 1]:
@@ -127,8 +139,9 @@ def end_of_interval(z, before, after, left, method, below, above):
 def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: Array) -> None:
     """Write left and right end of every row.
 
-    ``z`` (rows or 1, n, 2) holds both ends of the points, each column sorted, ``order`` the indices that sort them, ``w``
-    (rows, n, 2) lower and upper weights in the original order, ``out`` (rows, 2).
+    ``z`` (rows or 1, n, 2) holds both ends of the points, each column sorted, ``order`` the indices
+    that sort them, ``w`` (rows, n, 2) lower and upper weights in the original order, ``out`` (rows,
+    2).
     """
     n = w.shape[1]
     points, low, high = np.empty(n), np.empty(n), np.empty(n)
@@ -138,7 +151,8 @@ def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: 
         # Weights relative to the largest: products of tiny ones would underflow.
         largest = w[row, :, 1].max()
         for end in range(2):
-            # Points that cannot carry weight take no part: they could stand where the switch point is looked for.
+            # Points that cannot carry weight take no part: they could stand where the switch point
+            # is looked for.
             count = 0
             for i in range(n):
                 j = order[source, i, end]
@@ -150,9 +164,13 @@ def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: 
             if count == 0:
                 out[row, end] = math.nan
             elif end == 0:
-                out[row, end] = end_of_interval(points[:count], high[:count], low[:count], True, method, below, above)
+                out[row, end] = end_of_interval(
+                    points[:count], high[:count], low[:count], True, method, below, above
+                )
             else:
-                out[row, end] = end_of_interval(points[:count], low[:count], high[:count], False, method, below, above)
+                out[row, end] = end_of_interval(
+                    points[:count], low[:count], high[:count], False, method, below, above
+                )
         if out[row, 0] > out[row, 1]:
             # The ends of a point come from two sides, and can miss each other by rounding.
             out[row, 0], out[row, 1] = out[row, 1], out[row, 0]

@@ -9,7 +9,8 @@ from fuzzy2.sets.type1 import keep_nan
 from fuzzy2.support.checks import Array
 from fuzzy2.support.quadrature import merged
 
-# Where a Gaussian is cut into pieces, in standard deviations: exp(-39²/2) is the last that is not zero in double precision.
+# Where a Gaussian is cut into pieces, in standard deviations: exp(-39²/2) is the last that is not
+# zero in double precision.
 GAUSSIAN_SPREAD = np.array([0.5, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0])
 GAUSSIAN_TAIL = np.array([12.0, 18.0, 26.0, 39.0])
 
@@ -21,25 +22,35 @@ def mirrored(distances: Array) -> Array:
 
 def gaussian(x: Array, mean: ArrayLike, sigma: ArrayLike, height: ArrayLike = 1.0) -> Array:
     r"""Return :math:`h\,e^{-(x - m)^2 / (2 \sigma^2)}`; all arguments broadcast."""
-    with np.errstate(over="ignore", under="ignore"):  # far out the square is infinite and the grade 0
+    # far out the square is infinite and the grade 0
+    with np.errstate(over="ignore", under="ignore"):
         return np.asarray(height * np.exp(-0.5 * np.square((x - np.asarray(mean)) / sigma)))
 
 
 def gaussian_slopes(x: Array, mean: ArrayLike, sigma: float, height: float = 1.0) -> Array:
-    r"""Return the derivative of a Gaussian, :math:`-\mu(x)\,(x - m)/\sigma^2`; points and means broadcast."""
+    r"""Return the derivative of a Gaussian, :math:`-\mu(x)\,(x - m)/\sigma^2`.
+
+    Points and means broadcast.
+    """
     grades = gaussian(x, mean, sigma, height)
     return np.where(grades > 0.0, (np.asarray(mean) - x) / sigma * grades / sigma, 0.0)
 
 
 def gaussian_reach(alpha: Array, sigma: ArrayLike, height: ArrayLike = 1.0) -> Array:
-    r"""Return the distance from the mean at which a Gaussian falls to alpha, :math:`\sigma\sqrt{2 \ln(h/\alpha)}`."""
+    r"""Return the distance from the mean at which a Gaussian falls to alpha.
+
+    It is :math:`\sigma\sqrt{2 \ln(h/\alpha)}`.
+    """
     with np.errstate(divide="ignore", invalid="ignore"):
         reach = np.sqrt(2.0 * np.maximum(np.log(np.divide(height, alpha)), 0.0))
     return np.asarray(np.multiply(sigma, reach))
 
 
 def trapezoid(x: Array, a: float, b: float, c: float, d: float, height: float) -> Array:
-    """Return the membership of a trapezoid with corners in ascending order; vertical edges belong to it."""
+    """Return the membership of a trapezoid with corners in ascending order.
+
+    Vertical edges belong to it.
+    """
     with np.errstate(over="ignore"):  # edges of almost no width
         rise = (x - a) / (b - a) if b > a else np.where(x >= a, 1.0, 0.0)
         fall = (d - x) / (d - c) if d > c else np.where(x <= d, 1.0, 0.0)
@@ -47,7 +58,10 @@ def trapezoid(x: Array, a: float, b: float, c: float, d: float, height: float) -
 
 
 def trapezoid_slopes(x: Array, a: float, b: float, c: float, d: float, height: float) -> Array:
-    """Return the derivative of the membership of a trapezoid from the right: at a corner that of the edge behind it."""
+    """Return the derivative of the membership of a trapezoid from the right.
+
+    At a corner that of the edge behind it.
+    """
     rising, falling = (x >= a) & (x < b), (x >= c) & (x < d)
     rise = height / (b - a) if b > a else 0.0
     fall = height / (d - c) if d > c else 0.0
@@ -62,10 +76,15 @@ def trapezoid_cut(fraction: Array, a: float, b: float, c: float, d: float) -> tu
 
 
 def refined(landmarks: Array, count: int = 64) -> Array:
-    """Return landmarks (P,) with ``count`` points between each two of them, and the floats on both sides of each: it may be a jump."""
+    """Return landmarks (P,) with ``count`` points between neighbors.
+
+    Also the floats on both sides of each landmark, for it may be a jump.
+    """
     steps = np.arange(1, count + 1) / (count + 1)
     between = landmarks[:-1, None] + np.diff(landmarks)[:, None] * steps
-    return merged(between, landmarks, np.nextafter(landmarks, -np.inf), np.nextafter(landmarks, np.inf))
+    return merged(
+        between, landmarks, np.nextafter(landmarks, -np.inf), np.nextafter(landmarks, np.inf)
+    )
 
 
 def logistic(steps: Array) -> Array:

@@ -20,19 +20,22 @@ from fuzzy2.support.quadrature import merged
 class FunctionalSet(Type1Set):
     """Set given by any function of the points.
 
-    What is not known of the function (height, maxima, cuts, convexity) is read from samples: at the landmarks, and at 64 points
-    between each two of them. It is as accurate as that grid.
+    What is not known of the function (height, maxima, cuts, convexity) is read from samples: at the
+    landmarks, and at 64 points between each two of them. It is as accurate as that grid.
 
     Parameters
     ----------
     function : callable
         From points (...,) to grades (...,) in [0, 1].
     left, right : float
-        Ends of the support; the membership is 0 outside, whatever the function says. They may be infinite; then there is no centroid.
+        Ends of the support; the membership is 0 outside, whatever the function says. They may be
+        infinite; then there is no centroid.
     knots : sequence of float
-        Points where the function has kinks or narrow peaks, and for an unbounded support the range that matters.
+        Points where the function has kinks or narrow peaks, and for an unbounded support the range
+        that matters.
     slope : callable, optional
-        Derivative of the function, from points (...,) to derivatives (...,); at a kink from the right. Without it the set has none.
+        Derivative of the function, from points (...,) to derivatives (...,); at a kink from the
+        right. Without it the set has none.
 
     Raises
     ------
@@ -49,9 +52,15 @@ class FunctionalSet(Type1Set):
     def __post_init__(self) -> None:
         left, right = maybe_infinite("left", self.left), maybe_infinite("right", self.right)
         ascending("left, right", (left, right))
-        set_fields(self, left=left, right=right, knots=tuple(real("knots", knot) for knot in self.knots))
+        set_fields(
+            self, left=left, right=right, knots=tuple(real("knots", knot) for knot in self.knots)
+        )
         if self._landmarks().size < 2 and left != right:
-            raise InvalidValue("knots", self.knots, "at least two points when the support is unbounded, to say where the set is")
+            raise InvalidValue(
+                "knots",
+                self.knots,
+                "at least two points when the support is unbounded, to say where the set is",
+            )
 
     @property
     def height(self) -> float:
@@ -86,8 +95,13 @@ class FunctionalSet(Type1Set):
         return self._reach(alpha, points, grades), self._reach(alpha, points[::-1], grades[::-1])
 
     def _reach(self, alpha: Array, points: Array, grades: Array) -> Array:
-        """Return where the membership first reaches alpha (...,) on the way through samples: bisection between two of them."""
-        after = np.minimum(np.searchsorted(np.maximum.accumulate(grades), alpha, side="left"), len(points) - 1)
+        """Return where the membership first reaches alpha (...,) on the way through samples.
+
+        Bisection between two of them.
+        """
+        after = np.minimum(
+            np.searchsorted(np.maximum.accumulate(grades), alpha, side="left"), len(points) - 1
+        )
         below, reached = points[np.maximum(after - 1, 0)], points[after]
         for _ in range(60):
             middle = 0.5 * (below + reached)
@@ -127,7 +141,9 @@ class Truncated(Type1Set):
         set_fields(self, left=ends[0], right=ends[1])
         first, last = self.whole.support
         if first > self.right or last < self.left:
-            raise InvalidValue("left, right", ends, f"ends of an interval that meets the support {(first, last)}")
+            raise InvalidValue(
+                "left, right", ends, f"ends of an interval that meets the support {(first, last)}"
+            )
 
     @property
     def height(self) -> float:
@@ -142,7 +158,8 @@ class Truncated(Type1Set):
             sampled = self._sampled
             return sampled.height, *sampled._maxima()
         maxima = self.whole.maxima
-        # A convex set cut off beside its maximum is highest at the cut; one that never reaches it, at the higher end.
+        # A convex set cut off beside its maximum is highest at the cut; one that never reaches it,
+        # at the higher end.
         points = np.array([first, last] if maxima is None else np.clip(maxima, first, last))
         highest = float(self.whole(points).max())
         left, right = self.whole.alpha_cut(highest)
@@ -180,12 +197,20 @@ class Truncated(Type1Set):
 
 
 def sampled_closely(fuzzy_set: Type1Set) -> SampledSet:
-    """Return a set sampled between its landmarks, and ever closer around its maximum, on which cuts and normality hang."""
+    """Return a set sampled between its landmarks.
+
+    Ever closer around its maximum, on which cuts and normality hang.
+    """
     points = np.clip(refined(fuzzy_set.landmarks), *fuzzy_set.support)
     for _ in range(6):  # 2^-30 of a step is enough where the membership is flat
         points = merged(points)
         best = int(np.argmax(fuzzy_set(points)))
-        points = np.concatenate([points, np.linspace(points[max(best - 1, 0)], points[min(best + 1, len(points) - 1)], 65)])
+        points = np.concatenate(
+            [
+                points,
+                np.linspace(points[max(best - 1, 0)], points[min(best + 1, len(points) - 1)], 65),
+            ]
+        )
     return fuzzy_set.sample(points)
 
 
@@ -241,7 +266,9 @@ class Complement(Type1Set):
     def _maxima(self) -> tuple[float, float] | None:
         first, last = self.whole.support
         if math.isfinite(first) or math.isfinite(last):
-            return -math.inf if math.isfinite(first) else last, math.inf if math.isfinite(last) else first
+            return -math.inf if math.isfinite(first) else last, math.inf if math.isfinite(
+                last
+            ) else first
         _, first, last = self._least
         # What a set with tails comes down to at infinity is never reached.
         return None if math.isinf(first) or math.isinf(last) else (first, last)
@@ -250,7 +277,11 @@ class Complement(Type1Set):
         points, (first, last) = self.whole.landmarks, self.whole.support
         width = float(points[-1] - points[0]) or 1.0
         # Where the set ends with a jump, the complement begins beyond it.
-        jumps = [end + side * width for end, side in ((first, -1.0), (last, 1.0)) if math.isfinite(end) and self.whole(end) > 0.0]
+        jumps = [
+            end + side * width
+            for end, side in ((first, -1.0), (last, 1.0))
+            if math.isfinite(end) and self.whole(end) > 0.0
+        ]
         points = merged(points, jumps)
         return points if points.size > 1 else merged(points, points - 1.0, points + 1.0)
 
@@ -260,9 +291,18 @@ class Complement(Type1Set):
 
     @property
     def _falls(self) -> float:
-        """The infinity towards which a convex set rises without end, so that its complement falls; 0 if there is none."""
+        """The infinity towards which a convex set rises without end, so that its complement falls.
+
+        0 if there is none.
+        """
         ends = self.whole(np.array([-math.inf, math.inf]))
-        return 0.0 if ends.max() < self.whole.height - ROUNDING else -math.inf if ends[0] > ends[1] else math.inf
+        return (
+            0.0
+            if ends.max() < self.whole.height - ROUNDING
+            else -math.inf
+            if ends[0] > ends[1]
+            else math.inf
+        )
 
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
         falls = self._falls if self.whole.is_convex() else 0.0
@@ -276,5 +316,8 @@ class Complement(Type1Set):
         return (end, edge) if falls > 0.0 else (edge, end)
 
     def is_convex(self) -> bool:
-        """Return whether the membership rises to its maximum and then falls: the set is a shoulder, or, as sampled, has a valley."""
+        """Return whether the membership rises to its maximum and then falls.
+
+        The set is a shoulder, or, as sampled, has a valley.
+        """
         return (self.whole.is_convex() and self._falls != 0.0) or self._searched.is_convex()

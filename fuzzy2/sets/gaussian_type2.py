@@ -22,29 +22,35 @@ from fuzzy2.support.quadrature import merged
 
 @dataclass(frozen=True)
 class GaussianType2Set(GeneralType2Set):
-    r"""General type-2 set with Gaussian vertical slices about a principal membership, truncated to [0, 1].
+    r"""General type-2 set with Gaussian vertical slices, truncated to [0, 1].
+
+    They lie about a principal membership.
 
     .. math:: \mu(x, u) = \exp\left(-\frac{(u - m(x))^2}{2\,\sigma(x)^2}\right), \quad u \in [0, 1]
 
-    A Gaussian is positive everywhere, so that the footprint of uncertainty is all of [0, 1] where sigma is positive. What a picture
-    shows of it is ``alpha_plane(0.01)``.
+    A Gaussian is positive everywhere, so that the footprint of uncertainty is all of [0, 1] where
+    sigma is positive. What a picture shows of it is ``alpha_plane(0.01)``.
 
     Parameters
     ----------
     principal : Type1Set
-        Principal membership function m. The attribute is the set as given, also outside of the domain.
+        Principal membership function m. The attribute is the set as given, also outside of the
+        domain.
     sigma : float or callable
-        Standard deviation of the slices: a number, or a function from points (...,) to numbers (...,). Not negative; 0 is crisp.
+        Standard deviation of the slices: a number, or a function from points (...,) to numbers
+        (...,). Not negative; 0 is crisp.
     domain : (float, float)
         Domain of the set; unbounded by default. An α-plane needs a bounded one to have a centroid.
 
     Raises
     ------
     InvalidValue
-        If sigma is negative or not finite (a function: where it is evaluated), or the domain does not meet the principal set.
+        If sigma is negative or not finite (a function: where it is evaluated), or the domain does
+        not meet the principal set.
     """
 
-    principal: Type1Set = field()  # without it the property of the base would be taken for a default
+    # without it the property of the base would be taken for a default
+    principal: Type1Set = field()
     sigma: float | Callable[[Array], ArrayLike]
     domain: tuple[float, float] = (-math.inf, math.inf)
 
@@ -52,13 +58,20 @@ class GaussianType2Set(GeneralType2Set):
         if not isinstance(self.principal, Type1Set):
             raise InvalidValue("principal", self.principal, "a type-1 set")
         if not callable(self.sigma):
-            set_fields(self, sigma=real("sigma", self.sigma, "a finite number of at least 0, or a function"))
+            set_fields(
+                self,
+                sigma=real("sigma", self.sigma, "a finite number of at least 0, or a function"),
+            )
             self.spread(0.0)
         left, right = (maybe_infinite("domain", end) for end in self.domain)
         ascending("domain", (left, right))
         set_fields(self, domain=(left, right))
         if self.principal.support[0] > right or self.principal.support[1] < left:
-            raise InvalidValue("domain", self.domain, f"an interval that meets the support {self.principal.support}")
+            raise InvalidValue(
+                "domain",
+                self.domain,
+                f"an interval that meets the support {self.principal.support}",
+            )
 
     def spread(self, x: ArrayLike) -> Array:
         """Return the standard deviations of the vertical slices at points.
@@ -79,7 +92,10 @@ class GaussianType2Set(GeneralType2Set):
             If the function ``sigma`` returns a negative number, or one that is not finite.
         """
         points = reals("x", x)
-        spreads = np.broadcast_to(np.asarray(self.sigma(points) if callable(self.sigma) else self.sigma, dtype=float), points.shape)
+        spreads = np.broadcast_to(
+            np.asarray(self.sigma(points) if callable(self.sigma) else self.sigma, dtype=float),
+            points.shape,
+        )
         if not ((spreads >= 0.0) & np.isfinite(spreads)).all():
             raise InvalidValue("sigma", spreads, "finite numbers of at least 0")
         return spreads
@@ -88,7 +104,11 @@ class GaussianType2Set(GeneralType2Set):
     def support(self) -> tuple[float, float]:
         """Domain; of a crisp set, what of the support of the principal set lies in it."""
         left, right = self.principal.support
-        return (max(left, self.domain[0]), min(right, self.domain[1])) if self.sigma == 0.0 else self.domain
+        return (
+            (max(left, self.domain[0]), min(right, self.domain[1]))
+            if self.sigma == 0.0
+            else self.domain
+        )
 
     @property
     def landmarks(self) -> Array:
@@ -98,11 +118,18 @@ class GaussianType2Set(GeneralType2Set):
         return merged(points[(points >= self.support[0]) & (points <= self.support[1])], ends)
 
     def secondary(self, x: float) -> Type1Set:
-        """Return the vertical slice at a point: a Gaussian truncated to [0, 1], or a singleton where sigma is 0 (eq. 1.3)."""
+        """Return the vertical slice at a point.
+
+        A Gaussian truncated to [0, 1], or a singleton where sigma is 0 (eq. 1.3).
+        """
         point = np.array(real("x", x))
         membership, sigma = float(self._principal(point)), float(self.spread(point))
         inside = self.domain[0] <= x <= self.domain[1]
-        return Truncated(Gaussian(membership, sigma), 0.0, 1.0) if sigma > 0.0 and inside else Singleton(membership)
+        return (
+            Truncated(Gaussian(membership, sigma), 0.0, 1.0)
+            if sigma > 0.0 and inside
+            else Singleton(membership)
+        )
 
     def _principal(self, x: Array) -> Array:
         return np.where((x >= self.domain[0]) & (x <= self.domain[1]), self.principal(x), 0.0)
@@ -113,17 +140,23 @@ class GaussianType2Set(GeneralType2Set):
     def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
         memberships, spreads = self._principal(x), self._inside_spread(x)
         # At alpha = 0 a Gaussian reaches everywhere, but one of no width nowhere.
-        reach = np.where(spreads > 0.0, gaussian_reach(np.array(alpha), np.maximum(spreads, np.finfo(float).tiny)), 0.0)
+        reach = np.where(
+            spreads > 0.0,
+            gaussian_reach(np.array(alpha), np.maximum(spreads, np.finfo(float).tiny)),
+            0.0,
+        )
         return np.maximum(memberships - reach, 0.0), np.minimum(memberships + reach, 1.0)
 
     def _slope_of_bound(self, alpha: float, end: int) -> Callable[[Array], Array] | None:
-        # Slices of a width that is a function of the points have a plane whose slope needs that of the function.
+        # Slices of a width that is a function of the points have a plane whose slope needs that of
+        # the function.
         return None if callable(self.sigma) else partial(self._bound_slopes, alpha=alpha, end=end)
 
     def _kinks_of_bound(self, alpha: float, end: int) -> Array:
         if callable(self.sigma) or self.sigma == 0.0 or not self.principal.is_convex():
             return np.empty(0)
-        # Where a membership is cut off at 0 or 1. A search for a supremum that does not know of it misses narrow overlaps.
+        # Where a membership is cut off at 0 or 1. A search for a supremum that does not know of it
+        # misses narrow overlaps.
         reach = float(gaussian_reach(np.array(alpha), self.sigma))
         membership = reach if end == 0 else 1.0 - reach
         if not 0.0 < membership < self.principal.height:
@@ -135,8 +168,10 @@ class GaussianType2Set(GeneralType2Set):
         slopes = self.principal.derivative(x)
         if self.sigma == 0.0:
             return slopes
-        reach = gaussian_reach(np.array(alpha), float(self.sigma))  # type: ignore[arg-type] # no function comes here
-        # Where a membership is cut off at 0 or 1, its slope is that of the principal one only if that leads back.
+        # no function comes here
+        reach = gaussian_reach(np.array(alpha), float(self.sigma))  # type: ignore[arg-type]
+        # Where a membership is cut off at 0 or 1, its slope is that of the principal one only if
+        # that leads back.
         if end == 0:
             room = self.principal(x) - reach
             return np.where(room > 0.0, slopes, np.where(room == 0.0, np.maximum(slopes, 0.0), 0.0))
@@ -145,5 +180,9 @@ class GaussianType2Set(GeneralType2Set):
 
     def _secondary_grades(self, x: Array, u: Array) -> Array:
         memberships, spreads = self._principal(x), self._inside_spread(x)
-        grades = np.where(spreads > 0.0, gaussian(u, memberships, np.where(spreads > 0.0, spreads, 1.0)), u == memberships)
+        grades = np.where(
+            spreads > 0.0,
+            gaussian(u, memberships, np.where(spreads > 0.0, spreads, 1.0)),
+            u == memberships,
+        )
         return np.where((u >= 0.0) & (u <= 1.0), grades, 0.0)

@@ -1,8 +1,11 @@
-r"""General type-2 fuzzy sets: the membership at a point is itself a type-1 set over [0, 1], the vertical slice (eq. 1.1-1.3).
+r"""General type-2 fuzzy sets.
 
-A set is given by a principal membership with Gaussian secondaries (:class:`GaussianType2Set`), by any function from points to
-vertical slices (:class:`FunctionalType2Set`), by slices at sampled points (:class:`SampledType2Set`), or by α-planes
-(:class:`ZSlices`). All of them answer the same questions, whatever they are given by.
+The membership at a point is itself a type-1 set over [0, 1], the vertical slice (eq. 1.1-1.3).
+
+A set is given by a principal membership with Gaussian secondaries (:class:`GaussianType2Set`), by
+any function from points to vertical slices (:class:`FunctionalType2Set`), by slices at sampled
+points (:class:`SampledType2Set`), or by α-planes (:class:`ZSlices`). All of them answer the same
+questions, whatever they are given by.
 """
 
 from __future__ import annotations
@@ -25,11 +28,15 @@ from fuzzy2.sets.type1 import ROUNDING, SampledSet, Singleton, Type1Set, keep_na
 from fuzzy2.support.checks import Array, ascending, grade, maybe_infinite, real, reals
 from fuzzy2.support.quadrature import merged
 
-LEVELS_BETWEEN_SLICES = 257  # of the α-cuts that are interpolated between two continuous vertical slices
+# of the α-cuts that are interpolated between two continuous vertical slices
+LEVELS_BETWEEN_SLICES = 257
 
 
 class EmbeddedType2Set(NamedTuple):
-    """Type-2 set embedded in a discrete one (eq. 1.6): one primary membership at every point, with its secondary grade."""
+    """Type-2 set embedded in a discrete one (eq. 1.6).
+
+    One primary membership at every point, with its secondary grade.
+    """
 
     points: Array
     """Points, (N,)."""
@@ -46,7 +53,9 @@ class EmbeddedType2Set(NamedTuple):
 
 @dataclass(frozen=True)
 class AlphaPlane(IntervalType2Set):
-    """α-plane of a general type-2 set: the primary memberships whose secondary grade is at least ``alpha``.
+    """α-plane of a general type-2 set.
+
+    The primary memberships whose secondary grade is at least ``alpha``.
 
     At points where no secondary grade is, both memberships are 0.
     """
@@ -54,15 +63,16 @@ class AlphaPlane(IntervalType2Set):
     alpha: float
 
     def __post_init__(self) -> None:
-        # The ends of an α-cut are in order; comparing them again would cost more than making the plane.
+        # The ends of an α-cut are in order; comparing them again would cost more than making the
+        # plane.
         set_fields(self, alpha=float(self.alpha))
 
 
 class GeneralType2Set(ABC):
     """Base of the general type-2 fuzzy sets.
 
-    A subclass gives ``secondary``, ``support`` and ``landmarks``, and where it knows a faster way than slice by slice, the private
-    methods.
+    A subclass gives ``secondary``, ``support`` and ``landmarks``, and where it knows a faster way
+    than slice by slice, the private methods.
     """
 
     @property
@@ -77,7 +87,9 @@ class GeneralType2Set(ABC):
 
     @abstractmethod
     def secondary(self, x: float) -> Type1Set:
-        """Return the vertical slice at a point: the secondary membership function over [0, 1] (eq. 1.3).
+        """Return the vertical slice at a point.
+
+        The secondary membership function over [0, 1] (eq. 1.3).
 
         Parameters
         ----------
@@ -102,25 +114,33 @@ class GeneralType2Set(ABC):
     def _secondary_grades(self, x: Array, u: Array) -> Array:
         """Return the secondary grades of pairs, both (...,)."""
         pairs = zip(x.ravel(), u.ravel(), strict=True)
-        return np.array([self.secondary(float(point))(membership) for point, membership in pairs], dtype=float).reshape(x.shape)
+        return np.array(
+            [self.secondary(float(point))(membership) for point, membership in pairs], dtype=float
+        ).reshape(x.shape)
 
     def _bound(self, x: Array, alpha: float, end: int) -> Array:
         missing = np.isnan(x)
         return keep_nan(x, self._cut(np.where(missing, self.landmarks[0], x), alpha)[end])
 
     def _slope_of_bound(self, alpha: float, end: int) -> Callable[[Array], Array] | None:
-        """Return the derivative from the right of the lower (end 0) or upper (1) membership function of an α-plane, if it is known."""
+        """Return the derivative from the right of a membership function of an α-plane.
+
+        Of the lower (end 0) or the upper (1) one, if it is known.
+        """
         return None
 
     def _kinks_of_bound(self, alpha: float, end: int) -> Array:
-        """Return finite points (K,) where that membership function has kinks, besides the landmarks of the set."""
+        """Return finite points (K,) of kinks of that membership function besides the landmarks."""
         return np.empty(0)
 
     def _functional(self, function: Callable[[Array], Array]) -> FunctionalSet:
         return FunctionalSet(function, *self.support, knots=tuple(self.landmarks.tolist()))
 
     def _bound_set(self, alpha: float, end: int) -> FunctionalSet:
-        function, slope = partial(self._bound, alpha=alpha, end=end), self._slope_of_bound(alpha, end)
+        function, slope = (
+            partial(self._bound, alpha=alpha, end=end),
+            self._slope_of_bound(alpha, end),
+        )
         knots = merged(self.landmarks, self._kinks_of_bound(alpha, end))
         return FunctionalSet(function, *self.support, knots=tuple(knots.tolist()), slope=slope)
 
@@ -136,8 +156,13 @@ class GeneralType2Set(ABC):
 
     @cached_property
     def principal(self) -> Type1Set:
-        """Principal membership function: the primary membership of greatest secondary grade, midway where there are several."""
-        return self._functional(lambda x: keep_nan(x, self._principal(np.where(np.isnan(x), self.landmarks[0], x))))
+        """Principal membership function.
+
+        The primary membership of greatest secondary grade, midway where there are several.
+        """
+        return self._functional(
+            lambda x: keep_nan(x, self._principal(np.where(np.isnan(x), self.landmarks[0], x)))
+        )
 
     def footprint(self, x: ArrayLike) -> Array:
         r"""Return the ends of the primary membership :math:`J_x` at points (eq. 1.4).
@@ -169,11 +194,15 @@ class GeneralType2Set(ABC):
         """
         points, memberships = np.broadcast_arrays(reals("x", x), reals("u", u))
         missing = np.isnan(points) | np.isnan(memberships)
-        grades = self._secondary_grades(np.where(missing, self.landmarks[0], points), np.where(missing, 0.0, memberships))
+        grades = self._secondary_grades(
+            np.where(missing, self.landmarks[0], points), np.where(missing, 0.0, memberships)
+        )
         return np.where(missing, np.nan, grades)[()]
 
     def alpha_plane(self, alpha: float) -> IntervalType2Set:
-        r"""Return the α-plane, :math:`\{(x, u) : \mu(x, u) \ge \alpha\}`; at 0 it is the footprint of uncertainty.
+        r"""Return the α-plane, :math:`\{(x, u) : \mu(x, u) \ge \alpha\}`.
+
+        At 0 it is the footprint of uncertainty.
 
         Parameters
         ----------
@@ -198,7 +227,10 @@ class GeneralType2Set(ABC):
         return AlphaPlane(self._bound_set(level, 0), self._bound_set(level, 1), level)
 
     def zslices(self, alphas: Sequence[float]) -> ZSlices:
-        """Return the set cut into zSlices: a staircase of its α-planes at ascending grades in (0, 1]."""
+        """Return the set cut into zSlices.
+
+        A staircase of its α-planes at ascending grades in (0, 1].
+        """
         return ZSlices(tuple(alphas), tuple(self.alpha_plane(alpha) for alpha in alphas))
 
     def sample(self, x: ArrayLike, u: ArrayLike) -> SampledType2Set:
@@ -209,7 +241,8 @@ class GeneralType2Set(ABC):
         x : (N,) array_like
             Points.
         u : (M,) array_like
-            Primary memberships in [0, 1]. Each slice takes those of a positive secondary grade, and its principal membership.
+            Primary memberships in [0, 1]. Each slice takes those of a positive secondary grade, and
+            its principal membership.
 
         Returns
         -------
@@ -227,11 +260,17 @@ class GeneralType2Set(ABC):
 
     def embedded_count(self) -> int:
         """Return the number of embedded type-2 sets, for a discrete set."""
-        raise NotApplicable("embedded_count", "a set on a continuous domain has infinitely many embedded sets; sample it first")
+        raise NotApplicable(
+            "embedded_count",
+            "a set on a continuous domain has infinitely many embedded sets; sample it first",
+        )
 
     def embedded_sets(self) -> Iterator[EmbeddedType2Set]:
         """Return all embedded type-2 sets of a discrete set, one after another."""
-        raise NotApplicable("embedded_sets", "a set on a continuous domain has infinitely many embedded sets; sample it first")
+        raise NotApplicable(
+            "embedded_sets",
+            "a set on a continuous domain has infinitely many embedded sets; sample it first",
+        )
 
     def kernel_row(self) -> None:
         """Return None: the compiled kernels read secondary grades in other ways."""
@@ -245,7 +284,8 @@ class FunctionalType2Set(GeneralType2Set):
     Parameters
     ----------
     function : callable
-        From a point to its vertical slice, a :class:`Type1Set`; what of it lies outside of [0, 1] is cut off.
+        From a point to its vertical slice, a :class:`Type1Set`; what of it lies outside of [0, 1]
+        is cut off.
     left, right : float
         Ends of the domain; they may be infinite.
     knots : sequence of float
@@ -265,9 +305,15 @@ class FunctionalType2Set(GeneralType2Set):
     def __post_init__(self) -> None:
         left, right = maybe_infinite("left", self.left), maybe_infinite("right", self.right)
         ascending("left, right", (left, right))
-        set_fields(self, left=left, right=right, knots=tuple(real("knots", knot) for knot in self.knots))
+        set_fields(
+            self, left=left, right=right, knots=tuple(real("knots", knot) for knot in self.knots)
+        )
         if self.landmarks.size < 2 and left != right:
-            raise InvalidValue("knots", self.knots, "at least two points when the domain is unbounded, to say where the set is")
+            raise InvalidValue(
+                "knots",
+                self.knots,
+                "at least two points when the domain is unbounded, to say where the set is",
+            )
 
     @property
     def support(self) -> tuple[float, float]:
@@ -294,9 +340,10 @@ class FunctionalType2Set(GeneralType2Set):
 class SampledType2Set(GeneralType2Set):
     """General type-2 set given by vertical slices at sampled points.
 
-    With :class:`SampledSet` slices it is a discrete-membership type-2 set, and its embedded sets can be counted and listed; with
-    others it is partially discrete. Between two points the α-cuts of their slices are interpolated, which asks for convex
-    slices; outside of the points the membership is crisply 0.
+    With :class:`SampledSet` slices it is a discrete-membership type-2 set, and its embedded sets
+    can be counted and listed; with others it is partially discrete. Between two points the α-cuts
+    of their slices are interpolated, which asks for convex slices; outside of the points the
+    membership is crisply 0.
 
     Parameters
     ----------
@@ -308,7 +355,8 @@ class SampledType2Set(GeneralType2Set):
     Raises
     ------
     InvalidValue
-        If the points are not finite and distinct, or their number is not that of the slices, or a slice leaves [0, 1].
+        If the points are not finite and distinct, or their number is not that of the slices, or a
+        slice leaves [0, 1].
     """
 
     points: tuple[float, ...]
@@ -317,7 +365,9 @@ class SampledType2Set(GeneralType2Set):
     def __init__(self, points: ArrayLike, slices: Sequence[Type1Set]) -> None:
         x = reals("points", points)
         if x.ndim != 1 or x.size == 0 or not np.isfinite(x).all() or np.unique(x).size != x.size:
-            raise InvalidValue("points", points, "finite, distinct numbers of shape (N,) with N of at least 1")
+            raise InvalidValue(
+                "points", points, "finite, distinct numbers of shape (N,) with N of at least 1"
+            )
         if len(slices) != x.size:
             raise InvalidValue("slices", len(slices), f"one for each of the {x.size} points")
         for point, vertical_slice in zip(x, slices, strict=True):
@@ -338,11 +388,16 @@ class SampledType2Set(GeneralType2Set):
         return np.array(self.points)
 
     def is_discrete(self) -> bool:
-        """Return whether the slices are discrete too: a discrete-membership type-2 set, not a partially discrete one."""
+        """Return whether the slices are discrete too.
+
+        A discrete-membership type-2 set, not a partially discrete one.
+        """
         return all(isinstance(vertical_slice, SampledSet) for vertical_slice in self.slices)
 
     def secondary(self, x: float) -> Type1Set:
-        """Return the vertical slice at a point; between two points, of interpolated α-cuts (eq. 1.3).
+        """Return the vertical slice at a point.
+
+        Between two points, of interpolated α-cuts (eq. 1.3).
 
         Raises
         ------
@@ -360,13 +415,23 @@ class SampledType2Set(GeneralType2Set):
 
     def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
         left, right = _cuts_of(self.slices, alpha, (len(self.slices),))
-        interpolated = (np.interp(x, self.points, end, left=0.0, right=0.0) for end in (left, right))
+        interpolated = (
+            np.interp(x, self.points, end, left=0.0, right=0.0) for end in (left, right)
+        )
         return next(interpolated), next(interpolated)
 
     def _discrete_slices(self, what: str) -> list[SampledSet]:
-        slices = [vertical_slice for vertical_slice in self.slices if isinstance(vertical_slice, SampledSet)]
+        slices = [
+            vertical_slice
+            for vertical_slice in self.slices
+            if isinstance(vertical_slice, SampledSet)
+        ]
         if len(slices) < len(self.slices):
-            raise NotApplicable(what, "the set is partially discrete: a continuous slice has infinitely many memberships; sample it first")
+            raise NotApplicable(
+                what,
+                "the set is partially discrete: a continuous slice has infinitely many "
+                "memberships; sample it first",
+            )
         return slices
 
     def embedded_count(self) -> int:
@@ -377,10 +442,14 @@ class SampledType2Set(GeneralType2Set):
         NotApplicable
             If a slice is not a :class:`SampledSet`.
         """
-        return math.prod(len(vertical_slice) for vertical_slice in self._discrete_slices("embedded_count"))
+        return math.prod(
+            len(vertical_slice) for vertical_slice in self._discrete_slices("embedded_count")
+        )
 
     def embedded_sets(self) -> Iterator[EmbeddedType2Set]:
-        """Return all embedded type-2 sets, one after another; their order is that of the last slice first (eq. 1.6, 1.7).
+        """Return all embedded type-2 sets, one after another.
+
+        Their order is that of the last slice first (eq. 1.6, 1.7).
 
         Raises
         ------
@@ -400,7 +469,9 @@ class SampledType2Set(GeneralType2Set):
 
 @dataclass(frozen=True)
 class ZSlices(GeneralType2Set):
-    r"""General type-2 set of zSlices: interval type-2 sets, each with the secondary grade of its level.
+    r"""General type-2 set of zSlices.
+
+    Interval type-2 sets, each with the secondary grade of its level.
 
     .. math:: \mu(x, u) = \max \{\alpha_i : \underline\mu_i(x) \le u \le \overline\mu_i(x)\}
 
@@ -414,7 +485,8 @@ class ZSlices(GeneralType2Set):
     Raises
     ------
     InvalidValue
-        If the levels are not in order, their number is not that of the planes, or a plane leaves the one before it; it says where.
+        If the levels are not in order, their number is not that of the planes, or a plane leaves
+        the one before it; it says where.
     """
 
     alphas: tuple[float, ...]
@@ -423,7 +495,9 @@ class ZSlices(GeneralType2Set):
     def __post_init__(self) -> None:
         alphas = tuple(grade("alphas", alpha) for alpha in self.alphas)
         if not alphas or any(after <= before for before, after in itertools.pairwise(alphas)):
-            raise InvalidValue("alphas", self.alphas, "at least one level, and each above the one before it")
+            raise InvalidValue(
+                "alphas", self.alphas, "at least one level, and each above the one before it"
+            )
         planes = tuple(self.planes)
         if len(planes) != len(alphas):
             raise InvalidValue("planes", len(planes), f"one for each of the {len(alphas)} levels")
@@ -453,7 +527,10 @@ class ZSlices(GeneralType2Set):
         return [plane.lower for plane in self.planes], [plane.upper for plane in self.planes]
 
     def alpha_plane(self, alpha: float) -> IntervalType2Set:
-        """Return the plane of the lowest level that is at least alpha; see :meth:`GeneralType2Set.alpha_plane`."""
+        """Return the plane of the lowest level that is at least alpha.
+
+        See :meth:`GeneralType2Set.alpha_plane`.
+        """
         general = super().alpha_plane(alpha)
         i = int(np.searchsorted(np.array(self.alphas), alpha - ROUNDING))
         if i == len(self.planes):
@@ -462,7 +539,11 @@ class ZSlices(GeneralType2Set):
 
     def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
         i = int(np.searchsorted(np.array(self.alphas), alpha - ROUNDING))
-        return (np.zeros_like(x), np.zeros_like(x)) if i == len(self.planes) else (self.planes[i].lower(x), self.planes[i].upper(x))
+        return (
+            (np.zeros_like(x), np.zeros_like(x))
+            if i == len(self.planes)
+            else (self.planes[i].lower(x), self.planes[i].upper(x))
+        )
 
     def _principal(self, x: Array) -> Array:
         return np.asarray(0.5 * (self.planes[-1].lower(x) + self.planes[-1].upper(x)))
@@ -470,13 +551,17 @@ class ZSlices(GeneralType2Set):
     def _secondary_grades(self, x: Array, u: Array) -> Array:
         grades = np.zeros_like(x)
         for alpha, plane in zip(self.alphas, self.planes, strict=True):
-            grades = np.where((u >= plane.lower(x) - ROUNDING) & (u <= plane.upper(x) + ROUNDING), alpha, grades)
+            grades = np.where(
+                (u >= plane.lower(x) - ROUNDING) & (u <= plane.upper(x) + ROUNDING), alpha, grades
+            )
         return grades
 
 
 @dataclass(frozen=True)
 class Staircase(Type1Set):
-    """Convex set of stacked intervals, each with the grade of its level: the vertical slice of zSlices.
+    """Convex set of stacked intervals, each with the grade of its level.
+
+    The vertical slice of zSlices.
 
     Parameters
     ----------
@@ -500,14 +585,27 @@ class Staircase(Type1Set):
         ascending("levels", levels)
         lefts, rights = np.asarray(self.lefts, dtype=float), np.asarray(self.rights, dtype=float)
         if lefts.shape != (len(levels),) or rights.shape != (len(levels),):
-            raise InvalidValue("lefts, rights", (self.lefts, self.rights), f"{len(levels)} ends each, one for each level")
+            raise InvalidValue(
+                "lefts, rights",
+                (self.lefts, self.rights),
+                f"{len(levels)} ends each, one for each level",
+            )
         # Nested planes may be exchanged by rounding where they touch.
         tidy_lefts, tidy_rights = np.maximum.accumulate(lefts), np.minimum.accumulate(rights)
         strays = np.max(tidy_lefts - lefts) > ROUNDING or np.max(rights - tidy_rights) > ROUNDING
         if strays or (tidy_lefts > tidy_rights + 2.0 * ROUNDING).any():
-            raise InvalidValue("lefts, rights", (self.lefts, self.rights), "ends of intervals, each within the one before it")
+            raise InvalidValue(
+                "lefts, rights",
+                (self.lefts, self.rights),
+                "ends of intervals, each within the one before it",
+            )
         tidy_rights = np.maximum(tidy_lefts, tidy_rights)
-        set_fields(self, levels=levels, lefts=tuple(tidy_lefts.tolist()), rights=tuple(tidy_rights.tolist()))
+        set_fields(
+            self,
+            levels=levels,
+            lefts=tuple(tidy_lefts.tolist()),
+            rights=tuple(tidy_rights.tolist()),
+        )
 
     @property
     def height(self) -> float:
@@ -516,7 +614,9 @@ class Staircase(Type1Set):
 
     def _grades(self, x: Array) -> Array:
         # Ends may be rounded differently from the points that are asked for.
-        inside = (x[..., None] >= np.array(self.lefts) - ROUNDING) & (x[..., None] <= np.array(self.rights) + ROUNDING)
+        inside = (x[..., None] >= np.array(self.lefts) - ROUNDING) & (
+            x[..., None] <= np.array(self.rights) + ROUNDING
+        )
         return keep_nan(x, np.max(np.where(inside, self.levels, 0.0), axis=-1))
 
     def _slopes(self, x: Array) -> Array:
@@ -539,11 +639,16 @@ class Staircase(Type1Set):
 def _maxima(vertical_slice: Type1Set) -> tuple[float, float]:
     maxima = vertical_slice.maxima
     if maxima is None:
-        raise NotApplicable("principal", f"the secondary membership {vertical_slice!r} never reaches its greatest grade")
+        raise NotApplicable(
+            "principal",
+            f"the secondary membership {vertical_slice!r} never reaches its greatest grade",
+        )
     return maxima
 
 
-def _cuts_of(slices: Sequence[Type1Set], alpha: float, shape: tuple[int, ...]) -> tuple[Array, Array]:
+def _cuts_of(
+    slices: Sequence[Type1Set], alpha: float, shape: tuple[int, ...]
+) -> tuple[Array, Array]:
     """Return the ends of the α-cuts of vertical slices, 0 where a slice is lower than alpha."""
     ends = np.zeros((len(slices), 2))
     for i, vertical_slice in enumerate(slices):
@@ -555,10 +660,14 @@ def _cuts_of(slices: Sequence[Type1Set], alpha: float, shape: tuple[int, ...]) -
 
 
 def _between(before: Type1Set, after: Type1Set, share: float) -> SampledSet:
-    """Return the slice whose α-cuts lie a share of the way from those of one slice to those of another."""
+    """Return the slice that lies a share of the way from one slice to another.
+
+    So do its α-cuts.
+    """
     highest = min(before.height, after.height)
     if isinstance(before, SampledSet) and isinstance(after, SampledSet):
-        levels = merged(before.grades, after.grades, highest)  # between them both sides of both slices are straight
+        # between them both sides of both slices are straight
+        levels = merged(before.grades, after.grades, highest)
     else:
         # Denser toward both ends, where a rounded slice opens as a square root of the level.
         levels = highest * np.sin(np.linspace(0.0, 0.5 * np.pi, LEVELS_BETWEEN_SLICES)) ** 2

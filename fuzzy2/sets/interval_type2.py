@@ -1,7 +1,9 @@
-r"""Interval type-2 fuzzy sets: all secondary grades are 1, so that the footprint of uncertainty (eq. 1.4) is the whole set.
+r"""Interval type-2 fuzzy sets.
 
-It lies between two type-1 sets, the lower and the upper membership function. The centroid of such a set is the interval of the
-centroids of all type-1 sets embedded in its footprint (eq. 1.70).
+All secondary grades are 1, so that the footprint of uncertainty (eq. 1.4) is the whole set.
+
+It lies between two type-1 sets, the lower and the upper membership function. The centroid of such a
+set is the interval of the centroids of all type-1 sets embedded in its footprint (eq. 1.70).
 """
 
 from __future__ import annotations
@@ -28,7 +30,8 @@ FURTHEST_TAIL = np.array([12.0, 18.0, 26.0, 39.0])
 class IntervalType2Set:
     """Interval type-2 set between any two type-1 sets.
 
-    ``fuzzy_set.lower`` and ``fuzzy_set.upper`` are type-1 sets, called with points: ``fuzzy_set.lower(x)``.
+    ``fuzzy_set.lower`` and ``fuzzy_set.upper`` are type-1 sets, called with points:
+    ``fuzzy_set.lower(x)``.
 
     Parameters
     ----------
@@ -38,8 +41,9 @@ class IntervalType2Set:
     Raises
     ------
     InvalidValue
-        If the lower membership is above the upper one somewhere. Both are compared at their kinks, on both sides of each, and at
-        64 points between each two, which is exact for triangles, trapezoids, intervals and sampled sets.
+        If the lower membership is above the upper one somewhere. Both are compared at their kinks,
+        on both sides of each, and at 64 points between each two, which is exact for triangles,
+        trapezoids, intervals and sampled sets.
     """
 
     lower: Type1Set
@@ -52,7 +56,9 @@ class IntervalType2Set:
         check_below("lower", self.lower, "upper", self.upper)
 
     def footprint(self, x: ArrayLike) -> Array:
-        r"""Return the primary membership :math:`J_x`, the interval of the footprint of uncertainty at points (eq. 1.4).
+        r"""Return the primary membership :math:`J_x` at points (eq. 1.4).
+
+        It is the interval of the footprint of uncertainty there.
 
         Parameters
         ----------
@@ -69,7 +75,10 @@ class IntervalType2Set:
 
     @property
     def principal(self) -> EmbeddedSet:
-        """Principal membership function: midway between the lower and the upper one, since all secondary grades are equal."""
+        """Principal membership function.
+
+        Midway between the lower and the upper one, since all secondary grades are equal.
+        """
         return EmbeddedSet(self, (), (0.5,))
 
     def secondary(self, x: float) -> Interval:
@@ -88,26 +97,35 @@ class IntervalType2Set:
 
     @property
     def landmarks(self) -> Array:
-        """Those of both membership functions: ascending finite points between which both are smooth."""
+        """Those of both membership functions.
+
+        Ascending finite points between which both are smooth.
+        """
         return merged(self.lower.landmarks, self.upper.landmarks)
 
     def centroid(self) -> tuple[float, float]:
-        r"""Return the centroid on the continuous domain, by quadrature and a root (eq. 1.70 with 1.68).
+        r"""Return the centroid on the continuous domain, eq. 1.70 with 1.68.
 
-        The left end is the smallest centroid of an embedded type-1 set. That set follows the upper membership function up to a
-        point and the lower one after it, and the point is its own centroid:
+        By quadrature and a root.
+
+        The left end is the smallest centroid of an embedded type-1 set. That set follows the upper
+        membership function up to a point and the lower one after it, and the point is its own
+        centroid:
 
         .. math::
 
-            c_l = \frac{\int_{-\infty}^{c_l} x\,\overline\mu(x)\,dx + \int_{c_l}^{\infty} x\,\underline\mu(x)\,dx}
-                       {\int_{-\infty}^{c_l} \overline\mu(x)\,dx + \int_{c_l}^{\infty} \underline\mu(x)\,dx}
+            c_l = \frac{\int_{-\infty}^{c_l} x\,\overline\mu(x)\,dx
+                + \int_{c_l}^{\infty} x\,\underline\mu(x)\,dx}
+                       {\int_{-\infty}^{c_l} \overline\mu(x)\,dx
+                           + \int_{c_l}^{\infty} \underline\mu(x)\,dx}
 
         The right end likewise, with the two functions exchanged.
 
         Returns
         -------
         left, right : float
-            Ends of the interval. Where the lower membership has no area they are those of the support.
+            Ends of the interval. Where the lower membership has no area they are those of the
+            support.
 
         Raises
         ------
@@ -127,21 +145,27 @@ class IntervalType2Set:
             raise NotApplicable("centroid", f"the membership of {self!r} is zero almost everywhere")
         if lower.total[0] == 0.0:
             if not all(math.isfinite(end) for end in self.support):
-                raise NotApplicable("centroid", f"the lower membership of {self!r} has no area, and its support is unbounded")
+                raise NotApplicable(
+                    "centroid",
+                    f"the lower membership of {self!r} has no area, and its support is unbounded",
+                )
             return self.support
         return switch_point(upper, lower, origin), switch_point(lower, upper, origin)
 
-    def embedded(self, choice: float | np.random.Generator, upper_first: bool = True) -> EmbeddedSet:
+    def embedded(
+        self, choice: float | np.random.Generator, upper_first: bool = True
+    ) -> EmbeddedSet:
         """Return a type-1 set embedded in the footprint of uncertainty (eq. 1.7).
 
         Parameters
         ----------
         choice : float or numpy.random.Generator
-            A switch point: one membership function before it, the other from there on. Or a source of random numbers: between
-            each two landmarks a constant share of the way from the lower to the upper membership function, drawn uniformly.
+            A switch point: one membership function before it, the other from there on. Or a source
+            of random numbers: between each two landmarks a constant share of the way from the lower
+            to the upper membership function, drawn uniformly.
         upper_first : bool
-            Whether the upper membership function comes before the switch point, as for the left end of the centroid; not used
-            for a random set.
+            Whether the upper membership function comes before the switch point, as for the left end
+            of the centroid; not used for a random set.
 
         Returns
         -------
@@ -150,21 +174,38 @@ class IntervalType2Set:
         """
         if isinstance(choice, np.random.Generator):
             edges = self.landmarks
-            return EmbeddedSet(self, tuple(edges.tolist()), tuple(choice.uniform(size=edges.size + 1).tolist()))
-        return EmbeddedSet(self, (real("choice", choice),), (1.0, 0.0) if upper_first else (0.0, 1.0))
+            return EmbeddedSet(
+                self, tuple(edges.tolist()), tuple(choice.uniform(size=edges.size + 1).tolist())
+            )
+        return EmbeddedSet(
+            self, (real("choice", choice),), (1.0, 0.0) if upper_first else (0.0, 1.0)
+        )
 
     def sample(self, x: ArrayLike) -> IntervalType2Set:
         """Return the set sampled at points (N,): between two :class:`SampledSet`."""
         return IntervalType2Set(lower=self.lower.sample(x), upper=self.upper.sample(x))
 
     def kernel_row(self) -> KernelRow | None:
-        """Return the set as a row of numbers for the compiled kernels; None if only Python can evaluate it.
+        """Return the set as a row of numbers for the compiled kernels.
 
-        See :meth:`fuzzy2.sets.type1.Type1Set.kernel_row`; a pair of Gaussians of one mean has a row.
+        None if only Python can evaluate it.
+
+        See :meth:`fuzzy2.sets.type1.Type1Set.kernel_row`; a pair of Gaussians of one mean has a
+        row.
         """
         low, high = self.lower, self.upper
         if isinstance(low, Gaussian) and isinstance(high, Gaussian) and low.mean == high.mean:
-            return 0.0, low.mean, high.mean, low.sigma, high.sigma, low.height, high.height, 0.0, 0.0
+            return (
+                0.0,
+                low.mean,
+                high.mean,
+                low.sigma,
+                high.sigma,
+                low.height,
+                high.height,
+                0.0,
+                0.0,
+            )
         # A set without uncertainty is a type-1 set, whose own row says the same.
         return low.kernel_row() if low == high else None
 
@@ -198,10 +239,19 @@ class GaussianUncertainMean(IntervalType2Set):
 
     def __post_init__(self) -> None:
         mean, sigma = _pair("mean", self.mean), positive("sigma", self.sigma)
-        set_fields(self, mean=mean, sigma=sigma, lower=FarthestMeanGaussian(mean, sigma), upper=NearestMeanGaussian(mean, sigma))
+        set_fields(
+            self,
+            mean=mean,
+            sigma=sigma,
+            lower=FarthestMeanGaussian(mean, sigma),
+            upper=NearestMeanGaussian(mean, sigma),
+        )
 
     def kernel_row(self) -> KernelRow:
-        """Return the set as a row of numbers for the compiled kernels; see :meth:`fuzzy2.sets.type1.Type1Set.kernel_row`."""
+        """Return the set as a row of numbers for the compiled kernels.
+
+        See :meth:`fuzzy2.sets.type1.Type1Set.kernel_row`.
+        """
         return 0.0, *self.mean, self.sigma, self.sigma, 1.0, 1.0, 0.0, 0.0
 
 
@@ -209,7 +259,8 @@ class GaussianUncertainMean(IntervalType2Set):
 class GaussianUncertainSigma(IntervalType2Set):
     r"""Gaussian with a standard deviation that is only known to lie between two values.
 
-    .. math:: \overline\mu(x) = e^{-(x - m)^2/(2 \sigma_2^2)}, \qquad \underline\mu(x) = e^{-(x - m)^2/(2 \sigma_1^2)}
+    .. math:: \overline\mu(x) = e^{-(x - m)^2/(2 \sigma_2^2)}, \qquad
+              \underline\mu(x) = e^{-(x - m)^2/(2 \sigma_1^2)}
 
     Parameters
     ----------
@@ -221,7 +272,8 @@ class GaussianUncertainSigma(IntervalType2Set):
     Raises
     ------
     InvalidValue
-        If the mean is not finite, or the standard deviations are not two finite numbers above 0 in ascending order.
+        If the mean is not finite, or the standard deviations are not two finite numbers above 0 in
+        ascending order.
     """
 
     lower: Gaussian = field(init=False, repr=False, compare=False)
@@ -233,12 +285,20 @@ class GaussianUncertainSigma(IntervalType2Set):
         mean, sigma = real("mean", self.mean), _pair("sigma", self.sigma)
         if sigma[0] <= 0.0:
             raise InvalidValue("sigma", self.sigma, "two finite numbers above 0 in ascending order")
-        set_fields(self, mean=mean, sigma=sigma, lower=Gaussian(mean, sigma[0]), upper=Gaussian(mean, sigma[1]))
+        set_fields(
+            self,
+            mean=mean,
+            sigma=sigma,
+            lower=Gaussian(mean, sigma[0]),
+            upper=Gaussian(mean, sigma[1]),
+        )
 
 
 @dataclass(frozen=True)
 class NearestMeanGaussian(Type1Set):
-    """Upper membership function of a Gaussian with uncertain mean: 1 between the means, a Gaussian outside.
+    """Upper membership function of a Gaussian with uncertain mean.
+
+    1 between the means, a Gaussian outside.
 
     Parameters
     ----------
@@ -283,7 +343,9 @@ class NearestMeanGaussian(Type1Set):
 
 @dataclass(frozen=True)
 class FarthestMeanGaussian(Type1Set):
-    """Lower membership function of a Gaussian with uncertain mean: the smaller of the Gaussians about the two means.
+    """Lower membership function of a Gaussian with uncertain mean.
+
+    The smaller of the Gaussians about the two means.
 
     Parameters
     ----------
@@ -312,7 +374,8 @@ class FarthestMeanGaussian(Type1Set):
         return gaussian(x, np.where(x > self._middle, *self.mean), self.sigma)
 
     def _slopes(self, x: Array) -> Array:
-        # In the middle both Gaussians are equal; the one about the smaller mean is the lower one behind it.
+        # In the middle both Gaussians are equal; the one about the smaller mean is the lower one
+        # behind it.
         return gaussian_slopes(x, np.where(x >= self._middle, *self.mean), self.sigma)
 
     def _support(self) -> tuple[float, float]:
@@ -324,7 +387,9 @@ class FarthestMeanGaussian(Type1Set):
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
         reach = gaussian_reach(alpha, self.sigma)
         # Where alpha is the height both ends are the middle, and rounding must not exchange them.
-        return np.minimum(self.mean[1] - reach, self._middle), np.maximum(self.mean[0] + reach, self._middle)
+        return np.minimum(self.mean[1] - reach, self._middle), np.maximum(
+            self.mean[0] + reach, self._middle
+        )
 
     def _landmarks(self) -> Array:
         left, right = (Gaussian(mean, self.sigma).landmarks for mean in self.mean)
@@ -353,7 +418,8 @@ class EmbeddedSet(Type1Set):
     Raises
     ------
     InvalidValue
-        If the edges are not ascending, or the shares are not in [0, 1] or not one more than the edges.
+        If the edges are not ascending, or the shares are not in [0, 1] or not one more than the
+        edges.
     """
 
     footprint: IntervalType2Set
@@ -361,7 +427,10 @@ class EmbeddedSet(Type1Set):
     shares: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        edges, shares = (tuple(real(name, value) for value in getattr(self, name)) for name in ("edges", "shares"))
+        edges, shares = (
+            tuple(real(name, value) for value in getattr(self, name))
+            for name in ("edges", "shares")
+        )
         if any(np.diff(edges) < 0.0):
             raise InvalidValue("edges", self.edges, "in ascending order")
         if len(shares) != len(edges) + 1 or not all(0.0 <= share <= 1.0 for share in shares):
@@ -412,20 +481,32 @@ class EmbeddedSet(Type1Set):
 def check_below(lower_name: str, lower: Type1Set, upper_name: str, upper: Type1Set) -> None:
     """Raise :class:`InvalidValue` where the membership ``lower`` is above ``upper``."""
     points = refined(merged(lower.landmarks, upper.landmarks))
-    points = np.concatenate([points, FURTHEST_TAIL * (points[-1] - points[0]) + points[-1], points[0] - FURTHEST_TAIL * np.ptp(points)])
+    points = np.concatenate(
+        [
+            points,
+            FURTHEST_TAIL * (points[-1] - points[0]) + points[-1],
+            points[0] - FURTHEST_TAIL * np.ptp(points),
+        ]
+    )
     excess = lower(points) - upper(points)
     worst = int(np.argmax(excess))
     if excess[worst] > ROUNDING:
         grades = float(lower(points[worst])), float(upper(points[worst]))
-        where = f"at most {upper_name} everywhere, but at x = {points[worst]:.12g} they are {grades[0]:.6g} and {grades[1]:.6g}"
+        where = (
+            f"at most {upper_name} everywhere, but at x = {points[worst]:.12g} they are "
+            f"{grades[0]:.6g} and {grades[1]:.6g}"
+        )
         raise InvalidValue(lower_name, lower, where)
 
 
 def switch_point(before: Moments, after: Moments, origin: float) -> float:
-    r"""Return the point that is the centroid of the set with one membership before it and another after it.
+    r"""Return the point that is its own centroid.
 
-    Newton's method on :math:`\int (x - c)\,\mu_c(x)\,dx = 0`, which is the continuous Karnik-Mendel iteration, kept between
-    points on both sides of the root; where it creeps (a lower membership of almost nothing) the interval is halved instead.
+    It is the centroid of the set with one membership before it and another after it.
+
+    Newton's method on :math:`\int (x - c)\,\mu_c(x)\,dx = 0`, which is the continuous Karnik-Mendel
+    iteration, kept between points on both sides of the root; where it creeps (a lower membership of
+    almost nothing) the interval is halved instead.
     """
     (low, high), point, last_step = before.ends, origin, math.inf
     best, smallest_step = point, math.inf

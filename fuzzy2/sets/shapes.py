@@ -1,8 +1,8 @@
 r"""Type-1 fuzzy sets: a membership grade in [0, 1] for every point of the real line.
 
-All sets are frozen and array-first: ``fuzzy_set(x)`` takes points of any shape and returns grades of that shape, NaN where the
-point is NaN. A type-1 set is also a type-2 set without uncertainty: ``fuzzy_set.lower`` and ``fuzzy_set.upper`` are the
-set itself, so that type-1 and type-2 terms mix.
+All sets are frozen and array-first: ``fuzzy_set(x)`` takes points of any shape and returns grades
+of that shape, NaN where the point is NaN. A type-1 set is also a type-2 set without uncertainty:
+``fuzzy_set.lower`` and ``fuzzy_set.upper`` are the set itself, so that type-1 and type-2 terms mix.
 """
 
 from __future__ import annotations
@@ -53,7 +53,12 @@ class Gaussian(Type1Set):
     height: float = 1.0
 
     def __post_init__(self) -> None:
-        set_fields(self, mean=real("mean", self.mean), sigma=positive("sigma", self.sigma), height=grade("height", self.height))
+        set_fields(
+            self,
+            mean=real("mean", self.mean),
+            sigma=positive("sigma", self.sigma),
+            height=grade("height", self.height),
+        )
 
     def _grades(self, x: Array) -> Array:
         return gaussian(x, self.mean, self.sigma, self.height)
@@ -85,13 +90,14 @@ class Gaussian(Type1Set):
 class Trapezoidal(Type1Set):
     r"""Trapezoidal set: 0 up to a, rising to the height at b, falling from c to 0 at d.
 
-    .. math:: \mu(x) = h \max\left(0, \min\left(\frac{x - a}{b - a}, 1, \frac{d - x}{d - c}\right)\right)
+    .. math:: \mu(x) = h \max\left(0,
+              \min\left(\frac{x - a}{b - a}, 1, \frac{d - x}{d - c}\right)\right)
 
     Parameters
     ----------
     a, b, c, d : float
-        Corners in ascending order. Equal ones make an edge vertical; the edge belongs to the set. ``a = b = -inf`` and
-        ``c = d = inf`` make a shoulder that never ends.
+        Corners in ascending order. Equal ones make an edge vertical; the edge belongs to the set.
+        ``a = b = -inf`` and ``c = d = inf`` make a shoulder that never ends.
     height : float
         Greatest membership, in (0, 1].
 
@@ -111,7 +117,9 @@ class Trapezoidal(Type1Set):
         a, b, c, d = (maybe_infinite(name, getattr(self, name)) for name in "abcd")
         ascending("a, b, c, d", (a, b, c, d))
         if (math.isinf(a) and (a, b) != (-math.inf, -math.inf)) or b == math.inf:
-            raise InvalidValue("a, b", (a, b), "finite, or both -inf for a shoulder that never ends")
+            raise InvalidValue(
+                "a, b", (a, b), "finite, or both -inf for a shoulder that never ends"
+            )
         if (math.isinf(d) and (c, d) != (math.inf, math.inf)) or c == -math.inf:
             raise InvalidValue("c, d", (c, d), "finite, or both inf for a shoulder that never ends")
         set_fields(self, a=a, b=b, c=c, d=d, height=grade("height", self.height))
@@ -144,7 +152,8 @@ class Trapezoidal(Type1Set):
 class Triangular(Type1Set):
     r"""Triangular set.
 
-    .. math:: \mu(x) = h \max\left(0, \min\left(\frac{x - l}{p - l}, \frac{r - x}{r - p}\right)\right)
+    .. math:: \mu(x) = h \max\left(0,
+              \min\left(\frac{x - l}{p - l}, \frac{r - x}{r - p}\right)\right)
 
     Parameters
     ----------
@@ -167,7 +176,13 @@ class Triangular(Type1Set):
     def __post_init__(self) -> None:
         corners = real("left", self.left), real("peak", self.peak), real("right", self.right)
         ascending("left, peak, right", corners)
-        set_fields(self, left=corners[0], peak=corners[1], right=corners[2], height=grade("height", self.height))
+        set_fields(
+            self,
+            left=corners[0],
+            peak=corners[1],
+            right=corners[2],
+            height=grade("height", self.height),
+        )
 
     def _grades(self, x: Array) -> Array:
         return trapezoid(x, self.left, self.peak, self.peak, self.right, self.height)
@@ -238,5 +253,6 @@ class Interval(Type1Set):
         return 1.0, self.left, self.left, self.right, self.right, 1.0, 0.0, 0.0, 0.0
 
 
-# Where a set with exponential tails is cut into pieces: exp(-745) is the last that is not zero in double precision.
+# Where a set with exponential tails is cut into pieces: exp(-745) is the last that is not zero in
+# double precision.
 EXPONENTIAL_SPREAD = np.array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0, 512.0, 745.0])

@@ -10,7 +10,15 @@ from typing import NoReturn
 import numpy as np
 
 from fuzzy2.errors import InvalidValue, NotApplicable
-from fuzzy2.sets.curves import GAUSSIAN_SPREAD, GAUSSIAN_TAIL, gaussian_reach, logistic, mirrored, trapezoid, trapezoid_cut
+from fuzzy2.sets.curves import (
+    GAUSSIAN_SPREAD,
+    GAUSSIAN_TAIL,
+    gaussian_reach,
+    logistic,
+    mirrored,
+    trapezoid,
+    trapezoid_cut,
+)
 from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.shapes import EXPONENTIAL_SPREAD, Trapezoidal
 from fuzzy2.sets.type1 import Type1Set, keep_nan, pair_of_numbers, set_fields
@@ -31,7 +39,8 @@ class Bell(Type1Set):
     width : float
         Distance :math:`w` from the center at which the membership is 1/2; above 0.
     slope : float
-        Exponent :math:`s`, above 0. Its area is finite for a slope above 1/2, and its centroid for one above 1.
+        Exponent :math:`s`, above 0. Its area is finite for a slope above 1/2, and its centroid for
+        one above 1.
 
     Raises
     ------
@@ -44,16 +53,24 @@ class Bell(Type1Set):
     slope: float
 
     def __post_init__(self) -> None:
-        set_fields(self, center=real("center", self.center), width=positive("width", self.width), slope=positive("slope", self.slope))
+        set_fields(
+            self,
+            center=real("center", self.center),
+            width=positive("width", self.width),
+            slope=positive("slope", self.slope),
+        )
 
     def _grades(self, x: Array) -> Array:
         with np.errstate(over="ignore"):  # far out the power is infinite and the grade 0
-            return np.asarray(1.0 / (1.0 + abs((x - self.center) / self.width) ** (2.0 * self.slope)))
+            return np.asarray(
+                1.0 / (1.0 + abs((x - self.center) / self.width) ** (2.0 * self.slope))
+            )
 
     def _slopes(self, x: Array) -> Array:
         distance = abs(x - self.center) / self.width
         power = distance ** (2.0 * self.slope)
-        # Powers of less than 1 only: within the width that of the distance, beyond it that of its reciprocal.
+        # Powers of less than 1 only: within the width that of the distance, beyond it that of its
+        # reciprocal.
         near = distance ** (2.0 * self.slope - 1.0) / (1.0 + power) ** 2
         far = 1.0 / (distance * power * (1.0 + 1.0 / power) ** 2)
         steepness = 2.0 * self.slope / self.width * np.where(distance <= 1.0, near, far)
@@ -73,7 +90,9 @@ class Bell(Type1Set):
         return self.center - reach, self.center + reach
 
     def _landmarks(self) -> Array:
-        return self.center + self.width * mirrored(np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0, 8.0]))
+        return self.center + self.width * mirrored(
+            np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0, 8.0])
+        )
 
     def _quadrature_points(self, power: int) -> Array:
         # The integral beyond 2^k widths falls as 2^(-k decay). 56 halvings are double precision.
@@ -84,8 +103,9 @@ class Bell(Type1Set):
             needed = 0.5 * (1.0 + power)
             raise NotApplicable(
                 what,
-                f"a bell has a finite {what} for a slope above {needed:g}, and one that converges above "
-                f"{0.5 * (1.0 + power + 0.056 * (power + 1)):.3g}; got {self.slope:.6g}",
+                f"a bell has a finite {what} for a slope above {needed:g}, and one that "
+                f"converges above {0.5 * (1.0 + power + 0.056 * (power + 1)):.3g}; got "
+                f"{self.slope:.6g}",
             )
         tail = 2.0 ** np.arange(4.0, math.ceil(max(octaves, 4.0)) + 4.0)
         near = np.array([0.25, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0, 4.0, 8.0])
@@ -115,7 +135,11 @@ class Sigmoid(Type1Set):
     slope: float
 
     def __post_init__(self) -> None:
-        set_fields(self, center=real("center", self.center), slope=real("slope", self.slope, "a finite number other than 0"))
+        set_fields(
+            self,
+            center=real("center", self.center),
+            slope=real("slope", self.slope, "a finite number other than 0"),
+        )
         if self.slope == 0.0:
             raise InvalidValue("slope", self.slope, "a finite number other than 0")
 
@@ -146,18 +170,26 @@ class Sigmoid(Type1Set):
         return self.center + mirrored(np.array([1.0, 2.0, 4.0, 8.0, 16.0, 32.0])) / abs(self.slope)
 
     def _quadrature_points(self, power: int) -> NoReturn:
-        raise NotApplicable("centroid", f"the area of {self!r} is infinite: a sigmoid never comes back to 0")
+        raise NotApplicable(
+            "centroid", f"the area of {self!r} is infinite: a sigmoid never comes back to 0"
+        )
 
 
 @dataclass(frozen=True)
 class PiShaped(Type1Set):
-    r"""Set with smooth shoulders: a trapezoid whose sides are two parabolas each, so that they meet the top and the zero without a kink.
+    r"""Set with smooth shoulders.
+
+    A trapezoid whose sides are two parabolas each, so that they meet the top and the zero without a
+    kink.
 
     .. math::
-        \mu(x) = h \min\left(S\left(\frac{x - a}{b - a}\right), S\left(\frac{d - x}{d - c}\right)\right), \qquad
-        S(t) = \begin{cases} 2 t^2 & 0 \le t \le 1/2 \\ 1 - 2 (1 - t)^2 & 1/2 \le t \le 1 \end{cases}
+        \mu(x) = h \min\left(S\left(\frac{x - a}{b - a}\right),
+        S\left(\frac{d - x}{d - c}\right)\right), \qquad
+        S(t) = \begin{cases} 2 t^2 & 0 \le t \le 1/2 \\
+        1 - 2 (1 - t)^2 & 1/2 \le t \le 1 \end{cases}
 
-    with :math:`S` constant beyond 0 and 1. S-shaped sets are ``PiShaped(a, b, inf, inf)``, Z-shaped ones ``PiShaped(-inf, -inf, c, d)``.
+    with :math:`S` constant beyond 0 and 1. S-shaped sets are ``PiShaped(a, b, inf, inf)``, Z-shaped
+    ones ``PiShaped(-inf, -inf, c, d)``.
 
     Parameters
     ----------
@@ -184,11 +216,15 @@ class PiShaped(Type1Set):
 
     def _shares(self, x: Array) -> tuple[Array, Array]:
         """Return how far points are up the left side and the right one, each in [0, 1]."""
-        return trapezoid(x, self.a, self.b, math.inf, math.inf, 1.0), trapezoid(x, -math.inf, -math.inf, self.c, self.d, 1.0)
+        return trapezoid(x, self.a, self.b, math.inf, math.inf, 1.0), trapezoid(
+            x, -math.inf, -math.inf, self.c, self.d, 1.0
+        )
 
     def _grades(self, x: Array) -> Array:
         share = np.minimum(*self._shares(x))
-        return np.asarray(self.height * np.where(share < 0.5, 2.0 * share**2, 1.0 - 2.0 * (1.0 - share) ** 2))
+        return np.asarray(
+            self.height * np.where(share < 0.5, 2.0 * share**2, 1.0 - 2.0 * (1.0 - share) ** 2)
+        )
 
     def _slopes(self, x: Array) -> Array:
         slopes = np.zeros_like(x)
@@ -205,11 +241,24 @@ class PiShaped(Type1Set):
 
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
         fraction = alpha / self.height
-        share = np.where(fraction < 0.5, np.sqrt(0.5 * fraction), 1.0 - np.sqrt(0.5 * np.maximum(1.0 - fraction, 0.0)))
+        share = np.where(
+            fraction < 0.5,
+            np.sqrt(0.5 * fraction),
+            1.0 - np.sqrt(0.5 * np.maximum(1.0 - fraction, 0.0)),
+        )
         return trapezoid_cut(share, self.a, self.b, self.c, self.d)
 
     def _landmarks(self) -> Array:
-        points = np.array([self.a, 0.5 * self.a + 0.5 * self.b, self.b, self.c, 0.5 * self.c + 0.5 * self.d, self.d])
+        points = np.array(
+            [
+                self.a,
+                0.5 * self.a + 0.5 * self.b,
+                self.b,
+                self.c,
+                0.5 * self.c + 0.5 * self.d,
+                self.d,
+            ]
+        )
         finite = points[np.isfinite(points)]
         return merged(finite) if finite.size else np.zeros(1)
 
@@ -218,22 +267,26 @@ class PiShaped(Type1Set):
 class TwoSidedGaussian(Type1Set):
     r"""Gaussian with a mean and a standard deviation of its own on each side.
 
-    .. math:: \mu(x) = \exp\left(-\frac{\max(m_1 - x, 0)^2}{2 \sigma_1^2} - \frac{\max(x - m_2, 0)^2}{2 \sigma_2^2}\right)
+    .. math:: \mu(x) = \exp\left(-\frac{\max(m_1 - x, 0)^2}{2 \sigma_1^2}
+              - \frac{\max(x - m_2, 0)^2}{2 \sigma_2^2}\right)
 
-    Between the means, if they are in ascending order, the membership is 1; if they are not, it stays below 1.
+    Between the means, if they are in ascending order, the membership is 1; if they are not, it
+    stays below 1.
 
     Parameters
     ----------
     mean : (m1, m2)
         Mean of the left side and of the right one.
     sigma : (s1, s2)
-        Standard deviation of the left side and of the right one, above 0. One may be infinite: a shoulder that never ends. Then the
-        mean of that side does not matter, and becomes the other one.
+        Standard deviation of the left side and of the right one, above 0. One may be infinite: a
+        shoulder that never ends. Then the mean of that side does not matter, and becomes the other
+        one.
 
     Raises
     ------
     InvalidValue
-        If a parameter is outside of its range, or the means are so far apart in descending order that nothing is left.
+        If a parameter is outside of its range, or the means are so far apart in descending order
+        that nothing is left.
     """
 
     mean: tuple[float, float]
@@ -241,7 +294,10 @@ class TwoSidedGaussian(Type1Set):
 
     def __post_init__(self) -> None:
         requirement = "two numbers above 0, at most one of them infinite"
-        means, sigmas = pair_of_numbers("mean", self.mean, "two finite numbers"), pair_of_numbers("sigma", self.sigma, requirement)
+        means, sigmas = (
+            pair_of_numbers("mean", self.mean, "two finite numbers"),
+            pair_of_numbers("sigma", self.sigma, requirement),
+        )
         if not all(map(math.isfinite, means)):
             raise InvalidValue("mean", self.mean, "two finite numbers")
         if min(sigmas) <= 0.0 or all(map(math.isinf, sigmas)):
@@ -249,19 +305,33 @@ class TwoSidedGaussian(Type1Set):
         ends = [end for end, sigma in zip(means, sigmas, strict=True) if math.isfinite(sigma)]
         set_fields(self, mean=(ends[0], ends[-1]), sigma=sigmas)
         if self.height == 0.0:
-            raise InvalidValue("mean", self.mean, "so near to each other, or in such an order, that the membership is not 0 everywhere")
+            raise InvalidValue(
+                "mean",
+                self.mean,
+                "so near to each other, or in such an order, that the membership is not 0 "
+                "everywhere",
+            )
 
     @property
     def height(self) -> float:
         """Greatest membership: 1 unless the left mean is right of the right one."""
-        return math.exp(-0.5 * min((self.mean[0] - self.mean[1]) / math.hypot(*self.sigma), 100.0) ** 2) if self._crossed else 1.0
+        return (
+            math.exp(
+                -0.5 * min((self.mean[0] - self.mean[1]) / math.hypot(*self.sigma), 100.0) ** 2
+            )
+            if self._crossed
+            else 1.0
+        )
 
     @property
     def _crossed(self) -> bool:
         return self.mean[0] > self.mean[1]
 
     def _distances(self, x: Array) -> tuple[Array, Array]:
-        """Return how far points are out on the left side and on the right one, in standard deviations, at least 0."""
+        """Return how far points are out on both sides, in standard deviations.
+
+        On the left side and on the right one, at least 0.
+        """
         (left, right), (first, second) = self.mean, self.sigma
         none = np.where(np.isnan(x), np.nan, 0.0)
         return (
@@ -271,14 +341,17 @@ class TwoSidedGaussian(Type1Set):
 
     def _grades(self, x: Array) -> Array:
         left, right = self._distances(x)
-        with np.errstate(over="ignore", under="ignore"):  # far out the square is infinite and the grade 0
+        # far out the square is infinite and the grade 0
+        with np.errstate(over="ignore", under="ignore"):
             return np.asarray(np.exp(-0.5 * (left**2 + right**2)))
 
     def _slopes(self, x: Array) -> Array:
         left, right = self._distances(x)
         grades = self._grades(x)
         with np.errstate(invalid="ignore"):  # 0 times infinity
-            return np.where(grades == 0.0, 0.0, grades * (left / self.sigma[0] - right / self.sigma[1]))
+            return np.where(
+                grades == 0.0, 0.0, grades * (left / self.sigma[0] - right / self.sigma[1])
+            )
 
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
@@ -289,7 +362,9 @@ class TwoSidedGaussian(Type1Set):
             share = 1.0 / (1.0 + (second / first) ** 2)
             peak = right * share + left * (1.0 - share)
             return peak, peak
-        return left if math.isfinite(first) else -math.inf, right if math.isfinite(second) else math.inf
+        return left if math.isfinite(first) else -math.inf, right if math.isfinite(
+            second
+        ) else math.inf
 
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
         (left, right), (first, second) = self.mean, self.sigma
@@ -301,7 +376,9 @@ class TwoSidedGaussian(Type1Set):
         # Between crossed means both sides count, and their product is a Gaussian, too.
         peak, _ = self._maxima()
         near = first * second / math.hypot(first, second) * gaussian_reach(alpha, 1.0, self.height)
-        return np.where(peak - near >= right, peak - near, low), np.where(peak + near <= left, peak + near, high)
+        return np.where(peak - near >= right, peak - near, low), np.where(
+            peak + near <= left, peak + near, high
+        )
 
     def _points(self, spread: Array) -> Array:
         (left, right), (first, second) = self.mean, self.sigma
@@ -315,20 +392,31 @@ class TwoSidedGaussian(Type1Set):
 
     def _quadrature_points(self, power: int) -> Array:
         if not all(map(math.isfinite, self.sigma)):
-            raise NotApplicable("centroid", f"the area of {self!r} is infinite: a shoulder never comes back to 0")
+            raise NotApplicable(
+                "centroid", f"the area of {self!r} is infinite: a shoulder never comes back to 0"
+            )
         return self._points(np.concatenate([GAUSSIAN_SPREAD, GAUSSIAN_TAIL]))
 
 
 class _TwoSigmoids(Type1Set):
-    """What the combinations of two sigmoids share; what has no closed form is searched as of a :class:`FunctionalSet`."""
+    """What the combinations of two sigmoids share.
+
+    What has no closed form is searched as of a :class:`FunctionalSet`.
+    """
 
     center: tuple[float, float]
     slope: tuple[float, float]
 
     def _check(self) -> None:
         requirement = "two finite numbers other than 0"
-        centers, slopes = pair_of_numbers("center", self.center, "two finite numbers"), pair_of_numbers("slope", self.slope, requirement)
-        for name, given, wanted in (("center", centers, "two finite numbers"), ("slope", slopes, requirement)):
+        centers, slopes = (
+            pair_of_numbers("center", self.center, "two finite numbers"),
+            pair_of_numbers("slope", self.slope, requirement),
+        )
+        for name, given, wanted in (
+            ("center", centers, "two finite numbers"),
+            ("slope", slopes, requirement),
+        ):
             if not all(map(math.isfinite, given)):
                 raise InvalidValue(name, given, wanted)
         if 0.0 in slopes:
@@ -338,12 +426,16 @@ class _TwoSigmoids(Type1Set):
     def _steps(self, x: Array) -> tuple[Array, Array]:
         """Return the exponents of both sigmoids at points; beyond 800 a sigmoid is 0 or 1."""
         with np.errstate(over="ignore"):
-            first, second = (slope * (x - center) for center, slope in zip(self.center, self.slope, strict=True))
+            first, second = (
+                slope * (x - center) for center, slope in zip(self.center, self.slope, strict=True)
+            )
         return np.clip(first, -800.0, 800.0), np.clip(second, -800.0, 800.0)
 
     @cached_property
     def _searched(self) -> FunctionalSet:
-        return FunctionalSet(self._grades, -math.inf, math.inf, tuple(self._points(EXPONENTIAL_SPREAD).tolist()))
+        return FunctionalSet(
+            self._grades, -math.inf, math.inf, tuple(self._points(EXPONENTIAL_SPREAD).tolist())
+        )
 
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
@@ -353,7 +445,12 @@ class _TwoSigmoids(Type1Set):
 
     def _points(self, spread: Array) -> Array:
         reaches = mirrored(spread)
-        return merged(*(center + reaches / abs(slope) for center, slope in zip(self.center, self.slope, strict=True)))
+        return merged(
+            *(
+                center + reaches / abs(slope)
+                for center, slope in zip(self.center, self.slope, strict=True)
+            )
+        )
 
     def _landmarks(self) -> Array:
         return self._points(EXPONENTIAL_SPREAD[:6])
@@ -364,12 +461,16 @@ class _TwoSigmoids(Type1Set):
 
 @dataclass(frozen=True)
 class SigmoidDifference(_TwoSigmoids):
-    r"""Absolute difference of two sigmoids: one rises where the other has risen already, and between them the membership is near 1.
+    r"""Absolute difference of two sigmoids.
 
-    .. math:: \mu(x) = \left| \frac{1}{1 + e^{-s_1 (x - c_1)}} - \frac{1}{1 + e^{-s_2 (x - c_2)}} \right|
+    One rises where the other has risen already, and between them the membership is near 1.
 
-    With slopes that differ the sigmoids cross, and there is a second, lower maximum beyond: then the set is not convex. With slopes of
-    different signs it is a valley, with shoulders that never end.
+    .. math:: \mu(x) = \left| \frac{1}{1 + e^{-s_1 (x - c_1)}}
+              - \frac{1}{1 + e^{-s_2 (x - c_2)}} \right|
+
+    With slopes that differ the sigmoids cross, and there is a second, lower maximum beyond: then
+    the set is not convex. With slopes of different signs it is a valley, with shoulders that never
+    end.
 
     Parameters
     ----------
@@ -388,7 +489,11 @@ class SigmoidDifference(_TwoSigmoids):
     def __post_init__(self) -> None:
         self._check()
         if self.slope[0] == self.slope[1] and self.center[0] == self.center[1]:
-            raise InvalidValue("center", self.center, "different for equal slopes, or the membership is 0 everywhere")
+            raise InvalidValue(
+                "center",
+                self.center,
+                "different for equal slopes, or the membership is 0 everywhere",
+            )
 
     @property
     def _valley(self) -> bool:
@@ -404,17 +509,26 @@ class SigmoidDifference(_TwoSigmoids):
 
     def _quadrature_points(self, power: int) -> Array:
         if self._valley:
-            raise NotApplicable("centroid", f"the area of {self!r} is infinite: its shoulders never come back to 0")
+            raise NotApplicable(
+                "centroid", f"the area of {self!r} is infinite: its shoulders never come back to 0"
+            )
         return super()._quadrature_points(power)
 
     def _grades(self, x: Array) -> Array:
         # The difference as a product, which keeps its digits where both sigmoids are near 1.
         first, second = self._steps(x)
-        return np.asarray(-np.expm1(-abs(first - second)) * logistic(np.maximum(first, second)) * logistic(-np.minimum(first, second)))
+        return np.asarray(
+            -np.expm1(-abs(first - second))
+            * logistic(np.maximum(first, second))
+            * logistic(-np.minimum(first, second))
+        )
 
     def _slopes(self, x: Array) -> Array:
         first, second = self._steps(x)
-        rates = (slope * logistic(steps) * logistic(-steps) for slope, steps in zip(self.slope, (first, second), strict=True))
+        rates = (
+            slope * logistic(steps) * logistic(-steps)
+            for slope, steps in zip(self.slope, (first, second), strict=True)
+        )
         # Where the sigmoids cross, the difference rises to the right.
         rise = np.subtract(*rates)
         return np.where(first == second, abs(rise), np.sign(first - second) * rise)
@@ -426,7 +540,9 @@ class SigmoidDifference(_TwoSigmoids):
 
 @dataclass(frozen=True)
 class SigmoidProduct(_TwoSigmoids):
-    r"""Product of two sigmoids: of a rising and a falling one, a bump with a slope of its own on each side.
+    r"""Product of two sigmoids, one rising and one falling.
+
+    It is a bump with a slope of its own on each side.
 
     .. math:: \mu(x) = \frac{1}{1 + e^{-s_1 (x - c_1)}} \cdot \frac{1}{1 + e^{-s_2 (x - c_2)}}
 
@@ -435,12 +551,14 @@ class SigmoidProduct(_TwoSigmoids):
     Parameters
     ----------
     center, slope : (float, float)
-        Centers and slopes of the two sigmoids; the slopes not 0. With slopes of one sign the set is a shoulder.
+        Centers and slopes of the two sigmoids; the slopes not 0. With slopes of one sign the set is
+        a shoulder.
 
     Raises
     ------
     InvalidValue
-        If a parameter is not finite, a slope is 0, or the sigmoids are so far apart that nothing is left of their product.
+        If a parameter is not finite, a slope is 0, or the sigmoids are so far apart that nothing is
+        left of their product.
     """
 
     center: tuple[float, float]
@@ -453,7 +571,10 @@ class SigmoidProduct(_TwoSigmoids):
 
     @property
     def _end(self) -> float:
-        """Where the membership is 1 of a shoulder: at the infinity of this sign; 0 if the set is none."""
+        """Where the membership of a shoulder is 1: at the infinity of this sign.
+
+        0 if the set is none.
+        """
         rising = [slope > 0.0 for slope in self.slope]
         return 0.0 if rising[0] != rising[1] else math.inf if rising[0] else -math.inf
 
@@ -470,7 +591,10 @@ class SigmoidProduct(_TwoSigmoids):
     def _slopes(self, x: Array) -> Array:
         first, second = self._steps(x)
         with np.errstate(under="ignore"):
-            return np.asarray(self._grades(x) * (self.slope[0] * logistic(-first) + self.slope[1] * logistic(-second)))
+            return np.asarray(
+                self._grades(x)
+                * (self.slope[0] * logistic(-first) + self.slope[1] * logistic(-second))
+            )
 
     def _maxima(self) -> tuple[float, float] | None:
         return None if self._end else self._searched._maxima()
@@ -482,5 +606,7 @@ class SigmoidProduct(_TwoSigmoids):
 
     def _quadrature_points(self, power: int) -> Array:
         if self._end:
-            raise NotApplicable("centroid", f"the area of {self!r} is infinite: a shoulder never comes back to 0")
+            raise NotApplicable(
+                "centroid", f"the area of {self!r} is infinite: a shoulder never comes back to 0"
+            )
         return super()._quadrature_points(power)

@@ -17,7 +17,9 @@ ROUNDING = 1e-12
 """Grades that differ by no more than this are the same."""
 
 KernelRow = tuple[float, float, float, float, float, float, float, float, float]
-"""What the compiled kernels know of a set: its kind, then eight numbers; see :meth:`Type1Set.kernel_row`."""
+"""What the compiled kernels know of a set: its kind, then eight numbers; see
+:meth:`Type1Set.kernel_row`.
+"""
 
 
 class Type1Set(ABC):
@@ -46,12 +48,18 @@ class Type1Set(ABC):
 
     @abstractmethod
     def _cut(self, alpha: Array) -> tuple[Array, Array]:
-        """Return the ends of the cuts at grades (...,) from 0 to the height; what is returned for 0 does not matter."""
+        """Return the ends of the cuts at grades (...,) from 0 to the height.
+
+        What is returned for 0 does not matter.
+        """
 
     def _quadrature_points(self, power: int) -> Array:
         first, last = self._support()
         if not (math.isfinite(first) and math.isfinite(last)):
-            raise NotApplicable("centroid", f"the support of {repr(self)[:80]} is unbounded, and its area need not be finite")
+            raise NotApplicable(
+                "centroid",
+                f"the support of {repr(self)[:80]} is unbounded, and its area need not be finite",
+            )
         points = self._landmarks()
         return merged(points[(points > first) & (points < last)], (first, last))
 
@@ -59,7 +67,10 @@ class Type1Set(ABC):
         return None
 
     def _slopes(self, x: Array) -> Array:
-        """Return the derivative of the membership at finite points (...,), from the right; what is returned for others does not matter."""
+        """Return the derivative of the membership at finite points (...,), from the right.
+
+        What is returned for others does not matter.
+        """
         raise NotApplicable("derivative", f"no formula is known for that of {repr(self)[:80]}")
 
     def membership(self, x: ArrayLike) -> Array:
@@ -87,9 +98,12 @@ class Type1Set(ABC):
         return self._grades(reals("x", x))[()]
 
     def derivative(self, x: ArrayLike) -> Array:
-        r"""Return the derivative of the membership from the right, :math:`\lim_{h \downarrow 0} (\mu(x + h) - \mu(x + 0)) / h`.
+        r"""Return the derivative of the membership from the right.
 
-        At a kink it is the slope of what follows. A jump counts for nothing: at a vertical edge, too, it is the slope of what follows.
+        It is :math:`\lim_{h \downarrow 0} (\mu(x + h) - \mu(x + 0)) / h`.
+
+        At a kink it is the slope of what follows. A jump counts for nothing: at a vertical edge,
+        too, it is the slope of what follows.
 
         Parameters
         ----------
@@ -110,7 +124,9 @@ class Type1Set(ABC):
         """
         points = reals("x", x)
         with np.errstate(all="ignore"):  # far out squares and powers are infinite, and the slope 0
-            slopes = np.asarray(self._slopes(np.where(np.isfinite(points), points, 0.0)), dtype=float)
+            slopes = np.asarray(
+                self._slopes(np.where(np.isfinite(points), points, 0.0)), dtype=float
+            )
         return keep_nan(points, np.where(np.isinf(points), 0.0, slopes))[()]
 
     @property
@@ -138,12 +154,18 @@ class Type1Set(ABC):
 
     @property
     def support(self) -> tuple[float, float]:
-        """Ends of the smallest closed interval outside of which the membership is 0; they may be infinite."""
+        """Ends of the smallest closed interval outside of which the membership is 0.
+
+        They may be infinite.
+        """
         return self._support()
 
     @property
     def maxima(self) -> tuple[float, float] | None:
-        """First and last point of the greatest membership; None if it is approached but never reached."""
+        """First and last point of the greatest membership.
+
+        None if it is approached but never reached.
+        """
         return self._maxima()
 
     @property
@@ -153,7 +175,10 @@ class Type1Set(ABC):
 
     @property
     def landmarks(self) -> Array:
-        """Ascending finite points between which the membership is smooth, and beyond which little happens."""
+        """Ascending finite points between which the membership is smooth.
+
+        Beyond them little happens.
+        """
         return self._landmarks()
 
     def is_normal(self) -> bool:
@@ -161,7 +186,10 @@ class Type1Set(ABC):
         return self.core is not None
 
     def is_convex(self) -> bool:
-        """Return whether every α-cut is an interval: the membership rises to its maximum and then falls."""
+        """Return whether every α-cut is an interval.
+
+        Then the membership rises to its maximum and then falls.
+        """
         return True
 
     def alpha_cut(self, alpha: ArrayLike) -> tuple[Array, Array]:
@@ -186,17 +214,27 @@ class Type1Set(ABC):
         """
         grades = reals("alpha", alpha)
         if not ((grades >= 0.0) & (grades <= self.height + ROUNDING)).all():
-            raise InvalidValue("alpha", alpha, f"from 0 to the height of the set, {self.height:.12g}")
+            raise InvalidValue(
+                "alpha", alpha, f"from 0 to the height of the set, {self.height:.12g}"
+            )
         if self._maxima() is None and (grades >= self.height).any():
-            raise InvalidValue("alpha", alpha, f"below {self.height:.12g}, which the membership approaches but never reaches")
+            raise InvalidValue(
+                "alpha",
+                alpha,
+                f"below {self.height:.12g}, which the membership approaches but never reaches",
+            )
         if not self.is_convex():
-            raise NotApplicable("alpha_cut", "the set is not convex, so that a cut need not be an interval")
+            raise NotApplicable(
+                "alpha_cut", "the set is not convex, so that a cut need not be an interval"
+            )
         left, right = self._cut(np.minimum(grades, self.height))
         first, last = self._support()
         return np.where(grades > 0.0, left, first)[()], np.where(grades > 0.0, right, last)[()]
 
     def quadrature_points(self, power: int = 1) -> Array:
-        r"""Return ascending points from end to end of the integral of :math:`|x|^{power} \mu(x)`, power 0 or 1.
+        r"""Return ascending points to integrate :math:`|x|^{power} \mu(x)` over.
+
+        They go from end to end; the power is 0 or 1.
 
         Raises
         ------
@@ -206,7 +244,10 @@ class Type1Set(ABC):
         return self._quadrature_points(power)
 
     def moments(self, origin: float, power: int = 1) -> Moments:
-        """Return area and first moment of the membership about ``origin``, whole and up to any point."""
+        """Return area and first moment about ``origin``.
+
+        Those of the membership, whole and up to any point.
+        """
         return Moments(self._grades, self._quadrature_points(power), origin)
 
     def centroid(self) -> float:
@@ -250,14 +291,17 @@ class Type1Set(ABC):
         return SampledSet(x, self.membership(x))
 
     def kernel_row(self) -> KernelRow | None:
-        """Return the set as a row of numbers for the compiled kernels; None if only Python can evaluate it.
+        """Return the set as a row of numbers for the compiled kernels.
+
+        None if only Python can evaluate it.
 
         Returns
         -------
         tuple of 9 floats or None
-            ``(0, m1, m2, sigma_lower, sigma_upper, height_lower, height_upper, 0, 0)``: a pair of Gaussians, the upper one about
-            the mean nearest to the point between m1 and m2, the lower one about the end that is farther from it.
-            ``(1, a, b, c, d, height, 0, 0, 0)``: a trapezoid.
+            ``(0, m1, m2, sigma_lower, sigma_upper, height_lower, height_upper, 0, 0)``: a pair of
+            Gaussians, the upper one about the mean nearest to the point between m1 and m2, the
+            lower one about the end that is farther from it. ``(1, a, b, c, d, height, 0, 0, 0)``: a
+            trapezoid.
         """
         return self._kernel_row()
 
@@ -307,14 +351,14 @@ class Singleton(Type1Set):
 class SampledSet(Type1Set):
     """Set given by points and their grades: a discrete set, or samples of a continuous one.
 
-    Between the points the membership is interpolated linearly, outside of them it is 0. As a discrete set it is ``.points`` with
-    ``.grades``; joins, meets and embedded sets read it so.
+    Between the points the membership is interpolated linearly, outside of them it is 0. As a
+    discrete set it is ``.points`` with ``.grades``; joins, meets and embedded sets read it so.
 
     Parameters
     ----------
     points : (N,) array_like
-        Points, in any order. Those within 1e-12 of each other (less, relatively, for points below 1e-6) are one, of the greatest
-        of their grades.
+        Points, in any order. Those within 1e-12 of each other (less, relatively, for points below
+        1e-6) are one, of the greatest of their grades.
     grades : (N,) array_like
         Grades in [0, 1], not all of them 0.
 
@@ -330,12 +374,15 @@ class SampledSet(Type1Set):
     def __init__(self, points: ArrayLike, grades: ArrayLike) -> None:
         x, u = reals("points", points), reals("grades", grades)
         if x.ndim != 1 or x.size == 0 or not np.isfinite(x).all():
-            raise InvalidValue("points", points, "finite numbers of shape (N,) with N of at least 1")
+            raise InvalidValue(
+                "points", points, "finite numbers of shape (N,) with N of at least 1"
+            )
         if u.shape != x.shape or not ((u >= 0.0) & (u <= 1.0 + ROUNDING)).all():
             raise InvalidValue("grades", grades, f"in [0, 1], one for each of the {x.size} points")
         order = np.argsort(x, kind="stable")
         x, u = x[order], np.minimum(u[order], 1.0)
-        # The distance at which points merge is absolute in the unit interval, and must not swallow whole sets of tiny numbers.
+        # The distance at which points merge is absolute in the unit interval, and must not swallow
+        # whole sets of tiny numbers.
         apart = min(ROUNDING, 1e-6 * max(-float(x[0]), float(x[-1])))
         starts = np.flatnonzero(np.concatenate([[True], np.diff(x) > apart]))
         x, u = x[starts], np.maximum.reduceat(u, starts)
@@ -345,7 +392,9 @@ class SampledSet(Type1Set):
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, SampledSet):
             return NotImplemented
-        return np.array_equal(self.points, other.points) and np.array_equal(self.grades, other.grades)
+        return np.array_equal(self.points, other.points) and np.array_equal(
+            self.grades, other.grades
+        )
 
     def __hash__(self) -> int:
         # Zeros of both signs are equal, so they must hash alike.
@@ -366,7 +415,8 @@ class SampledSet(Type1Set):
         return np.interp(x, self.points, self.grades, left=0.0, right=0.0)
 
     def _slopes(self, x: Array) -> Array:
-        # Nothing before the first point, the slopes between the points, nothing from the last point on.
+        # Nothing before the first point, the slopes between the points, nothing from the last point
+        # on.
         slopes = np.concatenate([[0.0], np.diff(self.grades) / np.diff(self.points), [0.0]])
         return np.asarray(slopes[np.searchsorted(self.points, x, side="right")])
 
@@ -374,7 +424,10 @@ class SampledSet(Type1Set):
         positive_ones = np.flatnonzero(self.grades > 0.0)
         if positive_ones.size == 0:
             return float(self.points[0]), float(self.points[-1])
-        first, last = max(int(positive_ones[0]) - 1, 0), min(int(positive_ones[-1]) + 1, self.points.size - 1)
+        first, last = (
+            max(int(positive_ones[0]) - 1, 0),
+            min(int(positive_ones[-1]) + 1, self.points.size - 1),
+        )
         return float(self.points[first]), float(self.points[last])
 
     def _maxima(self) -> tuple[float, float]:
@@ -391,12 +444,17 @@ class SampledSet(Type1Set):
 
     def is_convex(self) -> bool:
         """Return whether the grades rise to their maximum and then fall, up to rounding."""
-        envelope = np.minimum(np.maximum.accumulate(self.grades), np.maximum.accumulate(self.grades[::-1])[::-1])
+        envelope = np.minimum(
+            np.maximum.accumulate(self.grades), np.maximum.accumulate(self.grades[::-1])[::-1]
+        )
         return bool((self.grades >= envelope - ROUNDING).all())
 
 
 def _first_reach(alpha: Array, points: Array, grades: Array) -> Array:
-    """Return the first point at which grades interpolated between ascending points reach alpha (...,)."""
+    """Return the first point at which grades between ascending points reach alpha (...,).
+
+    Grades are interpolated.
+    """
     envelope = np.maximum.accumulate(grades)
     after = np.minimum(np.searchsorted(envelope, alpha - ROUNDING, side="left"), len(points) - 1)
     before = np.maximum(after - 1, 0)
@@ -418,9 +476,13 @@ def set_fields(frozen: object, **fields: object) -> None:
 
 
 def pair_of_numbers(name: str, values: object, requirement: str) -> tuple[float, float]:
-    """Return a pair of numbers, which may be infinite; raise :class:`InvalidValue` if it is none."""
+    """Return a pair of numbers, which may be infinite.
+
+    Raise :class:`InvalidValue` if it is none.
+    """
     try:
-        first, second = list(values)  # type: ignore[call-overload] # whatever is no pair is refused below
+        # whatever is no pair is refused below
+        first, second = list(values)  # type: ignore[call-overload]
     except (TypeError, ValueError) as error:
         raise InvalidValue(name, values, requirement) from error
     return maybe_infinite(name, first, requirement), maybe_infinite(name, second, requirement)

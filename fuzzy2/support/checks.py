@@ -1,4 +1,7 @@
-"""Checks of arguments that every module shares: a real number in its range, or an error that says which."""
+"""Checks of arguments that every module shares.
+
+A real number in its range, or an error that says which.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ Array = NDArray[np.float64]
 
 
 def real(name: str, value: object, requirement: str = "a finite number") -> float:
-    """Return ``value`` as a float; raise :class:`InvalidValue` if it is not a finite real number."""
+    """Return ``value`` as a float.
+
+    Raise :class:`InvalidValue` if it is not a finite real number.
+    """
     number = maybe_infinite(name, value, requirement)
     if math.isinf(number):
         raise InvalidValue(name, value, requirement)
@@ -22,7 +28,10 @@ def real(name: str, value: object, requirement: str = "a finite number") -> floa
 
 
 def maybe_infinite(name: str, value: object, requirement: str = "a number") -> float:
-    """Return ``value`` as a float that may be infinite; raise :class:`InvalidValue` if it is not a real number."""
+    """Return ``value`` as a float that may be infinite.
+
+    Raise :class:`InvalidValue` if it is not a real number.
+    """
     if isinstance(value, str | bytes | bool | np.bool_):
         raise InvalidValue(name, value, requirement)
     try:
@@ -35,7 +44,10 @@ def maybe_infinite(name: str, value: object, requirement: str = "a number") -> f
 
 
 def positive(name: str, value: object) -> float:
-    """Return ``value`` as a float; raise :class:`InvalidValue` if it is not a finite number above 0."""
+    """Return ``value`` as a float.
+
+    Raise :class:`InvalidValue` if it is not a finite number above 0.
+    """
     number = real(name, value, "a finite number above 0")
     if number <= 0.0:
         raise InvalidValue(name, value, "a finite number above 0")
@@ -57,7 +69,10 @@ def ascending(name: str, values: tuple[float, ...]) -> None:
 
 
 def reals(name: str, values: ArrayLike) -> Array:
-    """Return ``values`` as an array of floats, which may be NaN; raise :class:`InvalidValue` if they are not real numbers."""
+    """Return ``values`` as an array of floats, which may be NaN.
+
+    Raise :class:`InvalidValue` if they are not real numbers.
+    """
     try:
         array = np.asarray(values)
         if array.dtype.kind in "fiubO":

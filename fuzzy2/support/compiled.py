@@ -1,8 +1,10 @@
-"""Compile scalar kernels with numba: cached on disk where that is possible, without the interpreter lock.
+"""Compile scalar kernels with numba.
 
-Both packages compile with this one decorator. Numba does not notice when a function in *another* module changed. The control loops
-of ``psp3`` call kernels of other modules, so whoever changes a kernel clears the cache: ``make`` does, by deleting every ``*.nbi`` and
-``*.nbc``.
+Cached on disk where that is possible, without the interpreter lock.
+
+Both packages compile with this one decorator. Numba does not notice when a function in *another*
+module changed. The control loops of ``psp3`` call kernels of other modules, so whoever changes a
+kernel clears the cache: ``make`` does, by deleting every ``*.nbi`` and ``*.nbc``.
 """
 
 from __future__ import annotations
@@ -19,7 +21,9 @@ _COMPILING = threading.Lock()
 
 
 def only_for(function: Function, *arguments: Any) -> Function:
-    """Compile a compiled function for arguments of these types, and for no others: they are a TypeError, and never compiled for.
+    """Compile a compiled function for arguments of these types, and for no others.
+
+    Others are a TypeError, and never compiled for.
 
     Parameters
     ----------
@@ -31,7 +35,8 @@ def only_for(function: Function, *arguments: Any) -> Function:
     Returns
     -------
     callable
-        The same function. A caller can hand it what users give, unchecked, and convert that where it raises TypeError.
+        The same function. A caller can hand it what users give, unchecked, and convert that where
+        it raises TypeError.
     """
     # One thread at a time: another's compilation must not be switched off before it is done.
     with _COMPILING:
@@ -42,7 +47,9 @@ def only_for(function: Function, *arguments: Any) -> Function:
 
 
 def compiled(function: Function) -> Function:
-    """Compile ``function`` on its first call, to code that releases the interpreter lock and divides as IEEE 754 does.
+    """Compile ``function`` on its first call.
+
+    The code releases the interpreter lock and divides as IEEE 754 does.
 
     Parameters
     ----------
@@ -52,7 +59,8 @@ def compiled(function: Function) -> Function:
     Returns
     -------
     callable
-        The compiled function. Where no directory for the cache can be written it is compiled anew in every process.
+        The compiled function. Where no directory for the cache can be written it is compiled anew
+        in every process.
     """
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
     try:

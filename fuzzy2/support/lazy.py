@@ -20,7 +20,9 @@ from typing import Any
 
 
 def lazy_names(package: str) -> tuple[list[str], Callable[[str], Any], Callable[[], list[str]]]:
-    """Return ``__all__``, ``__getattr__`` and ``__dir__`` of a package, from its imports under ``TYPE_CHECKING``.
+    """Return ``__all__``, ``__getattr__`` and ``__dir__`` of a package.
+
+    They are made of its imports under ``TYPE_CHECKING``.
 
     Parameters
     ----------
@@ -47,8 +49,9 @@ def lazy_names(package: str) -> tuple[list[str], Callable[[str], Any], Callable[
 
 
 def _imported_for_types(package: str) -> Iterator[tuple[str, str]]:
-    """Yield every name that a package imports for the type checker, with the module that it comes from."""
-    loader: Any = sys.modules[package].__spec__.loader  # type: ignore[union-attr] # a module that is imported has one
+    """Yield every name that a package imports for the type checker, with its module."""
+    # a module that is imported has one
+    loader: Any = sys.modules[package].__spec__.loader  # type: ignore[union-attr]
     for statement in ast.parse(loader.get_source(package)).body:
         if isinstance(statement, ast.If) and ast.unparse(statement.test) == "TYPE_CHECKING":
             for found in statement.body:

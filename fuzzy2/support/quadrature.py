@@ -1,8 +1,9 @@
 r"""Areas and moments of a membership function on the continuous domain, whole and up to any point.
 
-The domain is cut at the points where the membership function has kinks, and then in halves until a Gauss-Legendre rule of sixteen
-points and the same rule on both halves agree. They must agree relative to the piece itself, not to the whole: the centroid
-of an interval type-2 set can end far out on a tail, where a tiny lower membership outweighs an upper one that is tinier still.
+The domain is cut at the points where the membership function has kinks, and then in halves until a
+Gauss-Legendre rule of sixteen points and the same rule on both halves agree. They must agree
+relative to the piece itself, not to the whole: the centroid of an interval type-2 set can end far
+out on a tail, where a tiny lower membership outweighs an upper one that is tinier still.
 """
 
 from __future__ import annotations
@@ -19,11 +20,14 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 TOLERANCE = 1e-13  # of a piece's own integral: what sixteen points reach before rounding shows
 NEGLIGIBLE = 1e-280  # below it relative accuracy is lost in denormal numbers
 MOST_PIECES = 20_000
-DEEPEST = 60  # halvings after which a piece at a jump is as narrow as the distance between two floats
+# halvings after which a piece at a jump is as narrow as the distance between two floats
+DEEPEST = 60
 
 
 class Moments:
-    r"""Area and first moment of a membership function, :math:`\int \mu\,dx` and :math:`\int (x - x_0)\,\mu\,dx`.
+    r"""Area and first moment of a membership function.
+
+    They are :math:`\int \mu\,dx` and :math:`\int (x - x_0)\,\mu\,dx`.
 
     Parameters
     ----------
@@ -32,7 +36,8 @@ class Moments:
     points : (P,) array
         Ascending points from one end of the domain to the other, with every kink that is known.
     origin : float
-        Point :math:`x_0` about which the moment is taken; near the middle of the set little is lost by cancellation.
+        Point :math:`x_0` about which the moment is taken; near the middle of the set little is lost
+        by cancellation.
 
     Raises
     ------
@@ -48,12 +53,22 @@ class Moments:
         for depth in range(DEEPEST + 1):
             whole = self._rule(left, right)
             middle = 0.5 * (left + right)
-            halves = self._rule(np.concatenate([left, middle]), np.concatenate([middle, right])).reshape(2, -1, 2)
+            halves = self._rule(
+                np.concatenate([left, middle]), np.concatenate([middle, right])
+            ).reshape(2, -1, 2)
             both = halves.sum(axis=0)
             reach = np.maximum(abs(left - origin), abs(right - origin))
-            # Points are themselves rounded, which a membership function that varies within the piece sees as noise.
-            rounding = 8.0 * np.finfo(float).eps * np.maximum(abs(left), abs(right)) / np.maximum(right - left, NEGLIGIBLE)
-            allowed = ((TOLERANCE + rounding) * both[:, 0])[:, None] * np.stack([np.ones_like(reach), reach], axis=-1) + NEGLIGIBLE
+            # Points are themselves rounded, which a membership function that varies within the
+            # piece sees as noise.
+            rounding = (
+                8.0
+                * np.finfo(float).eps
+                * np.maximum(abs(left), abs(right))
+                / np.maximum(right - left, NEGLIGIBLE)
+            )
+            allowed = ((TOLERANCE + rounding) * both[:, 0])[:, None] * np.stack(
+                [np.ones_like(reach), reach], axis=-1
+            ) + NEGLIGIBLE
             rough = (abs(whole - both) > allowed).any(axis=-1) & (left < middle) & (middle < right)
             if depth == DEEPEST:
                 rough[:] = False
@@ -62,9 +77,15 @@ class Moments:
             if not rough.any():
                 break
             if np.count_nonzero(rough) > MOST_PIECES:
-                raise NotApplicable("quadrature", f"the membership function is too rough near {float(left[rough][0]):.6g}")
+                raise NotApplicable(
+                    "quadrature",
+                    f"the membership function is too rough near {float(left[rough][0]):.6g}",
+                )
             edges.append(middle[rough])
-            left, right = np.concatenate([left[rough], middle[rough]]), np.concatenate([middle[rough], right[rough]])
+            left, right = (
+                np.concatenate([left[rough], middle[rough]]),
+                np.concatenate([middle[rough], right[rough]]),
+            )
         order = np.argsort(np.concatenate(lefts), kind="stable")
         pieces = np.concatenate(values)[order]
         self._edges = np.sort(np.concatenate(edges))
@@ -77,7 +98,9 @@ class Moments:
         half = 0.5 * (right - left)
         x = (0.5 * (left + right))[:, None] + half[:, None] * NODES
         weighted = half[:, None] * WEIGHTS * self._membership(x)
-        return np.stack([weighted.sum(axis=-1), (weighted * (x - self._origin)).sum(axis=-1)], axis=-1)
+        return np.stack(
+            [weighted.sum(axis=-1), (weighted * (x - self._origin)).sum(axis=-1)], axis=-1
+        )
 
     @property
     def total(self) -> tuple[float, float]:
@@ -92,13 +115,18 @@ class Moments:
     def up_to(self, x: float) -> tuple[float, float]:
         """Return area and moment from the left end of the domain to ``x``."""
         piece, x = self._piece(x)
-        area, moment = self._sums[piece] + self._rule(self._edges[piece : piece + 1], np.array([x]))[0]
+        area, moment = (
+            self._sums[piece] + self._rule(self._edges[piece : piece + 1], np.array([x]))[0]
+        )
         return float(area), float(moment)
 
     def beyond(self, x: float) -> tuple[float, float]:
         """Return area and moment from ``x`` to the right end of the domain."""
         piece, x = self._piece(x)
-        area, moment = self._rests[piece + 1] + self._rule(np.array([x]), self._edges[piece + 1 : piece + 2])[0]
+        area, moment = (
+            self._rests[piece + 1]
+            + self._rule(np.array([x]), self._edges[piece + 1 : piece + 2])[0]
+        )
         return float(area), float(moment)
 
     def _piece(self, x: float) -> tuple[int, float]:
@@ -107,8 +135,14 @@ class Moments:
         return min(int(np.searchsorted(self._edges, x, side="right")) - 1, len(self._edges) - 2), x
 
     def point_of_area(self, area: float) -> float:
-        """Return the point up to which the area is ``area``: bisection within one piece, to neighboring floats."""
-        piece = min(max(int(np.searchsorted(self._sums[:, 0], area, side="left")) - 1, 0), len(self._edges) - 2)
+        """Return the point up to which the area is ``area``.
+
+        Bisection within one piece, to neighboring floats.
+        """
+        piece = min(
+            max(int(np.searchsorted(self._sums[:, 0], area, side="left")) - 1, 0),
+            len(self._edges) - 2,
+        )
         left, right = float(self._edges[piece]), float(self._edges[piece + 1])
         while True:
             middle = 0.5 * (left + right)

@@ -23,11 +23,18 @@ def read_text(path: str | os.PathLike[str]) -> str:
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
-        raise MalformedFile(str(path), f"line {line}", f"byte 0x{content[error.start]:02x} is not UTF-8; save the file as UTF-8") from None
+        raise MalformedFile(
+            str(path),
+            f"line {line}",
+            f"byte 0x{content[error.start]:02x} is not UTF-8; save the file as UTF-8",
+        ) from None
 
 
 def write_text(text: str, path: str | os.PathLike[str]) -> None:
-    """Write a file in UTF-8; whoever reads it at the same time, or after a crash, finds the old one or the new one, never a part.
+    """Write a file in UTF-8, as a whole.
+
+    Whoever reads it at the same time, or after a crash, finds the old one or the new one, never a
+    part.
 
     Raises
     ------

@@ -14,23 +14,36 @@ from fuzzy2.systems.terms import AnySet
 
 
 class Linear:
-    r"""Consequents of Takagi, Sugeno and Kang: :math:`z_{rj}(x) = c_{rj0} + \sum_i c_{rji} x_i`, with a spread if they are intervals.
+    r"""Consequents of Takagi, Sugeno and Kang.
+
+    :math:`z_{rj}(x) = c_{rj0} + \sum_i c_{rji} x_i`, with a spread if they are intervals.
 
     Parameters
     ----------
     coefficients : (R, m, p + 1) array_like
         Constant term first, then the slopes.
     spreads : (R, m, p + 1) array_like, optional
-        Half-widths of the coefficients; then :math:`z` is an interval of half-width :math:`s_{rj0} + \sum_i s_{rji} |x_i|`.
+        Half-widths of the coefficients; then :math:`z` is an interval of half-width
+        :math:`s_{rj0} + \sum_i s_{rji} |x_i|`.
     """
 
     def __init__(self, coefficients: ArrayLike, spreads: ArrayLike | None = None) -> None:
         self.coefficients = reals("coefficients", coefficients)
-        self.spreads = np.zeros_like(self.coefficients) if spreads is None else reals("spreads", spreads)
+        self.spreads = (
+            np.zeros_like(self.coefficients) if spreads is None else reals("spreads", spreads)
+        )
         if self.coefficients.ndim != 3 or not np.isfinite(self.coefficients).all():
-            raise InvalidValue("coefficients", self.coefficients, "finite numbers of shape (R, m, p + 1)")
-        if self.spreads.shape != self.coefficients.shape or not (self.spreads >= 0.0).all() or not np.isfinite(self.spreads).all():
-            raise InvalidValue("spreads", self.spreads, "finite, not negative, of the shape of the coefficients")
+            raise InvalidValue(
+                "coefficients", self.coefficients, "finite numbers of shape (R, m, p + 1)"
+            )
+        if (
+            self.spreads.shape != self.coefficients.shape
+            or not (self.spreads >= 0.0).all()
+            or not np.isfinite(self.spreads).all()
+        ):
+            raise InvalidValue(
+                "spreads", self.spreads, "finite, not negative, of the shape of the coefficients"
+            )
 
     def at(self, X: Array) -> Array:
         """Return the consequents (n, R, m, 2) at inputs (n, p)."""
@@ -54,6 +67,11 @@ def as_sets(consequents: Any) -> list[list[Any]] | None:
 
 
 def centroid_interval(item: Any) -> tuple[float, float]:
-    """Centroid of a consequent, which is computed once; of a general type-2 set that of its lowest plane."""
-    ends = np.ravel(item.alpha_plane(1.0).centroid() if isinstance(item, GeneralType2Set) else item.centroid())
+    """Centroid of a consequent, which is computed once.
+
+    Of a general type-2 set that of its lowest plane.
+    """
+    ends = np.ravel(
+        item.alpha_plane(1.0).centroid() if isinstance(item, GeneralType2Set) else item.centroid()
+    )
     return float(ends[0]), float(ends[-1])

@@ -1,18 +1,22 @@
-r"""Fuzzifiers: from a measured number to a fuzzy input, and to how much that input belongs to a term.
+r"""Fuzzifiers: from a measured number to a fuzzy input.
 
-A fuzzified input :math:`\tilde X` at a measured :math:`x'` fires a term :math:`\tilde F` to the firing set (the brackets of eq. 1.121)
+And to how much that input belongs to a term.
+
+A fuzzified input :math:`\tilde X` at a measured :math:`x'` fires a term :math:`\tilde F` to the
+firing set (the brackets of eq. 1.121)
 
 .. math:: \coprod_{x} \mu_{\tilde X}(x) \sqcap \mu_{\tilde F}(x),
 
-which is :math:`\mu_{\tilde F}(x')` for a singleton (eq. 1.122, 1.123). Where all secondary sets are intervals, joins and meets go end by
-end (eq. 1.29): the ends of the firing set are
+which is :math:`\mu_{\tilde F}(x')` for a singleton (eq. 1.122, 1.123). Where all secondary sets are
+intervals, joins and meets go end by end (eq. 1.29): the ends of the firing set are
 
 .. math:: \sup_x \underline\mu_{\tilde X}(x) * \underline\mu_{\tilde F}(x), \qquad
     \sup_x \overline\mu_{\tilde X}(x) * \overline\mu_{\tilde F}(x),
 
-and they are one number for type-1 sets. General type-2 sets go plane by plane, which is exact for the minimum of secondary grades. Products
-of secondary grades are refused: the join over a continuous domain then depends on how finely the domain is sampled, and taking
-it input by input, as eq. 1.121 does, is no longer the same as eq. 1.120.
+and they are one number for type-1 sets. General type-2 sets go plane by plane, which is exact for
+the minimum of secondary grades. Products of secondary grades are refused: the join over a
+continuous domain then depends on how finely the domain is sampled, and taking it input by input, as
+eq. 1.121 does, is no longer the same as eq. 1.120.
 """
 
 from __future__ import annotations
@@ -38,8 +42,9 @@ from fuzzy2.support.checks import Array, reals
 AnySet: TypeAlias = Type1Set | IntervalType2Set | GeneralType2Set
 TNormLike: TypeAlias = str | TNorm | BinaryFunction
 
-# Search for a supremum without a closed form: points between two landmarks, of sets that rise and fall once and of others, then grids
-# of 17 points about the highest four peaks, each an eighth as wide as the one before.
+# Search for a supremum without a closed form: points between two landmarks, of sets that rise and
+# fall once and of others, then grids of 17 points about the highest four peaks, each an eighth as
+# wide as the one before.
 _BETWEEN, _BETWEEN_IF_NOT_CONVEX = 32, 128
 _PEAKS, _CLOSER_POINTS, _CLOSER_GRIDS = 4, 17, 12
 _HALVINGS = 80
@@ -66,7 +71,8 @@ class Fuzzifier(ABC):
         Returns
         -------
         (..., 2) array
-            Lower and upper ends; NaN where the input is NaN. They are equal where input and term are type-1 sets.
+            Lower and upper ends; NaN where the input is NaN. They are equal where input and term
+            are type-1 sets.
 
         Raises
         ------
@@ -76,7 +82,12 @@ class Fuzzifier(ABC):
 
     @abstractmethod
     def firing_planes(
-        self, term: AnySet, x: ArrayLike, alphas: ArrayLike, t_norm: TNormLike = "product", grade_t_norm: TNormLike = "min"
+        self,
+        term: AnySet,
+        x: ArrayLike,
+        alphas: ArrayLike,
+        t_norm: TNormLike = "product",
+        grade_t_norm: TNormLike = "min",
     ) -> Array:
         """Return the α-cuts of the firing sets of a term by measured inputs.
 
@@ -101,7 +112,8 @@ class Fuzzifier(ABC):
         Raises
         ------
         NotApplicable
-            If a fuzzy input or its term is a general type-2 set, and the secondary grades are not combined by the minimum.
+            If a fuzzy input or its term is a general type-2 set, and the secondary grades are not
+            combined by the minimum.
         InvalidValue
             If an input is infinite, or a level is not in [0, 1].
         """
@@ -113,40 +125,58 @@ class SingletonFuzzifier(Fuzzifier):
 
     def firing(self, term: AnySet, x: ArrayLike, t_norm: TNormLike = "product") -> Array:
         """Return the memberships of the inputs in the term; see :meth:`Fuzzifier.firing`."""
-        norm_of(t_norm)  # it makes no difference here, but a misspelled name should not wait for another fuzzifier
+        # it makes no difference here, but a misspelled name should not wait for another fuzzifier
+        norm_of(t_norm)
         points = _measured(x)
         return np.stack([term.lower(points), term.upper(points)], axis=-1)
 
     def firing_planes(
-        self, term: AnySet, x: ArrayLike, alphas: ArrayLike, t_norm: TNormLike = "product", grade_t_norm: TNormLike = "min"
+        self,
+        term: AnySet,
+        x: ArrayLike,
+        alphas: ArrayLike,
+        t_norm: TNormLike = "product",
+        grade_t_norm: TNormLike = "min",
     ) -> Array:
-        """Return the α-cuts of the memberships of the inputs in the term; see :meth:`Fuzzifier.firing_planes`."""
+        """Return the α-cuts of the memberships of the inputs in the term.
+
+        See :meth:`Fuzzifier.firing_planes`.
+        """
         norm_of(grade_t_norm)
-        return np.stack([self.firing(_plane(term, alpha), x, t_norm) for alpha in _levels(alphas)], axis=-2)
+        return np.stack(
+            [self.firing(_plane(term, alpha), x, t_norm) for alpha in _levels(alphas)], axis=-2
+        )
 
 
 @dataclass(frozen=True)
 class NonSingletonFuzzifier(Fuzzifier):
-    r"""Takes the measured input as the middle of a fuzzy set: what the true input might be (eq. 1.120, 1.121).
+    r"""Takes the measured input as the middle of a fuzzy set.
+
+    What the true input might be (eq. 1.120, 1.121).
 
     .. math:: \mu_{\tilde X}(x) = \mu_{\text{shape}}(x - x')
 
     Parameters
     ----------
     shape : type-1, interval or general type-2 set
-        Fuzzy set of the input about a measurement of 0; ``Gaussian(0, s)`` for a sensor with noise of standard deviation s, an
-        interval type-2 set where the noise itself is known within bounds only. Its upper membership should reach 1 at 0, lest no
-        term fire fully.
+        Fuzzy set of the input about a measurement of 0; ``Gaussian(0, s)`` for a sensor with noise
+        of standard deviation s, an interval type-2 set where the noise itself is known within
+        bounds only. Its upper membership should reach 1 at 0, lest no term fire fully.
     """
 
     shape: AnySet
 
     def __post_init__(self) -> None:
         if not isinstance(self.shape, Type1Set | IntervalType2Set | GeneralType2Set):
-            raise InvalidValue("shape", self.shape, "a type-1, interval type-2 or general type-2 set")
+            raise InvalidValue(
+                "shape", self.shape, "a type-1, interval type-2 or general type-2 set"
+            )
 
     def firing(self, term: AnySet, x: ArrayLike, t_norm: TNormLike = "product") -> Array:
-        """Return the firing intervals of the term by the fuzzy inputs; see :meth:`Fuzzifier.firing` and :func:`sup_star`."""
+        """Return the firing intervals of the term by the fuzzy inputs.
+
+        See :meth:`Fuzzifier.firing` and :func:`sup_star`.
+        """
         points, norm = _measured(x), norm_of(t_norm)
         lower = sup_star(self.shape.lower, term.lower, points, norm)
         if isinstance(self.shape, Type1Set) and isinstance(term, Type1Set):
@@ -154,37 +184,59 @@ class NonSingletonFuzzifier(Fuzzifier):
         return np.stack([lower, sup_star(self.shape.upper, term.upper, points, norm)], axis=-1)
 
     def firing_planes(
-        self, term: AnySet, x: ArrayLike, alphas: ArrayLike, t_norm: TNormLike = "product", grade_t_norm: TNormLike = "min"
+        self,
+        term: AnySet,
+        x: ArrayLike,
+        alphas: ArrayLike,
+        t_norm: TNormLike = "product",
+        grade_t_norm: TNormLike = "min",
     ) -> Array:
-        """Return the α-cuts of the firing sets of the term by the fuzzy inputs; see :meth:`Fuzzifier.firing_planes`."""
+        """Return the α-cuts of the firing sets of the term by the fuzzy inputs.
+
+        See :meth:`Fuzzifier.firing_planes`.
+        """
         norm, grade_norm = norm_of(t_norm), norm_of(grade_t_norm)
-        if grade_norm is not norm_of("min") and (isinstance(self.shape, GeneralType2Set) or isinstance(term, GeneralType2Set)):
+        if grade_norm is not norm_of("min") and (
+            isinstance(self.shape, GeneralType2Set) or isinstance(term, GeneralType2Set)
+        ):
             raise NotApplicable(
                 "non-singleton fuzzification",
-                f"with secondary grades combined by {grade_norm.name} the firing set depends on how finely the input is sampled; "
-                "use the minimum",
+                f"with secondary grades combined by {grade_norm.name} the firing set depends on "
+                "how finely the input is sampled; use the minimum",
             )
         if not isinstance(self.shape, GeneralType2Set) and not isinstance(term, GeneralType2Set):
             return np.stack([self.firing(term, x, norm)] * len(_levels(alphas)), axis=-2)
-        planes = [NonSingletonFuzzifier(_plane(self.shape, alpha)).firing(_plane(term, alpha), x, norm) for alpha in _levels(alphas)]
+        planes = [
+            NonSingletonFuzzifier(_plane(self.shape, alpha)).firing(_plane(term, alpha), x, norm)
+            for alpha in _levels(alphas)
+        ]
         return np.stack(planes, axis=-2)
 
 
-def sup_star(shape: Type1Set, term: Type1Set, x: ArrayLike = 0.0, t_norm: TNormLike = "product") -> Array:
-    r"""Return how much a fuzzy input matches a term, :math:`\sup_x \mu_{\text{shape}}(x - x') * \mu_{\text{term}}(x)` (eq. 1.62).
+def sup_star(
+    shape: Type1Set, term: Type1Set, x: ArrayLike = 0.0, t_norm: TNormLike = "product"
+) -> Array:
+    r"""Return how much a fuzzy input matches a term (eq. 1.62).
 
-    For Gaussians of means :math:`x' + m_1, m_2` and standard deviations :math:`\sigma_1, \sigma_2` it has a closed form,
+    It is :math:`\sup_x \mu_{\text{shape}}(x - x') * \mu_{\text{term}}(x)`.
+
+    For Gaussians of means :math:`x' + m_1, m_2` and standard deviations :math:`\sigma_1, \sigma_2`
+    it has a closed form,
 
     .. math::
 
-        h_1 h_2 \exp\left(-\frac{(x' + m_1 - m_2)^2}{2(\sigma_1^2 + \sigma_2^2)}\right) \text{ (product)}, \qquad
-        \exp\left(-\frac{(x' + m_1 - m_2)^2}{2(\sigma_1 + \sigma_2)^2}\right) \text{ (minimum, equal heights 1)},
+        h_1 h_2 \exp\left(-\frac{(x' + m_1 - m_2)^2}{2(\sigma_1^2 + \sigma_2^2)}\right)
+        \text{ (product)}, \qquad
+        \exp\left(-\frac{(x' + m_1 - m_2)^2}{2(\sigma_1 + \sigma_2)^2}\right)
+        \text{ (minimum, equal heights 1)},
 
-    attained at :math:`x^* = (\sigma_2^2 (x' + m_1) + \sigma_1^2 m_2) / (\sigma_1^2 + \sigma_2^2)` and at the crossing
-    :math:`(\sigma_2 (x' + m_1) + \sigma_1 m_2) / (\sigma_1 + \sigma_2)`; both membership functions of a Gaussian with uncertain mean
-    are taken the same way, :math:`x^*` being kept between their kinks. Under the minimum, convex sets cross once between their
-    maxima, and the crossing is found to rounding. All else is searched on a grid that closes in on its best points, between
-    the maxima where both sets are convex: to 1e-9 for sets without features narrower than 1/32 of the distance of two landmarks.
+    attained at :math:`x^* = (\sigma_2^2 (x' + m_1) + \sigma_1^2 m_2) / (\sigma_1^2 + \sigma_2^2)`
+    and at the crossing :math:`(\sigma_2 (x' + m_1) + \sigma_1 m_2) / (\sigma_1 + \sigma_2)`; both
+    membership functions of a Gaussian with uncertain mean are taken the same way, :math:`x^*` being
+    kept between their kinks. Under the minimum, convex sets cross once between their maxima, and
+    the crossing is found to rounding. All else is searched on a grid that closes in on its best
+    points, between the maxima where both sets are convex: to 1e-9 for sets without features
+    narrower than 1/32 of the distance of two landmarks.
 
     Parameters
     ----------
@@ -209,7 +261,8 @@ def sup_star(shape: Type1Set, term: Type1Set, x: ArrayLike = 0.0, t_norm: TNormL
 
     Notes
     -----
-    Mouzouris and Mendel, "Nonsingleton fuzzy logic systems: theory and application", IEEE Transactions on Fuzzy Systems 5 (1997).
+    Mouzouris and Mendel, "Nonsingleton fuzzy logic systems: theory and application", IEEE
+    Transactions on Fuzzy Systems 5 (1997).
     """
     points, norm = _measured(x), norm_of(t_norm)
     missing = np.isnan(points)
@@ -248,7 +301,10 @@ def _plane(any_set: AnySet, alpha: float) -> Type1Set | IntervalType2Set:
 
 
 class _GaussianBell(NamedTuple):
-    r"""Gaussian of the distance :math:`\max(0, |x - c| + o)`: with offset o = 0, a flat top (o < 0) or a kink (o > 0)."""
+    r"""Gaussian of the distance :math:`\max(0, |x - c| + o)`.
+
+    With offset o = 0, a flat top (o < 0) or a kink (o > 0).
+    """
 
     center: float
     offset: float
@@ -268,15 +324,19 @@ def _bell_of(membership: Type1Set) -> _GaussianBell | None:
     return None
 
 
-def _gaussian_match(first: _GaussianBell, second: _GaussianBell, shifts: Array, by_product: bool) -> Array:
+def _gaussian_match(
+    first: _GaussianBell, second: _GaussianBell, shifts: Array, by_product: bool
+) -> Array:
     """Return the supremum of two Gaussians of distances; it is attained between their centers."""
     gap = np.abs(shifts + first.center - second.center)
     a, b = (first.sigma**2, second.sigma**2) if by_product else (first.sigma, second.sigma)
-    # Way from the first center toward the second. Both distances are convex in it, so the best way is only kept within its bounds.
+    # Way from the first center toward the second. Both distances are convex in it, so the best way
+    # is only kept within its bounds.
     way = np.clip((a * (gap + second.offset) - b * first.offset) / (a + b), 0.0, gap)
     u = np.maximum(way + first.offset, 0.0) / first.sigma
     v = np.maximum(gap - way + second.offset, 0.0) / second.sigma
-    with np.errstate(under="ignore", over="ignore"):  # far apart the squares are infinite and the grade 0
+    # far apart the squares are infinite and the grade 0
+    with np.errstate(under="ignore", over="ignore"):
         if by_product:
             return np.asarray(first.height * second.height * np.exp(-0.5 * (u * u + v * v)))
         return np.asarray(first.height * np.exp(-0.5 * np.maximum(u, v) ** 2))
@@ -285,7 +345,12 @@ def _gaussian_match(first: _GaussianBell, second: _GaussianBell, shifts: Array, 
 def _searched(shape: Type1Set, term: Type1Set, shifts: Array, norm: TNorm) -> Array:
     """Return the supremum by search, for shifts (...,)."""
     own_maxima, other_maxima = _maxima(shape), _maxima(term)
-    convex = own_maxima is not None and other_maxima is not None and shape.is_convex() and term.is_convex()
+    convex = (
+        own_maxima is not None
+        and other_maxima is not None
+        and shape.is_convex()
+        and term.is_convex()
+    )
     own, other = shape.landmarks, term.landmarks
     per_row = (own.size + other.size + 1) * (_BETWEEN if convex else _BETWEEN_IF_NOT_CONVEX)
     rows = max(1, _CHUNK // per_row)
@@ -293,31 +358,55 @@ def _searched(shape: Type1Set, term: Type1Set, shifts: Array, norm: TNorm) -> Ar
     grades = np.empty(flat.size)
     for start in range(0, flat.size, rows):
         shift = flat[start : start + rows]
-        # Landmarks are looked at where they are, not where they end up after two roundings: an edge may be vertical.
+        # Landmarks are looked at where they are, not where they end up after two roundings: an edge
+        # may be vertical.
         at_own = norm(shape.membership(own), term.membership(own + shift[:, None]))
         at_other = norm(shape.membership(other - shift[:, None]), term.membership(other))
         best = np.maximum(at_own.max(axis=-1), at_other.max(axis=-1))
         if convex and own_maxima and other_maxima:
             found = _between_maxima(shape, term, shift, norm, own_maxima, other_maxima)
         else:
-            everywhere = np.concatenate([own + shift[:, None], np.broadcast_to(other, (shift.size, other.size))], axis=-1)
-            found = _closing_in(shape, term, shift, norm, everywhere.min(axis=-1), everywhere.max(axis=-1), _BETWEEN_IF_NOT_CONVEX)
+            everywhere = np.concatenate(
+                [own + shift[:, None], np.broadcast_to(other, (shift.size, other.size))], axis=-1
+            )
+            found = _closing_in(
+                shape,
+                term,
+                shift,
+                norm,
+                everywhere.min(axis=-1),
+                everywhere.max(axis=-1),
+                _BETWEEN_IF_NOT_CONVEX,
+            )
         grades[start : start + rows] = np.maximum(best, found)
     return grades.reshape(shifts.shape)
 
 
 def _maxima(membership: Type1Set) -> tuple[float, float] | None:
-    """Return the first and the last point of the greatest membership, None if it is approached somewhere; a sigmoid is within 1e-14."""
+    """Return the first and the last point of the greatest membership.
+
+    None if it is approached somewhere; a sigmoid is within 1e-14.
+    """
     if not isinstance(membership, Sigmoid):
         return membership.maxima
     points = membership.landmarks
-    return (float(points[-1]), math.inf) if membership.slope > 0.0 else (-math.inf, float(points[0]))
+    return (
+        (float(points[-1]), math.inf) if membership.slope > 0.0 else (-math.inf, float(points[0]))
+    )
 
 
 def _between_maxima(
-    shape: Type1Set, term: Type1Set, shift: Array, norm: TNorm, own_maxima: tuple[float, float], other_maxima: tuple[float, float]
+    shape: Type1Set,
+    term: Type1Set,
+    shift: Array,
+    norm: TNorm,
+    own_maxima: tuple[float, float],
+    other_maxima: tuple[float, float],
 ) -> Array:
-    """Return the supremum of convex sets, which lies between the maxima, where one set falls and the other one rises."""
+    """Return the supremum of convex sets.
+
+    It lies between the maxima, where one set falls and the other one rises.
+    """
     (own_first, own_last), (other_first, other_last) = own_maxima, other_maxima
     own_is_left = own_last + shift < other_first
     apart = own_is_left | (other_last < own_first + shift)
@@ -326,24 +415,44 @@ def _between_maxima(
     right = np.where(own_is_left, other_first, own_first + shift)
     left, right = np.where(apart, left, 0.0), np.where(apart, right, 0.0)
     if norm is not norm_of("min"):
-        return np.where(apart, _closing_in(shape, term, shift, norm, left, right, _BETWEEN), together)
+        return np.where(
+            apart, _closing_in(shape, term, shift, norm, left, right, _BETWEEN), together
+        )
     sign = np.where(own_is_left, 1.0, -1.0)
     for _ in range(_HALVINGS):
         middle = 0.5 * (left + right)
         falling_is_above = sign * (shape.membership(middle - shift) - term.membership(middle)) > 0.0
-        left, right = np.where(falling_is_above, middle, left), np.where(falling_is_above, right, middle)
-    crossing = np.maximum(*(norm(shape.membership(end - shift), term.membership(end)) for end in (left, right)))
+        left, right = (
+            np.where(falling_is_above, middle, left),
+            np.where(falling_is_above, right, middle),
+        )
+    crossing = np.maximum(
+        *(norm(shape.membership(end - shift), term.membership(end)) for end in (left, right))
+    )
     return np.where(apart, crossing, together)
 
 
-def _closing_in(shape: Type1Set, term: Type1Set, shift: Array, norm: TNorm, left: Array, right: Array, between: int) -> Array:
-    """Return the greatest grade (rows,) between ``left`` and ``right`` (rows,), on grids that close in on the best points."""
+def _closing_in(
+    shape: Type1Set,
+    term: Type1Set,
+    shift: Array,
+    norm: TNorm,
+    left: Array,
+    right: Array,
+    between: int,
+) -> Array:
+    """Return the greatest grade (rows,) between ``left`` and ``right`` (rows,).
+
+    On grids that close in on the best points.
+    """
     own = shape.landmarks + shift[:, None]
     other = np.broadcast_to(term.landmarks, (shift.size, term.landmarks.size))
     edges = np.concatenate([own, other, left[:, None], right[:, None]], axis=-1)
     edges = np.sort(np.clip(edges, left[:, None], right[:, None]), axis=-1)
     steps = np.arange(between) / between
-    points = (edges[:, :-1, None] + np.diff(edges, axis=-1)[:, :, None] * steps).reshape(shift.size, -1)
+    points = (edges[:, :-1, None] + np.diff(edges, axis=-1)[:, :, None] * steps).reshape(
+        shift.size, -1
+    )
     points = np.concatenate([points, edges[:, -1:]], axis=-1)
     grades = norm(shape.membership(points - shift[:, None]), term.membership(points))
     padded = np.pad(grades, ((0, 0), (1, 1)), constant_values=-1.0)
@@ -356,16 +465,27 @@ def _closing_in(shape: Type1Set, term: Type1Set, shift: Array, norm: TNorm, left
     return np.asarray(best)
 
 
-def _climbed(shape: Type1Set, term: Type1Set, shift: Array, norm: TNorm, points: Array, place: NDArray[np.intp]) -> Array:
+def _climbed(
+    shape: Type1Set,
+    term: Type1Set,
+    shift: Array,
+    norm: TNorm,
+    points: Array,
+    place: NDArray[np.intp],
+) -> Array:
     """Return the greatest grade (rows,) near one of the points (rows, P) in each row."""
     best = np.zeros(shift.size)
     rows = np.arange(shift.size)
     for _ in range(_CLOSER_GRIDS):
         center = points[rows, place][:, None]
-        # Equal points stand side by side where landmarks were cut off, so the neighbors are the nearest different ones.
+        # Equal points stand side by side where landmarks were cut off, so the neighbors are the
+        # nearest different ones.
         before = np.where(points < center, points, -np.inf).max(axis=-1, keepdims=True)
         after = np.where(points > center, points, np.inf).min(axis=-1, keepdims=True)
-        before, after = np.where(np.isfinite(before), before, center), np.where(np.isfinite(after), after, center)
+        before, after = (
+            np.where(np.isfinite(before), before, center),
+            np.where(np.isfinite(after), after, center),
+        )
         points = before + (after - before) * np.linspace(0.0, 1.0, _CLOSER_POINTS)
         grades = norm(shape.membership(points - shift[:, None]), term.membership(points))
         place = grades.argmax(axis=-1)

@@ -26,11 +26,14 @@ from fuzzy2.systems.terms import domain_of, highest_point
 
 
 class GeneralType2System(FuzzySystem):
-    r"""General type-2 fuzzy logic system, by α-planes with exact reduction or by the thesis's Gaussian corollary.
+    r"""General type-2 fuzzy logic system,by α-planes or by the Gaussian corollary.
 
-    Under minimum secondary grades the α-plane of a firing set is made of the α-planes of its terms, so every α-plane is an interval
-    type-2 system, reduced exactly; the crisp output weights their middles with α. The Gaussian corollary (eq. 1.107–1.109) takes
-    the rules' firing as Gaussian numbers instead: its crisp output is that of the type-1 system of the principal memberships,
+    Α-planes are reduced exactly; the corollary is the thesis's.
+
+    Under minimum secondary grades the α-plane of a firing set is made of the α-planes of its terms,
+    so every α-plane is an interval type-2 system, reduced exactly; the crisp output weights their
+    middles with α. The Gaussian corollary (eq. 1.107–1.109) takes the rules' firing as Gaussian
+    numbers instead: its crisp output is that of the type-1 system of the principal memberships,
     whatever the uncertainty, and only its standard deviation is new.
 
     Parameters
@@ -42,13 +45,15 @@ class GeneralType2System(FuzzySystem):
     levels : int
         Number of α-planes, at :math:`\alpha = 1/L, 2/L, \dots, 1`.
     grade_t_norm : {"min", "product"}
-        T-norm of the secondary grades. α-planes need the minimum; the Gaussian corollary takes both.
+        T-norm of the secondary grades. α-planes need the minimum; the Gaussian corollary takes
+        both.
 
     Raises
     ------
     NotApplicable
-        If α-planes are asked for under product grades, where the result would depend on the grid, or the Gaussian corollary with terms
-        that have no Gaussian secondary grades, another t-norm than the product, or another type reduction than center of sets.
+        If α-planes are asked for under product grades, where the result would depend on the grid,
+        or the Gaussian corollary with terms that have no Gaussian secondary grades, another t-norm
+        than the product, or another type reduction than center of sets.
     """
 
     _kinds = (Type1Set, IntervalType2Set, GeneralType2Set)
@@ -88,26 +93,37 @@ class GeneralType2System(FuzzySystem):
         uncertain = self.consequent_sets is not None and any(
             isinstance(item, GeneralType2Set) for row in self.consequent_sets for item in row
         )
-        # The loop over the planes takes the same consequents in all of them; general type-2 ones have a centroid on each.
+        # The loop over the planes takes the same consequents in all of them; general type-2 ones
+        # have a centroid on each.
         self._one_loop = (
-            self._table is not None and type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear) and not uncertain
+            self._table is not None
+            and type_reduction == "center_of_sets"
+            and not isinstance(self.consequents, Linear)
+            and not uncertain
         )
         if reduction == "gaussian":
             if uncertain:
                 raise NotApplicable(
-                    "the Gaussian corollary", "its consequents are numbers, intervals, or sets of type 1 or interval type 2"
+                    "the Gaussian corollary",
+                    "its consequents are numbers, intervals, or sets of type 1 or interval type 2",
                 )
             self._check_corollary()
             self._warn_of_validity()
         elif grade_t_norm != "min":
-            raise NotApplicable("reduction by alpha-planes", "it needs minimum secondary grades; under the product it depends on the grid")
+            raise NotApplicable(
+                "reduction by alpha-planes",
+                "it needs minimum secondary grades; under the product it depends on the grid",
+            )
         elif uncertain:
             # A consequent whose planes have no centroid is refused here and not at the first call.
             self._plane(0)
 
     @property
     def planes(self) -> Sequence[tuple[float, Differentiable]]:
-        """Share in the crisp output and interval type-2 system of every α-plane; none under the Gaussian corollary."""
+        """Share in the crisp output and interval type-2 system of every α-plane.
+
+        There are none under the Gaussian corollary.
+        """
         if self.reduction == "gaussian":
             return ()
         shares = self.alphas / self.alphas.sum()
@@ -120,12 +136,18 @@ class GeneralType2System(FuzzySystem):
 
     @property
     def widths(self) -> Array:
-        """Half-widths of the α-planes of a Gaussian at ``alphas``, in standard deviations, for :mod:`fuzzy2.systems.kernels`; (L,)."""
+        """Half-widths of the α-planes of a Gaussian at ``alphas``, (L,), in standard deviations.
+
+        For :mod:`fuzzy2.systems.kernels`.
+        """
         return self._widths
 
     @property
     def moments(self) -> tuple[Array, Array]:
-        """Means and standard deviations of the consequents under the Gaussian corollary, for :mod:`fuzzy2.systems.kernels`; (R, m) each."""
+        """Means and standard deviations of the consequents as Gaussian numbers, (R, m) each.
+
+        For :mod:`fuzzy2.systems.kernels`.
+        """
         return self._middles, self._spreads
 
     def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
@@ -133,7 +155,8 @@ class GeneralType2System(FuzzySystem):
 
         if isinstance(term, GaussianType2Set):
             principal = term.principal.kernel_row()
-            # Kind 2 of the kernels: a Gaussian principal membership, one standard deviation for all vertical slices, no bounds.
+            # Kind 2 of the kernels: a Gaussian principal membership, one standard deviation for all
+            # vertical slices, no bounds.
             unbounded = np.isinf(term.domain).all()
             if principal is None or principal[0] != 0 or callable(term.sigma) or not unbounded:
                 return None
@@ -165,7 +188,9 @@ class GeneralType2System(FuzzySystem):
             planes = np.empty((len(rows), self.levels, self.n_outputs, 2))
             self._kernels.evaluate_planes(self._table, rows.ravel(), self._widths, planes.ravel())
         else:
-            planes = np.stack([self._plane(level).type_reduced(rows) for level in range(self.levels)], axis=1)
+            planes = np.stack(
+                [self._plane(level).type_reduced(rows) for level in range(self.levels)], axis=1
+            )
         return planes.swapaxes(1, 2).reshape(*shape, self.n_outputs, self.levels, 2)
 
     def _firing(self, rows: Array) -> Array:
@@ -177,11 +202,17 @@ class GeneralType2System(FuzzySystem):
         return out
 
     def _coverage(self, rows: Array) -> Array:
-        # A low plane of a Gaussian secondary reaches above 0 everywhere; the highest one, alpha = 1, says where rules really fire.
+        # A low plane of a Gaussian secondary reaches above 0 everywhere; the highest one, alpha =
+        # 1, says where rules really fire.
         return self._plane(self.levels - 1)._coverage(rows)
 
-    def embedded_outputs(self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None) -> Iterator[Array]:
-        """Yield outputs of type-1 systems within the lowest α-plane; see :meth:`FuzzySystem.embedded_outputs`."""
+    def embedded_outputs(
+        self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None
+    ) -> Iterator[Array]:
+        """Yield outputs of type-1 systems within the lowest α-plane.
+
+        See :meth:`FuzzySystem.embedded_outputs`.
+        """
         yield from self._plane(0).embedded_outputs(x, count, rng)
 
     def _plane(self, level: int) -> IntervalType2System:
@@ -189,43 +220,71 @@ class GeneralType2System(FuzzySystem):
         if self._planes is None:
             self._planes = []
             ranges = self.output_ranges
-            if ranges is None and self.consequent_sets is not None and self.type_reduction in ("centroid", "center_of_sums"):
-                # One grid for all planes: those of planes of different width would differ, and the cuts not be nested.
-                ranges = tuple(domain_of([row[j] for row in self.consequent_sets]) for j in range(self.n_outputs))
+            if (
+                ranges is None
+                and self.consequent_sets is not None
+                and self.type_reduction in ("centroid", "center_of_sums")
+            ):
+                # One grid for all planes: those of planes of different width would differ, and the
+                # cuts not be nested.
+                ranges = tuple(
+                    domain_of([row[j] for row in self.consequent_sets])
+                    for j in range(self.n_outputs)
+                )
             for alpha in self.alphas:
 
                 def cut(item: Any, alpha: float = float(alpha)) -> Any:
                     return item.alpha_plane(alpha) if isinstance(item, GeneralType2Set) else item
 
                 fuzzifiers = self.fuzzifiers and tuple(
-                    NonSingletonFuzzifier(cut(one.shape)) if isinstance(one, NonSingletonFuzzifier) else one for one in self.fuzzifiers
+                    NonSingletonFuzzifier(cut(one.shape))
+                    if isinstance(one, NonSingletonFuzzifier)
+                    else one
+                    for one in self.fuzzifiers
                 )
                 consequents = self.consequents
                 if self.consequent_sets is not None:
                     consequents = [[cut(item) for item in row] for row in self.consequent_sets]
                 plane = IntervalType2System(
-                    [[cut(term) for term in terms] for terms in self.inputs], self.rules, consequents, self.t_norm,
-                    self.type_reduction, self.method, t_conorm=self.t_conorm, fuzzifier=fuzzifiers,
-                    output_ranges=ranges, resolution=self.resolution,
-                )  # fmt: skip
+                    [[cut(term) for term in terms] for terms in self.inputs],
+                    self.rules,
+                    consequents,
+                    self.t_norm,
+                    self.type_reduction,
+                    self.method,
+                    t_conorm=self.t_conorm,
+                    fuzzifier=fuzzifiers,
+                    output_ranges=ranges,
+                    resolution=self.resolution,
+                )
                 self._planes.append(plane)
         return self._planes[level]
 
     def __call__(self, X: ArrayLike) -> Array:
-        """Return the crisp outputs, of shape (..., m); see :class:`GeneralType2System` for how, and :meth:`FuzzySystem.__call__`."""
+        """Return the crisp outputs, of shape (..., m).
+
+        See :class:`GeneralType2System` for how, and :meth:`FuzzySystem.__call__`.
+        """
         if self.reduction == "gaussian":
             return self._corollary(X)[..., 0]
         if self._one_loop:
             shape, rows = self._rows(X)
             out = np.empty((*shape, self.n_outputs))
-            if self._kernels.evaluate_crisp_planes(self._table, rows.ravel(), self._widths, self.alphas, out.ravel()) >= 0:
+            if (
+                self._kernels.evaluate_crisp_planes(
+                    self._table, rows.ravel(), self._widths, self.alphas, out.ravel()
+                )
+                >= 0
+            ):
                 self._refuse(rows)
             return out
         middles = self.alpha_cuts(X).mean(axis=-1)
         return np.asarray(middles @ (self.alphas / self.alphas.sum()))
 
     def type_reduced(self, X: ArrayLike) -> Array:
-        """Return the lowest α-cut, (..., m, 2), or mean and standard deviation under the Gaussian corollary.
+        """Return the lowest α-cut, (..., m, 2), or mean and deviation.
+
+        The latter under the Gaussian corollary; a deviation is a standard deviation.
 
         Parameters
         ----------
@@ -235,7 +294,8 @@ class GeneralType2System(FuzzySystem):
         Returns
         -------
         (..., m, 2) ndarray
-            Ends of the cut at ``alphas[0]``, or (mean, standard deviation); NaN where no rule fires.
+            Ends of the cut at ``alphas[0]``, or (mean, standard deviation); NaN where no rule
+            fires.
 
         Raises
         ------
@@ -250,10 +310,18 @@ class GeneralType2System(FuzzySystem):
         from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 
         name = "the Gaussian corollary"
-        if self.t_norm.name != "product" or self.type_reduction != "center_of_sets" or self.fuzzifiers is not None:
-            raise NotApplicable(name, "it needs the product t-norm, center of sets and a singleton fuzzifier")
+        if (
+            self.t_norm.name != "product"
+            or self.type_reduction != "center_of_sets"
+            or self.fuzzifiers is not None
+        ):
+            raise NotApplicable(
+                name, "it needs the product t-norm, center of sets and a singleton fuzzifier"
+            )
         if isinstance(self.consequents, Linear):
-            raise NotApplicable(name, "its consequents are numbers or sets, not functions of the inputs")
+            raise NotApplicable(
+                name, "its consequents are numbers or sets, not functions of the inputs"
+            )
         for terms in self.inputs:
             for term in terms:
                 if not isinstance(term, GaussianType2Set | Type1Set):
@@ -267,8 +335,20 @@ class GeneralType2System(FuzzySystem):
         variance = np.zeros_like(mean)
         for i, terms in enumerate(self.inputs):
             x = rows[:, i]
-            principal = np.stack([(t.principal if isinstance(t, GaussianType2Set) else t).membership(x) for t in terms], axis=1)
-            sigma = np.stack([t.spread(x) if isinstance(t, GaussianType2Set) else np.zeros_like(x) for t in terms], axis=1)
+            principal = np.stack(
+                [
+                    (t.principal if isinstance(t, GaussianType2Set) else t).membership(x)
+                    for t in terms
+                ],
+                axis=1,
+            )
+            sigma = np.stack(
+                [
+                    t.spread(x) if isinstance(t, GaussianType2Set) else np.zeros_like(x)
+                    for t in terms
+                ],
+                axis=1,
+            )
             asked = self.rules[:, i]
             m = np.where(asked >= 0, principal[:, np.maximum(asked, 0)], 1.0)
             s = np.where(asked >= 0, sigma[:, np.maximum(asked, 0)], 0.0)
@@ -282,7 +362,12 @@ class GeneralType2System(FuzzySystem):
         if self._table is not None:
             out = np.empty((*shape, self.n_outputs, 2))
             product = self.grade_t_norm == "product"
-            if self._kernels.evaluate_corollary(self._table, rows.ravel(), self._middles, self._spreads, product, out.ravel()) >= 0:
+            if (
+                self._kernels.evaluate_corollary(
+                    self._table, rows.ravel(), self._middles, self._spreads, product, out.ravel()
+                )
+                >= 0
+            ):
                 self._refuse(rows)
             return out
         self._refuse(rows)
@@ -298,7 +383,9 @@ class GeneralType2System(FuzzySystem):
         return "product" if self.grade_t_norm == "product" else "min"
 
     def validity(self, X: ArrayLike) -> Array:
-        r"""Return the validity of the approximation, :math:`k \sum \Delta_r / \sum h_r` with k = 2 for the corollary (eq. 1.109).
+        r"""Return the validity of the approximation (eq. 1.109).
+
+        It is :math:`k \sum \Delta_r / \sum h_r` with k = 2 for the corollary.
 
         Parameters
         ----------
@@ -308,7 +395,8 @@ class GeneralType2System(FuzzySystem):
         Returns
         -------
         (...,) ndarray
-            Small against 1 where the corollary can be trusted. Under α-planes, that of the lowest plane's firing intervals.
+            Small against 1 where the corollary can be trusted. Under α-planes, that of the lowest
+            plane's firing intervals.
 
         Raises
         ------
@@ -321,15 +409,31 @@ class GeneralType2System(FuzzySystem):
         self._refuse(rows)
         mean, sigma = self._numbers(rows)
         with np.errstate(invalid="ignore", divide="ignore"):
-            ratio = np.where(mean.sum(axis=1) > 0.0, 2.0 * sigma.sum(axis=1) / mean.sum(axis=1), np.nan)
+            ratio = np.where(
+                mean.sum(axis=1) > 0.0, 2.0 * sigma.sum(axis=1) / mean.sum(axis=1), np.nan
+            )
         return np.asarray(ratio.reshape(shape))
 
     def _warn_of_validity(self) -> None:
-        """Warn once, at construction, where the corollary is far from exact in the middles of the terms."""
+        """Warn once, at construction, where the corollary is far from exact.
+
+        In the middles of the terms, that is.
+        """
         centers = [[highest_point(term) for term in terms] for terms in self.inputs]
         rows = np.array(
-            [[points[max(t, 0)] if t >= 0 else points[0] for t, points in zip(rule, centers, strict=True)] for rule in self.rules]
+            [
+                [
+                    points[max(t, 0)] if t >= 0 else points[0]
+                    for t, points in zip(rule, centers, strict=True)
+                ]
+                for rule in self.rules
+            ]
         )
         worst = float(np.nanmax(self.validity(rows)))
         if worst > VALIDITY_LIMIT:
-            warnings.warn(ApproximationWarning("the Gaussian corollary of this system", worst, VALIDITY_LIMIT), stacklevel=4)
+            warnings.warn(
+                ApproximationWarning(
+                    "the Gaussian corollary of this system", worst, VALIDITY_LIMIT
+                ),
+                stacklevel=4,
+            )

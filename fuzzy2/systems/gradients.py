@@ -1,21 +1,24 @@
 r"""Derivatives of the crisp output of a fuzzy logic system with respect to its inputs.
 
-An end of a type-reduced interval is the least or the greatest of many weighted averages (eq. 1.116), so by the envelope theorem its
-derivative is that of the average at which it is attained, the switch point being held,
+An end of a type-reduced interval is the least or the greatest of many weighted averages
+(eq. 1.116), so by the envelope theorem its derivative is that of the average at which it is
+attained, the switch point being held,
 
 .. math::
 
-    \frac{\partial y}{\partial x_i} = \frac{1}{\sum_r w_r} \sum_r \left[(z_r - y) \frac{\partial w_r}{\partial x_i}
+    \frac{\partial y}{\partial x_i} = \frac{1}{\sum_r w_r}
+    \sum_r \left[(z_r - y) \frac{\partial w_r}{\partial x_i}
     + w_r \frac{\partial z_r}{\partial x_i}\right],
 
-where the second term is there for :class:`fuzzy2.Linear` consequents only. The derivatives of the weights follow from those of
-the terms' memberships (:meth:`fuzzy2.sets.type1.Type1Set.derivative`) by the rule of the t-norm: the product rule, or under the
-minimum that of the smallest grade.
+where the second term is there for :class:`fuzzy2.Linear` consequents only. The derivatives of the
+weights follow from those of the terms' memberships (:meth:`fuzzy2.sets.type1.Type1Set.derivative`)
+by the rule of the t-norm: the product rule, or under the minimum that of the smallest grade.
 
-All of it is differentiated from the right, toward greater :math:`x_i`, which makes a difference at kinks only: corners of
-memberships, equal grades under the minimum, a consequent that equals the output so that the switch point passes it, and :math:`x_i = 0`
-for linear consequents with a spread. Of equal grades the one that falls fastest counts; of the averages at a switch point that is
-passed, for the left end the one that falls fastest and for the right end the one that rises fastest.
+All of it is differentiated from the right, toward greater :math:`x_i`, which makes a difference at
+kinks only: corners of memberships, equal grades under the minimum, a consequent that equals the
+output so that the switch point passes it, and :math:`x_i = 0` for linear consequents with a spread.
+Of equal grades the one that falls fastest counts; of the averages at a switch point that is passed,
+for the left end the one that falls fastest and for the right end the one that rises fastest.
 
 What has no formula here is differentiated by differences of the crisp output.
 """
@@ -36,7 +39,9 @@ from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.terms import domain_of, highest_point, spread
 
 TIE = 1e-13
-"""A consequent equals the output where they differ by less than this, relative to the largest consequent: some roundings."""
+"""A consequent equals the output where they differ by less than this, relative to the largest
+consequent: some roundings.
+"""
 
 _BLOCK = 1 << 20  # numbers in the largest array that is held at once: 8 MiB
 
@@ -95,12 +100,12 @@ class Differentiable(Protocol):
 
     @property
     def planes(self) -> Sequence[tuple[float, Differentiable]]:
-        """Systems that the crisp output is a weighted sum of, with their weights; none where it is that of one system."""
+        """Systems that the crisp output is a weighted sum of, with their weights; else none."""
         ...
 
     @property
     def middles(self) -> Array | None:
-        """Points of which the Gaussian corollary takes the average, (R, m); None for other systems."""
+        """Points that the Gaussian corollary averages, (R, m); None for other systems."""
         ...
 
     def __call__(self, X: ArrayLike) -> Array:
@@ -113,7 +118,9 @@ class Differentiable(Protocol):
 
 
 def gradient(system: Differentiable, rows: Array) -> Array:
-    """Return the derivatives of the crisp outputs, by formula where there is one and by differences elsewhere.
+    """Return the derivatives of the crisp outputs.
+
+    By formula where there is one and by differences elsewhere.
 
     Parameters
     ----------
@@ -151,19 +158,28 @@ def analytic_gradient(system: Differentiable, rows: Array) -> Array:
     Raises
     ------
     NotApplicable
-        If the system has a part without a formula; which ones have is said at :meth:`fuzzy2.systems.system.FuzzySystem.gradient`.
+        If the system has a part without a formula; which ones have is said at
+        :meth:`fuzzy2.systems.system.FuzzySystem.gradient`.
     """
     planes = system.planes
     if planes:
         return np.asarray(sum(share * analytic_gradient(plane, rows) for share, plane in planes))
     if system.type_reduction in ("centroid", "center_of_sums"):
-        raise NotApplicable("the derivative by formula", f"none is known for type reduction {system.type_reduction!r}")
+        raise NotApplicable(
+            "the derivative by formula",
+            f"none is known for type reduction {system.type_reduction!r}",
+        )
     if system.fuzzifiers is not None:
-        raise NotApplicable("the derivative by formula", "none is known for non-singleton fuzzifiers")
+        raise NotApplicable(
+            "the derivative by formula", "none is known for non-singleton fuzzifiers"
+        )
     if system.t_norm not in _RULES:
-        raise NotApplicable("the derivative by formula", f"none is known for the t-norm {system.t_norm.name!r}")
+        raise NotApplicable(
+            "the derivative by formula", f"none is known for the t-norm {system.t_norm.name!r}"
+        )
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
-    # The larger of the weights' derivatives, (n, R, 2, p), and the points of all outputs, (n, m, R).
+    # The larger of the weights' derivatives, (n, R, 2, p), and the points of all outputs, (n, m,
+    # R).
     step = max(1, _BLOCK // (len(system.rules) * max(2 * len(system.inputs), system.n_outputs)))
     for start in range(0, len(rows), step):
         block = rows[start : start + step]
@@ -174,7 +190,8 @@ def analytic_gradient(system: Differentiable, rows: Array) -> Array:
 def gradient_by_differences(system: Differentiable, rows: Array) -> Array:
     """Return the derivatives of the crisp outputs by central differences of sixth order.
 
-    The step is 1/1000 of the range of an input's terms. Within three steps of a kink the result lies between the slopes on both sides.
+    The step is 1/1000 of the range of an input's terms. Within three steps of a kink the result
+    lies between the slopes on both sides.
 
     Parameters
     ----------
@@ -200,17 +217,26 @@ def gradient_by_differences(system: Differentiable, rows: Array) -> Array:
 
 
 def _of_block(system: Differentiable, rows: Array) -> Array:
-    """Return the derivatives (n, m, p) at inputs (n, p), with the weights of all of them in memory."""
+    """Return the derivatives (n, m, p) at inputs (n, p).
+
+    The weights of all of them are in memory.
+    """
     strengths, rates = _firing(system, rows)
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
     if system.middles is not None:
         crisp = system(rows)  # by the Gaussian corollary, which is the type-1 system in the middle
-        slopes[:] = _left_end(system.middles.T[np.newaxis], _CONSTANT[..., 0], crisp, strengths, rates)
+        slopes[:] = _left_end(
+            system.middles.T[np.newaxis], _CONSTANT[..., 0], crisp, strengths, rates
+        )
     else:
         reduced = system.type_reduced(rows)
         for outputs, points, rises, weights, changes in _outputs(system, rows, strengths, rates):
-            left = _left_end(points[..., 0], rises[..., 0], reduced[:, outputs, 0], weights, changes)
-            right = _left_end(-points[..., 1], -rises[..., 1], -reduced[:, outputs, 1], weights, changes)
+            left = _left_end(
+                points[..., 0], rises[..., 0], reduced[:, outputs, 0], weights, changes
+            )
+            right = _left_end(
+                -points[..., 1], -rises[..., 1], -reduced[:, outputs, 1], weights, changes
+            )
             slopes[:, outputs] = 0.5 * (left - right)
         crisp = reduced.mean(axis=-1)
     return np.where(np.isnan(crisp)[..., np.newaxis], np.nan, slopes)
@@ -224,8 +250,12 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
     for i, terms in enumerate(system.inputs):
         x = rows[:, i]
         ends = [_ends(system, term) for term in terms]
-        grades = np.stack([np.stack([end.membership(x) for end in pair], axis=-1) for pair in ends], axis=1)
-        slopes = np.stack([np.stack([end.derivative(x) for end in pair], axis=-1) for pair in ends], axis=1)
+        grades = np.stack(
+            [np.stack([end.membership(x) for end in pair], axis=-1) for pair in ends], axis=1
+        )
+        slopes = np.stack(
+            [np.stack([end.derivative(x) for end in pair], axis=-1) for pair in ends], axis=1
+        )
         asked = system.rules[:, i]
         # Only the rules that ask for this input: to the others it makes no difference.
         used = np.flatnonzero(asked >= 0)
@@ -238,33 +268,69 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
 
 
 def _ends(system: Differentiable, term: Any) -> tuple[Any, Any]:
-    """Return the lower and the upper membership function of a term; twice the principal one for the Gaussian corollary."""
+    """Return the lower and the upper membership function of a term.
+
+    Twice the principal one for the Gaussian corollary.
+    """
     if isinstance(term, GaussianType2Set):
         return term.principal, term.principal
     return term.lower, term.upper
 
 
-def _outputs(system: Differentiable, rows: Array, strengths: Array, rates: Array) -> Iterator[tuple[slice, Array, Array, Array, Array]]:
-    """Yield outputs that share weights, their points (n or 1, m, R, 2) with the derivatives of those, and the weights with theirs."""
+def _outputs(
+    system: Differentiable, rows: Array, strengths: Array, rates: Array
+) -> Iterator[tuple[slice, Array, Array, Array, Array]]:
+    """Yield outputs that share weights.
+
+    Yield their points (n or 1, m, R, 2) with the derivatives of those, and the weights with theirs.
+    """
     if system.type_reduction == "center_of_sets" and not isinstance(system.consequents, Linear):
-        yield slice(None), np.moveaxis(system.consequent_intervals, 1, 0)[np.newaxis], _CONSTANT, strengths, rates
+        yield (
+            slice(None),
+            np.moveaxis(system.consequent_intervals, 1, 0)[np.newaxis],
+            _CONSTANT,
+            strengths,
+            rates,
+        )
         return
     for j in range(system.n_outputs):
         output = slice(j, j + 1)
         if isinstance(system.consequents, Linear):
             points = np.moveaxis(system.consequents.at(rows)[:, :, output], 2, 1)
-            yield output, points, _rises(system.consequents, rows, j)[:, np.newaxis], strengths, rates
+            yield (
+                output,
+                points,
+                _rises(system.consequents, rows, j)[:, np.newaxis],
+                strengths,
+                rates,
+            )
             continue
         assert system.consequent_sets is not None
         sets = [row[j] for row in system.consequent_sets]
         peaks = np.array([highest_point(item) for item in sets])
-        heights = np.array([[float(item.lower(at)), float(item.upper(at))] for item, at in zip(sets, peaks, strict=True)])
+        heights = np.array(
+            [
+                [float(item.lower(at)), float(item.upper(at))]
+                for item, at in zip(sets, peaks, strict=True)
+            ]
+        )
         weights = system.t_norm(strengths, heights)
-        changes = _RULES[system.t_norm](strengths[..., np.newaxis], rates, heights[..., np.newaxis], np.zeros(1))
+        changes = _RULES[system.t_norm](
+            strengths[..., np.newaxis], rates, heights[..., np.newaxis], np.zeros(1)
+        )
         if system.type_reduction == "modified_height":
             widths = np.array([spread(item) for item in sets])
-            weights, changes = weights / widths[:, np.newaxis] ** 2, changes / widths[:, np.newaxis, np.newaxis] ** 2
-        yield output, np.stack([peaks, peaks], axis=-1)[np.newaxis, np.newaxis], _CONSTANT, weights, changes
+            weights, changes = (
+                weights / widths[:, np.newaxis] ** 2,
+                changes / widths[:, np.newaxis, np.newaxis] ** 2,
+            )
+        yield (
+            output,
+            np.stack([peaks, peaks], axis=-1)[np.newaxis, np.newaxis],
+            _CONSTANT,
+            weights,
+            changes,
+        )
 
 
 def _rises(consequents: Linear, rows: Array, output: int) -> Array:
@@ -275,10 +341,13 @@ def _rises(consequents: Linear, rows: Array, output: int) -> Array:
 
 
 def _left_end(points: Array, rises: Array, y: Array, weights: Array, rates: Array) -> Array:
-    r"""Return the derivatives (n, m, p) from the right of left ends y (n, m): the least averages of points with weights from intervals.
+    r"""Return the derivatives (n, m, p) from the right of left ends y (n, m).
 
-    Points are (n or 1, m, R) with the derivatives ``rises`` (n, m, R, p), or 1 along any axis, weights (n, R, 2) with ``rates``
-    (n, R, 2, p). Any weight of a point that equals y gives the same y, but not the same derivative.
+    The least averages of points with weights from intervals.
+
+    Points are (n or 1, m, R) with the derivatives ``rises`` (n, m, R, p), or 1 along any axis,
+    weights (n, R, 2) with ``rates`` (n, R, 2, p). Any weight of a point that equals y gives the
+    same y, but not the same derivative.
     """
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         # Relative to the largest weight: products of tiny ones would underflow.
@@ -287,26 +356,40 @@ def _left_end(points: Array, rises: Array, y: Array, weights: Array, rates: Arra
         away = points - y[..., np.newaxis]
         tied = np.abs(away) <= TIE * np.abs(points).max(axis=-1, keepdims=True)
         below, above = (away < 0.0) & ~tied, (away > 0.0) & ~tied
-        moment = np.where(below, away, 0.0) @ rates[:, :, 1] + np.where(above, away, 0.0) @ rates[:, :, 0]
-        weight = np.where(below, weights[:, np.newaxis, :, 1], np.where(above, weights[:, np.newaxis, :, 0], 0.0))
+        moment = (
+            np.where(below, away, 0.0) @ rates[:, :, 1]
+            + np.where(above, away, 0.0) @ rates[:, :, 0]
+        )
+        weight = np.where(
+            below, weights[:, np.newaxis, :, 1], np.where(above, weights[:, np.newaxis, :, 0], 0.0)
+        )
         mass = weight.sum(axis=-1)[..., np.newaxis]
         if rises.any():
-            moment = moment + np.einsum("nmr,nmrp->nmp", weight, np.broadcast_to(rises, (*away.shape, moment.shape[-1])))
+            moment = moment + np.einsum(
+                "nmr,nmrp->nmp", weight, np.broadcast_to(rises, (*away.shape, moment.shape[-1]))
+            )
         slopes = moment / mass
         some = tied.any(axis=-1)
         if some.any():
             item, output = np.nonzero(some)
-            low, high = np.moveaxis(np.where(tied[some][..., np.newaxis], weights[item], 0.0), -1, 0)
+            low, high = np.moveaxis(
+                np.where(tied[some][..., np.newaxis], weights[item], 0.0), -1, 0
+            )
             theirs = np.broadcast_to(rises, (*away.shape, moment.shape[-1]))[item, output]
-            slopes[some] = _least_slope(moment[some], mass[some], theirs, low[..., np.newaxis], high[..., np.newaxis])
+            slopes[some] = _least_slope(
+                moment[some], mass[some], theirs, low[..., np.newaxis], high[..., np.newaxis]
+            )
     return np.asarray(slopes)
 
 
 def _least_slope(moment: Array, mass: Array, rises: Array, low: Array, high: Array) -> Array:
-    """Return the derivatives (k, p) of ends that equal points, which may have any weight from low to high (k, R, 1).
+    """Return the derivatives (k, p) of ends that equal points.
 
-    Of all their choices the one that falls fastest counts (Danskin's theorem). It is a generalized centroid, too, of the
-    derivatives of the points, (k, R, p), and found by Karnik and Mendel's iteration.
+    These points may have any weight from low to high (k, R, 1).
+
+    Of all their choices the one that falls fastest counts (Danskin's theorem). It is a generalized
+    centroid, too, of the derivatives of the points, (k, R, p), and found by Karnik and Mendel's
+    iteration.
     """
     least: Array = (moment + (high * rises).sum(axis=1)) / (mass + high.sum(axis=1))
     while True:

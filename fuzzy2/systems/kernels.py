@@ -9,23 +9,26 @@ import numpy as np
 from fuzzy2.reduction.kernels import EIASC, Array, end_of_interval
 from fuzzy2.support.compiled import compiled
 
-# Inference. A system is one array of floats, so that a call hands over one table and not seven arrays. It starts with
-# (inputs p, terms T, rules R, outputs m, t-norm code, consequents are crisp), then follow
-#   terms       T rows of 10: index of the input, then what kernel_row() gives
-#   rules       R rows of p: index of the term, or -1 where the input plays no part
-#   ends        R rows of 2 m: left ends of the consequents, above the least of their output, then right ends, below the greatest
-#   least, greatest   m numbers each
-#   sorted      2 m rows of R: these distances in ascending order
-#   orders      2 m rows of R: the rules in that order
+# Inference. A system is one array of floats, so that a call hands over one table and not seven
+# arrays. It starts with (inputs p, terms T, rules R, outputs m, t-norm code, consequents are
+# crisp), then follow
+#   terms T rows of 10: index of the input, then what kernel_row() gives rules R rows of p: index of
+#   the term, or -1 where the input plays no part ends R rows of 2 m: left ends of the consequents,
+#   above the least of their output, then right ends, below the greatest least, greatest m numbers
+#   each sorted 2 m rows of R: these distances in ascending order orders 2 m rows of R: the rules in
+#   that order
 HEADER = 6
 TERM = 10
 
 
 @compiled
 def _grades(row, o, x, width):
-    """Lower and upper grade of x in the term whose table row starts at o; see ``kernel_row`` of the sets.
+    """Lower and upper grade of x in the term whose table row starts at o.
 
-    ``width`` is the half-width, in standard deviations of the secondary grades, of the alpha-plane of a Gaussian type-2 set.
+    See ``kernel_row`` of the sets.
+
+    ``width`` is the half-width, in standard deviations of the secondary grades, of the alpha-plane
+    of a Gaussian type-2 set.
     """
     kind = int(row[o + 1])
     if kind == 1:
@@ -40,8 +43,14 @@ def _grades(row, o, x, width):
             grade = height
         return grade, grade
     m1, m2, s_low, s_high, h_low, h_high, secondary = (
-        row[o + 2], row[o + 3], row[o + 4], row[o + 5], row[o + 6], row[o + 7], row[o + 8],
-    )  # fmt: skip
+        row[o + 2],
+        row[o + 3],
+        row[o + 4],
+        row[o + 5],
+        row[o + 6],
+        row[o + 7],
+        row[o + 8],
+    )
     if kind == 2:
         # Gaussian secondary grades about a Gaussian principal membership function.
         t = (x - m1) / s_high
@@ -84,15 +93,20 @@ def _fire(table, x, xo, width, grades, low, high):
         low[r], high[r] = lower, upper
 
 
-# Comparisons closer than this, relative to what is compared, are left to the search that rounding cannot mislead.
+# Comparisons closer than this, relative to what is compared, are left to the search that rounding
+# cannot mislead.
 CLOSE = 1e-12
-# Products of weights below this one would lose digits to underflow; that search makes them relative first.
+# Products of weights below this one would lose digits to underflow; that search makes them relative
+# first.
 TINY = 1e-200
 
 
 @compiled
 def _exact_end(table, z, order, rules, low, high):
-    """One end by the search of ``_end``, for firing strengths of very different size; the fast search hands over to it."""
+    """One end by the search of ``_end``, for firing strengths of very different size.
+
+    The fast search hands over to it.
+    """
     points, before, after = np.empty(rules), np.empty(rules), np.empty(rules)
     largest = 0.0
     for r in range(rules):
@@ -104,12 +118,17 @@ def _exact_end(table, z, order, rules, low, high):
             points[count] = table[z + i]
             before[count], after[count] = high[r] / largest, low[r] / largest
             count += 1
-    return end_of_interval(points[:count], before[:count], after[:count], True, EIASC, np.empty(rules), np.empty(rules))
+    return end_of_interval(
+        points[:count], before[:count], after[:count], True, EIASC, np.empty(rules), np.empty(rules)
+    )
 
 
 @compiled
 def _center_of_sets(table, low, high, extra, moments, out, oo, crisp):
-    """Write the type-reduced interval, or its middle, of every output; return nothing. NaN where no rule fires."""
+    """Write the type-reduced interval, or its middle, of every output; return nothing.
+
+    NaN where no rule fires.
+    """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     ends = HEADER + TERM * terms + rules * inputs
     extremes = ends + 2 * rules * outputs
@@ -131,8 +150,9 @@ def _center_of_sets(table, low, high, extra, moments, out, oo, crisp):
                 moments[j] += weight * row[j]
     for j in range(outputs):
         least = greatest = math.nan
-        # The left end as it is, then the right end mirrored: distances grow from the extreme point inward and take upper weights up to
-        # the switch point, so sums are only added to. (One function for both would be called with a dozen arguments, and cost twice.)
+        # The left end as it is, then the right end mirrored: distances grow from the extreme point
+        # inward and take upper weights up to the switch point, so sums are only added to. (One
+        # function for both would be called with a dozen arguments, and cost twice.)
         for end in range(2):
             if not fires > 0.0:
                 break
@@ -170,16 +190,20 @@ def _center_of_sets(table, low, high, extra, moments, out, oo, crisp):
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
 
 
-# Rows that are carried together where there are many: enough to hide the loops' own cost, few enough to stay in the fastest memory.
+# Rows that are carried together where there are many: enough to hide the loops' own cost, few
+# enough to stay in the fastest memory.
 LANES = 128
 
 
 @compiled
 def _nearest(distances, order, table, extra, mass, moment, weight, unsettled):
-    """Search one end of all rows of a block at once: ``moment`` holds that of the lower weights, and becomes that at the switch point.
+    """Search one end of all rows of a block at once.
 
-    The rows of a block share the order of the rules, so each step is the same few operations on rows side by side; a row that has
-    passed its switch point stays there, for the next distance is greater still.
+    ``moment`` holds that of the lower weights, and becomes that at the switch point.
+
+    The rows of a block share the order of the rules, so each step is the same few operations on
+    rows side by side; a row that has passed its switch point stays there, for the next distance is
+    greater still.
     """
     for row in range(LANES):
         weight[row] = mass[row]
@@ -197,7 +221,10 @@ def _nearest(distances, order, table, extra, mass, moment, weight, unsettled):
 
 @compiled
 def _evaluate_blocks(table, x, width, crisp, out, rows):
-    """Do as ``evaluate`` for ``rows`` rows, a multiple of LANES, all outputs of a block at a time; to the last bit the same."""
+    """Do as ``evaluate`` for ``rows`` rows, a multiple of LANES, all outputs of a block at a time.
+
+    To the last bit the same.
+    """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     ends = HEADER + TERM * terms + rules * inputs
     extremes = ends + 2 * rules * outputs
@@ -232,7 +259,16 @@ def _evaluate_blocks(table, x, width, crisp, out, rows):
                     for lane in range(LANES):
                         moment[lane] += weights[lane] * distance
                 first = in_order + rules * column
-                _nearest(table[first : first + rules], orders + rules * column, table, extra, mass, moment, weight, unsettled)
+                _nearest(
+                    table[first : first + rules],
+                    orders + rules * column,
+                    table,
+                    extra,
+                    mass,
+                    moment,
+                    weight,
+                    unsettled,
+                )
                 extreme = table[extremes + column]
                 for lane in range(LANES):
                     o = (start + lane) * outputs + j
@@ -247,12 +283,24 @@ def _evaluate_blocks(table, x, width, crisp, out, rows):
             if unsettled[lane] > 0.0:
                 row = start + lane
                 _fire(table, x, row * inputs, width, grades, one_low, one_high)
-                _center_of_sets(table, one_low, one_high, one_extra, moments, out, row * (outputs if crisp else 2 * outputs), crisp)
+                _center_of_sets(
+                    table,
+                    one_low,
+                    one_high,
+                    one_extra,
+                    moments,
+                    out,
+                    row * (outputs if crisp else 2 * outputs),
+                    crisp,
+                )
 
 
 @compiled
 def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> int:
-    """Write the outputs (rows, m), or type-reduced intervals (rows, m, 2), of flat inputs; return -1 or the first row not finite."""
+    """Write the outputs (rows, m), or type-reduced intervals (rows, m, 2), of flat inputs.
+
+    Return -1 or the first row not finite.
+    """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)
@@ -274,7 +322,9 @@ def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> i
 
 @compiled
 def evaluate_row(table: Array, x: Array, out: Array) -> int:
-    """Write the outputs (m,), or the type-reduced intervals (2 m,), of one row; return 1, or 0 if it is not one finite row of inputs.
+    """Write the outputs (m,), or the type-reduced intervals (2 m,), of one row.
+
+    Return 1, or 0 if it is not one finite row of inputs.
 
     For callers in a hurry: every argument costs a tenth of a microsecond.
     """
@@ -285,7 +335,10 @@ def evaluate_row(table: Array, x: Array, out: Array) -> int:
 
 @compiled
 def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, out: Array) -> int:
-    """Write the crisp outputs (rows, m), the middles on the alpha-planes weighted with alpha; return as ``evaluate``."""
+    """Write the crisp outputs (rows, m), the middles on the alpha-planes weighted with alpha.
+
+    Return as ``evaluate``.
+    """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)
@@ -312,7 +365,10 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
 
 @compiled
 def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
-    """Write the type-reduced intervals (rows, planes, m, 2) of the alpha-planes of half-widths ``widths``; return as ``evaluate``."""
+    """Write the type-reduced intervals (rows, planes, m, 2) of the alpha-planes.
+
+    Half-widths are ``widths``. Return as ``evaluate``.
+    """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)
@@ -324,16 +380,29 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
                 return row
         for plane in range(widths.size):
             _fire(table, x, row * inputs, widths[plane], grades, low, high)
-            _center_of_sets(table, low, high, extra, moments, out, 2 * outputs * (row * widths.size + plane), False)
+            _center_of_sets(
+                table,
+                low,
+                high,
+                extra,
+                moments,
+                out,
+                2 * outputs * (row * widths.size + plane),
+                False,
+            )
     return -1
 
 
 @compiled
-def evaluate_corollary(table: Array, x: Array, middles: Array, spreads: Array, product_grades: bool, out: Array) -> int:
-    """Write mean and standard deviation (rows, m, 2) by the Gaussian corollary (eq. 1.107, 1.108); return as ``evaluate``.
+def evaluate_corollary(
+    table: Array, x: Array, middles: Array, spreads: Array, product_grades: bool, out: Array
+) -> int:
+    """Write mean and standard deviation (rows, m, 2) by the Gaussian corollary (eq. 1.107, 1.108).
 
-    ``middles`` and ``spreads`` (R, m) are means and standard deviations of the consequents; firing strengths are Gaussian numbers
-    with the moments of eq. 1.30.
+    Return as ``evaluate``.
+
+    ``middles`` and ``spreads`` (R, m) are means and standard deviations of the consequents; firing
+    strengths are Gaussian numbers with the moments of eq. 1.30.
     """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     grades = np.empty(2 * terms)
@@ -379,7 +448,10 @@ def evaluate_corollary(table: Array, x: Array, middles: Array, spreads: Array, p
 
 @compiled
 def firing(table: Array, x: Array, width: float, out: Array) -> int:
-    """Write the firing intervals (rows, R, 2) of flat inputs; return -1 or the first row that is not finite."""
+    """Write the firing intervals (rows, R, 2) of flat inputs.
+
+    Return -1 or the first row that is not finite.
+    """
     inputs, terms, rules = int(table[0]), int(table[1]), int(table[2])
     grades = np.empty(2 * terms)
     low, high = np.empty(rules), np.empty(rules)

@@ -34,17 +34,31 @@ class Report:
     @property
     def ok(self) -> bool:
         """Whether nothing was found."""
-        return not (len(self.uncovered) or self.unused_terms or self.duplicate_rules or self.conflicting_rules)
+        return not (
+            len(self.uncovered)
+            or self.unused_terms
+            or self.duplicate_rules
+            or self.conflicting_rules
+        )
 
     def __str__(self) -> str:
         if self.ok:
-            return "every region is covered, every term is used, no rules repeat or contradict each other"
+            return (
+                "every region is covered, every term is used, no rules repeat or contradict each "
+                "other"
+            )
         lines = []
         if len(self.uncovered):
             low, high = self.uncovered.min(axis=0), self.uncovered.max(axis=0)
             box = " x ".join(f"[{a:.4g}, {b:.4g}]" for a, b in zip(low, high, strict=True))
-            lines.append(f"no rule fires on {100.0 * (1.0 - self.coverage):.1f} % of the input space, all of it within {box}")
+            lines.append(
+                f"no rule fires on {100.0 * (1.0 - self.coverage):.1f} % of the input space, all "
+                f"of it within {box}"
+            )
         lines += [f"no rule asks whether {name} is {term}" for name, term in self.unused_terms]
         lines += [f"rules {a + 1} and {b + 1} are the same" for a, b in self.duplicate_rules]
-        lines += [f"rules {a + 1} and {b + 1} ask for the same and say different things" for a, b in self.conflicting_rules]
+        lines += [
+            f"rules {a + 1} and {b + 1} ask for the same and say different things"
+            for a, b in self.conflicting_rules
+        ]
         return "; ".join(lines)

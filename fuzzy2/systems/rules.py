@@ -1,8 +1,9 @@
 """Rules as text and as objects: ``IF x1 is Low and x2 is High THEN y is Medium``.
 
-Keywords (``IF``, ``is``, ``and``, ``THEN``) are written in any case; names of variables and terms are compared letter by letter.
-A name with a blank in it, or one that is a keyword, stands in double quotes: ``IF "air temperature" is "very low" THEN ...``. An
-input that a rule does not mention can be anything. A line that starts with ``#`` is a comment.
+Keywords (``IF``, ``is``, ``and``, ``THEN``) are written in any case; names of variables and terms
+are compared letter by letter. A name with a blank in it, or one that is a keyword, stands in double
+quotes: ``IF "air temperature" is "very low" THEN ...``. An input that a rule does not mention can
+be anything. A line that starts with ``#`` is a comment.
 """
 
 from __future__ import annotations
@@ -21,10 +22,14 @@ Clauses = tuple[tuple[str, str], ...]
 """Pairs of a variable and one of its terms, in the order in which they are written."""
 
 Vocabulary = Mapping[str, Iterable[str]]
-"""Names of the terms of each variable, as a dictionary of them or in a list; the order gives them their numbers."""
+"""Names of the terms of each variable, as a dictionary of them or in a list; the order gives them
+their numbers.
+"""
 
 LEAST_LIKENESS = 0.5
-"""Names that have less in common are not suggested: twice the letters that match over all letters."""
+"""Names that have less in common are not suggested: twice the letters that match over all
+letters.
+"""
 
 KEYWORDS = ("if", "is", "and", "then", "or", "not")
 
@@ -38,7 +43,8 @@ class Rule:
     Parameters
     ----------
     antecedents, consequents : tuple of (variable, term) pairs
-        What is asked of the inputs, and what is said of the outputs. A dictionary from variables to terms is taken, too.
+        What is asked of the inputs, and what is said of the outputs. A dictionary from variables to
+        terms is taken, too.
 
     Raises
     ------
@@ -50,7 +56,9 @@ class Rule:
     consequents: Clauses
 
     def __init__(
-        self, antecedents: Mapping[str, str] | Iterable[tuple[str, str]], consequents: Mapping[str, str] | Iterable[tuple[str, str]]
+        self,
+        antecedents: Mapping[str, str] | Iterable[tuple[str, str]],
+        consequents: Mapping[str, str] | Iterable[tuple[str, str]],
     ) -> None:
         for side, clauses in (("antecedents", antecedents), ("consequents", consequents)):
             pairs = clauses.items() if isinstance(clauses, Mapping) else clauses
@@ -60,7 +68,10 @@ class Rule:
             raise InvalidRule(1, str(self), problem)
 
     def __str__(self) -> str:
-        both = (" and ".join(f"{_quoted(variable)} is {_quoted(term)}" for variable, term in side) for side in self._sides)
+        both = (
+            " and ".join(f"{_quoted(variable)} is {_quoted(term)}" for variable, term in side)
+            for side in self._sides
+        )
         return "IF {} THEN {}".format(*both)
 
     @property
@@ -99,13 +110,16 @@ def parse_rule(text: str, number: int = 1) -> Rule:
         raise InvalidRule(number, reader.text, error.reason) from None
 
 
-def parse_rules(rules: str | Iterable[str | Rule], inputs: Vocabulary, outputs: Vocabulary) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def parse_rules(
+    rules: str | Iterable[str | Rule], inputs: Vocabulary, outputs: Vocabulary
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the rules as numbers of terms.
 
     Parameters
     ----------
     rules : str, or iterable of str and Rule
-        Text with a rule a line, or rules as lines and objects. Empty lines and comments (``#``) are skipped.
+        Text with a rule a line, or rules as lines and objects. Empty lines and comments (``#``) are
+        skipped.
     inputs, outputs : mapping from names to terms
         The terms of each variable by name; a dictionary from terms to sets will do.
 
@@ -119,16 +133,23 @@ def parse_rules(rules: str | Iterable[str | Rule], inputs: Vocabulary, outputs: 
     Raises
     ------
     InvalidRule
-        If a rule cannot be read, uses an unknown name (the nearest known one is suggested), or leaves an output out.
+        If a rule cannot be read, uses an unknown name (the nearest known one is suggested), or
+        leaves an output out.
     InvalidValue
         If a variable is both an input and an output, or there is no rule.
     """
-    known_inputs, known_outputs = ({name: list(terms) for name, terms in side.items()} for side in (inputs, outputs))
+    known_inputs, known_outputs = (
+        {name: list(terms) for name, terms in side.items()} for side in (inputs, outputs)
+    )
     shared = sorted(known_inputs.keys() & known_outputs.keys())
     if shared:
         raise InvalidValue("outputs", shared, "variables that are not inputs")
     lines = rules.splitlines() if isinstance(rules, str) else list(rules)
-    stated = [line for line in lines if isinstance(line, Rule) or (line.strip() and not line.lstrip().startswith("#"))]
+    stated = [
+        line
+        for line in lines
+        if isinstance(line, Rule) or (line.strip() and not line.lstrip().startswith("#"))
+    ]
     if not stated:
         raise InvalidValue("rules", rules, "at least one rule")
     antecedents = np.full((len(stated), len(known_inputs)), -1)
@@ -136,15 +157,38 @@ def parse_rules(rules: str | Iterable[str | Rule], inputs: Vocabulary, outputs: 
     for row, line in enumerate(stated):
         rule = line if isinstance(line, Rule) else parse_rule(line, row + 1)
         text = str(line).strip()
-        _number_terms(antecedents[row], rule.antecedents, ("input", known_inputs), ("output", known_outputs), row + 1, text)
-        _number_terms(consequents[row], rule.consequents, ("output", known_outputs), ("input", known_inputs), row + 1, text)
-        silent = [name for name, term in zip(known_outputs, consequents[row], strict=True) if term < 0]
+        _number_terms(
+            antecedents[row],
+            rule.antecedents,
+            ("input", known_inputs),
+            ("output", known_outputs),
+            row + 1,
+            text,
+        )
+        _number_terms(
+            consequents[row],
+            rule.consequents,
+            ("output", known_outputs),
+            ("input", known_inputs),
+            row + 1,
+            text,
+        )
+        silent = [
+            name for name, term in zip(known_outputs, consequents[row], strict=True) if term < 0
+        ]
         if silent:
-            raise InvalidRule(row + 1, text, f"says nothing about the output {silent[0]!r}; each rule must give every output a term")
+            raise InvalidRule(
+                row + 1,
+                text,
+                f"says nothing about the output {silent[0]!r}; each rule must give every output "
+                "a term",
+            )
     return antecedents, consequents
 
 
-def make_rules(antecedents: ArrayLike, consequents: ArrayLike, inputs: Vocabulary, outputs: Vocabulary) -> list[Rule]:
+def make_rules(
+    antecedents: ArrayLike, consequents: ArrayLike, inputs: Vocabulary, outputs: Vocabulary
+) -> list[Rule]:
     """Return the rule objects of arrays of numbers of terms; the inverse of :func:`parse_rules`.
 
     Parameters
@@ -170,10 +214,15 @@ def make_rules(antecedents: ArrayLike, consequents: ArrayLike, inputs: Vocabular
     """
     sides = [
         _named(name, numbers, {variable: list(terms) for variable, terms in side.items()}, smallest)
-        for name, numbers, side, smallest in (("antecedents", antecedents, inputs, -1), ("consequents", consequents, outputs, 0))
+        for name, numbers, side, smallest in (
+            ("antecedents", antecedents, inputs, -1),
+            ("consequents", consequents, outputs, 0),
+        )
     ]
     if len(sides[0]) != len(sides[1]):
-        raise InvalidValue("consequents", len(sides[1]), f"as many as the antecedents, {len(sides[0])}")
+        raise InvalidValue(
+            "consequents", len(sides[1]), f"as many as the antecedents, {len(sides[0])}"
+        )
     made = []
     for number, (asked, said) in enumerate(zip(*sides, strict=True), start=1):
         try:
@@ -183,14 +232,25 @@ def make_rules(antecedents: ArrayLike, consequents: ArrayLike, inputs: Vocabular
     return made
 
 
-def format_rules(antecedents: ArrayLike, consequents: ArrayLike, inputs: Vocabulary, outputs: Vocabulary) -> str:
-    """Return rules as text, one a line, which :func:`parse_rules` reads back; for arguments and errors see :func:`make_rules`."""
+def format_rules(
+    antecedents: ArrayLike, consequents: ArrayLike, inputs: Vocabulary, outputs: Vocabulary
+) -> str:
+    """Return rules as text, one a line, which :func:`parse_rules` reads back.
+
+    For arguments and errors see :func:`make_rules`.
+    """
     return "\n".join(map(str, make_rules(antecedents, consequents, inputs, outputs)))
 
 
 def nearest_name(name: str, known: Iterable[str]) -> str | None:
-    """Return the known name that is most like the given one, upper and lower case being alike, or None if none is."""
-    likeness = {candidate: difflib.SequenceMatcher(None, candidate.lower(), name.lower()).ratio() for candidate in known}
+    """Return the known name that is most like the given one, or None.
+
+    Upper and lower case are alike. None means that none is like it.
+    """
+    likeness = {
+        candidate: difflib.SequenceMatcher(None, candidate.lower(), name.lower()).ratio()
+        for candidate in known
+    }
     best = max(likeness, key=lambda candidate: likeness[candidate], default=None)
     return best if best is not None and likeness[best] >= LEAST_LIKENESS else None
 
@@ -205,9 +265,15 @@ class _Reader:
         while position < len(self.text):
             word = _WORD.match(self.text, position)
             if word is None:
-                raise self.error(f"has a double quote out of place at {self.text[position : position + 20]!r}")
+                raise self.error(
+                    f"has a double quote out of place at {self.text[position : position + 20]!r}"
+                )
             quoted = word["quoted"]
-            self.words.append((word["plain"], False) if quoted is None else (re.sub(r"\\(.)", r"\1", quoted), True))
+            self.words.append(
+                (word["plain"], False)
+                if quoted is None
+                else (re.sub(r"\\(.)", r"\1", quoted), True)
+            )
             position = word.end()
             while position < len(self.text) and self.text[position].isspace():
                 position += 1
@@ -268,7 +334,15 @@ def _problem_of(rule: Rule) -> str | None:
         twice = next((variable for variable in variables if variables.count(variable) > 1), None)
         if twice is not None:
             return f"mentions {twice!r} twice after {name}"
-        broken = next((word for clause in clauses for word in clause if word.splitlines() not in ([word], [])), None)
+        broken = next(
+            (
+                word
+                for clause in clauses
+                for word in clause
+                if word.splitlines() not in ([word], [])
+            ),
+            None,
+        )
         if broken is not None:
             return f"has a line break in the name {broken!r}"
     return None
@@ -296,18 +370,33 @@ def _number_terms(
             reason = f"uses the {other_kind} {variable!r} as an {kind}"
             raise InvalidRule(number, text, f"{reason}; the {kind}s are {', '.join(known)}")
         if variable not in known:
-            raise InvalidRule(number, text, _unknown(f"there is no {kind} {variable!r}", f"{kind}s", variable, known))
+            raise InvalidRule(
+                number,
+                text,
+                _unknown(f"there is no {kind} {variable!r}", f"{kind}s", variable, known),
+            )
         if term not in known[variable]:
-            raise InvalidRule(number, text, _unknown(f"{kind} {variable!r} has no term {term!r}", "terms", term, known[variable]))
+            raise InvalidRule(
+                number,
+                text,
+                _unknown(
+                    f"{kind} {variable!r} has no term {term!r}", "terms", term, known[variable]
+                ),
+            )
         row[places[variable]] = known[variable].index(term)
 
 
 def _unknown(what: str, kinds: str, name: str, known: Iterable[str]) -> str:
     suggestion = nearest_name(name, known)
-    return f"{what}{f'; did you mean {suggestion!r}?' if suggestion else ''} (known {kinds}: {', '.join(known) or 'none'})"
+    return (
+        f"{what}{f'; did you mean {suggestion!r}?' if suggestion else ''} (known {kinds}: "
+        f"{', '.join(known) or 'none'})"
+    )
 
 
-def _named(name: str, numbers: ArrayLike, known: dict[str, list[str]], smallest: int) -> list[Clauses]:
+def _named(
+    name: str, numbers: ArrayLike, known: dict[str, list[str]], smallest: int
+) -> list[Clauses]:
     table = np.asarray(numbers)
     if table.ndim != 2 or table.shape[1] != len(known) or table.dtype.kind not in "iu":
         raise InvalidValue(name, table, f"whole numbers of shape (R, {len(known)})")
@@ -315,6 +404,10 @@ def _named(name: str, numbers: ArrayLike, known: dict[str, list[str]], smallest:
     if not ((table >= smallest) & (table < sizes)).all():
         raise InvalidValue(name, table, f"numbers of terms from {smallest}, below {sizes.tolist()}")
     return [
-        tuple((variable, terms[term]) for (variable, terms), term in zip(known.items(), row, strict=True) if term >= 0)
+        tuple(
+            (variable, terms[term])
+            for (variable, terms), term in zip(known.items(), row, strict=True)
+            if term >= 0
+        )
         for row in table.tolist()
     ]

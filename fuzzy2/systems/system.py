@@ -1,13 +1,16 @@
-r"""Type-1, interval type-2 and general type-2 fuzzy logic systems: many inputs, one rule base, many outputs (eq. 1.63–1.83, 1.117–1.124).
+r"""Type-1, interval type-2 and general type-2 fuzzy logic systems.
 
-A system is inputs (a list of sets per input), rules (which set of each input a rule asks for) and consequents. Evaluating it takes
-three steps: membership grades, firing intervals :math:`[\underline f_r, \overline f_r]` of the rules (the meet of the grades of their
-antecedents, eq. 1.79), and type reduction of the consequents weighted with them. The type-reduced set is the answer with its
-uncertainty; its middle is the crisp output. **Where no rule fires there is no answer: NaN, never 0**; :meth:`validate` says
-where that is.
+Many inputs, one rule base, many outputs (eq. 1.63–1.83, 1.117–1.124).
 
-Gaussian, triangular and trapezoidal terms under minimum or product are evaluated by one compiled loop; any other set or t-norm works,
-too, at NumPy's speed.
+A system is inputs (a list of sets per input), rules (which set of each input a rule asks for) and
+consequents. Evaluating it takes three steps: membership grades, firing intervals
+:math:`[\underline f_r, \overline f_r]` of the rules (the meet of the grades of their antecedents,
+eq. 1.79), and type reduction of the consequents weighted with them. The type-reduced set is the
+answer with its uncertainty; its middle is the crisp output. **Where no rule fires there is no
+answer: NaN, never 0**; :meth:`validate` says where that is.
+
+Gaussian, triangular and trapezoidal terms under minimum or product are evaluated by one compiled
+loop; any other set or t-norm works, too, at NumPy's speed.
 """
 
 from __future__ import annotations
@@ -27,7 +30,12 @@ from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, reals
 from fuzzy2.systems.consequents import Linear, as_sets, centroid_interval
-from fuzzy2.systems.construction import checked_names, checked_ranges, names_of_consequents, read_rules
+from fuzzy2.systems.construction import (
+    checked_names,
+    checked_ranges,
+    names_of_consequents,
+    read_rules,
+)
 from fuzzy2.systems.fuzzifiers import Fuzzifier, NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.gradients import Differentiable, gradient
 from fuzzy2.systems.report import Report
@@ -39,27 +47,34 @@ TYPE_REDUCTIONS = ("center_of_sets", "height", "modified_height", "centroid", "c
 
 
 class FuzzySystem:
-    """What the three kinds of systems share; use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`.
+    """What the three kinds of systems share.
+
+    Use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`.
 
     Parameters
     ----------
     inputs : list of lists of sets, or mapping from names to mappings from names to sets
         The terms of every input.
     rules : (R, p) array_like of int, or text or rule objects
-        Number of the term of each input that a rule asks for; -1 where the input plays no part. Or rules in words, ``IF error is
-        Small and rate is Zero THEN force is Weak``, as text with a rule a line or as :class:`fuzzy2.Rule` objects; then inputs
-        have names, and the consequents are the terms of the outputs by name.
-    consequents : (R, m) or (R, m, 2) array_like, Linear, sets, or mapping from outputs to mappings from terms
-        Numbers, intervals, linear functions of the inputs, or sets: one per rule, or a list per rule with one per output. For rules in
-        words, what each term of each output means: a number, an interval or a set.
+        Number of the term of each input that a rule asks for; -1 where the input plays no part. Or
+        rules in words, ``IF error is Small and rate is Zero THEN force is Weak``, as text with a
+        rule a line or as :class:`fuzzy2.Rule` objects; then inputs have names, and the consequents
+        are the terms of the outputs by name.
+    consequents : (R, m) or (R, m, 2) array_like, Linear, sets, or mapping of mappings
+        Numbers, intervals, linear functions of the inputs, or sets: one per rule, or a list per
+        rule with one per output. For rules in words, what each term of each output means: a number,
+        an interval or a set.
     t_norm : str or callable
-        How the grades of a rule's antecedents are combined: ``"product"``, ``"min"``, any name of :mod:`fuzzy2.operations.t_norms`, or a function.
+        How the grades of a rule's antecedents are combined: ``"product"``, ``"min"``, any name of
+        :mod:`fuzzy2.operations.t_norms`, or a function.
     type_reduction : str
-        ``"center_of_sets"`` (consequents by their centroids), ``"height"`` and ``"modified_height"`` (by their highest points; the
-        latter divides weights by squared spreads), ``"centroid"`` and ``"center_of_sums"`` (on a grid of the output, rules united by
+        ``"center_of_sets"`` (consequents by their centroids), ``"height"`` and
+        ``"modified_height"`` (by their highest points; the latter divides weights by squared
+        spreads), ``"centroid"`` and ``"center_of_sums"`` (on a grid of the output, rules united by
         the t-conorm or summed). All but the first need consequents that are sets.
     method : str
-        Exact method of type reduction, see :func:`fuzzy2.generalized_centroid`; they all give the same.
+        Exact method of type reduction, see :func:`fuzzy2.generalized_centroid`; they all give the
+        same.
     t_conorm : str or callable
         How the rules' outputs are united under ``"centroid"``.
     fuzzifier : Fuzzifier, or one for each input
@@ -69,17 +84,19 @@ class FuzzySystem:
     term_names : sequence of sequences of str, optional
         Names of the terms of every input; ``term1, ...`` by default.
     consequent_names : sequence of sequences of str, optional
-        Name of what each rule (R,) says of each output (m,), for files; of rules in words, the names of the terms.
+        Name of what each rule (R,) says of each output (m,), for files; of rules in words, the
+        names of the terms.
     input_ranges, output_ranges : (p, 2) and (m, 2) array_like, optional
-        Ends of the variables' domains. Those of the outputs are the ends of the output grid, which are otherwise the ends of the
-        consequents; those of the inputs are for files.
+        Ends of the variables' domains. Those of the outputs are the ends of the output grid, which
+        are otherwise the ends of the consequents; those of the inputs are for files.
     resolution : int
         Points of the output grid of ``"centroid"`` and ``"center_of_sums"``.
 
     Raises
     ------
     InvalidValue
-        If shapes do not go together, a rule asks for a term that is not there, or a set is of a kind the system cannot take.
+        If shapes do not go together, a rule asks for a term that is not there, or a set is of a
+        kind the system cannot take.
     UnknownName
         If a t-norm, a type reduction or a method is unknown.
     """
@@ -110,7 +127,9 @@ class FuzzySystem:
             input_names, term_names = list(inputs), [list(terms) for terms in inputs.values()]
             inputs = [list(terms.values()) for terms in inputs.values()]
         if isinstance(consequents, Mapping):
-            rules, consequents, output_names, consequent_names = read_rules(rules, consequents, input_names, term_names)
+            rules, consequents, output_names, consequent_names = read_rules(
+                rules, consequents, input_names, term_names
+            )
         self.inputs: tuple[tuple[Any, ...], ...] = tuple(tuple(terms) for terms in inputs)
         self._check_inputs()
         self.rules = self._checked_rules(rules)
@@ -124,35 +143,56 @@ class FuzzySystem:
         if resolution < 2 or resolution != int(resolution):
             raise InvalidValue("resolution", resolution, "a whole number of at least 2")
         self.resolution = int(resolution)
-        self.consequents, self.consequent_sets, self.consequent_intervals = self._checked_consequents(consequents)
+        self.consequents, self.consequent_sets, self.consequent_intervals = (
+            self._checked_consequents(consequents)
+        )
         if type_reduction != "center_of_sets" and self.consequent_sets is None:
-            raise NotApplicable(f"type reduction {type_reduction!r}", "the consequents are no sets; use center_of_sets")
+            raise NotApplicable(
+                f"type reduction {type_reduction!r}",
+                "the consequents are no sets; use center_of_sets",
+            )
         self.n_outputs = int(self.consequent_intervals.shape[1])
         self.input_names = checked_names("input_names", input_names, len(self.inputs), "x")
         self.output_names = checked_names("output_names", output_names, self.n_outputs, "y")
         given = [None] * len(self.inputs) if term_names is None else list(term_names)
         if len(given) != len(self.inputs):
-            raise InvalidValue("term_names", term_names, f"a list of names for each of the {len(self.inputs)} inputs")
+            raise InvalidValue(
+                "term_names",
+                term_names,
+                f"a list of names for each of the {len(self.inputs)} inputs",
+            )
         self.term_names = tuple(
-            checked_names("term_names", names, len(terms), "term") for names, terms in zip(given, self.inputs, strict=True)
+            checked_names("term_names", names, len(terms), "term")
+            for names, terms in zip(given, self.inputs, strict=True)
         )
-        self.consequent_names = names_of_consequents(consequent_names, len(self.rules), self.n_outputs)
+        self.consequent_names = names_of_consequents(
+            consequent_names, len(self.rules), self.n_outputs
+        )
         self.input_ranges = checked_ranges("input_ranges", input_ranges, len(self.inputs))
         self.output_ranges = checked_ranges("output_ranges", output_ranges, self.n_outputs)
         self._table = self._compiled_table()
-        self._fast = self._table is not None and type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear)
+        self._fast = (
+            self._table is not None
+            and type_reduction == "center_of_sets"
+            and not isinstance(self.consequents, Linear)
+        )
         # Looked up once: a control loop calls a system a thousand times a second.
         self._kernels = _kernels()
         self._evaluate_row = self._kernels.evaluate_row
 
     def __repr__(self) -> str:
         return (
-            f"{type(self).__name__}({len(self.inputs)} inputs, {len(self.rules)} rules, {self.n_outputs} outputs, "
-            f"t_norm={self.t_norm.name!r}, type_reduction={self.type_reduction!r})"
+            f"{type(self).__name__}({len(self.inputs)} inputs, {len(self.rules)} rules, "
+            f"{self.n_outputs} outputs, t_norm={self.t_norm.name!r}, "
+            f"type_reduction={self.type_reduction!r})"
         )
 
     def __getstate__(self) -> dict[str, Any]:
-        return {name: value for name, value in self.__dict__.items() if name not in ("_kernels", "_evaluate_row")}
+        return {
+            name: value
+            for name, value in self.__dict__.items()
+            if name not in ("_kernels", "_evaluate_row")
+        }
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         kernels = _kernels()
@@ -162,19 +202,25 @@ class FuzzySystem:
 
     def _check_inputs(self) -> None:
         if not self.inputs or not all(self.inputs):
-            raise InvalidValue("inputs", self.inputs, "a list of at least one set for each of at least one input")
+            raise InvalidValue(
+                "inputs", self.inputs, "a list of at least one set for each of at least one input"
+            )
         for number, terms in enumerate(self.inputs, start=1):
             for term in terms:
                 if not isinstance(term, self._kinds):
                     raise InvalidValue(f"a term of input {number}", term, self._kind_names)
 
-    def _checked_fuzzifiers(self, given: Fuzzifier | Sequence[Fuzzifier] | None) -> tuple[Fuzzifier, ...] | None:
+    def _checked_fuzzifiers(
+        self, given: Fuzzifier | Sequence[Fuzzifier] | None
+    ) -> tuple[Fuzzifier, ...] | None:
         """Return a fuzzifier for each input, or None if all are singleton."""
         if given is None:
             return None
         each = (given,) * len(self.inputs) if isinstance(given, Fuzzifier) else tuple(given)
         if len(each) != len(self.inputs) or not all(isinstance(one, Fuzzifier) for one in each):
-            raise InvalidValue("fuzzifier", given, f"a fuzzifier, or one for each of the {len(self.inputs)} inputs")
+            raise InvalidValue(
+                "fuzzifier", given, f"a fuzzifier, or one for each of the {len(self.inputs)} inputs"
+            )
         for one in each:
             if isinstance(one, NonSingletonFuzzifier) and not isinstance(one.shape, self._kinds):
                 raise InvalidValue("the shape of a fuzzifier", one.shape, self._kind_names)
@@ -182,8 +228,17 @@ class FuzzySystem:
 
     def _checked_rules(self, rules: Any) -> NDArray[np.int64]:
         given = np.asarray(rules)
-        if given.ndim != 2 or given.shape[1] != len(self.inputs) or given.shape[0] == 0 or given.dtype.kind not in "iu":
-            raise InvalidValue("rules", given, f"whole numbers of shape (R, {len(self.inputs)}), a row for each rule")
+        if (
+            given.ndim != 2
+            or given.shape[1] != len(self.inputs)
+            or given.shape[0] == 0
+            or given.dtype.kind not in "iu"
+        ):
+            raise InvalidValue(
+                "rules",
+                given,
+                f"whole numbers of shape (R, {len(self.inputs)}), a row for each rule",
+            )
         counts = np.array([len(terms) for terms in self.inputs])
         bad = np.argwhere((given < -1) | (given >= counts))
         if len(bad):
@@ -196,18 +251,27 @@ class FuzzySystem:
         return given.astype(np.int64)
 
     def _checked_consequents(self, consequents: Any) -> tuple[Any, list[list[Any]] | None, Array]:
-        """Return the consequents as given, the sets if they are sets, and their intervals (R, m, 2)."""
+        """Return the consequents as given, the sets if they are any, and intervals (R, m, 2)."""
         count = len(self.rules)
         if isinstance(consequents, Linear):
-            if consequents.coefficients.shape[0] != count or consequents.coefficients.shape[2] != len(self.inputs) + 1:
+            if (
+                consequents.coefficients.shape[0] != count
+                or consequents.coefficients.shape[2] != len(self.inputs) + 1
+            ):
                 raise InvalidValue(
-                    "consequents", consequents.coefficients.shape, f"coefficients of shape ({count}, m, {len(self.inputs) + 1})"
+                    "consequents",
+                    consequents.coefficients.shape,
+                    f"coefficients of shape ({count}, m, {len(self.inputs) + 1})",
                 )
             return consequents, None, np.zeros((*consequents.coefficients.shape[:2], 2))
         sets = as_sets(consequents)
         if sets is not None:
             if len(sets) != count or len({len(row) for row in sets}) != 1:
-                raise InvalidValue("consequents", len(sets), f"a set, or a list with a set for each output, for each of {count} rules")
+                raise InvalidValue(
+                    "consequents",
+                    len(sets),
+                    f"a set, or a list with a set for each output, for each of {count} rules",
+                )
             for row in sets:
                 for item in row:
                     if not isinstance(item, self._kinds):
@@ -216,17 +280,34 @@ class FuzzySystem:
         try:
             values = np.asarray(consequents, dtype=float)
         except (TypeError, ValueError) as error:
-            raise InvalidValue("consequents", consequents, f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}") from error
+            raise InvalidValue(
+                "consequents",
+                consequents,
+                f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}",
+            ) from error
         if values.ndim == 2:
             values = np.stack([values, values], axis=-1)
-        if values.ndim != 3 or values.shape[0] != count or values.shape[1] == 0 or values.shape[2] != 2:
-            raise InvalidValue("consequents", values, f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}")
+        if (
+            values.ndim != 3
+            or values.shape[0] != count
+            or values.shape[1] == 0
+            or values.shape[2] != 2
+        ):
+            raise InvalidValue(
+                "consequents", values, f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}"
+            )
         if not np.isfinite(values).all() or (values[..., 0] > values[..., 1]).any():
             raise InvalidValue("consequents", values, "finite, with left ends not above right ends")
-        return consequents if isinstance(consequents, np.ndarray) else np.asarray(consequents, dtype=float), None, values
+        return (
+            consequents
+            if isinstance(consequents, np.ndarray)
+            else np.asarray(consequents, dtype=float),
+            None,
+            values,
+        )
 
     def _compiled_table(self) -> Array | None:
-        """Return the system as one array for the compiled loop, or None if that cannot evaluate it."""
+        """Return the system as one array for the compiled loop, or None if that cannot do it."""
         if self.t_norm.name not in ("min", "product") or self.fuzzifiers is not None:
             return None
         rows = []
@@ -246,7 +327,14 @@ class FuzzySystem:
         least, greatest = left.min(axis=0), right.max(axis=0)
         return np.concatenate(
             [
-                [len(self.inputs), len(rows), count, outputs, 0.0 if self.t_norm.name == "min" else 1.0, 0.0],
+                [
+                    len(self.inputs),
+                    len(rows),
+                    count,
+                    outputs,
+                    0.0 if self.t_norm.name == "min" else 1.0,
+                    0.0,
+                ],
                 np.ravel(rows),
                 antecedents.ravel() if rows else np.full(self.rules.size, -1.0),
                 np.concatenate([left - least, greatest - right], axis=1).ravel(),
@@ -267,8 +355,10 @@ class FuzzySystem:
 
     @property
     def table(self) -> Array | None:
-        """The system as the one array that the loops of :mod:`fuzzy2.systems.kernels` take, or None where they cannot evaluate it."""
-        compiled = self.type_reduction == "center_of_sets" and not isinstance(self.consequents, Linear)
+        """The system as the array that :mod:`fuzzy2.systems.kernels` takes; None if it cannot."""
+        compiled = self.type_reduction == "center_of_sets" and not isinstance(
+            self.consequents, Linear
+        )
         return self._table if compiled else None
 
     def _rows(self, X: ArrayLike) -> tuple[tuple[int, ...], Array]:
@@ -324,7 +414,8 @@ class FuzzySystem:
         Returns
         -------
         (..., m, 2) ndarray
-            Left and right ends; NaN where no rule fires. No confidence intervals: how often they cover the truth is not known.
+            Left and right ends; NaN where no rule fires. No confidence intervals: how often they
+            cover the truth is not known.
 
         Raises
         ------
@@ -346,7 +437,9 @@ class FuzzySystem:
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
         """Return outputs or intervals of inputs of any make and number."""
         shape, rows = self._rows(X)
-        results: Array = np.empty((*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2))
+        results: Array = np.empty(
+            (*shape, self.n_outputs) if crisp else (*shape, self.n_outputs, 2)
+        )
         if self._kernels.evaluate(self._table, rows.ravel(), 0.0, crisp, results.ravel()) >= 0:
             self._refuse(rows)
         return results
@@ -389,11 +482,21 @@ class FuzzySystem:
         """Lower and upper grades (n, terms, 2) of every input."""
         if self.fuzzifiers is not None:
             return [
-                np.stack([fuzzifier.firing(term, rows[:, i], self.t_norm) for term in terms], axis=1)
-                for i, (terms, fuzzifier) in enumerate(zip(self.inputs, self.fuzzifiers, strict=True))
+                np.stack(
+                    [fuzzifier.firing(term, rows[:, i], self.t_norm) for term in terms], axis=1
+                )
+                for i, (terms, fuzzifier) in enumerate(
+                    zip(self.inputs, self.fuzzifiers, strict=True)
+                )
             ]
         return [
-            np.stack([np.stack([term.lower(rows[:, i]), term.upper(rows[:, i])], axis=-1) for term in terms], axis=1)
+            np.stack(
+                [
+                    np.stack([term.lower(rows[:, i]), term.upper(rows[:, i])], axis=-1)
+                    for term in terms
+                ],
+                axis=1,
+            )
             for i, terms in enumerate(self.inputs)
         ]
 
@@ -402,7 +505,9 @@ class FuzzySystem:
         for i, of_input in enumerate(grades):
             asked = self.rules[:, i]
             chosen = of_input[:, np.maximum(asked, 0)]
-            strengths = np.where((asked >= 0)[:, np.newaxis], self.t_norm(strengths, chosen), strengths)
+            strengths = np.where(
+                (asked >= 0)[:, np.newaxis], self.t_norm(strengths, chosen), strengths
+            )
         return strengths
 
     def _reduce(self, rows: Array, strengths: Array) -> Array:
@@ -410,18 +515,35 @@ class FuzzySystem:
         if self.type_reduction == "center_of_sets":
             if isinstance(self.consequents, Linear):
                 intervals = self.consequents.at(rows)
-                return generalized_centroid(np.moveaxis(intervals, 2, 1), strengths[:, np.newaxis], self.method)
+                return generalized_centroid(
+                    np.moveaxis(intervals, 2, 1), strengths[:, np.newaxis], self.method
+                )
             intervals = np.moveaxis(self.consequent_intervals, 1, 0)
-            return generalized_centroid(intervals[np.newaxis], strengths[:, np.newaxis], self.method)
+            return generalized_centroid(
+                intervals[np.newaxis], strengths[:, np.newaxis], self.method
+            )
         assert self.consequent_sets is not None
         ranges = self.output_ranges or (None,) * self.n_outputs
         columns = ([row[j] for row in self.consequent_sets] for j in range(self.n_outputs))
-        return np.stack([self._reduce_output(sets, ends, strengths) for sets, ends in zip(columns, ranges, strict=True)], axis=1)
+        return np.stack(
+            [
+                self._reduce_output(sets, ends, strengths)
+                for sets, ends in zip(columns, ranges, strict=True)
+            ],
+            axis=1,
+        )
 
-    def _reduce_output(self, sets: list[Any], ends: tuple[float, float] | None, strengths: Array) -> Array:
+    def _reduce_output(
+        self, sets: list[Any], ends: tuple[float, float] | None, strengths: Array
+    ) -> Array:
         if self.type_reduction in ("height", "modified_height"):
             points = np.array([highest_point(item) for item in sets])
-            heights = np.array([[float(item.lower(at)), float(item.upper(at))] for item, at in zip(sets, points, strict=True)])
+            heights = np.array(
+                [
+                    [float(item.lower(at)), float(item.upper(at))]
+                    for item, at in zip(sets, points, strict=True)
+                ]
+            )
             weights = self.t_norm(strengths, heights)
             if self.type_reduction == "modified_height":
                 weights = weights / np.array([spread(item) for item in sets])[:, np.newaxis] ** 2
@@ -434,22 +556,31 @@ class FuzzySystem:
             block = strengths[start : start + 64]
             clipped = self.t_norm(block[..., np.newaxis], shapes[np.newaxis])
             if self.type_reduction == "centroid":
-                united = self.t_conorm.reduce(clipped, axis=1) if clipped.shape[1] > 1 else clipped[:, 0]
+                united = (
+                    self.t_conorm.reduce(clipped, axis=1) if clipped.shape[1] > 1 else clipped[:, 0]
+                )
             else:
                 united = clipped.sum(axis=1)
-            reduced[start : start + 64] = generalized_centroid(grid, np.moveaxis(united, 1, 2), self.method)
+            reduced[start : start + 64] = generalized_centroid(
+                grid, np.moveaxis(united, 1, 2), self.method
+            )
         return reduced
 
     def gradient(self, X: ArrayLike) -> Array:
-        r"""Return the derivatives of the crisp outputs with respect to the inputs, :math:`\partial y_j / \partial x_i`.
+        r"""Return the derivatives of the crisp outputs by the inputs.
 
-        Analytic (:mod:`fuzzy2.systems.gradients`) for center of sets, height, modified height, their α-planes and the Gaussian corollary, with
-        singleton fuzzifiers and terms that have a ``derivative``, under the continuous t-norms that have a name. All else by sixth-order
-        differences: centroid, center of sums, other t-norms and fuzzifiers, and functional or sampled type-2 sets, Gaussian ones
-        whose spread is a function, and sets of one's own among the terms.
+        They are :math:`\partial y_j / \partial x_i`.
 
-        At a kink the analytic derivative is that of the right side, toward greater :math:`x_i`, and a jump of a membership counts
-        for nothing; differences mix both sides within 3/1000 of the terms' range.
+        Analytic (:mod:`fuzzy2.systems.gradients`) for center of sets, height, modified height,
+        their α-planes and the Gaussian corollary, with singleton fuzzifiers and terms that have a
+        ``derivative``, under the continuous t-norms that have a name. All else by sixth-order
+        differences: centroid, center of sums, other t-norms and fuzzifiers, and functional or
+        sampled type-2 sets, Gaussian ones whose spread is a function, and sets of one's own among
+        the terms.
+
+        At a kink the analytic derivative is that of the right side, toward greater :math:`x_i`, and
+        a jump of a membership counts for nothing; differences mix both sides within 3/1000 of the
+        terms' range.
 
         Parameters
         ----------
@@ -472,18 +603,20 @@ class FuzzySystem:
 
     @property
     def planes(self) -> Sequence[tuple[float, Differentiable]]:
-        """Systems that the crisp output is a weighted sum of, with their weights; none where it is that of one system."""
+        """Systems that the crisp output is a weighted sum of, with their weights; else none."""
         return ()
 
     @property
     def middles(self) -> Array | None:
-        """Points of which the Gaussian corollary takes the average, (R, m); None for other systems."""
+        """Points that the Gaussian corollary averages, (R, m); None for other systems."""
         return None
 
     # Looking at a system
 
     def validity(self, X: ArrayLike) -> Array:
-        r"""Return how far the firing strengths are from crisp, :math:`\sum \Delta_r / \sum h_r` (eq. 1.88, 1.104).
+        r"""Return how far the firing strengths are from crisp (eq. 1.88, 1.104).
+
+        It is :math:`\sum \Delta_r / \sum h_r`.
 
         Parameters
         ----------
@@ -493,7 +626,8 @@ class FuzzySystem:
         Returns
         -------
         (...,) ndarray
-            0 where all firing is crisp; the thesis's approximate reducers need it small against 1. NaN where no rule fires.
+            0 where all firing is crisp; the thesis's approximate reducers need it small against 1.
+            NaN where no rule fires.
 
         Raises
         ------
@@ -507,16 +641,25 @@ class FuzzySystem:
         return ratio
 
     def domain(self) -> Array:
-        """Return the range of each input from the peak of its lowest term to that of its highest, of shape (p, 2)."""
+        """Return the range of each input, (p, 2).
+
+        It goes from the peak of the lowest term to that of the highest.
+        """
         return np.array([range_of(terms) for terms in self.inputs])
 
-    def validate(self, points: int = 15, threshold: float = 1e-3, domain: ArrayLike | None = None) -> Report:
-        """Look for regions that no rule covers, terms that no rule uses, and rules that repeat or contradict each other.
+    def validate(
+        self, points: int = 15, threshold: float = 1e-3, domain: ArrayLike | None = None
+    ) -> Report:
+        """Look for uncovered regions, unused terms and rules that disagree or repeat.
+
+        No rule covers such a region or uses such a term; such rules repeat or contradict each
+        other.
 
         Parameters
         ----------
         points : int
-            Grid points per input; with many inputs a seeded sample of 100 000 points of the grid is looked at.
+            Grid points per input; with many inputs a seeded sample of 100 000 points of the grid is
+            looked at.
         threshold : float
             A point counts as covered if some rule's upper firing strength is above this.
         domain : (p, 2) array_like, optional
@@ -533,9 +676,17 @@ class FuzzySystem:
             If ``points`` is no whole number of at least 2.
         """
         if isinstance(points, bool) or not isinstance(points, int | np.integer) or points < 2:
-            raise InvalidValue("points", points, "a whole number of at least 2, the grid points per input; ranges go into domain")
+            raise InvalidValue(
+                "points",
+                points,
+                "a whole number of at least 2, the grid points per input; ranges go into domain",
+            )
         ranges = self.domain() if domain is None else reals("domain", domain)
-        if ranges.shape != (len(self.inputs), 2) or not np.isfinite(ranges).all() or (ranges[:, 0] > ranges[:, 1]).any():
+        if (
+            ranges.shape != (len(self.inputs), 2)
+            or not np.isfinite(ranges).all()
+            or (ranges[:, 0] > ranges[:, 1]).any()
+        ):
             raise InvalidValue("domain", ranges, f"finite ranges of shape ({len(self.inputs)}, 2)")
         axes = [np.linspace(low, high, points) for low, high in ranges]
         if points ** len(axes) <= 100_000:
@@ -543,7 +694,12 @@ class FuzzySystem:
         else:
             rng = np.random.default_rng(0)
             grid = np.stack([rng.choice(axis, 100_000) for axis in axes], axis=-1)
-        covered = np.concatenate([self._coverage(grid[start : start + 4096]) > threshold for start in range(0, len(grid), 4096)])
+        covered = np.concatenate(
+            [
+                self._coverage(grid[start : start + 4096]) > threshold
+                for start in range(0, len(grid), 4096)
+            ]
+        )
         unused = [
             (self.input_names[i], self.term_names[i][t])
             for i, terms in enumerate(self.inputs)
@@ -569,11 +725,16 @@ class FuzzySystem:
             return all(np.array_equal(values[a], values[b]) for values in both)
         return np.array_equal(self.consequent_intervals[a], self.consequent_intervals[b])
 
-    def embedded_outputs(self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None) -> Iterator[Array]:
-        """Yield outputs of type-1 systems that the system contains (Fig. 7): a type-2 system is many type-1 systems at once.
+    def embedded_outputs(
+        self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None
+    ) -> Iterator[Array]:
+        """Yield outputs of type-1 systems that the system contains (Fig. 7).
 
-        Each takes one number from the firing interval of every rule and one from every consequent: first the two extreme choices of
-        all switch points of the first output, then random ones. All outputs lie in the type-reduced interval.
+        A type-2 system is many type-1 systems at once.
+
+        Each takes one number from the firing interval of every rule and one from every consequent:
+        first the two extreme choices of all switch points of the first output, then random ones.
+        All outputs lie in the type-reduced interval.
 
         Parameters
         ----------
@@ -594,25 +755,37 @@ class FuzzySystem:
         if shape or self.type_reduction != "center_of_sets":
             raise NotApplicable("embedded_outputs", "it takes one input of a center-of-sets system")
         strengths = self._firing(rows)[0]
-        intervals = self.consequents.at(rows)[0] if isinstance(self.consequents, Linear) else self.consequent_intervals
+        intervals = (
+            self.consequents.at(rows)[0]
+            if isinstance(self.consequents, Linear)
+            else self.consequent_intervals
+        )
         generator = np.random.default_rng(0) if rng is None else rng
         choices: list[tuple[Array, Array]] = []
         for end in (0, 1):
             rank = np.argsort(np.argsort(intervals[:, 0, end], kind="stable"))
             choices += [
-                (np.where((rank < k) == (end == 0), strengths[:, 1], strengths[:, 0]), intervals[..., end]) for k in range(len(rank) + 1)
+                (
+                    np.where((rank < k) == (end == 0), strengths[:, 1], strengths[:, 0]),
+                    intervals[..., end],
+                )
+                for k in range(len(rank) + 1)
             ]
         for _ in range(count):
             share, where = generator.random(len(strengths)), generator.random(intervals.shape[:2])
             weights = strengths[:, 0] + share * (strengths[:, 1] - strengths[:, 0])
-            choices.append((weights, intervals[..., 0] + where * (intervals[..., 1] - intervals[..., 0])))
+            choices.append(
+                (weights, intervals[..., 0] + where * (intervals[..., 1] - intervals[..., 0]))
+            )
         for weights, values in choices:
             if weights.sum() > 0.0:
                 yield weights @ values / weights.sum()
 
 
 class Type1System(FuzzySystem):
-    """Type-1 fuzzy logic system; its output is crisp, and its type-reduced interval a point unless its consequents are intervals.
+    """Type-1 fuzzy logic system.
+
+    Its output is crisp, and its type-reduced interval a point unless its consequents are intervals.
 
     Parameters
     ----------

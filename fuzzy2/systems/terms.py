@@ -16,14 +16,18 @@ AnySet = Type1Set | IntervalType2Set | GeneralType2Set
 
 
 def highest_point(item: Any) -> float:
-    """Middle of the points of greatest membership, of the principal membership for general type-2 and the upper one for interval sets."""
+    """Middle of the points of greatest membership.
+
+    Of the principal membership for general type-2 and the upper one for interval sets.
+    """
     if isinstance(item, GeneralType2Set):
         item = item.principal
     elif isinstance(item, IntervalType2Set):
         item = item.upper
     maxima = item.maxima
     if maxima is None:
-        # A sigmoid never reaches its height; four times the width of its slope behind its center it is at 0.98 of it.
+        # A sigmoid never reaches its height; four times the width of its slope behind its center it
+        # is at 0.98 of it.
         points = item.landmarks
         near = points[item(points) > 0.95 * item.height]
         return float(near[np.argmin(item(near))])
@@ -31,13 +35,19 @@ def highest_point(item: Any) -> float:
 
 
 def range_of(terms: Sequence[Any]) -> tuple[float, float]:
-    """Range from the lowest to the highest peak of the terms of an input; that of the domain if they have one peak."""
+    """Range from the lowest to the highest peak of the terms of an input.
+
+    That of the domain if they have one peak.
+    """
     peaks = [highest_point(term) for term in terms]
     return (min(peaks), max(peaks)) if max(peaks) > min(peaks) else domain_of(terms)
 
 
 def domain_of(terms: Sequence[Any]) -> tuple[float, float]:
-    """Range on which sets live: their supports where bounded, else their landmarks above exp(-12.5), of a Gaussian 4 sigma away."""
+    """Range on which sets live.
+
+    Their supports where bounded, else their landmarks above exp(-12.5), of a Gaussian 4 sigma away.
+    """
     left, right = np.inf, -np.inf
     for item in terms:
         upper = item.upper
@@ -55,9 +65,14 @@ def domain_of(terms: Sequence[Any]) -> tuple[float, float]:
 
 
 def spread(item: Any) -> float:
-    """Width of a consequent, for the modified height reducer: half of its cut at exp(-1/2), a Gaussian's standard deviation."""
+    """Width of a consequent, for the modified height reducer.
+
+    Half of its cut at exp(-1/2), a Gaussian's standard deviation.
+    """
     upper = item.principal if isinstance(item, GeneralType2Set) else item.upper
     left, right = upper.alpha_cut(np.exp(-0.5) * upper.height)
     if not right > left:
-        raise NotApplicable("modified height type reduction", f"the consequent {item!r} has no width to divide by")
+        raise NotApplicable(
+            "modified height type reduction", f"the consequent {item!r} has no width to divide by"
+        )
     return 0.5 * float(right - left)

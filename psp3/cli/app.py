@@ -14,7 +14,10 @@ app = typer.Typer(
     invoke_without_command=True,
     pretty_exceptions_enable=False,
     help="Dynamics and control of the 3-PSP parallel robot.",
-    epilog="Lengths are in meters and angles in degrees, lists are separated by commas. 'psp3 COMMAND --help' explains a command.",
+    epilog=(
+        "Lengths are in meters and angles in degrees, lists are separated by commas. 'psp3 "
+        "COMMAND --help' explains a command."
+    ),
 )
 
 
@@ -29,7 +32,12 @@ def _version(wanted: bool) -> None:
 @app.callback()
 def _root(
     context: typer.Context,
-    _: Annotated[bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version and exit.")] = False,
+    _: Annotated[
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Show the version and exit."
+        ),
+    ] = False,
 ) -> None:
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())

@@ -1,7 +1,8 @@
 """The command ``psp3``: everything this package does, from a terminal.
 
-Only typer is imported here; each command imports what it needs when it runs, so that ``psp3 --help`` answers at once.
-Results go to standard output, progress and errors to standard error. Lengths are meters, angles degrees.
+Only typer is imported here; each command imports what it needs when it runs, so that
+``psp3 --help`` answers at once. Results go to standard output, progress and errors to standard
+error. Lengths are meters, angles degrees.
 """
 
 from __future__ import annotations
@@ -39,7 +40,8 @@ def main() -> None:
     except (KeyboardInterrupt, typer.Abort):
         status = INTERRUPTED
     except BrokenPipeError:
-        # Whoever read the output has had enough. Python flushes once more at exit, which must not complain.
+        # Whoever read the output has had enough. Python flushes once more at exit, which must not
+        # complain.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         status = 1
     except Exception as error:

@@ -93,15 +93,21 @@ def triple(text: str) -> Triple:
     """Read three numbers, separated by commas."""
     numbers = _numbers(text)
     if len(numbers) != len(Triple._fields):
-        raise typer.BadParameter(f"{text!r} has {len(numbers)} numbers; three are needed, separated by commas")
+        raise typer.BadParameter(
+            f"{text!r} has {len(numbers)} numbers; three are needed, separated by commas"
+        )
     return Triple(*numbers)
 
 
 def limit_of_torque(text: str) -> Limit:
     """Read one positive number, or three."""
     numbers = _numbers(text)
-    if len(numbers) not in (1, 3) or not all(math.isfinite(number) and number > 0.0 for number in numbers):
-        raise typer.BadParameter(f"{text!r} is not one positive number or three, separated by commas")
+    if len(numbers) not in (1, 3) or not all(
+        math.isfinite(number) and number > 0.0 for number in numbers
+    ):
+        raise typer.BadParameter(
+            f"{text!r} is not one positive number or three, separated by commas"
+        )
     return Limit(numbers)
 
 
@@ -130,69 +136,144 @@ def _csv_output(text: str) -> Path:
 
 def _figure_output(text: str) -> Path:
     if Path(text).suffix.lower() not in FIGURE_FORMATS:
-        raise typer.BadParameter(f"{text}: the name of a figure must end in {', '.join(FIGURE_FORMATS)}")
+        raise typer.BadParameter(
+            f"{text}: the name of a figure must end in {', '.join(FIGURE_FORMATS)}"
+        )
     return output_file(text)
 
 
-Parameters = Annotated[ParametersName, typer.Option(metavar="NAME", help="Parameter set: default, table_3_1 or table_5_1; see psp3 info.")]
-Model = Annotated[
-    ModelName | None, typer.Option(metavar="NAME", help="Where M, C and G come from: closed_form (unless given), pinocchio or noc.")
+Parameters = Annotated[
+    ParametersName,
+    typer.Option(
+        metavar="NAME", help="Parameter set: default, table_3_1 or table_5_1; see psp3 info."
+    ),
 ]
-Heights = Annotated[Triple, typer.Option(parser=triple, metavar="A1,A2,A3", help="Nut heights (m).")]
-Json = Annotated[bool, typer.Option("--json", help="Print JSON and nothing else.", show_default=False)]
-FigureFile = Annotated[Path | None, typer.Option(parser=_figure_output, metavar="FILE", help="Draw to FILE: .pdf, .png or .svg.")]
+Model = Annotated[
+    ModelName | None,
+    typer.Option(
+        metavar="NAME",
+        help="Where M, C and G come from: closed_form (unless given), pinocchio or noc.",
+    ),
+]
+Heights = Annotated[
+    Triple, typer.Option(parser=triple, metavar="A1,A2,A3", help="Nut heights (m).")
+]
+Json = Annotated[
+    bool, typer.Option("--json", help="Print JSON and nothing else.", show_default=False)
+]
+FigureFile = Annotated[
+    Path | None,
+    typer.Option(parser=_figure_output, metavar="FILE", help="Draw to FILE: .pdf, .png or .svg."),
+]
 
 MOTION, RUNS, PLANT, OUTPUT = "Desired motion", "Runs", "Plant, for --reading plant", "Output"
 TrajectoryText = Annotated[
     str,
     typer.Option(
-        metavar="NAME", rich_help_panel=MOTION, help="helix, circle, line, point-to-point, hold, or csv:FILE for a motion on file."
+        metavar="NAME",
+        rich_help_panel=MOTION,
+        help="helix, circle, line, point-to-point, hold, or csv:FILE for a motion on file.",
     ),
 ]
 Radius = Annotated[
-    float | None, typer.Option(metavar="M", rich_help_panel=MOTION, help="Radius of helix and circle (m); 0.02 unless given.")
+    float | None,
+    typer.Option(
+        metavar="M",
+        rich_help_panel=MOTION,
+        help="Radius of helix and circle (m); 0.02 unless given.",
+    ),
 ]
 TurnTime = Annotated[
-    float | None, typer.Option(metavar="S", rich_help_panel=MOTION, help="Time for a turn of helix and circle (s); 2 unless given.")
+    float | None,
+    typer.Option(
+        metavar="S",
+        rich_help_panel=MOTION,
+        help="Time for a turn of helix and circle (s); 2 unless given.",
+    ),
 ]
 Rise = Annotated[
-    float | None, typer.Option(metavar="M/S", rich_help_panel=MOTION, help="Vertical speed of the helix (m/s); 0.01 unless given.")
+    float | None,
+    typer.Option(
+        metavar="M/S",
+        rich_help_panel=MOTION,
+        help="Vertical speed of the helix (m/s); 0.01 unless given.",
+    ),
 ]
 StartHeight = Annotated[
     float | None,
-    typer.Option(metavar="M", rich_help_panel=MOTION, help="Tip height where helix and circle start (m); 0.07, home, unless given."),
+    typer.Option(
+        metavar="M",
+        rich_help_panel=MOTION,
+        help="Tip height where helix and circle start (m); 0.07, home, unless given.",
+    ),
 ]
 Start = Annotated[
     Triple | None,
-    typer.Option(parser=triple, metavar="X,Y,Z", rich_help_panel=MOTION, help="Tip where line and point-to-point start (m)."),
+    typer.Option(
+        parser=triple,
+        metavar="X,Y,Z",
+        rich_help_panel=MOTION,
+        help="Tip where line and point-to-point start (m).",
+    ),
 ]
 End = Annotated[
     Triple | None,
-    typer.Option(parser=triple, metavar="X,Y,Z", rich_help_panel=MOTION, help="Tip where line and point-to-point end (m)."),
+    typer.Option(
+        parser=triple,
+        metavar="X,Y,Z",
+        rich_help_panel=MOTION,
+        help="Tip where line and point-to-point end (m).",
+    ),
 ]
 TravelTime = Annotated[
-    float | None, typer.Option(metavar="S", rich_help_panel=MOTION, help="Time that line and point-to-point take (s); 2 unless given.")
+    float | None,
+    typer.Option(
+        metavar="S",
+        rich_help_panel=MOTION,
+        help="Time that line and point-to-point take (s); 2 unless given.",
+    ),
 ]
 HoldTip = Annotated[
     Triple | None,
-    typer.Option(parser=triple, metavar="X,Y,Z", rich_help_panel=MOTION, help="Tip to hold (m); 0,0,0.07, home, unless given."),
+    typer.Option(
+        parser=triple,
+        metavar="X,Y,Z",
+        rich_help_panel=MOTION,
+        help="Tip to hold (m); 0,0,0.07, home, unless given.",
+    ),
 ]
 Duration = Annotated[
     float | None,
     typer.Option(
-        metavar="S", rich_help_panel=MOTION, help=f"Time in all (s); unless given until the motion ends, {SAMPLED} if it never does."
+        metavar="S",
+        rich_help_panel=MOTION,
+        help=f"Time in all (s); unless given until the motion ends, {SAMPLED} if it never does.",
     ),
 ]
 CsvFile = Annotated[
     Path | None,
     typer.Option(
-        parser=_csv_output, metavar="FILE", rich_help_panel=OUTPUT, help="Write all samples as CSV, SI units; - is standard output."
+        parser=_csv_output,
+        metavar="FILE",
+        rich_help_panel=OUTPUT,
+        help="Write all samples as CSV, SI units; - is standard output.",
     ),
 ]
 OutputFigure = Annotated[
-    Path | None, typer.Option(parser=_figure_output, metavar="FILE", rich_help_panel=OUTPUT, help="Draw to FILE: .pdf, .png or .svg.")
+    Path | None,
+    typer.Option(
+        parser=_figure_output,
+        metavar="FILE",
+        rich_help_panel=OUTPUT,
+        help="Draw to FILE: .pdf, .png or .svg.",
+    ),
 ]
-OutputJson = Annotated[bool, typer.Option("--json", rich_help_panel=OUTPUT, help="Print JSON and nothing else.", show_default=False)]
+OutputJson = Annotated[
+    bool,
+    typer.Option(
+        "--json", rich_help_panel=OUTPUT, help="Print JSON and nothing else.", show_default=False
+    ),
+]
 
 
 # What the commands share

@@ -22,14 +22,24 @@ def new_table(title: str, *columns: str, note: str = "") -> Table:
     from rich import box
     from rich.table import Table
 
-    table = Table(title=title, box=box.SIMPLE_HEAD, title_justify="left", title_style="bold", caption=note or None, caption_justify="left")
+    table = Table(
+        title=title,
+        box=box.SIMPLE_HEAD,
+        title_justify="left",
+        title_style="bold",
+        caption=note or None,
+        caption_justify="left",
+    )
     for number, column in enumerate(columns):
         table.add_column(column, justify="left" if number == 0 else "right", overflow="fold")
     return table
 
 
 def narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
-    """Return a table that breaks headings and sentences between words, and numbers never, so that it fits 80 columns."""
+    """Return a table that fits 80 columns.
+
+    It breaks headings and sentences between words, and numbers never.
+    """
     import textwrap
 
     from rich import box
@@ -37,14 +47,33 @@ def narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
     from rich.text import Text
 
     def is_number(word: str) -> bool:
-        return word.replace("\N{MINUS SIGN}", "-").lstrip("+-").replace(".", "", 1).replace("e-", "").isdigit()
+        return (
+            word.replace("\N{MINUS SIGN}", "-")
+            .lstrip("+-")
+            .replace(".", "", 1)
+            .replace("e-", "")
+            .isdigit()
+        )
 
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     cells = [[" ".join(cell.split()) for cell in row] for row in rows]
     for heading, column in zip(headings, zip(*cells, strict=True), strict=True):
         sentences = any(" " in cell and not all(map(is_number, cell.split())) for cell in column)
-        longest = max(map(len, (*heading.split(), *(word for cell in column for word in (cell.split() if sentences else [cell])), "")))
-        table.add_column(Text("\n".join(textwrap.wrap(heading, longest))), no_wrap=not sentences, min_width=longest)
+        longest = max(
+            map(
+                len,
+                (
+                    *heading.split(),
+                    *(word for cell in column for word in (cell.split() if sentences else [cell])),
+                    "",
+                ),
+            )
+        )
+        table.add_column(
+            Text("\n".join(textwrap.wrap(heading, longest))),
+            no_wrap=not sentences,
+            min_width=longest,
+        )
     for row in cells:
         table.add_row(*map(Text, row))
     return table
@@ -81,7 +110,10 @@ def print_json(content: dict[str, Any]) -> None:
 
 def fixed(values: Any, digits: int = 6) -> list[str]:
     """Numbers as text with a fixed number of digits, without negative zeros."""
-    return [f"{round(float(value), digits) + 0.0:.{digits}f}" if math.isfinite(value) else "∞" for value in values]
+    return [
+        f"{round(float(value), digits) + 0.0:.{digits}f}" if math.isfinite(value) else "∞"
+        for value in values
+    ]
 
 
 def write_csv(path: Path, columns: dict[str, Any]) -> None:
@@ -110,11 +142,24 @@ def draw_figure(path: Path, draw: Callable[[], Any]) -> None:
 def progress_bar(description: str, total: float) -> Iterator[Callable[[float], None]]:
     """Show a progress bar on standard error, if that is a terminal."""
     from rich.console import Console
-    from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        Progress,
+        TaskProgressColumn,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
     console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TaskProgressColumn(),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
         task = bar.add_task(description, total=total)
         yield lambda done: bar.update(task, completed=done)
 
@@ -133,12 +178,21 @@ def cell_text(value: Any) -> str:
 
 
 def error_message(error: Exception) -> str | None:
-    """Return what a person needs to read of an error, in one line; None if it is none that a person made."""
+    """Return what a person needs to read of an error, in one line.
+
+    None if it is none that a person made.
+    """
     if hasattr(error, "format_message"):
         context = getattr(error, "ctx", None)
         command = "psp3" if context is None else context.command_path
-        # The prefixes are typer's: what we say ourselves names its options, and the values that it refuses speak for themselves.
-        text = error.format_message().removeprefix("Invalid value: ").replace("Value error, ", "").rstrip(".")
+        # The prefixes are typer's: what we say ourselves names its options, and the values that it
+        # refuses speak for themselves.
+        text = (
+            error.format_message()
+            .removeprefix("Invalid value: ")
+            .replace("Value error, ", "")
+            .rstrip(".")
+        )
         return f"{command}: {' '.join(text.split())} (see {command} --help)"
     if isinstance(error, MemoryError):
         return "psp3: this takes more memory than there is; ask for less time or fewer samples"
@@ -149,5 +203,7 @@ def error_message(error: Exception) -> str | None:
         return f"psp3: {' '.join(str(error).split())}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)
-        return f"psp3: {error.filename}: {reason}" if error.filename is not None else f"psp3: {reason}"
+        return (
+            f"psp3: {error.filename}: {reason}" if error.filename is not None else f"psp3: {reason}"
+        )
     return None

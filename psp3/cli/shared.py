@@ -1,4 +1,4 @@
-"""What several commands do with their options: load the robot, make its trajectory and its controller."""
+"""What several commands do with their options: make a robot, a trajectory and a controller."""
 
 from __future__ import annotations
 
@@ -6,7 +6,16 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from psp3.cli.options import SAMPLED, ControllerName, ModelName, ParametersName, listed, only_allowed, option_of, usage_error
+from psp3.cli.options import (
+    SAMPLED,
+    ControllerName,
+    ModelName,
+    ParametersName,
+    listed,
+    only_allowed,
+    option_of,
+    usage_error,
+)
 
 if TYPE_CHECKING:
     from psp3.control.controller import Controller
@@ -22,7 +31,9 @@ def load_robot(parameters: ParametersName) -> PSP3:
     return load("psp3", parameters=parameters.value)
 
 
-def trajectory_from_options(robot: PSP3, text: str, duration: float | None, given: dict[str, Any]) -> tuple[Trajectory, float]:
+def trajectory_from_options(
+    robot: PSP3, text: str, duration: float | None, given: dict[str, Any]
+) -> tuple[Trajectory, float]:
     """Return the motion that the options describe, and for how long it is wanted."""
     from psp3.trajectories import paths, recorded
 
@@ -34,17 +45,29 @@ def trajectory_from_options(robot: PSP3, text: str, duration: float | None, give
             raise usage_error("--trajectory csv needs the name of a file: csv:FILE")
         trajectory = recorded.FromCSV(file, robot=robot)
     elif file or kind not in ("helix", "circle", "line", "point-to-point", "hold"):
-        raise usage_error(f"--trajectory must be helix, circle, line, point-to-point, hold or csv:FILE, got {text!r}")
+        raise usage_error(
+            "--trajectory must be helix, circle, line, point-to-point, hold or csv:FILE, got "
+            f"{text!r}"
+        )
     elif kind == "hold":
-        trajectory = paths.Hold(only_allowed("--trajectory hold", given, ("tip",)).get("tip"), robot=robot)
+        trajectory = paths.Hold(
+            only_allowed("--trajectory hold", given, ("tip",)).get("tip"), robot=robot
+        )
     elif kind in ("helix", "circle"):
         allowed = ("radius", "turn_time", "start_height") + (("rise",) if kind == "helix" else ())
         options = only_allowed(f"--trajectory {kind}", given, allowed)
-        names = {"radius": "radius", "turn_time": "period", "start_height": "height", "rise": "rise"}
+        names = {
+            "radius": "radius",
+            "turn_time": "period",
+            "start_height": "height",
+            "rise": "rise",
+        }
         shape = paths.Helix if kind == "helix" else paths.Circle
         trajectory = shape(robot=robot, **{names[name]: value for name, value in options.items()})
     else:
-        options = {"travel_time": 2.0} | only_allowed(f"--trajectory {kind}", given, ("start", "end", "travel_time"))
+        options = {"travel_time": 2.0} | only_allowed(
+            f"--trajectory {kind}", given, ("start", "end", "travel_time")
+        )
         missing = [option_of(name) for name in ("start", "end") if name not in options]
         if missing:
             raise usage_error(f"--trajectory {kind} needs {listed(missing)}")
@@ -59,12 +82,16 @@ def controller_named(
     """Return a controller and what there is to say about it."""
     from psp3.control import classical as controllers
 
-    allowed = {ControllerName.PID: ("kp", "kv", "ki"), ControllerName.FEED_FORWARD: ()}.get(name, ("kp", "kv"))
+    allowed = {ControllerName.PID: ("kp", "kv", "ki"), ControllerName.FEED_FORWARD: ()}.get(
+        name, ("kp", "kv")
+    )
     kept = only_allowed(f"--controller {name.value}", gains, allowed)
     controller: Any
     if name in (ControllerName.T1, ControllerName.IT2, ControllerName.GT2):
         if model is not None:
-            raise usage_error(f"--model does not apply to --controller {name.value}, which learns its own")
+            raise usage_error(
+                f"--model does not apply to --controller {name.value}, which learns its own"
+            )
         from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
         from psp3.trajectories.paths import Helix
 
@@ -72,8 +99,12 @@ def controller_named(
         settings: dict[str, Any] = {"model": "learned"}
     elif name in (ControllerName.PD, ControllerName.PID):
         if model is not None:
-            raise usage_error(f"--model does not apply to --controller {name.value}, which uses none")
-        controller = {ControllerName.PD: controllers.PD, ControllerName.PID: controllers.PID}[name](**kept)
+            raise usage_error(
+                f"--model does not apply to --controller {name.value}, which uses none"
+            )
+        controller = {ControllerName.PD: controllers.PD, ControllerName.PID: controllers.PID}[name](
+            **kept
+        )
         settings = {"model": None}
     else:
         chosen = model or ModelName.CLOSED_FORM

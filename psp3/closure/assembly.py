@@ -1,4 +1,4 @@
-"""A first closed configuration to start from, for a robot whose file leaves its loops a little open."""
+"""A first closed configuration, for a robot whose file leaves its loops a little open."""
 
 from __future__ import annotations
 
@@ -14,17 +14,23 @@ ASSEMBLED = 1e-9
 
 
 def residual(table: Table, q: Array) -> Array:
-    """Return the residuals of all closures at a configuration, in the order of the groups [m, rad]."""
+    """Return the residuals of all closures at a configuration [m, rad].
+
+    In the order of the groups.
+    """
     out = np.empty(int(table.closure_rows.sum()))
     residuals(table, q, out)
     return out
 
 
 def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
-    """Return a configuration near ``q0``, within the joint limits, that closes the loops: all joints move, also the actuated ones.
+    """Return a configuration near ``q0``, within the joint limits, that closes the loops.
 
-    Newton's method with the shortest steps, which is enough near a closed configuration; otherwise SciPy's trust-region least squares on
-    the residual, from ``q0`` and then from up to 30 random configurations around it.
+    All joints move, also the actuated ones.
+
+    Newton's method with the shortest steps, which is enough near a closed configuration; otherwise
+    SciPy's trust-region least squares on the residual, from ``q0`` and then from up to 30 random
+    configurations around it.
 
     Parameters
     ----------
@@ -62,7 +68,12 @@ def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
         inside = 1e-6 * np.minimum(upper - lower, 1.0)
         start = np.clip(spread * rng.uniform(-1.0, 1.0, model.nv), lower + inside, upper - inside)
         solution = least_squares(
-            lambda step: residual(table, pin.integrate(model, q0, step)), start, bounds=(lower, upper), xtol=1e-15, ftol=1e-15, gtol=1e-15
+            lambda step: residual(table, pin.integrate(model, q0, step)),
+            start,
+            bounds=(lower, upper),
+            xtol=1e-15,
+            ftol=1e-15,
+            gtol=1e-15,
         )
         size = float(np.abs(solution.fun).max())
         least = min(least, size)
@@ -72,7 +83,10 @@ def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
 
 
 def _by_short_steps(model: pin.Model, table: Table, q: Array) -> Array | None:
-    """Return where Newton's method leads with the steps of least length, or None if that is farther than a guess may be off."""
+    """Return where Newton's method leads, or None if that is too far.
+
+    Its steps are those of least length. Too far is farther than a guess may be off.
+    """
     moved, slope = np.zeros(model.nv), np.empty((int(table.closure_rows.sum()), model.nv))
     for _ in range(20):
         gap = residual(table, q)
@@ -88,14 +102,21 @@ def _by_short_steps(model: pin.Model, table: Table, q: Array) -> Array | None:
 
 
 def _tangent_limits(model: pin.Model, q0: Array) -> tuple[Array, Array]:
-    """Return how far each degree of freedom may move from q0 before it is at a limit; infinitely far where it has none."""
+    """Return how far each degree of freedom may move from q0 before it is at a limit.
+
+    Infinitely far where it has none.
+    """
     lower, upper = np.full(model.nv, -np.inf), np.full(model.nv, np.inf)
     for joint in list(model.joints)[1:]:
         if joint.nq != joint.nv:
             continue
-        q, v = slice(joint.idx_q, joint.idx_q + joint.nq), slice(joint.idx_v, joint.idx_v + joint.nv)
+        q, v = (
+            slice(joint.idx_q, joint.idx_q + joint.nq),
+            slice(joint.idx_v, joint.idx_v + joint.nv),
+        )
         low, high = model.lowerPositionLimit[q] - q0[q], model.upperPositionLimit[q] - q0[q]
-        # Pinocchio's placeholder for no limit is the largest number there is; a start beyond a limit is let be.
+        # Pinocchio's placeholder for no limit is the largest number there is; a start beyond a
+        # limit is let be.
         lower[v] = np.where(low < -1e100, -np.inf, np.minimum(low, -1e-3))
         upper[v] = np.where(high > 1e100, np.inf, np.maximum(high, 1e-3))
     return lower, upper

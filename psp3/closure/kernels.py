@@ -1,12 +1,16 @@
-r"""Close the loops of a tree, compiled: damped Newton's method with continuation, one group of loops after the other.
+r"""Close the loops of a tree, compiled.
 
-The tree comes flattened to *elements*: joints of one degree of freedom are constant screws :math:`S`, of placement
-:math:`M_0 \exp(S q)`; ball joints and free flyers are elements of their own. A *group* is a set of loops that share un-actuated
-joints; groups do not depend on one another, so the cost grows with their number and not with its cube. Placements are relative to
-the body on which all loops of the group stand.
+Damped Newton's method with continuation, one group of loops after the other.
 
-With :math:`R_1, p_1, R_2, p_2` the two frames of a closure, its residual is :math:`R_1^T (p_2 - p_1)`, followed, if the closure is of
-six dimensions, by :math:`\log R_1^T R_2`; the Jacobian is the exact derivative of both, also away from closure.
+The tree comes flattened to *elements*: joints of one degree of freedom are constant screws
+:math:`S`, of placement :math:`M_0 \exp(S q)`; ball joints and free flyers are elements of their
+own. A *group* is a set of loops that share un-actuated joints; groups do not depend on one another,
+so the cost grows with their number and not with its cube. Placements are relative to the body on
+which all loops of the group stand.
+
+With :math:`R_1, p_1, R_2, p_2` the two frames of a closure, its residual is
+:math:`R_1^T (p_2 - p_1)`, followed, if the closure is of six dimensions, by :math:`\log R_1^T R_2`;
+the Jacobian is the exact derivative of both, also away from closure.
 """
 
 from __future__ import annotations
@@ -20,10 +24,14 @@ from fuzzy2.support.compiled import compiled
 from psp3.checks import Array, Indices
 
 SCREW, UNBOUNDED, BALL, FREE = range(4)
-"""Kinds of elements: one degree of freedom in one coordinate; an angle as cosine and sine; a quaternion; position and quaternion."""
+"""Kinds of elements: one degree of freedom in one coordinate; an angle as cosine and sine; a
+quaternion; position and quaternion.
+"""
 
 CLOSED, OPEN, SINGULAR = range(3)
-"""What became of a row: closed; stopped on the way; the actuated joints do not determine the others."""
+"""What became of a row: closed; stopped on the way; the actuated joints do not determine the
+others.
+"""
 
 RANK_TOLERANCE = 1e-9
 """Diagonal entries of the triangular factor below this share of the largest one count as zero."""
@@ -32,13 +40,17 @@ LARGEST_PREDICTED_STEP = 0.3
 """Continuation moves no joint by more than this between two closures [m, rad]."""
 
 LARGEST_CORRECTION = 0.3
-"""Newton's method may move a predicted configuration by this share of the predicted step; more could be another assembly mode."""
+"""Newton's method may move a predicted configuration by this share of the predicted step; more
+could be another assembly mode.
+"""
 
 SMALLEST_CORRECTION = 1e-9
 """A correction by less than this is rounding, however short the step was [m, rad]."""
 
 LARGEST_REPAIR = 1.0
-"""A guess that closes the loops only after its joints have moved by more than this is none [m, rad]."""
+"""A guess that closes the loops only after its joints have moved by more than this is none [m,
+rad].
+"""
 
 INTERMEDIATE_TOLERANCE = 1e-7
 """Residual with which continuation goes on [m, rad]; only the last closure is exact."""
@@ -48,7 +60,10 @@ SMALLEST_STEP = 1e-6
 
 
 class Table(NamedTuple):
-    """A flattened tree with loops. Indices into a group's elements are local to the group; −1 is the body it stands on."""
+    """A flattened tree with loops.
+
+    Indices into a group's elements are local to the group; −1 is the body it stands on.
+    """
 
     group_elements: Indices
     """First element of each group, and the end of the last."""
@@ -76,7 +91,9 @@ class Table(NamedTuple):
     """Place of an element's first coordinate among those of its group."""
     index_v: Indices
     column: Indices
-    """Column of an element's first degree of freedom among the un-actuated ones of its group, or −1 − its place among the actuated."""
+    """Column of an element's first degree of freedom among the un-actuated ones of its group, or
+    −1 − its place among the actuated.
+    """
     placement: Array
     """Rotation, row by row, and position of every element in its parent, (e, 12)."""
     screw: Array
@@ -88,7 +105,9 @@ class Table(NamedTuple):
     closure_placement: Array
     """Placements of the two frames in their elements, (c, 2, 12)."""
     side: Indices
-    """+1 for elements between the common body and a closure's second frame, −1 for its first, 0 for others: (c, most elements)."""
+    """+1 for elements between the common body and a closure's second frame, −1 for its first, 0 for
+    others: (c, most elements).
+    """
     tolerance: Array
     """Residual below which a group counts as closed [m, rad]."""
 
@@ -115,9 +134,21 @@ def _exponential(screw, amount, out):
         c = (1.0 - a) / square
     else:
         a, b, c = 1.0 - square / 6.0, 0.5 - square / 24.0, 1.0 / 6.0 - square / 120.0
-    out[0], out[1], out[2] = 1.0 - b * (wy * wy + wz * wz), b * wx * wy - a * wz, b * wx * wz + a * wy
-    out[3], out[4], out[5] = b * wx * wy + a * wz, 1.0 - b * (wx * wx + wz * wz), b * wy * wz - a * wx
-    out[6], out[7], out[8] = b * wx * wz - a * wy, b * wy * wz + a * wx, 1.0 - b * (wx * wx + wy * wy)
+    out[0], out[1], out[2] = (
+        1.0 - b * (wy * wy + wz * wz),
+        b * wx * wy - a * wz,
+        b * wx * wz + a * wy,
+    )
+    out[3], out[4], out[5] = (
+        b * wx * wy + a * wz,
+        1.0 - b * (wx * wx + wz * wz),
+        b * wy * wz - a * wx,
+    )
+    out[6], out[7], out[8] = (
+        b * wx * wz - a * wy,
+        b * wy * wz + a * wx,
+        1.0 - b * (wx * wx + wy * wy),
+    )
     cx, cy, cz = wy * vz - wz * vy, wz * vx - wx * vz, wx * vy - wy * vx
     out[9] = vx + b * cx + c * (wy * cz - wz * cy)
     out[10] = vy + b * cy + c * (wz * cx - wx * cz)
@@ -128,9 +159,21 @@ def _exponential(screw, amount, out):
 def _turned(quaternion, out):
     """Rotation of a unit quaternion (x, y, z, w)."""
     x, y, z, w = quaternion[0], quaternion[1], quaternion[2], quaternion[3]
-    out[0], out[1], out[2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w)
-    out[3], out[4], out[5] = 2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w)
-    out[6], out[7], out[8] = 2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y)
+    out[0], out[1], out[2] = (
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - z * w),
+        2.0 * (x * z + y * w),
+    )
+    out[3], out[4], out[5] = (
+        2.0 * (x * y + z * w),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - x * w),
+    )
+    out[6], out[7], out[8] = (
+        2.0 * (x * z - y * w),
+        2.0 * (y * z + x * w),
+        1.0 - 2.0 * (x * x + y * y),
+    )
 
 
 @compiled
@@ -156,12 +199,23 @@ def _freedoms(kind):
 
 @compiled
 def _twist(table, e, k, world, out):
-    """Twist of an element's k-th degree of freedom at unit speed: velocity at the group's origin, and angular velocity."""
+    """Twist of an element's k-th degree of freedom at unit speed.
+
+    Velocity at the group's origin, and angular velocity.
+    """
     kind = table.kind[e]
     if kind <= UNBOUNDED:
         for i in range(3):
-            out[i] = world[3 * i] * table.screw[e, 0] + world[3 * i + 1] * table.screw[e, 1] + world[3 * i + 2] * table.screw[e, 2]
-            out[3 + i] = world[3 * i] * table.screw[e, 3] + world[3 * i + 1] * table.screw[e, 4] + world[3 * i + 2] * table.screw[e, 5]
+            out[i] = (
+                world[3 * i] * table.screw[e, 0]
+                + world[3 * i + 1] * table.screw[e, 1]
+                + world[3 * i + 2] * table.screw[e, 2]
+            )
+            out[3 + i] = (
+                world[3 * i] * table.screw[e, 3]
+                + world[3 * i + 1] * table.screw[e, 4]
+                + world[3 * i + 2] * table.screw[e, 5]
+            )
     else:
         linear = kind == FREE and k < 3
         axis = k % 3
@@ -233,14 +287,33 @@ def _logarithm(one, two, out):
 
 @compiled
 def _inverse_of_right_jacobian(vector, out):
-    """Write the derivative of the rotation vector with respect to the angular velocity in its own axes, (3, 3)."""
+    """Write the derivative of the rotation vector by the angular velocity, (3, 3).
+
+    The angular velocity is in its own axes.
+    """
     x, y, z = vector[0], vector[1], vector[2]
     square = x * x + y * y + z * z
     angle = math.sqrt(square)
-    factor = 1.0 / 12.0 + square / 720.0 if angle < 1e-2 else 1.0 / square - 0.5 / (angle * math.tan(0.5 * angle))
-    out[0, 0], out[1, 1], out[2, 2] = 1.0 - factor * (y * y + z * z), 1.0 - factor * (x * x + z * z), 1.0 - factor * (x * x + y * y)
-    out[0, 1], out[0, 2], out[1, 2] = factor * x * y - 0.5 * z, factor * x * z + 0.5 * y, factor * y * z - 0.5 * x
-    out[1, 0], out[2, 0], out[2, 1] = factor * x * y + 0.5 * z, factor * x * z - 0.5 * y, factor * y * z + 0.5 * x
+    factor = (
+        1.0 / 12.0 + square / 720.0
+        if angle < 1e-2
+        else 1.0 / square - 0.5 / (angle * math.tan(0.5 * angle))
+    )
+    out[0, 0], out[1, 1], out[2, 2] = (
+        1.0 - factor * (y * y + z * z),
+        1.0 - factor * (x * x + z * z),
+        1.0 - factor * (x * x + y * y),
+    )
+    out[0, 1], out[0, 2], out[1, 2] = (
+        factor * x * y - 0.5 * z,
+        factor * x * z + 0.5 * y,
+        factor * y * z - 0.5 * x,
+    )
+    out[1, 0], out[2, 0], out[2, 1] = (
+        factor * x * y + 0.5 * z,
+        factor * x * z - 0.5 * y,
+        factor * y * z + 0.5 * x,
+    )
 
 
 @compiled
@@ -265,7 +338,10 @@ def _residual(table, group, world, residual):
 
 @compiled
 def _jacobian(table, group, world, residual, dependent, driven):
-    """Write the derivative of a group's residual with respect to its un-actuated and its actuated joints."""
+    """Write the derivative of a group's residual by its joints.
+
+    By the un-actuated and by the actuated ones.
+    """
     first, last = table.group_elements[group], table.group_elements[group + 1]
     one, two, twist, turn, row = np.empty(12), np.empty(12), np.empty(6), np.empty((3, 3)), 0
     dependent[:] = 0.0
@@ -298,9 +374,12 @@ def _jacobian(table, group, world, residual, dependent, driven):
 
 @compiled
 def _solve(matrix, right, solution):
-    """Least-squares solution of ``matrix`` · solution = right by Householder's reflections with pivoting; both are overwritten.
+    """Least-squares solution of ``matrix`` · solution = right.
 
-    Return 0 if the columns are not independent, and otherwise the sign of the determinant, if ``matrix`` is square.
+    By Householder's reflections with pivoting; both are overwritten.
+
+    Return 0 if the columns are not independent, and otherwise the sign of the determinant, if
+    ``matrix`` is square.
     """
     rows, columns = matrix.shape
     sides = right.shape[1]
@@ -358,7 +437,10 @@ def _solve(matrix, right, solution):
 
 @compiled
 def _orientation(before, now):
-    """Sign of the determinant of the motion from one full-rank Jacobian (m, u) to another, in the columns' space."""
+    """Sign of the determinant of the motion between two Jacobians (m, u).
+
+    The Jacobians have full rank, and the motion is in the space of their columns.
+    """
     columns = now.shape[1]
     across, nothing = np.empty((columns, columns)), np.zeros((columns, 1))
     if _solve(before.copy(), now.copy(), across) == 0:
@@ -394,29 +476,42 @@ def _move(table, group, q, step, share, out):
             if kind == FREE:
                 _turned(q[at + 3 : at + 7], turn)
                 for i in range(3):
-                    along = turn[3 * i] * step[column] + turn[3 * i + 1] * step[column + 1] + turn[3 * i + 2] * step[column + 2]
+                    along = (
+                        turn[3 * i] * step[column]
+                        + turn[3 * i + 1] * step[column + 1]
+                        + turn[3 * i + 2] * step[column + 2]
+                    )
                     out[at + i] = q[at + i] + share * along
                 at += 3
                 column += 3
             x, y, z = share * step[column], share * step[column + 1], share * step[column + 2]
             angle = math.sqrt(x * x + y * y + z * z)
             half = 0.5 - angle * angle / 48.0 if angle < 1e-3 else math.sin(0.5 * angle) / angle
-            quaternion[0], quaternion[1], quaternion[2], quaternion[3] = half * x, half * y, half * z, math.cos(0.5 * angle)
+            quaternion[0], quaternion[1], quaternion[2], quaternion[3] = (
+                half * x,
+                half * y,
+                half * z,
+                math.cos(0.5 * angle),
+            )
             _multiply(q[at : at + 4], quaternion, out[at : at + 4])
 
 
 @compiled
 def _newton(table, group, q, enough, work):
-    """Close a group's loops from ``q`` with its un-actuated joints, damped; return the residual and how far the joints moved.
+    """Close a group's loops from ``q`` with its un-actuated joints, damped.
 
-    Beyond ``enough`` no further precision is asked for. The movement is the largest sum of steps of any joint.
+    Return the residual and how far the joints moved.
+
+    Beyond ``enough`` no further precision is asked for. The movement is the largest sum of steps of
+    any joint.
     """
     world, residual, dependent, driven, right, step, trial = work
     columns = dependent.shape[1]
     moved = np.zeros(columns)
     _place(table, group, q, world)
     size = _residual(table, group, world, residual)
-    # Beyond machine precision a step moves nothing, so more steps than this are the sign of a pose that does not exist.
+    # Beyond machine precision a step moves nothing, so more steps than this are the sign of a pose
+    # that does not exist.
     for _ in range(25):
         if size <= enough:
             break
@@ -452,9 +547,12 @@ def _newton(table, group, q, enough, work):
 
 @compiled
 def _complement(table, group, q, work, out, closing):
-    """Velocities of a group's un-actuated joints per unit of its actuated ones, and the Jacobian ``closing`` that gives them.
+    """Velocities of a group's un-actuated joints per unit of its actuated ones.
 
-    Return 0 if they are not determined, and otherwise the sign of the determinant, if the Jacobian is square.
+    The Jacobian ``closing`` gives them, and is returned, too.
+
+    Return 0 if they are not determined, and otherwise the sign of the determinant, if the Jacobian
+    is square.
     """
     world, residual, dependent, driven, right, _, _ = work
     _place(table, group, q, world)
@@ -469,7 +567,9 @@ def _complement(table, group, q, work, out, closing):
 
 @compiled
 def _follow(table, group, q, positions, work, complement, report):
-    """Move a group's actuated joints to ``positions`` with its loops closed; leave the velocities per unit in ``complement``.
+    """Move a group's actuated joints to ``positions`` with its loops closed.
+
+    Leave the velocities per unit in ``complement``.
 
     ``report`` becomes the share of the way and the residual.
     """
@@ -497,7 +597,12 @@ def _follow(table, group, q, positions, work, complement, report):
         report[0] = 1.0
         return CLOSED
     square = closing.shape[0] == columns
-    speed, closed, next_complement, next_closing = np.empty(columns), q.copy(), np.empty_like(complement), np.empty_like(closing)
+    speed, closed, next_complement, next_closing = (
+        np.empty(columns),
+        q.copy(),
+        np.empty_like(complement),
+        np.empty_like(closing),
+    )
     done, step = 0.0, 1.0
     while done < 1.0:
         fastest = farthest
@@ -513,13 +618,21 @@ def _follow(table, group, q, positions, work, complement, report):
         for j in range(last - first):
             # Exactly the positions asked for, at the end.
             at = table.actuated_place[first + j]
-            q[at] = positions[table.actuated[first + j]] if goal == 1.0 else start[j] + goal * way[j]
-        residual, moved = _newton(table, group, q, 0.0 if goal == 1.0 else INTERMEDIATE_TOLERANCE, work)
+            q[at] = (
+                positions[table.actuated[first + j]] if goal == 1.0 else start[j] + goal * way[j]
+            )
+        residual, moved = _newton(
+            table, group, q, 0.0 if goal == 1.0 else INTERMEDIATE_TOLERANCE, work
+        )
         good = residual <= (tolerance if goal == 1.0 else INTERMEDIATE_TOLERANCE)
         if good and moved <= LARGEST_CORRECTION * (goal - done) * fastest + SMALLEST_CORRECTION:
             next_sign = _complement(table, group, q, work, next_complement, next_closing)
             # Beyond a fold, and on the other branch before it, the determinant has the other sign.
-            good = next_sign == sign if square else next_sign != 0 and _orientation(closing, next_closing) > 0
+            good = (
+                next_sign == sign
+                if square
+                else next_sign != 0 and _orientation(closing, next_closing) > 0
+            )
         else:
             good = False
         if good:
@@ -569,11 +682,22 @@ def _gather(table, group, configuration, q):
 
 
 @compiled
-def close(table: Table, guess: Array, positions: Array, along: bool, configurations: Array, complements: Array, report: Array) -> int:
-    """Close the loops at every row of positions (N, n), from ``guess`` or, ``along`` a path, from the row before.
+def close(
+    table: Table,
+    guess: Array,
+    positions: Array,
+    along: bool,
+    configurations: Array,
+    complements: Array,
+    report: Array,
+) -> int:
+    """Close the loops at every row of positions (N, n).
 
-    Write configurations (N, nq) and, unless that array is empty, complements L (N, nv, n). Return the first row that could not be
-    closed, or −1; ``report`` says what became of it: kind, share of the way, residual, group.
+    From ``guess`` or, ``along`` a path, from the row before.
+
+    Write configurations (N, nq) and, unless that array is empty, complements L (N, nv, n). Return
+    the first row that could not be closed, or −1; ``report`` says what became of it: kind, share of
+    the way, residual, group.
     """
     groups = table.group_elements.shape[0] - 1
     start, progress = guess.copy(), np.empty(2)
@@ -586,19 +710,32 @@ def close(table: Table, guess: Array, positions: Array, along: bool, configurati
             _gather(table, group, start, q)
             complement = np.empty_like(step)
             outcome = _follow(
-                table, group, q, positions[row], (world, residual, dependent, driven, right, step, trial), complement, progress
+                table,
+                group,
+                q,
+                positions[row],
+                (world, residual, dependent, driven, right, step, trial),
+                complement,
+                progress,
             )
             first = table.group_coordinates[group]
             for i in range(q.shape[0]):
                 configuration[table.coordinates[first + i]] = q[i]
             if outcome != CLOSED:
-                report[0], report[1], report[2], report[3] = outcome, progress[0], progress[1], group
+                report[0], report[1], report[2], report[3] = (
+                    outcome,
+                    progress[0],
+                    progress[1],
+                    group,
+                )
                 return row
             if complements.shape[0] > 0:
                 for i in range(complement.shape[0]):
                     at = table.columns[table.group_columns[group] + i]
                     for j in range(table.group_actuated[group + 1] - table.group_actuated[group]):
-                        complements[row, at, table.actuated[table.group_actuated[group] + j]] = complement[i, j]
+                        complements[row, at, table.actuated[table.group_actuated[group] + j]] = (
+                            complement[i, j]
+                        )
         for j in range(table.actuated_q.shape[0]):
             # Those that no loop contains have not been moved yet.
             configuration[table.actuated_q[j]] = positions[row, j]
@@ -622,7 +759,10 @@ def residuals(table: Table, q: Array, out: Array) -> None:
 
 @compiled
 def jacobian(table: Table, q: Array, out: Array) -> None:
-    """Write the derivative of all residuals, group by group, with respect to all un-actuated joints, (rows, nv)."""
+    """Write the derivative of all residuals by all un-actuated joints, (rows, nv).
+
+    Group by group.
+    """
     out[:] = 0.0
     above = 0
     for group in range(table.group_elements.shape[0] - 1):
@@ -640,10 +780,13 @@ def jacobian(table: Table, q: Array, out: Array) -> None:
 
 @compiled
 def drift(table: Table, q: Array, v: Array, out: Array) -> bool:
-    r"""Write the accelerations of the un-actuated joints at constant actuated speeds; return whether they are determined.
+    r"""Write the accelerations of the un-actuated joints at constant actuated speeds.
 
-    The accelerations of the two frames of every closure must agree: with :math:`A` their derivative with respect to the joint
-    accelerations, :math:`A \ddot q = -b(q, v)`, where b are the accelerations that the velocities alone give.
+    Return whether they are determined.
+
+    The accelerations of the two frames of every closure must agree: with :math:`A` their derivative
+    with respect to the joint accelerations, :math:`A \ddot q = -b(q, v)`, where b are the
+    accelerations that the velocities alone give.
     """
     twist, one, two = np.empty(6), np.empty(12), np.empty(12)
     for group in range(table.group_elements.shape[0] - 1):
@@ -668,7 +811,9 @@ def drift(table: Table, q: Array, v: Array, out: Array) -> bool:
             V = velocity[here]
             for i in range(3):
                 j, k = (i + 1) % 3, (i + 2) % 3
-                acceleration[here, i] += V[3 + j] * own[k] - V[3 + k] * own[j] + V[j] * own[3 + k] - V[k] * own[3 + j]
+                acceleration[here, i] += (
+                    V[3 + j] * own[k] - V[3 + k] * own[j] + V[j] * own[3 + k] - V[k] * own[3 + j]
+                )
                 acceleration[here, 3 + i] += V[3 + j] * own[3 + k] - V[3 + k] * own[3 + j]
         row = 0
         for closure in range(table.group_closures[group], table.group_closures[group + 1]):
@@ -680,16 +825,27 @@ def drift(table: Table, q: Array, v: Array, out: Array) -> bool:
                 V, A, sign = velocity[at], acceleration[at], 2.0 * side - 1.0
                 for i in range(3):
                     j, k = (i + 1) % 3, (i + 2) % 3
-                    # Acceleration of the point: that of the body's point at the origin, and the two terms of its rotation.
+                    # Acceleration of the point: that of the body's point at the origin, and the two
+                    # terms of its rotation.
                     vj = V[j] + V[3 + k] * two[9 + i] - V[3 + i] * two[9 + k]
                     vk = V[k] + V[3 + i] * two[9 + j] - V[3 + j] * two[9 + i]
-                    point[i] += sign * (A[i] + A[3 + j] * two[9 + k] - A[3 + k] * two[9 + j] + V[3 + j] * vk - V[3 + k] * vj)
+                    point[i] += sign * (
+                        A[i]
+                        + A[3 + j] * two[9 + k]
+                        - A[3 + k] * two[9 + j]
+                        + V[3 + j] * vk
+                        - V[3 + k] * vj
+                    )
                     relative[i] += sign * A[3 + i]
             for i in range(3):
-                right[row + i, 0] = -(one[i] * point[0] + one[3 + i] * point[1] + one[6 + i] * point[2])
+                right[row + i, 0] = -(
+                    one[i] * point[0] + one[3 + i] * point[1] + one[6 + i] * point[2]
+                )
             if table.closure_rows[closure] == 6:
                 for i in range(3):
-                    right[row + 3 + i, 0] = -(two[i] * relative[0] + two[3 + i] * relative[1] + two[6 + i] * relative[2])
+                    right[row + 3 + i, 0] = -(
+                        two[i] * relative[0] + two[3 + i] * relative[1] + two[6 + i] * relative[2]
+                    )
             row += table.closure_rows[closure]
         if _solve(dependent, right[:, :1], step[:, :1]) == 0:
             return False

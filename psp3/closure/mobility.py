@@ -1,13 +1,14 @@
 r"""Mobility of a tree with loops: degrees of freedom by rank, compared with the motors.
 
-With :math:`\Phi` the Jacobian of all closures and N a basis of its null space, split in the rows of the actuated joints
-:math:`N_a` and the others,
+With :math:`\Phi` the Jacobian of all closures and N a basis of its null space, split in the rows of
+the actuated joints :math:`N_a` and the others,
 
 .. math:: f = n_v - \operatorname{rank} \Phi
 
-degrees of freedom remain. The motors command :math:`\operatorname{rank} N_a` of them: what is left of f moves freely
-(under-actuation), and motors beyond that rank work against each other (over-actuation). Counting equations, as in the formula of
-Chebyshev, Grübler and Kutzbach, gives :math:`n_v - m`, which is too small wherever closures are redundant.
+degrees of freedom remain. The motors command :math:`\operatorname{rank} N_a` of them: what is left
+of f moves freely (under-actuation), and motors beyond that rank work against each other
+(over-actuation). Counting equations, as in the formula of Chebyshev, Grübler and Kutzbach, gives
+:math:`n_v - m`, which is too small wherever closures are redundant.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ RANK_TOLERANCE = 1e-7
 """Singular values below this share of the largest one count as zero."""
 
 STEP = 0.02
-"""The rank is also taken this far from the given configuration [m, rad], so that a singular one does not pass for the usual."""
+"""The rank is also taken this far from the given configuration [m, rad], so that a singular one
+does not pass for the usual.
+"""
 
 
 class Mobility(NamedTuple):
@@ -59,7 +62,10 @@ class Mobility(NamedTuple):
 
     @property
     def by_counting(self) -> int:
-        """Degrees of freedom after Chebyshev, Grübler and Kutzbach, who count equations and not their rank."""
+        """Degrees of freedom after Chebyshev, Grübler and Kutzbach.
+
+        They count equations and not their rank.
+        """
         return self.joint_velocities - self.closure_equations
 
     @property
@@ -74,13 +80,19 @@ class Mobility(NamedTuple):
 
     def __str__(self) -> str:
         parts = [
-            f"{_many(self.degrees_of_freedom, 'degree')} of freedom ({self.joint_velocities} joint velocities less {self.rank} independent "
-            f"of {self.closure_equations} closure equations) and {_many(self.actuators, 'actuated joint')}"
+            f"{_many(self.degrees_of_freedom, 'degree')} of freedom ({self.joint_velocities} "
+            f"joint velocities less {self.rank} independent of {self.closure_equations} closure "
+            f"equations) and {_many(self.actuators, 'actuated joint')}"
         ]
         if self.under_actuation:
-            parts.append(f"under-actuated: with all of these locked, {', '.join(self.free_joints)} can still move")
+            parts.append(
+                f"under-actuated: with all of these locked, {', '.join(self.free_joints)} can "
+                "still move"
+            )
         if self.over_actuation:
-            parts.append(f"over-actuated: the others determine {', '.join(self.dependent_actuators)}")
+            parts.append(
+                f"over-actuated: the others determine {', '.join(self.dependent_actuators)}"
+            )
         return "; ".join(parts)
 
 
@@ -88,7 +100,12 @@ def _many(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
 
 
-def mobility(model: pin.Model, constraint_models: Sequence[Any], actuated: Sequence[str], q: ArrayLike | None = None) -> Mobility:
+def mobility(
+    model: pin.Model,
+    constraint_models: Sequence[Any],
+    actuated: Sequence[str],
+    q: ArrayLike | None = None,
+) -> Mobility:
     """Return the mobility of a tree with loops.
 
     Parameters
@@ -171,7 +188,10 @@ def _moving(model: pin.Model, names: list[str], motions: Array, driven: Array) -
     return tuple(
         str(names[index])
         for index in range(1, model.njoints)
-        if np.abs(free[model.joints[index].idx_v : model.joints[index].idx_v + model.joints[index].nv]).max(initial=0.0) > 1e-6
+        if np.abs(
+            free[model.joints[index].idx_v : model.joints[index].idx_v + model.joints[index].nv]
+        ).max(initial=0.0)
+        > 1e-6
     )
 
 

@@ -1,4 +1,7 @@
-"""Solve for the un-actuated joints by rank: square, redundant and singular constraint Jacobians are told apart."""
+"""Solve for the un-actuated joints by rank.
+
+Square, redundant and singular constraint Jacobians are told apart.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,8 @@ def dependent_solver(jacobian: Array) -> Array:
     Parameters
     ----------
     jacobian : (m, u) ndarray
-        The columns :math:`\Phi^u` of a constraint Jacobian that belong to the un-actuated joints (eq. 3.21).
+        The columns :math:`\Phi^u` of a constraint Jacobian that belong to the un-actuated joints
+        (eq. 3.21).
 
     Returns
     -------
@@ -37,7 +41,9 @@ def dependent_solver(jacobian: Array) -> Array:
     left, values, right = np.linalg.svd(jacobian, full_matrices=False)
     rank = int(np.count_nonzero(values > RANK_TOLERANCE * values[0]))
     if rank < columns:
-        condition = values[0] / values[-1] if values.size == columns and values[-1] > 0.0 else np.inf
+        condition = (
+            values[0] / values[-1] if values.size == columns and values[-1] > 0.0 else np.inf
+        )
         raise SingularConfiguration(rank, columns, float(condition))
     inverse: Array = (right.T / values) @ left.T
     return inverse

@@ -1,4 +1,4 @@
-"""Loops of a Pinocchio tree as :mod:`psp3.closure.kernels` takes them, and a first closed configuration to start from."""
+"""Loops of a Pinocchio tree as :mod:`psp3.closure.kernels` takes them."""
 
 from __future__ import annotations
 
@@ -13,7 +13,9 @@ from psp3.closure.kernels import BALL, FREE, SCREW, UNBOUNDED, Table
 from psp3.errors import UnsupportedJoint
 
 CLOSURE_TOLERANCE = 1e-13
-"""Residual at which loops count as closed, per meter of robot [m, rad]; Newton's method usually ends at 1e-16."""
+"""Residual at which loops count as closed, per meter of robot [m, rad]; Newton's method usually
+ends at 1e-16.
+"""
 
 
 NO_MOTORS = np.zeros(0, dtype=np.int64)
@@ -40,7 +42,8 @@ def flattened(model: pin.Model, constraint_models: Sequence[Any], actuated_v: In
     Raises
     ------
     UnsupportedJoint
-        If a joint is not a chain of screws, a ball joint or a free flyer (mimic and planar joints are not).
+        If a joint is not a chain of screws, a ball joint or a free flyer (mimic and planar joints
+        are not).
     """
     elements, of_joint = _elements(model)
     closures = [_Closure(model, elements, of_joint, constraint) for constraint in constraint_models]
@@ -52,7 +55,9 @@ def flattened(model: pin.Model, constraint_models: Sequence[Any], actuated_v: In
 class _Element:
     """One joint, or one screw of a joint that is a chain of them."""
 
-    def __init__(self, kind: int, parent: int, index_q: int, index_v: int, placement: pin.SE3, screw: Array) -> None:
+    def __init__(
+        self, kind: int, parent: int, index_q: int, index_v: int, placement: pin.SE3, screw: Array
+    ) -> None:
         self.kind, self.parent, self.index_q, self.index_v = kind, parent, index_q, index_v
         self.placement, self.screw = placement, screw
 
@@ -62,11 +67,16 @@ class _Element:
 
     @property
     def coordinates(self) -> range:
-        return range(self.index_q, self.index_q + {UNBOUNDED: 2, BALL: 4, FREE: 7}.get(self.kind, 1))
+        return range(
+            self.index_q, self.index_q + {UNBOUNDED: 2, BALL: 4, FREE: 7}.get(self.kind, 1)
+        )
 
 
 def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
-    """Return the elements of a tree, parents first, and the last element of every joint (−1: the universe)."""
+    """Return the elements of a tree, parents first, and the last element of joints.
+
+    For every joint; −1 is the universe.
+    """
     data, neutral = model.createData(), pin.neutral(model)
     pin.computeJointJacobians(model, data, neutral)
     elements: list[_Element] = []
@@ -76,19 +86,33 @@ def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
         parent = of_joint[model.parents[index]]
         fixed = data.oMi[model.parents[index]].actInv(data.oMi[index])
         # Of a model with a single degree of freedom Pinocchio returns a vector.
-        whole = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL).reshape(6, model.nv)
+        whole = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL).reshape(
+            6, model.nv
+        )
         axes = whole[:, joint.idx_v : joint.idx_v + joint.nv]
         if (joint.nq, joint.nv) == (4, 3) and "Spherical" in joint.shortname():
             elements.append(_Element(BALL, parent, joint.idx_q, joint.idx_v, fixed, np.zeros(6)))
         elif (joint.nq, joint.nv) == (7, 6) and "FreeFlyer" in joint.shortname():
             elements.append(_Element(FREE, parent, joint.idx_q, joint.idx_v, fixed, np.zeros(6)))
         elif (joint.nq, joint.nv) == (2, 1):
-            elements.append(_Element(UNBOUNDED, parent, joint.idx_q, joint.idx_v, fixed, axes[:, 0].copy()))
+            elements.append(
+                _Element(UNBOUNDED, parent, joint.idx_q, joint.idx_v, fixed, axes[:, 0].copy())
+            )
         elif joint.nq == joint.nv and joint.nv > 0:
-            # A chain of screws, each seen from the end of the chain, which lets the first carry the whole fixed placement.
+            # A chain of screws, each seen from the end of the chain, which lets the first carry the
+            # whole fixed placement.
             for k in range(joint.nv):
                 placement = fixed if k == 0 else pin.SE3.Identity()
-                elements.append(_Element(SCREW, parent, joint.idx_q + k, joint.idx_v + k, placement, axes[:, k].copy()))
+                elements.append(
+                    _Element(
+                        SCREW,
+                        parent,
+                        joint.idx_q + k,
+                        joint.idx_v + k,
+                        placement,
+                        axes[:, k].copy(),
+                    )
+                )
                 parent = len(elements) - 1
         else:
             raise UnsupportedJoint(name, joint.shortname())
@@ -106,28 +130,46 @@ def _compare(model: pin.Model, elements: list[_Element], of_joint: list[int]) ->
     for element in elements:
         at = element.index_q
         if element.kind in (BALL, FREE):
-            joint = pin.XYZQUATToSE3(np.concatenate([np.zeros(3), q[at : at + 4]]) if element.kind == BALL else q[at : at + 7])
+            joint = pin.XYZQUATToSE3(
+                np.concatenate([np.zeros(3), q[at : at + 4]])
+                if element.kind == BALL
+                else q[at : at + 7]
+            )
         else:
-            joint = pin.exp6(element.screw * (q[at] if element.kind == SCREW else np.arctan2(q[at + 1], q[at])))
+            joint = pin.exp6(
+                element.screw * (q[at] if element.kind == SCREW else np.arctan2(q[at + 1], q[at]))
+            )
         parent = placements[element.parent] if element.parent >= 0 else pin.SE3.Identity()
         placements.append(parent * element.placement * joint)
     for index in range(1, model.njoints):
         ours, theirs = placements[of_joint[index]], data.oMi[index]
         # Every parent agrees, so the first joint that differs is the one that is not understood.
-        if not np.allclose(ours.homogeneous, theirs.homogeneous, rtol=0.0, atol=1e-9 * (1.0 + np.abs(theirs.translation).max())):
+        if not np.allclose(
+            ours.homogeneous,
+            theirs.homogeneous,
+            rtol=0.0,
+            atol=1e-9 * (1.0 + np.abs(theirs.translation).max()),
+        ):
             raise UnsupportedJoint(str(model.names[index]), model.joints[index].shortname())
 
 
 class _Closure:
-    """One closure: the two elements it joins, its frames in them, and the elements on either side."""
+    """One closure: the two elements it joins.
 
-    def __init__(self, model: pin.Model, elements: list[_Element], of_joint: list[int], constraint: Any) -> None:
+    Its frames in them, and the elements on either side.
+    """
+
+    def __init__(
+        self, model: pin.Model, elements: list[_Element], of_joint: list[int], constraint: Any
+    ) -> None:
         self.ends = of_joint[constraint.joint1_id], of_joint[constraint.joint2_id]
         self.placements = constraint.joint1_placement, constraint.joint2_placement
         self.rows = 6 if constraint.type == pin.ContactType.CONTACT_6D else 3
         ways = [_way(elements, end) for end in self.ends]
         common = set(ways[0]) & set(ways[1])
-        self.sides = {e: sign for way, sign in zip(ways, (-1, 1), strict=True) for e in way if e not in common}
+        self.sides = {
+            e: sign for way, sign in zip(ways, (-1, 1), strict=True) for e in way if e not in common
+        }
 
 
 def _way(elements: list[_Element], end: int) -> list[int]:
@@ -139,7 +181,9 @@ def _way(elements: list[_Element], end: int) -> list[int]:
     return way
 
 
-def _groups(elements: list[_Element], closures: list[_Closure], motor: dict[int, int]) -> list[list[int]]:
+def _groups(
+    elements: list[_Element], closures: list[_Closure], motor: dict[int, int]
+) -> list[list[int]]:
     """Return the closures in groups that share un-actuated elements."""
     groups: list[tuple[set[int], list[int]]] = []
     for number, closure in enumerate(closures):
@@ -166,9 +210,19 @@ def _flat(placement: pin.SE3) -> Array:
 
 
 def _table(
-    elements: list[_Element], closures: list[_Closure], groups: list[list[int]], motor: dict[int, int], actuated_q: Indices
+    elements: list[_Element],
+    closures: list[_Closure],
+    groups: list[list[int]],
+    motor: dict[int, int],
+    actuated_q: Indices,
 ) -> Table:
-    ends: dict[str, list[int]] = {"elements": [0], "closures": [0], "columns": [0], "actuated": [0], "coordinates": [0]}
+    ends: dict[str, list[int]] = {
+        "elements": [0],
+        "closures": [0],
+        "columns": [0],
+        "actuated": [0],
+        "coordinates": [0],
+    }
     columns: list[int] = []
     actuated: list[int] = []
     places: list[int] = []
@@ -178,7 +232,11 @@ def _table(
     for members in groups:
         own = sorted({e for number in members for e in closures[number].sides})
         local = {e: place for place, e in enumerate(own)}
-        first_column, first_actuated, first_coordinate = len(columns), len(actuated), len(coordinates)
+        first_column, first_actuated, first_coordinate = (
+            len(columns),
+            len(actuated),
+            len(coordinates),
+        )
         size = 1.0
         for e in own:
             element = elements[e]
@@ -191,7 +249,9 @@ def _table(
             else:
                 column = len(columns) - first_column
                 columns.extend(element.velocities)
-            rows.append((element.kind, local.get(element.parent, -1), place, element.index_v, column))
+            rows.append(
+                (element.kind, local.get(element.parent, -1), place, element.index_v, column)
+            )
             placements.append(_flat(element.placement))
             screws.append(element.screw)
             size += float(np.linalg.norm(element.placement.translation))

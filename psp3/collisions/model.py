@@ -1,8 +1,11 @@
-"""The shapes of a robot, and how far they are from each other: Pinocchio places them, coal measures.
+"""The shapes of a robot, and how far they are from each other.
 
-Distances of convex solids are found by the algorithm of Gilbert, Johnson and Keerthi (A fast procedure for computing the distance
-between complex objects in three-dimensional space, 1988), depths of those that overlap by the expanding polytope algorithm (van den
-Bergen, Proximity queries and penetration depth computation on 3D game objects, 2001).
+Pinocchio places them, coal measures.
+
+Distances of convex solids are found by the algorithm of Gilbert, Johnson and Keerthi (A fast
+procedure for computing the distance between complex objects in three-dimensional space, 1988),
+depths of those that overlap by the expanding polytope algorithm (van den Bergen, Proximity queries
+and penetration depth computation on 3D game objects, 2001).
 """
 
 from __future__ import annotations
@@ -24,16 +27,21 @@ from psp3.errors import InvalidRobotFile, InvalidValue, OverlappingShapes
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 DISTANCE_TOLERANCE = 1e-8
-"""Tolerance of distances [m]; coal's default is 1e-6, and between parallel cylinders the error is of that size."""
+"""Tolerance of distances [m]; coal's default is 1e-6, and between parallel cylinders the error is
+of that size.
+"""
 
 LARGEST_DEVIATION = 1e-9
-"""How far a frame may be from where the file of the shapes has it [m, and entries of a rotation matrix]."""
+"""How far a frame may be from where the file of the shapes has it [m, and entries of a rotation
+matrix].
+"""
 
 
 class Nearest(NamedTuple):
     """The two links that are nearest to each other in a pose.
 
-    ``links``, two names; ``distance``, negative where they overlap [m]; ``points`` (2, 3), where they are nearest, in base axes [m].
+    ``links``, two names; ``distance``, negative where they overlap [m]; ``points`` (2, 3), where
+    they are nearest, in base axes [m].
     """
 
     links: tuple[str, str]
@@ -51,8 +59,8 @@ class CollisionModel:
     robot : ClosedLoopRobot
         The robot.
     shapes : pinocchio.GeometryModel
-        Convex solids on its links; pairs that are listed in it are not used. A robot without collision shapes may be given its
-        ``visual_model``.
+        Convex solids on its links; pairs that are listed in it are not used. A robot without
+        collision shapes may be given its ``visual_model``.
     excluded : iterable of (str, str, str), optional
         Pairs of links to leave out, with the reason, beside those of :mod:`psp3.collisions.pairs`.
 
@@ -66,23 +74,41 @@ class CollisionModel:
         If two links overlap already at the reference pose: such a pair says nothing about a motion.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, shapes: Any, excluded: Iterable[tuple[str, str, str]] = ()) -> None:
+    def __init__(
+        self, robot: ClosedLoopRobot, shapes: Any, excluded: Iterable[tuple[str, str, str]] = ()
+    ) -> None:
         objects = list(shapes.geometryObjects)
         if not objects:
-            raise InvalidValue("shapes", "a geometry model without shapes", "one with shapes: give the links <collision> elements")
+            raise InvalidValue(
+                "shapes",
+                "a geometry model without shapes",
+                "one with shapes: give the links <collision> elements",
+            )
         for shape in objects:
-            if not hasattr(shape.geometry, "computeLocalAABB") or "BVH" in type(shape.geometry).__name__:
-                raise InvalidValue("shapes", f"{type(shape.geometry).__name__} {shape.name!r}", "convex solids")
+            if (
+                not hasattr(shape.geometry, "computeLocalAABB")
+                or "BVH" in type(shape.geometry).__name__
+            ):
+                raise InvalidValue(
+                    "shapes", f"{type(shape.geometry).__name__} {shape.name!r}", "convex solids"
+                )
         self.robot = robot
         self.shapes = shapes.copy()
         self.shapes.removeAllCollisionPairs()
         self.links = tuple(_link(robot.model, shape) for shape in objects)
         """Link of each shape."""
-        ends, self.excluded = pairs_to_check(robot, self.links, [shape.parentJoint for shape in objects], (Exclusion(*e) for e in excluded))
+        ends, self.excluded = pairs_to_check(
+            robot,
+            self.links,
+            [shape.parentJoint for shape in objects],
+            (Exclusion(*e) for e in excluded),
+        )
         for end in ends:
             self.shapes.addCollisionPair(pin.CollisionPair(*end))
         number: dict[tuple[str, str], int] = {}
-        self._pair = [number.setdefault((self.links[i], self.links[j]), len(number)) for i, j in ends]
+        self._pair = [
+            number.setdefault((self.links[i], self.links[j]), len(number)) for i, j in ends
+        ]
         self.pairs = tuple(number)
         """Pairs of links that are looked at, in the order of :meth:`distances`."""
         self._ends = np.array(ends, dtype=np.int64).reshape(-1, 2)
@@ -91,8 +117,8 @@ class CollisionModel:
         for request in self._shape_data.distanceRequests:
             request.gjk_tolerance = request.epa_tolerance = DISTANCE_TOLERANCE
             with warnings.catch_warnings():
-                # Starting from the result before would make a distance depend, in its last digits, on what was measured earlier. The name
-                # is old but still what Pinocchio sets.
+                # Starting from the result before would make a distance depend, in its last digits,
+                # on what was measured earlier. The name is old but still what Pinocchio sets.
                 warnings.simplefilter("ignore", DeprecationWarning)
                 request.enable_cached_gjk_guess = False
         self._refuse_overlaps()
@@ -101,10 +127,15 @@ class CollisionModel:
         distances, _ = self._least(self.robot.q0, self._pair, len(self.pairs))
         overlapping = np.flatnonzero(distances <= 0.0)
         if overlapping.size:
-            raise OverlappingShapes([self.pairs[k] for k in overlapping], (-distances[overlapping]).tolist())
+            raise OverlappingShapes(
+                [self.pairs[k] for k in overlapping], (-distances[overlapping]).tolist()
+            )
 
     def joint_of(self, link: str) -> int:
-        """Return the Pinocchio index of the joint that carries a link with shapes; 0 is the base."""
+        """Return the Pinocchio index of the joint that carries a link with shapes.
+
+        0 is the base.
+        """
         return int(self.shapes.geometryObjects[self.links.index(link)].parentJoint)
 
     def distances(self, positions: ArrayLike) -> Array:
@@ -126,7 +157,10 @@ class CollisionModel:
             See the robot's ``configuration``.
         """
         configurations = self.robot.configuration(positions)
-        rows = [self._least(q, self._pair, len(self.pairs))[0] for q in configurations.reshape(-1, self.robot.model.nq)]
+        rows = [
+            self._least(q, self._pair, len(self.pairs))[0]
+            for q in configurations.reshape(-1, self.robot.model.nq)
+        ]
         return np.array(rows).reshape(*configurations.shape[:-1], len(self.pairs))
 
     def nearest(self, positions: ArrayLike) -> Nearest:
@@ -194,12 +228,17 @@ class CollisionModel:
 
 
 class _Boxes:
-    """Boxes around the shapes, parallel to the axes of the base: shapes are at least as far apart as their boxes."""
+    """Boxes around the shapes, parallel to the axes of the base.
+
+    Shapes are at least as far apart as their boxes.
+    """
 
     def __init__(self, shapes: list[Any]) -> None:
         for shape in shapes:
             shape.geometry.computeLocalAABB()
-        corners = np.array([[shape.geometry.aabb_local.min_, shape.geometry.aabb_local.max_] for shape in shapes])
+        corners = np.array(
+            [[shape.geometry.aabb_local.min_, shape.geometry.aabb_local.max_] for shape in shapes]
+        )
         rotations = np.array([shape.placement.rotation for shape in shapes])
         centers = np.array([shape.placement.translation for shape in shapes])
         self._joints = sorted({shape.parentJoint for shape in shapes})
@@ -221,10 +260,16 @@ class _Boxes:
 
 def _link(model: pin.Model, shape: Any) -> str:
     """Name of the link that carries a shape; of its joint, if the shape was made without a link."""
-    return str(model.frames[shape.parentFrame].name if shape.parentFrame < model.nframes else model.names[shape.parentJoint])
+    return str(
+        model.frames[shape.parentFrame].name
+        if shape.parentFrame < model.nframes
+        else model.names[shape.parentJoint]
+    )
 
 
-def collision_model(robot: ClosedLoopRobot, urdf: str | Path | None = None, srdf: str | Path | None = None) -> CollisionModel:
+def collision_model(
+    robot: ClosedLoopRobot, urdf: str | Path | None = None, srdf: str | Path | None = None
+) -> CollisionModel:
     """Return the collision model of a robot, from the ``<collision>`` elements of its URDF.
 
     Parameters
@@ -234,7 +279,8 @@ def collision_model(robot: ClosedLoopRobot, urdf: str | Path | None = None, srdf
     urdf : path, optional
         The file; by default the one that the robot was loaded from.
     srdf : path, optional
-        Pairs of links to leave out, see :mod:`psp3.collisions.pairs`; by default those of the SRDF that the robot was loaded from.
+        Pairs of links to leave out, see :mod:`psp3.collisions.pairs`; by default those of the SRDF
+        that the robot was loaded from.
 
     Returns
     -------
@@ -245,7 +291,8 @@ def collision_model(robot: ClosedLoopRobot, urdf: str | Path | None = None, srdf
     InvalidValue
         If no file is given for a robot that was not loaded from one.
     InvalidRobotFile
-        If a file is missing or malformed, has no ``<collision>`` element, or describes another robot, or one of other dimensions.
+        If a file is missing or malformed, has no ``<collision>`` element, or describes another
+        robot, or one of other dimensions.
     UnknownName, OverlappingShapes
         See :class:`CollisionModel`.
     """
@@ -256,15 +303,23 @@ def collision_model(robot: ClosedLoopRobot, urdf: str | Path | None = None, srdf
     read_xml(path, "robot")
     try:
         model = pin.buildModelFromUrdf(str(path))
-        shapes = pin.buildGeomFromUrdf(model, str(path), pin.GeometryType.COLLISION, package_dirs=[str(path.parent)])
+        shapes = pin.buildGeomFromUrdf(
+            model, str(path), pin.GeometryType.COLLISION, package_dirs=[str(path.parent)]
+        )
     except (ValueError, RuntimeError) as error:
         raise InvalidRobotFile(path, f"Pinocchio cannot read it: {error}") from error
     if not shapes.ngeoms:
         raise InvalidRobotFile(
-            path, "has no <collision> element: give its links some, or take the visuals for them, CollisionModel(robot, robot.visual_model)"
+            path,
+            "has no <collision> element: give its links some, or take the visuals for them, "
+            "CollisionModel(robot, robot.visual_model)",
         )
     _compare_dimensions(robot.model, model, path)
-    return CollisionModel(robot, _attached(shapes, model, robot.model, path), [] if srdf is None else excluded_by_srdf(srdf))
+    return CollisionModel(
+        robot,
+        _attached(shapes, model, robot.model, path),
+        [] if srdf is None else excluded_by_srdf(srdf),
+    )
 
 
 def _files(robot: ClosedLoopRobot) -> tuple[Path, Path | None]:
@@ -275,7 +330,10 @@ def _files(robot: ClosedLoopRobot) -> tuple[Path, Path | None]:
 
 
 def _compare_dimensions(model: pin.Model, of_file: pin.Model, path: Path) -> None:
-    """Refuse a file whose joints and frames are elsewhere than the robot's: its shapes would be, too."""
+    """Refuse a file whose joints and frames are elsewhere than the robot's.
+
+    Its shapes would be, too.
+    """
     # Joints that were replaced on loading, and what they carry, are nowhere in the file.
     same = {
         index
@@ -283,16 +341,25 @@ def _compare_dimensions(model: pin.Model, of_file: pin.Model, path: Path) -> Non
         if index == 0
         or (
             model.existJointName(name)
-            and model.names[model.parents[model.getJointId(name)]] == of_file.names[of_file.parents[index]]
+            and model.names[model.parents[model.getJointId(name)]]
+            == of_file.names[of_file.parents[index]]
             and model.joints[model.getJointId(name)].nq == of_file.joints[index].nq
         )
     }
     placements = [
-        (f"joint {of_file.names[index]!r}", of_file.jointPlacements[index], model.jointPlacements[model.getJointId(of_file.names[index])])
+        (
+            f"joint {of_file.names[index]!r}",
+            of_file.jointPlacements[index],
+            model.jointPlacements[model.getJointId(of_file.names[index])],
+        )
         for index in sorted(same - {0})
     ]
     for frame in of_file.frames:
-        if frame.parentJoint in same and frame.type == pin.FrameType.BODY and model.existFrame(frame.name, frame.type):
+        if (
+            frame.parentJoint in same
+            and frame.type == pin.FrameType.BODY
+            and model.existFrame(frame.name, frame.type)
+        ):
             mine = model.frames[model.getFrameId(frame.name, frame.type)]
             if model.names[mine.parentJoint] == of_file.names[frame.parentJoint]:
                 placements.append((f"frame {frame.name!r}", frame.placement, mine.placement))
@@ -301,17 +368,25 @@ def _compare_dimensions(model: pin.Model, of_file: pin.Model, path: Path) -> Non
         if deviation > LARGEST_DEVIATION:
             raise InvalidRobotFile(
                 path,
-                f"its shapes do not fit this robot: {name} is {deviation:.3g} (m) from where the file has it; give a file of these sizes",
+                (
+                    f"its shapes do not fit this robot: {name} is {deviation:.3g} (m) from where "
+                    "the file has it; give a file of these sizes"
+                ),
             )
 
 
 def _attached(shapes: Any, of_file: pin.Model, model: pin.Model, path: Path) -> Any:
-    """Return the shapes of a file on the links of a robot, whose joints may be others than the file's."""
+    """Return the shapes of a file on the links of a robot.
+
+    The robot's joints may be others than the file's.
+    """
     attached = pin.GeometryModel()
     for shape in shapes.geometryObjects:
         link = of_file.frames[shape.parentFrame]
         if not model.existFrame(link.name, link.type):
-            raise InvalidRobotFile(path, f"describes another robot: this one has no link {link.name!r}")
+            raise InvalidRobotFile(
+                path, f"describes another robot: this one has no link {link.name!r}"
+            )
         frame = model.getFrameId(link.name, link.type)
         moved = shape.copy()
         moved.parentFrame, moved.parentJoint = frame, model.frames[frame].parentJoint

@@ -1,6 +1,9 @@
-"""Collisions along a motion: how near the links of a robot come to each other, when they first touch, and which they are.
+"""Collisions along a motion.
 
-:mod:`psp3.collisions.model` holds the shapes and measures one pose; :mod:`psp3.collisions.pairs` has the rule by which pairs are left out.
+How near the links of a robot come to each other, when they first touch, and which they are.
+
+:mod:`psp3.collisions.model` holds the shapes and measures one pose; :mod:`psp3.collisions.pairs`
+has the rule by which pairs are left out.
 """
 
 from __future__ import annotations
@@ -17,11 +20,16 @@ from psp3.errors import CollisionFound, InvalidArray
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 BISECTIONS = 40
-"""Halvings of the time between two samples in which links come too near: what is left is a trillionth."""
+"""Halvings of the time between two samples in which links come too near: what is left is a
+trillionth.
+"""
 
 
 class Contact(NamedTuple):
-    """Two links at a time: ``time`` [s], ``positions`` of the actuated joints (n,), and how near the links are, ``nearest``."""
+    """Two links at a time: ``time`` [s], ``positions`` of the actuated joints (n,).
+
+    How near the links are is ``nearest``.
+    """
 
     time: float
     positions: Array
@@ -47,7 +55,8 @@ class Report:
     nearest : Contact
         The sample at which links are nearest.
     first : Contact or None
-        Where two links first come as near as the clearance, between the samples too; None if they never do.
+        Where two links first come as near as the clearance, between the samples too; None if they
+        never do.
     """
 
     time: Array
@@ -68,15 +77,17 @@ def check(
 ) -> Report:
     """Return how near the links of a robot come to each other along a motion.
 
-    Each pose is closed from the one before, so the assembly mode is kept. Between the two samples where links come too near, the
-    actuated joints are taken to move uniformly. A touch that begins and ends between two samples is not seen.
+    Each pose is closed from the one before, so the assembly mode is kept. Between the two samples
+    where links come too near, the actuated joints are taken to move uniformly. A touch that begins
+    and ends between two samples is not seen.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
         The robot.
     positions : (N, n) array_like
-        Positions of the actuated joints [m or rad], such as ``trajectory(t).heights`` or ``result.heights``.
+        Positions of the actuated joints [m or rad], such as ``trajectory(t).heights`` or
+        ``result.heights``.
     time : (N,) array_like, optional
         Times of the samples, increasing [s]; by default their numbers.
     clearance : float
@@ -102,7 +113,11 @@ def check(
     if path.ndim != 2 or not len(path):
         raise InvalidArray("positions", f"(N, {len(robot.actuated)}) with N of at least 1", path)
     times = np.arange(float(len(path))) if time is None else as_floats("time", time, "(N,)")
-    if times.shape != path.shape[:1] or not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
+    if (
+        times.shape != path.shape[:1]
+        or not np.isfinite(times).all()
+        or (np.diff(times) <= 0.0).any()
+    ):
         raise InvalidArray("time", f"({len(path)},), one for each sample and increasing", times)
     clearance = checked_not_negative("clearance", clearance)
     model = collision_model(robot) if model is None else model
@@ -127,7 +142,9 @@ def check_clearance(
     clearance: float = 0.0,
     model: CollisionModel | None = None,
 ) -> None:
-    """Raise :class:`psp3.errors.CollisionFound` for the first time at which a motion brings two links as near as the clearance.
+    """Raise :class:`psp3.errors.CollisionFound` where a motion brings links too near.
+
+    At the first time at which two links are as near as the clearance.
 
     Parameters
     ----------
@@ -138,20 +155,31 @@ def check_clearance(
     ------
     CollisionFound
         It carries the time, the two links and their distance.
-    InvalidArray, InvalidValue, ClosureFailed, JointLimitExceeded, InvalidRobotFile, OverlappingShapes
+    InvalidArray, InvalidValue, ClosureFailed, JointLimitExceeded
+        See :func:`check`.
+    InvalidRobotFile, OverlappingShapes
         See :func:`check`.
     """
     report = check(robot, positions, time, clearance, model)
     if report.first is not None:
         nearest = report.nearest
         raise CollisionFound(
-            report.first.time, report.first.nearest.links, report.first.nearest.distance, report.clearance,
-            nearest.time, nearest.nearest.distance,
-        )  # fmt: skip
+            report.first.time,
+            report.first.nearest.links,
+            report.first.nearest.distance,
+            report.clearance,
+            nearest.time,
+            nearest.nearest.distance,
+        )
 
 
 def _first_contact(
-    model: CollisionModel, path: Array, times: Array, configurations: Array, distance: Array, clearance: float
+    model: CollisionModel,
+    path: Array,
+    times: Array,
+    configurations: Array,
+    distance: Array,
+    clearance: float,
 ) -> Contact | None:
     """Return where two links first come as near as the clearance."""
     near = np.flatnonzero(distance <= clearance)
@@ -170,4 +198,8 @@ def _first_contact(
             touching, positions, q = share, middle, closed
         else:
             apart = share
-    return Contact(float(times[before] + touching * (times[after] - times[before])), positions, model.nearest_at(q))
+    return Contact(
+        float(times[before] + touching * (times[after] - times[before])),
+        positions,
+        model.nearest_at(q),
+    )

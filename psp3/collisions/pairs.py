@@ -1,4 +1,6 @@
-"""Which pairs of links can collide: all but those that touch where they are joined, and those that the SRDF excludes.
+"""Which pairs of links can collide.
+
+All but those that touch where they are joined, and those that the SRDF excludes.
 
 The rule, by which a pair of links is left out:
 
@@ -19,7 +21,10 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 
 def pairs_to_check(
-    robot: ClosedLoopRobot, links: Sequence[str], joints: Sequence[int], excluded: Iterable[Exclusion] = ()
+    robot: ClosedLoopRobot,
+    links: Sequence[str],
+    joints: Sequence[int],
+    excluded: Iterable[Exclusion] = (),
 ) -> tuple[list[tuple[int, int]], list[Exclusion]]:
     """Return the pairs of shapes that can collide, and the pairs of links that were left out.
 
@@ -86,7 +91,9 @@ class _Joined:
         for one, other in point_loops:
             self._reasons[self._bodies(one, other)] = "joined at a point by a loop"
         for joint in range(1, model.njoints):
-            self._reasons[self._bodies(model.parents[joint], joint)] = f"joined by joint {model.names[joint]!r}"
+            self._reasons[self._bodies(model.parents[joint], joint)] = (
+                f"joined by joint {model.names[joint]!r}"
+            )
 
     def _bodies(self, *joints: int) -> frozenset[int]:
         return frozenset(self._body[joint] for joint in joints)

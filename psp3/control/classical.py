@@ -1,8 +1,9 @@
 r"""Controllers of the screw forces: feed-forward, PD, PD with gravity, PID and computed torque.
 
-A controller has ``reset()``, called once before a run, and ``torque(t, heights, speeds, desired)``, called once a control
-period. Everything that offers these two can be simulated. ``desired`` is a :class:`psp3.trajectories.motion.Motion`; the servo errors
-are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
+A controller has ``reset()``, called once before a run, and ``torque(t, heights, speeds, desired)``,
+called once a control period. Everything that offers these two can be simulated. ``desired`` is a
+:class:`psp3.trajectories.motion.Motion`; the servo errors are :math:`e = a_d - a` and
+:math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
 """
 
 from __future__ import annotations
@@ -23,23 +24,27 @@ from psp3.trajectories.motion import Motion
 def critically_damped_gains(bandwidth: float, mass: float | ArrayLike = 1.0) -> tuple[Any, Any]:
     r"""Return the gains of a critically damped loop of a wanted bandwidth.
 
-    .. math:: k_p = \omega^2 M, \qquad k_v = 2 \omega M, \qquad \omega = \frac{\omega_b}{\sqrt{\sqrt 2 - 1}}
+    .. math:: k_p = \omega^2 M, \qquad k_v = 2 \omega M, \qquad
+              \omega = \frac{\omega_b}{\sqrt{\sqrt 2 - 1}}
 
-    The error obeys :math:`M (\ddot e + 2\omega \dot e + \omega^2 e) = 0`, all poles are at :math:`-\omega`, and the position follows a
-    command :math:`k_p\, a_d` of the frequency :math:`\omega_b` with an amplitude of :math:`1/\sqrt 2`: of that is the bandwidth.
+    The error obeys :math:`M (\ddot e + 2\omega \dot e + \omega^2 e) = 0`, all poles are at
+    :math:`-\omega`, and the position follows a command :math:`k_p\, a_d` of the frequency
+    :math:`\omega_b` with an amplitude of :math:`1/\sqrt 2`: of that is the bandwidth.
 
     Parameters
     ----------
     bandwidth : float
         Bandwidth :math:`\omega_b` [rad/s].
     mass : float or (n, n) array_like
-        What the feedback moves: 1 under :class:`ComputedTorque`, which makes the robot a unit mass; for :class:`GravityCompensatedPD`
-        the mass matrix, ``robot.mass_matrix`` of the pose at which the loop is to be critically damped [kg].
+        What the feedback moves: 1 under :class:`ComputedTorque`, which makes the robot a unit mass;
+        for :class:`GravityCompensatedPD` the mass matrix, ``robot.mass_matrix`` of the pose at
+        which the loop is to be critically damped [kg].
 
     Returns
     -------
     kp, kv : float or (n, n) ndarray
-        Gains of the shape of ``mass``, the two arguments of the controllers [N/m, N s/m; 1/s², 1/s of a unit mass].
+        Gains of the shape of ``mass``, the two arguments of the controllers [N/m, N s/m; 1/s², 1/s
+        of a unit mass].
 
     Raises
     ------
@@ -94,7 +99,8 @@ class FeedForward(Stateless):
 class PD(Stateless):
     r"""Proportional and derivative feedback, :math:`\tau = k_p e + k_v \dot e`.
 
-    There is no gravity term, so under the thesis's gains (Table 6.1) every screw sags by its weight over :math:`k_p`, 87 mm.
+    There is no gravity term, so under the thesis's gains (Table 6.1) every screw sags by its weight
+    over :math:`k_p`, 87 mm.
 
     Parameters
     ----------
@@ -120,7 +126,9 @@ class PD(Stateless):
 
 
 class GravityCompensatedPD(PD):
-    r"""PD plus the model's gravity at the present pose, :math:`\tau = k_p e + k_v \dot e + G(a)`: no sag at rest.
+    r"""PD plus the model's gravity at the present pose, :math:`\tau = k_p e + k_v \dot e + G(a)`.
+
+    No sag at rest.
 
     Parameters
     ----------
@@ -130,7 +138,9 @@ class GravityCompensatedPD(PD):
         See :class:`PD`.
     """
 
-    def __init__(self, model: DynamicsModel, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0) -> None:
+    def __init__(
+        self, model: DynamicsModel, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0
+    ) -> None:
         super().__init__(kp, kv)
         self.model = model
         self._equation = equation_of_motion_of(model)
@@ -141,7 +151,9 @@ class GravityCompensatedPD(PD):
 
 
 class PID(PD):
-    r"""PD plus the integral of the error, :math:`\tau = k_p e + k_v \dot e + k_i \int e\, dt`: the sag dies out without a model.
+    r"""PD plus the integral of the error, :math:`\tau = k_p e + k_v \dot e + k_i \int e\, dt`.
+
+    The sag dies out without a model.
 
     The integral is the trapezoidal rule over the calls since the last reset.
 
@@ -153,7 +165,9 @@ class PID(PD):
         Integral gain [N/(m s)]; the loop of a mass m is stable for ki < kp kv / m.
     """
 
-    def __init__(self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0, ki: float = 2000.0) -> None:
+    def __init__(
+        self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0, ki: float = 2000.0
+    ) -> None:
         super().__init__(kp, kv)
         self.ki = checked_not_negative("ki", ki)
         self.reset()
@@ -173,9 +187,12 @@ class PID(PD):
 
 
 class ComputedTorque(Stateless):
-    r"""Computed torque: the model makes the robot a unit mass, which a servo then steers (eq. 4.10–4.18).
+    r"""Computed torque (eq. 4.10–4.18).
 
-    .. math:: \tau = \alpha\, (\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad \alpha = M(a), \quad \beta = C(a, \dot a)\, \dot a + G(a)
+    The model makes the robot a unit mass, which a servo then steers.
+
+    .. math:: \tau = \alpha\, (\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad
+              \alpha = M(a), \quad \beta = C(a, \dot a)\, \dot a + G(a)
 
     With an exact model the error obeys :math:`\ddot e + k_v \dot e + k_p e = 0` whatever the pose.
 
@@ -201,12 +218,19 @@ class ComputedTorque(Stateless):
 
     @classmethod
     def critically_damped(cls, model: DynamicsModel, kp: float = 10.0) -> ComputedTorque:
-        r"""Return a controller with :math:`k_v = 2 \sqrt{k_p}`, whose error dies out fastest without overshoot (after eq. 4.15)."""
+        r"""Return a controller with :math:`k_v = 2 \sqrt{k_p}`.
+
+        Its error dies out fastest without overshoot (after eq. 4.15).
+        """
         return cls(model, kp, 2.0 * np.sqrt(checked_not_negative("kp", kp)))
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of eq. 4.10, of shape (3,) [N]."""
         M, C, G = self._equation(heights, speeds)
-        servo = desired.accelerations + self.kv * (desired.speeds - speeds) + self.kp * (desired.heights - heights)
+        servo = (
+            desired.accelerations
+            + self.kv * (desired.speeds - speeds)
+            + self.kp * (desired.heights - heights)
+        )
         torque: Array = M @ servo + C @ speeds + G
         return torque

@@ -1,14 +1,17 @@
 r"""Linear-quadratic regulators: the feedback that costs least, about a pose and along a trajectory.
 
-For a system :math:`\delta\dot x = A\, \delta x + B\, \delta u` the feedback :math:`\delta u = -K\, \delta x` that makes
+For a system :math:`\delta\dot x = A\, \delta x + B\, \delta u` the feedback
+:math:`\delta u = -K\, \delta x` that makes
 
 .. math::
 
     \int \big( \delta x^T Q\, \delta x + \delta u^T R\, \delta u \big)\, dt, \qquad
-    \text{or, sampled,} \quad \sum_k \big( \delta x_k^T Q\, \delta x_k + \delta u_k^T R\, \delta u_k \big),
+    \text{or, sampled,} \quad
+    \sum_k \big( \delta x_k^T Q\, \delta x_k + \delta u_k^T R\, \delta u_k \big),
 
-smallest follows from a Riccati equation, and the least cost from :math:`\delta x` on is :math:`\delta x^T P\, \delta x` (B. D. O. Anderson
-and J. B. Moore, Optimal Control: Linear Quadratic Methods, 1990, chapters 2 and 3).
+smallest follows from a Riccati equation, and the least cost from :math:`\delta x` on is
+:math:`\delta x^T P\, \delta x` (B. D. O. Anderson and J. B. Moore, Optimal Control: Linear
+Quadratic Methods, 1990, chapters 2 and 3).
 """
 
 from __future__ import annotations
@@ -27,7 +30,9 @@ from psp3.trajectories.trajectory import Trajectory
 
 
 class Regulator(NamedTuple):
-    """Gains ``K`` (..., n, m), cost ``P`` (..., m, m), and the closed loop's ``poles`` (..., m): eigenvalues of A − BK.
+    """Gains ``K`` (..., n, m), cost ``P`` (..., m, m), and the closed loop's ``poles`` (..., m).
+
+    Eigenvalues of A − BK.
 
     Poles of a continuous system are in 1/s, those of a sampled one are factors for a period.
     """
@@ -38,14 +43,19 @@ class Regulator(NamedTuple):
 
 
 class TimeVaryingRegulator(NamedTuple):
-    """Gains ``K`` (N, n, m) of N samples, and the cost ``P`` (N + 1, m, m) from each of them on; the last P is the final weight."""
+    """Gains ``K`` (N, n, m) of N samples, and the cost ``P`` (N + 1, m, m) from each of them on.
+
+    The last P is the final weight.
+    """
 
     K: Array
     P: Array
 
 
 def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
-    r"""Return the linear-quadratic regulator of a system that goes on forever, from the algebraic Riccati equation.
+    r"""Return the linear-quadratic regulator without an end.
+
+    The system goes on forever; the gains come from the algebraic Riccati equation.
 
     .. math::
 
@@ -55,10 +65,12 @@ def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
     Parameters
     ----------
     system : LinearSystem
-        A (..., m, m) and B (..., m, n), continuous or sampled, from :func:`psp3.dynamics.linearization.linearize` for instance.
+        A (..., m, m) and B (..., m, n), continuous or sampled, from
+        :func:`psp3.dynamics.linearization.linearize` for instance.
     Q : (m, m) array_like
-        Weight of the state, symmetric and positive semidefinite. With the square of an error that is just acceptable under each 1,
-        ``numpy.diag(1.0 / largest**2)``, entries of unlike units compare (Bryson's rule).
+        Weight of the state, symmetric and positive semidefinite. With the square of an error that
+        is just acceptable under each 1, ``numpy.diag(1.0 / largest**2)``, entries of unlike units
+        compare (Bryson's rule).
     R : (n, n) array_like
         Weight of the input, symmetric and positive definite.
 
@@ -87,8 +99,14 @@ def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
         try:
             P[row] = solve(A[row], B[row], Q, R)
         except (np.linalg.LinAlgError, ValueError) as error:
-            raise NoStabilizingSolution(np.linalg.eigvals(A[row]).astype(complex), system.period) from error
-        K[row] = np.linalg.solve(R, B[row].T @ P[row]) if system.period is None else _gain(A[row], B[row], R, P[row])
+            raise NoStabilizingSolution(
+                np.linalg.eigvals(A[row]).astype(complex), system.period
+            ) from error
+        K[row] = (
+            np.linalg.solve(R, B[row].T @ P[row])
+            if system.period is None
+            else _gain(A[row], B[row], R, P[row])
+        )
     poles = np.linalg.eigvals(A - B @ K).astype(complex)
     unstable = ~(poles.real < 0.0 if system.period is None else np.abs(poles) < 1.0)
     if unstable.any():
@@ -96,8 +114,12 @@ def lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike) -> Regulator:
     return Regulator(K, P, poles)
 
 
-def time_varying_lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike, terminal: ArrayLike | None = None) -> TimeVaryingRegulator:
-    r"""Return the linear-quadratic regulator of a sampled system that changes from sample to sample, by recursion from the end.
+def time_varying_lqr(
+    system: LinearSystem, Q: ArrayLike, R: ArrayLike, terminal: ArrayLike | None = None
+) -> TimeVaryingRegulator:
+    r"""Return the linear-quadratic regulator of a changing sampled system.
+
+    It changes from sample to sample; the gains come by recursion from the end.
 
     .. math::
 
@@ -111,7 +133,8 @@ def time_varying_lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike, terminal:
     Q, R
         See :func:`lqr`.
     terminal : (m, m) array_like, optional
-        Weight of the state after the last period; by default the cost of going on forever with the last A and B.
+        Weight of the state after the last period; by default the cost of going on forever with the
+        last A and B.
 
     Returns
     -------
@@ -127,15 +150,22 @@ def time_varying_lqr(system: LinearSystem, Q: ArrayLike, R: ArrayLike, terminal:
     if A.ndim != 3 or not len(A):
         raise InvalidArray("A", "(N, m, m) with N of at least 1", A)
     if system.period is None:
-        raise InvalidValue("system", "continuous", "sampled, see psp3.dynamics.linearization.discretize")
+        raise InvalidValue(
+            "system", "continuous", "sampled, see psp3.dynamics.linearization.discretize"
+        )
     m, n = B.shape[-2:]
     Q, R = _weight("Q", Q, m), _weight("R", R, n, definite=True)
     K, P = np.empty((len(A), n, m)), np.empty((len(A) + 1, m, m))
-    P[-1] = lqr(LinearSystem(A[-1], B[-1], system.period), Q, R).P if terminal is None else _weight("terminal", terminal, m)
+    P[-1] = (
+        lqr(LinearSystem(A[-1], B[-1], system.period), Q, R).P
+        if terminal is None
+        else _weight("terminal", terminal, m)
+    )
     for k in reversed(range(len(A))):
         K[k] = _gain(A[k], B[k], R, P[k + 1])
         closed = A[k] - B[k] @ K[k]
-        # Of the forms of this equation the one whose rounding errors leave P symmetric and positive.
+        # Of the forms of this equation the one whose rounding errors leave P symmetric and
+        # positive.
         P[k] = Q + K[k].T @ R @ K[k] + closed.T @ P[k + 1] @ closed
     return TimeVaryingRegulator(K, P)
 
@@ -162,14 +192,17 @@ def _weight(name: str, values: ArrayLike, width: int, definite: bool = False) ->
 
 
 class LinearQuadraticRegulator:
-    r"""The forces of the desired motion, and the linear-quadratic regulator of one pose on the errors of position and speed.
+    r"""The forces of the desired motion and a regulator of one pose.
+
+    It is the linear-quadratic regulator on the errors of position and speed.
 
     .. math::
 
-        \tau = M(a_d)\, \ddot a_d + C(a_d, \dot a_d)\, \dot a_d + G(a_d) + K \begin{bmatrix} e \\ \dot e \end{bmatrix}
+        \tau = M(a_d)\, \ddot a_d + C(a_d, \dot a_d)\, \dot a_d + G(a_d)
+        + K \begin{bmatrix} e \\ \dot e \end{bmatrix}
 
-    While the desired motion rests the first terms are the weight. Gains are those of the sampled system, as the force is held for a
-    period.
+    While the desired motion rests the first terms are the weight. Gains are those of the sampled
+    system, as the force is held for a period.
 
     Parameters
     ----------
@@ -191,9 +224,18 @@ class LinearQuadraticRegulator:
     """
 
     def __init__(
-        self, robot: ClosedLoopRobot, Q: ArrayLike, R: ArrayLike, period: float = 0.002, positions: ArrayLike | None = None
+        self,
+        robot: ClosedLoopRobot,
+        Q: ArrayLike,
+        R: ArrayLike,
+        period: float = 0.002,
+        positions: ArrayLike | None = None,
     ) -> None:
-        pose = robot.reference if positions is None else one_row("positions", positions, len(robot.actuated))
+        pose = (
+            robot.reference
+            if positions is None
+            else one_row("positions", positions, len(robot.actuated))
+        )
         self.robot = robot
         self.system = discretize(linearize(robot, pose), period)
         self.regulator = lqr(self.system, Q, R)
@@ -207,10 +249,12 @@ class LinearQuadraticRegulator:
 
 
 class TimeVaryingLinearQuadraticRegulator:
-    r"""The forces of the desired motion, and the linear-quadratic regulator along it on the errors of position and speed.
+    r"""The forces of the desired motion and a regulator along it.
 
-    As :class:`LinearQuadraticRegulator`, with gains :math:`K(t)` from the robot's linearization at every control period of the trajectory.
-    After its end the last gains stay.
+    It is the linear-quadratic regulator on the errors of position and speed.
+
+    As :class:`LinearQuadraticRegulator`, with gains :math:`K(t)` from the robot's linearization at
+    every control period of the trajectory. After its end the last gains stay.
 
     Parameters
     ----------
@@ -242,9 +286,13 @@ class TimeVaryingLinearQuadraticRegulator:
         terminal: ArrayLike | None = None,
     ) -> None:
         self.robot, self.period = robot, checked_positive("period", period)
-        self.t = self.period * np.arange(int(checked_positive("duration", duration) / self.period + 1e-9) + 1)
+        self.t = self.period * np.arange(
+            int(checked_positive("duration", duration) / self.period + 1e-9) + 1
+        )
         motion = trajectory(self.t)
-        self.system = discretize(linearize(robot, motion.heights, motion.speeds, motion.accelerations), self.period)
+        self.system = discretize(
+            linearize(robot, motion.heights, motion.speeds, motion.accelerations), self.period
+        )
         self.regulator = time_varying_lqr(self.system, Q, R, terminal)
 
     def reset(self) -> None:
@@ -257,7 +305,11 @@ class TimeVaryingLinearQuadraticRegulator:
         return _forces(self.robot, self.regulator.K[sample], heights, speeds, desired)
 
 
-def _forces(robot: ClosedLoopRobot, K: Array, heights: Array, speeds: Array, desired: Motion) -> Array:
+def _forces(
+    robot: ClosedLoopRobot, K: Array, heights: Array, speeds: Array, desired: Motion
+) -> Array:
     error = np.concatenate([desired.heights - heights, desired.speeds - speeds])
-    forces: Array = robot.inverse_dynamics(desired.heights, desired.speeds, desired.accelerations) + K @ error
+    forces: Array = (
+        robot.inverse_dynamics(desired.heights, desired.speeds, desired.accelerations) + K @ error
+    )
     return forces

@@ -1,31 +1,38 @@
 r"""Computed torque in the coordinates of a frame, which stays bounded where the frame's map folds.
 
-Where the smallest singular value :math:`\sigma` of the Jacobian vanishes, its inverse asks for infinite accelerations. For the tip of the
-3-PSP this is the border of its reach, 23.9 mm from the axis in the direction of a screw. Two things keep the robot this side of it, and
-both are exactly zero where :math:`\sigma \ge \varepsilon`:
+Where the smallest singular value :math:`\sigma` of the Jacobian vanishes, its inverse asks for
+infinite accelerations. For the tip of the 3-PSP this is the border of its reach, 23.9 mm from the
+axis in the direction of a screw. Two things keep the robot this side of it, and both are exactly
+zero where :math:`\sigma \ge \varepsilon`:
 
 * The inverse is damped in the singular directions, and in these only,
 
   .. math:: J^\# = \sum_i \frac{\sigma_i}{\sigma_i^2 + \lambda_i^2}\, v_i u_i^\top, \qquad
-            \lambda_i = \varepsilon \Big[ 1 - \frac{\sigma_i^2}{\varepsilon^2} \Big] \text{ for } \sigma_i < \varepsilon,
+            \lambda_i = \varepsilon \Big[ 1 - \frac{\sigma_i^2}{\varepsilon^2} \Big]
+            \text{ for } \sigma_i < \varepsilon,
             \text{ else } 0 ,
 
-  so that :math:`\lVert J^\# \rVert \le 1.07 / \varepsilon`. :math:`\lambda^2` and its derivative are continuous.
-* The smallest singular value is kept above a quarter of :math:`\varepsilon`. Damping alone makes the fold an equilibrium that the tip
-  reaches at speed, and crosses; behind it, it runs away on the other branch. With :math:`z = \sigma - \varepsilon/4` and
-  :math:`\omega = \sqrt{k_p}` the accelerations are corrected, if need be, so that
+  so that :math:`\lVert J^\# \rVert \le 1.07 / \varepsilon`. :math:`\lambda^2` and its derivative
+  are continuous.
+* The smallest singular value is kept above a quarter of :math:`\varepsilon`. Damping alone makes
+  the fold an equilibrium that the tip reaches at speed, and crosses; behind it, it runs away on the
+  other branch. With :math:`z = \sigma - \varepsilon/4` and :math:`\omega = \sqrt{k_p}` the
+  accelerations are corrected, if need be, so that
 
   .. math:: \ddot z \ge \frac{\dot z^2}{2 z} - 2 \omega \dot z - \omega^2 z \qquad (\dot z < 0) ,
 
-  which for :math:`z = y^2` is the damped oscillator :math:`\ddot y + 2\omega \dot y + \tfrac12 \omega^2 y \ge 0`: whatever the speed, z
-  does not become negative. The correction is the one that moves the frame least; it comes in smoothly between :math:`\varepsilon` and
-  :math:`\varepsilon / 2`.
+  which for :math:`z = y^2` is the damped oscillator
+  :math:`\ddot y + 2\omega \dot y + \tfrac12 \omega^2 y \ge 0`: whatever the speed, z does not
+  become negative. The correction is the one that moves the frame least; it comes in smoothly
+  between :math:`\varepsilon` and :math:`\varepsilon / 2`.
 
-Sources: J. Luh, M. Walker and R. Paul, Resolved-acceleration control of mechanical manipulators, IEEE Transactions on Automatic Control 25
-(1980), for the law; Y. Nakamura and H. Hanafusa, Inverse kinematic solutions with singularity robustness for robot manipulator control,
-Journal of Dynamic Systems, Measurement, and Control 108 (1986), and S. Chiaverini, Singularity-robust task-priority redundancy resolution
-for real-time kinematic control of robot manipulators, IEEE Transactions on Robotics and Automation 13 (1997), for variable damping;
-A. Ames, S. Coogan, M. Egerstedt, G. Notomista, K. Sreenath and P. Tabuada, Control barrier functions: theory and applications, European
+Sources: J. Luh, M. Walker and R. Paul, Resolved-acceleration control of mechanical manipulators,
+IEEE Transactions on Automatic Control 25 (1980), for the law; Y. Nakamura and H. Hanafusa, Inverse
+kinematic solutions with singularity robustness for robot manipulator control, Journal of Dynamic
+Systems, Measurement, and Control 108 (1986), and S. Chiaverini, Singularity-robust task-priority
+redundancy resolution for real-time kinematic control of robot manipulators, IEEE Transactions on
+Robotics and Automation 13 (1997), for variable damping; A. Ames, S. Coogan, M. Egerstedt, G.
+Notomista, K. Sreenath and P. Tabuada, Control barrier functions: theory and applications, European
 Control Conference (2019), for corrections that keep a quantity positive.
 """
 
@@ -49,13 +56,16 @@ FLOOR = 0.25
 """Share of the threshold above which the smallest singular value is kept."""
 
 STEP = 1e-5
-"""Step of the differences by which the smallest singular value is differentiated, as a share of the robot's length."""
+"""Step of the differences by which the smallest singular value is differentiated, as a share of the
+robot's length.
+"""
 
 
 def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
     r"""Return what singular values are inverted to, :math:`\sigma / (\sigma^2 + \lambda^2)`.
 
-    :math:`\lambda = \varepsilon - \sigma^2/\varepsilon` below the threshold :math:`\varepsilon`, and 0 above.
+    :math:`\lambda = \varepsilon - \sigma^2/\varepsilon` below the threshold :math:`\varepsilon`,
+    and 0 above.
 
     Parameters
     ----------
@@ -70,7 +80,11 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
         At most 1.07 over the threshold; without a threshold, infinite at zero.
     """
     sigma = np.asarray(singular_values, dtype=float)
-    damping = np.maximum(threshold - sigma**2 / threshold, 0.0) if threshold > 0.0 else np.zeros_like(sigma)
+    damping = (
+        np.maximum(threshold - sigma**2 / threshold, 0.0)
+        if threshold > 0.0
+        else np.zeros_like(sigma)
+    )
     with np.errstate(divide="ignore", invalid="ignore"):
         # Written so that it is the reciprocal to the last digit where nothing is damped.
         damped: Array = np.where(damping > 0.0, sigma / (sigma**2 + damping**2), 1.0 / sigma)
@@ -78,14 +92,17 @@ def damped_reciprocals(singular_values: ArrayLike, threshold: float) -> Array:
 
 
 class TaskSpaceComputedTorque:
-    r"""Computed torque on a frame: the model makes the robot a unit mass in the coordinates of the task.
+    r"""Computed torque on a frame.
 
-    .. math:: \tau = M \ddot a + C \dot a + G, \qquad \ddot a = J^\# \big( \ddot x_d + k_v \dot e + k_p e - \dot J \dot a \big), \qquad
+    The model makes the robot a unit mass in the coordinates of the task.
+
+    .. math:: \tau = M \ddot a + C \dot a + G, \qquad
+              \ddot a = J^\# \big( \ddot x_d + k_v \dot e + k_p e - \dot J \dot a \big), \qquad
               e = x_d - x .
 
-    Away from singularities the error obeys :math:`\ddot e + k_v \dot e + k_p e = 0`, whatever the pose; rotations about changing axes do so
-    to the second order of the angle. Near a singularity the inverse is damped, and the frame stops short of it, see
-    :mod:`psp3.control.task_space`.
+    Away from singularities the error obeys :math:`\ddot e + k_v \dot e + k_p e = 0`, whatever the
+    pose; rotations about changing axes do so to the second order of the angle. Near a singularity
+    the inverse is damped, and the frame stops short of it, see :mod:`psp3.control.task_space`.
 
     Parameters
     ----------
@@ -94,22 +111,27 @@ class TaskSpaceComputedTorque:
     kp, kv : float
         Gains [1/s²], [1/s], as in :class:`psp3.ComputedTorque`.
     path : callable, optional
-        The desired :class:`psp3.kinematics.frames.FrameMotion` at a time [s]. By default the frame is to go where the desired motion of the
-        actuated joints takes it. A path of its own may lead out of reach.
+        The desired :class:`psp3.kinematics.frames.FrameMotion` at a time [s]. By default the frame
+        is to go where the desired motion of the actuated joints takes it. A path of its own may
+        lead out of reach.
     frame : str
         The frame.
     task : sequence of str
-        Coordinates of the frame, see :class:`psp3.kinematics.task_space.TaskSpace`; as many as the robot has motors.
+        Coordinates of the frame, see :class:`psp3.kinematics.task_space.TaskSpace`; as many as the
+        robot has motors.
     damped_below : float
-        Threshold :math:`\varepsilon`, as a share of the smallest singular value in the reference pose: below 1, and 0 for the plain
-        inverse. Angles are made lengths with :func:`psp3.kinematics.tasks.characteristic_length`. By default :math:`\varepsilon` is 0.047 for
-        the tip of the 3-PSP, which comes so low within 0.9 mm of the border in the direction of a screw.
+        Threshold :math:`\varepsilon`, as a share of the smallest singular value in the reference
+        pose: below 1, and 0 for the plain inverse. Angles are made lengths with
+        :func:`psp3.kinematics.tasks.characteristic_length`. By default :math:`\varepsilon` is 0.047
+        for the tip of the 3-PSP, which comes so low within 0.9 mm of the border in the direction of
+        a screw.
 
     Raises
     ------
     InvalidValue
-        If a gain is negative or not finite, the threshold is not within [0, 1), the task has not as many coordinates as the robot has
-        motors, or they do not determine its pose at the reference pose.
+        If a gain is negative or not finite, the threshold is not within [0, 1), the task has not as
+        many coordinates as the robot has motors, or they do not determine its pose at the reference
+        pose.
     UnknownName
         If the robot has no such frame, or there is no such coordinate.
     """
@@ -129,7 +151,11 @@ class TaskSpaceComputedTorque:
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         share = checked_not_negative("damped_below", damped_below)
         if share >= 1.0:
-            raise InvalidValue("damped_below", damped_below, "a share of the reference pose's singular value, below 1")
+            raise InvalidValue(
+                "damped_below",
+                damped_below,
+                "a share of the reference pose's singular value, below 1",
+            )
         self.space = square_task(robot, frame, task)
         self._scaled = _ScaledJacobian(self.space)
         self.threshold = share * self._scaled.at_reference
@@ -139,46 +165,71 @@ class TaskSpaceComputedTorque:
         """Forget nothing: this controller remembers nothing."""
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
-        """Return the forces of the actuated joints, (n,) [N or N m], for their positions and speeds."""
+        """Return the forces of the actuated joints (n,) [N or N m] for a state.
+
+        The state is their positions and speeds.
+        """
         if self.path is None:
-            goal = frame_motion(self.robot, desired.heights, desired.speeds, desired.accelerations, self.space.frame)
+            goal = frame_motion(
+                self.robot, desired.heights, desired.speeds, desired.accelerations, self.space.frame
+            )
         else:
             goal = self.path(t)
         rows, now = self.space.rows, self.space.state(heights, speeds)
         servo = goal.acceleration[rows] + self.kv * (goal.velocity[rows] - now.velocity)
         servo += self.kp * self.space.error(goal.placement, now.placement) - now.drift
-        return self.robot.inverse_dynamics(heights, speeds, self._accelerations(heights, speeds, now.jacobian, servo))
+        return self.robot.inverse_dynamics(
+            heights, speeds, self._accelerations(heights, speeds, now.jacobian, servo)
+        )
 
     def _accelerations(self, heights: Array, speeds: Array, jacobian: Array, servo: Array) -> Array:
-        """Return the accelerations of the actuated joints that give the frame those of ``servo``, as far as that is possible."""
+        """Return the accelerations of the actuated joints for those of ``servo``.
+
+        They give the frame those of ``servo``, as far as that is possible.
+        """
         scaled, epsilon = self._scaled, self.threshold
         left, sigma, right = np.linalg.svd(scaled.rows[:, np.newaxis] * jacobian / scaled.columns)
-        accelerations: Array = right.T @ (damped_reciprocals(sigma, epsilon) * (left.T @ (scaled.rows * servo)))
+        accelerations: Array = right.T @ (
+            damped_reciprocals(sigma, epsilon) * (left.T @ (scaled.rows * servo))
+        )
         if sigma[-1] < epsilon:
             cost = right.T @ ((sigma**2 + epsilon**2)[:, np.newaxis] ** -1 * right)
-            accelerations = accelerations + self._correction(heights, scaled.columns * speeds, accelerations, cost)
+            accelerations = accelerations + self._correction(
+                heights, scaled.columns * speeds, accelerations, cost
+            )
         return accelerations / scaled.columns
 
-    def _correction(self, heights: Array, speeds: Array, accelerations: Array, cost: Array) -> Array:
-        """Return what keeps the smallest singular value above its floor; speeds and accelerations are scaled."""
+    def _correction(
+        self, heights: Array, speeds: Array, accelerations: Array, cost: Array
+    ) -> Array:
+        """Return what keeps the smallest singular value above its floor.
+
+        Speeds and accelerations are scaled.
+        """
         epsilon, omega = self.threshold, np.sqrt(self.kp)
         value, gradient, curvature = self._scaled.derivatives(heights, speeds)
         height, rate = value - FLOOR * epsilon, float(gradient @ speeds)
         least = -2.0 * omega * rate - omega**2 * height
         if rate < 0.0:
-            # At the floor itself the braking would be without bound, and the sampled controller may come to it.
+            # At the floor itself the braking would be without bound, and the sampled controller may
+            # come to it.
             least += rate**2 / (2.0 * max(height, 0.25 * FLOOR * epsilon))
         lacking = least - float(gradient @ accelerations) - curvature
         if lacking <= 0.0:
             return np.zeros_like(accelerations)
         x = float(np.clip(2.0 * (1.0 - value / epsilon), 0.0, 1.0))
         direction = cost @ gradient
-        correction: Array = x * x * (3.0 - 2.0 * x) * lacking / max(float(gradient @ direction), 1e-300) * direction
+        correction: Array = (
+            x * x * (3.0 - 2.0 * x) * lacking / max(float(gradient @ direction), 1e-300) * direction
+        )
         return correction
 
 
 class _ScaledJacobian:
-    """The task's Jacobian as a pure number, and its smallest singular value with a sign that changes where it vanishes."""
+    """The task's Jacobian as a pure number, and a signed measure.
+
+    The measure is its smallest singular value with a sign that changes where it vanishes.
+    """
 
     def __init__(self, space: TaskSpace) -> None:
         robot, self._space = space.robot, space
@@ -189,22 +240,39 @@ class _ScaledJacobian:
         values = np.linalg.svd(jacobian, compute_uv=False)
         self.at_reference, self._sign = float(values[-1]), float(np.sign(np.linalg.det(jacobian)))
         if not self.at_reference > RANK_TOLERANCE * values[0]:
-            raise InvalidValue("task", space.task, "coordinates that determine the pose of the robot at its reference pose")
+            raise InvalidValue(
+                "task",
+                space.task,
+                "coordinates that determine the pose of the robot at its reference pose",
+            )
 
     def _at(self, positions: Array) -> Array:
         jacobian: Array = self.rows[:, np.newaxis] * self._space.jacobian(positions) / self.columns
         return jacobian
 
     def smallest(self, positions: Array) -> float:
-        """Return the smallest singular value, negative on the other side of the singularity than the reference pose."""
+        """Return the smallest singular value, with a sign.
+
+        It is negative on the other side of the singularity than the reference pose.
+        """
         jacobian = self._at(positions)
-        return float(self._sign * np.sign(np.linalg.det(jacobian)) * np.linalg.svd(jacobian, compute_uv=False)[-1])
+        return float(
+            self._sign
+            * np.sign(np.linalg.det(jacobian))
+            * np.linalg.svd(jacobian, compute_uv=False)[-1]
+        )
 
     def derivatives(self, positions: Array, speeds: Array) -> tuple[float, Array, float]:
-        """Return the smallest singular value, its gradient, and its second derivative in time at the given scaled speeds."""
+        """Return the smallest singular value, its gradient, and second derivative in time.
+
+        The latter at the given scaled speeds.
+        """
         step, value = STEP * self._length, self.smallest(positions)
         gradient = np.array(
-            [(self.smallest(positions + unit) - self.smallest(positions - unit)) / (2.0 * step) for unit in np.diag(step / self.columns)]
+            [
+                (self.smallest(positions + unit) - self.smallest(positions - unit)) / (2.0 * step)
+                for unit in np.diag(step / self.columns)
+            ]
         )
         fastest = float(np.linalg.norm(speeds))
         if fastest == 0.0:
@@ -212,5 +280,7 @@ class _ScaledJacobian:
         # Ten times as far: a second difference loses twice the digits.
         time = 10.0 * step / fastest
         way = time * speeds / self.columns
-        curvature = (self.smallest(positions + way) - 2.0 * value + self.smallest(positions - way)) / time**2
+        curvature = (
+            self.smallest(positions + way) - 2.0 * value + self.smallest(positions - way)
+        ) / time**2
         return value, gradient, curvature

@@ -1,1 +1,1 @@
-"""Robot description files: URDF, SRDF, loop files and MJCF, read and checked before Pinocchio sees them."""
+"""Robot description files: URDF, SRDF, loop files and MJCF, checked before Pinocchio reads them."""

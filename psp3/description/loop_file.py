@@ -1,12 +1,14 @@
-"""Loop files: which frames of a tree coincide in the assembled robot, and which joints are actuated.
+"""Loop files.
+
+Which frames of a tree coincide in the assembled robot, and which joints are actuated.
 
 The keys are those of toolbox-parallel-robots, so its files can be read here and ours there::
 
     closed_loop: [[frameA, frameB], ...]   # pairs of frames that coincide
     type: ['6d', '3d', ...]                # '6d': position and orientation; '3d': position only
     name_mot: [joint, ...]                 # the actuated joints
-    joint_name: [joint, ...]               # joints of the URDF that stand for another kind of joint; may be left out
-    joint_type: [SPHERICAL, ...]           # which: SPHERICAL, UJOINT_XY and its like, FIXED (see psp3.description.joint_replacement)
+    joint_name: [joint, ...]               # joints of the URDF that stand for others; optional
+    joint_type: [SPHERICAL, ...]           # which: SPHERICAL, UJOINT_XY and its like, FIXED
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ from psp3.errors import InvalidRobotFile
 KINDS = ("6d", "3d")
 
 SAME_PLACE = 1e-12
-"""Frames of one name are the same if they are on one body and their placements differ by no more than this [m, 1]."""
+"""Frames of one name are the same if they are on one body and their placements differ by no more
+than this [m, 1].
+"""
 
 
 class Loops(NamedTuple):
@@ -52,17 +56,20 @@ def read_loops(path: str | Path) -> Loops:
     Parameters
     ----------
     path : path
-        A YAML file with the keys ``closed_loop``, ``type`` and ``name_mot``, and perhaps ``joint_name`` and ``joint_type``.
+        A YAML file with the keys ``closed_loop``, ``type`` and ``name_mot``, and perhaps
+        ``joint_name`` and ``joint_type``.
 
     Returns
     -------
     Loops
-        What the file says; whether the names exist in a model is checked by :func:`constraint_models`.
+        What the file says; whether the names exist in a model is checked by
+        :func:`constraint_models`.
 
     Raises
     ------
     InvalidRobotFile
-        If the file is missing, is not YAML, lacks a key or holds something else than the format asks for.
+        If the file is missing, is not YAML, lacks a key or holds something else than the format
+        asks for.
     """
     import yaml
 
@@ -70,7 +77,9 @@ def read_loops(path: str | Path) -> Loops:
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InvalidRobotFile(path, f"cannot be read as YAML ({getattr(error, 'strerror', None) or error})") from error
+        raise InvalidRobotFile(
+            path, f"cannot be read as YAML ({getattr(error, 'strerror', None) or error})"
+        ) from error
     if not isinstance(content, dict):
         raise InvalidRobotFile(path, "must hold the keys closed_loop, type and name_mot")
     missing = [key for key in ("closed_loop", "type", "name_mot") if key not in content]
@@ -78,7 +87,9 @@ def read_loops(path: str | Path) -> Loops:
         raise InvalidRobotFile(path, f"lacks the key {', '.join(missing)}")
     pairs = content["closed_loop"]
     if not isinstance(pairs, list):
-        raise InvalidRobotFile(path, f"key 'closed_loop' must hold a list of frame pairs, got {pairs!r}")
+        raise InvalidRobotFile(
+            path, f"key 'closed_loop' must hold a list of frame pairs, got {pairs!r}"
+        )
     frames = tuple(_names(path, pair, "closed_loop") for pair in pairs)
     if any(len(pair) != 2 for pair in frames):
         raise InvalidRobotFile(path, f"every closed loop joins two frames, got {pairs!r}")
@@ -88,11 +99,18 @@ def read_loops(path: str | Path) -> Loops:
     kinds = tuple(kind.lower() for kind in _names(path, content["type"], "type"))
     if len(kinds) != len(frames) or any(kind not in KINDS for kind in kinds):
         raise InvalidRobotFile(
-            path, f"key 'type' must give '6d' or '3d' for each of the {len(frames)} closed loops, got {content['type']!r}"
+            path,
+            f"key 'type' must give '6d' or '3d' for each of the {len(frames)} closed loops, got "
+            f"{content['type']!r}",
         )
     actuated = _names(path, content["name_mot"], "name_mot")
     _no_name_twice(path, actuated, "name_mot")
-    return Loops(tuple((pair[0], pair[1]) for pair in frames), kinds, actuated, _replaced(path, content, actuated))
+    return Loops(
+        tuple((pair[0], pair[1]) for pair in frames),
+        kinds,
+        actuated,
+        _replaced(path, content, actuated),
+    )
 
 
 def _no_name_twice(path: Path, names: tuple[str, ...], key: str) -> None:
@@ -101,33 +119,52 @@ def _no_name_twice(path: Path, names: tuple[str, ...], key: str) -> None:
         raise InvalidRobotFile(path, f"{key} names a joint twice: {', '.join(twice)}")
 
 
-def _replaced(path: Path, content: dict[str, Any], actuated: tuple[str, ...]) -> tuple[tuple[str, str], ...]:
+def _replaced(
+    path: Path, content: dict[str, Any], actuated: tuple[str, ...]
+) -> tuple[tuple[str, str], ...]:
     names = _names(path, content.get("joint_name", []), "joint_name")
-    kinds = tuple(kind.upper() for kind in _names(path, content.get("joint_type", []), "joint_type"))
+    kinds = tuple(
+        kind.upper() for kind in _names(path, content.get("joint_type", []), "joint_type")
+    )
     if len(names) != len(kinds):
         raise InvalidRobotFile(
-            path, f"key 'joint_type' must give a type for each of the {len(names)} joints of 'joint_name', got {len(kinds)}"
+            path,
+            f"key 'joint_type' must give a type for each of the {len(names)} joints of "
+            f"'joint_name', got {len(kinds)}",
         )
     _no_name_twice(path, names, "joint_name")
     for name, kind in zip(names, kinds, strict=True):
         if kind not in REPLACEMENTS:
-            raise InvalidRobotFile(path, f"joint_type: {kind!r} for joint {name!r} is unknown; known are {', '.join(REPLACEMENTS)}")
+            raise InvalidRobotFile(
+                path,
+                f"joint_type: {kind!r} for joint {name!r} is unknown; known are "
+                f"{', '.join(REPLACEMENTS)}",
+            )
         if name in actuated:
             raise InvalidRobotFile(
-                path, f"joint {name!r} is actuated (name_mot) and cannot be replaced by {kind} (joint_name); take it out of one of them"
+                path,
+                f"joint {name!r} is actuated (name_mot) and cannot be replaced by {kind} "
+                "(joint_name); take it out of one of them",
             )
     return tuple(zip(names, kinds, strict=True))
 
 
 def _frame(model: pin.Model, name: str, pair: tuple[str, str], path: str | Path) -> Any:
-    """Return the frame of a name. A URDF may give a joint and a link the same one, which is clear if the two coincide."""
+    """Return the frame of a name.
+
+    A URDF may give a joint and a link the same one, which is clear if the two coincide.
+    """
     first, *others = [frame for frame in model.frames if frame.name == name] or [None]
     if first is None:
         raise InvalidRobotFile(path, f"closed loop {list(pair)}: the robot has no frame {name!r}")
     for other in others:
         apart = np.abs(other.placement.homogeneous - first.placement.homogeneous).max()
         if other.parentJoint != first.parentJoint or apart > SAME_PLACE:
-            raise InvalidRobotFile(path, f"closed loop {list(pair)}: the robot has several frames {name!r}; rename the others")
+            raise InvalidRobotFile(
+                path,
+                f"closed loop {list(pair)}: the robot has several frames {name!r}; rename the "
+                "others",
+            )
     return first
 
 
@@ -151,35 +188,58 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
     Raises
     ------
     InvalidRobotFile
-        If a frame or an actuated joint is not in the model, a loop joins a body with itself, or an actuated joint has more than one
-        degree of freedom.
+        If a frame or an actuated joint is not in the model, a loop joins a body with itself, or an
+        actuated joint has more than one degree of freedom.
     """
     models = pin.StdVec_RigidConstraintModel()
     for pair, kind in zip(loops.frames, loops.kinds, strict=True):
         first, second = (_frame(model, name, pair, path) for name in pair)
         if first.parentJoint == second.parentJoint:
-            raise InvalidRobotFile(path, f"closed loop {list(pair)}: both frames are on the same body, so there is nothing to close")
-        models.append(rigid_constraint(model, kind, (first.parentJoint, first.placement), (second.parentJoint, second.placement)))
+            raise InvalidRobotFile(
+                path,
+                f"closed loop {list(pair)}: both frames are on the same body, so there is "
+                "nothing to close",
+            )
+        models.append(
+            rigid_constraint(
+                model,
+                kind,
+                (first.parentJoint, first.placement),
+                (second.parentJoint, second.placement),
+            )
+        )
         models[-1].name = f"{pair[0]}-{pair[1]}"
     check_actuated(model, loops.actuated, path, "name_mot")
     return models
 
 
-def rigid_constraint(model: pin.Model, kind: str, first: tuple[int, pin.SE3], second: tuple[int, pin.SE3]) -> Any:
-    """Return the constraint model that joins two placements, each in a joint, in position (``"3d"``) or entirely (``"6d"``)."""
+def rigid_constraint(
+    model: pin.Model, kind: str, first: tuple[int, pin.SE3], second: tuple[int, pin.SE3]
+) -> Any:
+    """Return the constraint model that joins two placements, each in a joint.
+
+    In position (``"3d"``) or entirely (``"6d"``).
+    """
     contact = pin.ContactType.CONTACT_6D if kind == "6d" else pin.ContactType.CONTACT_3D
     return pin.RigidConstraintModel(contact, model, *first, *second, pin.ReferenceFrame.LOCAL)
 
 
 def check_actuated(model: pin.Model, actuated: tuple[str, ...], path: str | Path, key: str) -> None:
-    """Raise :class:`InvalidRobotFile` unless all names are of different joints of one degree of freedom."""
+    """Raise :class:`InvalidRobotFile` unless all names fit.
+
+    They must be those of different joints of one degree of freedom.
+    """
     _no_name_twice(Path(path), actuated, key)
     for name in actuated:
         if not model.existJointName(name) or name == model.names[0]:
             known = ", ".join(list(model.names)[1:])
-            raise InvalidRobotFile(path, f"{key}: the robot has no joint {name!r}; its joints are {known}")
+            raise InvalidRobotFile(
+                path, f"{key}: the robot has no joint {name!r}; its joints are {known}"
+            )
         joint = model.joints[model.getJointId(name)]
         if joint.nq != 1 or joint.nv != 1:
             raise InvalidRobotFile(
-                path, f"{key}: joint {name!r} has {joint.nv} degrees of freedom in {joint.nq} coordinates; an actuated joint has one in one"
+                path,
+                f"{key}: joint {name!r} has {joint.nv} degrees of freedom in {joint.nq} "
+                "coordinates; an actuated joint has one in one",
             )

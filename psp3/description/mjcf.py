@@ -1,4 +1,7 @@
-"""Robots from MJCF files, the format of MuJoCo: a tree, loops that are equality constraints, and motors."""
+"""Robots from MJCF files, the format of MuJoCo.
+
+A tree, loops that are equality constraints, and motors.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +28,15 @@ logger = logging.getLogger(__name__)
 def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotParts:
     """Read a robot from an MJCF file.
 
-    Loops are the active equality constraints ``connect`` (a point) and ``weld`` (position and orientation), between bodies or sites.
-    Actuated are the joints of the ``<actuator>`` section in its order, once each. ``q0`` is the key frame ``home``, if there is one.
-    Pinocchio's coordinates are zero where MuJoCo's are those of its reference pose (``qpos0``): angles and lengths differ by ``ref``.
+    Loops are the active equality constraints ``connect`` (a point) and ``weld`` (position and
+    orientation), between bodies or sites. Actuated are the joints of the ``<actuator>`` section in
+    its order, once each. ``q0`` is the key frame ``home``, if there is one. Pinocchio's coordinates
+    are zero where MuJoCo's are those of its reference pose (``qpos0``): angles and lengths differ
+    by ``ref``.
 
-    Forces that the equation of motion does not know (springs of joints, tendons, buoyancy, fluids) are logged as a warning, and so are
-    meshes that cannot be read. Damping, friction, armature and limits of the joints are in the model.
+    Forces that the equation of motion does not know (springs of joints, tendons, buoyancy, fluids)
+    are logged as a warning, and so are meshes that cannot be read. Damping, friction, armature and
+    limits of the joints are in the model.
 
     Parameters
     ----------
@@ -47,9 +53,10 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
     Raises
     ------
     InvalidRobotFile
-        If the file is missing or malformed, or holds what cannot be read: other active constraints than loops, motors that drive
-        something else than a joint of one degree of freedom, bodies moved from outside, geoms whose inertia is not a formula, or elements
-        that stand for several others (MuJoCo can write those out).
+        If the file is missing or malformed, or holds what cannot be read: other active constraints
+        than loops, motors that drive something else than a joint of one degree of freedom, bodies
+        moved from outside, geoms whose inertia is not a formula, or elements that stand for several
+        others (MuJoCo can write those out).
     """
     document = MjcfDocument(path)
     plain = plain_mjcf(document)
@@ -57,7 +64,11 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
     for name, (body, placement) in plain.sites.items():
         number = model.getFrameId(body, pin.FrameType.BODY)
         frame = model.frames[number]
-        model.addFrame(pin.Frame(name, frame.parentJoint, number, frame.placement * placement, pin.FrameType.OP_FRAME))
+        model.addFrame(
+            pin.Frame(
+                name, frame.parentJoint, number, frame.placement * placement, pin.FrameType.OP_FRAME
+            )
+        )
     _set_joints(model, plain)
     model.gravity = pin.Motion(_gravity(document), np.zeros(3))
     names = tuple(_motors(document, plain) if actuated is None else actuated)
@@ -86,9 +97,14 @@ def _set_joints(model: pin.Model, plain: PlainMjcf) -> None:
         joint = model.joints[model.getJointId(item.name)]
         velocities = slice(joint.idx_v, joint.idx_v + joint.nv)
         if joint.nq == 1:
-            model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = item.limits
+            model.lowerPositionLimit[joint.idx_q], model.upperPositionLimit[joint.idx_q] = (
+                item.limits
+            )
         model.lowerEffortLimit[velocities], model.upperEffortLimit[velocities] = item.effort
-        model.lowerDryFrictionLimit[velocities], model.upperDryFrictionLimit[velocities] = -item.friction, item.friction
+        model.lowerDryFrictionLimit[velocities], model.upperDryFrictionLimit[velocities] = (
+            -item.friction,
+            item.friction,
+        )
         model.damping[velocities] = item.damping
         model.armature[velocities] = item.armature
 
@@ -109,14 +125,21 @@ def _motors(document: MjcfDocument, plain: PlainMjcf) -> list[str]:
     for element in document.section("actuator"):
         name = element.get("joint") or element.get("jointinparent")
         if name is None:
-            raise document.wrong(f"actuator: {described(element)} drives no joint; say which joints are actuated (actuated=[...])")
+            raise document.wrong(
+                f"actuator: {described(element)} drives no joint; say which joints are actuated "
+                "(actuated=[...])"
+            )
         if name not in joints:
-            raise document.wrong(f"actuator: {described(element)} drives joint {name!r}, which is not in the file")
+            raise document.wrong(
+                f"actuator: {described(element)} drives joint {name!r}, which is not in the file"
+            )
         # A servo of position and one of speed may drive the same joint.
         if name not in motors:
             motors.append(name)
     if not motors:
-        raise document.wrong("has no <actuator> that drives a joint; say which joints are actuated (actuated=[...])")
+        raise document.wrong(
+            "has no <actuator> that drives a joint; say which joints are actuated (actuated=[...])"
+        )
     return motors
 
 
@@ -132,17 +155,28 @@ def _loops(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Any:
         if not document.is_true(element, "active", True):
             continue
         if element.tag not in ("connect", "weld"):
-            raise document.wrong(f"equality: an active {described(element)} is not read; only connect and weld close loops")
+            raise document.wrong(
+                f"equality: an active {described(element)} is not read; only connect and weld "
+                "close loops"
+            )
         (body1, place1), (body2, place2) = _places(document, plain, element)
-        first, second = (model.frames[model.getFrameId(body, pin.FrameType.BODY)] for body in (body1, body2))
+        first, second = (
+            model.frames[model.getFrameId(body, pin.FrameType.BODY)] for body in (body1, body2)
+        )
         if first.parentJoint == second.parentJoint:
-            raise document.wrong(f"equality: {described(element)} joins {body1!r} and {body2!r}, which do not move against each other")
+            raise document.wrong(
+                f"equality: {described(element)} joins {body1!r} and {body2!r}, which do not "
+                "move against each other"
+            )
         if place1 is None:
             place1 = _of_body(data, first).actInv(_of_body(data, second) * place2)
         elif place2 is None:
             place2 = _of_body(data, second).actInv(_of_body(data, first) * place1)
         kind = "3d" if element.tag == "connect" else "6d"
-        ends = (first.parentJoint, first.placement * place1), (second.parentJoint, second.placement * place2)
+        ends = (
+            (first.parentJoint, first.placement * place1),
+            (second.parentJoint, second.placement * place2),
+        )
         closures.append(rigid_constraint(model, kind, *ends))
         closures[-1].name = element.get("name") or f"{body1}-{body2}"
     return closures
@@ -152,8 +186,13 @@ def _of_body(data: pin.Data, frame: Any) -> pin.SE3:
     return data.oMi[frame.parentJoint] * frame.placement
 
 
-def _places(document: MjcfDocument, plain: PlainMjcf, element: ElementTree.Element) -> list[tuple[str, pin.SE3 | None]]:
-    """Return the two bodies of a loop and where it joins each; None stands for where the other one is in the reference pose."""
+def _places(
+    document: MjcfDocument, plain: PlainMjcf, element: ElementTree.Element
+) -> list[tuple[str, pin.SE3 | None]]:
+    """Return the two bodies of a loop and where it joins each.
+
+    None stands for where the other one is in the reference pose.
+    """
     where = f"equality: {described(element)}"
     if element.get("site1") is not None or element.get("site2") is not None:
         for end in ("site1", "site2"):
@@ -163,7 +202,10 @@ def _places(document: MjcfDocument, plain: PlainMjcf, element: ElementTree.Eleme
     bodies = [element.get("body1", ""), element.get("body2", "world")]
     for end, body in zip(("body1", "body2"), bodies, strict=True):
         if body not in plain.bodies:
-            raise document.wrong(f"{where}: {end} {body!r} is not in the file; its bodies are {', '.join(plain.bodies)}")
+            raise document.wrong(
+                f"{where}: {end} {body!r} is not in the file; its bodies are "
+                f"{', '.join(plain.bodies)}"
+            )
     anchor = pin.SE3(np.eye(3), document.vector(element, "anchor"))
     if element.tag == "connect":
         if element.get("anchor") is None:
@@ -173,7 +215,8 @@ def _places(document: MjcfDocument, plain: PlainMjcf, element: ElementTree.Eleme
     if pose is None or not pose[3:].any():
         return [(bodies[0], None), (bodies[1], anchor)]
     w, x, y, z = pose[3:] / np.linalg.norm(pose[3:])
-    # The position is where the anchor, not the second body, is in the first one: so MuJoCo computes.
+    # The position is where the anchor, not the second body, is in the first one: so MuJoCo
+    # computes.
     return [(bodies[0], pin.SE3(pin.Quaternion(w, x, y, z), pose[:3])), (bodies[1], anchor)]
 
 
@@ -189,19 +232,25 @@ def _home(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Array |
         widths = {"hinge": 1, "slide": 1, "ball": 4, "free": 7}
         needed = sum(widths[joint.kind] for joint in plain.joints)
         if positions.size != needed:
-            raise document.wrong(f"{described(key)}: qpos must hold {needed} numbers, got {positions.size}")
+            raise document.wrong(
+                f"{described(key)}: qpos must hold {needed} numbers, got {positions.size}"
+            )
         q = pin.neutral(model)
         ends = np.cumsum([widths[joint.kind] for joint in plain.joints])
         for item, part in zip(plain.joints, np.split(positions, ends[:-1]), strict=True):
             index = model.getJointId(item.name)
             start = model.joints[index].idx_q
-            q[start : start + part.size] = _coordinates(document, item, part, model.jointPlacements[index])
+            q[start : start + part.size] = _coordinates(
+                document, item, part, model.jointPlacements[index]
+            )
         model.referenceConfigurations[key.attrib["name"]] = q
     poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
     return poses.get("home")
 
 
-def _coordinates(document: MjcfDocument, joint: MjcfJoint, position: Array, placement: pin.SE3) -> Array:
+def _coordinates(
+    document: MjcfDocument, joint: MjcfJoint, position: Array, placement: pin.SE3
+) -> Array:
     """Return Pinocchio's coordinates of a joint from MuJoCo's."""
     if joint.kind in ("hinge", "slide"):
         return position - joint.reference
@@ -217,13 +266,27 @@ def _coordinates(document: MjcfDocument, joint: MjcfJoint, position: Array, plac
 
 def _warn(document: MjcfDocument, plain: PlainMjcf) -> None:
     ignored = [f"spring of joint {joint.name}" for joint in plain.joints if joint.stiffness != 0.0]
-    ignored += [f"tendon {element.get('name', '')}".strip() for element in document.section("tendon")]
     ignored += [
-        f"buoyancy of body {body.get('name')}" for body in document.root.iter("body") if document.number(body, "gravcomp", 0.0) != 0.0
+        f"tendon {element.get('name', '')}".strip() for element in document.section("tendon")
+    ]
+    ignored += [
+        f"buoyancy of body {body.get('name')}"
+        for body in document.root.iter("body")
+        if document.number(body, "gravcomp", 0.0) != 0.0
     ]
     for option in document.root.findall("option"):
-        ignored += [f"fluid ({name})" for name in ("density", "viscosity") if document.number(option, name, 0.0) != 0.0]
+        ignored += [
+            f"fluid ({name})"
+            for name in ("density", "viscosity")
+            if document.number(option, name, 0.0) != 0.0
+        ]
     if ignored:
-        logger.warning("%s: forces that the equation of motion does not know: %s", document.path, ", ".join(ignored))
+        logger.warning(
+            "%s: forces that the equation of motion does not know: %s",
+            document.path,
+            ", ".join(ignored),
+        )
     for name, reason in plain.unreadable.items():
-        logger.warning("%s: mesh %s cannot be read and is not drawn (%s)", document.path, name, reason)
+        logger.warning(
+            "%s: mesh %s cannot be read and is not drawn (%s)", document.path, name, reason
+        )

@@ -1,6 +1,9 @@
-"""An MJCF file as MuJoCo reads it: included files put in, defaults written out, angles in radians, poses of one kind.
+"""An MJCF file as MuJoCo reads it.
 
-MuJoCo's own documentation of the format (XML Reference) says what each attribute means; the tests compare with what it compiles.
+Included files put in, defaults written out, angles in radians, poses of one kind.
+
+MuJoCo's own documentation of the format (XML Reference) says what each attribute means; the tests
+compare with what it compiles.
 """
 
 from __future__ import annotations
@@ -21,7 +24,9 @@ ORIENTATIONS = {"quat": 4, "axisangle": 4, "euler": 3, "xyaxes": 6, "zaxis": 3}
 """Attributes that give an orientation, and how many numbers each holds."""
 
 REFUSED_COMPILER = {"coordinate": "local", "settotalmass": "-1", "inertiagrouprange": "0 5"}
-"""Settings of the compiler that change every number in the file; only these values, the default ones, are read."""
+"""Settings of the compiler that change every number in the file; only these values, the default
+ones, are read.
+"""
 
 
 class MjcfDocument:
@@ -35,7 +40,8 @@ class MjcfDocument:
     Raises
     ------
     InvalidRobotFile
-        If it is missing, is no MJCF, includes a file that is missing or twice included, or its compiler has settings that are not read.
+        If it is missing, is no MJCF, includes a file that is missing or twice included, or its
+        compiler has settings that are not read.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -47,11 +53,19 @@ class MjcfDocument:
             self.compiler.update(element.attrib)
         for attribute, value in REFUSED_COMPILER.items():
             if self.compiler.get(attribute, value).split() != value.split():
-                raise self.wrong(f"<compiler {attribute}={self.compiler[attribute]!r}> is not read; {self.advice}")
-        self.radians_per_unit = 1.0 if self.compiler.get("angle", "degree") == "radian" else np.pi / 180.0
+                raise self.wrong(
+                    f"<compiler {attribute}={self.compiler[attribute]!r}> is not read; "
+                    f"{self.advice}"
+                )
+        self.radians_per_unit = (
+            1.0 if self.compiler.get("angle", "degree") == "radian" else np.pi / 180.0
+        )
         self._sequence = self.compiler.get("eulerseq", "xyz")
         if len(self._sequence) != 3 or not set(self._sequence) <= set("xyzXYZ"):
-            raise self.wrong(f"<compiler>: eulerseq must be three of the letters x, y, z, X, Y, Z, got {self._sequence!r}")
+            raise self.wrong(
+                "<compiler>: eulerseq must be three of the letters x, y, z, X, Y, Z, got "
+                f"{self._sequence!r}"
+            )
         self._main = "main"
         self._classes: dict[str, dict[str, dict[str, str]]] = {}
         for element in self.root.findall("default"):
@@ -81,7 +95,9 @@ class MjcfDocument:
             else:
                 self._include(child, included)
 
-    def _read_class(self, element: ElementTree.Element, name: str, inherited: Mapping[str, dict[str, str]]) -> None:
+    def _read_class(
+        self, element: ElementTree.Element, name: str, inherited: Mapping[str, dict[str, str]]
+    ) -> None:
         known = self._classes[name] = copy.deepcopy(dict(inherited))
         for child in element:
             if child.tag != "default":
@@ -89,7 +105,9 @@ class MjcfDocument:
         for child in element.findall("default"):
             nested = child.get("class")
             if not nested or nested in self._classes:
-                raise self.wrong(f"<default>: a nested class needs a name of its own, got {nested!r}")
+                raise self.wrong(
+                    f"<default>: a nested class needs a name of its own, got {nested!r}"
+                )
             self._read_class(child, nested, known)
 
     def section(self, tag: str) -> Iterator[ElementTree.Element]:
@@ -97,8 +115,13 @@ class MjcfDocument:
         for section in self.root.findall(tag):
             yield from section
 
-    def full(self, element: ElementTree.Element, child_class: str | None = None, tag: str | None = None) -> ElementTree.Element:
-        """Return an element with the attributes that it inherits: from its class, that of the body around it, or the main one."""
+    def full(
+        self, element: ElementTree.Element, child_class: str | None = None, tag: str | None = None
+    ) -> ElementTree.Element:
+        """Return an element with the attributes that it inherits.
+
+        From its class, that of the body around it, or the main one.
+        """
         name = element.get("class") or child_class or self._main
         if name not in self._classes:
             raise self.wrong(f"{described(element)}: there is no default class {name!r}")
@@ -107,7 +130,10 @@ class MjcfDocument:
         return result
 
     def numbers(self, element: ElementTree.Element, attribute: str, *counts: int) -> Array | None:
-        """Return the numbers of an attribute, None without it; see :func:`psp3.description.xml.numbers`."""
+        """Return the numbers of an attribute, None without it.
+
+        See :func:`psp3.description.xml.numbers`.
+        """
         return numbers(self.path, element, attribute, *counts)
 
     def number(self, element: ElementTree.Element, attribute: str, default: float) -> float:
@@ -115,7 +141,12 @@ class MjcfDocument:
         value = self.numbers(element, attribute, 1)
         return default if value is None else float(value[0])
 
-    def vector(self, element: ElementTree.Element, attribute: str, default: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Array:
+    def vector(
+        self,
+        element: ElementTree.Element,
+        attribute: str,
+        default: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> Array:
         """Return the three numbers of an attribute."""
         value = self.numbers(element, attribute, 3)
         return np.array(default) if value is None else value
@@ -124,11 +155,16 @@ class MjcfDocument:
         """Return the value of an attribute that is ``true`` or ``false``."""
         text = element.get(attribute, "true" if default else "false")
         if text not in ("true", "false"):
-            raise self.wrong(f"{described(element)}: {attribute} must be true or false, got {text!r}")
+            raise self.wrong(
+                f"{described(element)}: {attribute} must be true or false, got {text!r}"
+            )
         return text == "true"
 
     def placement(self, element: ElementTree.Element) -> pin.SE3:
-        """Return where an element sits in its body, or a body in its parent: ``pos`` and one of five ways to give an orientation."""
+        """Return where an element sits in its body, or a body in its parent.
+
+        ``pos`` and one of five ways to give an orientation.
+        """
         return pin.SE3(self._rotation(element), self.vector(element, "pos"))
 
     def _rotation(self, element: ElementTree.Element) -> Array:
@@ -143,20 +179,25 @@ class MjcfDocument:
             rotation: Array = getattr(self, f"_from_{given[0]}")(values)
             return rotation
         except ZeroDivisionError:
-            raise self.wrong(f"{described(element)}: {given[0]} {element.get(given[0])!r} gives no direction") from None
+            raise self.wrong(
+                f"{described(element)}: {given[0]} {element.get(given[0])!r} gives no direction"
+            ) from None
 
     def _from_quat(self, values: Array) -> Array:
         w, x, y, z = unit(values)
         return np.asarray(pin.Quaternion(w, x, y, z).toRotationMatrix())
 
     def _from_axisangle(self, values: Array) -> Array:
-        return np.asarray(pin.AngleAxis(self.radians_per_unit * values[3], unit(values[:3])).toRotationMatrix())
+        return np.asarray(
+            pin.AngleAxis(self.radians_per_unit * values[3], unit(values[:3])).toRotationMatrix()
+        )
 
     def _from_euler(self, values: Array) -> Array:
         rotation = np.eye(3)
         for letter, angle in zip(self._sequence, values, strict=True):
             turn = pin.utils.rotate(letter.lower(), self.radians_per_unit * angle)
-            # Small letters turn about the axes that were turned before, capitals about those of the parent.
+            # Small letters turn about the axes that were turned before, capitals about those of the
+            # parent.
             rotation = rotation @ turn if letter.islower() else turn @ rotation
         return rotation
 
@@ -169,15 +210,22 @@ class MjcfDocument:
         return rotation_to(values)
 
     def ends(self, element: ElementTree.Element) -> tuple[pin.SE3, float] | None:
-        """Return center and half length of an element that is given by the two ends of its z axis (``fromto``); None if it is not."""
+        """Return center and half length of an element that is given by the two ends of its z axis.
+
+        That is ``fromto``; None without it.
+        """
         ends = self.numbers(element, "fromto", 6)
         if ends is None:
             return None
         axis = ends[:3] - ends[3:]
         try:
-            return pin.SE3(rotation_to(axis), 0.5 * (ends[:3] + ends[3:])), 0.5 * float(np.linalg.norm(axis))
+            return pin.SE3(rotation_to(axis), 0.5 * (ends[:3] + ends[3:])), 0.5 * float(
+                np.linalg.norm(axis)
+            )
         except ZeroDivisionError:
-            raise self.wrong(f"{described(element)}: the two ends in fromto are the same point") from None
+            raise self.wrong(
+                f"{described(element)}: the two ends in fromto are the same point"
+            ) from None
 
 
 def unit(vector: Array) -> Array:
@@ -189,7 +237,10 @@ def unit(vector: Array) -> Array:
 
 
 def rotation_to(direction: Array) -> Array:
-    """Return the shortest rotation that takes z to a direction; half a turn about x where that is downward."""
+    """Return the shortest rotation that takes z to a direction.
+
+    Half a turn about x where that is downward.
+    """
     direction = unit(direction)
     axis = np.cross([0.0, 0.0, 1.0], direction)
     sine = float(np.linalg.norm(axis))

@@ -1,9 +1,13 @@
-"""The tree of an MJCF file in the plain words that Pinocchio's MJCF parser reads as MuJoCo means them.
+"""The tree of an MJCF file in plain words.
 
-That parser takes only the first body of the world and forgets where it stands; makes one composite joint of several joints of a body;
-passes over orientations of geoms without a position, masses of geoms that collide with nothing, sites of bodies without joints, and
-included files; and does not know a range that is switched off. So the tree is written out for it: one body ``world`` that holds all
-others, at most one joint to a body, every inertia and orientation explicit, no classes. What its joints are limited to is kept beside.
+Pinocchio's MJCF parser reads these as MuJoCo means them.
+
+That parser takes only the first body of the world and forgets where it stands; makes one composite
+joint of several joints of a body; passes over orientations of geoms without a position, masses of
+geoms that collide with nothing, sites of bodies without joints, and included files; and does not
+know a range that is switched off. So the tree is written out for it: one body ``world`` that holds
+all others, at most one joint to a body, every inertia and orientation explicit, no classes. What
+its joints are limited to is kept beside.
 """
 
 from __future__ import annotations
@@ -82,7 +86,8 @@ def plain_mjcf(document: MjcfDocument) -> PlainMjcf:
     Raises
     ------
     InvalidRobotFile
-        If a number, name or element of the tree is none that MuJoCo takes, or says something that is not read.
+        If a number, name or element of the tree is none that MuJoCo takes, or says something that
+        is not read.
     """
     return _Writer(document).write()
 
@@ -115,19 +120,31 @@ class _Writer:
             raise self.document.wrong("has no <body> in its <worldbody>")
         for item in items:
             if item.tag in ("joint", "freejoint", "inertial"):
-                raise self.document.wrong(f"{described(item)} is in the <worldbody>, which cannot move")
+                raise self.document.wrong(
+                    f"{described(item)} is in the <worldbody>, which cannot move"
+                )
         body = _write_body(ElementTree.SubElement(root, "worldbody"), "world", pin.SE3.Identity())
         # What stands on the world needs no inertia.
         _write_inertia(body, pin.Inertia.Zero())
         self.bodies.append("world")
         self._fill(body, "world", items, None)
-        return PlainMjcf(root, tuple(self.bodies), tuple(self.joints.values()), self.sites, self.unreadable)
+        return PlainMjcf(
+            root, tuple(self.bodies), tuple(self.joints.values()), self.sites, self.unreadable
+        )
 
-    def _fill(self, body: ElementTree.Element, name: str, items: Iterable[ElementTree.Element], child_class: str | None) -> None:
+    def _fill(
+        self,
+        body: ElementTree.Element,
+        name: str,
+        items: Iterable[ElementTree.Element],
+        child_class: str | None,
+    ) -> None:
         """Write shapes and bodies of a body, and note its sites."""
         for item in items:
             if item.tag not in IN_A_BODY:
-                raise self.document.wrong(f"<{item.tag}> in body {name!r} is not read; {self.document.advice}")
+                raise self.document.wrong(
+                    f"<{item.tag}> in body {name!r} is not read; {self.document.advice}"
+                )
             if item.tag == "site":
                 self._site(self.document.full(item, child_class), name)
             elif item.tag == "geom":
@@ -135,18 +152,31 @@ class _Writer:
             elif item.tag == "body":
                 self._body(item, body, name, child_class)
 
-    def _body(self, element: ElementTree.Element, parent: ElementTree.Element, above: str, child_class: str | None) -> None:
+    def _body(
+        self,
+        element: ElementTree.Element,
+        parent: ElementTree.Element,
+        above: str,
+        child_class: str | None,
+    ) -> None:
         name = element.get("name") or f"body_{len(self.bodies)}"
         if name in self.bodies:
             raise self.document.wrong(f"there are two bodies {name!r}")
         self.bodies.append(name)
         if self.document.is_true(element, "mocap", False):
-            raise self.document.wrong(f"{described(element)} is moved from outside (mocap), which is not read")
+            raise self.document.wrong(
+                f"{described(element)} is moved from outside (mocap), which is not read"
+            )
         child_class = element.get("childclass", child_class)
         placement, body = self.document.placement(element), parent
         joints = [item for item in element if item.tag in ("joint", "freejoint")]
-        if any(item.tag == "freejoint" or item.get("type") == "free" for item in joints) and (len(joints) > 1 or above != "world"):
-            raise self.document.wrong(f"{described(element)}: a free joint must be the only one of a body right in the <worldbody>")
+        if any(item.tag == "freejoint" or item.get("type") == "free" for item in joints) and (
+            len(joints) > 1 or above != "world"
+        ):
+            raise self.document.wrong(
+                f"{described(element)}: a free joint must be the only one of a body right in the "
+                "<worldbody>"
+            )
         for number, joint in enumerate(joints, start=1):
             if number < len(joints):
                 # The first joint of a body is the first to move it: it carries the others.
@@ -160,13 +190,22 @@ class _Writer:
         _write_inertia(body, self._inertia(element, child_class))
         self._fill(body, name, element, child_class)
 
-    def _joint(self, element: ElementTree.Element, body: ElementTree.Element, owner: str, child_class: str | None) -> None:
+    def _joint(
+        self,
+        element: ElementTree.Element,
+        body: ElementTree.Element,
+        owner: str,
+        child_class: str | None,
+    ) -> None:
         document = self.document
         if element.tag == "joint":
             element = document.full(element, child_class)
         kind = "free" if element.tag == "freejoint" else element.get("type", "hinge")
         if kind not in ("hinge", "slide", "ball", "free"):
-            raise document.wrong(f"{described(element)}: type {kind!r} is unknown; known are hinge, slide, ball and free")
+            raise document.wrong(
+                f"{described(element)}: type {kind!r} is unknown; known are hinge, slide, ball "
+                "and free"
+            )
         name = element.get("name") or f"{owner}_joint_{len(self.joints) + 1}"
         if name in self.joints:
             raise document.wrong(f"there are two joints {name!r}")
@@ -179,8 +218,14 @@ class _Writer:
                 raise document.wrong(f"{described(element)}: the axis is zero")
             plain.set("axis", _text(axis / np.linalg.norm(axis)))
         turns = document.radians_per_unit if kind in ("hinge", "ball") else 1.0
-        reference = turns * document.number(element, "ref", 0.0) if kind in ("hinge", "slide") else 0.0
-        limits = self._range(element, "range", "limited") if kind in ("hinge", "slide") else (-np.inf, np.inf)
+        reference = (
+            turns * document.number(element, "ref", 0.0) if kind in ("hinge", "slide") else 0.0
+        )
+        limits = (
+            self._range(element, "range", "limited")
+            if kind in ("hinge", "slide")
+            else (-np.inf, np.inf)
+        )
         self.joints[name] = MjcfJoint(
             name,
             kind,
@@ -193,17 +238,25 @@ class _Writer:
             document.number(element, "stiffness", 0.0),
         )
 
-    def _range(self, element: ElementTree.Element, attribute: str, switch: str) -> tuple[float, float]:
-        """Return a range that counts if its switch is on, which it is by itself where there is one (``autolimits``)."""
+    def _range(
+        self, element: ElementTree.Element, attribute: str, switch: str
+    ) -> tuple[float, float]:
+        """Return a range that counts if its switch is on.
+
+        It is by itself where there is one (``autolimits``).
+        """
         ends, state = self.document.numbers(element, attribute, 2), element.get(switch, "auto")
         automatic = ends is not None and self.document.compiler.get("autolimits", "true") == "true"
         if state not in ("true", "false", "auto"):
-            raise self.document.wrong(f"{described(element)}: {switch} must be true, false or auto, got {state!r}")
+            raise self.document.wrong(
+                f"{described(element)}: {switch} must be true, false or auto, got {state!r}"
+            )
         if state == "false" or (state == "auto" and not automatic):
             return -np.inf, np.inf
         if ends is None or not ends[0] < ends[1]:
             raise self.document.wrong(
-                f"{described(element)}: {attribute} must be two numbers, the smaller one first, got {element.get(attribute)!r}"
+                f"{described(element)}: {attribute} must be two numbers, the smaller one first, "
+                f"got {element.get(attribute)!r}"
             )
         return float(ends[0]), float(ends[1])
 
@@ -223,33 +276,49 @@ class _Writer:
                 inertia += self._inertia_of_geom(element, document.full(geom, child_class))
         return self._bounded(inertia)
 
-    def _given_inertia(self, body: ElementTree.Element, inertial: ElementTree.Element) -> pin.Inertia:
+    def _given_inertia(
+        self, body: ElementTree.Element, inertial: ElementTree.Element
+    ) -> pin.Inertia:
         document = self.document
         if inertial.get("mass") is None:
             raise document.wrong(f"{described(body)}: <inertial> needs a mass")
         mass = document.number(inertial, "mass", 0.0)
-        diagonal, full = document.numbers(inertial, "diaginertia", 3), document.numbers(inertial, "fullinertia", 6)
+        diagonal, full = (
+            document.numbers(inertial, "diaginertia", 3),
+            document.numbers(inertial, "fullinertia", 6),
+        )
         if diagonal is not None and full is None:
             matrix = np.diag(diagonal)
         elif full is not None and diagonal is None:
             xx, yy, zz, xy, xz, yz = full
             matrix = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
         else:
-            raise document.wrong(f"{described(body)}: <inertial> needs either diaginertia or fullinertia")
+            raise document.wrong(
+                f"{described(body)}: <inertial> needs either diaginertia or fullinertia"
+            )
         check_inertia(document.path, body, mass, matrix)
         placement = document.placement(inertial)
-        return pin.Inertia(mass, placement.translation, placement.rotation @ matrix @ placement.rotation.T)
+        return pin.Inertia(
+            mass, placement.translation, placement.rotation @ matrix @ placement.rotation.T
+        )
 
     def _bounded(self, inertia: pin.Inertia) -> pin.Inertia:
         """Return an inertia as the compiler's settings change it."""
         settings = ElementTree.Element("compiler", self.document.compiler)
-        least_mass, least_moment = (self.document.number(settings, name, 0.0) for name in ("boundmass", "boundinertia"))
+        least_mass, least_moment = (
+            self.document.number(settings, name, 0.0) for name in ("boundmass", "boundinertia")
+        )
         moments, axes = np.linalg.eigh(inertia.inertia)
         balanced = np.maximum(moments, least_moment)
-        if self.document.is_true(settings, "balanceinertia", False) and balanced[2] > balanced[0] + balanced[1]:
+        if (
+            self.document.is_true(settings, "balanceinertia", False)
+            and balanced[2] > balanced[0] + balanced[1]
+        ):
             balanced = np.full(3, balanced.mean())
         # Numbers that no setting changes stay as they are written, to the last digit.
-        matrix = inertia.inertia if (balanced == moments).all() else axes @ np.diag(balanced) @ axes.T
+        matrix = (
+            inertia.inertia if (balanced == moments).all() else axes @ np.diag(balanced) @ axes.T
+        )
         return pin.Inertia(max(inertia.mass, least_mass), inertia.lever, matrix)
 
     def _inertia_of_geom(self, body: ElementTree.Element, geom: ElementTree.Element) -> pin.Inertia:
@@ -260,26 +329,42 @@ class _Writer:
         mass = document.number(geom, "mass", -1.0) if geom.get("mass") is not None else None
         density = document.number(geom, "density", UNIT_DENSITY)
         if (mass is not None and mass < 0.0) or density < 0.0:
-            raise document.wrong(f"{described(body)}: {described(geom)} has a negative mass or density")
+            raise document.wrong(
+                f"{described(body)}: {described(geom)} has a negative mass or density"
+            )
         if (density if mass is None else mass) == 0.0:
             return pin.Inertia.Zero()
         if kind not in SIZES or document.is_true(geom, "shellinertia", False):
-            raise document.wrong(f"{described(body)}: the inertia of a {kind} is not computed here; give the body an <inertial>")
+            raise document.wrong(
+                f"{described(body)}: the inertia of a {kind} is not computed here; give the body "
+                "an <inertial>"
+            )
         placement, sizes = self._placed(geom, kind)
-        return placement.act(_solid(kind, sizes, density * _volume(kind, sizes) if mass is None else mass))
+        return placement.act(
+            _solid(kind, sizes, density * _volume(kind, sizes) if mass is None else mass)
+        )
 
     def _placed(self, geom: ElementTree.Element, kind: str) -> tuple[pin.SE3, list[float]]:
         """Return place and sizes of a geom; lengths are halves, as in the file."""
         ends, sizes = self.document.ends(geom), self.document.numbers(geom, "size", 1, 2, 3)
         if ends is not None and kind == "sphere":
-            raise self.document.wrong(f"{described(geom)}: a sphere cannot be given by its ends (fromto)")
+            raise self.document.wrong(
+                f"{described(geom)}: a sphere cannot be given by its ends (fromto)"
+            )
         needed = SIZES[kind] if ends is None else 1
         if sizes is None or sizes.size < needed or not (sizes[:needed] > 0.0).all():
-            raise self.document.wrong(f"{described(geom)}: a {kind} needs {needed} positive sizes, got {geom.get('size')!r}")
+            raise self.document.wrong(
+                f"{described(geom)}: a {kind} needs {needed} positive sizes, got "
+                f"{geom.get('size')!r}"
+            )
         if ends is None:
             return self.document.placement(geom), [float(size) for size in sizes[:needed]]
         thickness = float(sizes[0])
-        return ends[0], [thickness, ends[1]] if SIZES[kind] == 2 else [thickness, thickness, ends[1]]
+        return ends[0], [thickness, ends[1]] if SIZES[kind] == 2 else [
+            thickness,
+            thickness,
+            ends[1],
+        ]
 
     # Sites and shapes
 
@@ -292,11 +377,18 @@ class _Writer:
             self.sites[name] = owner, self.document.placement(element) if ends is None else ends[0]
 
     def _shape(self, geom: ElementTree.Element, body: ElementTree.Element) -> None:
-        """Write a geom for drawing; those that are not finite, or for collisions only, are left out."""
+        """Write a geom for drawing.
+
+        Those that are not finite, or for collisions only, are left out.
+        """
         kind = geom.get("type", "mesh" if geom.get("mesh") else "sphere")
         if kind not in ("plane", "hfield", "sdf", "mesh", *SIZES):
             raise self.document.wrong(f"{described(geom)}: type {kind!r} is unknown")
-        if self.document.number(geom, "group", 0.0) >= COLLISION_GROUP or kind in ("plane", "hfield", "sdf"):
+        if self.document.number(geom, "group", 0.0) >= COLLISION_GROUP or kind in (
+            "plane",
+            "hfield",
+            "sdf",
+        ):
             return
         plain = ElementTree.Element("geom", type=kind, contype="0", conaffinity="0")
         if kind == "mesh":
@@ -327,7 +419,9 @@ class _Writer:
         compiler = self.document.compiler
         if compiler.get("strippath") == "true":
             file = Path(file).name
-        path = (self.document.path.parent / compiler.get("meshdir", compiler.get("assetdir", "")) / file).resolve()
+        path = (
+            self.document.path.parent / compiler.get("meshdir", compiler.get("assetdir", "")) / file
+        ).resolve()
         scale = self.document.vector(element, "scale", (1.0, 1.0, 1.0))
         try:
             coal.MeshLoader().load(str(path), scale)
@@ -359,7 +453,9 @@ def _solid(kind: str, sizes: list[float], mass: float) -> pin.Inertia:
     if kind == "box":
         return pin.Inertia.FromBox(mass, *(2.0 * size for size in sizes))
     radius, half = sizes
-    return (pin.Inertia.FromCapsule if kind == "capsule" else pin.Inertia.FromCylinder)(mass, radius, 2.0 * half)
+    return (pin.Inertia.FromCapsule if kind == "capsule" else pin.Inertia.FromCylinder)(
+        mass, radius, 2.0 * half
+    )
 
 
 def _text(values: ArrayLike) -> str:
@@ -381,4 +477,6 @@ def _write_body(parent: ElementTree.Element, name: str, placement: pin.SE3) -> E
 def _write_inertia(body: ElementTree.Element, inertia: pin.Inertia) -> None:
     (xx, xy, xz), (_, yy, yz), (_, _, zz) = inertia.inertia
     full = _text([xx, yy, zz, xy, xz, yz])
-    ElementTree.SubElement(body, "inertial", pos=_text(inertia.lever), mass=_text([inertia.mass]), fullinertia=full)
+    ElementTree.SubElement(
+        body, "inertial", pos=_text(inertia.lever), mass=_text([inertia.mass]), fullinertia=full
+    )

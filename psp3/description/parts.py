@@ -9,7 +9,10 @@ from psp3.checks import Array
 
 
 class RobotParts(NamedTuple):
-    """What the files of a robot hold, in the order in which :class:`psp3.ClosedLoopRobot` takes it."""
+    """What the files of a robot hold.
+
+    In the order in which :class:`psp3.ClosedLoopRobot` takes it.
+    """
 
     model: Any
     """The tree, a ``pinocchio.Model``."""

@@ -1,4 +1,4 @@
-"""What is read of an SRDF file: named poses, and pairs of links that are not checked for collisions."""
+"""What is read of an SRDF file: named poses, and pairs of links that may touch."""
 
 from __future__ import annotations
 
@@ -15,10 +15,12 @@ from psp3.errors import InvalidRobotFile
 
 
 def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
-    """Return the reference poses of an SRDF by name, (nq,) each, and keep them in the model's ``referenceConfigurations``.
+    """Return the reference poses of an SRDF by name, (nq,) each.
 
-    Joints that a pose does not name are at their neutral position. A joint of unlimited angle is given by its angle, a ball joint by its
-    quaternion (x, y, z, w).
+    Keep them in the model's ``referenceConfigurations``.
+
+    Joints that a pose does not name are at their neutral position. A joint of unlimited angle is
+    given by its angle, a ball joint by its quaternion (x, y, z, w).
 
     Raises
     ------
@@ -26,7 +28,12 @@ def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
         If the file is missing or malformed, or names a joint that the model does not have.
     """
     path = Path(srdf)
-    poses = {name: _pose(path, state, model) for name, state in unique_names(path, read_xml(path, "robot").findall("group_state")).items()}
+    poses = {
+        name: _pose(path, state, model)
+        for name, state in unique_names(
+            path, read_xml(path, "robot").findall("group_state")
+        ).items()
+    }
     for name, pose in poses.items():
         model.referenceConfigurations[name] = pose
     return poses
@@ -46,7 +53,11 @@ def _pose(path: Path, state: ElementTree.Element, model: pin.Model) -> Array:
             values = np.array([np.cos(values[0]), np.sin(values[0])])
         pose[joint.idx_q : joint.idx_q + joint.nq] = values
     if not pin.isNormalized(model, pose, 1e-6):
-        raise InvalidRobotFile(path, f"{described(state)}: the coordinates of a ball joint or a free body are no unit quaternion")
+        raise InvalidRobotFile(
+            path,
+            f"{described(state)}: the coordinates of a ball joint or a free body are no unit "
+            "quaternion",
+        )
     return pose
 
 
@@ -79,6 +90,10 @@ def excluded_by_srdf(srdf: str | Path) -> list[Exclusion]:
     for element in read_xml(Path(srdf), "robot").iter("disable_collisions"):
         first, second = element.get("link1"), element.get("link2")
         if not first or not second or first == second:
-            raise InvalidRobotFile(srdf, f"<disable_collisions> must name two links, link1 and link2, got {first!r} and {second!r}")
+            raise InvalidRobotFile(
+                srdf,
+                f"<disable_collisions> must name two links, link1 and link2, got {first!r} and "
+                f"{second!r}",
+            )
         found.append(Exclusion(first, second, element.get("reason") or "excluded by the SRDF"))
     return found

@@ -1,4 +1,7 @@
-"""Robot description files: a tree from a URDF, reference poses from an SRDF, loops and motors from a loop file."""
+"""Robot description files.
+
+A tree from a URDF, reference poses from an SRDF, loops and motors from a loop file.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,8 @@ def read_robot(urdf: str | Path, loops: str | Path, srdf: str | Path | None = No
     Returns
     -------
     RobotParts
-        The tree with its joints replaced as the loop file says, loops, actuated joints, home pose and shapes.
+        The tree with its joints replaced as the loop file says, loops, actuated joints, home pose
+        and shapes.
 
     Raises
     ------
@@ -46,7 +50,9 @@ def read_robot(urdf: str | Path, loops: str | Path, srdf: str | Path | None = No
     """
     model, visual_model = read_tree(urdf)
     content = read_loops(loops)
-    model, visual_model = replace_joints(model, visual_model, content.replaced, content.actuated, loops)
+    model, visual_model = replace_joints(
+        model, visual_model, content.replaced, content.actuated, loops
+    )
     closures = constraint_models(model, content, loops)
     home = None
     if srdf is not None:
@@ -60,9 +66,10 @@ def read_robot(urdf: str | Path, loops: str | Path, srdf: str | Path | None = No
 def read_tree(urdf: str | Path) -> tuple[pin.Model, Any]:
     """Return the Pinocchio model and the visual model of a URDF.
 
-    A joint whose limits give neither ``lower`` nor ``upper`` has no position limits. (To the letter of the format both would be 0 and the
-    joint could not move; many exporters leave them out.) Meshes are looked for beside the file and in the directories above it; those
-    that cannot be read are left out of the visual model. Both are logged as warnings.
+    A joint whose limits give neither ``lower`` nor ``upper`` has no position limits. (To the letter
+    of the format both would be 0 and the joint could not move; many exporters leave them out.)
+    Meshes are looked for beside the file and in the directories above it; those that cannot be read
+    are left out of the visual model. Both are logged as warnings.
 
     Raises
     ------
@@ -84,13 +91,22 @@ def _free_joints_without_limits(path: Path, root: ElementTree.Element, model: pi
     unlimited = []
     for joint in root.findall("joint"):
         limit = joint.find("limit")
-        if joint.get("type") in ("revolute", "prismatic") and limit is not None and limit.get("lower") is limit.get("upper") is None:
+        if (
+            joint.get("type") in ("revolute", "prismatic")
+            and limit is not None
+            and limit.get("lower") is limit.get("upper") is None
+        ):
             index = model.joints[model.getJointId(joint.attrib["name"])].idx_q
             model.lowerPositionLimit[index], model.upperPositionLimit[index] = -np.inf, np.inf
             unlimited.append(joint.attrib["name"])
     if unlimited:
         more = f" and {len(unlimited) - 3} more" if len(unlimited) > 3 else ""
-        logger.warning("%s: without lower and upper limits, taken as unlimited: %s%s", path, ", ".join(unlimited[:3]), more)
+        logger.warning(
+            "%s: without lower and upper limits, taken as unlimited: %s%s",
+            path,
+            ", ".join(unlimited[:3]),
+            more,
+        )
 
 
 def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> Any:
@@ -99,7 +115,9 @@ def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> 
 
     def build(element: ElementTree.Element) -> Any:
         text = ElementTree.tostring(element, encoding="unicode")
-        return pin.buildGeomFromUrdfString(model, text, pin.GeometryType.VISUAL, package_dirs=directories)
+        return pin.buildGeomFromUrdfString(
+            model, text, pin.GeometryType.VISUAL, package_dirs=directories
+        )
 
     for mesh in root.iter("mesh"):
         # Relative to the file, not to where the program was started.
@@ -115,7 +133,9 @@ def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> 
         raise InvalidRobotFile(path, f"Pinocchio cannot read its shapes: {error}") from error
 
 
-def _drop_unreadable_meshes(path: Path, root: ElementTree.Element, build: Callable[[ElementTree.Element], Any]) -> None:
+def _drop_unreadable_meshes(
+    path: Path, root: ElementTree.Element, build: Callable[[ElementTree.Element], Any]
+) -> None:
     """Take those visuals out of a URDF whose meshes are not to be had."""
     bare = ElementTree.fromstring(ElementTree.tostring(root))
     for link in bare.iter("link"):

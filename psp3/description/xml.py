@@ -1,6 +1,7 @@
 """XML files of robots: read, and their numbers checked, before a parser of Pinocchio's sees them.
 
-Pinocchio's parsers pass over what they do not understand: a mass that is not a number becomes a body without mass.
+Pinocchio's parsers pass over what they do not understand: a mass that is not a number becomes a
+body without mass.
 """
 
 from __future__ import annotations
@@ -29,7 +30,9 @@ def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
     try:
         root = ElementTree.fromstring(path.read_bytes())
     except (OSError, ElementTree.ParseError, LookupError, ValueError) as error:
-        raise InvalidRobotFile(path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})") from error
+        raise InvalidRobotFile(
+            path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})"
+        ) from error
     if tag is not None and root.tag != tag:
         raise InvalidRobotFile(path, f"its outermost element must be <{tag}>, not <{root.tag}>")
     return root
@@ -79,12 +82,21 @@ def numbers(path: Path, element: ElementTree.Element, attribute: str, *counts: i
     if not np.isfinite(values).all() or not values.size or (counts and values.size not in counts):
         wanted = f"{' or '.join(map(str, counts))} " if counts else ""
         plural = "s" if counts != (1,) else ""
-        raise InvalidRobotFile(path, f"{described(element)}: {attribute} must be {wanted}finite number{plural}, got {text!r}")
+        raise InvalidRobotFile(
+            path,
+            f"{described(element)}: {attribute} must be {wanted}finite number{plural}, got "
+            f"{text!r}",
+        )
     return values
 
 
-def unique_names(path: Path, elements: Iterable[ElementTree.Element]) -> dict[str, ElementTree.Element]:
-    """Return elements of one kind by their names; raise :class:`InvalidRobotFile` if one has none, or two have the same."""
+def unique_names(
+    path: Path, elements: Iterable[ElementTree.Element]
+) -> dict[str, ElementTree.Element]:
+    """Return elements of one kind by their names.
+
+    Raise :class:`InvalidRobotFile` if one has none, or two have the same.
+    """
     known: dict[str, ElementTree.Element] = {}
     for element in elements:
         name = element.get("name")
@@ -97,13 +109,18 @@ def unique_names(path: Path, elements: Iterable[ElementTree.Element]) -> dict[st
 
 
 def check_inertia(path: Path, body: ElementTree.Element, mass: float, inertia: Array) -> None:
-    """Raise :class:`InvalidRobotFile` if a body's mass [kg] or a principal moment of its inertia (3, 3) [kg m²] is negative.
+    """Raise :class:`InvalidRobotFile` if a mass or a moment is negative.
 
-    Moments that no rigid body has (each must be at most the sum of the other two) pass: they matter only to bodies that turn, and the
-    published ones of the 3-PSP's nuts, which do not, are such.
+    That is a body's mass [kg] or a principal moment of its inertia (3, 3) [kg m²].
+
+    Moments that no rigid body has (each must be at most the sum of the other two) pass: they matter
+    only to bodies that turn, and the published ones of the 3-PSP's nuts, which do not, are such.
     """
     moments = np.linalg.eigvalsh(inertia)
     if mass < 0.0:
         raise InvalidRobotFile(path, f"{described(body)}: the mass {mass:g} is negative")
     if moments[0] < LEAST_MOMENT * abs(moments[2]):
-        raise InvalidRobotFile(path, f"{described(body)}: a principal moment of inertia is negative, {moments[0]:.6g} kg m²")
+        raise InvalidRobotFile(
+            path,
+            f"{described(body)}: a principal moment of inertia is negative, {moments[0]:.6g} kg m²",
+        )

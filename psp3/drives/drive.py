@@ -1,28 +1,38 @@
-r"""Drives of the actuated joints: what lies between the motor's torque and the force that moves the joint.
+r"""Drives of the actuated joints.
 
-A motor turns the screw, and its nut moves by the lead :math:`l` in each revolution. Without losses the power is the same on both
-sides, :math:`\tau_m \omega_m = f \dot a` with :math:`\omega_m = (2\pi/l)\, \dot a`, so a motor torque :math:`\tau_m` is a force
+What lies between the motor's torque and the force that moves the joint.
+
+A motor turns the screw, and its nut moves by the lead :math:`l` in each revolution. Without losses
+the power is the same on both sides, :math:`\tau_m \omega_m = f \dot a` with
+:math:`\omega_m = (2\pi/l)\, \dot a`, so a motor torque :math:`\tau_m` is a force
 
 .. math:: f = \frac{2\pi}{l}\, \tau_m,
 
-and the rotor, with everything that turns with it, weighs on the joint like a mass :math:`J = J_m (2\pi/l)^2`. The robot then moves as
+and the rotor, with everything that turns with it, weighs on the joint like a mass
+:math:`J = J_m (2\pi/l)^2`. The robot then moves as
 
-.. math:: (M + J)\, \ddot a + C\, \dot a + G + B\, \dot a + \varphi = f, \qquad \varphi_i \in F_i \operatorname{Sgn}(\dot a_i),
+.. math:: (M + J)\, \ddot a + C\, \dot a + G + B\, \dot a + \varphi = f, \qquad
+          \varphi_i \in F_i \operatorname{Sgn}(\dot a_i),
 
-with viscous friction :math:`B` and dry (Coulomb) friction :math:`\varphi`. Sgn is the set-valued sign: 1 or −1 for a joint that slips
-either way, and all of [−1, 1] for one at rest. So a joint at rest stays at rest, exactly, as long as a friction of no more than
-:math:`F_i` can hold it: there is no regularization, no creep, and no second time scale. Which of the joints at rest begin to slip
-follows from Gauss's principle of least constraint with friction, a strictly convex problem with one solution,
+with viscous friction :math:`B` and dry (Coulomb) friction :math:`\varphi`. Sgn is the set-valued
+sign: 1 or −1 for a joint that slips either way, and all of [−1, 1] for one at rest. So a joint at
+rest stays at rest, exactly, as long as a friction of no more than :math:`F_i` can hold it: there is
+no regularization, no creep, and no second time scale. Which of the joints at rest begin to slip
+follows from Gauss's principle of least constraint with friction, a strictly convex problem with one
+solution,
 
-.. math:: \ddot a = \arg\min_x\; \tfrac12 (x - a_0)^T (M + J)\, (x - a_0) + \sum_{i:\, \dot a_i \ne 0} \varphi_i x_i
+.. math:: \ddot a = \arg\min_x\; \tfrac12 (x - a_0)^T (M + J)\, (x - a_0)
+          + \sum_{i:\, \dot a_i \ne 0} \varphi_i x_i
           + \sum_{i:\, \dot a_i = 0} F_i \lvert x_i \rvert,
 
-where :math:`a_0` is the acceleration without dry friction. All of it acts at the joint. Static and sliding friction are the same
-number, and neither depends on the load: a screw's efficiency is not a number of its own here, its losses are its friction.
+where :math:`a_0` is the acceleration without dry friction. All of it acts at the joint. Static and
+sliding friction are the same number, and neither depends on the load: a screw's efficiency is not a
+number of its own here, its losses are its friction.
 
-Sources: J.-J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", in Nonsmooth Mechanics and Applications,
-1988 (friction as a set-valued law; least constraint); F. Pfeiffer and C. Glocker, Multibody Dynamics with Unilateral Contacts, 1996
-(stick and slip in coupled systems).
+Sources: J.-J. Moreau, "Unilateral contact and dry friction in finite freedom dynamics", in
+Nonsmooth Mechanics and Applications, 1988 (friction as a set-valued law; least constraint); F.
+Pfeiffer and C. Glocker, Multibody Dynamics with Unilateral Contacts, 1996 (stick and slip in
+coupled systems).
 """
 
 from __future__ import annotations
@@ -51,8 +61,8 @@ class Drive:
     motor_inertia : float
         Moment of inertia :math:`J_m` of what turns with the motor [kg m²].
     lead : float, optional
-        Travel :math:`l` of the joint in one revolution of the motor [m], of a revolute joint [rad]: :math:`2\pi` over the gear ratio
-        there. None where no motor is modeled.
+        Travel :math:`l` of the joint in one revolution of the motor [m], of a revolute joint [rad]:
+        :math:`2\pi` over the gear ratio there. None where no motor is modeled.
 
     Raises
     ------
@@ -75,14 +85,19 @@ class Drive:
 
     @property
     def reflected_inertia(self) -> float:
-        r"""Inertia of the motor as the joint feels it, :math:`J = J_m (2\pi/l)^2` [kg], at a revolute joint [kg m²]."""
+        r"""Inertia of the motor as the joint feels it, :math:`J = J_m (2\pi/l)^2`.
+
+        In kg, at a revolute joint in kg m².
+        """
         return 0.0 if self.motor_inertia == 0.0 else self.motor_inertia * self._motor_turn**2
 
     @property
     def _motor_turn(self) -> float:
         """Angle of the motor per travel of the joint [rad/m]."""
         if self.lead is None:
-            raise InvalidValue("lead", None, "given to the drive, to tell forces from motor torques")
+            raise InvalidValue(
+                "lead", None, "given to the drive, to tell forces from motor torques"
+            )
         return 2.0 * math.pi / self.lead
 
     def motor_torque(self, force: ArrayLike) -> Array:
@@ -113,7 +128,8 @@ class Drive:
         Parameters
         ----------
         motor_torque : (...) array_like
-            Torque of the motor [N m]: of a limit, for example, ``simulate(..., torque_limit=drive.force(1.27))``.
+            Torque of the motor [N m]: of a limit, for example,
+            ``simulate(..., torque_limit=drive.force(1.27))``.
 
         Returns
         -------
@@ -127,7 +143,10 @@ class Drive:
         InvalidArray
             If the torques are not numbers.
         """
-        return as_floats("motor_torque", motor_torque, "(...)").reshape(np.shape(motor_torque)) * self._motor_turn
+        return (
+            as_floats("motor_torque", motor_torque, "(...)").reshape(np.shape(motor_torque))
+            * self._motor_turn
+        )
 
 
 NO_DRIVE = Drive()
@@ -154,7 +173,17 @@ def drive_table(drive: Drive | Sequence[Drive], joints: int) -> Array:
     InvalidValue
         If it is neither a drive nor one for each joint.
     """
-    drives = [drive] * joints if isinstance(drive, Drive) else list(drive) if isinstance(drive, Sequence) else []
+    drives = (
+        [drive] * joints
+        if isinstance(drive, Drive)
+        else list(drive)
+        if isinstance(drive, Sequence)
+        else []
+    )
     if len(drives) != joints or not all(isinstance(one, Drive) for one in drives):
-        raise InvalidValue("drive", drive, f"a Drive, or one for each of the {joints} actuated joints")
-    return np.array([[one.reflected_inertia, one.viscous_friction, one.coulomb_friction] for one in drives]).reshape(joints, 3)
+        raise InvalidValue(
+            "drive", drive, f"a Drive, or one for each of the {joints} actuated joints"
+        )
+    return np.array(
+        [[one.reflected_inertia, one.viscous_friction, one.coulomb_friction] for one in drives]
+    ).reshape(joints, 3)

@@ -1,11 +1,14 @@
-"""Compiled dynamics of driven joints: which of them stick, how the others accelerate, and Runge–Kutta steps from event to event.
+"""Compiled dynamics of driven joints.
 
-The laws are in :mod:`psp3.drives`. A joint's ``slip`` is 1 or −1 for the way it slips, 0 while it sticks. Between two events, a joint
-that comes to rest or one that lets go, slip is constant and the motion is smooth, so that steps keep their order: a step in which
-something happens is cut there. What happens and is undone within one step is not seen.
+Which of them stick, how the others accelerate, and Runge–Kutta steps from event to event.
 
-``drives`` has a row for every joint: reflected inertia, viscous and dry friction. ``net`` is what is left of the forces for dry friction
-and acceleration, (M + J) a = net − friction.
+The laws are in :mod:`psp3.drives`. A joint's ``slip`` is 1 or −1 for the way it slips, 0 while it
+sticks. Between two events, a joint that comes to rest or one that lets go, slip is constant and the
+motion is smooth, so that steps keep their order: a step in which something happens is cut there.
+What happens and is undone within one step is not seen.
+
+``drives`` has a row for every joint: reflected inertia, viscous and dry friction. ``net`` is what
+is left of the forces for dry friction and acceleration, (M + J) a = net − friction.
 """
 
 from __future__ import annotations
@@ -20,13 +23,19 @@ from psp3.checks import Array
 INERTIA, VISCOUS, DRY = range(3)
 
 ROUNDING = 1e-12
-"""A joint lets go when the force on it exceeds its friction by more than this share of the forces at work, where rounding ends."""
+"""A joint lets go when the force on it exceeds its friction by more than this share of the forces
+at work, where rounding ends.
+"""
 
 MOST_SWEEPS = 200
-"""Sweeps of coordinate descent in the search for what sticks; a few do, unless two answers differ by rounding alone."""
+"""Sweeps of coordinate descent in the search for what sticks; a few do, unless two answers differ
+by rounding alone.
+"""
 
 MOST_EVENTS = 50
-"""Events in one step; after so many the rest of it is taken at once, and joints that turned back in it are stopped at its end."""
+"""Events in one step; after so many the rest of it is taken at once, and joints that turned back in
+it are stopped at its end.
+"""
 
 RESOLUTION = 2.0**-44
 """Share of a step to which the time of an event is found: 1e-16 s of 2 ms."""
@@ -64,7 +73,10 @@ def accelerations(mass: Array, net: Array, drives: Array, slip: Array, out: Arra
 
 @compiled
 def spare_friction(mass: Array, net: Array, drives: Array, acceleration: Array, i: int) -> float:
-    """Return how much more friction joint i, which sticks, could give; where it is negative the joint lets go."""
+    """Return how much more friction joint i, which sticks, could give.
+
+    Where it is negative the joint lets go.
+    """
     reaction = net[i]
     for j in range(net.size):
         reaction -= mass[i, j] * acceleration[j]
@@ -73,8 +85,13 @@ def spare_friction(mass: Array, net: Array, drives: Array, acceleration: Array, 
 
 
 @compiled
-def _is_solution(mass: Array, net: Array, drives: Array, speeds: Array, slip: Array, acceleration: Array) -> bool:
-    """Whether the joints at rest that stick can be held, and those that slip go the way of their slip."""
+def _is_solution(
+    mass: Array, net: Array, drives: Array, speeds: Array, slip: Array, acceleration: Array
+) -> bool:
+    """Whether joints that stick can be held, and those that slip go the way of their slip.
+
+    Of the joints at rest.
+    """
     for i in range(net.size):
         if speeds[i] != 0.0 or drives[i, DRY] == 0.0:
             continue
@@ -88,7 +105,10 @@ def _is_solution(mass: Array, net: Array, drives: Array, speeds: Array, slip: Ar
 
 @compiled
 def slip_of(drives: Array, speeds: Array, slip: Array) -> bool:
-    """Write the slip of what moves, and that the rest sticks; return whether there is a rest, whose slip is to be chosen."""
+    """Write the slip of what moves, and that the rest sticks.
+
+    Return whether there is a rest, whose slip is to be chosen.
+    """
     some_rest = False
     for i in range(speeds.size):
         if drives[i, DRY] == 0.0 or speeds[i] > 0.0:
@@ -102,7 +122,10 @@ def slip_of(drives: Array, speeds: Array, slip: Array) -> bool:
 
 @compiled
 def choose_slip(mass: Array, net: Array, drives: Array, speeds: Array, slip: Array) -> None:
-    """Improve what ``slip_of`` wrote to the slip that Gauss's principle gives, by coordinate descent; what can stick does."""
+    """Improve what ``slip_of`` wrote to the slip that Gauss's principle gives.
+
+    By coordinate descent; what can stick does.
+    """
     n = net.size
     trial, acceleration = np.zeros(n), np.empty(n)
     for _ in range(MOST_SWEEPS):
@@ -115,7 +138,9 @@ def choose_slip(mass: Array, net: Array, drives: Array, speeds: Array, slip: Arr
                 if j != i:
                     total -= mass[i, j] * trial[j]
             if speeds[i] == 0.0 and drives[i, DRY] > 0.0:
-                slip[i] = 1.0 if total > drives[i, DRY] else (-1.0 if total < -drives[i, DRY] else 0.0)
+                slip[i] = (
+                    1.0 if total > drives[i, DRY] else (-1.0 if total < -drives[i, DRY] else 0.0)
+                )
             trial[i] = 0.0 if slip[i] == 0.0 else (total - drives[i, DRY] * slip[i]) / mass[i, i]
 
 

@@ -1,1 +1,1 @@
-"""What follows from the equation of motion: the natural orthogonal complement, derivatives, linearization."""
+"""Dynamics beyond the robot's own: natural orthogonal complement, derivatives, linearization."""

@@ -1,28 +1,35 @@
-r"""Analytic derivatives of inverse and forward dynamics in the actuated coordinates of any robot with loops.
+r"""Analytic derivatives of inverse and forward dynamics.
 
-With :math:`q` the configuration that closes the loops at the actuated positions :math:`a`, the equations of the whole robot are
+In the actuated coordinates of any robot with loops.
+
+With :math:`q` the configuration that closes the loops at the actuated positions :math:`a`, the
+equations of the whole robot are
 
 .. math::
 
     J(q)\, \dot q = 0, \qquad \gamma(q, \dot q, \ddot q) = 0, \qquad
     \operatorname{RNEA}(q, \dot q, \ddot q) + J(q)^T \lambda = S^T \tau,
 
-where :math:`J` is the constraint Jacobian, :math:`\gamma = J \ddot q + \dot J \dot q`, :math:`\lambda` are the forces in the loops and
-:math:`S` picks the actuated joints. All three are differentiated along motions that keep the loops closed, :math:`\delta q = L\, \delta a`,
-in Pinocchio's tangent coordinates, so that ball joints and free-flyers need no case of their own:
+where :math:`J` is the constraint Jacobian, :math:`\gamma = J \ddot q + \dot J \dot q`,
+:math:`\lambda` are the forces in the loops and :math:`S` picks the actuated joints. All three are
+differentiated along motions that keep the loops closed, :math:`\delta q = L\, \delta a`, in
+Pinocchio's tangent coordinates, so that ball joints and free-flyers need no case of their own:
 
 .. math::
 
     \delta \dot q_u &= -\Phi_u^{-1} \frac{\partial (J \dot q)}{\partial q} L\, \delta a, \qquad
-    \delta \ddot q_u = -\Phi_u^{-1} \Big( \frac{\partial \gamma}{\partial q} L\, \delta a + \frac{\partial \gamma}{\partial \dot q}
+    \delta \ddot q_u = -\Phi_u^{-1} \Big( \frac{\partial \gamma}{\partial q} L\, \delta a
+    + \frac{\partial \gamma}{\partial \dot q}
     \delta \dot q \Big), \\
-    \delta \tau &= L^T \Big( \frac{\partial F}{\partial q} L\, \delta a + \frac{\partial F}{\partial \dot q} \delta \dot q
+    \delta \tau &= L^T \Big( \frac{\partial F}{\partial q} L\, \delta a
+    + \frac{\partial F}{\partial \dot q} \delta \dot q
     + M_\text{tree}\, \delta \ddot q \Big), \qquad F = \operatorname{RNEA} + J^T \lambda.
 
-The change of the complement :math:`L` never appears: :math:`L^T J^T = 0`, so with the loop forces among the external forces of RNEA it has
-done its work. Those derivatives are Pinocchio's (J. Carpentier and N. Mansard, Analytical derivatives of rigid body dynamics algorithms,
-Robotics: Science and Systems, 2018); its ``computeConstraintDynamicsDerivatives``, which is wrong for some loops closed at a point, is not
-used.
+The change of the complement :math:`L` never appears: :math:`L^T J^T = 0`, so with the loop forces
+among the external forces of RNEA it has done its work. Those derivatives are Pinocchio's (J.
+Carpentier and N. Mansard, Analytical derivatives of rigid body dynamics algorithms, Robotics:
+Science and Systems, 2018); its ``computeConstraintDynamicsDerivatives``, which is wrong for some
+loops closed at a point, is not used.
 """
 
 from __future__ import annotations
@@ -38,10 +45,12 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot, Closure
 
 
 class InverseDynamicsDerivatives(NamedTuple):
-    """Derivatives of the actuator forces, all (..., n, n); entry (i, k) is that of force i by coordinate k.
+    """Derivatives of the actuator forces, all (..., n, n).
 
-    ``by_positions`` [N/m], ``by_speeds`` [N s/m] and ``by_accelerations``, which is the mass matrix [kg]; of a rotating joint N m and rad
-    take the place of N and m.
+    Entry (i, k) is that of force i by coordinate k.
+
+    ``by_positions`` [N/m], ``by_speeds`` [N s/m] and ``by_accelerations``, which is the mass matrix
+    [kg]; of a rotating joint N m and rad take the place of N and m.
     """
 
     by_positions: Array
@@ -50,10 +59,12 @@ class InverseDynamicsDerivatives(NamedTuple):
 
 
 class ForwardDynamicsDerivatives(NamedTuple):
-    """Derivatives of the actuated accelerations, all (..., n, n); entry (i, k) is that of acceleration i by coordinate k.
+    """Derivatives of the actuated accelerations, all (..., n, n).
 
-    ``by_positions`` [1/s²], ``by_speeds`` [1/s] and ``by_forces``, which is the inverse of the mass matrix [1/kg]; units are mixed where
-    joints are.
+    Entry (i, k) is that of acceleration i by coordinate k.
+
+    ``by_positions`` [1/s²], ``by_speeds`` [1/s] and ``by_forces``, which is the inverse of the mass
+    matrix [1/kg]; units are mixed where joints are.
     """
 
     by_positions: Array
@@ -68,7 +79,8 @@ def inverse_dynamics_derivatives(
 
     .. math::
 
-        \delta\tau = \frac{\partial \tau}{\partial a}\, \delta a + \frac{\partial \tau}{\partial \dot a}\, \delta \dot a
+        \delta\tau = \frac{\partial \tau}{\partial a}\, \delta a
+        + \frac{\partial \tau}{\partial \dot a}\, \delta \dot a
         + M(a)\, \delta \ddot a
 
     Parameters
@@ -103,7 +115,9 @@ def inverse_dynamics_derivatives(
 def forward_dynamics_derivatives(
     robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike
 ) -> ForwardDynamicsDerivatives:
-    r"""Return the derivatives of :math:`\ddot a(a, \dot a, \tau)`, the accelerations under given actuator forces.
+    r"""Return the derivatives of :math:`\ddot a(a, \dot a, \tau)`.
+
+    They are the accelerations under given actuator forces.
 
     .. math::
 
@@ -129,12 +143,16 @@ def forward_dynamics_derivatives(
         See :meth:`psp3.ClosedLoopRobot.configuration`.
     """
     accelerations = robot.forward_dynamics(positions, speeds, forces)
-    by_positions, by_speeds, mass = inverse_dynamics_derivatives(robot, positions, speeds, accelerations)
+    by_positions, by_speeds, mass = inverse_dynamics_derivatives(
+        robot, positions, speeds, accelerations
+    )
     inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
     return ForwardDynamicsDerivatives(-inverse @ by_positions, -inverse @ by_speeds, inverse)
 
 
-def _at(robot: ClosedLoopRobot, closure: Closure, speed: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+def _at(
+    robot: ClosedLoopRobot, closure: Closure, speed: Array, acceleration: Array
+) -> tuple[Array, Array, Array]:
     """Return the derivatives of the inverse dynamics at one state."""
     model, data, dependent = robot.model, robot.data, robot.dependent_v
     q, L, inverse = closure.configuration, closure.complement, closure.dependent_inverse
@@ -148,13 +166,16 @@ def _at(robot: ClosedLoopRobot, closure: Closure, speed: Array, acceleration: Ar
     velocity_by_q, acceleration_by_q, acceleration_by_v = _constraint_derivatives(loops, model.nv)
     external, turning = _external_forces(loops, loop_forces, model)
 
-    # What the loops make of the un-actuated joints' velocities and accelerations when only the actuated positions or speeds change.
+    # What the loops make of the un-actuated joints' velocities and accelerations when only the
+    # actuated positions or speeds change.
     velocities, by_positions, by_speeds = np.zeros((3, *L.shape))
     velocities[dependent] = -inverse @ velocity_by_q @ L
     by_positions[dependent] = -inverse @ (acceleration_by_q @ L + acceleration_by_v @ velocities)
     by_speeds[dependent] = -inverse @ acceleration_by_v @ L
 
-    force_by_q, force_by_v, tree = pin.computeRNEADerivatives(model, data, q, v, joint_accelerations, external)
+    force_by_q, force_by_v, tree = pin.computeRNEADerivatives(
+        model, data, q, v, joint_accelerations, external
+    )
     return (
         L.T @ ((force_by_q + turning) @ L + force_by_v @ velocities + tree @ by_positions),
         L.T @ (force_by_v @ L + tree @ by_speeds),
@@ -163,37 +184,61 @@ def _at(robot: ClosedLoopRobot, closure: Closure, speed: Array, acceleration: Ar
 
 
 class _Frame:
-    """One of the two frames that a loop joins: its motion in its own axes, with Pinocchio's derivatives of it.
+    """One of the two frames that a loop joins.
 
-    Velocity and acceleration are spatial, (6,); their derivatives by q and by the joint velocities are (6, nv).
+    Its motion in its own axes, with Pinocchio's derivatives of it.
+
+    Velocity and acceleration are spatial, (6,); their derivatives by q and by the joint velocities
+    are (6, nv).
     """
 
     def __init__(self, robot: ClosedLoopRobot, joint: int, placement: Any) -> None:
         self.joint, self.in_joint = joint, placement
         frame = robot.model, robot.data, joint, placement, pin.ReferenceFrame.LOCAL
         self.in_base = robot.data.oMi[joint] * placement
-        self.velocity, self.acceleration = pin.getFrameVelocity(*frame).vector, pin.getFrameAcceleration(*frame).vector
-        self.velocity_by_q, self.acceleration_by_q, self.acceleration_by_v, self.jacobian = pin.getFrameAccelerationDerivatives(*frame)
+        self.velocity, self.acceleration = (
+            pin.getFrameVelocity(*frame).vector,
+            pin.getFrameAcceleration(*frame).vector,
+        )
+        self.velocity_by_q, self.acceleration_by_q, self.acceleration_by_v, self.jacobian = (
+            pin.getFrameAccelerationDerivatives(*frame)
+        )
 
     def whole(self) -> tuple[Array, Array, Array]:
-        """Return the derivatives of the frame's velocity by q and of its acceleration by q and by v, each (6, nv)."""
+        """Return the derivatives of the frame's velocity and acceleration, each (6, nv).
+
+        Of the velocity by q, and of the acceleration by q and by v.
+        """
         return self.velocity_by_q, self.acceleration_by_q, self.acceleration_by_v
 
     def point(self) -> tuple[Array, Array, Array]:
-        """Return the same of the origin alone, each (3, nv): its velocity and classical acceleration, in axes that do not turn."""
+        """Return the same of the origin alone, each (3, nv).
+
+        That is its velocity and classical acceleration, in axes that do not turn.
+        """
         by_q, by_v = self.acceleration_by_q, self.acceleration_by_v
-        velocity, spin, turn = pin.skew(self.velocity[:3]), pin.skew(self.velocity[3:]), self.jacobian[3:]
+        velocity, spin, turn = (
+            pin.skew(self.velocity[:3]),
+            pin.skew(self.velocity[3:]),
+            self.jacobian[3:],
+        )
         # The classical acceleration is the spatial one plus spin × velocity.
         acceleration = pin.skew(self.acceleration[:3] + spin @ self.velocity[:3])
         return (
             self.velocity_by_q[:3] - velocity @ turn,
-            by_q[:3] + spin @ self.velocity_by_q[:3] - velocity @ self.velocity_by_q[3:] - acceleration @ turn,
+            by_q[:3]
+            + spin @ self.velocity_by_q[:3]
+            - velocity @ self.velocity_by_q[3:]
+            - acceleration @ turn,
             by_v[:3] + spin @ self.jacobian[:3] - velocity @ turn,
         )
 
 
 class _Loop:
-    """The two frames of a loop, the placement of the second in the first, and whether only their origins coincide."""
+    """The two frames of a loop, the placement of the second in the first.
+
+    And whether only their origins coincide.
+    """
 
     def __init__(self, robot: ClosedLoopRobot, loop: Any) -> None:
         self.first = _Frame(robot, loop.joint1_id, loop.joint1_placement)
@@ -203,7 +248,10 @@ class _Loop:
 
 
 def _constraint_derivatives(loops: list[_Loop], nv: int) -> tuple[Array, Array, Array]:
-    """Return the derivatives of J q̇ and γ by q, and of γ by q̇, each (m, nv); they hold along motions that keep the loops closed."""
+    """Return the derivatives of J q̇ and γ by q, and of γ by q̇, each (m, nv).
+
+    They hold along motions that keep the loops closed.
+    """
     velocity_by_q, acceleration_by_q, acceleration_by_v = ([np.zeros((0, nv))] for _ in range(3))
     for loop in loops:
         first, second = loop.first, loop.second
@@ -212,13 +260,22 @@ def _constraint_derivatives(loops: list[_Loop], nv: int) -> tuple[Array, Array, 
         else:
             # The frames coincide and stay so: neither turns against the other.
             change, sides = loop.relative.action, (first.whole(), second.whole())
-        for rows, one, other in zip((velocity_by_q, acceleration_by_q, acceleration_by_v), *sides, strict=True):
+        for rows, one, other in zip(
+            (velocity_by_q, acceleration_by_q, acceleration_by_v), *sides, strict=True
+        ):
             rows.append(one - change @ other)
-    return np.concatenate(velocity_by_q), np.concatenate(acceleration_by_q), np.concatenate(acceleration_by_v)
+    return (
+        np.concatenate(velocity_by_q),
+        np.concatenate(acceleration_by_q),
+        np.concatenate(acceleration_by_v),
+    )
 
 
 def _external_forces(loops: list[_Loop], loop_forces: Array, model: Any) -> tuple[Any, Array]:
-    """Return the forces in the loops as external forces of RNEA, and what RNEA's derivative by q lacks of them, (nv, nv)."""
+    """Return the forces in the loops as external forces of RNEA.
+
+    Also what RNEA's derivative by q lacks of them, (nv, nv).
+    """
     external = [pin.Force.Zero() for _ in range(model.njoints)]
     turning = np.zeros((model.nv, model.nv))
     start = 0
@@ -229,7 +286,8 @@ def _external_forces(loops: list[_Loop], loop_forces: Array, model: Any) -> tupl
         external[first.joint] = external[first.joint] - first.in_joint.act(force)
         external[second.joint] = external[second.joint] + second.in_joint.act(reaction)
         if loop.is_point:
-            # RNEA's derivative holds both forces fast in their bodies, but around a point the bodies turn against each other.
+            # RNEA's derivative holds both forces fast in their bodies, but around a point the
+            # bodies turn against each other.
             turn = loop.relative.rotation.T @ first.jacobian[3:] - second.jacobian[3:]
             turning += second.jacobian[:3].T @ pin.skew(reaction.linear) @ turn
         start += size

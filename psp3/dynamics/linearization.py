@@ -1,7 +1,8 @@
 r"""Linear systems that a robot is close to: about a pose, about a state, or along a motion.
 
-The state is :math:`x = (a, \dot a)`, the actuated positions and speeds, and the input :math:`u = \tau`, the actuator forces. Small
-deviations from a motion obey :math:`\delta\dot x = A\, \delta x + B\, \delta u`, or, with forces that are held for a period,
+The state is :math:`x = (a, \dot a)`, the actuated positions and speeds, and the input
+:math:`u = \tau`, the actuator forces. Small deviations from a motion obey
+:math:`\delta\dot x = A\, \delta x + B\, \delta u`, or, with forces that are held for a period,
 :math:`\delta x_{k+1} = A_d\, \delta x_k + B_d\, \delta u_k`.
 """
 
@@ -19,7 +20,9 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 
 class LinearSystem(NamedTuple):
-    """A linear system, continuous or sampled: ``A`` (..., m, m), ``B`` (..., m, n), and ``period`` [s], None of a continuous one.
+    """A linear system, continuous or sampled.
+
+    ``A`` (..., m, m), ``B`` (..., m, n), and ``period`` [s], None of a continuous one.
 
     Of a robot, m = 2n: positions first, then speeds.
     """
@@ -30,7 +33,10 @@ class LinearSystem(NamedTuple):
 
 
 def linearize(
-    robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike | None = None, accelerations: ArrayLike | None = None
+    robot: ClosedLoopRobot,
+    positions: ArrayLike,
+    speeds: ArrayLike | None = None,
+    accelerations: ArrayLike | None = None,
 ) -> LinearSystem:
     r"""Return the linear system that a robot is close to about given motions.
 
@@ -41,14 +47,16 @@ def linearize(
             \end{bmatrix}, \qquad
         B = \begin{bmatrix} 0 \\ M^{-1} \end{bmatrix}
 
-    The forces about which this holds are those of the motion, ``robot.inverse_dynamics``; at rest they carry the weight.
+    The forces about which this holds are those of the motion, ``robot.inverse_dynamics``; at rest
+    they carry the weight.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
         Any robot, with or without loops.
     positions : (..., n) array_like
-        Actuated positions [m or rad]. The rows of a motion along a trajectory give a system for each of its times.
+        Actuated positions [m or rad]. The rows of a motion along a trajectory give a system for
+        each of its times.
     speeds, accelerations : (..., n) array_like, optional
         Their rates; at rest by default.
 
@@ -65,7 +73,10 @@ def linearize(
     n = len(robot.actuated)
     rest = np.zeros(n)
     by_positions, by_speeds, mass = inverse_dynamics_derivatives(
-        robot, positions, rest if speeds is None else speeds, rest if accelerations is None else accelerations
+        robot,
+        positions,
+        rest if speeds is None else speeds,
+        rest if accelerations is None else accelerations,
     )
     A, B = np.zeros((*mass.shape[:-2], 2 * n, 2 * n)), np.zeros((*mass.shape[:-2], 2 * n, n))
     A[..., :n, n:] = np.eye(n)
@@ -76,11 +87,14 @@ def linearize(
 
 
 def discretize(system: LinearSystem, period: float) -> LinearSystem:
-    r"""Return the sampled form of a continuous system whose input is held for a period at a time, without approximation.
+    r"""Return the sampled form of a continuous system without approximation.
+
+    Its input is held for a period at a time.
 
     .. math::
 
-        \begin{bmatrix} A_d & B_d \\ 0 & 1 \end{bmatrix} = \exp\left( \begin{bmatrix} A & B \\ 0 & 0 \end{bmatrix} T \right)
+        \begin{bmatrix} A_d & B_d \\ 0 & 1 \end{bmatrix}
+        = \exp\left( \begin{bmatrix} A & B \\ 0 & 0 \end{bmatrix} T \right)
 
     Along a trajectory every A and B is taken as constant during its period.
 
@@ -105,7 +119,8 @@ def discretize(system: LinearSystem, period: float) -> LinearSystem:
 
     References
     ----------
-    C. Van Loan, Computing integrals involving the matrix exponential, IEEE Transactions on Automatic Control 23(3), 1978.
+    C. Van Loan, Computing integrals involving the matrix exponential, IEEE Transactions on
+    Automatic Control 23(3), 1978.
     """
     from scipy.linalg import expm
 
@@ -121,7 +136,10 @@ def discretize(system: LinearSystem, period: float) -> LinearSystem:
 
 
 def checked_matrices(system: LinearSystem) -> tuple[Array, Array]:
-    """Return A (..., m, m) and B (..., m, n) as float arrays; raise :class:`InvalidArray` if they do not make a linear system."""
+    """Return A (..., m, m) and B (..., m, n) as float arrays.
+
+    Raise :class:`InvalidArray` if they do not make a linear system.
+    """
     A, B = as_floats("A", system.A, "(..., m, m)"), as_floats("B", system.B, "(..., m, n)")
     if A.ndim < 2 or A.shape[-2] != A.shape[-1] or not np.isfinite(A).all():
         raise InvalidArray("A", "(..., m, m)", system.A)

@@ -1,14 +1,19 @@
-r"""The thesis's dynamics, equation by equation: the natural orthogonal complement (eq. 3.2–3.4 and 3.6–3.36).
+r"""The thesis's dynamics, equation by equation.
 
-The complement :math:`T` maps the actuated speeds to the twists of all bodies, :math:`t = T \dot q^a`. Twists that the loops
-allow do no work against the constraint forces, so projecting the Newton–Euler equations of the free bodies with :math:`T`
-removes those forces and leaves
+The natural orthogonal complement (eq. 3.2–3.4 and 3.6–3.36).
 
-.. math:: M = T^T M_\text{total} T, \qquad C = T^T M_\text{total} \dot T + T^T \Omega M_\text{total} T, \qquad G = -T^T w^g.
+The complement :math:`T` maps the actuated speeds to the twists of all bodies,
+:math:`t = T \dot q^a`. Twists that the loops allow do no work against the constraint forces, so
+projecting the Newton–Euler equations of the free bodies with :math:`T` removes those forces and
+leaves
 
-Where the printed equations are wrong (see each function), what is right is implemented. Joint quantities (placements, joint
-Jacobians and their rates, inertias) come from Pinocchio; everything else is here, so any tree with loops and named actuated
-joints can be treated, one without loops included.
+.. math:: M = T^T M_\text{total} T, \qquad
+          C = T^T M_\text{total} \dot T + T^T \Omega M_\text{total} T, \qquad G = -T^T w^g.
+
+Where the printed equations are wrong (see each function), what is right is implemented. Joint
+quantities (placements, joint Jacobians and their rates, inertias) come from Pinocchio; everything
+else is here, so any tree with loops and named actuated joints can be treated, one without loops
+included.
 """
 
 from __future__ import annotations
@@ -29,7 +34,9 @@ CLOSURE_TOLERANCE = 1e-6
 """Dynamics is refused where a loop is open by more than this [m, rad]."""
 
 MOBILITY_TOLERANCE = 1e-5
-"""L must satisfy the loops' velocity equations to this share; far above rounding, far below a wrong number of actuators."""
+"""L must satisfy the loops' velocity equations to this share; far above rounding, far below a wrong
+number of actuators.
+"""
 
 VELOCITY_TOLERANCE = 1e-8
 """A velocity is refused where it violates the loops by more than this share of its size."""
@@ -55,15 +62,17 @@ def _motion_cross(twist: Array) -> Array:
 class NaturalOrthogonalComplement:
     """Natural orthogonal complement of a tree with loops.
 
-    All methods take full Pinocchio vectors ``q`` (..., nq) and ``v`` (..., nv) with ``v = L(q) @ speeds``; any other velocity is
-    refused. Rows of L and columns of K follow ``robot.model``. A twist is [ω; v] in world axes at the body's center of mass, and
-    the bodies are the links of the tree, one per joint, in the order of ``body_names``.
+    All methods take full Pinocchio vectors ``q`` (..., nq) and ``v`` (..., nv) with
+    ``v = L(q) @ speeds``; any other velocity is refused. Rows of L and columns of K follow
+    ``robot.model``. A twist is [ω; v] in world axes at the body's center of mass, and the bodies
+    are the links of the tree, one per joint, in the order of ``body_names``.
 
     Parameters
     ----------
     robot : object
-        Anything with a Pinocchio ``model``; ``constraint_models`` (none: no loops) and ``actuated`` (none: every joint), as
-        :class:`psp3.ClosedLoopRobot` and the robots of example-robot-data have them.
+        Anything with a Pinocchio ``model``; ``constraint_models`` (none: no loops) and ``actuated``
+        (none: every joint), as :class:`psp3.ClosedLoopRobot` and the robots of example-robot-data
+        have them.
     """
 
     def __init__(self, robot: Any) -> None:
@@ -78,7 +87,9 @@ class NaturalOrthogonalComplement:
             if name not in known:
                 raise UnknownName("actuated joint", name, known)
         joints = [self.model.joints[self.model.getJointId(name)] for name in self._names]
-        self._actuated = np.concatenate([np.arange(joint.idx_v, joint.idx_v + joint.nv) for joint in joints])
+        self._actuated = np.concatenate(
+            [np.arange(joint.idx_v, joint.idx_v + joint.nv) for joint in joints]
+        )
         self._dependent = np.setdiff1d(np.arange(self.model.nv), self._actuated)
         bodies = self.model.njoints - 1
         self._rows = sum(loop.residualSize() for loop in self._loops)
@@ -101,20 +112,41 @@ class NaturalOrthogonalComplement:
 
     # Rows: one configuration at a time, because Pinocchio takes one at a time
 
-    def _map(self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: tuple[ArrayLike, int]) -> Array:
-        """Apply a function of one configuration, with a result of the given shape, to arguments with leading dimensions."""
-        arrays = together(**{name: finite_rows(name, values, width) for name, (values, width) in arguments.items()})
+    def _map(
+        self,
+        function: Callable[..., Array],
+        shape: tuple[int, ...],
+        **arguments: tuple[ArrayLike, int],
+    ) -> Array:
+        """Apply a function of one configuration to arguments with leading dimensions.
+
+        Its result has the given shape.
+        """
+        arrays = together(
+            **{
+                name: finite_rows(name, values, width)
+                for name, (values, width) in arguments.items()
+            }
+        )
         rows = zip(*(array.reshape(-1, array.shape[-1]) for array in arrays), strict=True)
         return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
 
-    def _at(self, function: Callable[[Array], Array], shape: tuple[int, ...], q: ArrayLike) -> Array:
+    def _at(
+        self, function: Callable[[Array], Array], shape: tuple[int, ...], q: ArrayLike
+    ) -> Array:
         return self._map(function, shape, q=(q, self.model.nq))
 
-    def _moving(self, function: Callable[[Array, Array], Array], shape: tuple[int, ...], q: ArrayLike, v: ArrayLike) -> Array:
+    def _moving(
+        self,
+        function: Callable[[Array, Array], Array],
+        shape: tuple[int, ...],
+        q: ArrayLike,
+        v: ArrayLike,
+    ) -> Array:
         return self._map(function, shape, q=(q, self.model.nq), v=(v, self.model.nv))
 
     def _place(self, q: Array, v: Array | None = None) -> None:
-        """Let Pinocchio compute placements and joint Jacobians at q, and their rates if there is a velocity."""
+        """Let Pinocchio compute placements and joint Jacobians at q, with rates if v is given."""
         if v is None:
             pin.computeJointJacobians(self.model, self._data, q)
         else:
@@ -124,7 +156,10 @@ class NaturalOrthogonalComplement:
         """Placement of the two frames of a loop and the joints that move each."""
         return [
             (self._data.oMi[joint] * placement, self._moves[joint])
-            for joint, placement in ((loop.joint1_id, loop.joint1_placement), (loop.joint2_id, loop.joint2_placement))
+            for joint, placement in (
+                (loop.joint1_id, loop.joint1_placement),
+                (loop.joint2_id, loop.joint2_placement),
+            )
         ]
 
     def _constraint(self, q: Array) -> Array:
@@ -133,7 +168,11 @@ class NaturalOrthogonalComplement:
         for loop in self._loops:
             (first, _), (second, _) = self._closure_frames(loop)
             relative = first.actInv(second)
-            residuals.append(pin.log6(relative).vector if loop.type == pin.ContactType.CONTACT_6D else relative.translation)
+            residuals.append(
+                pin.log6(relative).vector
+                if loop.type == pin.ContactType.CONTACT_6D
+                else relative.translation
+            )
         return np.concatenate(residuals)
 
     def _constraint_jacobian(self, q: Array) -> Array:
@@ -143,10 +182,14 @@ class NaturalOrthogonalComplement:
         for loop in self._loops:
             (first, moves_first), (second, moves_second) = self._closure_frames(loop)
             relative = first.actInv(second)
-            # Twist of the second frame relative to the first, in axes of the second, per unit of joint velocity.
-            twist = second.toActionMatrixInverse() @ (jacobian * moves_second - jacobian * moves_first)
+            # Twist of the second frame relative to the first, in axes of the second, per unit of
+            # joint velocity.
+            twist = second.toActionMatrixInverse() @ (
+                jacobian * moves_second - jacobian * moves_first
+            )
             if loop.type == pin.ContactType.CONTACT_6D:
-                # Jlog6 makes this the derivative of the logarithm away from closure too, where Pinocchio's is not.
+                # Jlog6 makes this the derivative of the logarithm away from closure too, where
+                # Pinocchio's is not.
                 rows.append(pin.Jlog6(relative) @ twist)
             else:
                 rows.append(relative.rotation @ twist[:3])
@@ -162,13 +205,18 @@ class NaturalOrthogonalComplement:
             to_second = second.toActionMatrixInverse()
             difference = jacobian * moves_second - jacobian * moves_first
             # The axes of the second frame turn with it.
-            twist_rate = to_second @ (rate * moves_second - rate * moves_first - _motion_cross((jacobian * moves_second) @ v) @ difference)
+            twist_rate = to_second @ (
+                rate * moves_second
+                - rate * moves_first
+                - _motion_cross((jacobian * moves_second) @ v) @ difference
+            )
             if loop.type == pin.ContactType.CONTACT_6D:
-                # A velocity that keeps the loops closed leaves the relative placement, and so Jlog6, constant.
+                # A velocity that keeps the loops closed leaves the relative placement, and so
+                # Jlog6, constant.
                 rows.append(pin.Jlog6(relative) @ twist_rate)
             else:
-                # The relative rotation turns the rows, too, but what it turns vanishes for every velocity that keeps the loops closed,
-                # and only its product with L is ever used.
+                # The relative rotation turns the rows, too, but what it turns vanishes for every
+                # velocity that keeps the loops closed, and only its product with L is ever used.
                 rows.append(relative.rotation @ twist_rate[:3])
         return np.concatenate(rows)
 
@@ -179,8 +227,11 @@ class NaturalOrthogonalComplement:
         complement = np.zeros((self.model.nv, self._actuated.size))
         complement[self._actuated] = np.eye(self._actuated.size)
         complement[self._dependent] = -inverse @ jacobian[:, self._actuated]
-        # With more actuated joints than degrees of freedom no L keeps the loops closed, and the pseudo-inverse only comes near.
-        if np.abs(jacobian @ complement).max(initial=0.0) > MOBILITY_TOLERANCE * np.abs(jacobian).max(initial=1.0):
+        # With more actuated joints than degrees of freedom no L keeps the loops closed, and the
+        # pseudo-inverse only comes near.
+        if np.abs(jacobian @ complement).max(initial=0.0) > MOBILITY_TOLERANCE * np.abs(
+            jacobian
+        ).max(initial=1.0):
             raise MobilityMismatch(mobility(self.model, self._loops, self._names, q), self._names)
         return complement, inverse, jacobian
 
@@ -206,7 +257,9 @@ class NaturalOrthogonalComplement:
 
     def _centers(self) -> Array:
         """Centers of mass of the bodies in world axes, (r, 3)."""
-        return np.array([self._data.oMi[joint].act(self.model.inertias[joint].lever) for joint in self._joints])
+        return np.array(
+            [self._data.oMi[joint].act(self.model.inertias[joint].lever) for joint in self._joints]
+        )
 
     def _twists(self, q: Array) -> Array:
         """K at one configuration."""
@@ -214,7 +267,8 @@ class NaturalOrthogonalComplement:
         jacobian = np.array(self._data.J)
         moves = self._moves[1:, np.newaxis, :]
         angular = moves * jacobian[3:]
-        # Pinocchio's columns are twists at the world's origin: e_j × (0 − r_0j) becomes e_j × r_j at the center of mass.
+        # Pinocchio's columns are twists at the world's origin: e_j × (0 − r_0j) becomes e_j × r_j
+        # at the center of mass.
         linear = moves * (jacobian[:3] - _skew(self._centers()) @ jacobian[3:])
         return np.concatenate([angular, linear], axis=1).reshape(-1, self.model.nv)
 
@@ -225,7 +279,9 @@ class NaturalOrthogonalComplement:
         jacobian, rate = np.array(self._data.J), np.array(self._data.dJ)
         moves = self._moves[1:, np.newaxis, :]
         angular = moves * rate[3:]
-        linear = moves * (rate[:3] - _skew(self._centers()) @ rate[3:] - _skew(velocities) @ jacobian[3:])
+        linear = moves * (
+            rate[:3] - _skew(self._centers()) @ rate[3:] - _skew(velocities) @ jacobian[3:]
+        )
         return np.concatenate([angular, linear], axis=1).reshape(-1, self.model.nv)
 
     def _natural(self, q: Array) -> Array:
@@ -275,7 +331,9 @@ class NaturalOrthogonalComplement:
     def _coriolis(self, q: Array, v: Array) -> Array:
         self._check_closed(q)
         natural, total = self._natural(q), self._total_mass(q)
-        coriolis: Array = natural.T @ (total @ self._natural_dot(q, v) + self._spin(q, v) @ total @ natural)
+        coriolis: Array = natural.T @ (
+            total @ self._natural_dot(q, v) + self._spin(q, v) @ total @ natural
+        )
         return coriolis
 
     def _weight(self, q: Array) -> Array:
@@ -287,9 +345,10 @@ class NaturalOrthogonalComplement:
     def constraint(self, q: ArrayLike) -> Array:
         r"""Return the constraints :math:`\phi(q)`, zero where the loops are closed (eq. 3.6).
 
-        Six rows per 6D loop, the logarithm of the relative placement of its two frames; three rows per 3D loop, their distance in
-        axes of the first. The printed eq. 3.13 takes the Cayley form of each frame's rotation, which is singular at 180° and
-        therefore bad near home already; the logarithm of the *relative* rotation is not.
+        Six rows per 6D loop, the logarithm of the relative placement of its two frames; three rows
+        per 3D loop, their distance in axes of the first. The printed eq. 3.13 takes the Cayley form
+        of each frame's rotation, which is singular at 180° and therefore bad near home already; the
+        logarithm of the *relative* rotation is not.
 
         Parameters
         ----------
@@ -309,10 +368,12 @@ class NaturalOrthogonalComplement:
         return self._at(self._constraint, (self._rows,), q)
 
     def constraint_jacobian(self, q: ArrayLike) -> Array:
-        r"""Return the constraint Jacobian :math:`\Phi = \partial\phi/\partial q` (eq. 3.19), away from closure too.
+        r"""Return the constraint Jacobian :math:`\Phi = \partial\phi/\partial q` (eq. 3.19).
 
-        Its columns of the actuated joints are :math:`\Phi^a` (3.20), the others :math:`\Phi^u` (3.21). Pinocchio's own constraint
-        Jacobian is minus this one at closure.
+        It holds away from closure, too.
+
+        Its columns of the actuated joints are :math:`\Phi^a` (3.20), the others :math:`\Phi^u`
+        (3.21). Pinocchio's own constraint Jacobian is minus this one at closure.
 
         Parameters
         ----------
@@ -352,10 +413,14 @@ class NaturalOrthogonalComplement:
         SingularConfiguration
             If the actuated joints do not determine the others, as in a gimbal configuration.
         """
-        return self._at(lambda row: self._complement(row)[0], (self.model.nv, self._actuated.size), q)
+        return self._at(
+            lambda row: self._complement(row)[0], (self.model.nv, self._actuated.size), q
+        )
 
     def L_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
-        r"""Return the rate of L, from :math:`\Phi L = 0`: :math:`\dot L^u = -(\Phi^u)^{-1} \dot\Phi L`.
+        r"""Return the rate of L, from :math:`\Phi L = 0`.
+
+        :math:`\dot L^u = -(\Phi^u)^{-1} \dot\Phi L`.
 
         Parameters
         ----------
@@ -369,17 +434,21 @@ class NaturalOrthogonalComplement:
         Raises
         ------
         InvalidArray, InconsistentVelocity, SingularConfiguration
-            If an argument is malformed, the velocity would open the loops, or the configuration is singular.
+            If an argument is malformed, the velocity would open the loops, or the configuration is
+            singular.
         """
         return self._moving(self._complement_dot, (self.model.nv, self._actuated.size), q, v)
 
     def K(self, q: ArrayLike) -> Array:
-        r"""Return the twists of all bodies per unit of joint velocity, :math:`t_i = K_i \dot q` (eq. 3.27–3.30).
+        r"""Return the twists of all bodies per unit of joint velocity (eq. 3.27–3.30).
 
-        Column j of :math:`K_i = [A_i; B_i]` is :math:`[e_j; e_j \times r_j]` for a revolute joint, with :math:`r_j` from the joint to
-        the body's center of mass, and :math:`[0; e_j]` for a prismatic one, provided that the joint lies between the base and body
-        i; else it is zero. (Printed 3.29 has 0 in both parts for a prismatic joint, and nothing on the joints that do not move body
-        i; 3.30 splits the rows of K where the columns are meant.)
+        That is :math:`t_i = K_i \dot q`.
+
+        Column j of :math:`K_i = [A_i; B_i]` is :math:`[e_j; e_j \times r_j]` for a revolute joint,
+        with :math:`r_j` from the joint to the body's center of mass, and :math:`[0; e_j]` for a
+        prismatic one, provided that the joint lies between the base and body i; else it is zero.
+        (Printed 3.29 has 0 in both parts for a prismatic joint, and nothing on the joints that do
+        not move body i; 3.30 splits the rows of K where the columns are meant.)
 
         Parameters
         ----------
@@ -398,7 +467,10 @@ class NaturalOrthogonalComplement:
         return self._at(self._twists, (self._twist_rows, self.model.nv), q)
 
     def K_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
-        """Return the rate of K, of shape (..., 6 r, nv); arguments and errors as in :meth:`L_dot`."""
+        """Return the rate of K, of shape (..., 6 r, nv).
+
+        Arguments and errors as in :meth:`L_dot`.
+        """
         return self._moving(self._twists_dot, (self._twist_rows, self.model.nv), q, v)
 
     def T(self, q: ArrayLike) -> Array:
@@ -429,10 +501,12 @@ class NaturalOrthogonalComplement:
 
         .. math::
 
-            \dot T = \dot K^a - \dot K^u (\Phi^u)^{-1} \Phi^a + K^u (\Phi^u)^{-1} \dot\Phi^u (\Phi^u)^{-1} \Phi^a
+            \dot T = \dot K^a - \dot K^u (\Phi^u)^{-1} \Phi^a
+            + K^u (\Phi^u)^{-1} \dot\Phi^u (\Phi^u)^{-1} \Phi^a
             - K^u (\Phi^u)^{-1} \dot\Phi^a
 
-        (Printed with :math:`\dot\Phi^a` in the third term, where the derivative of the inverse gives :math:`\dot\Phi^u`.)
+        (Printed with :math:`\dot\Phi^a` in the third term, where the derivative of the inverse
+        gives :math:`\dot\Phi^u`.)
 
         Parameters
         ----------
@@ -451,7 +525,9 @@ class NaturalOrthogonalComplement:
         return self._moving(self._natural_dot, (self._twist_rows, self._actuated.size), q, v)
 
     def M_total(self, q: ArrayLike) -> Array:
-        r"""Return the block-diagonal mass matrix of the free bodies, :math:`M_i = \operatorname{diag}(R I_i R^T, m_i 1)` (eq. 3.36b).
+        r"""Return the block-diagonal mass matrix of the free bodies (eq. 3.36b).
+
+        Its blocks are :math:`M_i = \operatorname{diag}(R I_i R^T, m_i 1)`.
 
         (Printed with :math:`I_i` as it is, which holds in the body's own axes only.)
 
@@ -473,7 +549,9 @@ class NaturalOrthogonalComplement:
         return self._at(self._total_mass, (self._twist_rows, self._twist_rows), q)
 
     def Omega(self, q: ArrayLike, v: ArrayLike) -> Array:
-        r"""Return the angular velocities in blocks, :math:`\Omega_i = \operatorname{diag}(\omega_i \times, 0)` (eq. 3.36c).
+        r"""Return the angular velocities in blocks (eq. 3.36c).
+
+        They are :math:`\Omega_i = \operatorname{diag}(\omega_i \times, 0)`.
 
         Parameters
         ----------
@@ -483,7 +561,8 @@ class NaturalOrthogonalComplement:
         Returns
         -------
         (..., 6 r, 6 r) ndarray
-            [rad/s]. It acts on the angular part only: the momentum of a center of mass does not turn with the body.
+            [rad/s]. It acts on the angular part only: the momentum of a center of mass does not
+            turn with the body.
 
         Raises
         ------
@@ -503,7 +582,12 @@ class NaturalOrthogonalComplement:
             [N m] and [N], in world axes.
         """
         gravity = self.model.gravity.linear
-        return np.concatenate([np.concatenate([np.zeros(3), self.model.inertias[joint].mass * gravity]) for joint in self._joints])
+        return np.concatenate(
+            [
+                np.concatenate([np.zeros(3), self.model.inertias[joint].mass * gravity])
+                for joint in self._joints
+            ]
+        )
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         r"""Return :math:`M = T^T M_\text{total} T` (eq. 3.2).
@@ -544,7 +628,10 @@ class NaturalOrthogonalComplement:
         return self._moving(self._coriolis, (self._actuated.size, self._actuated.size), q, v)
 
     def gravity(self, q: ArrayLike) -> Array:
-        r"""Return :math:`G = -T^T w^g` (eq. 3.4), of shape (..., n); errors as in :meth:`mass_matrix`."""
+        r"""Return :math:`G = -T^T w^g` (eq. 3.4), of shape (..., n).
+
+        Errors as in :meth:`mass_matrix`.
+        """
         return self._at(self._weight, (self._actuated.size,), q)
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, accelerations: ArrayLike) -> Array:
@@ -568,14 +655,24 @@ class NaturalOrthogonalComplement:
         """
 
         def one(q: Array, v: Array, accelerations: Array) -> Array:
-            forces: Array = self._mass(q) @ accelerations + self._coriolis(q, v) @ v[self._actuated] + self._weight(q)
+            forces: Array = (
+                self._mass(q) @ accelerations
+                + self._coriolis(q, v) @ v[self._actuated]
+                + self._weight(q)
+            )
             return forces
 
         n = self._actuated.size
-        return self._map(one, (n,), q=(q, self.model.nq), v=(v, self.model.nv), accelerations=(accelerations, n))
+        return self._map(
+            one, (n,), q=(q, self.model.nq), v=(v, self.model.nv), accelerations=(accelerations, n)
+        )
 
-    def equation_of_motion(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array, Array]:
-        """Return M, C and G at actuated positions and speeds, so that a controller can be driven by the thesis's model.
+    def equation_of_motion(
+        self, heights: ArrayLike, speeds: ArrayLike
+    ) -> tuple[Array, Array, Array]:
+        """Return M, C and G at actuated positions and speeds.
+
+        So that a controller can be driven by the thesis's model.
 
         Parameters
         ----------
@@ -596,7 +693,9 @@ class NaturalOrthogonalComplement:
             If the robot has no closed configuration there, see ``robot.configuration``.
         """
         n = self._actuated.size
-        positions, rates = together(heights=finite_rows("heights", heights, n), speeds=finite_rows("speeds", speeds, n))
+        positions, rates = together(
+            heights=finite_rows("heights", heights, n), speeds=finite_rows("speeds", speeds, n)
+        )
         q = np.asarray(self.robot.configuration(positions))
         v = np.einsum("...ij,...j->...i", self.L(q), rates)
         return self.mass_matrix(q), self.coriolis_matrix(q, v), self.gravity(q)

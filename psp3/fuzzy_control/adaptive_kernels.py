@@ -1,8 +1,12 @@
-r"""Compiled loops of adaptive fuzzy computed torque: one step of the controller, and whole runs of it.
+r"""Compiled loops of adaptive fuzzy computed torque.
 
-A rule base of type-1 or interval type-2 is ``table``, see ``fuzzy2.systems.kernels``, with consequents (18, 2, R): left and right ends of the
-estimated numbers, for every rule. Of them M and G adapt, n = 9 R parameters. ``settings`` are, beginning as a controller of
-``control_kernels`` does, (kind, kp, kv, memory, lag, update period, least share of the trained M); without a memory, 0, nothing is learned.
+One step of the controller, and whole runs of it.
+
+A rule base of type-1 or interval type-2 is ``table``, see ``fuzzy2.systems.kernels``, with
+consequents (18, 2, R): left and right ends of the estimated numbers, for every rule. Of them M and
+G adapt, n = 9 R parameters. ``settings`` are, beginning as a controller of ``control_kernels``
+does, (kind, kp, kv, memory, lag, update period, least share of the trained M); without a memory, 0,
+nothing is learned.
 """
 
 from __future__ import annotations
@@ -15,7 +19,13 @@ from numpy.typing import NDArray
 
 from fuzzy2.learning.adaptation_kernels import add, basis, forget, solve_within
 from fuzzy2.support.compiled import compiled
-from psp3.fuzzy_control.kernels import OUTPUTS, apply_model, is_positive_definite, width_of_force, write_servo
+from psp3.fuzzy_control.kernels import (
+    OUTPUTS,
+    apply_model,
+    is_positive_definite,
+    width_of_force,
+    write_servo,
+)
 
 Array = NDArray[np.float64]
 
@@ -30,8 +40,8 @@ TIME, SINCE_UPDATE, CALLED = range(3)
 class Rules(NamedTuple):
     """What was trained, and how far from it adaptation may go.
 
-    ``ranges`` (2, 4) are the trained inputs' ends, ``prior`` (n,) the weights of the trained consequents and ``reach`` (n,) the farthest
-    that they may go.
+    ``ranges`` (2, 4) are the trained inputs' ends, ``prior`` (n,) the weights of the trained
+    consequents and ``reach`` (n,) the farthest that they may go.
     """
 
     table: Array
@@ -44,9 +54,10 @@ class Rules(NamedTuple):
 class Memory(NamedTuple):
     """What changes from call to call.
 
-    ``clock`` (3,), ``last`` (9,) heights, speeds and torque of the last call, ``rows`` (3, n) and ``residuals`` (3,) of the low-pass
-    filter, the least-squares problem with scratch space, how far the consequents are from the trained ones, and the consequents
-    themselves with the order that ``basis`` keeps of them.
+    ``clock`` (3,), ``last`` (9,) heights, speeds and torque of the last call, ``rows`` (3, n) and
+    ``residuals`` (3,) of the low-pass filter, the least-squares problem with scratch space, how far
+    the consequents are from the trained ones, and the consequents themselves with the order that
+    ``basis`` keeps of them.
     """
 
     clock: Array
@@ -69,9 +80,18 @@ def new_memory(trained: Array) -> Memory:
     orders = np.tile(np.arange(rules, dtype=np.int64), (OUTPUTS, 2, 1))
     square = np.zeros((2, size, size))
     return Memory(
-        np.zeros(3), np.zeros(9), np.zeros((3, size)), np.zeros(3), square[0], np.zeros(size), square[1],
-        np.zeros(size), np.zeros(size), trained.copy(), orders,
-    )  # fmt: skip
+        np.zeros(3),
+        np.zeros(9),
+        np.zeros((3, size)),
+        np.zeros(3),
+        square[0],
+        np.zeros(size),
+        square[1],
+        np.zeros(size),
+        np.zeros(size),
+        trained.copy(),
+        orders,
+    )
 
 
 @compiled
@@ -82,8 +102,16 @@ def _place(j):
 
 @compiled
 def _inputs(ranges, heights, speeds, x):
-    """Write the four differences, put back into the trained ranges; return whether they were there."""
-    x[0], x[1], x[2], x[3] = heights[0] - heights[1], heights[0] - heights[2], speeds[0] - speeds[1], speeds[0] - speeds[2]
+    """Write the four differences, put back into the trained ranges.
+
+    Return whether they were there.
+    """
+    x[0], x[1], x[2], x[3] = (
+        heights[0] - heights[1],
+        heights[0] - heights[2],
+        speeds[0] - speeds[1],
+        speeds[0] - speeds[2],
+    )
     covered = True
     for i in range(4):
         if not ranges[0, i] <= x[i] <= ranges[1, i]:
@@ -98,8 +126,12 @@ def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi
     count = rules.trained.shape[2]
     middle, rise = np.empty(6), np.empty(3)
     for i in range(3):
-        middle[i], middle[3 + i] = 0.5 * (heights[i] + memory.last[i]), 0.5 * (speeds[i] + memory.last[3 + i])
-        # The mean acceleration of a period, exactly: the force was constant, and nothing is differentiated.
+        middle[i], middle[3 + i] = (
+            0.5 * (heights[i] + memory.last[i]),
+            0.5 * (speeds[i] + memory.last[3 + i]),
+        )
+        # The mean acceleration of a period, exactly: the force was constant, and nothing is
+        # differentiated.
         rise[i] = (speeds[i] - memory.last[3 + i]) / period
     _inputs(rules.ranges, middle[:3], middle[3:], x)
     if not basis(rules.table, x, memory.consequents, memory.orders, strengths, phi):
@@ -122,7 +154,9 @@ def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi
             place = _place(j)
             total = 0.0
             for r in range(count):
-                total += phi[j, 0, r] * rules.trained[j, 0, r] + phi[j, 1, r] * rules.trained[j, 1, r]
+                total += (
+                    phi[j, 0, r] * rules.trained[j, 0, r] + phi[j, 1, r] * rules.trained[j, 1, r]
+                )
                 if place >= 0:
                     row[place * count + r] += blend * factor * 0.5 * (phi[j, 0, r] + phi[j, 1, r])
             trained += 0.5 * total * factor
@@ -139,15 +173,24 @@ def _update(settings, rules, memory):
         return
     memory.clock[SINCE_UPDATE] = 0.0
     solve_within(
-        memory.information, memory.right, rules.prior, -rules.reach, rules.reach, memory.factor, memory.trial, memory.delta
-    )  # fmt: skip
+        memory.information,
+        memory.right,
+        rules.prior,
+        -rules.reach,
+        rules.reach,
+        memory.factor,
+        memory.trial,
+        memory.delta,
+    )
     count = rules.trained.shape[2]
     for j in range(OUTPUTS):
         place = _place(j)
         if place >= 0:
             for r in range(count):
                 for end in range(2):
-                    memory.consequents[j, end, r] = rules.trained[j, end, r] + memory.delta[place * count + r]
+                    memory.consequents[j, end, r] = (
+                        rules.trained[j, end, r] + memory.delta[place * count + r]
+                    )
 
 
 @compiled
@@ -163,11 +206,21 @@ def _estimate(phi, consequents, middle, spread):
 
 @compiled
 def adaptive_step(
-    settings: Array, rules: Rules, memory: Memory, t: float, heights: Array, speeds: Array, desired: Array, out: Array
+    settings: Array,
+    rules: Rules,
+    memory: Memory,
+    t: float,
+    heights: Array,
+    speeds: Array,
+    desired: Array,
+    out: Array,
 ) -> bool:
-    """Learn from the last period and write the next torque, as ``control_kernels.fuzzy_torque`` does; return whether it is finite.
+    """Learn from the last period and write the next torque.
 
-    ``fell back`` says that the trained consequents took the place of the adapted ones, because those gave no usable M.
+    As ``control_kernels.fuzzy_torque`` does. Return whether it is finite.
+
+    ``fell back`` says that the trained consequents took the place of the adapted ones, because
+    those gave no usable M.
     """
     total = t
     for i in range(3):
@@ -192,7 +245,8 @@ def adaptive_step(
             least[j] = middle[j] - settings[LEAST_SHARE] * trained[j]
         fell_back = not is_positive_definite(least)
         if fell_back:
-            # Their order is another one than that of the adapted consequents, and so are their switch points.
+            # Their order is another one than that of the adapted consequents, and so are their
+            # switch points.
             basis(rules.table, x, rules.trained, memory.orders, strengths, phi)
             _estimate(phi, rules.trained, middle, spread)
     servo = np.empty(3)

@@ -1,10 +1,14 @@
-r"""The controller of chapter 5: computed torque with M, C and G estimated by a fuzzy system from four differences.
+r"""The controller of chapter 5.
 
-.. math:: \tau = \alpha\,(\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad \alpha = M, \quad \beta = C \dot a + G
+Computed torque with M, C and G estimated by a fuzzy system from four differences.
 
-M, C and G are fuzzy numbers, the type-reduced outputs of one rule base; so are :math:`\alpha`, :math:`\beta` and the torque, which is
-defuzzified last. Intervals and Gaussian numbers are affine (Theorems 1.4, 1.5): their crisp torque is the same when M, C and G are
-defuzzified first. That is what :meth:`FuzzyComputedTorque.torque` does, in one compiled call, and
+.. math:: \tau = \alpha\,(\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad
+          \alpha = M, \quad \beta = C \dot a + G
+
+M, C and G are fuzzy numbers, the type-reduced outputs of one rule base; so are :math:`\alpha`,
+:math:`\beta` and the torque, which is defuzzified last. Intervals and Gaussian numbers are affine
+(Theorems 1.4, 1.5): their crisp torque is the same when M, C and G are defuzzified first. That is
+what :meth:`FuzzyComputedTorque.torque` does, in one compiled call, and
 :meth:`FuzzyComputedTorque.torque_number` goes the thesis's way.
 """
 
@@ -29,10 +33,30 @@ from fuzzy2.support.compiled import only_for
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
-from psp3.checks import Array, checked_count, checked_not_negative, checked_number, checked_positive, one_row
-from psp3.errors import InvalidControllerFile, InvalidValue, NotTrained, UnknownName, UnusableEstimate
+from psp3.checks import (
+    Array,
+    checked_count,
+    checked_not_negative,
+    checked_number,
+    checked_positive,
+    one_row,
+)
+from psp3.errors import (
+    InvalidControllerFile,
+    InvalidValue,
+    NotTrained,
+    UnknownName,
+    UnusableEstimate,
+)
 from psp3.fuzzy_control import kernels
-from psp3.fuzzy_control.records import INPUT_NAMES, OUTPUT_NAMES, Record, differences, record, unpack
+from psp3.fuzzy_control.records import (
+    INPUT_NAMES,
+    OUTPUT_NAMES,
+    Record,
+    differences,
+    record,
+    unpack,
+)
 from psp3.loading import load
 from psp3.published import DURATION
 from psp3.three_psp.parameters import Parameters
@@ -44,7 +68,9 @@ FORMAT = "psp3-fuzzy-computed-torque-1"
 """Written into every controller file; a file with another mark is refused."""
 
 OUTSIDE = ("clamp", "crisp")
-"""What to do outside of the trained range: take the nearest inputs in it, or the exact M, C and G."""
+"""What to do outside of the trained range: take the nearest inputs in it, or the exact M, C and
+G.
+"""
 
 REDUCTIONS = ("alpha_planes", "gaussian")
 """Type reductions of the general type-2 controller."""
@@ -71,8 +97,9 @@ class FuzzyComputedTorque:
     Parameters
     ----------
     kind : {"it2", "t1", "gt2"}
-        Kind of the estimators: interval type-2 (Gaussian terms of uncertain mean, center of sets: the thesis's), type-1 (the same
-        with mean variation zero), or general type-2 (Gaussian secondary grades: the thesis's future work).
+        Kind of the estimators: interval type-2 (Gaussian terms of uncertain mean, center of sets:
+        the thesis's), type-1 (the same with mean variation zero), or general type-2 (Gaussian
+        secondary grades: the thesis's future work).
     robot : PSP3, optional
         The robot to learn from; ``psp3.load("psp3")`` by default.
     kp, kv : float
@@ -80,33 +107,39 @@ class FuzzyComputedTorque:
     n_terms : int
         Terms of every input; two make 16 rules.
     learner : str
-        How rules are learned, see :class:`fuzzy2.WangMendel`; by default every rule takes the sample that fires it most.
+        How rules are learned, see :class:`fuzzy2.WangMendel`; by default every rule takes the
+        sample that fires it most.
     snr_db : float
-        Signal-to-noise ratio of the recorded M, C and G [dB]: noise of that power is added to the samples, and the mean variation
-        follows from it. Infinite by default.
+        Signal-to-noise ratio of the recorded M, C and G [dB]: noise of that power is added to the
+        samples, and the mean variation follows from it. Infinite by default.
     mean_variation : float, optional
-        Distance of the terms' smallest and largest mean from the middle as a share of each input's range; by default
-        :func:`fuzzy2.mean_variation_from_snr` of ``snr_db``, which is 0 without noise.
+        Distance of the terms' smallest and largest mean from the middle as a share of each input's
+        range; by default :func:`fuzzy2.mean_variation_from_snr` of ``snr_db``, which is 0 without
+        noise.
     levels : int
         α-planes of a general type-2 system, each reduced exactly.
     reduction : {"alpha_planes", "gaussian"}
-        Of a general type-2 system. By the Gaussian corollary the torque is that of ``"t1"``, whatever the uncertainty, and only its
-        spread is new: cheap monitoring.
+        Of a general type-2 system. By the Gaussian corollary the torque is that of ``"t1"``,
+        whatever the uncertainty, and only its spread is new: cheap monitoring.
     outside : {"clamp", "crisp"}
-        What to do outside of the range of the training inputs: take the nearest inputs within, or the exact M, C and G.
+        What to do outside of the range of the training inputs: take the nearest inputs within, or
+        the exact M, C and G.
     term_width : float
-        What the standard deviations of the terms are multiplied with after the rules are learned. Wider terms average over more
-        rules, in a type-1 controller too: what type-2 gains is to be compared with that.
+        What the standard deviations of the terms are multiplied with after the rules are learned.
+        Wider terms average over more rules, in a type-1 controller too: what type-2 gains is to be
+        compared with that.
 
     Attributes
     ----------
     system_ : fuzzy2 system
-        What was learned: 4 inputs, 18 outputs in the order of :data:`psp3.fuzzy_control.records.OUTPUT_NAMES`. M is symmetric, because its
-        lower triangle is its upper one.
+        What was learned: 4 inputs, 18 outputs in the order of
+        :data:`psp3.fuzzy_control.records.OUTPUT_NAMES`. M is symmetric, because its lower triangle
+        is its upper one.
     ranges_ : (2, 4) ndarray
         Smallest and largest training inputs.
     fallback_ : (18,) ndarray
-        Average over the rules. It takes the place of an estimate that is not finite, or whose M is not positive definite.
+        Average over the rules. It takes the place of an estimate that is not finite, or whose M is
+        not positive definite.
 
     Raises
     ------
@@ -115,8 +148,8 @@ class FuzzyComputedTorque:
 
     Notes
     -----
-    Source: thesis chapter 5, Figs. 47 and 48. The text says that defuzzifying first is right for interval systems only; it is for
-    Gaussian numbers as well, and wrong for other shapes.
+    Source: thesis chapter 5, Figs. 47 and 48. The text says that defuzzifying first is right for
+    interval systems only; it is for Gaussian numbers as well, and wrong for other shapes.
     """
 
     system_: FuzzySystem
@@ -140,17 +173,26 @@ class FuzzyComputedTorque:
         term_width: float = 1.0,
     ) -> None:
         for what, name, known in (
-            ("kind of controller", kind, KINDS), ("learner", learner, LEARNERS),
-            ("reduction", reduction, REDUCTIONS), ("way outside of the trained range", outside, OUTSIDE),
-        ):  # fmt: skip
+            ("kind of controller", kind, KINDS),
+            ("learner", learner, LEARNERS),
+            ("reduction", reduction, REDUCTIONS),
+            ("way outside of the trained range", outside, OUTSIDE),
+        ):
             if name not in known:
                 raise UnknownName(what, name, known)
         self.kind, self.learner, self.reduction, self.outside = kind, learner, reduction, outside
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
-        self.n_terms, self.levels = checked_count("n_terms", n_terms), checked_count("levels", levels)
+        self.n_terms, self.levels = (
+            checked_count("n_terms", n_terms),
+            checked_count("levels", levels),
+        )
         self.snr_db = checked_snr(snr_db)
         by_rule = float(mean_variation_from_snr(self.snr_db))
-        self.mean_variation = by_rule if mean_variation is None else checked_not_negative("mean_variation", mean_variation)
+        self.mean_variation = (
+            by_rule
+            if mean_variation is None
+            else checked_not_negative("mean_variation", mean_variation)
+        )
         if kind == "t1":
             self.mean_variation = 0.0
         self.term_width = checked_positive("term_width", term_width)
@@ -163,12 +205,24 @@ class FuzzyComputedTorque:
 
     def __repr__(self) -> str:
         trained = "not trained" if self._controller is None else f"{len(self.system_.rules)} rules"
-        return f"{type(self).__name__}({self.kind!r}, kp={self.kp:g}, kv={self.kv:g}, mean_variation={self.mean_variation:.3g}, {trained})"
+        return (
+            f"{type(self).__name__}({self.kind!r}, kp={self.kp:g}, kv={self.kv:g}, "
+            f"mean_variation={self.mean_variation:.3g}, {trained})"
+        )
 
     # Learning
 
-    def fit(self, trajectory: Trajectory, duration: float = DURATION, samples: int = 209, rng: np.random.Generator | None = None) -> Self:
-        """Learn as in chapter 5: track a trajectory with the crisp controller of the same gains, record, and learn from samples.
+    def fit(
+        self,
+        trajectory: Trajectory,
+        duration: float = DURATION,
+        samples: int = 209,
+        rng: np.random.Generator | None = None,
+    ) -> Self:
+        """Learn as in chapter 5.
+
+        Track a trajectory with the crisp controller of the same gains, record, and learn from
+        samples.
 
         Parameters
         ----------
@@ -179,7 +233,8 @@ class FuzzyComputedTorque:
         samples : int
             Number of samples, spread evenly over the recorded inputs.
         rng : numpy.random.Generator, optional
-            Source of the noise on the samples; a new one by default. Not used at an infinite signal-to-noise ratio.
+            Source of the noise on the samples; a new one by default. Not used at an infinite
+            signal-to-noise ratio.
 
         Returns
         -------
@@ -189,36 +244,51 @@ class FuzzyComputedTorque:
         Raises
         ------
         InvalidValue
-            If an input does not change on the trajectory, terms are so narrow that no rule fires on a part of it, or a parameter is
-            not what it must be.
+            If an input does not change on the trajectory, terms are so narrow that no rule fires on
+            a part of it, or a parameter is not what it must be.
         fuzzy2.errors.UnsupportedRule
             If no sample fires some rule by more than 0.001.
         UnusableEstimate
             If the average mass matrix is not positive definite.
         """
-        return self.learn(record(self.robot, trajectory, duration, kp=self.kp, kv=self.kv), samples, rng)
+        return self.learn(
+            record(self.robot, trajectory, duration, kp=self.kp, kv=self.kv), samples, rng
+        )
 
-    def learn(self, recorded: Record, samples: int = 209, rng: np.random.Generator | None = None) -> Self:
+    def learn(
+        self, recorded: Record, samples: int = 209, rng: np.random.Generator | None = None
+    ) -> Self:
         """Learn from a record; see :meth:`fit`."""
         chosen = recorded.sample(samples)
         inputs, outputs = recorded.inputs[chosen], recorded.outputs[chosen]
         if math.isfinite(self.snr_db):
             rng = np.random.default_rng() if rng is None else rng
             if not isinstance(rng, np.random.Generator):
-                raise InvalidValue("rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)")
-            # The power of the signal is the mean square over the whole run, mean included, so it does not depend on the samples.
+                raise InvalidValue(
+                    "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
+                )
+            # The power of the signal is the mean square over the whole run, mean included, so it
+            # does not depend on the samples.
             amplitude = recorded.rms * 10.0 ** (-self.snr_db / 20.0)
             outputs = outputs + amplitude * rng.standard_normal(outputs.shape)
         learner = WangMendel(
-            self.n_terms, self.kind, self.mean_variation, self.learner, reduction=self.reduction, levels=self.levels
-        )  # fmt: skip
+            self.n_terms,
+            self.kind,
+            self.mean_variation,
+            self.learner,
+            reduction=self.reduction,
+            levels=self.levels,
+        )
         system = learner.fit(inputs.view(_Named), outputs).system_
         system.output_names = OUTPUT_NAMES
         if self.term_width != 1.0:
             system = _widened(system, self.term_width)
             uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
             if uncovered > 0.0:
-                wanted = f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} of the samples none does"
+                wanted = (
+                    f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} "
+                    "of the samples none does"
+                )
                 raise InvalidValue("term_width", self.term_width, wanted)
         self._take(system, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
@@ -229,19 +299,51 @@ class FuzzyComputedTorque:
         if not np.isfinite(fallback).all() or np.linalg.eigvalsh(mass)[0] <= 0.0:
             raise UnusableEstimate(mass)
         self.system_, self.ranges_, self.fallback_ = system, ranges, fallback
-        kind, levels, product, alphas, widths, after = kernels.INTERVAL, 0, False, _NONE, _NONE, _NONE
+        kind, levels, product, alphas, widths, after = (
+            kernels.INTERVAL,
+            0,
+            False,
+            _NONE,
+            _NONE,
+            _NONE,
+        )
         if isinstance(system, GeneralType2System):
             if system.reduction == "gaussian":
                 kind, product = kernels.COROLLARY, system.grade_t_norm == "product"
                 after = np.concatenate([moments.ravel() for moments in system.moments])
             else:
-                kind, levels, alphas, widths = kernels.PLANES, system.levels, system.alphas, system.widths
+                kind, levels, alphas, widths = (
+                    kernels.PLANES,
+                    system.levels,
+                    system.alphas,
+                    system.widths,
+                )
         assert system.table is not None
-        header = [kind, self.kp, self.kv, OUTSIDE.index(self.outside), levels, product, system.table.size]
-        self._controller = np.concatenate([header, ranges.ravel(), fallback, alphas, widths, system.table, after]).astype(np.float64)
+        header = [
+            kind,
+            self.kp,
+            self.kv,
+            OUTSIDE.index(self.outside),
+            levels,
+            product,
+            system.table.size,
+        ]
+        self._controller = np.concatenate(
+            [header, ranges.ravel(), fallback, alphas, widths, system.table, after]
+        ).astype(np.float64)
         self.reset()
         row = np.zeros(3)
-        only_for(kernels.control_step, self._controller, self._parameters, row, row, row, row, row, self._step.copy())
+        only_for(
+            kernels.control_step,
+            self._controller,
+            self._parameters,
+            row,
+            row,
+            row,
+            row,
+            row,
+            self._step.copy(),
+        )
 
     @property
     def controller(self) -> Array:
@@ -292,9 +394,18 @@ class FuzzyComputedTorque:
         except TypeError:
             done = -1
         if done != 1:
-            # Not contiguous rows of three finite floats: lists will do, and copies of rows that are read-only; the rest is refused.
-            a, v, a_d, v_d, acc_d = (np.array(one_row(name, row, 3)) for name, row in zip(_ROWS, rows, strict=True))
-            if kernels.control_step(self._controller, self._parameters, a, v, a_d, v_d, acc_d, step) != 1 and self.outside == "crisp":
+            # Not contiguous rows of three finite floats: lists will do, and copies of rows that are
+            # read-only; the rest is refused.
+            a, v, a_d, v_d, acc_d = (
+                np.array(one_row(name, row, 3)) for name, row in zip(_ROWS, rows, strict=True)
+            )
+            if (
+                kernels.control_step(
+                    self._controller, self._parameters, a, v, a_d, v_d, acc_d, step
+                )
+                != 1
+                and self.outside == "crisp"
+            ):
                 self.robot.forward_kinematics(a)
         self._step = step
         torque: Array = step[:3]
@@ -302,7 +413,10 @@ class FuzzyComputedTorque:
 
     @property
     def torque_interval(self) -> Array:
-        """Ends of the torque interval of the last call (3, 2) [N], the lowest α-plane's for α-planes; (mean, sigma) by the corollary."""
+        """Ends of the torque interval of the last call (3, 2) [N].
+
+        The lowest α-plane's for α-planes; (mean, sigma) by the corollary.
+        """
         return self._step[3:9].reshape(2, 3).T.copy()
 
     @property
@@ -332,7 +446,8 @@ class FuzzyComputedTorque:
         Returns
         -------
         M, C, G : (..., 3, 3), (..., 3, 3), (..., 3) ndarray
-            As the fuzzy system gives them, inputs clamped to the trained range if ``outside`` says so; no fallback.
+            As the fuzzy system gives them, inputs clamped to the trained range if ``outside`` says
+            so; no fallback.
 
         Raises
         ------
@@ -342,7 +457,9 @@ class FuzzyComputedTorque:
         inputs = self._inputs(heights, speeds)
         return unpack(np.asarray(self.system_(inputs)))
 
-    def estimated_numbers(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[FuzzyNumbers, FuzzyNumbers, FuzzyNumbers]:
+    def estimated_numbers(
+        self, heights: ArrayLike, speeds: ArrayLike
+    ) -> tuple[FuzzyNumbers, FuzzyNumbers, FuzzyNumbers]:
         """Return the estimates of M, C and G as arrays of fuzzy numbers, the type-reduced outputs.
 
         Parameters
@@ -353,8 +470,8 @@ class FuzzyComputedTorque:
         Returns
         -------
         M, C, G : IntervalNumber or GaussianNumber
-            Of the shapes of :meth:`estimate`; by α-planes with the planes as a first dimension more, in the order of
-            ``system_.alphas``.
+            Of the shapes of :meth:`estimate`; by α-planes with the planes as a first dimension
+            more, in the order of ``system_.alphas``.
 
         Raises
         ------
@@ -373,11 +490,16 @@ class FuzzyComputedTorque:
         else:
             ends = np.moveaxis(self.system_.alpha_cuts(inputs), -2, 0)
         left, right = unpack(ends[..., 0]), unpack(ends[..., 1])
-        intervals = [IntervalNumber(0.5 * (low + high), 0.5 * (high - low)) for low, high in zip(left, right, strict=True)]
+        intervals = [
+            IntervalNumber(0.5 * (low + high), 0.5 * (high - low))
+            for low, high in zip(left, right, strict=True)
+        ]
         return intervals[0], intervals[1], intervals[2]
 
     def torque_number(self, heights: ArrayLike, speeds: ArrayLike, desired: Motion) -> FuzzyNumbers:
-        r"""Return the torque as a fuzzy number, :math:`\alpha\,(\ddot a_d + k_v \dot e + k_p e) + \beta` in fuzzy arithmetic.
+        r"""Return the torque as a fuzzy number.
+
+        It is :math:`\alpha\,(\ddot a_d + k_v \dot e + k_p e) + \beta` in fuzzy arithmetic.
 
         Parameters
         ----------
@@ -405,18 +527,26 @@ class FuzzyComputedTorque:
         return number
 
     def defuzzify(self, number: FuzzyNumbers) -> Array:
-        r"""Return the crisp torque of a number: its middle or mean, or :math:`\sum_l \alpha_l c_l / \sum_l \alpha_l` over α-planes."""
+        r"""Return the crisp torque of a number.
+
+        Its middle or mean, or :math:`\sum_l \alpha_l c_l / \sum_l \alpha_l` over α-planes.
+        """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
         middles = number.defuzzify()
-        if isinstance(self.system_, GeneralType2System) and self.system_.reduction == "alpha_planes":
+        if (
+            isinstance(self.system_, GeneralType2System)
+            and self.system_.reduction == "alpha_planes"
+        ):
             return np.asarray(self.system_.alphas @ middles / self.system_.alphas.sum())
         return middles
 
     # Files
 
     def save(self, path: str | Path) -> Path:
-        """Write the trained controller as JSON: the fuzzy system, gains, ranges and the parameters of the robot it was trained for.
+        """Write the trained controller as JSON.
+
+        The fuzzy system, gains, ranges and the parameters of the robot it was trained for.
 
         Raises
         ------
@@ -426,12 +556,22 @@ class FuzzyComputedTorque:
         if self._controller is None:
             raise NotTrained(type(self).__name__)
         content = {
-            "format": FORMAT, "kind": self.kind, "kp": self.kp, "kv": self.kv, "outside": self.outside, "learner": self.learner,
-            "n_terms": self.n_terms, "mean_variation": self.mean_variation, "term_width": self.term_width,
-            "inputs": INPUT_NAMES, "outputs": OUTPUT_NAMES,
+            "format": FORMAT,
+            "kind": self.kind,
+            "kp": self.kp,
+            "kv": self.kv,
+            "outside": self.outside,
+            "learner": self.learner,
+            "n_terms": self.n_terms,
+            "mean_variation": self.mean_variation,
+            "term_width": self.term_width,
+            "inputs": INPUT_NAMES,
+            "outputs": OUTPUT_NAMES,
             "snr_db": self.snr_db if math.isfinite(self.snr_db) else "inf",
-            "ranges": self.ranges_.tolist(), "robot": self.robot.parameters.as_dict(), "system": to_json(self.system_),
-        }  # fmt: skip
+            "ranges": self.ranges_.tolist(),
+            "robot": self.robot.parameters.as_dict(),
+            "system": to_json(self.system_),
+        }
         write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", path)
         return Path(path)
 
@@ -453,8 +593,8 @@ class FuzzyComputedTorque:
         Raises
         ------
         InvalidControllerFile
-            If the file is missing, malformed or of another version, or the controller was trained for other parameters of the robot,
-            or for other inputs or outputs or in another order.
+            If the file is missing, malformed or of another version, or the controller was trained
+            for other parameters of the robot, or for other inputs or outputs or in another order.
         """
         try:
             content = json.loads(read_text(path))
@@ -462,9 +602,13 @@ class FuzzyComputedTorque:
         except InvalidControllerFile:
             raise
         except OSError as error:
-            raise InvalidControllerFile(path, f"cannot be read ({error.strerror or error})") from error
+            raise InvalidControllerFile(
+                path, f"cannot be read ({error.strerror or error})"
+            ) from error
         except (Fuzzy2Error, ValueError, TypeError, OverflowError, RecursionError) as error:
-            raise InvalidControllerFile(path, f"is not a whole controller file ({error})") from error
+            raise InvalidControllerFile(
+                path, f"is not a whole controller file ({error})"
+            ) from error
         except KeyError as error:
             raise InvalidControllerFile(path, f"lacks {error.args[0]!r}") from error
 
@@ -472,48 +616,94 @@ class FuzzyComputedTorque:
     def _from(cls, content: Any, robot: PSP3 | None, path: str | Path) -> FuzzyComputedTorque:
         if not isinstance(content, dict) or content.get("format") != FORMAT:
             found = content.get("format") if isinstance(content, dict) else type(content).__name__
-            raise InvalidControllerFile(path, f"has format {found!r}, this version reads {FORMAT!r}")
+            raise InvalidControllerFile(
+                path, f"has format {found!r}, this version reads {FORMAT!r}"
+            )
         for what, names in (("inputs", INPUT_NAMES), ("outputs", OUTPUT_NAMES)):
             if tuple(content[what]) != names:
-                raise InvalidControllerFile(path, f"has the {what} {', '.join(content[what])}, this version needs {', '.join(names)}")
-        parameters = Parameters(**{name: content["robot"][name] for name in Parameters().as_dict() | content["robot"]})
+                raise InvalidControllerFile(
+                    path,
+                    f"has the {what} {', '.join(content[what])}, this version needs "
+                    f"{', '.join(names)}",
+                )
+        parameters = Parameters(
+            **{name: content["robot"][name] for name in Parameters().as_dict() | content["robot"]}
+        )
         if robot is not None and robot.parameters != parameters:
             given = robot.parameters.as_dict()
-            other = [f"{name} {value} (yours {given[name]})" for name, value in parameters.as_dict().items() if given[name] != value]
-            raise InvalidControllerFile(path, f"was trained for a robot with {', '.join(other)}; load it without a robot, or train anew")
+            other = [
+                f"{name} {value} (yours {given[name]})"
+                for name, value in parameters.as_dict().items()
+                if given[name] != value
+            ]
+            raise InvalidControllerFile(
+                path,
+                f"was trained for a robot with {', '.join(other)}; load it without a robot, or "
+                "train anew",
+            )
         system = from_json(content["system"])
         ranges = np.asarray(content["ranges"], dtype=float)
         kind, n_terms, snr = content["kind"], content["n_terms"], content["snr_db"]
         if not isinstance(system, FuzzySystem) or type(system) is not _SYSTEMS.get(kind):
-            raise InvalidControllerFile(path, f"has kind {kind!r} and holds {type(system).__name__}")
+            raise InvalidControllerFile(
+                path, f"has kind {kind!r} and holds {type(system).__name__}"
+            )
         if (system.input_names, system.output_names) != (INPUT_NAMES, OUTPUT_NAMES):
-            raise InvalidControllerFile(path, "holds a fuzzy system of other inputs or outputs than the file says")
+            raise InvalidControllerFile(
+                path, "holds a fuzzy system of other inputs or outputs than the file says"
+            )
         if np.shape(system.consequents) != (len(system.rules), len(OUTPUT_NAMES)):
-            raise InvalidControllerFile(path, "has consequents that are not a number for each rule and output")
+            raise InvalidControllerFile(
+                path, "has consequents that are not a number for each rule and output"
+            )
         if any(len(terms) != n_terms for terms in system.inputs):
-            raise InvalidControllerFile(path, f"has inputs of {[len(terms) for terms in system.inputs]} terms, and n_terms {n_terms!r}")
-        if ranges.shape != (2, 4) or not np.isfinite(ranges).all() or not (ranges[0] < ranges[1]).all():
-            raise InvalidControllerFile(path, "has ranges that are not four smallest and four largest inputs")
+            raise InvalidControllerFile(
+                path,
+                f"has inputs of {[len(terms) for terms in system.inputs]} terms, and n_terms "
+                f"{n_terms!r}",
+            )
+        if (
+            ranges.shape != (2, 4)
+            or not np.isfinite(ranges).all()
+            or not (ranges[0] < ranges[1]).all()
+        ):
+            raise InvalidControllerFile(
+                path, "has ranges that are not four smallest and four largest inputs"
+            )
         if system.table is None:
-            raise InvalidControllerFile(path, "holds a fuzzy system that the compiled loop cannot evaluate")
+            raise InvalidControllerFile(
+                path, "holds a fuzzy system that the compiled loop cannot evaluate"
+            )
         options: dict[str, Any] = {}
         if isinstance(system, GeneralType2System):
             options = {"levels": system.levels, "reduction": system.reduction}
         controller = cls(
-            kind, load("psp3", parameters=parameters) if robot is None else robot, kp=content["kp"], kv=content["kv"],
-            n_terms=n_terms, learner=content["learner"], snr_db=math.inf if snr == "inf" else snr,
-            mean_variation=checked_not_negative("mean_variation", content["mean_variation"]), term_width=content["term_width"],
-            outside=content["outside"], **options,
-        )  # fmt: skip
+            kind,
+            load("psp3", parameters=parameters) if robot is None else robot,
+            kp=content["kp"],
+            kv=content["kv"],
+            n_terms=n_terms,
+            learner=content["learner"],
+            snr_db=math.inf if snr == "inf" else snr,
+            mean_variation=checked_not_negative("mean_variation", content["mean_variation"]),
+            term_width=content["term_width"],
+            outside=content["outside"],
+            **options,
+        )
         controller._take(system, ranges)
         return controller
 
 
 def _widened(system: FuzzySystem, width: float) -> FuzzySystem:
-    """Return the system with the standard deviations of its terms multiplied, and all else as it is."""
+    """Return the system with the standard deviations of its terms multiplied.
+
+    All else is as it is.
+    """
     options: dict[str, Any] = {
-        "input_names": system.input_names, "output_names": system.output_names, "term_names": system.term_names,
-    }  # fmt: skip
+        "input_names": system.input_names,
+        "output_names": system.output_names,
+        "term_names": system.term_names,
+    }
     if isinstance(system, GeneralType2System):
         options |= {"reduction": system.reduction, "levels": system.levels}
     terms = [[_wider(term, width) for term in terms] for terms in system.inputs]
@@ -527,5 +717,13 @@ def _wider(term: Any, width: float) -> Any:
 
 
 def checked_snr(snr_db: object) -> float:
-    """Return a signal-to-noise ratio in decibels; raise :class:`InvalidValue` if it is not a number of at least ``LEAST_SNR``."""
-    return checked_number("snr_db", snr_db, f"a number of decibels, at least {LEAST_SNR:g}, or inf for no noise", LEAST_SNR)
+    """Return a signal-to-noise ratio in decibels.
+
+    Raise :class:`InvalidValue` if it is not a number of at least ``LEAST_SNR``.
+    """
+    return checked_number(
+        "snr_db",
+        snr_db,
+        f"a number of decibels, at least {LEAST_SNR:g}, or inf for no noise",
+        LEAST_SNR,
+    )

@@ -1,13 +1,15 @@
-"""Compiled control loops: one step of the fuzzy computed-torque controller, and whole runs of every controller of chapter 6.
+"""Compiled control loops.
 
-A controller is one array of floats, so that a call hands over one table and not a dozen arrays. It starts with
-(kind, kp, kv, what to do outside, planes L, product grades, size of the fuzzy system's table), then follow
+One step of the fuzzy computed-torque controller, and whole runs of every controller of chapter 6.
 
-  ranges      4 lower and 4 upper ends of the trained inputs
-  fallback    18 numbers, used where an estimate cannot be
-  alphas, widths   L numbers each, see ``fuzzy2.systems.kernels.evaluate_planes``
-  table       the fuzzy system, see ``fuzzy2.systems.kernels``
-  middles, spreads   R rows of 18 each, see ``fuzzy2.systems.kernels.evaluate_corollary``; for that kind only
+A controller is one array of floats, so that a call hands over one table and not a dozen arrays. It
+starts with (kind, kp, kv, what to do outside, planes L, product grades, size of the fuzzy system's
+table), then follow
+
+  ranges 4 lower and 4 upper ends of the trained inputs fallback 18 numbers, used where an estimate
+  cannot be alphas, widths L numbers each, see ``fuzzy2.systems.kernels.evaluate_planes`` table the
+  fuzzy system, see ``fuzzy2.systems.kernels`` middles, spreads R rows of 18 each, see
+  ``fuzzy2.systems.kernels.evaluate_corollary``; for that kind only
 
 ``p`` are the robot's parameters as ``closed_form`` takes them.
 """
@@ -33,7 +35,9 @@ OUTPUTS = 18
 """Estimated numbers: the upper triangle of M, C and G."""
 
 STEP = 11
-"""Numbers that ``fuzzy_torque`` writes: torque (3), left or mean (3), right or standard deviation (3), covered, fell back."""
+"""Numbers that ``fuzzy_torque`` writes: torque (3), left or mean (3), right or standard deviation
+(3), covered, fell back.
+"""
 
 _RANGES = HEADER
 _FALLBACK = HEADER + 8
@@ -42,7 +46,10 @@ _ALPHAS = HEADER + 8 + OUTPUTS
 
 @compiled
 def is_positive_definite(m):
-    """Whether M, given by its upper triangle, is finite and positive definite, by its leading minors."""
+    """Whether M, given by its upper triangle, is finite and positive definite.
+
+    By its leading minors.
+    """
     m11, m12, m13, m22, m23, m33 = m[0], m[1], m[2], m[3], m[4], m[5]
     second = m11 * m22 - m12 * m12
     determinant = m33 * second - m11 * m23 * m23 + 2.0 * m12 * m13 * m23 - m22 * m13 * m13
@@ -51,7 +58,10 @@ def is_positive_definite(m):
 
 @compiled
 def _estimate(controller, x, crisp, middle, spread):
-    """Write M, C and G estimated at the four differences: crisp values; middles and half-widths, or means and standard deviations."""
+    """Write M, C and G estimated at the four differences.
+
+    Crisp values, middles and half-widths, or means and standard deviations.
+    """
     kind, planes, size = int(controller[0]), int(controller[4]), int(controller[6])
     start = _ALPHAS + 2 * planes
     table = controller[start : start + size]
@@ -59,7 +69,9 @@ def _estimate(controller, x, crisp, middle, spread):
         rules = int(table[2])
         after = start + size
         middles = controller[after : after + rules * OUTPUTS].reshape(rules, OUTPUTS)
-        spreads = controller[after + rules * OUTPUTS : after + 2 * rules * OUTPUTS].reshape(rules, OUTPUTS)
+        spreads = controller[after + rules * OUTPUTS : after + 2 * rules * OUTPUTS].reshape(
+            rules, OUTPUTS
+        )
         numbers = np.empty(2 * OUTPUTS)
         evaluate_corollary(table, x, middles, spreads, controller[5] > 0.0, numbers)
         for j in range(OUTPUTS):
@@ -73,7 +85,10 @@ def _estimate(controller, x, crisp, middle, spread):
         evaluate_planes(table, x, controller[_ALPHAS + planes : start], ends)
     # What is shown of a general type-2 estimate is its lowest plane, the first.
     for j in range(OUTPUTS):
-        middle[j], spread[j] = 0.5 * (ends[2 * j] + ends[2 * j + 1]), 0.5 * (ends[2 * j + 1] - ends[2 * j])
+        middle[j], spread[j] = (
+            0.5 * (ends[2 * j] + ends[2 * j + 1]),
+            0.5 * (ends[2 * j + 1] - ends[2 * j]),
+        )
         crisp[j] = middle[j]
     if kind == PLANES:
         total = 0.0
@@ -95,16 +110,27 @@ def apply_model(m, servo, speeds, out, o):
     out[o + 1] = m[1] * s1 + m[3] * s2 + m[4] * s3
     out[o + 2] = m[2] * s1 + m[4] * s2 + m[5] * s3
     for i in range(3):
-        out[o + i] += m[6 + 3 * i] * speeds[0] + m[7 + 3 * i] * speeds[1] + m[8 + 3 * i] * speeds[2] + m[15 + i]
+        out[o + i] += (
+            m[6 + 3 * i] * speeds[0]
+            + m[7 + 3 * i] * speeds[1]
+            + m[8 + 3 * i] * speeds[2]
+            + m[15 + i]
+        )
 
 
 @compiled
 def width_of_force(spread, servo, speeds, i, squares):
-    """Spread of entry i of M servo + C speeds + G: spreads add up (Theorem 1.4), or their squares (1.5, product grades)."""
+    """Spread of entry i of M servo + C speeds + G.
+
+    Spreads add up (Theorem 1.4), or their squares (1.5, product grades).
+    """
     width = spread[15 + i] * spread[15 + i] if squares else spread[15 + i]
     for j in range(3):
         a, b = min(i, j), max(i, j)
-        one, two = abs(servo[j]) * spread[a * (5 - a) // 2 + b], abs(speeds[j]) * spread[6 + 3 * i + j]
+        one, two = (
+            abs(servo[j]) * spread[a * (5 - a) // 2 + b],
+            abs(speeds[j]) * spread[6 + 3 * i + j],
+        )
         width += one * one + two * two if squares else one + two
     return math.sqrt(width) if squares else width
 
@@ -121,19 +147,42 @@ def exact_model(heights, speeds, p, full, m):
 
 @compiled
 def write_servo(controller, heights, speeds, desired, servo):
-    """Write the acceleration that the servo asks for; ``desired`` holds heights, speeds and accelerations."""
+    """Write the acceleration that the servo asks for.
+
+    ``desired`` holds heights, speeds and accelerations.
+    """
     for i in range(3):
-        servo[i] = desired[6 + i] + controller[2] * (desired[3 + i] - speeds[i]) + controller[1] * (desired[i] - heights[i])
+        servo[i] = (
+            desired[6 + i]
+            + controller[2] * (desired[3 + i] - speeds[i])
+            + controller[1] * (desired[i] - heights[i])
+        )
 
 
 @compiled
-def fuzzy_torque(controller: Array, p: Array, heights: Array, speeds: Array, desired: Array, added: Array, out: Array) -> bool:
-    """Write one step of the fuzzy computed-torque controller, ``STEP`` numbers; return whether the torque is finite.
+def fuzzy_torque(
+    controller: Array,
+    p: Array,
+    heights: Array,
+    speeds: Array,
+    desired: Array,
+    added: Array,
+    out: Array,
+) -> bool:
+    """Write one step of the fuzzy computed-torque controller, ``STEP`` numbers.
 
-    ``desired`` holds heights, speeds and accelerations; ``added`` is empty, or eighteen numbers that are added to the estimates.
+    Return whether the torque is finite.
+
+    ``desired`` holds heights, speeds and accelerations; ``added`` is empty, or eighteen numbers
+    that are added to the estimates.
     """
     x = np.empty(4)
-    x[0], x[1], x[2], x[3] = heights[0] - heights[1], heights[0] - heights[2], speeds[0] - speeds[1], speeds[0] - speeds[2]
+    x[0], x[1], x[2], x[3] = (
+        heights[0] - heights[1],
+        heights[0] - heights[2],
+        speeds[0] - speeds[1],
+        speeds[0] - speeds[2],
+    )
     clamp, covered = int(controller[3]) == CLAMP, True
     for i in range(4):
         low, high = controller[_RANGES + i], controller[_RANGES + 4 + i]
@@ -141,7 +190,12 @@ def fuzzy_torque(controller: Array, p: Array, heights: Array, speeds: Array, des
             covered = False
             if clamp:
                 x[i] = min(max(x[i], low), high)
-    crisp, middle, spread, servo = np.empty(OUTPUTS), np.empty(OUTPUTS), np.zeros(OUTPUTS), np.empty(3)
+    crisp, middle, spread, servo = (
+        np.empty(OUTPUTS),
+        np.empty(OUTPUTS),
+        np.zeros(OUTPUTS),
+        np.empty(3),
+    )
     fell_back = False
     if covered or clamp:
         total = x[0] + x[1] + x[2] + x[3]
@@ -178,13 +232,33 @@ def fuzzy_torque(controller: Array, p: Array, heights: Array, speeds: Array, des
 
 @compiled
 def control_step(
-    controller: Array, p: Array, heights: Array, speeds: Array, desired_heights: Array, desired_speeds: Array,
-    desired_accelerations: Array, out: Array,
-) -> int:  # fmt: skip
-    """Do as ``fuzzy_torque`` for rows that come one by one; return 1, 0 where the torque is not finite, or -1 for a row not of three."""
-    if not (heights.size == speeds.size == desired_heights.size == desired_speeds.size == desired_accelerations.size == 3):
+    controller: Array,
+    p: Array,
+    heights: Array,
+    speeds: Array,
+    desired_heights: Array,
+    desired_speeds: Array,
+    desired_accelerations: Array,
+    out: Array,
+) -> int:
+    """Do as ``fuzzy_torque`` for rows that come one by one.
+
+    Return 1, 0 where the torque is not finite, or -1 for a row that is not of three.
+    """
+    if not (
+        heights.size
+        == speeds.size
+        == desired_heights.size
+        == desired_speeds.size
+        == desired_accelerations.size
+        == 3
+    ):
         return -1
     desired = np.empty(9)
     for i in range(3):
-        desired[i], desired[3 + i], desired[6 + i] = desired_heights[i], desired_speeds[i], desired_accelerations[i]
+        desired[i], desired[3 + i], desired[6 + i] = (
+            desired_heights[i],
+            desired_speeds[i],
+            desired_accelerations[i],
+        )
     return 1 if fuzzy_torque(controller, p, heights, speeds, desired, np.empty(0), out) else 0

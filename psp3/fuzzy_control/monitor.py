@@ -1,9 +1,12 @@
-r"""The torque interval as a monitor: an alarm when it is wider than it was where the rules were learned.
+r"""The torque interval as a monitor.
 
-A type-2 controller says with every torque between which ends its rules leave it (:attr:`psp3.FuzzyComputedTorque.torque_interval`). The
-monitor learns from runs under known conditions how wide that interval is, low-pass filtered, and raises an alarm when it is wider than
-all but a stated share of them. How well this detects what it is meant to detect is measured in :mod:`psp3.study.detection`, beside other
-signals that the same monitor can watch.
+An alarm when it is wider than it was where the rules were learned.
+
+A type-2 controller says with every torque between which ends its rules leave it
+(:attr:`psp3.FuzzyComputedTorque.torque_interval`). The monitor learns from runs under known
+conditions how wide that interval is, low-pass filtered, and raises an alarm when it is wider than
+all but a stated share of them. How well this detects what it is meant to detect is measured in
+:mod:`psp3.study.detection`, beside other signals that the same monitor can watch.
 """
 
 from __future__ import annotations
@@ -38,7 +41,12 @@ def torque_width(interval: ArrayLike) -> Array:
         If the ends are not finite numbers of that shape in ascending order.
     """
     ends = as_floats("interval", interval, "(..., n, 2)")
-    if np.ndim(interval) < 2 or ends.shape[-1] != 2 or not np.isfinite(ends).all() or (ends[..., 0] > ends[..., 1]).any():
+    if (
+        np.ndim(interval) < 2
+        or ends.shape[-1] != 2
+        or not np.isfinite(ends).all()
+        or (ends[..., 0] > ends[..., 1]).any()
+    ):
         raise InvalidArray("interval", "(..., n, 2), left ends not above right ends", interval)
     return np.asarray((ends[..., 1] - ends[..., 0]).sum(axis=-1))
 
@@ -46,13 +54,15 @@ def torque_width(interval: ArrayLike) -> Array:
 class Monitor:
     r"""An alarm on a signal that is greater than it was while everything was well.
 
-    The signal s passes a first-order low-pass filter, :math:`T \dot y = s - y`. The alarm comes on where y exceeds the threshold
-    that was learned, and goes off where y falls below the threshold less a share of it, so that it does not flutter.
+    The signal s passes a first-order low-pass filter, :math:`T \dot y = s - y`. The alarm comes on
+    where y exceeds the threshold that was learned, and goes off where y falls below the threshold
+    less a share of it, so that it does not flutter.
 
     Parameters
     ----------
     quantile : float
-        Share of the samples of y in training that stay at or below the threshold, in (0, 1]; 1 for the greatest of all.
+        Share of the samples of y in training that stay at or below the threshold, in (0, 1]; 1 for
+        the greatest of all.
     hysteresis : float
         Share of the threshold by which y must fall below it for the alarm to go off, in [0, 1).
     time_constant : float
@@ -71,7 +81,9 @@ class Monitor:
 
     threshold_: float
 
-    def __init__(self, quantile: float = 0.999, hysteresis: float = 0.05, time_constant: float = 0.05) -> None:
+    def __init__(
+        self, quantile: float = 0.999, hysteresis: float = 0.05, time_constant: float = 0.05
+    ) -> None:
         self.quantile = checked_positive("quantile", quantile)
         if self.quantile > 1.0:
             raise InvalidValue("quantile", quantile, "above 0 and at most 1")
@@ -82,7 +94,10 @@ class Monitor:
         self.reset()
 
     def reset(self) -> None:
-        """Forget the signal so far; what was learned stays. The filter starts from the first value that comes."""
+        """Forget the signal so far; what was learned stays.
+
+        The filter starts from the first value that comes.
+        """
         self._level, self._time, self._alarm = math.nan, math.nan, False
 
     def filtered(self, t: ArrayLike, signal: ArrayLike) -> Array:
@@ -102,13 +117,23 @@ class Monitor:
         Raises
         ------
         InvalidArray
-            If times or values are not rows of finite numbers of the same length, or the times do not ascend.
+            If times or values are not rows of finite numbers of the same length, or the times do
+            not ascend.
         """
-        times, values = (as_floats(name, row, "(N,)") for name, row in (("t", t), ("signal", signal)))
-        if np.ndim(t) != 1 or not times.size or not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
+        times, values = (
+            as_floats(name, row, "(N,)") for name, row in (("t", t), ("signal", signal))
+        )
+        if (
+            np.ndim(t) != 1
+            or not times.size
+            or not np.isfinite(times).all()
+            or (np.diff(times) <= 0.0).any()
+        ):
             raise InvalidArray("t", "(N,), finite and ascending", t)
         if values.shape != times.shape or np.ndim(signal) != 1 or not np.isfinite(values).all():
-            raise InvalidArray("signal", f"({times.size},), finite, one value for each time", signal)
+            raise InvalidArray(
+                "signal", f"({times.size},), finite, one value for each time", signal
+            )
         shares = -np.expm1(-np.diff(times) / self.time_constant)
         level, levels = float(values[0]), [float(values[0])]
         for share, value in zip(shares.tolist(), values[1:].tolist(), strict=True):
@@ -166,21 +191,30 @@ class Monitor:
         """
         threshold = self._threshold()
         now, level = (
-            checked_number(name, number, "a finite number", -np.finfo(float).max) for name, number in (("t", t), ("value", value))
+            checked_number(name, number, "a finite number", -np.finfo(float).max)
+            for name, number in (("t", t), ("value", value))
         )
         for name, number in (("t", now), ("value", level)):
             if number == math.inf:
                 raise InvalidValue(name, number, "a finite number")
         if now <= self._time:
-            raise InvalidValue("t", t, f"after the time of the last call, {self._time:.6g} s; reset() before another run")
+            raise InvalidValue(
+                "t",
+                t,
+                f"after the time of the last call, {self._time:.6g} s; reset() before another run",
+            )
         if not math.isnan(self._level):
-            level = self._level - math.expm1(-(now - self._time) / self.time_constant) * (level - self._level)
+            level = self._level - math.expm1(-(now - self._time) / self.time_constant) * (
+                level - self._level
+            )
         self._level, self._time = level, now
         self._alarm = level > (self._lower(threshold) if self._alarm else threshold)
         return self._alarm
 
     def watch(self, t: ArrayLike, signal: ArrayLike) -> NDArray[np.bool_]:
-        """Return where there would have been an alarm in a run that is over, (N,); see :meth:`filtered` for its arguments.
+        """Return where there would have been an alarm in a run that is over, (N,).
+
+        See :meth:`filtered` for its arguments.
 
         Raises
         ------
@@ -191,7 +225,8 @@ class Monitor:
         """
         threshold = self._threshold()
         levels = self.filtered(t, signal)
-        # On above the threshold, off below the lower one, and in between what was last: the last sample that decided.
+        # On above the threshold, off below the lower one, and in between what was last: the last
+        # sample that decided.
         decided = (levels > threshold) | (levels <= self._lower(threshold))
         last = np.maximum.accumulate(np.where(decided, np.arange(len(levels)), -1))
         return np.asarray((last >= 0) & (levels[last] > threshold))

@@ -1,8 +1,12 @@
-r"""Records of the crisp computed-torque controller on a trajectory: what the fuzzy estimators of chapter 5 learn from.
+r"""Records of the crisp computed-torque controller on a trajectory.
 
-M, C and G do not change when all nuts rise together, so they are functions of four differences (Table 5.2),
+What the fuzzy estimators of chapter 5 learn from.
 
-.. math:: x = (\Delta q_{12}, \Delta q_{13}, \Delta\dot q_{12}, \Delta\dot q_{13}), \qquad \Delta q_{1k} = a_1 - a_k,
+M, C and G do not change when all nuts rise together, so they are functions of four differences
+(Table 5.2),
+
+.. math:: x = (\Delta q_{12}, \Delta q_{13}, \Delta\dot q_{12}, \Delta\dot q_{13}), \qquad
+          \Delta q_{1k} = a_1 - a_k,
 
 and of these alone. M is symmetric, so eighteen numbers hold all of them.
 """
@@ -33,7 +37,9 @@ OUTPUT_NAMES = (
 """Outputs of the estimators, in order: the upper triangle of M [kg], C [kg/s] and G [N]."""
 
 STILL = 1e-9
-"""Range of an input below which it counts as not changing at all [m, m/s]: what is left is rounding."""
+"""Range of an input below which it counts as not changing at all [m, m/s]: what is left is
+rounding.
+"""
 
 _UPPER = np.triu_indices(3)
 
@@ -61,12 +67,18 @@ def differences(heights: ArrayLike, speeds: ArrayLike) -> Array:
 
 
 def pack(M: Array, C: Array, G: Array) -> Array:
-    """Return M (..., 3, 3), C (..., 3, 3) and G (..., 3) as the eighteen outputs of the estimators, (..., 18)."""
+    """Return M (..., 3, 3), C (..., 3, 3) and G (..., 3) as outputs (..., 18).
+
+    These are the eighteen outputs of the estimators.
+    """
     return np.concatenate([M[..., _UPPER[0], _UPPER[1]], C.reshape(*C.shape[:-2], 9), G], axis=-1)
 
 
 def unpack(outputs: Array) -> tuple[Array, Array, Array]:
-    """Return M (..., 3, 3), symmetric, C (..., 3, 3) and G (..., 3) of the eighteen outputs (..., 18)."""
+    """Return M (..., 3, 3), C (..., 3, 3) and G (..., 3) of outputs (..., 18).
+
+    M is symmetric.
+    """
     M = np.empty((*outputs.shape[:-1], 3, 3))
     M[..., _UPPER[0], _UPPER[1]] = M[..., _UPPER[1], _UPPER[0]] = outputs[..., :6]
     return M, outputs[..., 6:15].reshape(*outputs.shape[:-1], 3, 3), outputs[..., 15:]
@@ -93,18 +105,24 @@ class Record:
     speeds: Array
     inputs: Array
     outputs: Array
-    _chosen: dict[int, NDArray[np.intp]] = field(default_factory=dict, init=False, repr=False, compare=False)
+    _chosen: dict[int, NDArray[np.intp]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     @property
     def rms(self) -> Array:
-        """Root mean square of every output over the run, mean included, (18,): the amplitude of the signal that noise is set against."""
+        """Root mean square of every output over the run, mean included, (18,).
+
+        The amplitude of the signal that noise is set against.
+        """
         return np.asarray(np.sqrt(np.mean(self.outputs**2, axis=0)))
 
     def sample(self, count: int) -> NDArray[np.intp]:
         """Return the indices of samples that cover the recorded inputs evenly.
 
-        Each next sample is the recorded point that is farthest from all samples taken before, distances measured in shares of the
-        inputs' ranges; the first is the point farthest from the middle of the ranges. So every prefix covers the whole record.
+        Each next sample is the recorded point that is farthest from all samples taken before,
+        distances measured in shares of the inputs' ranges; the first is the point farthest from the
+        middle of the ranges. So every prefix covers the whole record.
 
         Parameters
         ----------
@@ -121,8 +139,16 @@ class Record:
         InvalidValue
             If the count is outside of these limits, or an input does not change at all.
         """
-        if isinstance(count, bool) or not isinstance(count, int | np.integer) or not 2 <= count <= len(self.t):
-            raise InvalidValue("samples", count, f"a whole number from 2 to {len(self.t)}, the length of the record")
+        if (
+            isinstance(count, bool)
+            or not isinstance(count, int | np.integer)
+            or not 2 <= count <= len(self.t)
+        ):
+            raise InvalidValue(
+                "samples",
+                count,
+                f"a whole number from 2 to {len(self.t)}, the length of the record",
+            )
         if count not in self._chosen:
             # A study learns from the same samples again and again, with other noise on them.
             self._chosen[count] = self._spread_evenly(count)
@@ -131,9 +157,14 @@ class Record:
     def _spread_evenly(self, count: int) -> NDArray[np.intp]:
         span = np.ptp(self.inputs, axis=0)
         if not (span > STILL).all():
-            still = ", ".join(name for name, width in zip(INPUT_NAMES, span, strict=True) if not width > STILL)
+            still = ", ".join(
+                name for name, width in zip(INPUT_NAMES, span, strict=True) if not width > STILL
+            )
             raise InvalidValue(
-                "trajectory", still, "one on which every difference input changes; choose a path that tilts the star both ways"
+                "trajectory",
+                still,
+                "one on which every difference input changes; choose a path that tilts the star "
+                "both ways",
             )
         points = (self.inputs - self.inputs.min(axis=0)) / span
         chosen = [int(np.argmax(((points - 0.5) ** 2).sum(axis=1)))]
@@ -145,9 +176,16 @@ class Record:
 
 
 def record(
-    robot: PSP3, trajectory: Trajectory, duration: float = DURATION, period: float = 0.002, kp: float = 10.0, kv: float = 1.0
+    robot: PSP3,
+    trajectory: Trajectory,
+    duration: float = DURATION,
+    period: float = 0.002,
+    kp: float = 10.0,
+    kv: float = 1.0,
 ) -> Record:
-    """Track a trajectory with the crisp computed-torque controller, started at rest on it, and record inputs and dynamics.
+    """Track a trajectory with the crisp computed-torque controller and record it.
+
+    Started at rest on it; inputs and dynamics are recorded.
 
     Parameters
     ----------
@@ -171,4 +209,6 @@ def record(
     """
     result = simulate(robot, ComputedTorque(robot, kp, kv), trajectory, duration, period)
     outputs = pack(*robot.equation_of_motion(result.heights, result.speeds))
-    return Record(result.t, result.heights, result.speeds, differences(result.heights, result.speeds), outputs)
+    return Record(
+        result.t, result.heights, result.speeds, differences(result.heights, result.speeds), outputs
+    )

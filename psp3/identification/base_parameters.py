@@ -1,7 +1,10 @@
-r"""Base parameters: the combinations of masses and inertias that forces of actuators can tell, and no more.
+r"""Base parameters of a robot.
 
-Columns of the regressor that depend on others join them. Which do is found numerically, from random motions (M. Gautier, Numerical
-calculation of the base inertial parameters of robots, Journal of Robotic Systems, 1991).
+They are the combinations of masses and inertias that forces of actuators can tell, and no more.
+
+Columns of the regressor that depend on others join them. Which do is found numerically, from random
+motions (M. Gautier, Numerical calculation of the base inertial parameters of robots, Journal of
+Robotic Systems, 1991).
 """
 
 from __future__ import annotations
@@ -15,7 +18,13 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, Indices, one_row
 from psp3.closure.rank import RANK_TOLERANCE
-from psp3.errors import ClosureFailed, JointLimitExceeded, SingularConfiguration, UncertainRank, UnreachablePose
+from psp3.errors import (
+    ClosureFailed,
+    JointLimitExceeded,
+    SingularConfiguration,
+    UncertainRank,
+    UnreachablePose,
+)
 from psp3.identification.unknowns import Unknowns
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
@@ -25,7 +34,9 @@ UNREACHABLE = (ClosureFailed, JointLimitExceeded, SingularConfiguration, Unreach
 
 @dataclass(frozen=True, eq=False)
 class BaseParameters:
-    r"""Combinations :math:`\beta = K\, \pi` of unknowns on which the actuator forces depend: :math:`\tau = Y_\beta\, \beta + Y \theta_0`.
+    r"""Combinations :math:`\beta = K\, \pi` of unknowns on which the actuator forces depend.
+
+    These are :math:`\tau = Y_\beta\, \beta + Y \theta_0`.
 
     Parameters
     ----------
@@ -44,7 +55,10 @@ class BaseParameters:
     @property
     def names(self) -> tuple[str, ...]:
         """The combinations in words, such as ``nut_mass + 3 ball_mass``."""
-        return tuple(_in_words(row, self.unknowns.names, int(first)) for row, first in zip(self.grouping, self.columns, strict=True))
+        return tuple(
+            _in_words(row, self.unknowns.names, int(first))
+            for row, first in zip(self.grouping, self.columns, strict=True)
+        )
 
     @property
     def believed(self) -> Array:
@@ -55,15 +69,21 @@ class BaseParameters:
     def undetermined(self) -> tuple[str, ...]:
         """Names of the unknowns that enter no actuator force."""
         used = np.count_nonzero(self.grouping, axis=0)
-        return tuple(name for name, count in zip(self.unknowns.names, used, strict=True) if not count)
+        return tuple(
+            name for name, count in zip(self.unknowns.names, used, strict=True) if not count
+        )
 
     def values(self, unknowns: ArrayLike) -> Array:
         r"""Return :math:`\beta = K\, \pi` for values (p,) of the unknowns."""
         values: Array = self.grouping @ one_row("unknowns", unknowns, len(self.unknowns.names))
         return values
 
-    def forces_of(self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike) -> tuple[Array, Array]:
-        r"""Return the matrix :math:`Y_\beta` (..., n, r), and the forces (..., n) of what is known already.
+    def forces_of(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> tuple[Array, Array]:
+        r"""Return the matrix :math:`Y_\beta` (..., n, r) and known forces (..., n).
+
+        These are the forces of what is known already.
 
         Arguments and errors are those of :func:`psp3.identification.regressor.regressor`.
         """
@@ -73,10 +93,12 @@ class BaseParameters:
     def nearest(self, values: ArrayLike) -> Array:
         r"""Return the unknowns nearest to what is believed that have the given base parameters.
 
-        .. math:: \min_\pi \sum_j \Big( \frac{\pi_j - \hat\pi_j}{s_j} \Big)^2 \quad \text{subject to} \quad K\, \pi = \beta
+        .. math:: \min_\pi \sum_j \Big( \frac{\pi_j - \hat\pi_j}{s_j} \Big)^2
+                  \quad \text{subject to} \quad K\, \pi = \beta
 
-        The scale :math:`s_j` is :math:`|\hat\pi_j|`; where zero is believed, a thousandth of the least that is not. So what the forces
-        cannot tell apart is shared out in proportion to what is believed: one of many choices that the forces allow.
+        The scale :math:`s_j` is :math:`|\hat\pi_j|`; where zero is believed, a thousandth of the
+        least that is not. So what the forces cannot tell apart is shared out in proportion to what
+        is believed: one of many choices that the forces allow.
 
         Parameters
         ----------
@@ -93,7 +115,9 @@ class BaseParameters:
         change = one_row("values", values, len(self.columns)) - self.believed
         # Rows are scaled too, since kg stand beside kg m².
         rows = np.linalg.norm(self.grouping * scales, axis=1)
-        scaled: Array = np.linalg.pinv(self.grouping * scales / rows[:, np.newaxis], rcond=1e-14) @ (change / rows)
+        scaled: Array = np.linalg.pinv(
+            self.grouping * scales / rows[:, np.newaxis], rcond=1e-14
+        ) @ (change / rows)
         return np.asarray(believed + scales * scaled)
 
 
@@ -129,8 +153,8 @@ def base_parameters(unknowns: Unknowns, rng: np.random.Generator | None = None) 
 def independent_columns(matrix: Array) -> tuple[Indices, Array]:
     r"""Return the first columns that are independent, and how all columns depend on them.
 
-    With :math:`W_1` the r columns found, :math:`W = W_1 K`; in W, of shape (N, p), a column counts as dependent if what the ones before
-    it leave of it is less than 1e-9 of its length.
+    With :math:`W_1` the r columns found, :math:`W = W_1 K`; in W, of shape (N, p), a column counts
+    as dependent if what the ones before it leave of it is less than 1e-9 of its length.
 
     Returns
     -------
@@ -150,7 +174,8 @@ def independent_columns(matrix: Array) -> tuple[Indices, Array]:
     columns: list[int] = []
     for j, column in enumerate(scaled.T):
         left = column
-        for _ in range(2):  # a second time, because the first leaves rounding of the size of what is looked for
+        # a second time, because the first leaves rounding of the size of what is looked for
+        for _ in range(2):
             left = left - basis @ (basis.T @ left)
         size = float(np.linalg.norm(left))
         if size > RANK_TOLERANCE:
@@ -168,12 +193,19 @@ def independent_columns(matrix: Array) -> tuple[Indices, Array]:
 
 
 def _random_motions(robot: ClosedLoopRobot, rng: np.random.Generator) -> Iterator[Array]:
-    """Yield motions (3, n) at random poses that the robot can take: positions, speeds and accelerations."""
+    """Yield motions (3, n) at random poses that the robot can take.
+
+    Positions, speeds and accelerations.
+    """
     lower, upper = robot.limits
     reference, n = robot.reference, len(robot.actuated)
-    lower, upper = np.where(np.isfinite(lower), lower, reference - 1.0), np.where(np.isfinite(upper), upper, reference + 1.0)
+    lower, upper = (
+        np.where(np.isfinite(lower), lower, reference - 1.0),
+        np.where(np.isfinite(upper), upper, reference + 1.0),
+    )
     while True:
-        # Drawn toward the reference pose by a random share, since corners of the limits are seldom poses.
+        # Drawn toward the reference pose by a random share, since corners of the limits are seldom
+        # poses.
         position = reference + rng.uniform() * (rng.uniform(lower, upper) - reference)
         try:
             robot.closure(position)
@@ -188,6 +220,10 @@ def _in_words(coefficients: Array, names: tuple[str, ...], first: int) -> str:
     words = ""
     for j in order:
         size = abs(coefficients[j])
-        sign = ("-" if coefficients[j] < 0.0 else "") if not words else (" - " if coefficients[j] < 0.0 else " + ")
+        sign = (
+            ("-" if coefficients[j] < 0.0 else "")
+            if not words
+            else (" - " if coefficients[j] < 0.0 else " + ")
+        )
         words += sign + ("" if abs(size - 1.0) < 1e-6 else f"{size:.4g} ") + names[j]
     return words

@@ -1,9 +1,13 @@
-r"""Exciting motions: periodic ones within the limits of the joints from which masses and inertias can be told best.
+r"""Exciting motions of a robot.
 
-The coefficients of a Fourier series are chosen so that the information matrix of the base parameters has the largest determinant
-(D-optimality: the smallest volume of the confidence ellipsoid), which does not depend on the units of the parameters (J. Swevers,
-C. Ganseman, D. B. Tükel, J. De Schutter and H. Van Brussel, Optimal robot excitation and identification, IEEE Transactions on Robotics and
-Automation, 1997).
+They are periodic ones, within the limits of the joints, from which masses and inertias can be told
+best.
+
+The coefficients of a Fourier series are chosen so that the information matrix of the base
+parameters has the largest determinant (D-optimality: the smallest volume of the confidence
+ellipsoid), which does not depend on the units of the parameters (J. Swevers, C. Ganseman, D. B.
+Tükel, J. De Schutter and H. Van Brussel, Optimal robot excitation and identification, IEEE
+Transactions on Robotics and Automation, 1997).
 """
 
 from __future__ import annotations
@@ -20,7 +24,9 @@ from psp3.trajectories.fourier_series import FourierSeries, fourier_terms
 from psp3.trajectories.trajectory import Trajectory
 
 UNINFORMATIVE = 1e6
-"""Value of the objective for motions that the robot cannot make, or from which some base parameter cannot be told at all."""
+"""Value of the objective for motions that the robot cannot make, or from which some base parameter
+cannot be told at all.
+"""
 
 
 SHARES = np.linspace(1.0, 0.5, 51)
@@ -30,15 +36,18 @@ SHARES = np.linspace(1.0, 0.5, 51)
 class Information(NamedTuple):
     """What samples of a motion tell about base parameters.
 
-    ``log_determinant`` is that of the information matrix :math:`Y^T Y` for unit noise of the forces, and depends on the units;
-    ``condition`` is the condition number of Y with its columns scaled to the same length, and does not.
+    ``log_determinant`` is that of the information matrix :math:`Y^T Y` for unit noise of the
+    forces, and depends on the units; ``condition`` is the condition number of Y with its columns
+    scaled to the same length, and does not.
     """
 
     log_determinant: float
     condition: float
 
 
-def information(base: BaseParameters, motion: Trajectory, t: ArrayLike, force_noise: ArrayLike = 1.0) -> Information:
+def information(
+    base: BaseParameters, motion: Trajectory, t: ArrayLike, force_noise: ArrayLike = 1.0
+) -> Information:
     r"""Return how well base parameters can be told from samples of a motion.
 
     .. math:: \log\det\big( Y^T \Sigma^{-1} Y \big), \qquad \operatorname{cond}(\Sigma^{-1/2} Y D)
@@ -57,7 +66,8 @@ def information(base: BaseParameters, motion: Trajectory, t: ArrayLike, force_no
     Returns
     -------
     Information
-        ``.log_determinant`` and ``.condition``, infinite where the samples do not determine all base parameters.
+        ``.log_determinant`` and ``.condition``, infinite where the samples do not determine all
+        base parameters.
 
     Raises
     ------
@@ -71,7 +81,9 @@ def information(base: BaseParameters, motion: Trajectory, t: ArrayLike, force_no
     return _information(base, (positions, speeds, accelerations), noise)
 
 
-def _information(base: BaseParameters, joints: tuple[Array, Array, Array], noise: Array) -> Information:
+def _information(
+    base: BaseParameters, joints: tuple[Array, Array, Array], noise: Array
+) -> Information:
     weighted = (base.forces_of(*joints)[0] / noise[:, np.newaxis]).reshape(-1, len(base.columns))
     lengths = np.linalg.norm(weighted, axis=0)
     if len(weighted) < len(lengths) or (lengths == 0.0).any():
@@ -79,11 +91,17 @@ def _information(base: BaseParameters, joints: tuple[Array, Array, Array], noise
     values = np.linalg.svd(weighted / lengths, compute_uv=False)
     if values[-1] <= 1e-13 * values[0]:
         return Information(-np.inf, np.inf)
-    return Information(float(2.0 * (np.log(values).sum() + np.log(lengths).sum())), float(values[0] / values[-1]))
+    return Information(
+        float(2.0 * (np.log(values).sum() + np.log(lengths).sum())), float(values[0] / values[-1])
+    )
 
 
 def _noise(force_noise: ArrayLike, n: int) -> Array:
-    noise = one_row("force_noise", np.broadcast_to(force_noise, n) if np.ndim(force_noise) == 0 else force_noise, n)
+    noise = one_row(
+        "force_noise",
+        np.broadcast_to(force_noise, n) if np.ndim(force_noise) == 0 else force_noise,
+        n,
+    )
     if not (noise > 0.0).all():
         raise InvalidValue("force_noise", force_noise, "positive")
     return noise
@@ -105,9 +123,10 @@ def exciting_motion(
 ) -> FourierSeries:
     """Return a periodic motion that tells much about base parameters.
 
-    The best of some random series is improved by a quasi-Newton method (L-BFGS-B). Each actuated joint keeps its limits at all times, not
-    only at samples; where it would not, all its amplitudes are reduced alike. That the loops close, within the limits of the other joints,
-    is looked at closely spaced samples. The result is a good motion, hardly ever the best.
+    The best of some random series is improved by a quasi-Newton method (L-BFGS-B). Each actuated
+    joint keeps its limits at all times, not only at samples; where it would not, all its amplitudes
+    are reduced alike. That the loops close, within the limits of the other joints, is looked at
+    closely spaced samples. The result is a good motion, hardly ever the best.
 
     Parameters
     ----------
@@ -124,7 +143,8 @@ def exciting_motion(
     force_noise : float or (n,) array_like
         Standard deviation of the measured forces; only their ratios matter [N or N m].
     draws, steps : int
-        Number of random series, and most steps of the quasi-Newton method, each of which tries n (2 H + 1) series and some.
+        Number of random series, and most steps of the quasi-Newton method, each of which tries n (2
+        H + 1) series and some.
     rng : numpy.random.Generator, optional
         Source of the random series; unless given, the same one at every call.
 
@@ -142,7 +162,9 @@ def exciting_motion(
     """
     from scipy.optimize import minimize
 
-    search = _Search(base, largest_speed, largest_acceleration, lower, upper, period, harmonics, force_noise)
+    search = _Search(
+        base, largest_speed, largest_acceleration, lower, upper, period, harmonics, force_noise
+    )
     checked_count("draws", draws)
     checked_count("steps", steps)
     source = np.random.default_rng(0) if rng is None else rng
@@ -152,7 +174,10 @@ def exciting_motion(
 
 
 class _Search:
-    """Series by their numbers (n + 2 H n,): centers, then sines and cosines, all as shares of the half range of each joint."""
+    """Series by their numbers (n + 2 H n,).
+
+    Centers, then sines and cosines, all as shares of the half range of each joint.
+    """
 
     def __init__(
         self,
@@ -168,32 +193,51 @@ class _Search:
         self._base, self._robot = base, base.unknowns.robot
         n = self._n = len(self._robot.actuated)
         limits = self._robot.limits
-        # Not finite_rows: limits of the robot may be infinite, which is refused with the joint's range.
+        # Not finite_rows: limits of the robot may be infinite, which is refused with the joint's
+        # range.
         self._lower = limits[0] if lower is None else finite_rows("lower", lower, n)
         self._upper = limits[1] if upper is None else finite_rows("upper", upper, n)
         if not (np.isfinite(self._upper - self._lower).all() and (self._upper > self._lower).all()):
-            raise InvalidValue("upper", self._upper.tolist(), f"greater than lower, {self._lower.tolist()}, and both finite")
+            raise InvalidValue(
+                "upper",
+                self._upper.tolist(),
+                f"greater than lower, {self._lower.tolist()}, and both finite",
+            )
         self._bounds = [
             one_row(name, np.broadcast_to(value, n) if np.ndim(value) == 0 else value, n)
-            for name, value in (("largest_speed", largest_speed), ("largest_acceleration", largest_acceleration))
+            for name, value in (
+                ("largest_speed", largest_speed),
+                ("largest_acceleration", largest_acceleration),
+            )
         ]
-        for name, bound in zip(("largest_speed", "largest_acceleration"), self._bounds, strict=True):
+        for name, bound in zip(
+            ("largest_speed", "largest_acceleration"), self._bounds, strict=True
+        ):
             if not (bound > 0.0).all():
                 raise InvalidValue(name, bound.tolist(), "positive")
-        self._period, self._harmonics = checked_positive("period", period), checked_count("harmonics", harmonics)
+        self._period, self._harmonics = (
+            checked_positive("period", period),
+            checked_count("harmonics", harmonics),
+        )
         self._noise = _noise(force_noise, n)
         points = 32 * harmonics
         self._close = np.arange(8 * points) * period / (8 * points)
         self._grid = fourier_terms(self._close[::8], period, harmonics)
-        # Between M points of a grid a trigonometric polynomial of degree H exceeds what it is on them by this factor at most
-        # (H. Ehlich and K. Zeller, Schwankung von Polynomen zwischen Gitterpunkten, Mathematische Zeitschrift, 1964).
+        # Between M points of a grid a trigonometric polynomial of degree H exceeds what it is on
+        # them by this factor at most (H. Ehlich and K. Zeller, Schwankung von Polynomen zwischen
+        # Gitterpunkten, Mathematische Zeitschrift, 1964).
         self._beyond = 1.0 / np.cos(np.pi * harmonics / points)
         self._times = np.arange(4 * harmonics + 2) * period / (4 * harmonics + 2)
 
     def drawn(self, rng: np.random.Generator) -> Array:
         """Return the numbers of a random series that the robot can make."""
         slowness = 1.0 / np.repeat(np.arange(1, self._harmonics + 1), self._n)
-        shape = np.concatenate([0.3 * rng.uniform(-1.0, 1.0, self._n), *(rng.normal(size=slowness.size) * slowness for _ in range(2))])
+        shape = np.concatenate(
+            [
+                0.3 * rng.uniform(-1.0, 1.0, self._n),
+                *(rng.normal(size=slowness.size) * slowness for _ in range(2)),
+            ]
+        )
         for _ in range(30):
             if self.cost(shape) < UNINFORMATIVE:
                 break
@@ -210,10 +254,17 @@ class _Search:
         amplitudes = half * shares[1:]
         limits = [np.minimum(self._upper - center, center - self._lower), *self._bounds]
         excess = [
-            self._beyond * np.abs(terms[:, 1:] @ amplitudes).max(axis=0) / limit for terms, limit in zip(self._grid, limits, strict=True)
+            self._beyond * np.abs(terms[:, 1:] @ amplitudes).max(axis=0) / limit
+            for terms, limit in zip(self._grid, limits, strict=True)
         ]
         amplitudes = amplitudes / np.maximum(1.0, np.max(excess, axis=0))
-        return FourierSeries(center, amplitudes[: self._harmonics], amplitudes[self._harmonics :], self._period, self._robot)
+        return FourierSeries(
+            center,
+            amplitudes[: self._harmonics],
+            amplitudes[self._harmonics :],
+            self._period,
+            self._robot,
+        )
 
     def cost(self, numbers: Array) -> float:
         """Return minus half the logarithm of the determinant of the information matrix."""
@@ -225,15 +276,28 @@ class _Search:
         return min(-0.5 * found.log_determinant, UNINFORMATIVE)
 
     def makeable(self, numbers: Array) -> FourierSeries:
-        """Return the series, a little smaller if the robot cannot make it between the samples of the search."""
+        """Return the series, made a little smaller if need be.
+
+        It is if the robot cannot make it between the samples of the search.
+        """
         if self.cost(numbers) == UNINFORMATIVE:
-            raise PoorExcitation("base parameters, along any motion that was found", 0, len(self._base.columns))
+            raise PoorExcitation(
+                "base parameters, along any motion that was found", 0, len(self._base.columns)
+            )
         motion = self.motion(numbers)
         for share in SHARES:
-            smaller = FourierSeries(motion.center, share * motion.sines, share * motion.cosines, self._period, self._robot)
+            smaller = FourierSeries(
+                motion.center,
+                share * motion.sines,
+                share * motion.cosines,
+                self._period,
+                self._robot,
+            )
             try:
                 self._robot.configurations_along(smaller.joints(self._close)[0])
             except UNREACHABLE:
                 continue
             return smaller
-        raise PoorExcitation("base parameters, along any motion that was found", 0, len(self._base.columns))
+        raise PoorExcitation(
+            "base parameters, along any motion that was found", 0, len(self._base.columns)
+        )

@@ -1,8 +1,10 @@
-r"""Masses and inertias from measured positions and forces of the actuated joints, with what they leave uncertain.
+r"""Masses and inertias from measured positions and forces.
 
-Noisy positions of a periodic motion are replaced by the Fourier series through them, which can be differentiated; forces are then linear
-in the base parameters (C. G. Atkeson, C. H. An and J. M. Hollerbach, 1986; J. Swevers, C. Ganseman, D. B. Tükel, J. De Schutter and
-H. Van Brussel, 1997).
+Those of the actuated joints, with what they leave uncertain.
+
+Noisy positions of a periodic motion are replaced by the Fourier series through them, which can be
+differentiated; forces are then linear in the base parameters (C. G. Atkeson, C. H. An and J. M.
+Hollerbach, 1986; J. Swevers, C. Ganseman, D. B. Tükel, J. De Schutter and H. Van Brussel, 1997).
 """
 
 from __future__ import annotations
@@ -17,17 +19,26 @@ from psp3.closure.rank import RANK_TOLERANCE
 from psp3.errors import InvalidArray, PoorExcitation
 from psp3.identification.base_parameters import BaseParameters
 from psp3.identification.physical_consistency import Body, bodies
-from psp3.trajectories.fourier_series import FittedSeries, FourierSeries, fit_fourier_series, fourier_terms
+from psp3.trajectories.fourier_series import (
+    FittedSeries,
+    FourierSeries,
+    fit_fourier_series,
+    fourier_terms,
+)
 from psp3.trajectories.motion import finite_times
 
 CONFIDENCE = 0.95
 """Share of intervals that hold the true value."""
 
 REFINEMENTS = 3
-"""Times that the noise of each joint's force is estimated anew from the residuals; it changes little after the first."""
+"""Times that the noise of each joint's force is estimated anew from the residuals; it changes
+little after the first.
+"""
 
 SENSITIVITY_SAMPLES = 100
-"""Samples at which the effect of errors in position is computed; it varies as slowly as the motion does."""
+"""Samples at which the effect of errors in position is computed; it varies as slowly as the motion
+does.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +52,8 @@ class Identified:
     values : (r,) ndarray
         The estimates, in the order of ``base.names``.
     covariance : (r, r) ndarray
-        Their covariance: that from noise of the forces plus that from noise of the positions, to first order.
+        Their covariance: that from noise of the forces plus that from noise of the positions, to
+        first order.
     force_noise : (n,) ndarray
         Standard deviation of what the estimates leave of each joint's measured force [N or N m].
     position_noise : (n,) ndarray
@@ -78,7 +90,10 @@ class Identified:
 
     @property
     def unknowns(self) -> Array:
-        """The unknowns nearest to what was believed that have the estimated base parameters, (p,); see :meth:`BaseParameters.nearest`."""
+        """The unknowns nearest to what was believed that have the estimated base parameters, (p,).
+
+        See :meth:`BaseParameters.nearest`.
+        """
         return self.base.nearest(self.values)
 
     @property
@@ -91,33 +106,47 @@ class Identified:
 
 
 def identify(
-    base: BaseParameters, t: ArrayLike, positions: ArrayLike, forces: ArrayLike, period: float, harmonics: int = 5, held: float = 0.0
+    base: BaseParameters,
+    t: ArrayLike,
+    positions: ArrayLike,
+    forces: ArrayLike,
+    period: float,
+    harmonics: int = 5,
+    held: float = 0.0,
 ) -> Identified:
-    r"""Return base parameters by weighted least squares from a measured periodic motion and the forces that made it.
+    r"""Return base parameters by weighted least squares.
+
+    From a measured periodic motion and the forces that made it.
 
     .. math::
 
         \hat\beta = (Y^T \Sigma^{-1} Y)^{-1}\, Y^T \Sigma^{-1}\, (\tau - \tau_0), \qquad
-        \operatorname{cov} \hat\beta = A + A Y^T \Sigma^{-1} J\, \Gamma\, J^T \Sigma^{-1} Y A, \quad A = (Y^T \Sigma^{-1} Y)^{-1}
+        \operatorname{cov} \hat\beta = A + A Y^T \Sigma^{-1} J\, \Gamma\, J^T \Sigma^{-1} Y A, \quad
+        A = (Y^T \Sigma^{-1} Y)^{-1}
 
-    with :math:`\tau_0` the forces of what is known, :math:`\Sigma` the noise of each joint's force, estimated from the residuals,
-    :math:`\Gamma` the covariance of the Fourier coefficients and :math:`J` the derivative of the forces by them. Y itself is noisy, which
-    makes an error of second order in the position noise; it is not corrected for.
+    with :math:`\tau_0` the forces of what is known, :math:`\Sigma` the noise of each joint's force,
+    estimated from the residuals, :math:`\Gamma` the covariance of the Fourier coefficients and
+    :math:`J` the derivative of the forces by them. Y itself is noisy, which makes an error of
+    second order in the position noise; it is not corrected for.
 
     Parameters
     ----------
     base : BaseParameters
         What is to be found.
     t : (N,) array_like
-        Times of the measurements [s], when the motion is periodic already; best in equal steps over whole periods.
+        Times of the measurements [s], when the motion is periodic already; best in equal steps over
+        whole periods.
     positions, forces : (N, n) array_like
-        Measured positions [m or rad] and forces [N or N m] of the actuated joints. Errors are taken to be independent.
+        Measured positions [m or rad] and forces [N or N m] of the actuated joints. Errors are taken
+        to be independent.
     period : float
         Time after which the motion repeats [s].
     harmonics : int
-        Number of harmonics of the motion. A controller that tracks badly adds some to those asked for.
+        Number of harmonics of the motion. A controller that tracks badly adds some to those asked
+        for.
     held : float
-        Time for which each force was held from its sample on, as by a digital controller [s]: it belongs to the motion half of that later.
+        Time for which each force was held from its sample on, as by a digital controller [s]: it
+        belongs to the motion half of that later.
 
     Returns
     -------
@@ -137,7 +166,9 @@ def identify(
     checked_not_negative("held", held)
     fitted = fit_fourier_series(t, positions, period, harmonics, robot)
     if measured.shape != np.shape(positions):
-        raise InvalidArray("forces", f"{np.shape(positions)}, one row for each of positions", forces)
+        raise InvalidArray(
+            "forces", f"{np.shape(positions)}, one row for each of positions", forces
+        )
     times = finite_times(t) + 0.5 * held
     regressors, known = base.forces_of(*fitted.motion.joints(times))
     values, information, noise, condition = _weighted_least_squares(regressors, measured - known)
@@ -145,14 +176,35 @@ def identify(
     effects = covariance @ _effects_of_coefficients(base, values, fitted, times, regressors, noise)
     for effect, size in zip(effects, fitted.noise, strict=True):
         covariance = covariance + size**2 * effect @ fitted.covariance @ effect.T
-    return Identified(base, values, covariance, noise, fitted.noise, measured.size - values.size, condition, fitted.motion)
+    return Identified(
+        base,
+        values,
+        covariance,
+        noise,
+        fitted.noise,
+        measured.size - values.size,
+        condition,
+        fitted.motion,
+    )
 
 
 def _effects_of_coefficients(
-    base: BaseParameters, values: Array, fitted: FittedSeries, times: Array, regressors: Array, noise: Array
+    base: BaseParameters,
+    values: Array,
+    fitted: FittedSeries,
+    times: Array,
+    regressors: Array,
+    noise: Array,
 ) -> Array:
-    r"""Return :math:`Y^T \Sigma^{-1} J` for the Fourier coefficients of each joint, (n, r, 2 H + 1)."""
-    chosen = np.unique(np.linspace(0.0, len(times) - 1.0, min(len(times), SENSITIVITY_SAMPLES)).round().astype(np.int64))
+    r"""Return :math:`Y^T \Sigma^{-1} J`.
+
+    For the Fourier coefficients of each joint, (n, r, 2 H + 1).
+    """
+    chosen = np.unique(
+        np.linspace(0.0, len(times) - 1.0, min(len(times), SENSITIVITY_SAMPLES))
+        .round()
+        .astype(np.int64)
+    )
     derivatives = _derivatives_of_forces(base, values, fitted.motion, times[chosen])
     terms = np.stack(fourier_terms(times[chosen], fitted.motion.period, fitted.motion.harmonics))
     # Every sample that is chosen stands for those that are not.
@@ -161,25 +213,39 @@ def _effects_of_coefficients(
     return effects
 
 
-def _derivatives_of_forces(base: BaseParameters, values: Array, motion: FourierSeries, times: Array) -> Array:
-    """Return the derivatives of the forces by position, speed and acceleration of each joint, (3, n, S, n), by central differences."""
+def _derivatives_of_forces(
+    base: BaseParameters, values: Array, motion: FourierSeries, times: Array
+) -> Array:
+    """Return the derivatives of the forces by position, speed and acceleration.
+
+    Of each joint, (3, n, S, n), by central differences.
+    """
     state = np.stack(motion.joints(times))
     n = state.shape[-1]
     travel = float(np.abs(state[0] - motion.center).max(initial=0.0))
-    # Forces are quadratic in speeds and linear in accelerations, so that differences of any size are exact there.
+    # Forces are quadratic in speeds and linear in accelerations, so that differences of any size
+    # are exact there.
     steps = (1e-4 * travel if travel > 0.0 else 1e-6, 1.0, 1.0)
     derivatives = np.empty((3, n, *state.shape[1:]))
     for order, step in enumerate(steps):
         for joint in range(n):
             shift = np.zeros_like(state)
             shift[order, :, joint] = step
-            (after, known_after), (before, known_before) = base.forces_of(*(state + shift)), base.forces_of(*(state - shift))
-            derivatives[order, joint] = ((after - before) @ values + known_after - known_before) / (2.0 * step)
+            (after, known_after), (before, known_before) = (
+                base.forces_of(*(state + shift)),
+                base.forces_of(*(state - shift)),
+            )
+            derivatives[order, joint] = ((after - before) @ values + known_after - known_before) / (
+                2.0 * step
+            )
     return derivatives
 
 
 def _weighted_least_squares(regressors: Array, forces: Array) -> tuple[Array, Array, Array, float]:
-    """Return estimates, their information matrix, the noise of each joint's force and the condition number."""
+    """Return estimates, their information, the noise of joint forces and the condition.
+
+    The information matrix, the noise of each joint's force and the condition number.
+    """
     _, n, count = regressors.shape
     noise = np.ones(n)
     values, condition = np.zeros(count), np.inf
@@ -190,14 +256,19 @@ def _weighted_least_squares(regressors: Array, forces: Array) -> tuple[Array, Ar
         left, sizes, right = np.linalg.svd(weighted, full_matrices=False)
         rank = int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes.max(initial=0.0)))
         if rank < count or len(weighted) <= count:
-            raise PoorExcitation("base parameters and the noise", min(rank, len(weighted) - 1), count)
+            raise PoorExcitation(
+                "base parameters and the noise", min(rank, len(weighted) - 1), count
+            )
         condition = float(sizes[0] / sizes[-1])
         values = (right.T / sizes) @ (left.T @ (forces / noise).ravel()) / lengths
         squares = np.sum((forces - regressors @ values) ** 2, axis=0)
-        # Fitting takes from each joint's residuals as many degrees of freedom as the joint gave to the estimates.
+        # Fitting takes from each joint's residuals as many degrees of freedom as the joint gave to
+        # the estimates.
         taken = np.sum((left**2).reshape(-1, n, count), axis=(0, 2))
         if not (len(forces) - taken > 1e-6).all():
-            raise PoorExcitation("base parameters and the noise of each joint", len(weighted) - 1, count)
+            raise PoorExcitation(
+                "base parameters and the noise of each joint", len(weighted) - 1, count
+            )
         noise = np.sqrt(squares / (len(forces) - taken))
         # Forces without any noise still need a weight.
         noise = np.maximum(noise, 1e-14 * np.abs(forces).max(initial=1e-300))

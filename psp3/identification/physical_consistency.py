@@ -1,8 +1,9 @@
 r"""Whether standard parameters are those of bodies that can exist.
 
-A body of non-negative density has a positive semi-definite pseudo-inertia matrix, and only such bodies do (P. M. Wensing, S. Kim and
-J.-J. E. Slotine, Linear matrix inequalities for physically consistent inertial parameter identification, IEEE Robotics and Automation
-Letters, 2018). It says at once that the mass is not negative and that the principal moments obey the triangle inequality.
+A body of non-negative density has a positive semi-definite pseudo-inertia matrix, and only such
+bodies do (P. M. Wensing, S. Kim and J.-J. E. Slotine, Linear matrix inequalities for physically
+consistent inertial parameter identification, IEEE Robotics and Automation Letters, 2018). It says
+at once that the mass is not negative and that the principal moments obey the triangle inequality.
 """
 
 from __future__ import annotations
@@ -54,14 +55,16 @@ def bodies(robot: ClosedLoopRobot, parameters: ArrayLike) -> tuple[Body, ...]:
 
     It can if
 
-    .. math:: \begin{bmatrix} \tfrac12 \operatorname{tr}(I)\, 1 - I & m c \\ (m c)^T & m \end{bmatrix} \succeq 0
+    .. math:: \begin{bmatrix} \tfrac12 \operatorname{tr}(I)\, 1 - I & m c \\
+              (m c)^T & m \end{bmatrix} \succeq 0
 
     Parameters
     ----------
     robot : ClosedLoopRobot
         Whose bodies they are.
     parameters : (10 B,) array_like
-        Standard parameters in the order of :func:`psp3.identification.regressor.standard_parameters`.
+        Standard parameters in the order of
+        :func:`psp3.identification.regressor.standard_parameters`.
 
     Returns
     -------
@@ -74,11 +77,16 @@ def bodies(robot: ClosedLoopRobot, parameters: ArrayLike) -> tuple[Body, ...]:
         If the parameters are not finite or of another number.
     """
     rows = one_row("parameters", parameters, 10 * (robot.model.njoints - 1)).reshape(-1, 10)
-    return tuple(_body(str(joint), row) for joint, row in zip(list(robot.model.names)[1:], rows, strict=True))
+    return tuple(
+        _body(str(joint), row) for joint, row in zip(list(robot.model.names)[1:], rows, strict=True)
+    )
 
 
 def pseudo_inertia(parameters: Array) -> Array:
-    """Return the pseudo-inertia matrix (4, 4) of ten standard parameters: second moments of density [kg m²], [kg m], [kg]."""
+    """Return the pseudo-inertia matrix (4, 4) of ten standard parameters.
+
+    Second moments of density [kg m²], [kg m], [kg].
+    """
     mass, moment, inertia = parameters[0], parameters[1:4], _inertia(parameters)
     matrix = np.empty((4, 4))
     matrix[:3, :3] = 0.5 * np.trace(inertia) * np.eye(3) - inertia
@@ -100,7 +108,9 @@ def _body(joint: str, parameters: Array) -> Body:
             flaws.append("no mass, but moments")
         return Body(joint, mass, center, moments, tuple(flaws))
     center = parameters[1:4] / mass
-    about_center = _inertia(parameters) - mass * (center @ center * np.eye(3) - np.outer(center, center))
+    about_center = _inertia(parameters) - mass * (
+        center @ center * np.eye(3) - np.outer(center, center)
+    )
     moments = np.asarray(np.linalg.eigvalsh(about_center), dtype=np.float64)
     if mass < 0.0:
         flaws.append("negative mass")

@@ -1,8 +1,11 @@
-r"""Actuator forces are linear in masses, first moments and inertias: the regressor of a robot with loops, in its actuated coordinates.
+r"""Actuator forces are linear in masses, first moments and inertias.
 
-The inverse dynamics of the tree is :math:`Y_\text{tree}(q, \dot q, \ddot q)\, \theta` (C. G. Atkeson, C. H. An and J. M. Hollerbach,
-Estimation of inertial parameters of manipulator loads and links, The International Journal of Robotics Research, 1986), and the loops
-project it as they do forces: :math:`Y = L^T Y_\text{tree}`.
+The regressor of a robot with loops, in its actuated coordinates.
+
+The inverse dynamics of the tree is :math:`Y_\text{tree}(q, \dot q, \ddot q)\, \theta` (C. G.
+Atkeson, C. H. An and J. M. Hollerbach, Estimation of inertial parameters of manipulator loads and
+links, The International Journal of Robotics Research, 1986), and the loops project it as they do
+forces: :math:`Y = L^T Y_\text{tree}`.
 """
 
 from __future__ import annotations
@@ -15,16 +18,20 @@ from psp3.checks import Array, finite_rows, together
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 PARAMETERS_OF_A_BODY = ("m", "mx", "my", "mz", "Ixx", "Ixy", "Iyy", "Ixz", "Iyz", "Izz")
-"""Standard parameters of a body in Pinocchio's order: mass [kg], first moments [kg m] and inertia about the joint's origin [kg m²], both in
-the joint's axes."""
+"""Standard parameters of a body in Pinocchio's order: mass [kg], first moments [kg m] and inertia
+about the joint's origin [kg m²], both in the joint's axes.
+"""
 
 
-def regressor(robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike) -> Array:
+def regressor(
+    robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+) -> Array:
     r"""Return the matrix that takes standard parameters to actuator forces.
 
     .. math::
 
-        \tau = Y(a, \dot a, \ddot a)\, \theta, \qquad Y = L^T Y_\text{tree}(q, \dot q, \ddot q), \qquad
+        \tau = Y(a, \dot a, \ddot a)\, \theta, \qquad
+        Y = L^T Y_\text{tree}(q, \dot q, \ddot q), \qquad
         \dot q = L\, \dot a, \quad \ddot q = L\, \ddot a + \dot L\, \dot a
 
     Parameters
@@ -56,12 +63,16 @@ def regressor(robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, a
         q, L = closure.configuration, closure.complement
         velocities = L @ v[row]
         accelerations_of_joints = L @ w[row] + robot.drift(q, velocities)
-        out[row] = L.T @ pin.computeJointTorqueRegressor(robot.model, robot.data, q, velocities, accelerations_of_joints)
+        out[row] = L.T @ pin.computeJointTorqueRegressor(
+            robot.model, robot.data, q, velocities, accelerations_of_joints
+        )
     return out
 
 
 def standard_parameters(robot: ClosedLoopRobot) -> Array:
-    """Return the ten parameters of every body of a robot's tree, (10 B,), in the order of :data:`PARAMETERS_OF_A_BODY`, body by body.
+    """Return the ten parameters of every body of a robot's tree, (10 B,).
+
+    Body by body, in the order of :data:`PARAMETERS_OF_A_BODY`.
 
     A body is what moves with a joint, so bodies come in the order of the model's joints.
     """
@@ -70,5 +81,12 @@ def standard_parameters(robot: ClosedLoopRobot) -> Array:
 
 
 def parameter_names(robot: ClosedLoopRobot) -> tuple[str, ...]:
-    """Return the names of :func:`standard_parameters`: ``m(a1)`` is the mass of the body that moves with joint ``a1``."""
-    return tuple(f"{parameter}({joint})" for joint in list(robot.model.names)[1:] for parameter in PARAMETERS_OF_A_BODY)
+    """Return the names of :func:`standard_parameters`.
+
+    ``m(a1)`` is the mass of the body that moves with joint ``a1``.
+    """
+    return tuple(
+        f"{parameter}({joint})"
+        for joint in list(robot.model.names)[1:]
+        for parameter in PARAMETERS_OF_A_BODY
+    )

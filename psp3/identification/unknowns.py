@@ -1,7 +1,9 @@
-r"""Which numbers of a robot are to be found: all standard parameters of its bodies, those of equal bodies once, or those of Table 3.1.
+r"""Which numbers of a robot are to be found.
 
-Unknowns :math:`\pi` are numbers on which the standard parameters depend linearly, :math:`\theta = S\, \pi + \theta_0`, where
-:math:`\theta_0` holds what is known already.
+All standard parameters of its bodies, those of equal bodies once, or those of Table 3.1.
+
+Unknowns :math:`\pi` are numbers on which the standard parameters depend linearly,
+:math:`\theta = S\, \pi + \theta_0`, where :math:`\theta_0` holds what is known already.
 """
 
 from __future__ import annotations
@@ -14,7 +16,12 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, one_row
 from psp3.errors import InvalidValue, UnknownName
-from psp3.identification.regressor import PARAMETERS_OF_A_BODY, parameter_names, regressor, standard_parameters
+from psp3.identification.regressor import (
+    PARAMETERS_OF_A_BODY,
+    parameter_names,
+    regressor,
+    standard_parameters,
+)
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 
@@ -42,8 +49,12 @@ class Unknowns:
     believed: Array
     known: Array
 
-    def forces_of(self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike) -> tuple[Array, Array]:
-        r"""Return the matrix :math:`Y S` (..., n, p) from unknowns to actuator forces, and :math:`Y \theta_0` (..., n), those of the rest.
+    def forces_of(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> tuple[Array, Array]:
+        r"""Return the matrix :math:`Y S` (..., n, p) and :math:`Y \theta_0` (..., n).
+
+        The first leads from unknowns to actuator forces, the second is those of the rest.
 
         Arguments and errors are those of :func:`psp3.identification.regressor.regressor`.
         """
@@ -58,7 +69,8 @@ class Unknowns:
     def without(self, names: Sequence[str]) -> Unknowns:
         """Return the same unknowns but some, which are taken to be what is believed.
 
-        What a feasible motion hardly tells is better taken from a drawing: it would only blur the rest.
+        What a feasible motion hardly tells is better taken from a drawing: it would only blur the
+        rest.
 
         Raises
         ------
@@ -71,16 +83,21 @@ class Unknowns:
         known = np.isin(self.names, list(names))
         left = tuple(name for name in self.names if name not in names)
         added = self.expansion[:, known] @ self.believed[known]
-        return Unknowns(self.robot, left, self.expansion[:, ~known], self.believed[~known], self.known + added)
+        return Unknowns(
+            self.robot, left, self.expansion[:, ~known], self.believed[~known], self.known + added
+        )
 
 
 def all_parameters(robot: ClosedLoopRobot) -> Unknowns:
     """Return all ten standard parameters of every body as unknowns, masses last.
 
-    So a mass that acts like a point on a moment joins that moment's combination, and not the other way round.
+    So a mass that acts like a point on a moment joins that moment's combination, and not the other
+    way round.
     """
     names = parameter_names(robot)
-    return _masses_last(Unknowns(robot, names, np.eye(len(names)), standard_parameters(robot), np.zeros(len(names))))
+    return _masses_last(
+        Unknowns(robot, names, np.eye(len(names)), standard_parameters(robot), np.zeros(len(names)))
+    )
 
 
 def equal_bodies(robot: ClosedLoopRobot, groups: Sequence[Sequence[str]]) -> Unknowns:
@@ -91,12 +108,14 @@ def equal_bodies(robot: ClosedLoopRobot, groups: Sequence[Sequence[str]]) -> Unk
     robot : ClosedLoopRobot
         The robot.
     groups : sequence of sequence of str
-        Joints whose bodies are equal in the joints' own axes, for instance ``[("a1", "a2", "a3")]``.
+        Joints whose bodies are equal in the joints' own axes, for instance
+        ``[("a1", "a2", "a3")]``.
 
     Returns
     -------
     Unknowns
-        Named after the first body of each group, masses last; what is believed is the mean over the group.
+        Named after the first body of each group, masses last; what is believed is the mean over the
+        group.
 
     Raises
     ------
@@ -111,10 +130,14 @@ def equal_bodies(robot: ClosedLoopRobot, groups: Sequence[Sequence[str]]) -> Unk
         if name not in joints:
             raise UnknownName("joint", name, joints)
     if len(set(named)) != len(named) or not all(len(group) for group in groups):
-        raise InvalidValue("groups", groups, "groups of at least one joint, each joint in one of them")
+        raise InvalidValue(
+            "groups", groups, "groups of at least one joint, each joint in one of them"
+        )
     first = {name: group[0] for group in groups for name in group}
     kept = list(dict.fromkeys(first.get(name, name) for name in joints))
-    ties = np.array([[first.get(name, name) == other for other in kept] for name in joints], dtype=np.float64)
+    ties = np.array(
+        [[first.get(name, name) == other for other in kept] for name in joints], dtype=np.float64
+    )
     expansion = np.asarray(np.kron(ties, np.eye(10)), dtype=np.float64)
     believed = (expansion / expansion.sum(axis=0)).T @ standard_parameters(robot)
     names = tuple(f"{kind}({joint})" for joint in kept for kind in PARAMETERS_OF_A_BODY)
@@ -123,6 +146,14 @@ def equal_bodies(robot: ClosedLoopRobot, groups: Sequence[Sequence[str]]) -> Unk
 
 def _masses_last(unknowns: Unknowns) -> Unknowns:
     """Return unknowns that are ten for each body with the masses moved to the end."""
-    order = np.argsort(np.arange(len(unknowns.names)) % len(PARAMETERS_OF_A_BODY) == 0, kind="stable")
+    order = np.argsort(
+        np.arange(len(unknowns.names)) % len(PARAMETERS_OF_A_BODY) == 0, kind="stable"
+    )
     names = tuple(unknowns.names[j] for j in order)
-    return Unknowns(unknowns.robot, names, unknowns.expansion[:, order], unknowns.believed[order], unknowns.known)
+    return Unknowns(
+        unknowns.robot,
+        names,
+        unknowns.expansion[:, order],
+        unknowns.believed[order],
+        unknowns.known,
+    )

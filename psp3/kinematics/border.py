@@ -12,17 +12,25 @@ from psp3.checks import Array, finite_rows
 from psp3.kinematics.pose_map import KinematicMap, Status
 
 EDGE_ACCURACY = 1e-3
-"""Share of a grid's edge to which a border is found on it; what is left is small beside the border's bend from one edge to the next."""
+"""Share of a grid's edge to which a border is found on it; what is left is small beside the
+border's bend from one edge to the next.
+"""
 
 
 class Boundary(NamedTuple):
-    """Border of a region of a map: ``segments`` (N, 2, 2), pairs of points on it, and the ``area`` inside, in the units of the grid."""
+    """Border of a region of a map.
+
+    ``segments`` (N, 2, 2) are pairs of points on it, and ``area`` is what is inside, in the units
+    of the grid.
+    """
 
     segments: Array
     area: float
 
     def distance(self, points: ArrayLike) -> Array:
-        """Return the distance of points (..., 2) from the border, (...,), in the units of the grid; infinite if there is none.
+        """Return the distance of points (..., 2) from the border, (...,), in the units of the grid.
+
+        Infinite if there is none.
 
         Raises
         ------
@@ -32,14 +40,18 @@ class Boundary(NamedTuple):
         p = finite_rows("points", points, 2)
         start, way = self.segments[:, 0], self.segments[:, 1] - self.segments[:, 0]
         from_start = p[..., np.newaxis, :] - start
-        share = np.clip((from_start * way).sum(axis=-1) / np.maximum((way**2).sum(axis=-1), 1e-300), 0.0, 1.0)
+        share = np.clip(
+            (from_start * way).sum(axis=-1) / np.maximum((way**2).sum(axis=-1), 1e-300), 0.0, 1.0
+        )
         gap = from_start - share[..., np.newaxis] * way
         distance: Array = np.hypot(gap[..., 0], gap[..., 1]).min(axis=-1, initial=np.inf)
         return distance
 
 
 AlongEdge = Callable[[Array, Array, Array], float]
-"""From a point of the grid, a way to its neighbor, and the configuration at the point: share of the way that has the status."""
+"""From a point of the grid, a way to its neighbor, and the configuration at the point: share of the
+way that has the status.
+"""
 
 
 class Tracer:
@@ -52,7 +64,8 @@ class Tracer:
     at_least : Status
         The region is where poses have this status or a better one.
     along : callable
-        Goes from a node inside along an edge and returns the share of it that is inside, see :data:`AlongEdge`.
+        Goes from a node inside along an edge and returns the share of it that is inside, see
+        :data:`AlongEdge`.
     """
 
     def __init__(self, poses: KinematicMap, at_least: Status, along: AlongEdge) -> None:
@@ -79,7 +92,11 @@ class Tracer:
                         outline.append(self._at(corner))
                     if inside[k] != inside[(k + 1) % 4]:
                         crossed.append((len(outline), inside[k]))
-                        outline.append(self._crossing(*((corner, following) if inside[k] else (following, corner))))
+                        outline.append(
+                            self._crossing(
+                                *((corner, following) if inside[k] else (following, corner))
+                            )
+                        )
                 x, y = np.array(outline).T
                 area += 0.5 * float(x @ np.roll(y, -1) - y @ np.roll(x, -1))
                 # From where the outline leaves the region to where it comes back.

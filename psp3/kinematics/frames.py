@@ -16,8 +16,9 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 class FrameMotion(NamedTuple):
     """Motion of a frame in base axes.
 
-    ``placement`` (..., 4, 4), a homogeneous transform: rotation, and position [m]; ``velocity`` (..., 6), of the origin [m/s], then
-    angular [rad/s]; ``acceleration`` (..., 6), of the origin [m/s²], then angular [rad/s²].
+    ``placement`` (..., 4, 4), a homogeneous transform: rotation, and position [m]; ``velocity``
+    (..., 6), of the origin [m/s], then angular [rad/s]; ``acceleration`` (..., 6), of the origin
+    [m/s²], then angular [rad/s²].
     """
 
     placement: Array
@@ -25,8 +26,14 @@ class FrameMotion(NamedTuple):
     acceleration: Array
 
 
-def point_motion(position: ArrayLike, velocity: ArrayLike = (0.0, 0.0, 0.0), acceleration: ArrayLike = (0.0, 0.0, 0.0)) -> FrameMotion:
-    """Return the motion of a frame that does not turn, as it is wanted of a tool whose orientation does not matter.
+def point_motion(
+    position: ArrayLike,
+    velocity: ArrayLike = (0.0, 0.0, 0.0),
+    acceleration: ArrayLike = (0.0, 0.0, 0.0),
+) -> FrameMotion:
+    """Return the motion of a frame that does not turn.
+
+    It is wanted of a tool whose orientation does not matter.
 
     Parameters
     ----------
@@ -52,13 +59,21 @@ def point_motion(position: ArrayLike, velocity: ArrayLike = (0.0, 0.0, 0.0), acc
     placement[..., :, :] = np.eye(4)
     placement[..., :3, 3] = x
     still = np.zeros_like(x)
-    return FrameMotion(placement, np.concatenate([v, still], axis=-1), np.concatenate([w, still], axis=-1))
+    return FrameMotion(
+        placement, np.concatenate([v, still], axis=-1), np.concatenate([w, still], axis=-1)
+    )
 
 
 def frame_motion(
-    robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike, frame: str = "tip"
+    robot: ClosedLoopRobot,
+    positions: ArrayLike,
+    speeds: ArrayLike,
+    accelerations: ArrayLike,
+    frame: str = "tip",
 ) -> FrameMotion:
-    r"""Return how a frame moves while the actuated joints do, :math:`\dot x = J \dot a` and :math:`\ddot x = J \ddot a + \dot J \dot a`.
+    r"""Return how a frame moves while the actuated joints do.
+
+    That is :math:`\dot x = J \dot a` and :math:`\ddot x = J \ddot a + \dot J \dot a`.
 
     Parameters
     ----------
@@ -83,13 +98,22 @@ def frame_motion(
     """
     index, width = robot.model.getFrameId(checked_frame(robot, frame)), len(robot.actuated)
     arrays = {"positions": positions, "speeds": speeds, "accelerations": accelerations}
-    a, v, w = together(**{name: finite_rows(name, values, width) for name, values in arrays.items()})
+    a, v, w = together(
+        **{name: finite_rows(name, values, width) for name, values in arrays.items()}
+    )
     rows = [
         motion_and_jacobian(robot, index, *row)[0]
-        for row in zip(a.reshape(-1, width), v.reshape(-1, width), w.reshape(-1, width), strict=True)
+        for row in zip(
+            a.reshape(-1, width), v.reshape(-1, width), w.reshape(-1, width), strict=True
+        )
     ]
     shapes = (4, 4), (6,), (6,)
-    return FrameMotion(*(np.reshape([row[k] for row in rows], (*a.shape[:-1], *shape)) for k, shape in enumerate(shapes)))
+    return FrameMotion(
+        *(
+            np.reshape([row[k] for row in rows], (*a.shape[:-1], *shape))
+            for k, shape in enumerate(shapes)
+        )
+    )
 
 
 def motion_and_jacobian(
@@ -103,7 +127,8 @@ def motion_and_jacobian(
     motion = FrameMotion(
         pin.updateFramePlacement(model, data, index).homogeneous,
         pin.getFrameVelocity(model, data, index, base).vector,
-        # Classical: the second derivative of the origin's position. The spatial one lacks its centripetal part.
+        # Classical: the second derivative of the origin's position. The spatial one lacks its
+        # centripetal part.
         pin.getFrameClassicalAcceleration(model, data, index, base).vector,
     )
     jacobian: Array = pin.computeFrameJacobian(model, data, q, index, base) @ closure.complement

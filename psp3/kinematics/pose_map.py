@@ -1,4 +1,7 @@
-"""A map of a robot's poses: what each is good for and how far it is from limits and singularities, with a file format of its own.
+"""A map of a robot's poses.
+
+What each is good for and how far it is from limits and singularities, with a file format of its
+own.
 
 :class:`psp3.kinematics.workspace.Workspace` makes them, :mod:`psp3.plots.workspace` draws them.
 """
@@ -33,11 +36,20 @@ VECTORS = ("configuration", "position")
 
 
 RANGES = {
-    "status": (0.0, 4.0), "margin": (-math.inf, math.inf), "configuration": (-1e300, 1e300), "position": (-1e300, 1e300),
-    "constraint": (0.0, 1.0), "actuation": (0.0, 1.0 + 1e-9), "end_effector": (0.0, 1e300), "closure_condition": (1.0, math.inf),
-    "condition": (1.0, math.inf), "manipulability": (0.0, math.inf), "orientation": (-1.0, 1.0), "assembly": (-1.0, 1.0),
+    "status": (0.0, 4.0),
+    "margin": (-math.inf, math.inf),
+    "configuration": (-1e300, 1e300),
+    "position": (-1e300, 1e300),
+    "constraint": (0.0, 1.0),
+    "actuation": (0.0, 1.0 + 1e-9),
+    "end_effector": (0.0, 1e300),
+    "closure_condition": (1.0, math.inf),
+    "condition": (1.0, math.inf),
+    "manipulability": (0.0, math.inf),
+    "orientation": (-1.0, 1.0),
+    "assembly": (-1.0, 1.0),
     "mobility": (0.0, 1e9),
-}  # fmt: skip
+}
 """What the numbers of a map can be."""
 
 ALWAYS = ("status", "margin", *VECTORS, "constraint", "actuation", "assembly", "mobility")
@@ -57,14 +69,18 @@ class Status(IntEnum):
     SINGULAR = 2
     """In a singularity, or closer to one than asked for."""
     APART = 3
-    """Nothing is wrong with the pose, but singularities or limits lie between it and the usable ones."""
+    """Nothing is wrong with the pose, but singularities or limits lie between it and the usable
+    ones.
+    """
     USABLE = 4
     """None of that; usable poses are connected with each other."""
 
 
 @dataclass(frozen=True, eq=False)
 class KinematicMap:
-    """A robot's poses over a grid. Each array has the grid's dimensions first; where a pose is unreachable, numbers are NaN.
+    """A robot's poses over a grid.
+
+    Each array has the grid's dimensions first; where a pose is unreachable, numbers are NaN.
 
     Parameters
     ----------
@@ -75,7 +91,8 @@ class KinematicMap:
     over : {"task", "actuators"}
         What the coordinates of the grid are.
     grid : dict
-        Values of each coordinate, ascending [m or rad]; their order is that of the arrays' dimensions.
+        Values of each coordinate, ascending [m or rad]; their order is that of the arrays'
+        dimensions.
     held : dict
         Values of the coordinates that do not vary [m or rad].
     units : dict
@@ -83,7 +100,8 @@ class KinematicMap:
     length : float
         Characteristic length [m].
     singular_below : float
-        Measures below which a pose counts as singular, see :class:`psp3.kinematics.workspace.Workspace`.
+        Measures below which a pose counts as singular, see
+        :class:`psp3.kinematics.workspace.Workspace`.
     status : (...,) ndarray of int
         See :class:`Status`.
     configuration : (..., nq) ndarray
@@ -91,8 +109,8 @@ class KinematicMap:
     position : (..., 3) ndarray
         Place of the frame in base axes [m].
     margin : (...,) ndarray
-        Distance of the joint that is nearest to one of its limits, negative beyond; of a hinge the arc at the characteristic length [m].
-        Infinite without limits.
+        Distance of the joint that is nearest to one of its limits, negative beyond; of a hinge the
+        arc at the characteristic length [m]. Infinite without limits.
     measures : Measures
         See :class:`psp3.kinematics.singularities.Measures`.
     """
@@ -130,7 +148,10 @@ class KinematicMap:
 
     @property
     def usable(self) -> NDArray[np.bool_]:
-        """Where a pose is within all limits, away from singularities, and not cut off by them, (...,) of bool."""
+        """Where a pose is good: within limits, and neither near nor behind a singularity.
+
+        (...,) of bool; away from singularities and not cut off by them.
+        """
         usable: NDArray[np.bool_] = self.status == Status.USABLE
         return usable
 
@@ -143,11 +164,18 @@ class KinematicMap:
             If the file cannot be written; what was there before remains.
         """
         content = {
-            "format": FORMAT, "robot": self.robot, "frame": self.frame, "task": self.task, "over": self.over, "units": self.units,
-            "length": self.length, "singular_below": self.singular_below, "held": self.held,
+            "format": FORMAT,
+            "robot": self.robot,
+            "frame": self.frame,
+            "task": self.task,
+            "over": self.over,
+            "units": self.units,
+            "length": self.length,
+            "singular_below": self.singular_below,
+            "held": self.held,
             "grid": {name: values.tolist() for name, values in self.grid.items()},
             "arrays": {name: _written(array) for name, array in self.arrays().items()},
-        }  # fmt: skip
+        }
         write_text(json.dumps(content, allow_nan=False, ensure_ascii=False) + "\n", path)
         return Path(path)
 
@@ -175,7 +203,10 @@ def _refuse_constant(name: str) -> NoReturn:
 
 def _written(array: Array) -> list[Any]:
     """Return the numbers of an array in a row; NaN as null, infinity as a word."""
-    return [None if math.isnan(value) else value if math.isfinite(value) else str(value) for value in array.ravel().tolist()]
+    return [
+        None if math.isnan(value) else value if math.isfinite(value) else str(value)
+        for value in array.ravel().tolist()
+    ]
 
 
 class _Reader:
@@ -190,38 +221,74 @@ class _Reader:
             found = content.get("format") if isinstance(content, dict) else type(content).__name__
             self._refuse(f"has format {found!r}, this version reads {FORMAT!r}")
         self._keys(
-            content, "the file",
-            ("format", "robot", "frame", "task", "over", "units", "length", "singular_below", "held", "grid", "arrays"),
-        )  # fmt: skip
-        grid = {name: self._axis(name, values) for name, values in self._mapping("grid", content["grid"]).items()}
+            content,
+            "the file",
+            (
+                "format",
+                "robot",
+                "frame",
+                "task",
+                "over",
+                "units",
+                "length",
+                "singular_below",
+                "held",
+                "grid",
+                "arrays",
+            ),
+        )
+        grid = {
+            name: self._axis(name, values)
+            for name, values in self._mapping("grid", content["grid"]).items()
+        }
         if not grid:
             self._refuse("has a grid without coordinates")
-        held = {name: self._number(f"held[{name!r}]", value) for name, value in self._mapping("held", content["held"]).items()}
+        held = {
+            name: self._number(f"held[{name!r}]", value)
+            for name, value in self._mapping("held", content["held"]).items()
+        }
         units = self._mapping("units", content["units"])
         self._keys(units, "units", (*grid, *held))
         for name, unit in units.items():
             if unit not in ("m", "rad"):
                 self._refuse(f"has the unit {unit!r} for {name!r}, not 'm' or 'rad'")
         try:
-            task = checked_task([self._text("task", name) for name in self._list("task", content["task"])])
+            task = checked_task(
+                [self._text("task", name) for name in self._list("task", content["task"])]
+            )
         except (UnknownName, InvalidValue) as error:
             self._refuse(f"has a task that is none ({error})")
         if content["over"] not in COORDINATES:
             self._refuse(f"has over {content['over']!r}, not {' or '.join(map(repr, COORDINATES))}")
-        length, singular_below = (self._number(name, content[name]) for name in ("length", "singular_below"))
+        length, singular_below = (
+            self._number(name, content[name]) for name in ("length", "singular_below")
+        )
         if length <= 0.0 or singular_below < 0.0:
-            self._refuse(f"has length {length} and singular_below {singular_below}; they are positive, and not negative")
+            self._refuse(
+                f"has length {length} and singular_below {singular_below}; they are positive, "
+                "and not negative"
+            )
         return {
-            "robot": self._text("robot", content["robot"]), "frame": self._text("frame", content["frame"]), "task": task,
-            "over": content["over"], "grid": grid, "held": held, "units": units, "length": length, "singular_below": singular_below,
+            "robot": self._text("robot", content["robot"]),
+            "frame": self._text("frame", content["frame"]),
+            "task": task,
+            "over": content["over"],
+            "grid": grid,
+            "held": held,
+            "units": units,
+            "length": length,
+            "singular_below": singular_below,
             **self._arrays(content["arrays"], tuple(values.size for values in grid.values())),
-        }  # fmt: skip
+        }
 
     def _refuse(self, reason: str) -> NoReturn:
         raise InvalidMapFile(self._path, reason)
 
     def _keys(self, mapping: dict[str, Any], what: str, names: tuple[str, ...]) -> None:
-        missing, strange = [name for name in names if name not in mapping], [name for name in mapping if name not in names]
+        missing, strange = (
+            [name for name in names if name not in mapping],
+            [name for name in mapping if name not in names],
+        )
         if missing or strange:
             verb, keys = ("lacks", missing) if missing else ("has the unknown", strange)
             self._refuse(f"{what} {verb} {', '.join(map(repr, keys))}")
@@ -247,16 +314,35 @@ class _Reader:
         return float(value)
 
     def _axis(self, name: str, values: Any) -> Array:
-        axis = np.array([self._number(f"grid[{name!r}]", value) for value in self._list(f"grid[{name!r}]", values)])
+        axis = np.array(
+            [
+                self._number(f"grid[{name!r}]", value)
+                for value in self._list(f"grid[{name!r}]", values)
+            ]
+        )
         if axis.size < 2 or not (np.diff(axis) > 0.0).all():
             self._refuse(f"has grid[{name!r}] that is not two numbers or more, ascending")
         return axis
 
     def _array(self, name: str, values: Any, shape: tuple[int, ...]) -> Array:
         count = math.prod(shape)
-        if not isinstance(values, list) or len(values) == 0 or len(values) % count or (name not in VECTORS and len(values) != count):
-            self._refuse(f"has {name} that is not a list of one entry for each of the {count} poses")
-        row = [math.nan if value is None else float(value) if value in ("inf", "-inf") else self._number(name, value) for value in values]
+        if (
+            not isinstance(values, list)
+            or len(values) == 0
+            or len(values) % count
+            or (name not in VECTORS and len(values) != count)
+        ):
+            self._refuse(
+                f"has {name} that is not a list of one entry for each of the {count} poses"
+            )
+        row = [
+            math.nan
+            if value is None
+            else float(value)
+            if value in ("inf", "-inf")
+            else self._number(name, value)
+            for value in values
+        ]
         return np.array(row).reshape(shape + ((len(row) // count,) if name in VECTORS else ()))
 
     def _arrays(self, content: Any, shape: tuple[int, ...]) -> dict[str, Any]:
@@ -272,7 +358,9 @@ class _Reader:
             if not ((values >= least) & (values <= most) | np.isnan(values)).all():
                 self._refuse(f"has {name} outside {least:g} to {most:g}")
             # In a constraint singularity there are measures that have no value.
-            if (np.isfinite(values[~reached]).any() and name != "status") or (name in ALWAYS and np.isnan(values[reached]).any()):
+            if (np.isfinite(values[~reached]).any() and name != "status") or (
+                name in ALWAYS and np.isnan(values[reached]).any()
+            ):
                 self._refuse(f"has {name} where there is no pose, or none where there is one")
         if arrays["position"].shape[-1] != 3 or np.isnan(arrays["status"]).any():
             self._refuse("has positions that are not three numbers, or poses without a status")

@@ -1,33 +1,40 @@
 r"""Singularities of any robot with loops: what kind, how far away, and what moves there.
 
-The joint velocities that keep the loops closed are those in the null space of the constraint Jacobian :math:`\Phi(q)`. With N an
-orthonormal basis of it, :math:`\dot q = N w`, two maps lead out: one to the actuated joints, whose rows of N are :math:`N_a`, and one to
-the chosen rows of a frame's velocity,
+The joint velocities that keep the loops closed are those in the null space of the constraint
+Jacobian :math:`\Phi(q)`. With N an orthonormal basis of it, :math:`\dot q = N w`, two maps lead
+out: one to the actuated joints, whose rows of N are :math:`N_a`, and one to the chosen rows of a
+frame's velocity,
 
 .. math:: \Phi N = 0, \qquad \dot q^a = N_a w, \qquad \dot x = T w, \quad T = J_\text{tree} N .
 
-Where :math:`N_a` is invertible, :math:`\dot x = J \dot q^a` with :math:`J = T N_a^{-1}`; eliminating w gives
-:math:`A \dot x = B \dot q^a`, with :math:`\det A` proportional to :math:`\det N_a` and :math:`\det B` to :math:`\det T`. Three things can
-go wrong:
+Where :math:`N_a` is invertible, :math:`\dot x = J \dot q^a` with :math:`J = T N_a^{-1}`;
+eliminating w gives :math:`A \dot x = B \dot q^a`, with :math:`\det A` proportional to
+:math:`\det N_a` and :math:`\det B` to :math:`\det T`. Three things can go wrong:
 
-* ``actuation``, also called parallel or of the second type: :math:`N_a` loses rank, which is to say that the un-actuated columns
-  :math:`\Phi^u` do. The robot can move with its motors locked, and there are forces that the motors cannot hold.
-* ``end_effector``, also called serial or of the first type: :math:`T` loses rank. The motors can move and the frame stands still, and
-  there are directions in which it cannot go.
-* ``constraint``: :math:`\Phi` itself loses rank, so the robot has more degrees of freedom here than elsewhere; branches of its motion
-  may meet. The motors, too few for all of them, do not determine the motion either, so this is also a singularity of actuation.
+* ``actuation``, also called parallel or of the second type: :math:`N_a` loses rank, which is to say
+  that the un-actuated columns :math:`\Phi^u` do. The robot can move with its motors locked, and
+  there are forces that the motors cannot hold.
+* ``end_effector``, also called serial or of the first type: :math:`T` loses rank. The motors can
+  move and the frame stands still, and there are directions in which it cannot go.
+* ``constraint``: :math:`\Phi` itself loses rank, so the robot has more degrees of freedom here than
+  elsewhere; branches of its motion may meet. The motors, too few for all of them, do not determine
+  the motion either, so this is also a singularity of actuation.
 
-N and the measures made of it depend on the mechanism alone, not on how its closures are written down.
+N and the measures made of it depend on the mechanism alone, not on how its closures are written
+down.
 
-Meters and radians are made comparable by a characteristic length: an angle counts as the way of a point at that distance from the axis.
-By default it is the robot's own, see :func:`characteristic_length`. All singular values here are then pure numbers.
+Meters and radians are made comparable by a characteristic length: an angle counts as the way of a
+point at that distance from the axis. By default it is the robot's own, see
+:func:`characteristic_length`. All singular values here are then pure numbers.
 
-Sources: C. Gosselin and J. Angeles, Singularity analysis of closed-loop kinematic chains, IEEE Transactions on Robotics and Automation 6
-(1990), for the two types; F. C. Park and J. W. Kim, Singularity analysis of closed kinematic chains, Journal of Mechanical Design 121
-(1999), for the two maps; D. Zlatanov, I. A. Bonev and C. M. Gosselin, Constraint singularities of parallel mechanisms, IEEE
-International Conference on Robotics and Automation (2002), for the third kind; T. Yoshikawa, Manipulability of robotic mechanisms,
-International Journal of Robotics Research 4 (1985); J.-P. Merlet, Jacobian, manipulability, condition number, and accuracy of parallel
-robots, Journal of Mechanical Design 128 (2006), for what these numbers cannot say.
+Sources: C. Gosselin and J. Angeles, Singularity analysis of closed-loop kinematic chains, IEEE
+Transactions on Robotics and Automation 6 (1990), for the two types; F. C. Park and J. W. Kim,
+Singularity analysis of closed kinematic chains, Journal of Mechanical Design 121 (1999), for the
+two maps; D. Zlatanov, I. A. Bonev and C. M. Gosselin, Constraint singularities of parallel
+mechanisms, IEEE International Conference on Robotics and Automation (2002), for the third kind; T.
+Yoshikawa, Manipulability of robotic mechanisms, International Journal of Robotics Research 4
+(1985); J.-P. Merlet, Jacobian, manipulability, condition number, and accuracy of parallel robots,
+Journal of Mechanical Design 128 (2006), for what these numbers cannot say.
 """
 
 from __future__ import annotations
@@ -45,7 +52,13 @@ from psp3.closure.kernels import jacobian
 from psp3.closure.rank import RANK_TOLERANCE
 from psp3.closure.table import flattened
 from psp3.errors import OpenLoops
-from psp3.kinematics.tasks import TASK_COORDINATES, characteristic_length, checked_frame, checked_task, rotating
+from psp3.kinematics.tasks import (
+    TASK_COORDINATES,
+    characteristic_length,
+    checked_frame,
+    checked_task,
+    rotating,
+)
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 OPEN = 1e-6
@@ -59,26 +72,35 @@ _CHUNK = 256
 
 
 class Measures(NamedTuple):
-    r"""How far configurations are from singularities; each field has their leading dimensions, and is a pure number.
+    r"""How far configurations are from singularities.
 
-    ``constraint``: smallest over largest singular value of the constraint Jacobian, redundant rows aside. Zero if the loops give way.
+    Each field has their leading dimensions, and is a pure number.
 
-    ``actuation``: smallest singular value of :math:`N_a`, between 0 and 1. All joints together can move by its inverse while the motors
-    move by one; zero if they can move while the motors do not.
+    ``constraint``: smallest over largest singular value of the constraint Jacobian, redundant rows
+    aside. Zero if the loops give way.
 
-    ``end_effector``: smallest singular value of T. The frame moves at least so far, in every direction of the task that it can be asked
-    for, while all joints together move by one; zero if it cannot move in some direction, or stands still in some motion.
+    ``actuation``: smallest singular value of :math:`N_a`, between 0 and 1. All joints together can
+    move by its inverse while the motors move by one; zero if they can move while the motors do not.
 
-    ``closure_condition``: condition number of :math:`\Phi^u`, by which errors grow on the way from the motors to the other joints.
+    ``end_effector``: smallest singular value of T. The frame moves at least so far, in every
+    direction of the task that it can be asked for, while all joints together move by one; zero if
+    it cannot move in some direction, or stands still in some motion.
 
-    ``condition``: condition number of J. One where the frame moves equally well in all directions; infinite at singularities of both kinds.
+    ``closure_condition``: condition number of :math:`\Phi^u`, by which errors grow on the way from
+    the motors to the other joints.
 
-    ``manipulability``: product of the singular values of J, which is :math:`\sqrt{\det J J^T}`: the volume that unit speeds of the motors
-    give the frame's velocity. Zero at singularities of the end effector, infinite at those of actuation.
+    ``condition``: condition number of J. One where the frame moves equally well in all directions;
+    infinite at singularities of both kinds.
 
-    ``orientation``: sign of :math:`\det J`, which changes where one of them is crossed, and only there. Zero where J is not square.
+    ``manipulability``: product of the singular values of J, which is :math:`\sqrt{\det J J^T}`: the
+    volume that unit speeds of the motors give the frame's velocity. Zero at singularities of the
+    end effector, infinite at those of actuation.
 
-    ``mobility``: degrees of freedom here; more than elsewhere in a constraint singularity, where all that depends on N is NaN.
+    ``orientation``: sign of :math:`\det J`, which changes where one of them is crossed, and only
+    there. Zero where J is not square.
+
+    ``mobility``: degrees of freedom here; more than elsewhere in a constraint singularity, where
+    all that depends on N is NaN.
     """
 
     constraint: Array
@@ -95,9 +117,10 @@ class Measures(NamedTuple):
 class Singularity(NamedTuple):
     """What is singular about a configuration.
 
-    ``kinds`` holds those of :data:`KINDS` that apply; it is empty at a regular configuration. The rows of ``locked`` (k, nv) are joint
-    velocities with all motors at rest, those of ``still`` (k, nv) leave the frame at rest, as far as the task goes; of a robot with more
-    motors than the task has rows there always are some. In each row no joint is faster than 1 [m/s, rad/s].
+    ``kinds`` holds those of :data:`KINDS` that apply; it is empty at a regular configuration. The
+    rows of ``locked`` (k, nv) are joint velocities with all motors at rest, those of ``still`` (k,
+    nv) leave the frame at rest, as far as the task goes; of a robot with more motors than the task
+    has rows there always are some. In each row no joint is faster than 1 [m/s, rad/s].
     """
 
     kinds: tuple[str, ...]
@@ -115,8 +138,8 @@ class SingularityAnalysis:
     frame : str
         Name of the frame that does the task.
     task : sequence of str
-        Which rows of the frame's velocity matter, of :data:`TASK_COORDINATES`: ``("x", "y")`` for a point in the plane. A frame can be
-        singular in one task and regular in another.
+        Which rows of the frame's velocity matter, of :data:`TASK_COORDINATES`: ``("x", "y")`` for a
+        point in the plane. A frame can be singular in one task and regular in another.
     length : float, optional
         Characteristic length [m]; that of :func:`characteristic_length` unless given.
 
@@ -133,18 +156,29 @@ class SingularityAnalysis:
         If the task is empty or names a coordinate twice, or the length is not positive.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, frame: str, task: Sequence[str], length: float | None = None) -> None:
+    def __init__(
+        self, robot: ClosedLoopRobot, frame: str, task: Sequence[str], length: float | None = None
+    ) -> None:
         self.robot, self.frame, self.task = robot, checked_frame(robot, frame), checked_task(task)
-        self.length = characteristic_length(robot) if length is None else checked_positive("length", length)
+        self.length = (
+            characteristic_length(robot) if length is None else checked_positive("length", length)
+        )
         self._index = robot.model.getFrameId(frame)
         self._rows = [TASK_COORDINATES.index(name) for name in self.task]
         # Here the motors are joints like any other.
         self._table = flattened(robot.model, robot.constraint_models, np.zeros(0, dtype=np.int64))
-        # Multiplied by these, velocities are in m/s; divided by those of the joints, so are the columns of Jacobians.
+        # Multiplied by these, velocities are in m/s; divided by those of the joints, so are the
+        # columns of Jacobians.
         self._joint_scale = np.where(rotating(robot.model), self.length, 1.0)
         self._row_scale = np.array([self.length if row >= 3 else 1.0 for row in self._rows])
         self._closure_scale = np.concatenate(
-            [np.zeros(0), *(np.array([1.0] * 3 + [self.length] * (int(rows) - 3)) for rows in self._table.closure_rows)]
+            [
+                np.zeros(0),
+                *(
+                    np.array([1.0] * 3 + [self.length] * (int(rows) - 3))
+                    for rows in self._table.closure_rows
+                ),
+            ]
         )
         left, _, _ = np.linalg.svd(self._matrices(robot.q0[np.newaxis])[0][0])
         self._independent: Array = left[:, : self._rank].T
@@ -171,7 +205,9 @@ class SingularityAnalysis:
         out = np.empty((*q.shape[:-1], 3))
         for place, row in zip(out.reshape(-1, 3), q.reshape(-1, q.shape[-1]), strict=True):
             pin.forwardKinematics(self.robot.model, self.robot.data, row)
-            place[:] = pin.updateFramePlacement(self.robot.model, self.robot.data, self._index).translation
+            place[:] = pin.updateFramePlacement(
+                self.robot.model, self.robot.data, self._index
+            ).translation
         return out
 
     def measures(self, configurations: ArrayLike) -> Measures:
@@ -180,7 +216,8 @@ class SingularityAnalysis:
         Parameters
         ----------
         configurations : (..., nq) array_like
-            Configurations that close the loops, from ``robot.configuration`` or found otherwise; they may be singular.
+            Configurations that close the loops, from ``robot.configuration`` or found otherwise;
+            they may be singular.
 
         Returns
         -------
@@ -197,18 +234,26 @@ class SingularityAnalysis:
         q = finite_rows("configurations", configurations, self.robot.model.nq)
         # A copy, because kernels would be compiled anew for arrays that cannot be written to.
         rows = np.array(q.reshape(-1, q.shape[-1]))
-        parts = [self._measures(*self._matrices(rows[start : start + _CHUNK])) for start in range(0, max(len(rows), 1), _CHUNK)]
-        return Measures(*(np.concatenate(part).reshape(q.shape[:-1]) for part in zip(*parts, strict=True)))
+        parts = [
+            self._measures(*self._matrices(rows[start : start + _CHUNK]))
+            for start in range(0, max(len(rows), 1), _CHUNK)
+        ]
+        return Measures(
+            *(np.concatenate(part).reshape(q.shape[:-1]) for part in zip(*parts, strict=True))
+        )
 
     def classify(self, configuration: ArrayLike, tolerance: float = 1e-6) -> Singularity:
-        """Return the kinds of singularities that a configuration is in, and the motions that make it singular.
+        """Return the kinds of singularities that a configuration is in, with motions.
+
+        The motions are what makes it singular.
 
         Parameters
         ----------
         configuration : (nq,) array_like
             A configuration that closes the loops.
         tolerance : float
-            Singular values up to this count as zero. Newton's method finds singular configurations to the root of its own accuracy only.
+            Singular values up to this count as zero. Newton's method finds singular configurations
+            to the root of its own accuracy only.
 
         Returns
         -------
@@ -234,21 +279,31 @@ class SingularityAnalysis:
             "actuation": locked.shape[1] > 0,
             "end_effector": free - still.shape[1] < min(len(self.task), len(self.robot.actuated)),
         }
-        return Singularity(tuple(kind for kind in KINDS if found[kind]), self._velocities(locked), self._velocities(still))
+        return Singularity(
+            tuple(kind for kind in KINDS if found[kind]),
+            self._velocities(locked),
+            self._velocities(still),
+        )
 
     @property
     def _rank(self) -> int:
-        """Independent closure equations in general position: as many as there are joints without a motor."""
+        """Independent closure equations in general position.
+
+        As many as there are joints without a motor.
+        """
         return self.robot.dependent_v.size
 
     def _velocities(self, motions: Array) -> Array:
-        """Return homogeneous motions (nv, k) as joint velocities (k, nv) of which the fastest is 1."""
+        """Return homogeneous motions (nv, k) as joint velocities (k, nv), the fastest being 1."""
         velocities = (motions / self._joint_scale[:, np.newaxis]).T
         scaled: Array = velocities / np.abs(velocities).max(axis=1, keepdims=True, initial=1e-300)
         return scaled
 
     def _matrices(self, rows: Array) -> tuple[Array, Array]:
-        """Return constraint Jacobians (N, m, nv) and the task's rows of the frame's Jacobian in the tree (N, t, nv), dimensionless."""
+        """Return constraint Jacobians (N, m, nv) and the task's rows (N, t, nv).
+
+        The rows are those of the frame's Jacobian in the tree. All is dimensionless.
+        """
         model, data = self.robot.model, self.robot.data
         closures = np.zeros((len(rows), self._closure_scale.size, model.nv))
         frames = np.empty((len(rows), len(self._rows), model.nv))
@@ -259,20 +314,33 @@ class SingularityAnalysis:
             jacobian(self._table, q, closure)
             pin.computeJointJacobians(model, data, q)
             pin.updateFramePlacement(model, data, self._index)
-            whole = pin.getFrameJacobian(model, data, self._index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+            whole = pin.getFrameJacobian(
+                model, data, self._index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
             frame[:] = whole.reshape(6, model.nv)[self._rows]
         closures *= self._closure_scale[:, np.newaxis] / self._joint_scale
         frames *= self._row_scale[:, np.newaxis] / self._joint_scale
         return closures, frames
 
     def _measures(self, closures: Array, frames: Array) -> Measures:
-        count, n, rank, nv = len(closures), len(self.robot.actuated), self._rank, self.robot.model.nv
-        constraint, closure_condition, mobility = np.ones(count), np.ones(count), np.full(count, float(nv))
+        count, n, rank, nv = (
+            len(closures),
+            len(self.robot.actuated),
+            self._rank,
+            self.robot.model.nv,
+        )
+        constraint, closure_condition, mobility = (
+            np.ones(count),
+            np.ones(count),
+            np.full(count, float(nv)),
+        )
         motions = np.broadcast_to(np.eye(nv), (count, nv, nv))
         if rank:
             _, values, right = np.linalg.svd(closures)
             constraint = values[:, rank - 1] / values[:, 0]
-            mobility = (nv - np.count_nonzero(values > RANK_TOLERANCE * values[:, :1], axis=1)).astype(float)
+            mobility = (
+                nv - np.count_nonzero(values > RANK_TOLERANCE * values[:, :1], axis=1)
+            ).astype(float)
             motions = np.swapaxes(right[:, rank:], 1, 2)
             closure_condition = _condition(closures[:, :, self.robot.dependent_v])
         driven, moved = motions[:, self.robot.actuated_v], frames @ motions
@@ -284,18 +352,33 @@ class SingularityAnalysis:
             condition=np.full(count, np.inf),
             manipulability=np.full(count, np.inf),
             # The determinants change their signs together with the basis, their product does not.
-            orientation=np.sign(np.linalg.det(driven) * np.linalg.det(moved)) if len(self.task) == n else np.zeros(count),
-            assembly=np.sign(np.linalg.det((self._independent @ closures)[:, :, self.robot.dependent_v])),
+            orientation=np.sign(np.linalg.det(driven) * np.linalg.det(moved))
+            if len(self.task) == n
+            else np.zeros(count),
+            assembly=np.sign(
+                np.linalg.det((self._independent @ closures)[:, :, self.robot.dependent_v])
+            ),
             mobility=mobility,
         )
         regular = measures.actuation > RANK_TOLERANCE
-        transposed: Array = np.linalg.solve(np.swapaxes(driven[regular], 1, 2), np.swapaxes(moved[regular], 1, 2)).astype(float)
+        transposed: Array = np.linalg.solve(
+            np.swapaxes(driven[regular], 1, 2), np.swapaxes(moved[regular], 1, 2)
+        ).astype(float)
         measures.condition[regular] = _condition(transposed)
         measures.manipulability[regular] = np.linalg.svd(transposed, compute_uv=False).prod(axis=1)
         # Which of the directions belong to N is not determined where there are more than usual.
         apart = mobility > nv - rank
-        measures.actuation[apart], measures.closure_condition[apart], measures.assembly[apart] = 0.0, np.inf, 0.0
-        for array in (measures.end_effector, measures.condition, measures.manipulability, measures.orientation):
+        measures.actuation[apart], measures.closure_condition[apart], measures.assembly[apart] = (
+            0.0,
+            np.inf,
+            0.0,
+        )
+        for array in (
+            measures.end_effector,
+            measures.condition,
+            measures.manipulability,
+            measures.orientation,
+        ):
             array[apart] = np.nan
         return measures
 
@@ -310,7 +393,10 @@ def _condition(matrices: Array) -> Array:
 
 
 def _null_space(matrix: Array, limit: float) -> Array:
-    """Return an orthonormal basis (nv, k) of the directions in which a matrix is not larger than a limit."""
+    """Return an orthonormal basis (nv, k) of directions in which a matrix is small.
+
+    Small is not larger than a limit.
+    """
     if not matrix.size:
         return np.eye(matrix.shape[1])
     _, values, right = np.linalg.svd(matrix)

@@ -1,11 +1,15 @@
-r"""A robot driven at one of its frames: the inverse kinematics of any robot with loops, as forward kinematics of another.
+r"""A robot driven at one of its frames.
 
-Joints without mass are added that stand on the base, three sliders and, if the task has angles, three hinges, and a closure joins the
-last of them to the frame. Then those that belong to the task are actuated, and the motors are joints like any other. What holds for a
-robot with loops holds for this one: its configurations follow from the task's coordinates by Newton's method with continuation, in one
-assembly mode, which for the robot itself is one *working mode*. It is singular where the robot's end effector is (see
-:mod:`psp3.kinematics.singularities`), and goes through singularities of actuation as if they were not there. Its mass matrix is the robot's
-inertia at the frame, :math:`J^{-T} M J^{-1}`.
+The inverse kinematics of any robot with loops, as forward kinematics of another.
+
+Joints without mass are added that stand on the base, three sliders and, if the task has angles,
+three hinges, and a closure joins the last of them to the frame. Then those that belong to the task
+are actuated, and the motors are joints like any other. What holds for a robot with loops holds for
+this one: its configurations follow from the task's coordinates by Newton's method with
+continuation, in one assembly mode, which for the robot itself is one *working mode*. It is singular
+where the robot's end effector is (see :mod:`psp3.kinematics.singularities`), and goes through
+singularities of actuation as if they were not there. Its mass matrix is the robot's inertia at the
+frame, :math:`J^{-T} M J^{-1}`.
 """
 
 from __future__ import annotations
@@ -49,22 +53,25 @@ class TaskDrivenRobot(ClosedLoopRobot):
     frame : str
         Name of the frame that does the task.
     task : sequence of str
-        As many coordinates as the robot has motors: ``x``, ``y``, ``z``, the position of the frame in base axes [m], and ``rx``, ``ry``,
-        ``rz``, angles [rad] by which the frame is turned away from its orientation in the robot's reference configuration, about the
-        fixed base axes, x first, then y, then z. Those that are not named are free, and follow; the turn about such an axis comes last,
-        except that a single angle always is the last.
+        As many coordinates as the robot has motors: ``x``, ``y``, ``z``, the position of the frame
+        in base axes [m], and ``rx``, ``ry``, ``rz``, angles [rad] by which the frame is turned away
+        from its orientation in the robot's reference configuration, about the fixed base axes, x
+        first, then y, then z. Those that are not named are free, and follow; the turn about such an
+        axis comes last, except that a single angle always is the last.
 
     Attributes
     ----------
     robot, frame, task
-        As given. The actuated joints are ``task_x`` and so on; configurations hold those of ``robot`` first.
+        As given. The actuated joints are ``task_x`` and so on; configurations hold those of
+        ``robot`` first.
 
     Raises
     ------
     UnknownName
         If the robot has no such frame, or there is no such coordinate.
     InvalidValue
-        If the task has not as many coordinates as the robot has motors, or they do not determine its pose.
+        If the task has not as many coordinates as the robot has motors, or they do not determine
+        its pose.
     ClosureFailed, SingularConfiguration
         If the reference configuration is a singularity of the frame.
     """
@@ -72,7 +79,11 @@ class TaskDrivenRobot(ClosedLoopRobot):
     def __init__(self, robot: ClosedLoopRobot, frame: str, task: Sequence[str]) -> None:
         self.robot, self.frame, self.task = robot, checked_frame(robot, frame), checked_task(task)
         if len(self.task) != len(robot.actuated):
-            raise InvalidValue("task", self.task, f"as many coordinates as the robot has motors, {len(robot.actuated)}")
+            raise InvalidValue(
+                "task",
+                self.task,
+                f"as many coordinates as the robot has motors, {len(robot.actuated)}",
+            )
         at_reference = self._placement(robot.q0)
         self._orientation, self._turns = at_reference.rotation.copy(), _turns(self.task)
         model, last = without_limits(robot.model), 0
@@ -80,19 +91,33 @@ class TaskDrivenRobot(ClosedLoopRobot):
             last = model.addJoint(last, _JOINTS[name](), pin.SE3.Identity(), f"task_{name}")
         closures = [
             pin.RigidConstraintModel(
-                one.type, model, one.joint1_id, one.joint1_placement, one.joint2_id, one.joint2_placement, pin.ReferenceFrame.LOCAL
+                one.type,
+                model,
+                one.joint1_id,
+                one.joint1_placement,
+                one.joint2_id,
+                one.joint2_placement,
+                pin.ReferenceFrame.LOCAL,
             )
             for one in robot.constraint_models
         ]
         end = robot.model.frames[robot.model.getFrameId(frame)]
         kind = pin.ContactType.CONTACT_6D if self._turns else pin.ContactType.CONTACT_3D
         sides = (last, pin.SE3(self._orientation, np.zeros(3))), (end.parentJoint, end.placement)
-        closures.append(pin.RigidConstraintModel(kind, model, *sides[0], *sides[1], pin.ReferenceFrame.LOCAL))
+        closures.append(
+            pin.RigidConstraintModel(kind, model, *sides[0], *sides[1], pin.ReferenceFrame.LOCAL)
+        )
         try:
-            super().__init__(model, closures, [f"task_{name}" for name in self.task], self.completed(robot.q0))
+            super().__init__(
+                model, closures, [f"task_{name}" for name in self.task], self.completed(robot.q0)
+            )
         except MobilityMismatch as error:
             free = ", ".join(error.mobility.free_joints)
-            raise InvalidValue("task", self.task, f"coordinates that determine the pose; with them held, {free} can still move") from error
+            raise InvalidValue(
+                "task",
+                self.task,
+                f"coordinates that determine the pose; with them held, {free} can still move",
+            ) from error
 
     def completed(self, configurations: ArrayLike) -> Array:
         """Return the configurations of this robot that hold given ones of the robot it is made of.
@@ -129,7 +154,10 @@ class TaskDrivenRobot(ClosedLoopRobot):
 
 
 def _turns(task: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the axes of the added hinges, from the base outward; the middle one is the one that must stay below 90°."""
+    """Return the axes of the added hinges, from the base outward.
+
+    The middle one is the one that must stay below 90°.
+    """
     mine = [name for name in ("rz", "ry", "rx") if name in task]
     others = [name for name in ("rz", "ry", "rx") if name not in task]
     if not mine:
@@ -142,4 +170,7 @@ def _angles(rotation: Array, turns: tuple[str, ...]) -> Array:
     from scipy.spatial.transform import Rotation
 
     # Capital letters: each axis is turned by the hinges before it.
-    return np.asarray(Rotation.from_matrix(rotation).as_euler("".join(name[1].upper() for name in turns)), dtype=float)
+    return np.asarray(
+        Rotation.from_matrix(rotation).as_euler("".join(name[1].upper() for name in turns)),
+        dtype=float,
+    )

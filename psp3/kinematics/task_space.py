@@ -1,11 +1,14 @@
-r"""Task space: where a frame of the robot is, how it moves, and how far that is from where it should be.
+r"""Task space of a robot.
+
+Where a frame of the robot is, how it moves, and how far that is from where it should be.
 
 With a the actuated positions and :math:`x = f(a)` the frame's coordinates,
 
 .. math:: \dot x = J \dot a, \qquad \ddot x = J \ddot a + \dot J \dot a .
 
-:math:`\dot J \dot a` is exact: the joints are given the accelerations that keep the loops closed while the actuated ones move
-uniformly, and Pinocchio carries these through the tree. For the tip of the 3-PSP, :meth:`psp3.PSP3.rates_of_tip` is the inverse.
+:math:`\dot J \dot a` is exact: the joints are given the accelerations that keep the loops closed
+while the actuated ones move uniformly, and Pinocchio carries these through the tree. For the tip of
+the 3-PSP, :meth:`psp3.PSP3.rates_of_tip` is the inverse.
 """
 
 from __future__ import annotations
@@ -26,7 +29,8 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 class TaskState(NamedTuple):
     r"""A frame in one state of the robot, in t coordinates of a task.
 
-    ``placement`` (4, 4); ``velocity`` (t,), :math:`J \dot a`; ``drift`` (t,), :math:`\dot J \dot a`; ``jacobian`` (t, n), :math:`J`.
+    ``placement`` (4, 4); ``velocity`` (t,), :math:`J \dot a`; ``drift`` (t,),
+    :math:`\dot J \dot a`; ``jacobian`` (t, n), :math:`J`.
     """
 
     placement: Array
@@ -45,7 +49,8 @@ class TaskSpace:
     frame : str
         Name of a frame of the model.
     task : sequence of str
-        Which of ``x``, ``y``, ``z``, ``rx``, ``ry``, ``rz``: position of the frame's origin and rotation, in base axes.
+        Which of ``x``, ``y``, ``z``, ``rx``, ``ry``, ``rz``: position of the frame's origin and
+        rotation, in base axes.
 
     Raises
     ------
@@ -55,19 +60,31 @@ class TaskSpace:
         If the task is empty, or names a coordinate twice.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, frame: str = "tip", task: Sequence[str] = ("x", "y", "z")) -> None:
+    def __init__(
+        self, robot: ClosedLoopRobot, frame: str = "tip", task: Sequence[str] = ("x", "y", "z")
+    ) -> None:
         self.robot, self.frame, self.task = robot, checked_frame(robot, frame), checked_task(task)
         self.rows = [TASK_COORDINATES.index(name) for name in self.task]
         self._index = robot.model.getFrameId(frame)
         self._is_position = max(self.rows) < 3
 
     def state(self, position: Array, speed: Array) -> TaskState:
-        """Return the frame's motion and Jacobian for one state; positions and speeds (n,) of the actuated joints."""
-        motion, jacobian = motion_and_jacobian(self.robot, self._index, position, speed, np.zeros_like(speed))
-        return TaskState(motion.placement, motion.velocity[self.rows], motion.acceleration[self.rows], jacobian[self.rows])
+        """Return the frame's motion and Jacobian for one state.
+
+        Positions and speeds (n,) of the actuated joints.
+        """
+        motion, jacobian = motion_and_jacobian(
+            self.robot, self._index, position, speed, np.zeros_like(speed)
+        )
+        return TaskState(
+            motion.placement,
+            motion.velocity[self.rows],
+            motion.acceleration[self.rows],
+            jacobian[self.rows],
+        )
 
     def jacobian(self, position: Array) -> Array:
-        """Return the Jacobian (t, n) of the task's coordinates at positions (n,) of the actuated joints."""
+        """Return the Jacobian (t, n) of the task at positions (n,) of the actuated joints."""
         if self._is_position:
             return self.robot.position_jacobian(position, self.frame)[self.rows]
         return self.robot.frame_jacobian(position, self.frame)[self.rows]
@@ -75,7 +92,8 @@ class TaskSpace:
     def error(self, desired: Array, actual: Array) -> Array:
         r"""Return how far a placement is from the desired one, in the task's coordinates.
 
-        The rotation still to be made is :math:`\log (R_d R^\top)`, a vector along its axis in base axes, as long as its angle.
+        The rotation still to be made is :math:`\log (R_d R^\top)`, a vector along its axis in base
+        axes, as long as its angle.
 
         Parameters
         ----------
@@ -87,14 +105,23 @@ class TaskSpace:
         (t,) ndarray
             Differences [m], [rad].
         """
-        whole = np.concatenate([desired[:3, 3] - actual[:3, 3], pin.log3(desired[:3, :3] @ actual[:3, :3].T)])
+        whole = np.concatenate(
+            [desired[:3, 3] - actual[:3, 3], pin.log3(desired[:3, :3] @ actual[:3, :3].T)]
+        )
         difference: Array = whole[self.rows]
         return difference
 
 
 def square_task(robot: ClosedLoopRobot, frame: str, task: Sequence[str]) -> TaskSpace:
-    """Return a task space with as many coordinates as the robot has motors; raise :class:`InvalidValue` if they are more or fewer."""
+    """Return a task space with as many coordinates as the robot has motors.
+
+    Raise :class:`InvalidValue` if they are more or fewer.
+    """
     space = TaskSpace(robot, frame, task)
     if len(space.task) != len(robot.actuated):
-        raise InvalidValue("task", space.task, f"as many coordinates as the robot has motors, {len(robot.actuated)}")
+        raise InvalidValue(
+            "task",
+            space.task,
+            f"as many coordinates as the robot has motors, {len(robot.actuated)}",
+        )
     return space

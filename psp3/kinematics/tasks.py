@@ -1,4 +1,4 @@
-"""Coordinates of a frame that make up a task, and the length that makes angles and distances comparable."""
+"""Coordinates of a frame that make up a task, and the length that weighs angles."""
 
 from __future__ import annotations
 
@@ -12,11 +12,15 @@ from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 TASK_COORDINATES = ("x", "y", "z", "rx", "ry", "rz")
-"""Velocity of a frame's origin and angular velocity, all in base axes, as the rows of a task are named."""
+"""Velocity of a frame's origin and angular velocity, all in base axes, as the rows of a task are
+named.
+"""
 
 
 def characteristic_length(robot: ClosedLoopRobot) -> float:
-    r"""Return the root mean square distance of a robot's joints from their middle, in its reference configuration.
+    r"""Return the root mean square distance of a robot's joints from their middle.
+
+    In its reference configuration.
 
     .. math:: \ell = \sqrt{\frac1k \sum_i \lVert p_i - \bar p \rVert^2}
 
@@ -36,10 +40,14 @@ def characteristic_length(robot: ClosedLoopRobot) -> float:
         If all joints are in one place, so that the robot has no length of its own.
     """
     pin.forwardKinematics(robot.model, robot.data, robot.q0)
-    places = np.array([robot.data.oMi[index].translation for index in range(1, robot.model.njoints)])
+    places = np.array(
+        [robot.data.oMi[index].translation for index in range(1, robot.model.njoints)]
+    )
     length = float(np.sqrt(((places - places.mean(axis=0)) ** 2).sum(axis=1).mean()))
     if length < 1e-9:
-        raise InvalidValue("length", None, "given in meters for a robot whose joints are all in one place")
+        raise InvalidValue(
+            "length", None, "given in meters for a robot whose joints are all in one place"
+        )
     return length
 
 
@@ -52,7 +60,9 @@ def rotating(model: pin.Model) -> NDArray[np.bool_]:
         joint = model.joints[index]
         columns = slice(joint.idx_v, joint.idx_v + joint.nv)
         # Of one column only, Pinocchio's Jacobians come without their second dimension.
-        own = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL).reshape(6, model.nv)[:, columns]
+        own = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL).reshape(
+            6, model.nv
+        )[:, columns]
         angular[columns] = np.abs(own[3:]).max(axis=0, initial=0.0) > 0.0
     return angular
 
@@ -65,11 +75,16 @@ def checked_frame(robot: ClosedLoopRobot, frame: str) -> str:
 
 
 def checked_task(task: Sequence[str]) -> tuple[str, ...]:
-    """Return a task's coordinates as a tuple; raise if one is unknown or there twice, or if there are none."""
+    """Return a task's coordinates as a tuple.
+
+    Raise if one is unknown or there twice, or if there are none.
+    """
     names = tuple(task)
     for name in names:
         if name not in TASK_COORDINATES:
             raise UnknownName("task coordinate", name, TASK_COORDINATES)
     if not names or len(set(names)) < len(names):
-        raise InvalidValue("task", names, f"one or more of {', '.join(TASK_COORDINATES)}, each once")
+        raise InvalidValue(
+            "task", names, f"one or more of {', '.join(TASK_COORDINATES)}, each once"
+        )
     return names

@@ -1,7 +1,10 @@
-"""Workspaces of any robot with loops: maps over two or more coordinates, their borders, and the way to the border.
+"""Workspaces of any robot with loops.
 
-Poses are reached from the robot's reference configuration by continuation, each from a neighbor, so a map is of one assembly mode (over
-the actuated coordinates) or of one working mode (over those of a task). Joint limits and singularities do not stop it; they are noted.
+Maps over two or more coordinates, their borders, and the way to the border.
+
+Poses are reached from the robot's reference configuration by continuation, each from a neighbor, so
+a map is of one assembly mode (over the actuated coordinates) or of one working mode (over those of
+a task). Joint limits and singularities do not stop it; they are noted.
 """
 
 from __future__ import annotations
@@ -14,7 +17,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, as_floats, checked_not_negative, checked_number, checked_positive
-from psp3.errors import ClosureFailed, InvalidArray, InvalidValue, SingularConfiguration, UnknownName
+from psp3.errors import (
+    ClosureFailed,
+    InvalidArray,
+    InvalidValue,
+    SingularConfiguration,
+    UnknownName,
+)
 from psp3.kinematics.border import EDGE_ACCURACY, Boundary, Tracer
 from psp3.kinematics.pose_map import COORDINATES, KinematicMap, Status
 from psp3.kinematics.singularities import Measures, SingularityAnalysis
@@ -26,7 +35,8 @@ UNLIMITED = 1e30
 """Limits beyond this are none; Pinocchio writes them as the largest number."""
 
 LEAST_CONSTRAINT = 1e-6
-"""Closures closer to a singularity of constraint, as a share of what they are in the reference configuration, are in it.
+"""Closures closer to a singularity of constraint, as a share of what they are in the reference
+configuration, are in it.
 
 Branches of the motion meet there, and continuation could leave on any of them.
 """
@@ -35,14 +45,19 @@ RAY_STEPS = 64
 """Poses along a ray between which its end is not overlooked."""
 
 RAY_ACCURACY = 1e-11
-"""Share of a ray to which its end is found; much less would be lost in the rounding of its closures."""
+"""Share of a ray to which its end is found; much less would be lost in the rounding of its
+closures.
+"""
 
 
 class Reach(NamedTuple):
-    """How far a ray goes: ``distance`` in multiples of its direction, what ``ends`` it, and the last ``configuration`` before.
+    """How far a ray goes.
 
-    ``ends`` is ``"limit"``, then ``joint`` names the joint; ``"actuation"``, ``"end_effector"`` or ``"constraint"`` for the kind of
-    singularity; or ``"farthest"`` if nothing ended it so far.
+    ``distance`` is in multiples of its direction, ``ends`` is what ends it, and ``configuration``
+    is the last one before.
+
+    ``ends`` is ``"limit"``, then ``joint`` names the joint; ``"actuation"``, ``"end_effector"`` or
+    ``"constraint"`` for the kind of singularity; or ``"farthest"`` if nothing ended it so far.
     """
 
     distance: float
@@ -61,16 +76,18 @@ class Workspace:
     frame : str
         Name of the frame.
     task : sequence of str
-        Coordinates of the frame that matter, see :class:`psp3.kinematics.task_driven.TaskDrivenRobot`.
+        Coordinates of the frame that matter, see
+        :class:`psp3.kinematics.task_driven.TaskDrivenRobot`.
     over : {"task", "actuators"}
-        Coordinates over which the workspace is seen: those of the task, of which there must then be as many as motors, or those of the
-        motors.
+        Coordinates over which the workspace is seen: those of the task, of which there must then be
+        as many as motors, or those of the motors.
     length : float, optional
         Characteristic length [m], see :mod:`psp3.kinematics.singularities`.
     singular_below : float
-        Poses whose measure of actuation or of the end effector is smaller count as singular, and those whose measure of constraint is
-        smaller than this share of what it is in the reference configuration. At 0.01 some motion of the motors moves the robot's joints
-        a hundred times as fast, or hardly moves the frame; 0 leaves the singularities themselves.
+        Poses whose measure of actuation or of the end effector is smaller count as singular, and
+        those whose measure of constraint is smaller than this share of what it is in the reference
+        configuration. At 0.01 some motion of the motors moves the robot's joints a hundred times as
+        fast, or hardly moves the frame; 0 leaves the singularities themselves.
 
     Attributes
     ----------
@@ -86,7 +103,8 @@ class Workspace:
     Raises
     ------
     UnknownName
-        If the robot has no such frame, or there is no such coordinate; or if ``over`` is something else.
+        If the robot has no such frame, or there is no such coordinate; or if ``over`` is something
+        else.
     InvalidValue
         If the task does not drive the robot, or a number is out of its range.
     """
@@ -108,10 +126,15 @@ class Workspace:
             self._driven: ClosedLoopRobot = TaskDrivenRobot(robot, frame, task)
             self.coordinates: tuple[str, ...] = self.analysis.task
         else:
-            self._driven = ClosedLoopRobot(without_limits(robot.model), robot.constraint_models, robot.actuated, robot.q0)
+            self._driven = ClosedLoopRobot(
+                without_limits(robot.model), robot.constraint_models, robot.actuated, robot.q0
+            )
             self.coordinates = robot.actuated
         angular = rotating(self._driven.model)[self._driven.actuated_v]
-        self.units = {name: "rad" if turns else "m" for name, turns in zip(self.coordinates, angular, strict=True)}
+        self.units = {
+            name: "rad" if turns else "m"
+            for name, turns in zip(self.coordinates, angular, strict=True)
+        }
         self.reference = dict(zip(self.coordinates, self._driven.reference.tolist(), strict=True))
         self._scale = np.where(angular, self.analysis.length, 1.0)
         self._limits = _Margins(robot, self.analysis.length)
@@ -119,13 +142,18 @@ class Workspace:
         self._signs = float(at_reference.orientation), float(at_reference.assembly)
         self._tight = float(at_reference.constraint)
 
-    def map(self, grid: Mapping[str, ArrayLike], held: Mapping[str, float] | None = None) -> KinematicMap:
-        """Return the poses over a grid, each reached from a neighbor, the first from the reference configuration.
+    def map(
+        self, grid: Mapping[str, ArrayLike], held: Mapping[str, float] | None = None
+    ) -> KinematicMap:
+        """Return the poses over a grid.
+
+        Each is reached from a neighbor, the first from the reference configuration.
 
         Parameters
         ----------
         grid : mapping
-            Values of one or more coordinates, ascending [m or rad]: ``{"x": np.linspace(-0.1, 0.1, 41), "z": [...]}``.
+            Values of one or more coordinates, ascending [m or rad]:
+            ``{"x": np.linspace(-0.1, 0.1, 41), "z": [...]}``.
         held : mapping, optional
             Values of the others [m or rad]; where not given, those of the reference configuration.
 
@@ -142,7 +170,9 @@ class Workspace:
         """
         axes = {name: self._ascending(name, values) for name, values in grid.items()}
         if not axes:
-            raise InvalidValue("grid", dict(grid), f"values of one or more of {', '.join(self.coordinates)}")
+            raise InvalidValue(
+                "grid", dict(grid), f"values of one or more of {', '.join(self.coordinates)}"
+            )
         fixed = self._point(held or {}, "held")
         for name in axes:
             if held is not None and name in held:
@@ -156,18 +186,33 @@ class Workspace:
         status, position, margin, measures = self._evaluated(configuration)
         status[_cut_off(status == Status.USABLE, self._away(targets))] = Status.APART
         return KinematicMap(
-            robot=self.analysis.robot.model.name, frame=self.analysis.frame, task=self.analysis.task, over=self.over, grid=axes,
-            held={name: value for name, value in zip(self.coordinates, fixed.tolist(), strict=True) if name not in axes},
-            units=self.units, length=self.analysis.length, singular_below=self.singular_below, status=status,
-            configuration=configuration, position=position, margin=margin, measures=measures,
-        )  # fmt: skip
+            robot=self.analysis.robot.model.name,
+            frame=self.analysis.frame,
+            task=self.analysis.task,
+            over=self.over,
+            grid=axes,
+            held={
+                name: value
+                for name, value in zip(self.coordinates, fixed.tolist(), strict=True)
+                if name not in axes
+            },
+            units=self.units,
+            length=self.analysis.length,
+            singular_below=self.singular_below,
+            status=status,
+            configuration=configuration,
+            position=position,
+            margin=margin,
+            measures=measures,
+        )
 
     def boundary(self, poses: KinematicMap, at_least: Status = Status.USABLE) -> Boundary:
         """Return the border of the poses of a map that are of a status or better.
 
-        Along every edge of the grid that crosses it, the border is found to a thousandth of the edge; between two edges it is drawn
-        straight, so the area is good to the square of the grid's step. Where the region goes on beyond the grid, the grid's own border
-        is not part of it.
+        Along every edge of the grid that crosses it, the border is found to a thousandth of the
+        edge; between two edges it is drawn straight, so the area is good to the square of the
+        grid's step. Where the region goes on beyond the grid, the grid's own border is not part of
+        it.
 
         Parameters
         ----------
@@ -183,34 +228,56 @@ class Workspace:
         Raises
         ------
         InvalidValue
-            If the map is of other dimensions or coordinates, or ``at_least`` is no status of reachable poses.
+            If the map is of other dimensions or coordinates, or ``at_least`` is no status of
+            reachable poses.
         """
         if len(poses.grid) != 2 or len({poses.units[name] for name in poses.grid}) != 1:
-            raise InvalidValue("poses", tuple(poses.grid), "a map over two coordinates of the same unit")
+            raise InvalidValue(
+                "poses", tuple(poses.grid), "a map over two coordinates of the same unit"
+            )
         if poses.over != self.over or set(poses.grid) | set(poses.held) != set(self.coordinates):
-            raise InvalidValue("poses", tuple(poses.grid), f"a map over {', '.join(self.coordinates)} of this workspace")
+            raise InvalidValue(
+                "poses",
+                tuple(poses.grid),
+                f"a map over {', '.join(self.coordinates)} of this workspace",
+            )
         if at_least not in tuple(Status)[1:]:
             raise InvalidValue("at_least", at_least, "a Status better than UNREACHABLE")
-        base, places, least = self._point(poses.held, "held"), [self._place(name) for name in poses.grid], Status(at_least)
+        base, places, least = (
+            self._point(poses.held, "held"),
+            [self._place(name) for name in poses.grid],
+            Status(at_least),
+        )
 
         def along(start: Array, way: Array, configuration: Array) -> float:
             origin, whole_way = base.copy(), np.zeros_like(base)
             origin[places], whole_way[places] = start, way
-            return self._as_far_as(origin, whole_way, self._whole(configuration), 1.0, 0.5, EDGE_ACCURACY, least)[0]
+            return self._as_far_as(
+                origin, whole_way, self._whole(configuration), 1.0, 0.5, EDGE_ACCURACY, least
+            )[0]
 
         return Tracer(poses, least, along).trace()
 
-    def distance(self, direction: Mapping[str, float], farthest: float, start: Mapping[str, float] | None = None) -> Reach:
-        """Return how far the robot can go in a direction before its poses are no longer usable, and why.
+    def distance(
+        self,
+        direction: Mapping[str, float],
+        farthest: float,
+        start: Mapping[str, float] | None = None,
+    ) -> Reach:
+        """Return how far the robot can go in a direction, and why no farther.
+
+        Farther than that its poses are no longer usable.
 
         Parameters
         ----------
         direction : mapping
-            Components of the direction, zero where not given: ``{"x": 1.0}`` for a distance in meters along x.
+            Components of the direction, zero where not given: ``{"x": 1.0}`` for a distance in
+            meters along x.
         farthest : float
             Where to stop looking, in multiples of the direction. The ray is searched in 64 steps.
         start : mapping, optional
-            Coordinates to start from [m or rad]; where not given, those of the reference configuration.
+            Coordinates to start from [m or rad]; where not given, those of the reference
+            configuration.
 
         Returns
         -------
@@ -228,7 +295,9 @@ class Workspace:
         """
         end, way = checked_positive("farthest", farthest), np.zeros(len(self.coordinates))
         for name, value in direction.items():
-            way[self._place(name)] = checked_number(f"direction[{name!r}]", value, "a finite number")
+            way[self._place(name)] = checked_number(
+                f"direction[{name!r}]", value, "a finite number"
+            )
         if not (np.isfinite(way).all() and way.any()):
             raise InvalidValue("direction", dict(direction), "finite and not zero")
         origin = self._point(start or {}, "start")
@@ -236,10 +305,14 @@ class Workspace:
         good = self._driven.configuration(origin)
         if self._status(good) < Status.USABLE:
             return Reach(0.0, *self._reason(good), good[:nq])
-        done, good, bad = self._as_far_as(origin, way, good, end, end / RAY_STEPS, RAY_ACCURACY * end, Status.USABLE)
+        done, good, bad = self._as_far_as(
+            origin, way, good, end, end / RAY_STEPS, RAY_ACCURACY * end, Status.USABLE
+        )
         if done == end:
             return Reach(end, "farthest", "", good[:nq])
-        return Reach(done, *self._reason(good if bad is None else bad, unreachable=bad is None), good[:nq])
+        return Reach(
+            done, *self._reason(good if bad is None else bad, unreachable=bad is None), good[:nq]
+        )
 
     # Inside
 
@@ -249,7 +322,10 @@ class Workspace:
         return self.coordinates.index(name)
 
     def _point(self, values: Mapping[str, float], what: str) -> Array:
-        """Return all coordinates, those of the reference configuration where no others are given."""
+        """Return all coordinates.
+
+        They are those of the reference configuration where no others are given.
+        """
         point = np.array(list(self.reference.values()))
         for name, value in values.items():
             point[self._place(name)] = checked_number(f"{what}[{name!r}]", value, "a finite number")
@@ -260,13 +336,22 @@ class Workspace:
     def _ascending(self, name: str, values: ArrayLike) -> Array:
         self._place(name)
         row = as_floats(f"grid[{name!r}]", values, "(N,)")
-        if row.ndim != 1 or row.size < 2 or not np.isfinite(row).all() or not (np.diff(row) > 0.0).all():
+        if (
+            row.ndim != 1
+            or row.size < 2
+            or not np.isfinite(row).all()
+            or not (np.diff(row) > 0.0).all()
+        ):
             raise InvalidArray(f"grid[{name!r}]", "(N,), at least two, ascending", values)
         return row
 
     def _whole(self, configuration: Array) -> Array:
         """Return a configuration of the driven robot that holds one of the robot."""
-        return self._driven.completed(configuration) if isinstance(self._driven, TaskDrivenRobot) else configuration
+        return (
+            self._driven.completed(configuration)
+            if isinstance(self._driven, TaskDrivenRobot)
+            else configuration
+        )
 
     def _followed(self, target: Array, guess: Array) -> Array | None:
         """Return the configuration at a target, reached from a guess; None if there is none."""
@@ -276,12 +361,20 @@ class Workspace:
             return None
 
     def _as_far_as(
-        self, start: Array, way: Array, q: Array, end: float, longest: float, accuracy: float, least: Status
+        self,
+        start: Array,
+        way: Array,
+        q: Array,
+        end: float,
+        longest: float,
+        accuracy: float,
+        least: Status,
     ) -> tuple[float, Array, Array | None]:
         """Go from a configuration along a way, as long as poses have a status or better.
 
-        Return the multiple of the way, the last good configuration, and the one that was not, None if the loops did not close there. Not by
-        bisection: what cannot be reached from afar may be reached from nearby.
+        Return the multiple of the way, the last good configuration, and the one that was not, None
+        if the loops did not close there. Not by bisection: what cannot be reached from afar may be
+        reached from nearby.
         """
         done, step, streak, bad = 0.0, longest, 0, None
         # What failed last is twice a step away.
@@ -297,7 +390,10 @@ class Workspace:
         return done, q, bad
 
     def _flood(self, targets: Array) -> Array:
-        """Return configurations of the driven robot, NaN where there are none: neighbor by neighbor from where the grid is entered."""
+        """Return configurations of the driven robot, NaN where there are none.
+
+        Neighbor by neighbor from where the grid is entered.
+        """
         shape = targets.shape[:-1]
         found = np.full((*shape, self._driven.model.nq), np.nan)
         for entry in np.argsort(self._away(targets), axis=None, kind="stable"):
@@ -341,15 +437,28 @@ class Workspace:
             return whole
 
         margin = self._limits.of(rows)[0]
-        status = spread(self._statuses(margin, measures).astype(float), Status.UNREACHABLE).astype(np.int64)
-        return status, spread(self.analysis.positions(rows)), spread(margin), Measures(*(spread(values) for values in measures))
+        status = spread(self._statuses(margin, measures).astype(float), Status.UNREACHABLE).astype(
+            np.int64
+        )
+        return (
+            status,
+            spread(self.analysis.positions(rows)),
+            spread(margin),
+            Measures(*(spread(values) for values in measures)),
+        )
 
     def _statuses(self, margin: Array, measures: Measures) -> Array:
         with np.errstate(invalid="ignore"):
             # What is NaN in a constraint singularity is not regular either.
-            regular = (measures.actuation > self.singular_below) & (measures.end_effector > self.singular_below)
-            regular &= measures.constraint > max(self.singular_below, LEAST_CONSTRAINT) * self._tight
-            other_side = (measures.orientation != self._signs[0]) | (measures.assembly != self._signs[1])
+            regular = (measures.actuation > self.singular_below) & (
+                measures.end_effector > self.singular_below
+            )
+            regular &= (
+                measures.constraint > max(self.singular_below, LEAST_CONSTRAINT) * self._tight
+            )
+            other_side = (measures.orientation != self._signs[0]) | (
+                measures.assembly != self._signs[1]
+            )
             kinds = [margin < 0.0, ~regular, other_side]
         return np.select(kinds, [Status.BEYOND_LIMIT, Status.SINGULAR, Status.APART], Status.USABLE)
 
@@ -369,7 +478,11 @@ class Workspace:
         measures = self.analysis.measures(q)
         if measures.mobility > len(self.analysis.robot.actuated):
             return "constraint", ""
-        kinds = {"constraint": measures.constraint / self._tight, "actuation": measures.actuation, "end_effector": measures.end_effector}
+        kinds = {
+            "constraint": measures.constraint / self._tight,
+            "actuation": measures.actuation,
+            "end_effector": measures.end_effector,
+        }
         if unreachable:
             # The other kind does not keep the loops from closing.
             kinds.pop("actuation" if self.over == "task" else "end_effector")
@@ -377,7 +490,10 @@ class Workspace:
 
 
 def _cut_off(good: NDArray[np.bool_], away: Array) -> NDArray[np.bool_]:
-    """Return the good nodes of a grid that do not hang together with the one that is the least away."""
+    """Return the good nodes of a grid that are cut off.
+
+    They do not hang together with the one that is the least away.
+    """
     if not good.any():
         return good
     from scipy.ndimage import label
@@ -400,16 +516,30 @@ class _Margins:
         ]
         self.names = [name for name, _, _ in joints]
         self._q = np.array([q for _, q, _ in joints], dtype=np.int64)
-        self._scale = np.where(angular[np.array([v for _, _, v in joints], dtype=np.int64)], length, 1.0)
-        self._lower, self._upper = model.lowerPositionLimit[self._q], model.upperPositionLimit[self._q]
+        self._scale = np.where(
+            angular[np.array([v for _, _, v in joints], dtype=np.int64)], length, 1.0
+        )
+        self._lower, self._upper = (
+            model.lowerPositionLimit[self._q],
+            model.upperPositionLimit[self._q],
+        )
 
     def of(self, configurations: Array) -> tuple[Array, Array]:
-        """Return the least margin of each configuration (N, nq) [m], infinite without limits, and the index of its joint."""
+        """Return the least margin of configurations (N, nq) [m], and its joint.
+
+        It is infinite without limits. The joint is an index.
+        """
         if not self.names:
-            return np.full(len(configurations), np.inf), np.zeros(len(configurations), dtype=np.int64)
+            return np.full(len(configurations), np.inf), np.zeros(
+                len(configurations), dtype=np.int64
+            )
         values = configurations[:, self._q]
-        below = np.where(self._lower < -UNLIMITED, np.inf, values - np.maximum(self._lower, -UNLIMITED))
-        above = np.where(self._upper > UNLIMITED, np.inf, np.minimum(self._upper, UNLIMITED) - values)
+        below = np.where(
+            self._lower < -UNLIMITED, np.inf, values - np.maximum(self._lower, -UNLIMITED)
+        )
+        above = np.where(
+            self._upper > UNLIMITED, np.inf, np.minimum(self._upper, UNLIMITED) - values
+        )
         margins = np.minimum(below, above) * self._scale
         nearest = margins.argmin(axis=1)
         return margins[np.arange(len(margins)), nearest], nearest

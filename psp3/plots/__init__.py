@@ -1,4 +1,7 @@
-"""Figures with matplotlib: of runs, controllers, studies and workspaces. Those of the thesis are in ``psp3.thesis.figures``."""
+"""Figures with matplotlib: of runs, controllers, studies and workspaces.
+
+Those of the thesis are in ``psp3.thesis.figures``.
+"""
 
 from __future__ import annotations
 

@@ -1,7 +1,10 @@
-"""Figures: those of the thesis, one function each, named after the number there; forces along a path; maps of the workspace.
+"""Figures: those of the thesis, one function each, named after the number there.
 
-Every function draws into the axes it is given, or into those of a new figure, and returns them; ``axes[0].figure`` is the figure
-to save. Nothing here touches ``matplotlib.pyplot``. The look is that of matplotlib's settings in force::
+Forces along a path; maps of the workspace.
+
+Every function draws into the axes it is given, or into those of a new figure, and returns them;
+``axes[0].figure`` is the figure to save. Nothing here touches ``matplotlib.pyplot``. The look is
+that of matplotlib's settings in force::
 
     with fuzzy2.plots.style.style():
         figure_34()[0].figure.savefig("figure_34.svg")
@@ -39,10 +42,21 @@ def draw_tracking(axes: Sequence[Axes] | None, result: Result, title: str) -> Pa
     t = result.t[every]
     for panel, column in zip(panels[:6], (*range(3), *range(3)), strict=True):
         speeds = panel in panels[3:6]
-        actual, desired = (result.speeds, result.desired.speeds) if speeds else (result.heights, result.desired.heights)
+        actual, desired = (
+            (result.speeds, result.desired.speeds)
+            if speeds
+            else (result.heights, result.desired.heights)
+        )
         # Drawn in this order, thin over thick, both stay visible where they coincide.
         panel.plot(t, actual[every, column], label="actual")
-        panel.plot(t, desired[every, column], color=rcParams["text.color"], linestyle="--", linewidth=0.9, label="desired")
+        panel.plot(
+            t,
+            desired[every, column],
+            color=rcParams["text.color"],
+            linestyle="--",
+            linewidth=0.9,
+            label="desired",
+        )
         symbol = f"\\dot{{q}}_{column + 1}" if speeds else f"q_{column + 1}"
         panel.set_ylabel(f"${symbol}$ [{'m/s' if speeds else 'm'}]")
         panel.set_xlim(t[0], t[-1])
@@ -54,7 +68,12 @@ def draw_tracking(axes: Sequence[Axes] | None, result: Result, title: str) -> Pa
     panels[3].set_title("speeds of the nuts")
     space = panels[6]
     space.plot(*(1e3 * result.tip[every].T))
-    space.plot(*(1e3 * result.desired.tip[every].T), color=panels[0].lines[1].get_color(), linestyle="--", linewidth=0.9)
+    space.plot(
+        *(1e3 * result.desired.tip[every].T),
+        color=panels[0].lines[1].get_color(),
+        linestyle="--",
+        linewidth=0.9,
+    )
     space.set_title("path of the tip")
     space.set_xlabel("x [mm]")
     space.set_ylabel("y [mm]")
@@ -97,11 +116,18 @@ def figure_of_tracking(result: Result, title: str, axes: Sequence[Axes] | None =
     return panels
 
 
-DIFFERENCE_LABELS = (r"$\Delta q_{12}$ [m]", r"$\Delta q_{13}$ [m]", r"$\Delta\dot{q}_{12}$ [m/s]", r"$\Delta\dot{q}_{13}$ [m/s]")
+DIFFERENCE_LABELS = (
+    r"$\Delta q_{12}$ [m]",
+    r"$\Delta q_{13}$ [m]",
+    r"$\Delta\dot{q}_{12}$ [m/s]",
+    r"$\Delta\dot{q}_{13}$ [m/s]",
+)
 """The four inputs of the estimators, as axes are labeled."""
 
 
-def figure_of_terms(axes: Sequence[Axes] | None, controller: FuzzyComputedTorque, title: str) -> Panels:
+def figure_of_terms(
+    axes: Sequence[Axes] | None, controller: FuzzyComputedTorque, title: str
+) -> Panels:
     """Draw the terms of all inputs of a fuzzy controller."""
     panels = given_panels(axes, 4)
     if panels is None:
@@ -145,24 +171,42 @@ def draw_differences(axes: Sequence[Axes] | None, result: Result, title: str) ->
         figure.set_layout_engine("none")
         figure.suptitle(title)
         grid = figure.add_gridspec(
-            2, 3, width_ratios=(1.0, 1.0, 1.25), left=0.065, right=0.96, bottom=0.1, top=0.86, wspace=0.3, hspace=0.18
-        )  # fmt: skip
+            2,
+            3,
+            width_ratios=(1.0, 1.0, 1.25),
+            left=0.065,
+            right=0.96,
+            bottom=0.1,
+            top=0.86,
+            wspace=0.3,
+            hspace=0.18,
+        )
         flat = [figure.add_subplot(grid[row, column]) for row in range(2) for column in range(2)]
         panels = (*flat, figure.add_subplot(grid[:, 2], projection="3d"))
     every = shown_samples(result.t.size)
     t, desired = result.t[every], result.desired
     actual_inputs = differences(result.heights[every], result.speeds[every])
     desired_inputs = differences(desired.heights[every], desired.speeds[every])
-    for panel, actual, wanted, label in zip(panels[:4], actual_inputs.T, desired_inputs.T, DIFFERENCE_LABELS, strict=True):
+    for panel, actual, wanted, label in zip(
+        panels[:4], actual_inputs.T, desired_inputs.T, DIFFERENCE_LABELS, strict=True
+    ):
         panel.plot(t, actual, label="actual")
-        panel.plot(t, wanted, color=rcParams["text.color"], linestyle="--", linewidth=0.9, label="desired")
+        panel.plot(
+            t, wanted, color=rcParams["text.color"], linestyle="--", linewidth=0.9, label="desired"
+        )
         panel.set(ylabel=label, xlim=(t[0], t[-1]))
     panels[0].legend(ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     for panel in panels[2:4]:
         panel.set_xlabel("time t [s]")
     space: Any = panels[4]
     space.plot(*(1e3 * result.tip[every].T), label="actual")
-    space.plot(*(1e3 * desired.tip[every].T), color=rcParams["text.color"], linestyle="--", linewidth=0.9, label="desired")
+    space.plot(
+        *(1e3 * desired.tip[every].T),
+        color=rcParams["text.color"],
+        linestyle="--",
+        linewidth=0.9,
+        label="desired",
+    )
     space.set(title="Path of the tip", xlabel="x [mm]", ylabel="y [mm]")
     space.set_zlabel("z [mm]", labelpad=8.0)
     space.locator_params(nbins=5)
@@ -171,7 +215,9 @@ def draw_differences(axes: Sequence[Axes] | None, result: Result, title: str) ->
 
 
 def figure_of_differences(result: Result, title: str, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figures 55 to 58 and 60 to 63: desired and actual inputs of the estimators, and the path of the tip.
+    """Draw Figures 55 to 58 and 60 to 63.
+
+    Desired and actual inputs of the estimators, and the path of the tip.
 
     Parameters
     ----------
@@ -180,8 +226,8 @@ def figure_of_differences(result: Result, title: str, axes: Sequence[Axes] | Non
     title : str
         What was simulated.
     axes : sequence of 5 Axes, optional
-        For the two differences of heights [m] and the two of speeds [m/s], and a 3D one for the path of the tip [mm]; new ones by
-        default.
+        For the two differences of heights [m] and the two of speeds [m/s], and a 3D one for the
+        path of the tip [mm]; new ones by default.
 
     Returns
     -------

@@ -14,7 +14,7 @@ Panels = tuple[Axes, ...]
 
 
 def given_panels(axes: Sequence[Axes] | None, count: int) -> Panels | None:
-    """Return the panels to draw into, None if none are given; refuse another number than is needed."""
+    """Return the panels to draw into, None if none are given; refuse a wrong number of them."""
     if axes is None:
         return None
     panels = tuple(np.ravel(np.asarray(axes, dtype=object)))
@@ -24,5 +24,8 @@ def given_panels(axes: Sequence[Axes] | None, count: int) -> Panels | None:
 
 
 def muted() -> str:
-    """Color for what is not data: that of the ticks, which every theme sets against its background."""
+    """Color for what is not data.
+
+    That of the ticks, which every theme sets against its background.
+    """
     return str(rcParams["xtick.color"])

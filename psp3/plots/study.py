@@ -17,12 +17,17 @@ from psp3.study.statistics import mean
 
 
 def error_bars(value: Array, low: Array, high: Array) -> Array:
-    """Return lengths of error bars, (2, N); a corrected bootstrap interval need not hold the value."""
+    """Return lengths of error bars, (2, N).
+
+    A corrected bootstrap interval need not hold the value.
+    """
     return np.maximum([value - low, high - value], 0.0)
 
 
 def figure_of_sweep(
-    series: Mapping[str, Mapping[float, tuple[float, float, float]]], label: str, axes: Sequence[Axes] | Axes | None = None
+    series: Mapping[str, Mapping[float, tuple[float, float, float]]],
+    label: str,
+    axes: Sequence[Axes] | Axes | None = None,
 ) -> Panels:
     """Draw the sum of squared errors against a setting, with intervals.
 
@@ -47,12 +52,20 @@ def figure_of_sweep(
     """
     if not series:
         raise InvalidValue("series", series, "at least one series")
-    (panel,) = given_panels(None if axes is None else list(np.ravel(np.asarray(axes, dtype=object))), 1) or (
-        Figure(figsize=(7.0, 4.0), layout="constrained").subplots(),
-    )
+    (panel,) = given_panels(
+        None if axes is None else list(np.ravel(np.asarray(axes, dtype=object))), 1
+    ) or (Figure(figsize=(7.0, 4.0), layout="constrained").subplots(),)
     for name, points in series.items():
         value, low, high = np.array(list(points.values())).T
-        panel.errorbar(list(points), value, error_bars(value, low, high), marker="o", markersize=4.0, capsize=3.0, label=name)
+        panel.errorbar(
+            list(points),
+            value,
+            error_bars(value, low, high),
+            marker="o",
+            markersize=4.0,
+            capsize=3.0,
+            label=name,
+        )
     panel.set(yscale="log", xlabel=label, ylabel="sum of squared errors [m²]")
     panel.legend(ncols=4, loc="lower center", bbox_to_anchor=(0.5, 1.0))
     return (panel,)
@@ -68,8 +81,12 @@ LABELS = {
 MARKERS = "osv^DPX*"
 
 
-def figure_of_mismatch(found: Comparison, metric: str = "settled", axes: Sequence[Axes] | None = None) -> tuple[Axes, ...]:
-    """Draw the means of a metric over the payload, with their 95 % intervals, one panel for each trajectory and kind of records.
+def figure_of_mismatch(
+    found: Comparison, metric: str = "settled", axes: Sequence[Axes] | None = None
+) -> tuple[Axes, ...]:
+    """Draw the means of a metric over the payload, with their 95 % intervals.
+
+    One panel for each trajectory and kind of records.
 
     Parameters
     ----------
@@ -95,10 +112,18 @@ def figure_of_mismatch(found: Comparison, metric: str = "settled", axes: Sequenc
     found.values(found.cases[0], found.controllers[0], metric)
     kinds = list(dict.fromkeys(case.snr_db for case in found.cases))
     paths = list(dict.fromkeys(case.trajectory for case in found.cases))
-    groups = [[case for case in found.cases if (case.snr_db, case.trajectory) == (kind, path)] for kind in kinds for path in paths]
+    groups = [
+        [case for case in found.cases if (case.snr_db, case.trajectory) == (kind, path)]
+        for kind in kinds
+        for path in paths
+    ]
     if axes is None:
-        figure = Figure(figsize=(1.5 + 3.2 * len(paths), 1.2 + 2.8 * len(kinds)), layout="constrained")
-        panels = tuple(np.ravel(figure.subplots(len(kinds), len(paths), sharey=True, squeeze=False)))
+        figure = Figure(
+            figsize=(1.5 + 3.2 * len(paths), 1.2 + 2.8 * len(kinds)), layout="constrained"
+        )
+        panels = tuple(
+            np.ravel(figure.subplots(len(kinds), len(paths), sharey=True, squeeze=False))
+        )
     else:
         panels = tuple(axes)
     if len(panels) != len(groups):
@@ -119,13 +144,26 @@ def _draw(panel: Axes, found: Comparison, cases: list[Case], metric: str) -> Non
     scale, count = LABELS[metric][1], len(found.controllers)
     for number, name in enumerate(found.controllers):
         estimates = [mean(found.values(case, name, metric)) for case in cases]
-        values, low, high = (scale * np.array([getattr(one, end) for one in estimates]) for end in ("value", "low", "high"))
+        values, low, high = (
+            scale * np.array([getattr(one, end) for one in estimates])
+            for end in ("value", "low", "high")
+        )
         # Side by side within the place of a payload, so that intervals do not hide each other.
         x = np.arange(len(cases)) + 0.8 * ((number + 0.5) / count - 0.5)
         errors = np.nan_to_num(np.maximum(np.stack([values - low, high - values]), 0.0))
-        panel.errorbar(x, values, yerr=errors, fmt=MARKERS[number % len(MARKERS)], markersize=4.5, linewidth=1.2, label=name)
+        panel.errorbar(
+            x,
+            values,
+            yerr=errors,
+            fmt=MARKERS[number % len(MARKERS)],
+            markersize=4.5,
+            linewidth=1.2,
+            label=name,
+        )
     panel.set_yscale("log")
     panel.set_xticks(range(len(cases)), [f"{case.payload:g}" for case in cases])
     panel.set_xlim(-0.5, len(cases) - 0.5)
-    records = "exact records" if cases[0].snr_db == math.inf else f"records of {cases[0].snr_db:g} dB"
+    records = (
+        "exact records" if cases[0].snr_db == math.inf else f"records of {cases[0].snr_db:g} dB"
+    )
     panel.set_title(f"{cases[0].trajectory}, {records}", fontsize="medium")

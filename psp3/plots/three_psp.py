@@ -24,8 +24,9 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
     forces : ScrewForces
         From :func:`psp3.trajectories.screw_forces.screw_forces`.
     axes : sequence of 6 Axes, optional
-        For the tip [mm], the heights [mm], the forces [N], the speeds [m/s], the accelerations [m/s²], and the norms of the
-        three terms of the forces [N]; those of a new figure by default.
+        For the tip [mm], the heights [mm], the forces [N], the speeds [m/s], the accelerations
+        [m/s²], and the norms of the three terms of the forces [N]; those of a new figure by
+        default.
 
     Returns
     -------
@@ -37,7 +38,9 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
     InvalidValue
         If another number of axes is given.
     """
-    panels = given_panels(axes, 6) or tuple(Figure(figsize=(11.5, 5.8), layout="constrained").subplots(2, 3).flat)
+    panels = given_panels(axes, 6) or tuple(
+        Figure(figsize=(11.5, 5.8), layout="constrained").subplots(2, 3).flat
+    )
     tip, heights, screws, speeds, accelerations, terms = panels
     motion, nuts = forces.motion, ("1", "2", "3")
     for panel, values, names, title, label in (
@@ -47,14 +50,21 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
         (speeds, motion.speeds, nuts, "Nut speeds", "speed [m/s]"),
         (accelerations, motion.accelerations, nuts, "Nut accelerations", "acceleration [m/s²]"),
     ):
-        # Lines that coincide, as in a motion along arm 1, show through the gaps of those drawn over them.
-        for column, name, dashes in zip(values.T, names, ("-", (0, (6, 2)), (0, (2, 2))), strict=True):
+        # Lines that coincide, as in a motion along arm 1, show through the gaps of those drawn over
+        # them.
+        for column, name, dashes in zip(
+            values.T, names, ("-", (0, (6, 2)), (0, (2, 2))), strict=True
+        ):
             panel.plot(forces.t, column, label=name, linestyle=dashes)
         panel.set(ylabel=label)
         panel.set_title(title)
     tip.legend(ncols=3)
     heights.legend(ncols=3, title="screw")
-    for values, name in ((forces.gravity, "gravity, G"), (forces.inertial, "inertia, M ä"), (forces.coriolis, "Coriolis, C ȧ")):
+    for values, name in (
+        (forces.gravity, "gravity, G"),
+        (forces.inertial, "inertia, M ä"),
+        (forces.coriolis, "Coriolis, C ȧ"),
+    ):
         size = np.linalg.norm(values, axis=-1)
         # A term that rests has no place on a logarithmic scale.
         terms.plot(forces.t, np.where(size > 0.0, size, np.nan), label=name)
@@ -69,7 +79,9 @@ def figure_of_torques(forces: ScrewForces, axes: Sequence[Axes] | None = None) -
     return panels
 
 
-def figure_of_workspace(robot: PSP3, poses: WorkspaceMap, over: str = "tilt", axes: Sequence[Axes] | None = None) -> Panels:
+def figure_of_workspace(
+    robot: PSP3, poses: WorkspaceMap, over: str = "tilt", axes: Sequence[Axes] | None = None
+) -> Panels:
     """Draw what the poses of the workspace cost.
 
     Parameters
@@ -77,14 +89,16 @@ def figure_of_workspace(robot: PSP3, poses: WorkspaceMap, over: str = "tilt", ax
     robot : PSP3
         The robot, for the fold of the tip's map.
     poses : WorkspaceMap
-        A map of N by K poses, N tilts by K azimuths that go once around: from :func:`psp3.three_psp.workspace.map_over_tilt`, or from
+        A map of N by K poses, N tilts by K azimuths that go once around: from
+        :func:`psp3.three_psp.workspace.map_over_tilt`, or from
         :func:`psp3.three_psp.workspace.map_over_reach`.
     over : {"tilt", "tip"}
-        What the two coordinates of the panels are: tilt toward x and y [degrees], or the tip's x and y [mm].
+        What the two coordinates of the panels are: tilt toward x and y [degrees], or the tip's x
+        and y [mm].
     axes : sequence of 6 Axes, optional
-        For the tip's distance from the vertical axis [mm] (over the tip: the tilt [degrees]), the parasitic motion [mm], the
-        shortest and the longest arm [mm], and the condition numbers of the tip Jacobian and of the mass matrix; those of a
-        new figure by default.
+        For the tip's distance from the vertical axis [mm] (over the tip: the tilt [degrees]), the
+        parasitic motion [mm], the shortest and the longest arm [mm], and the condition numbers of
+        the tip Jacobian and of the mass matrix; those of a new figure by default.
 
     Returns
     -------
@@ -102,12 +116,17 @@ def figure_of_workspace(robot: PSP3, poses: WorkspaceMap, over: str = "tilt", ax
         raise UnknownName("coordinates of a workspace figure", over, ("tilt", "tip"))
     if poses.tilt.ndim != 2 or min(poses.tilt.shape) < 2:
         raise InvalidValue("poses", poses.tilt.shape, "a map of N by K poses, both at least 2")
-    panels = given_panels(axes, 6) or tuple(Figure(figsize=(11.5, 6.6), layout="constrained").subplots(2, 3).flat)
+    panels = given_panels(axes, 6) or tuple(
+        Figure(figsize=(11.5, 6.6), layout="constrained").subplots(2, 3).flat
+    )
     tilt = np.degrees(poses.tilt)
     distance = 1e3 * np.hypot(poses.tip[..., 0], poses.tip[..., 1])
     if over == "tilt":
         x, y = tilt * np.cos(poses.azimuth), tilt * np.sin(poses.azimuth)
-        first, labels = ("Tip from the vertical axis [mm]", distance), ("tilt toward x [degrees]", "tilt toward y [degrees]")
+        first, labels = (
+            ("Tip from the vertical axis [mm]", distance),
+            ("tilt toward x [degrees]", "tilt toward y [degrees]"),
+        )
     else:
         x, y = 1e3 * poses.tip[..., 0], 1e3 * poses.tip[..., 1]
         first, labels = ("Tilt [degrees]", tilt), ("tip x [mm]", "tip y [mm]")
@@ -129,17 +148,28 @@ def figure_of_workspace(robot: PSP3, poses: WorkspaceMap, over: str = "tilt", ax
         if values is poses.tip_condition:
             # Infinite on the fold; what lies above 100 is all the same of no use.
             levels = np.geomspace(1.0, 100.0, 13)
-            filled = panel.contourf(x, y, data, levels=levels, norm=LogNorm(1.0, 100.0), extend="max")
+            filled = panel.contourf(
+                x, y, data, levels=levels, norm=LogNorm(1.0, 100.0), extend="max"
+            )
             ticks: list[float] | None = [1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0]
         else:
             filled, ticks = panel.contourf(x, y, data, levels=12), None
         # Vector formats would otherwise show the seams between the levels.
         filled.set_edgecolor("face")
-        bar = panel.figure.colorbar(filled, ax=panel, ticks=ticks, format=None if ticks is None else "%g", shrink=0.9)
+        bar = panel.figure.colorbar(
+            filled, ax=panel, ticks=ticks, format=None if ticks is None else "%g", shrink=0.9
+        )
         bar.ax.grid(visible=False)
         if over == "tilt" and fold.min() < tilt.max():
             panel.plot(fold * np.cos(around), fold * np.sin(around), color="white", linewidth=1.6)
-            panel.plot(fold * np.cos(around), fold * np.sin(around), color="black", linestyle="--", linewidth=0.9, label="the tip folds")
+            panel.plot(
+                fold * np.cos(around),
+                fold * np.sin(around),
+                color="black",
+                linestyle="--",
+                linewidth=0.9,
+                label="the tip folds",
+            )
         panel.set(aspect="equal", xlim=(x.min(), x.max()), ylim=(y.min(), y.max()))
         panel.set_title(title)
     for panel in panels[3:]:

@@ -1,6 +1,9 @@
-"""Figures of the workspaces of any robot: maps with their borders and singularities, and clouds of reached positions.
+"""Figures of the workspaces of any robot.
 
-As in :mod:`psp3.plots`, every function draws into the axes it is given, or into those of a new figure, and returns them.
+Maps with their borders and singularities, and clouds of reached positions.
+
+As in :mod:`psp3.plots`, every function draws into the axes it is given, or into those of a new
+figure, and returns them.
 """
 
 from __future__ import annotations
@@ -33,7 +36,12 @@ STATUS_NAMES = {
 }
 """Statuses of poses that can be reached, in words."""
 
-STATUS_COLORS = {Status.BEYOND_LIMIT: ORANGE, Status.SINGULAR: VERMILLION, Status.APART: BLUE, Status.USABLE: GREEN}
+STATUS_COLORS = {
+    Status.BEYOND_LIMIT: ORANGE,
+    Status.SINGULAR: VERMILLION,
+    Status.APART: BLUE,
+    Status.USABLE: GREEN,
+}
 
 LINES: dict[Literal["solid", "dashed", "dotted"], str] = {
     "solid": "singularity of actuation",
@@ -46,20 +54,25 @@ LARGEST_CONDITION = 100.0
 """Condition numbers above this are all the same of no use, and drawn alike."""
 
 
-def figure_of_map(poses: KinematicMap, border: Boundary | None = None, axes: Sequence[Axes] | None = None) -> Panels:
+def figure_of_map(
+    poses: KinematicMap, border: Boundary | None = None, axes: Sequence[Axes] | None = None
+) -> Panels:
     """Draw a map over two coordinates: what its poses are good for, and how well.
 
-    Lines are singularities, where the grid crosses them, and limits of joints. What cannot be reached stays blank.
+    Lines are singularities, where the grid crosses them, and limits of joints. What cannot be
+    reached stays blank.
 
     Parameters
     ----------
     poses : KinematicMap
         A map over two coordinates.
     border : Boundary, optional
-        A border that is drawn around the statuses, from :meth:`psp3.kinematics.workspace.Workspace.boundary`.
+        A border that is drawn around the statuses, from
+        :meth:`psp3.kinematics.workspace.Workspace.boundary`.
     axes : sequence of 6 Axes, optional
-        For the status, the measures of actuation and of the end effector, the least distance of a joint from its limits [mm], the
-        condition number of the frame's Jacobian, and its manipulability; those of a new figure by default.
+        For the status, the measures of actuation and of the end effector, the least distance of a
+        joint from its limits [mm], the condition number of the frame's Jacobian, and its
+        manipulability; those of a new figure by default.
 
     Returns
     -------
@@ -82,7 +95,13 @@ def figure_of_map(poses: KinematicMap, border: Boundary | None = None, axes: Seq
     for panel, title, values in zip(
         panels[1:],
         ("Actuation", "End effector", "Joint margin [mm]", "Condition", "Manipulability"),
-        (measures.actuation, measures.end_effector, 1e3 * poses.margin, measures.condition, measures.manipulability),
+        (
+            measures.actuation,
+            measures.end_effector,
+            1e3 * poses.margin,
+            measures.condition,
+            measures.manipulability,
+        ),
         strict=True,
     ):
         panel.set_title(title)
@@ -97,11 +116,24 @@ def figure_of_map(poses: KinematicMap, border: Boundary | None = None, axes: Seq
         panel.set_ylabel(y_label)
     if border is not None:
         scale = [1e3 if poses.units[name] == "m" else np.degrees(1.0) for name in poses.grid]
-        panels[0].add_collection(LineCollection(list(border.segments * scale), colors=rcParams["text.color"], linewidths=1.6))
+        panels[0].add_collection(
+            LineCollection(
+                list(border.segments * scale), colors=rcParams["text.color"], linewidths=1.6
+            )
+        )
     if axes is None and drawn:
         shown = [dashes for dashes in LINES if dashes in drawn]
-        handles = [Line2D([], [], color=rcParams["text.color"], linestyle=dashes, linewidth=1.3) for dashes in shown]
-        panels[0].figure.legend(handles, [LINES[dashes] for dashes in shown], loc="outside lower center", ncols=3, frameon=False)
+        handles = [
+            Line2D([], [], color=rcParams["text.color"], linestyle=dashes, linewidth=1.3)
+            for dashes in shown
+        ]
+        panels[0].figure.legend(
+            handles,
+            [LINES[dashes] for dashes in shown],
+            loc="outside lower center",
+            ncols=3,
+            frameon=False,
+        )
     return panels
 
 
@@ -113,7 +145,8 @@ def figure_of_cloud(poses: KinematicMap, axes: Sequence[Axes] | None = None) -> 
     poses : KinematicMap
         A map over any number of coordinates.
     axes : sequence of one Axes, optional
-        Of the projection ``3d``, or any other if all positions lie in a plane of the base's axes; those of a new figure by default.
+        Of the projection ``3d``, or any other if all positions lie in a plane of the base's axes;
+        those of a new figure by default.
 
     Returns
     -------
@@ -141,7 +174,13 @@ def figure_of_cloud(poses: KinematicMap, axes: Sequence[Axes] | None = None) -> 
     statuses = poses.status[poses.reachable]
     for status in sorted(set(statuses.tolist())):
         points = places[statuses == status][:, shown].T
-        panel.scatter(*points, s=6.0, color=STATUS_COLORS[Status(status)], label=STATUS_NAMES[Status(status)], linewidths=0.0)
+        panel.scatter(
+            *points,
+            s=6.0,
+            color=STATUS_COLORS[Status(status)],
+            label=STATUS_NAMES[Status(status)],
+            linewidths=0.0,
+        )
     panel.set_aspect("equal")
     if len(shown) == 3:
         # Room for the label of the third axis, which constrained layout does not see.
@@ -201,13 +240,20 @@ def _draw_values(panel: Axes, x: Array, y: Array, values: Array, title: str) -> 
     filled = panel.contourf(x, y, data, levels=levels, norm=norm, extend="both")
     # Vector formats would otherwise show the seams between the levels.
     filled.set_edgecolor("face")
-    bar = panel.figure.colorbar(filled, ax=panel, ticks=ticks, format=None if ticks is None else "%g", shrink=0.9)
+    bar = panel.figure.colorbar(
+        filled, ax=panel, ticks=ticks, format=None if ticks is None else "%g", shrink=0.9
+    )
     bar.ax.minorticks_off()
     bar.ax.grid(visible=False)
 
 
-def _draw_lines(panel: Axes, poses: KinematicMap, x: Array, y: Array) -> set[Literal["solid", "dashed", "dotted"]]:
-    """Draw singularities and limits as the lines on which quantities with a sign vanish; return the dashes of those there are."""
+def _draw_lines(
+    panel: Axes, poses: KinematicMap, x: Array, y: Array
+) -> set[Literal["solid", "dashed", "dotted"]]:
+    """Draw singularities and limits as the lines on which quantities with a sign vanish.
+
+    Return the dashes of those there are.
+    """
     measures = poses.measures
     drawn: set[Literal["solid", "dashed", "dotted"]] = set()
     for values, dashes in zip(
@@ -221,6 +267,14 @@ def _draw_lines(panel: Axes, poses: KinematicMap, x: Array, y: Array) -> set[Lit
     ):
         data = np.ma.masked_invalid(values).T
         if data.count() and data.min() < 0.0 < data.max():
-            panel.contour(x, y, data, levels=[0.0], colors=[rcParams["text.color"]], linestyles=[dashes], linewidths=[1.3])
+            panel.contour(
+                x,
+                y,
+                data,
+                levels=[0.0],
+                colors=[rcParams["text.color"]],
+                linestyles=[dashes],
+                linewidths=[1.3],
+            )
             drawn.add(dashes)
     return drawn

@@ -1,12 +1,17 @@
-r"""Any robot that Pinocchio holds as a tree with loop closures, driven in its actuated coordinates: the Pinocchio path.
+r"""Any robot that Pinocchio holds as a tree with loop closures, driven in its actuated coordinates.
 
-The loops are Pinocchio constraint models. With :math:`\Phi` their Jacobian, split in the columns of the actuated and the
-other joints, all joint velocities follow from the actuated ones (thesis eq. 3.16–3.17),
+The Pinocchio path.
 
-.. math:: \dot q = L\, \dot q^a, \qquad L = \begin{bmatrix} 1 \\ -(\Phi^u)^{-1} \Phi^a \end{bmatrix},
+The loops are Pinocchio constraint models. With :math:`\Phi` their Jacobian, split in the columns of
+the actuated and the other joints, all joint velocities follow from the actuated ones (thesis
+eq. 3.16–3.17),
 
-and the tree's dynamics, from Pinocchio's RNEA and CRBA, is projected with :math:`L`. Nothing here uses the closed form of
-the 3-PSP or the thesis's natural orthogonal complement, so each of the three checks the others.
+.. math:: \dot q = L\, \dot q^a, \qquad
+          L = \begin{bmatrix} 1 \\ -(\Phi^u)^{-1} \Phi^a \end{bmatrix},
+
+and the tree's dynamics, from Pinocchio's RNEA and CRBA, is projected with :math:`L`. Nothing here
+uses the closed form of the 3-PSP or the thesis's natural orthogonal complement, so each of the
+three checks the others.
 """
 
 from __future__ import annotations
@@ -27,14 +32,21 @@ from psp3.closure.mobility import mobility
 from psp3.closure.rank import dependent_solver
 from psp3.closure.table import NO_MOTORS, flattened
 from psp3.description.urdf import read_robot
-from psp3.errors import ClosureFailed, DisorderedJoints, InvalidValue, JointLimitExceeded, MobilityMismatch, UnknownName
+from psp3.errors import (
+    ClosureFailed,
+    DisorderedJoints,
+    InvalidValue,
+    JointLimitExceeded,
+    MobilityMismatch,
+    UnknownName,
+)
 
 
 class Closure:
     """A closed configuration: ``configuration`` q (nq,) and ``complement`` L (nv, n) of eq. 3.17.
 
-    ``dependent_inverse`` (nv − n, m) solves the closure equations for the un-actuated joints, see :func:`psp3.closure.rank.dependent_solver`;
-    it is computed when it is first asked for.
+    ``dependent_inverse`` (nv − n, m) solves the closure equations for the un-actuated joints, see
+    :func:`psp3.closure.rank.dependent_solver`; it is computed when it is first asked for.
     """
 
     def __init__(self, robot: ClosedLoopRobot, configuration: Array, complement: Array) -> None:
@@ -43,13 +55,18 @@ class Closure:
 
     @functools.cached_property
     def dependent_inverse(self) -> Array:
-        """The (pseudo-)inverse of the un-actuated columns of Pinocchio's constraint Jacobian, (nv − n, m)."""
+        """The (pseudo-)inverse of the un-actuated columns of the constraint Jacobian.
+
+        Of Pinocchio's, (nv − n, m).
+        """
         jacobian = self._robot.constraint_jacobian(self.configuration)
         return dependent_solver(jacobian[:, self._robot.dependent_v])
 
 
 class ClosedLoopRobot:
-    """A robot given as a tree, loop closures and actuated joints; arguments and results are in actuated coordinates.
+    """A robot given as a tree, loop closures and actuated joints.
+
+    Arguments and results are in actuated coordinates.
 
     One object serves one thread at a time, because it computes in one ``data``.
 
@@ -62,7 +79,8 @@ class ClosedLoopRobot:
     actuated : sequence of str
         Names of the actuated joints, in the order of all actuated coordinates.
     q0 : (nq,) array_like, optional
-        Reference configuration, from which other poses are reached; ``neutral`` by default. It need only nearly close the loops.
+        Reference configuration, from which other poses are reached; ``neutral`` by default. It need
+        only nearly close the loops.
     visual_model : pinocchio.GeometryModel, optional
         What the robot looks like.
 
@@ -73,11 +91,14 @@ class ClosedLoopRobot:
     DisorderedJoints
         If the tree's joints are not chain by chain.
     MobilityMismatch
-        If the number of actuated joints is not the number of degrees of freedom that the loops leave.
+        If the number of actuated joints is not the number of degrees of freedom that the loops
+        leave.
     """
 
     urdf: Path | None = None
-    """The URDF it was loaded from, if it was; its collision shapes are read when they are asked for."""
+    """The URDF it was loaded from, if it was; its collision shapes are read when they are asked
+    for.
+    """
     srdf: Path | None = None
     """The SRDF it was loaded with."""
 
@@ -92,7 +113,8 @@ class ClosedLoopRobot:
         _check_order(model)
         self.model = model
         self.data = model.createData()
-        # Velocity forces are read off a copy without gravity: beside the weight they would lose half their digits.
+        # Velocity forces are read off a copy without gravity: beside the weight they would lose
+        # half their digits.
         self._weightless = model.copy()
         self._weightless.gravity = pin.Motion.Zero()
         self.visual_model = visual_model if visual_model is not None else pin.GeometryModel()
@@ -110,12 +132,15 @@ class ClosedLoopRobot:
         self._dynamics_data = pin.StdVec_RigidConstraintData()
         for constraint in self.constraint_models:
             self._constraint_data.append(constraint.createData())
-            # Constraint data must not be shared between algorithms of Pinocchio: results would be silently wrong.
+            # Constraint data must not be shared between algorithms of Pinocchio: results would be
+            # silently wrong.
             self._dynamics_data.append(constraint.createData())
         self._limited = _Limits(model, self.actuated)
         self._table = flattened(model, self.constraint_models, self.actuated_v)
         if q0 is None:
-            start = assembled(model, flattened(model, self.constraint_models, NO_MOTORS), pin.neutral(model))
+            start = assembled(
+                model, flattened(model, self.constraint_models, NO_MOTORS), pin.neutral(model)
+            )
         else:
             start = one_row("q0", q0, model.nq)
         self.mobility = mobility(model, self.constraint_models, self.actuated, start)
@@ -124,7 +149,9 @@ class ClosedLoopRobot:
         self.q0: Array = self._close(start[self.actuated_q][np.newaxis], start)[0][0]
 
     @classmethod
-    def from_urdf(cls, urdf: str | Path, loops: str | Path, srdf: str | Path | None = None) -> ClosedLoopRobot:
+    def from_urdf(
+        cls, urdf: str | Path, loops: str | Path, srdf: str | Path | None = None
+    ) -> ClosedLoopRobot:
         """Load a robot from a URDF and a loop file.
 
         Parameters
@@ -159,7 +186,8 @@ class ClosedLoopRobot:
         Raises
         ------
         InvalidRobotFile
-            If the file is missing, malformed or holds something that cannot be read without changing the robot.
+            If the file is missing, malformed or holds something that cannot be read without
+            changing the robot.
         """
         from psp3.description.mjcf import read_mjcf
 
@@ -183,34 +211,43 @@ class ClosedLoopRobot:
 
     @property
     def point_of_force(self) -> Array:
-        """Where the force of a sliding motor acts on what it moves, in the axes of its joint, (3,) [m]; to draw it there."""
+        """Where the force of a sliding motor is drawn, in the axes of its joint, (3,) [m]."""
         return np.zeros(3)
 
     @property
     def compiled_steps(self) -> Callable[[int, Any], Any] | None:
-        """How to make a compiled plant of the robot from a number of steps and its drives; None if there is none."""
+        """How to make a compiled plant from a number of steps and drives; None if there is none."""
         return None
 
     @property
     def limits(self) -> tuple[Array, Array]:
         """Lowest and highest positions of the actuated joints, each (n,) [m or rad]."""
-        return self.model.lowerPositionLimit[self.actuated_q], self.model.upperPositionLimit[self.actuated_q]
+        return self.model.lowerPositionLimit[self.actuated_q], self.model.upperPositionLimit[
+            self.actuated_q
+        ]
 
     # Closing the loops
 
     def constraint_jacobian(self, q: Array) -> Array:
-        """Return Pinocchio's constraint Jacobian, (m, nv): minus the derivative of the residual where the loops are closed."""
+        """Return Pinocchio's constraint Jacobian, (m, nv).
+
+        Minus the derivative of the residual where the loops are closed.
+        """
         if not len(self.constraint_models):
             return np.zeros((0, self.model.nv))
         pin.computeJointJacobians(self.model, self.data, q)
         for constraint, data in zip(self.constraint_models, self._constraint_data, strict=True):
             # Without this call the Jacobian below is silently wrong.
             constraint.calc(self.model, self.data, data)
-        jacobian: Array = pin.getConstraintsJacobian(self.model, self.data, self.constraint_models, self._constraint_data)
+        jacobian: Array = pin.getConstraintsJacobian(
+            self.model, self.data, self.constraint_models, self._constraint_data
+        )
         return jacobian
 
-    def _close(self, rows: Array, guess: Array, along: bool = False, complements: bool = False) -> tuple[Array, Array]:
-        """Return configurations, and on demand complements L, for rows of actuated positions (N, n)."""
+    def _close(
+        self, rows: Array, guess: Array, along: bool = False, complements: bool = False
+    ) -> tuple[Array, Array]:
+        """Return configurations, and on demand complements L, for actuated positions (N, n)."""
         nv, n = self.model.nv, len(self.actuated)
         configurations, report = np.empty((len(rows), self.model.nq)), np.empty(4)
         out = np.zeros((len(rows) if complements else 0, nv, n))
@@ -226,17 +263,25 @@ class ClosedLoopRobot:
             dependent_solver(self.constraint_jacobian(configurations[failed])[:, self.dependent_v])
         raise ClosureFailed(rows[failed], float(report[2]), float(report[1]))
 
-    def _map(self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: ArrayLike) -> Array:
-        """Apply a function of rows (n,), with a result of the given shape, to arguments (..., n)."""
+    def _map(
+        self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: ArrayLike
+    ) -> Array:
+        """Apply a function of rows (n,) to arguments (..., n).
+
+        Its result has the given shape.
+        """
         width = len(self.actuated)
-        arrays = together(**{name: finite_rows(name, values, width) for name, values in arguments.items()})
+        arrays = together(
+            **{name: finite_rows(name, values, width) for name, values in arguments.items()}
+        )
         rows = zip(*(array.reshape(-1, width) for array in arrays), strict=True)
         return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
 
     def configuration(self, positions: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations that close the loops at the given actuated positions.
 
-        Newton's method with continuation from the reference pose, so the assembly mode is that of the reference.
+        Newton's method with continuation from the reference pose, so the assembly mode is that of
+        the reference.
 
         Parameters
         ----------
@@ -262,7 +307,9 @@ class ClosedLoopRobot:
         return self._configurations(positions, guess, along=False)
 
     def configurations_along(self, path: ArrayLike, guess: ArrayLike | None = None) -> Array:
-        """Return the configurations along a path, each reached from the one before, so that the assembly mode is kept.
+        """Return the configurations along a path.
+
+        Each is reached from the one before, so that the assembly mode is kept.
 
         Parameters
         ----------
@@ -302,7 +349,8 @@ class ClosedLoopRobot:
         Returns
         -------
         Closure
-            ``.configuration`` (nq,), ``.complement`` (nv, n) and ``.dependent_inverse`` (nv − n, m).
+            ``.configuration`` (nq,), ``.complement`` (nv, n) and ``.dependent_inverse`` (nv − n,
+            m).
 
         Raises
         ------
@@ -312,7 +360,9 @@ class ClosedLoopRobot:
             If the actuated joints do not determine the others here.
         """
         row = one_row("positions", positions, len(self.actuated))
-        configurations, complements = self._close(row[np.newaxis], self._start(row), complements=True)
+        configurations, complements = self._close(
+            row[np.newaxis], self._start(row), complements=True
+        )
         self._limited.check(configurations)
         return Closure(self, configurations[0], complements[0])
 
@@ -339,7 +389,10 @@ class ClosedLoopRobot:
             See :meth:`configuration`.
         """
         return self._map(
-            lambda position, speed: self.closure(position).complement @ speed, (self.model.nv,), positions=positions, speeds=speeds
+            lambda position, speed: self.closure(position).complement @ speed,
+            (self.model.nv,),
+            positions=positions,
+            speeds=speeds,
         )
 
     # Projected dynamics
@@ -349,7 +402,9 @@ class ClosedLoopRobot:
         return closure.configuration, closure.complement
 
     def drift(self, q: Array, v: Array) -> Array:
-        r"""Return the joint accelerations while the actuated joints move uniformly, :math:`\dot L \dot q^a`.
+        r"""Return the joint accelerations, :math:`\dot L \dot q^a`.
+
+        They hold while the actuated joints move uniformly.
 
         Parameters
         ----------
@@ -374,18 +429,24 @@ class ClosedLoopRobot:
         return accelerations
 
     def _velocity_forces(self, q: Array, complement: Array, speeds: Array) -> Array:
-        """C(q, speeds) speeds: projected RNEA of the uniform motion of the actuated joints, without gravity."""
+        """C(q, speeds) speeds by RNEA.
+
+        It is the projected RNEA of the uniform motion of the actuated joints, without gravity.
+        """
         v = complement @ speeds
         forces: Array = complement.T @ pin.rnea(self._weightless, self.data, q, v, self.drift(q, v))
         return forces
 
-    def equation_of_motion(self, positions: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array, Array]:
+    def equation_of_motion(
+        self, positions: ArrayLike, speeds: ArrayLike
+    ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity in actuated coordinates.
 
         .. math:: M = L^T M_\text{tree} L, \qquad G = L^T g_\text{tree},
 
-        and C as the unique matrix of Christoffel symbols: the quadratic form :math:`h(v) = C(v)\,v`, projected from RNEA, gives
-        its columns by polarization, :math:`C(v) e_j = \tfrac12 [h(v + e_j) - h(v) - h(e_j)]`.
+        and C as the unique matrix of Christoffel symbols: the quadratic form
+        :math:`h(v) = C(v)\,v`, projected from RNEA, gives its columns by polarization,
+        :math:`C(v) e_j = \tfrac12 [h(v + e_j) - h(v) - h(e_j)]`.
 
         Parameters
         ----------
@@ -412,7 +473,8 @@ class ClosedLoopRobot:
             mass = complement.T @ tree @ complement
             gravity = complement.T @ pin.computeGeneralizedGravity(self.model, self.data, q)
             coriolis = np.zeros((n, n))
-            # The unit vectors are scaled to the speed: subtracting forms of very different size would lose digits.
+            # The unit vectors are scaled to the speed: subtracting forms of very different size
+            # would lose digits.
             scale = float(np.abs(speed).max(initial=0.0))
             if scale > 0.0:
                 base = self._velocity_forces(q, complement, speed)
@@ -424,7 +486,11 @@ class ClosedLoopRobot:
 
         packed = self._map(one, (2 * n * n + n,), positions=positions, speeds=speeds)
         square = (*packed.shape[:-1], n, n)
-        return packed[..., : n * n].reshape(square), packed[..., n * n : 2 * n * n].reshape(square), packed[..., 2 * n * n :]
+        return (
+            packed[..., : n * n].reshape(square),
+            packed[..., n * n : 2 * n * n].reshape(square),
+            packed[..., 2 * n * n :],
+        )
 
     def mass_matrix(self, positions: ArrayLike) -> Array:
         """Return the mass matrix M, of shape (..., n, n); see :meth:`equation_of_motion`."""
@@ -438,8 +504,12 @@ class ClosedLoopRobot:
         """Return the gravity vector G, of shape (..., n); see :meth:`equation_of_motion`."""
         return self.equation_of_motion(positions, np.zeros(len(self.actuated)))[2]
 
-    def inverse_dynamics(self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike) -> Array:
-        r"""Return the actuator forces of a motion, :math:`\tau = L^T \operatorname{RNEA}(q, \dot q, \ddot q)`.
+    def inverse_dynamics(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        r"""Return the actuator forces of a motion.
+
+        They are :math:`\tau = L^T \operatorname{RNEA}(q, \dot q, \ddot q)`.
 
         Parameters
         ----------
@@ -460,18 +530,29 @@ class ClosedLoopRobot:
         def one(position: Array, speed: Array, acceleration: Array) -> Array:
             q, complement = self._at(position)
             v = complement @ speed
-            forces: Array = complement.T @ pin.rnea(self.model, self.data, q, v, complement @ acceleration + self.drift(q, v))
+            forces: Array = complement.T @ pin.rnea(
+                self.model, self.data, q, v, complement @ acceleration + self.drift(q, v)
+            )
             return forces
 
-        return self._map(one, (len(self.actuated),), positions=positions, speeds=speeds, accelerations=accelerations)
+        return self._map(
+            one,
+            (len(self.actuated),),
+            positions=positions,
+            speeds=speeds,
+            accelerations=accelerations,
+        )
 
     def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
-        """Return all joint accelerations of the tree under actuator forces, from Pinocchio's ``constraintDynamics``.
+        """Return all joint accelerations of the tree under actuator forces.
+
+        From Pinocchio's ``constraintDynamics``.
 
         Parameters
         ----------
         q : (nq,) ndarray
-            Configuration. Where it leaves the loops a little open, the constraint models' Baumgarte gains close them again.
+            Configuration. Where it leaves the loops a little open, the constraint models' Baumgarte
+            gains close them again.
         v : (nv,) ndarray
             Joint velocities.
         forces : (n,) ndarray
@@ -484,16 +565,25 @@ class ClosedLoopRobot:
         """
         tau = np.zeros(self.model.nv)
         tau[self.actuated_v] = forces
-        # Redundant closures make the constraint inertia singular; the proximal iteration then converges to the same motion.
+        # Redundant closures make the constraint inertia singular; the proximal iteration then
+        # converges to the same motion.
         rows = sum(constraint.residualSize() for constraint in self.constraint_models)
         redundant = rows > self.model.nv - len(self.actuated)
-        settings = pin.ProximalSettings(1e-12, 1e-12, 1e-6 if redundant else 0.0, 50 if redundant else 1)
-        pin.initConstraintDynamics(self.model, self.data, self.constraint_models, self._dynamics_data)
-        acceleration = pin.constraintDynamics(self.model, self.data, q, v, tau, self.constraint_models, self._dynamics_data, settings)
+        settings = pin.ProximalSettings(
+            1e-12, 1e-12, 1e-6 if redundant else 0.0, 50 if redundant else 1
+        )
+        pin.initConstraintDynamics(
+            self.model, self.data, self.constraint_models, self._dynamics_data
+        )
+        acceleration = pin.constraintDynamics(
+            self.model, self.data, q, v, tau, self.constraint_models, self._dynamics_data, settings
+        )
         return np.array(acceleration)
 
     def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
-        """Return the accelerations of the actuated joints under actuator forces, from Pinocchio's ``constraintDynamics``.
+        """Return the accelerations of the actuated joints under actuator forces.
+
+        From Pinocchio's ``constraintDynamics``.
 
         Parameters
         ----------
@@ -513,13 +603,19 @@ class ClosedLoopRobot:
 
         def one(position: Array, speed: Array, force: Array) -> Array:
             q, complement = self._at(position)
-            accelerations: Array = self.constrained_accelerations(q, complement @ speed, force)[self.actuated_v]
+            accelerations: Array = self.constrained_accelerations(q, complement @ speed, force)[
+                self.actuated_v
+            ]
             return accelerations
 
-        return self._map(one, (len(self.actuated),), positions=positions, speeds=speeds, forces=forces)
+        return self._map(
+            one, (len(self.actuated),), positions=positions, speeds=speeds, forces=forces
+        )
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
-        """Return the Jacobian of a frame with respect to the actuated coordinates, in base axes at the frame's origin.
+        """Return the Jacobian of a frame by the actuated coordinates.
+
+        In base axes at the frame's origin.
 
         Parameters
         ----------
@@ -544,7 +640,9 @@ class ClosedLoopRobot:
             q, complement = self._at(position)
             pin.computeJointJacobians(self.model, self.data, q)
             pin.updateFramePlacements(self.model, self.data)
-            jacobian = pin.getFrameJacobian(self.model, self.data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED)
+            jacobian = pin.getFrameJacobian(
+                self.model, self.data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+            )
             # Of a model with a single degree of freedom Pinocchio returns a vector.
             return np.asarray(jacobian.reshape(6, self.model.nv) @ complement)
 
@@ -584,11 +682,14 @@ class ClosedLoopRobot:
         return np.array(rows).reshape(*configurations.shape[:-1], 4, 4)
 
     def position_jacobian(self, positions: ArrayLike, frame: str) -> Array:
-        """Return the Jacobian of a frame's origin, (..., 3, n): the upper rows of :meth:`frame_jacobian`, whose arguments it takes."""
+        """Return the Jacobian of a frame's origin, (..., 3, n).
+
+        These are the upper rows of :meth:`frame_jacobian`, whose arguments it takes.
+        """
         return self.frame_jacobian(positions, frame)[..., :3, :]
 
     def tip(self, positions: ArrayLike) -> Array:
-        """Return the origin of the frame ``tip``, in base axes, of shape (..., 3) [m]; NaN if the robot has no such frame.
+        """Return the origin of the frame ``tip`` in base axes, (..., 3) [m]; NaN without one.
 
         Parameters
         ----------
@@ -608,8 +709,10 @@ class ClosedLoopRobot:
     has_inverse_of_tip = False
     """Whether :meth:`motion_of_tip` can be asked for: actuated positions of a path of the tip."""
 
-    def motion_of_tip(self, point: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
-        """Return actuated positions, speeds and accelerations, each (..., n), for a motion of the tip.
+    def motion_of_tip(
+        self, point: Array, velocity: Array, acceleration: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return actuated positions, speeds and accelerations for a motion of the tip.
 
         Parameters
         ----------
@@ -621,7 +724,12 @@ class ClosedLoopRobot:
         InvalidValue
             If the robot has no inverse kinematics of its tip.
         """
-        raise InvalidValue("robot", self.title, "one with an inverse kinematics of its tip, as the 3-PSP has; give a path of the joints")
+        raise InvalidValue(
+            "robot",
+            self.title,
+            "one with an inverse kinematics of its tip, as the 3-PSP has; give a path of the "
+            "joints",
+        )
 
     def _frame(self, frame: str) -> int:
         if not self.model.existFrame(frame):
@@ -633,21 +741,31 @@ class ClosedLoopRobot:
 
         def one(position: Array, speed: Array) -> Array:
             q, complement = self._at(position)
-            return np.asarray(pin.computeKineticEnergy(self.model, self.data, q, complement @ speed))
+            return np.asarray(
+                pin.computeKineticEnergy(self.model, self.data, q, complement @ speed)
+            )
 
         return self._map(one, (), positions=positions, speeds=speeds)
 
     def potential_energy(self, positions: ArrayLike) -> Array:
-        """Return the potential energy in the field of gravity [J], of shape (...,); zero with all masses at the base's height."""
+        """Return the potential energy in the field of gravity [J], of shape (...,).
+
+        Zero with all masses at the base's height.
+        """
 
         def one(position: Array) -> Array:
-            return np.asarray(pin.computePotentialEnergy(self.model, self.data, self.configuration(position)))
+            return np.asarray(
+                pin.computePotentialEnergy(self.model, self.data, self.configuration(position))
+            )
 
         return self._map(one, (), positions=positions)
 
 
 def _check_order(model: pin.Model) -> None:
-    """Refuse a tree in which a joint does not follow its parent's other descendants: ``crba`` takes subtrees for contiguous."""
+    """Refuse a tree in which a joint does not follow its parent's other descendants.
+
+    ``crba`` takes subtrees for contiguous.
+    """
     branch = [0]
     for joint in range(1, model.njoints):
         parent = int(model.parents[joint])
@@ -659,7 +777,10 @@ def _check_order(model: pin.Model) -> None:
 
 
 class _Limits:
-    """Limits of the joints that are not actuated; those of the motors are the business of trajectories and simulation."""
+    """Limits of the joints that are not actuated.
+
+    Those of the motors are the business of trajectories and simulation.
+    """
 
     def __init__(self, model: pin.Model, actuated: tuple[str, ...]) -> None:
         # Without the universe: Pinocchio's placeholder claims one coordinate, the last of q.
@@ -670,7 +791,10 @@ class _Limits:
         ]
         self._names = [name for name, _ in passive]
         self._index = np.array([index for _, index in passive], dtype=np.int64)
-        self._lower, self._upper = model.lowerPositionLimit[self._index], model.upperPositionLimit[self._index]
+        self._lower, self._upper = (
+            model.lowerPositionLimit[self._index],
+            model.upperPositionLimit[self._index],
+        )
 
     def check(self, configurations: Array) -> None:
         """Refuse configurations (N, nq) in which one of them is exceeded."""
@@ -678,4 +802,6 @@ class _Limits:
         beyond = (values < self._lower) | (values > self._upper)
         if beyond.any():
             row, k = np.argwhere(beyond)[0]
-            raise JointLimitExceeded(self._names[k], float(values[row, k]), float(self._lower[k]), float(self._upper[k]))
+            raise JointLimitExceeded(
+                self._names[k], float(values[row, k]), float(self._lower[k]), float(self._upper[k])
+            )

@@ -1,15 +1,18 @@
 r"""Export of a robot to MJCF, the model format of MuJoCo.
 
-The URDF stays the source: an MJCF is written from the robot as it is in memory, and read by MuJoCo, or by Pinocchio again.
+The URDF stays the source: an MJCF is written from the robot as it is in memory, and read by MuJoCo,
+or by Pinocchio again.
 
-* A joint becomes hinges, slides and balls on one body. Where both engines have the same joint, name and coordinate are the same;
-  :func:`mujoco_state` translates the others.
-* A closure becomes a weld (6D) or a connect (3D) between two sites. MuJoCo's constraints are springs; :data:`HARD` makes them
-  as stiff as the time step allows. How far that is from rigid is measured in ``docs/engines.md``.
-* A body without mass, as between the two hinges of a universal joint, is joined with the one that it carries, because MuJoCo moves
-  no body without mass. Frames and visuals on it are left out, as are meshes and limits of velocity.
-* An inertia that no rigid body can have is refused by MuJoCo. On a body that never turns it has no effect, so another one is written
-  there; anywhere else it is an error.
+* A joint becomes hinges, slides and balls on one body. Where both engines have the same joint, name
+  and coordinate are the same; :func:`mujoco_state` translates the others.
+* A closure becomes a weld (6D) or a connect (3D) between two sites. MuJoCo's constraints are
+  springs; :data:`HARD` makes them as stiff as the time step allows. How far that is from rigid is
+  measured in ``docs/engines.md``.
+* A body without mass, as between the two hinges of a universal joint, is joined with the one that
+  it carries, because MuJoCo moves no body without mass. Frames and visuals on it are left out, as
+  are meshes and limits of velocity.
+* An inertia that no rigid body can have is refused by MuJoCo. On a body that never turns it has no
+  effect, so another one is written there; anywhere else it is an error.
 """
 
 from __future__ import annotations
@@ -27,17 +30,32 @@ from psp3.errors import MasslessBody, UnexportableJoint, UnphysicalInertia
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 HARD = ((1e-6, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.0))
-"""``solref`` and ``solimp`` of closures and of the ends of joints: a time constant that MuJoCo raises to two time steps, its smallest
-stable one, critically damped, and the largest impedance that it takes."""
+"""``solref`` and ``solimp`` of closures and of the ends of joints: a time constant that MuJoCo
+raises to two time steps, its smallest stable one, critically damped, and the largest impedance that
+it takes.
+"""
 
-OPTION = {"timestep": "0.001", "integrator": "RK4", "solver": "Newton", "iterations": "100", "tolerance": "1e-12", "jacobian": "dense"}
-"""Settings of MuJoCo's solver. Its other integrators are of first order; with closures only, Newton's method takes one iteration."""
+OPTION = {
+    "timestep": "0.001",
+    "integrator": "RK4",
+    "solver": "Newton",
+    "iterations": "100",
+    "tolerance": "1e-12",
+    "jacobian": "dense",
+}
+"""Settings of MuJoCo's solver. Its other integrators are of first order; with closures only,
+Newton's method takes one iteration.
+"""
 
 LEAST = 1e-14
-"""Smallest mass [kg] and moment of inertia [kg m²] that is written; MuJoCo refuses what is below 1e-15."""
+"""Smallest mass [kg] and moment of inertia [kg m²] that is written; MuJoCo refuses what is below
+1e-15.
+"""
 
 ROUNDING = 1e-12
-"""Part of the largest moment by which a triangle inequality may be off through rounding; so much is put right on any body."""
+"""Part of the largest moment by which a triangle inequality may be off through rounding; so much is
+put right on any body.
+"""
 
 UNLIMITED = 1e10
 """Limits beyond this are none."""
@@ -56,8 +74,9 @@ class _Motion(NamedTuple):
 class _Body(NamedTuple):
     """A body of MuJoCo.
 
-    ``joint`` is the joint of Pinocchio whose frame is the body's, ``parent`` a place in the list of bodies, ``joints`` holds all joints
-    that move it, each with its frame in the body in the neutral configuration, and ``turns`` says whether its orientation can change.
+    ``joint`` is the joint of Pinocchio whose frame is the body's, ``parent`` a place in the list of
+    bodies, ``joints`` holds all joints that move it, each with its frame in the body in the neutral
+    configuration, and ``turns`` says whether its orientation can change.
     """
 
     name: str
@@ -71,8 +90,9 @@ class _Body(NamedTuple):
 def to_mjcf(robot: ClosedLoopRobot) -> str:
     """Return a robot as an MJCF document.
 
-    Gravity, masses, joints with limits and armature, closures, a motor on every actuated joint with the model's effort limit (none
-    where that is not positive), a site for every frame, primitive shapes of the visual model, and the keyframe ``home`` at ``robot.q0``.
+    Gravity, masses, joints with limits and armature, closures, a motor on every actuated joint with
+    the model's effort limit (none where that is not positive), a site for every frame, primitive
+    shapes of the visual model, and the keyframe ``home`` at ``robot.q0``.
 
     Parameters
     ----------
@@ -100,7 +120,9 @@ def to_mjcf(robot: ClosedLoopRobot) -> str:
     option = ET.SubElement(root, "option", {"gravity": _text(model.gravity.linear)} | OPTION)
     ET.SubElement(option, "flag", contact="disable")
     # Shapes are looked at only: they touch nothing and weigh nothing.
-    ET.SubElement(ET.SubElement(root, "default"), "geom", contype="0", conaffinity="0", group="1", density="0")
+    ET.SubElement(
+        ET.SubElement(root, "default"), "geom", contype="0", conaffinity="0", group="1", density="0"
+    )
     elements: list[ET.Element] = [ET.SubElement(root, "worldbody")]
     for body in bodies:
         elements.append(_body_element(robot, body, elements[body.parent + 1]))
@@ -111,18 +133,26 @@ def to_mjcf(robot: ClosedLoopRobot) -> str:
     actuators = ET.SubElement(root, "actuator")
     for name in robot.actuated:
         limit = _effort(model, name)
-        ET.SubElement(actuators, "motor", {"name": name, "joint": name} | ({"ctrlrange": _text([-limit, limit])} if limit else {}))
+        ET.SubElement(
+            actuators,
+            "motor",
+            {"name": name, "joint": name}
+            | ({"ctrlrange": _text([-limit, limit])} if limit else {}),
+        )
     position, _ = mujoco_state(robot, robot.q0)
     ET.SubElement(ET.SubElement(root, "keyframe"), "key", name="home", qpos=_text(position))
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"
 
 
-def mujoco_state(robot: ClosedLoopRobot, q: ArrayLike, v: ArrayLike | None = None) -> tuple[Array, Array]:
+def mujoco_state(
+    robot: ClosedLoopRobot, q: ArrayLike, v: ArrayLike | None = None
+) -> tuple[Array, Array]:
     """Return a state in the coordinates of MuJoCo, for the model that :func:`to_mjcf` writes.
 
-    Bodies may come in another order; quaternions have their real part first; what turns without end is an angle, not a cosine and a
-    sine; a free body has its linear velocity in the axes of its parent, not in its own.
+    Bodies may come in another order; quaternions have their real part first; what turns without end
+    is an angle, not a cosine and a sine; a free body has its linear velocity in the axes of its
+    parent, not in its own.
 
     Parameters
     ----------
@@ -151,7 +181,9 @@ def mujoco_state(robot: ClosedLoopRobot, q: ArrayLike, v: ArrayLike | None = Non
         for number, frame in body.joints:
             joint = model.joints[number]
             coordinates = _coordinates(
-                position[joint.idx_q : joint.idx_q + joint.nq], velocity[joint.idx_v : joint.idx_v + joint.nv], frame.rotation
+                position[joint.idx_q : joint.idx_q + joint.nq],
+                velocity[joint.idx_v : joint.idx_v + joint.nv],
+                frame.rotation,
             )
             qpos.append(coordinates[0])
             qvel.append(coordinates[1])
@@ -159,11 +191,14 @@ def mujoco_state(robot: ClosedLoopRobot, q: ArrayLike, v: ArrayLike | None = Non
 
 
 def _coordinates(q: Array, v: Array, frame: Array) -> tuple[Array, Array]:
-    # MuJoCo turns a ball about the axes of the body, which are those of the joint turned by the frame.
+    # MuJoCo turns a ball about the axes of the body, which are those of the joint turned by the
+    # frame.
     match q.size, v.size:
         case 7, 6:
             rotation = pin.Quaternion(q[3:]).toRotationMatrix()
-            return np.concatenate([q[:3], q[6:], frame @ q[3:6]]), np.concatenate([rotation @ v[:3], frame @ v[3:]])
+            return np.concatenate([q[:3], q[6:], frame @ q[3:6]]), np.concatenate(
+                [rotation @ v[:3], frame @ v[3:]]
+            )
         case 4, 3:
             return np.concatenate([q[3:], frame @ q[:3]]), frame @ v
         case 2, 1:
@@ -175,18 +210,28 @@ def _coordinates(q: Array, v: Array, frame: Array) -> tuple[Array, Array]:
 
 
 def _tree(robot: ClosedLoopRobot) -> list[_Body]:
-    """Return the bodies in depth-first order, a parent before its children; the first is the base, which does not move."""
+    """Return the bodies in depth-first order, a parent before its children.
+
+    The first is the base, which does not move.
+    """
     model = robot.model
     children: list[list[int]] = [[] for _ in range(model.njoints)]
     for joint in range(1, model.njoints):
         children[model.parents[joint]].append(joint)
-    closed = {joint for closure in robot.constraint_models for joint in (closure.joint1_id, closure.joint2_id)}
+    closed = {
+        joint
+        for closure in robot.constraint_models
+        for joint in (closure.joint1_id, closure.joint2_id)
+    }
     bodies = [_Body(_body_name(model, 0), 0, -1, pin.SE3.Identity(), [], False)]
     waiting: list[tuple[int, int, list[int]]] = [(joint, 0, []) for joint in reversed(children[0])]
     while waiting:
         joint, parent, carriers = waiting.pop()
         chain = [*carriers, joint]
-        if model.inertias[joint].mass < LEAST and np.abs(model.inertias[joint].inertia).max() < LEAST:
+        if (
+            model.inertias[joint].mass < LEAST
+            and np.abs(model.inertias[joint].inertia).max() < LEAST
+        ):
             if joint in closed or len(children[joint]) != 1:
                 raise MasslessBody(_body_name(model, joint), joint in closed, len(children[joint]))
             waiting.append((children[joint][0], parent, chain))
@@ -194,53 +239,80 @@ def _tree(robot: ClosedLoopRobot) -> list[_Body]:
         freedom = sum(model.joints[number].nv for number in chain)
         if freedom > 6:
             raise UnexportableJoint(
-                model.names[joint], f"up to the next body with mass there are {freedom} degrees of freedom, not 6 at most"
+                model.names[joint],
+                f"up to the next body with mass there are {freedom} degrees of freedom, not 6 at "
+                "most",
             )
         placement, joints = pin.SE3.Identity(), []
         for number in reversed(chain):
             joints.append((number, placement.inverse()))
-            # A joint composed of others has places between these, which are no part of its own placement.
+            # A joint composed of others has places between these, which are no part of its own
+            # placement.
             placement = model.jointPlacements[number] * _neutral(model, number).M * placement
-        turns = bodies[parent].turns or any(bool(_subspace(model, number)[3:].any()) for number in chain)
-        bodies.append(_Body(_body_name(model, joint), joint, parent, placement, joints[::-1], turns))
+        turns = bodies[parent].turns or any(
+            bool(_subspace(model, number)[3:].any()) for number in chain
+        )
+        bodies.append(
+            _Body(_body_name(model, joint), joint, parent, placement, joints[::-1], turns)
+        )
         waiting.extend((child, len(bodies) - 1, []) for child in reversed(children[joint]))
     return bodies
 
 
 def _neutral(model: pin.Model, number: int) -> Any:
-    """Return what Pinocchio computes of a joint in the neutral configuration: its displacement M and its motion subspace S."""
+    """Return what Pinocchio computes of a joint in the neutral configuration.
+
+    Its displacement M and its motion subspace S.
+    """
     data = model.joints[number].createData()
     model.joints[number].calc(data, pin.neutral(model))
     return data
 
 
 def _subspace(model: pin.Model, number: int) -> Array:
-    """Motion subspace of a joint in the neutral configuration, (6, nv): linear above angular, in the axes behind the joint."""
+    """Motion subspace of a joint in the neutral configuration, (6, nv).
+
+    Linear above angular, in the axes behind the joint.
+    """
     return np.array(_neutral(model, number).S).reshape(6, -1)
 
 
 def _motions(model: pin.Model, number: int, frame: pin.SE3) -> Iterator[_Motion]:
     """Yield the joints of MuJoCo that make up a joint of Pinocchio, in the order in which they act.
 
-    A joint is a chain of screws, each seen from the end of the chain, or ends in a ball; the robot has no others.
+    A joint is a chain of screws, each seen from the end of the chain, or ends in a ball; the robot
+    has no others.
     """
     joint, anchor = model.joints[number], frame.translation
     ball = joint.nq > joint.nv and joint.nv >= 3
     if ball and model.armature[joint.idx_v : joint.idx_v + joint.nv].any():
         raise UnexportableJoint(str(model.names[number]), "it is a ball or free, and has armature")
     columns = _subspace(model, number).T
-    for k, (linear, angular) in enumerate(columns.reshape(-1, 2, 3)[: joint.nv - 3 if ball else joint.nv]):
+    for k, (linear, angular) in enumerate(
+        columns.reshape(-1, 2, 3)[: joint.nv - 3 if ball else joint.nv]
+    ):
         limits = (-np.inf, np.inf)
         # The coordinates of what turns without end are a cosine and a sine, and its limits theirs.
         if joint.nq == joint.nv or ball:
-            limits = (float(model.lowerPositionLimit[joint.idx_q + k]), float(model.upperPositionLimit[joint.idx_q + k]))
+            limits = (
+                float(model.lowerPositionLimit[joint.idx_q + k]),
+                float(model.upperPositionLimit[joint.idx_q + k]),
+            )
         armature = float(model.armature[joint.idx_v + k])
         if not angular.any():
             yield _Motion("slide", frame.rotation @ linear, anchor, limits, armature)
         elif abs(angular @ linear) > ROUNDING:
-            raise UnexportableJoint(str(model.names[number]), f"it turns and slides at once ({joint.shortname()})")
+            raise UnexportableJoint(
+                str(model.names[number]), f"it turns and slides at once ({joint.shortname()})"
+            )
         else:
-            yield _Motion("hinge", frame.rotation @ angular, frame.act(np.cross(angular, linear)), limits, armature)
+            yield _Motion(
+                "hinge",
+                frame.rotation @ angular,
+                frame.act(np.cross(angular, linear)),
+                limits,
+                armature,
+            )
     if ball:
         yield _Motion("ball", np.zeros(3), anchor, (-np.inf, np.inf), 0.0)
 
@@ -257,7 +329,10 @@ def _body_name(model: pin.Model, joint: int) -> str:
 
 def _text(numbers: ArrayLike) -> str:
     """Numbers as they are read back to the last bit, the sign of zero left out."""
-    return " ".join(repr(float(number) + 0.0).removesuffix(".0") for number in np.asarray(numbers, dtype=float).ravel())
+    return " ".join(
+        repr(float(number) + 0.0).removesuffix(".0")
+        for number in np.asarray(numbers, dtype=float).ravel()
+    )
 
 
 def _hard(*names: str) -> dict[str, str]:
@@ -278,12 +353,19 @@ def _body_element(robot: ClosedLoopRobot, body: _Body, parent: ET.Element) -> ET
     for number, frame in body.joints:
         name, motions = str(model.names[number]), list(_motions(model, number, frame))
         for place, motion in enumerate(motions, start=1):
-            joint = ET.SubElement(element, "joint", name=name if len(motions) == 1 else f"{name}_{place}", type=motion.kind)
+            joint = ET.SubElement(
+                element,
+                "joint",
+                name=name if len(motions) == 1 else f"{name}_{place}",
+                type=motion.kind,
+            )
             joint.set("pos", _text(motion.anchor))
             if motion.kind != "ball":
                 joint.set("axis", _text(motion.axis))
             if min(abs(limit) for limit in motion.limits) < UNLIMITED:
-                joint.attrib |= {"range": _text(np.clip(motion.limits, -UNLIMITED, UNLIMITED))} | _hard("solreflimit", "solimplimit")
+                joint.attrib |= {
+                    "range": _text(np.clip(motion.limits, -UNLIMITED, UNLIMITED))
+                } | _hard("solreflimit", "solimplimit")
             if motion.armature:
                 joint.set("armature", _text(motion.armature))
             if name in robot.actuated and (limit := _effort(model, name)):
@@ -313,46 +395,87 @@ def _inertial(body: _Body, inertia: pin.Inertia) -> ET.Element:
     if np.linalg.det(axes) < 0.0:
         axes = -axes
     placement = pin.SE3(axes, inertia.lever)
-    return ET.Element("inertial", {"mass": _text(max(inertia.mass, LEAST)), "diaginertia": _text(moments)} | _placed(placement))
+    return ET.Element(
+        "inertial",
+        {"mass": _text(max(inertia.mass, LEAST)), "diaginertia": _text(moments)}
+        | _placed(placement),
+    )
 
 
 def _add_frames(model: pin.Model, at_joint: dict[int, ET.Element]) -> None:
-    """Write every frame as a site, but for those that are a body or a joint, and for the joint behind a link that is fixed."""
+    """Write every frame as a site, but for bodies and joints.
+
+    Nor is the joint behind a link that is fixed.
+    """
     taken = {element.get("name") for element in at_joint.values()}
     for frame in model.frames:
         element = at_joint.get(frame.parentJoint)
-        if element is None or frame.type in (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT) or frame.name in taken:
+        if (
+            element is None
+            or frame.type in (pin.FrameType.JOINT, pin.FrameType.FIXED_JOINT)
+            or frame.name in taken
+        ):
             continue
         taken.add(frame.name)
-        ET.SubElement(element, "site", {"name": frame.name, "group": "4"} | _placed(frame.placement))
+        ET.SubElement(
+            element, "site", {"name": frame.name, "group": "4"} | _placed(frame.placement)
+        )
 
 
-def _add_closures(robot: ClosedLoopRobot, root: ET.Element, at_joint: dict[int, ET.Element]) -> None:
-    """Sites, not bodies, are what is joined: their places do not depend on the configuration in which MuJoCo compiles the model."""
+def _add_closures(
+    robot: ClosedLoopRobot, root: ET.Element, at_joint: dict[int, ET.Element]
+) -> None:
+    """Sites, not bodies, are what is joined.
+
+    Their places do not depend on the configuration in which MuJoCo compiles the model.
+    """
     equality = ET.SubElement(root, "equality")
     for number, closure in enumerate(robot.constraint_models, start=1):
-        sides = ((closure.joint1_id, closure.joint1_placement), (closure.joint2_id, closure.joint2_placement))
+        sides = (
+            (closure.joint1_id, closure.joint1_placement),
+            (closure.joint2_id, closure.joint2_placement),
+        )
         names = []
         for side, (joint, placement) in enumerate(sides, start=1):
             placed = _placed(placement)
-            known = [site.get("name", "") for site in at_joint[joint].findall("site") if placed.items() <= site.attrib.items()]
+            known = [
+                site.get("name", "")
+                for site in at_joint[joint].findall("site")
+                if placed.items() <= site.attrib.items()
+            ]
             names.append(known[0] if known else f"closure{number}_{side}")
             if not known:
                 ET.SubElement(at_joint[joint], "site", {"name": names[-1], "group": "4"} | placed)
         kind = "weld" if closure.type == pin.ContactType.CONTACT_6D else "connect"
-        ET.SubElement(equality, kind, {"name": "-".join(names), "site1": names[0], "site2": names[1]} | _hard("solref", "solimp"))
+        ET.SubElement(
+            equality,
+            kind,
+            {"name": "-".join(names), "site1": names[0], "site2": names[1]}
+            | _hard("solref", "solimp"),
+        )
 
 
 def _add_visuals(robot: ClosedLoopRobot, at_joint: dict[int, ET.Element]) -> None:
     for item in robot.visual_model.geometryObjects:
         size = _size(item.geometry)
         if size is not None and item.parentJoint in at_joint:
-            attributes = {"name": item.name, "type": type(item.geometry).__name__.lower(), "size": _text(size)}
-            ET.SubElement(at_joint[item.parentJoint], "geom", attributes | _placed(item.placement) | {"rgba": _text(item.meshColor)})
+            attributes = {
+                "name": item.name,
+                "type": type(item.geometry).__name__.lower(),
+                "size": _text(size),
+            }
+            ET.SubElement(
+                at_joint[item.parentJoint],
+                "geom",
+                attributes | _placed(item.placement) | {"rgba": _text(item.meshColor)},
+            )
 
 
 def _size(shape: Any) -> ArrayLike | None:
-    """Sizes of a primitive shape as MuJoCo has them, halves where others have wholes; None for any other."""
+    """Sizes of a primitive shape as MuJoCo has them, halves where others have wholes.
+
+    None for any other.
+    """
     match type(shape).__name__:
         case "Box":
             return np.array(shape.halfSide)

@@ -1,4 +1,7 @@
-"""Payloads: a body fixed to one of a robot's frames, as something that the plant carries and the controller need not know of."""
+"""Payloads: a body fixed to one of a robot's frames.
+
+The plant carries it, and the controller need not know of it.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +14,18 @@ from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 
-def with_payload(robot: ClosedLoopRobot, mass: float, inertia: ArrayLike = (0.0, 0.0, 0.0), frame: str = "tip") -> ClosedLoopRobot:
+def with_payload(
+    robot: ClosedLoopRobot, mass: float, inertia: ArrayLike = (0.0, 0.0, 0.0), frame: str = "tip"
+) -> ClosedLoopRobot:
     r"""Return a robot that carries a payload, by the Pinocchio path.
 
-    With :math:`J` the Jacobian of the frame's origin and :math:`J_\omega` that of its angular velocity, in base axes, and :math:`R` its
-    rotation,
+    With :math:`J` the Jacobian of the frame's origin and :math:`J_\omega` that of its angular
+    velocity, in base axes, and :math:`R` its rotation,
 
     .. math:: M' = M + m J^T J + J_\omega^T R I R^T J_\omega, \qquad V' = V + m g z,
 
-    and C and G follow. At the star's center of a 3-PSP the closed form has payloads, too: as ``star_mass`` and ``star_inertia`` of
-    :class:`psp3.Parameters`.
+    and C and G follow. At the star's center of a 3-PSP the closed form has payloads, too: as
+    ``star_mass`` and ``star_inertia`` of :class:`psp3.Parameters`.
 
     Parameters
     ----------
@@ -43,18 +48,27 @@ def with_payload(robot: ClosedLoopRobot, mass: float, inertia: ArrayLike = (0.0,
     UnknownName
         If the robot has no such frame.
     InvalidValue
-        If the mass is negative or not finite, no rigid body has these moments, or the frame is fixed to the base.
+        If the mass is negative or not finite, no rigid body has these moments, or the frame is
+        fixed to the base.
     InvalidArray
         If the moments are not three finite numbers.
     """
     mass, moments = checked_not_negative("mass", mass), one_row("inertia", inertia, 3)
     if (moments < 0.0).any() or 2.0 * moments.max() > moments.sum() * (1.0 + 1e-12):
-        raise InvalidValue("inertia", moments.tolist(), "moments of a rigid body: none negative, none above the sum of the other two")
+        raise InvalidValue(
+            "inertia",
+            moments.tolist(),
+            "moments of a rigid body: none negative, none above the sum of the other two",
+        )
     if not robot.model.existFrame(frame):
         raise UnknownName("frame", frame, [known.name for known in robot.model.frames])
     model = robot.model.copy()
     place = model.frames[model.getFrameId(frame)]
     if place.parentJoint == 0:
         raise InvalidValue("frame", frame, "one that moves; this one is fixed to the base")
-    model.appendBodyToJoint(place.parentJoint, pin.Inertia(mass, np.zeros(3), np.diag(moments)), place.placement)
-    return ClosedLoopRobot(model, robot.constraint_models, robot.actuated, robot.q0, robot.visual_model)
+    model.appendBodyToJoint(
+        place.parentJoint, pin.Inertia(mass, np.zeros(3), np.diag(moments)), place.placement
+    )
+    return ClosedLoopRobot(
+        model, robot.constraint_models, robot.actuated, robot.q0, robot.visual_model
+    )

@@ -14,10 +14,13 @@ from psp3.simulation.runge_kutta import FixedSteps
 
 
 class ConstraintDynamics(FixedSteps):
-    r"""The whole tree under Pinocchio's ``constraintDynamics``, integrated with classical Runge–Kutta steps.
+    r"""The whole tree under Pinocchio's ``constraintDynamics``.
 
-    The loops are constraints on accelerations, so integration errors would open them slowly; Baumgarte's stabilization adds
-    :math:`2\omega \dot\phi + \omega^2 \phi` to pull them shut. Motor inertia is Pinocchio's armature, friction a force on the joint.
+    It is integrated with classical Runge–Kutta steps.
+
+    The loops are constraints on accelerations, so integration errors would open them slowly;
+    Baumgarte's stabilization adds :math:`2\omega \dot\phi + \omega^2 \phi` to pull them shut. Motor
+    inertia is Pinocchio's armature, friction a force on the joint.
 
     Parameters
     ----------
@@ -31,15 +34,26 @@ class ConstraintDynamics(FixedSteps):
         Friction and motor inertia of all actuated joints, or of each.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, frequency: float = 20.0, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE) -> None:
+    def __init__(
+        self,
+        robot: ClosedLoopRobot,
+        frequency: float = 20.0,
+        steps: int = 1,
+        drive: Drive | Sequence[Drive] = NO_DRIVE,
+    ) -> None:
         frequency = checked_not_negative("frequency", frequency)
         closures = pin.StdVec_RigidConstraintModel()
         for closure in robot.constraint_models:
             stabilized = pin.RigidConstraintModel(closure)
-            stabilized.setBaumgarteCorrectorParameters(pin.BaumgarteCorrectorParameters(frequency**2, 2.0 * frequency))
+            stabilized.setBaumgarteCorrectorParameters(
+                pin.BaumgarteCorrectorParameters(frequency**2, 2.0 * frequency)
+            )
             closures.append(stabilized)
         joints = [robot.model.joints[robot.model.getJointId(name)] for name in robot.actuated]
-        places, rows = np.array([joint.idx_q for joint in joints]), np.array([joint.idx_v for joint in joints])
+        places, rows = (
+            np.array([joint.idx_q for joint in joints]),
+            np.array([joint.idx_v for joint in joints]),
+        )
         model = robot.model.copy()
         armature = np.array(model.armature)
         armature[rows] += drive_table(drive, len(joints))[:, 0]
@@ -60,7 +74,10 @@ class ConstraintDynamics(FixedSteps):
         return np.asarray(pin.integrate(self._robot.model, q, way))
 
     def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
-        """Return M + J as the inverse of what unit forces do, and the force that would do what the forces do."""
+        """Return M + J as the inverse of what unit forces do.
+
+        And the force that would do what the forces do.
+        """
 
         def rows(force: Array) -> Array:
             return self._robot.constrained_accelerations(q, v, force)[self._rows]
@@ -78,7 +95,9 @@ class ConstraintDynamics(FixedSteps):
             if sticks.any():
                 mass, net = self._balance(q, v, forces)
                 friction[sticks] = (net - mass @ self._joint_accelerations(mass, net))[sticks]
-            acceleration = self._robot.constrained_accelerations(q, v, forces - viscous * v[self._rows] - friction)
+            acceleration = self._robot.constrained_accelerations(
+                q, v, forces - viscous * v[self._rows] - friction
+            )
             # What sticks rests to the last bit, not only to rounding.
             acceleration[self._rows[sticks]] = 0.0
             return acceleration

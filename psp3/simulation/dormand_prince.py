@@ -14,7 +14,9 @@ from psp3.simulation.plant import NO_POSE, DrivenPlant
 
 
 class DormandPrince(DrivenPlant):
-    """Actuated coordinates, integrated with SciPy's DOP853; events of the dry friction are found on its dense output.
+    """Actuated coordinates, integrated with SciPy's DOP853.
+
+    Events of the dry friction are found on its dense output.
 
     Parameters
     ----------
@@ -26,17 +28,28 @@ class DormandPrince(DrivenPlant):
         Friction and motor inertia of all actuated joints, or of each.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, tolerance: float = 1e-12, drive: Drive | Sequence[Drive] = NO_DRIVE) -> None:
+    def __init__(
+        self,
+        robot: ClosedLoopRobot,
+        tolerance: float = 1e-12,
+        drive: Drive | Sequence[Drive] = NO_DRIVE,
+    ) -> None:
         super().__init__(robot, drive)
         self._tolerance = checked_positive("tolerance", tolerance)
         self._state = np.zeros(2 * self._joints)
 
     def start(self, heights: Array, speeds: Array) -> None:
-        """Put the robot into a state; positions [m, rad] and speeds of the actuated joints, each (n,)."""
+        """Put the robot into a state.
+
+        Positions [m, rad] and speeds of the actuated joints, each (n,).
+        """
         self._state = np.concatenate([heights, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds after ``duration`` [s] under constant forces, each (n,), or None."""
+        """Return positions and speeds after ``duration`` [s], or None.
+
+        Each is (n,), under constant forces.
+        """
         try:
             return self._parts(self._state) if self._advance(forces, duration) else None
         except NO_POSE:
@@ -63,16 +76,28 @@ class DormandPrince(DrivenPlant):
             now, self._state = solution.t[-1], solution.y[:, -1]
             if solution.status == 0:
                 return True
-            self._switch([event.joint for event, times in zip(events, solution.t_events, strict=True) if len(times)], forces)
+            self._switch(
+                [
+                    event.joint
+                    for event, times in zip(events, solution.t_events, strict=True)
+                    if len(times)
+                ],
+                forces,
+            )
         return False
 
     def _event(self, i: int, forces: Array) -> Any:
-        """Return a function of time and state that passes zero, downward, where the slip of joint i changes."""
+        """Return a function of time and state for a change of slip.
+
+        It passes zero, downward, where the slip of joint i changes.
+        """
         slip = self._slip[i]
 
         def event(_: float, state: Array) -> float:
             if slip == 0.0:
-                return float(self._drives[i, self._kernels.DRY] - abs(self._friction(i, state, forces)))
+                return float(
+                    self._drives[i, self._kernels.DRY] - abs(self._friction(i, state, forces))
+                )
             return float(slip * state[self._joints + i])
 
         event.joint, event.terminal, event.direction = i, True, -1.0  # type: ignore[attr-defined]
@@ -86,8 +111,13 @@ class DormandPrince(DrivenPlant):
     def _switch(self, joints: list[int], forces: Array) -> None:
         """Stop the joints that came to rest, and let those go that cannot be held any more."""
         stopped = [i for i in joints if self._slip[i] != 0.0]
-        # At this very moment friction can still hold the others, and in the next it cannot, so the choice is not asked.
-        directions = {i: np.sign(self._friction(i, self._state, forces)) for i in joints if self._slip[i] == 0.0}
+        # At this very moment friction can still hold the others, and in the next it cannot, so the
+        # choice is not asked.
+        directions = {
+            i: np.sign(self._friction(i, self._state, forces))
+            for i in joints
+            if self._slip[i] == 0.0
+        }
         q, v = self._parts(self._state)
         v[stopped] = 0.0
         if stopped:

@@ -24,7 +24,11 @@ class Encoder:
         if self._is_perfect:
             return positions.copy(), speeds.copy()
         with np.errstate(divide="ignore", invalid="ignore"):  # of perfect encoders among others
-            counted = np.where(self._coarse, self._resolution * np.floor(positions / self._resolution + 0.5), positions)
+            counted = np.where(
+                self._coarse,
+                self._resolution * np.floor(positions / self._resolution + 0.5),
+                positions,
+            )
         last = counted if self._last is None else self._last
         self._last = counted
         return counted.copy(), np.where(self._coarse, (counted - last) / self._period, speeds)

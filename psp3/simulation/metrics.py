@@ -17,8 +17,8 @@ def sum_of_squared_errors(result: Result, sampling_period: float = THESIS_SAMPLI
     result : Result
         A simulation.
     sampling_period : float
-        Time between the samples that are summed [s]. 0.05 s makes the PD row, which is its sag and nothing else, come out
-        as printed.
+        Time between the samples that are summed [s]. 0.05 s makes the PD row, which is its sag and
+        nothing else, come out as printed.
 
     Returns
     -------
@@ -33,7 +33,9 @@ def sum_of_squared_errors(result: Result, sampling_period: float = THESIS_SAMPLI
     period = float(result.t[1] - result.t[0]) if result.t.size > 1 else sampling_period
     every = round(sampling_period / period)
     if every < 1 or abs(every * period - sampling_period) > 1e-9 * sampling_period:
-        raise InvalidValue("sampling_period", sampling_period, f"a multiple of the control period, {period:.6g} s")
+        raise InvalidValue(
+            "sampling_period", sampling_period, f"a multiple of the control period, {period:.6g} s"
+        )
     error = result.desired.heights[::every] - result.heights[::every]
     return float((error**2).sum())
 

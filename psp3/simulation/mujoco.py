@@ -1,7 +1,10 @@
-"""MuJoCo as a plant: what a controller steers in :func:`psp3.simulate` is the exported robot in another engine.
+"""MuJoCo as a plant.
 
-Nothing of it is computed here. The loops are MuJoCo's constraints, and so are the ends of the joints and dry friction; the motors and
-what they can at most are MuJoCo's, too. Needs the extra ``mujoco``: ``pip install 'psp3[mujoco]'``.
+What a controller steers in :func:`psp3.simulate` is the exported robot in another engine.
+
+Nothing of it is computed here. The loops are MuJoCo's constraints, and so are the ends of the
+joints and dry friction; the motors and what they can at most are MuJoCo's, too. Needs the extra
+``mujoco``: ``pip install 'psp3[mujoco]'``.
 """
 
 from __future__ import annotations
@@ -19,14 +22,17 @@ from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.mjcf_export import HARD, UNLIMITED, mujoco_state, to_mjcf
 
 LARGEST_GAP = 1e-3
-"""Loops that are open by more than this are taken for torn [m; of a 6D closure also the sine of half an angle]."""
+"""Loops that are open by more than this are taken for torn [m; of a 6D closure also the sine of
+half an angle].
+"""
 
 
 class MuJoCo:
     r"""A robot in MuJoCo, integrated with its classical Runge–Kutta steps.
 
-    Closures, ends of joints and dry friction are MuJoCo's constraints: critically damped springs of a time constant of two steps
-    :math:`h`. What they give way vanishes with :math:`h^2`; ``docs/engines.md`` has numbers.
+    Closures, ends of joints and dry friction are MuJoCo's constraints: critically damped springs of
+    a time constant of two steps :math:`h`. What they give way vanishes with :math:`h^2`;
+    ``docs/engines.md`` has numbers.
 
     Parameters
     ----------
@@ -37,12 +43,13 @@ class MuJoCo:
     drive : Drive or sequence of Drive
         Friction and motors of the actuated joints, one for all or one for each.
     limits : pair of (n,) array_like, optional
-        Where the actuated joints are stopped, lowest and highest positions [m or rad]; by default the limits of the model. The
-        simulation ends when a nut of the 3-PSP is beyond its screw, so stops that it is to run into lie within the stroke. All other
-        joints keep the limits of the model.
+        Where the actuated joints are stopped, lowest and highest positions [m or rad]; by default
+        the limits of the model. The simulation ends when a nut of the 3-PSP is beyond its screw, so
+        stops that it is to run into lie within the stroke. All other joints keep the limits of the
+        model.
     torque_limit : float or (n,) array_like, optional
-        Largest absolute forces of the motors [N or N m]; by default the effort limits of the model. The ``torque`` of a result is
-        what the controller asked for.
+        Largest absolute forces of the motors [N or N m]; by default the effort limits of the model.
+        The ``torque`` of a result is what the controller asked for.
 
     Raises
     ------
@@ -69,14 +76,19 @@ class MuJoCo:
         table = drive_table(drive, n)
         self.model = model = mujoco.MjModel.from_xml_string(to_mjcf(robot))
         self.data = mujoco.MjData(model)
-        joints = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in robot.actuated]
+        joints = [
+            mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in robot.actuated
+        ]
         self._positions, self._speeds = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
         if limits is not None:
             model.jnt_range[joints], model.jnt_limited[joints] = _stops(limits, n), 1
             model.jnt_solref[joints], model.jnt_solimp[joints] = HARD
         if torque_limit is not None:
             largest = _largest(torque_limit, n)
-            model.actuator_ctrlrange[:], model.actuator_ctrllimited[:] = np.stack([-largest, largest], axis=1), 1
+            model.actuator_ctrlrange[:], model.actuator_ctrllimited[:] = (
+                np.stack([-largest, largest], axis=1),
+                1,
+            )
             model.jnt_actfrclimited[joints] = 0
         model.dof_armature[self._speeds] += table[:, 0]
         model.dof_damping[self._speeds] = table[:, 1]
@@ -89,7 +101,10 @@ class MuJoCo:
 
     @property
     def gap(self) -> float:
-        """By how much the loops were open in the last step, at most [m; of a 6D closure also the sine of half an angle]."""
+        """By how much the loops were open in the last step at most [m].
+
+        Of a 6D closure also the sine of half an angle.
+        """
         return float(np.abs(self.data.efc_pos[: self.data.ne]).max(initial=0.0))
 
     def start(self, heights: Array, speeds: Array) -> None:
@@ -99,7 +114,9 @@ class MuJoCo:
         self.data.qpos[:], self.data.qvel[:] = mujoco_state(self._robot, q, v)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds of the actuated joints after ``duration`` [s] under constant forces, or None if it went wrong.
+        """Return positions and speeds of the actuated joints after ``duration`` [s].
+
+        Under constant forces; None if it went wrong.
 
         None if MuJoCo warns of a bad state, or a loop is torn.
         """
@@ -130,13 +147,25 @@ def _mujoco() -> Any:
 def _stops(limits: Any, joints: int) -> Array:
     """Return lowest and highest positions side by side, (n, 2)."""
     array = as_floats("limits", limits, f"(2, {joints})")
-    if array.shape != (2, joints) or not np.isfinite(array).all() or not (array[0] < array[1]).all():
-        raise InvalidValue("limits", limits, f"{joints} lowest and {joints} highest positions, each highest above its lowest")
+    if (
+        array.shape != (2, joints)
+        or not np.isfinite(array).all()
+        or not (array[0] < array[1]).all()
+    ):
+        raise InvalidValue(
+            "limits",
+            limits,
+            f"{joints} lowest and {joints} highest positions, each highest above its lowest",
+        )
     return array.T
 
 
 def _largest(torque_limit: ArrayLike, joints: int) -> Array:
     array = as_floats("torque_limit", torque_limit, f"() or ({joints},)")
-    if np.shape(torque_limit) not in ((), (joints,)) or not (array > 0.0).all() or not np.isfinite(array).all():
+    if (
+        np.shape(torque_limit) not in ((), (joints,))
+        or not (array > 0.0).all()
+        or not np.isfinite(array).all()
+    ):
         raise InvalidValue("torque_limit", torque_limit, f"one positive number or {joints}")
     return np.array(np.broadcast_to(array, joints))

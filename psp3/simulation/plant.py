@@ -9,10 +9,24 @@ import numpy as np
 
 from psp3.checks import Array
 from psp3.drives.drive import Drive, drive_table
-from psp3.errors import ClosureFailed, InvalidArray, InvalidValue, JointLimitExceeded, SingularConfiguration, UnreachablePose
+from psp3.errors import (
+    ClosureFailed,
+    InvalidArray,
+    InvalidValue,
+    JointLimitExceeded,
+    SingularConfiguration,
+    UnreachablePose,
+)
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
-NO_POSE = (InvalidArray, InvalidValue, UnreachablePose, ClosureFailed, JointLimitExceeded, SingularConfiguration)
+NO_POSE = (
+    InvalidArray,
+    InvalidValue,
+    UnreachablePose,
+    ClosureFailed,
+    JointLimitExceeded,
+    SingularConfiguration,
+)
 """What robots raise for a state that is none of theirs, once a state has been accepted."""
 
 
@@ -24,19 +38,28 @@ class Plant(Protocol):
         ...
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return heights and speeds after some time under constant forces, or None if the robot left the poses it can take."""
+        """Return heights and speeds after some time under constant forces.
+
+        None if the robot left the poses it can take.
+        """
         ...
 
 
 class DrivenPlant:
-    """A robot with drives in Python, in actuated coordinates: what is common to the ways to integrate it."""
+    """A robot with drives in Python, in actuated coordinates.
+
+    What is common to the ways to integrate it.
+    """
 
     def __init__(self, robot: ClosedLoopRobot, drive: Drive | Sequence[Drive]) -> None:
         from psp3.drives import kernels as drive_kernels
 
         self._robot, self._kernels, self._joints = robot, drive_kernels, len(robot.actuated)
         self._drives = drive_table(drive, self._joints)
-        self._is_driven, self._is_dry = bool(self._drives.any()), self._drives[:, drive_kernels.DRY] > 0.0
+        self._is_driven, self._is_dry = (
+            bool(self._drives.any()),
+            self._drives[:, drive_kernels.DRY] > 0.0,
+        )
         self._slip = np.ones(self._joints)
 
     def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
@@ -61,4 +84,6 @@ class DrivenPlant:
     def _choose_slip(self, q: Array, v: Array, speeds: Array, forces: Array) -> None:
         """Find out which joints stick, and which way the others slip."""
         if self._kernels.slip_of(self._drives, speeds, self._slip):
-            self._kernels.choose_slip(*self._balance(q, v, forces), self._drives, speeds, self._slip)
+            self._kernels.choose_slip(
+                *self._balance(q, v, forces), self._drives, speeds, self._slip
+            )

@@ -21,7 +21,13 @@ FORMAT = "psp3-result-2"
 JOINTS = -1
 """Stands for the number of actuated joints in a shape."""
 
-_ARRAYS: dict[str, tuple[int, ...]] = {"t": (), "heights": (JOINTS,), "speeds": (JOINTS,), "torque": (JOINTS,), "tip": (3,)}
+_ARRAYS: dict[str, tuple[int, ...]] = {
+    "t": (),
+    "heights": (JOINTS,),
+    "speeds": (JOINTS,),
+    "torque": (JOINTS,),
+    "tip": (3,),
+}
 """What every result holds: shape of a sample."""
 
 REPORTED: dict[str, tuple[tuple[int, ...], type]] = {
@@ -41,18 +47,21 @@ class Result:
     t : (N,) ndarray
         Times, from 0 [s].
     heights, speeds : (N, n) ndarray
-        Nut heights [m] and speeds [m/s]; of another robot than the 3-PSP, positions and speeds of its actuated joints.
+        Nut heights [m] and speeds [m/s]; of another robot than the 3-PSP, positions and speeds of
+        its actuated joints.
     desired : Motion
         Desired ``.heights .speeds .accelerations``, each (N, n), and ``.tip`` (N, 3).
     torque : (N, n) ndarray
-        Forces of the actuated joints applied from each sample on [N], at revolute joints torques [N m]. As motor torques:
-        ``drive.motor_torque(result.torque)``.
+        Forces of the actuated joints applied from each sample on [N], at revolute joints torques [N
+        m]. As motor torques: ``drive.motor_torque(result.torque)``.
     tip : (N, 3) ndarray
         Tip in base axes [m]; of another robot its frame ``tip``, and NaN if it has none.
     covered, fell_back : (N,) ndarray of bool, optional
-        Whether the controller was inside its trained range, and whether it fell back on its average; of controllers that say so.
+        Whether the controller was inside its trained range, and whether it fell back on its
+        average; of controllers that say so.
     torque_interval : (N, n, 2) ndarray, optional
-        Torque as the fuzzy number that was defuzzified, see :attr:`psp3.FuzzyComputedTorque.torque_interval` [N].
+        Torque as the fuzzy number that was defuzzified, see
+        :attr:`psp3.FuzzyComputedTorque.torque_interval` [N].
     """
 
     t: Array
@@ -67,7 +76,10 @@ class Result:
 
     @property
     def positions(self) -> Array:
-        """The heights by the name that fits every robot: positions of the actuated joints, (N, n)."""
+        """The heights by the name that fits every robot.
+
+        Positions of the actuated joints, (N, n).
+        """
         return self.heights
 
     def save(self, path: str | Path) -> Path:
@@ -81,7 +93,9 @@ class Result:
         path = Path(path)
         arrays = {name: getattr(self, name) for name in _ARRAYS}
         arrays |= {f"desired_{name}": values for name, values in self.desired._asdict().items()}
-        arrays |= {name: getattr(self, name) for name in REPORTED if getattr(self, name) is not None}
+        arrays |= {
+            name: getattr(self, name) for name in REPORTED if getattr(self, name) is not None
+        }
         partial = path.with_name(path.name + ".part")
         try:
             with partial.open("wb") as file:
@@ -107,7 +121,8 @@ def load_result(path: str | Path) -> Result:
     Raises
     ------
     InvalidResultFile
-        If the file is missing, truncated, of another kind or version, or its arrays do not fit together.
+        If the file is missing, truncated, of another kind or version, or its arrays do not fit
+        together.
     """
     try:
         # Opened here, because np.load leaves a file that it cannot read open.
@@ -115,19 +130,40 @@ def load_result(path: str | Path) -> Result:
             archive = np.load(file, allow_pickle=False)
             content = {name: archive[name] for name in archive.files}
     except (OSError, ValueError, EOFError, AttributeError, zipfile.BadZipFile, zlib.error) as error:
-        raise InvalidResultFile(path, f"is not a whole result file ({getattr(error, 'strerror', None) or error})") from error
+        raise InvalidResultFile(
+            path, f"is not a whole result file ({getattr(error, 'strerror', None) or error})"
+        ) from error
     found = str(content.pop("format", "none"))
     if found != FORMAT:
         raise InvalidResultFile(path, f"has format {found!r}, this version reads {FORMAT!r}")
-    shapes = _ARRAYS | {f"desired_{name}": (3,) if name == "tip" else (JOINTS,) for name in Motion._fields}
+    shapes = _ARRAYS | {
+        f"desired_{name}": (3,) if name == "tip" else (JOINTS,) for name in Motion._fields
+    }
     if not set(shapes) <= set(content) <= set(shapes) | set(REPORTED):
-        raise InvalidResultFile(path, f"must hold the arrays {', '.join(sorted(shapes))}; it holds {', '.join(sorted(content))}")
+        raise InvalidResultFile(
+            path,
+            f"must hold the arrays {', '.join(sorted(shapes))}; it holds "
+            f"{', '.join(sorted(content))}",
+        )
     samples, joints = content["t"].shape, content["heights"].shape[-1:]
     for name, array in content.items():
         shape, kind = REPORTED.get(name) or (shapes[name], np.float64)
-        whole = (*samples, *(joints[0] if length == JOINTS and joints else length for length in shape))
+        whole = (
+            *samples,
+            *(joints[0] if length == JOINTS and joints else length for length in shape),
+        )
         if len(samples) != 1 or array.shape != whole or array.dtype != kind:
-            raise InvalidResultFile(path, f"array {name} has shape {array.shape} and type {array.dtype}")
+            raise InvalidResultFile(
+                path, f"array {name} has shape {array.shape} and type {array.dtype}"
+            )
     desired = Motion(*(content[f"desired_{name}"] for name in Motion._fields))
     reported = {name: content.get(name) for name in REPORTED}
-    return Result(content["t"], content["heights"], content["speeds"], desired, content["torque"], content["tip"], **reported)
+    return Result(
+        content["t"],
+        content["heights"],
+        content["speeds"],
+        desired,
+        content["torque"],
+        content["tip"],
+        **reported,
+    )

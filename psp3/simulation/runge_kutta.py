@@ -1,14 +1,20 @@
-"""Plants: what the controller steers. They take forces for a while and return the state that results.
+"""Plants: what the controller steers.
+
+They take forces for a while and return the state that results.
 
 Three plants integrate the same robot by independent routes, so that each checks the others:
 
-* :class:`RungeKutta`: actuated coordinates, classical Runge–Kutta steps, compiled for the 3-PSP; the one to use;
-* :class:`DormandPrince`: actuated coordinates, SciPy's DOP853 with tight tolerances; the reference for integration errors;
-* :class:`ConstraintDynamics`: the whole tree under Pinocchio's ``constraintDynamics``, loops held by Baumgarte stabilization.
+* :class:`RungeKutta`: actuated coordinates, classical Runge–Kutta steps, compiled for the 3-PSP;
+  the one to use;
+* :class:`DormandPrince`: actuated coordinates, SciPy's DOP853 with tight tolerances; the reference
+  for integration errors;
+* :class:`ConstraintDynamics`: the whole tree under Pinocchio's ``constraintDynamics``, loops held
+  by Baumgarte stabilization.
 
-The state of the first two is that of the actuated coordinates, so their loops cannot drift apart. All of them take any robot, and drives
-with friction and motor inertia, see :mod:`psp3.drives`. Integration goes from event to event of the dry friction: a joint comes to rest,
-or one at rest lets go. What happens and is undone within one step is not seen.
+The state of the first two is that of the actuated coordinates, so their loops cannot drift apart.
+All of them take any robot, and drives with friction and motor inertia, see :mod:`psp3.drives`.
+Integration goes from event to event of the dry friction: a joint comes to rest, or one at rest lets
+go. What happens and is undone within one step is not seen.
 """
 
 from __future__ import annotations
@@ -24,37 +30,50 @@ from psp3.simulation.plant import NO_POSE, DrivenPlant, Plant
 
 
 class RungeKutta:
-    """Actuated coordinates, integrated with classical Runge–Kutta steps; compiled, in closed form, where the robot is a 3-PSP.
+    """Actuated coordinates, integrated with classical Runge–Kutta steps.
+
+    Compiled, in closed form, where the robot is a 3-PSP.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
         The robot.
     steps : int
-        Integration steps in a control period. One step of 2 ms is exact to 1e-12 m on the thesis's helix.
+        Integration steps in a control period. One step of 2 ms is exact to 1e-12 m on the thesis's
+        helix.
     drive : Drive or sequence of Drive
         Friction and motor inertia of all actuated joints, or of each.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE) -> None:
+    def __init__(
+        self, robot: ClosedLoopRobot, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE
+    ) -> None:
         self._plant: Plant
         compiled = robot.compiled_steps
-        self._plant = FixedSteps(robot, steps, drive) if compiled is None else compiled(steps, drive)
+        self._plant = (
+            FixedSteps(robot, steps, drive) if compiled is None else compiled(steps, drive)
+        )
 
     def start(self, heights: Array, speeds: Array) -> None:
-        """Put the robot into a state; positions [m, rad] and speeds of the actuated joints, each (n,)."""
+        """Put the robot into a state.
+
+        Positions [m, rad] and speeds of the actuated joints, each (n,).
+        """
         self._plant.start(heights, speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds after ``duration`` [s] under constant forces, each (n,), or None."""
+        """Return positions and speeds after ``duration`` [s], or None.
+
+        Each is (n,), under constant forces.
+        """
         return self._plant.advance(forces, duration)
 
 
 class FixedSteps(DrivenPlant):
     """Classical Runge–Kutta steps, cut where a joint comes to rest or lets go.
 
-    As :func:`psp3.three_psp.stepping.advance_driven`, which is compiled for one robot. The state are q and v, of which the actuated joints are those at
-    ``_places`` and ``_rows``.
+    As :func:`psp3.three_psp.stepping.advance_driven`, which is compiled for one robot. The state
+    are q and v, of which the actuated joints are those at ``_places`` and ``_rows``.
     """
 
     def __init__(self, robot: ClosedLoopRobot, steps: int, drive: Drive | Sequence[Drive]) -> None:
@@ -64,11 +83,17 @@ class FixedSteps(DrivenPlant):
         self.q, self.v = np.zeros(self._joints), np.zeros(self._joints)
 
     def start(self, heights: Array, speeds: Array) -> None:
-        """Put the robot into a state; positions [m, rad] and speeds of the actuated joints, each (n,)."""
+        """Put the robot into a state.
+
+        Positions [m, rad] and speeds of the actuated joints, each (n,).
+        """
         self.q, self.v = np.array(heights), np.array(speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds of the actuated joints after ``duration`` [s] under constant forces, each (n,), or None."""
+        """Return positions and speeds of the actuated joints after ``duration`` [s].
+
+        Each (n,), under constant forces; or None.
+        """
         try:
             for _ in range(self._steps):
                 self._advance(forces, duration / self._steps)
@@ -78,7 +103,9 @@ class FixedSteps(DrivenPlant):
 
     def _is_pose(self) -> bool:
         # A state is refused where it is reached, not in the next period.
-        return bool(np.isfinite(self._robot.configuration(self.q)).all() and np.isfinite(self.v).all())
+        return bool(
+            np.isfinite(self._robot.configuration(self.q)).all() and np.isfinite(self.v).all()
+        )
 
     def _moved(self, q: Array, way: Array) -> Array:
         """Return q after a way along the velocity."""
@@ -94,16 +121,24 @@ class FixedSteps(DrivenPlant):
         a3 = self._accelerations(self._moved(q, 0.5 * step * v2), v3, forces)
         v4 = v + step * a3
         a4 = self._accelerations(self._moved(q, step * v3), v4, forces)
-        return self._moved(q, step / 6.0 * (v + 2.0 * (v2 + v3) + v4)), v + step / 6.0 * (a1 + 2.0 * (a2 + a3) + a4)
+        return self._moved(q, step / 6.0 * (v + 2.0 * (v2 + v3) + v4)), v + step / 6.0 * (
+            a1 + 2.0 * (a2 + a3) + a4
+        )
 
     def _margin(self, q: Array, v: Array, forces: Array) -> float:
-        """Return what is left until a joint comes to rest or lets go, in its speed or N; negative once it has happened."""
+        """Return what is left until a joint comes to rest or lets go.
+
+        In its speed or N; negative once it has happened.
+        """
         margins = (self._slip * v[self._rows])[self._is_dry & (self._slip != 0.0)].tolist()
         sticking = np.flatnonzero(self._slip == 0.0)
         if sticking.size:
             mass, net = self._balance(q, v, forces)
             acceleration = self._joint_accelerations(mass, net)
-            margins += [self._kernels.spare_friction(mass, net, self._drives, acceleration, i) for i in sticking]
+            margins += [
+                self._kernels.spare_friction(mass, net, self._drives, acceleration, i)
+                for i in sticking
+            ]
         return float(min(margins, default=np.inf))
 
     def _first_event(self, forces: Array, step: float) -> float:
@@ -113,7 +148,8 @@ class FixedSteps(DrivenPlant):
         def margin(time: float) -> float:
             return self._margin(*self._step(forces, time), forces)
 
-        # A joint that has just let go has no margin at first, so that a time must be found when it has.
+        # A joint that has just let go has no margin at first, so that a time must be found when it
+        # has.
         late, rounding = step, self._kernels.RESOLUTION * step
         while margin(0.5 * late) < 0.0:
             late *= 0.5

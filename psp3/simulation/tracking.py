@@ -1,4 +1,7 @@
-"""Simulate a robot under a controller that is called once a control period and whose force is held in between."""
+"""Simulate a robot under a controller.
+
+It is called once a control period, and its force is held in between.
+"""
 
 from __future__ import annotations
 
@@ -41,15 +44,17 @@ def simulate(
 ) -> Result:
     """Let a controller track a trajectory.
 
-    The whole desired motion is computed and checked for reach and stroke before the first step is taken.
+    The whole desired motion is computed and checked for reach and stroke before the first step is
+    taken.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
         The robot that is simulated, with n actuated joints.
     controller : Controller
-        Called at every control period, at the end of the simulation too; its force is held until the next call. If it has attributes
-        ``covered``, ``fell_back`` or ``torque_interval``, the result has them for every sample.
+        Called at every control period, at the end of the simulation too; its force is held until
+        the next call. If it has attributes ``covered``, ``fell_back`` or ``torque_interval``, the
+        result has them for every sample.
     trajectory : Trajectory
         The desired motion.
     duration : float
@@ -59,38 +64,46 @@ def simulate(
     initial_heights, initial_speeds : (n,) array_like, optional
         Where the robot starts [m], [m/s]; by default on the trajectory, at rest.
     torque_limit : float or (n,) array_like, optional
-        Largest absolute force of a joint [N]; a controller that asks for more gets this much. Of a motor torque: ``drive.force(1.27)``.
+        Largest absolute force of a joint [N]; a controller that asks for more gets this much. Of a
+        motor torque: ``drive.force(1.27)``.
     encoder_resolution : float or (n,) array_like
-        Travel of a joint from one count of its encoder to the next [m or rad]; 0, a perfect one, by default. Otherwise the controller sees
-        positions rounded to counts, and as speeds the differences of the last two positions over the period, as a drive without a
-        tachometer does: half a period late, in steps of the resolution over the period, and 0 at the first sample.
+        Travel of a joint from one count of its encoder to the next [m or rad]; 0, a perfect one, by
+        default. Otherwise the controller sees positions rounded to counts, and as speeds the
+        differences of the last two positions over the period, as a drive without a tachometer does:
+        half a period late, in steps of the resolution over the period, and 0 at the first sample.
     delay : int
-        Whole control periods by which forces come late, for the time that measuring, computing and transmitting take. The first force
-        acts from the start until the second arrives.
+        Whole control periods by which forces come late, for the time that measuring, computing and
+        transmitting take. The first force acts from the start until the second arrives.
     plant : Plant, optional
-        What integrates the robot, see :mod:`psp3.simulation.runge_kutta`; ``RungeKutta(robot)`` by default.
+        What integrates the robot, see :mod:`psp3.simulation.runge_kutta`; ``RungeKutta(robot)`` by
+        default.
     clearance : float, optional
-        Least distance that links must keep from each other along the desired motion [m]; not looked at by default.
+        Least distance that links must keep from each other along the desired motion [m]; not looked
+        at by default.
     progress : callable, optional
         Called with the simulated time after every hundredth of the steps.
 
     Returns
     -------
     Result
-        What happened, not what the controller saw of it; ``torque`` is what was applied, after limit and delay.
+        What happened, not what the controller saw of it; ``torque`` is what was applied, after
+        limit and delay.
 
     Raises
     ------
     InvalidValue, InvalidArray
         If an argument is malformed.
-    UnreachableTip, UnreachablePose, ClosureFailed, JointLimitExceeded, StrokeExceeded, CollisionFound
+    UnreachableTip, UnreachablePose, ClosureFailed
         If the robot cannot make the desired motion, or start where it is to.
+    JointLimitExceeded, StrokeExceeded, CollisionFound
+        For the same reason.
     InvalidTorque
         If the controller returns something else than n finite numbers.
     SimulationDiverged
-        If a nut runs off its screw or another actuated joint leaves its limits, an arm runs off its ball joint, the loops cannot be closed
-        any more, or the numbers overflow. This error and the one before it carry time, state and torque, and the part simulated so far
-        as ``error.result``.
+        If a nut runs off its screw or another actuated joint leaves its limits, an arm runs off its
+        ball joint, the loops cannot be closed any more, or the numbers overflow. This error and the
+        one before it carry time, state and torque, and the part simulated so far as
+        ``error.result``.
     """
     duration, period = checked_positive("duration", duration), checked_positive("period", period)
     # The small excess keeps rounding from losing the last of 5200 periods of 2 ms in 10.4 s.
@@ -110,12 +123,20 @@ def simulate(
     check_stroke(robot, t, desired)
     if clearance is not None:
         check_clearance(robot, desired.heights, t, clearance)
-    heights = desired.heights[0] if initial_heights is None else one_row("initial_heights", initial_heights, n)
+    heights = (
+        desired.heights[0]
+        if initial_heights is None
+        else one_row("initial_heights", initial_heights, n)
+    )
     speeds = np.zeros(n) if initial_speeds is None else one_row("initial_speeds", initial_speeds, n)
     robot.tip(heights)
     lower, upper = robot.limits
     if (heights < lower).any() or (heights > upper).any():
-        raise InvalidValue("initial_heights", heights.tolist(), f"within the stroke, {lower.tolist()} to {upper.tolist()} m")
+        raise InvalidValue(
+            "initial_heights",
+            heights.tolist(),
+            f"within the stroke, {lower.tolist()} to {upper.tolist()} m",
+        )
 
     all_heights, all_speeds, all_asked, all_torque = np.empty((4, steps + 1, n))
     reported: dict[str, Any] = {
@@ -148,9 +169,14 @@ def simulate(
         torque = _finite_row(returned, n)
         if torque is None:
             raise InvalidTorque(
-                f"the controller {type(controller).__name__} returned something else than {n} finite forces",
-                times[k], heights.copy(), speeds.copy(), np.asarray(returned, dtype=object), result(k),
-            )  # fmt: skip
+                f"the controller {type(controller).__name__} returned something else than {n} "
+                "finite forces",
+                times[k],
+                heights.copy(),
+                speeds.copy(),
+                np.asarray(returned, dtype=object),
+                result(k),
+            )
         if limit is not None:
             torque = np.clip(torque, -limit, limit)
         all_asked[k] = torque
@@ -162,9 +188,13 @@ def simulate(
         state = plant.advance(torque, period)
         inside = state is not None and _is_between(low, state[0].tolist(), high)
         if state is None or not inside:
-            message = "the robot left the poses it can take" if state is None else robot.limit_message
+            message = (
+                "the robot left the poses it can take" if state is None else robot.limit_message
+            )
             last_heights, last_speeds = (all_heights[k], all_speeds[k]) if state is None else state
-            raise SimulationDiverged(message, times[k] + period, last_heights, last_speeds, torque, result(k + 1))
+            raise SimulationDiverged(
+                message, times[k] + period, last_heights, last_speeds, torque, result(k + 1)
+            )
         heights, speeds = state
         if progress is not None and (k + 1) % report_every == 0:
             progress(times[k + 1])
@@ -172,7 +202,10 @@ def simulate(
 
 
 def _tips(robot: ClosedLoopRobot, positions: Array) -> Array:
-    """Return the tip at the positions reached, NaN where another engine than ours went through a pose that is none here."""
+    """Return the tip at the positions reached, NaN where there is none.
+
+    Another engine than ours may go through a pose that is none here.
+    """
     try:
         return robot.tip(positions)
     except NO_POSE:
@@ -182,7 +215,10 @@ def _tips(robot: ClosedLoopRobot, positions: Array) -> Array:
 
 
 def _is_between(low: list[float], values: list[float], high: list[float]) -> bool:
-    """Whether none of the values is outside its limits, nor NaN; for three numbers faster than arrays."""
+    """Whether none of the values is outside its limits, nor NaN.
+
+    For three numbers faster than arrays.
+    """
     return all(map(operator.le, low, values)) and all(map(operator.le, values, high))
 
 

@@ -41,13 +41,17 @@ def connected(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
     InvalidValue
         If this is no address.
     SchedulerUnavailable
-        Within a few seconds, if there is no scheduler, it has no workers, or they have another version of psp3 or none.
+        Within a few seconds, if there is no scheduler, it has no workers, or they have another
+        version of psp3 or none.
     """
     host, port = _host_and_port(address)
     try:
         import distributed
     except ImportError as error:
-        reason = f"the package distributed cannot be imported ({error}); install it with: pip install 'psp3[cluster]'"
+        reason = (
+            f"the package distributed cannot be imported ({error}); install it with: pip install "
+            "'psp3[cluster]'"
+        )
         raise SchedulerUnavailable(address, reason) from error
     make_client: Any = distributed.Client
     try:
@@ -61,7 +65,8 @@ def connected(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
         raise SchedulerUnavailable(address, reason) from error
     with _quiet(), client:
         _check_workers(client, address)
-        # Impure, because equal calls would share one result, and a run that was lost could come back as that of another.
+        # Impure, because equal calls would share one result, and a run that was lost could come
+        # back as that of another.
         executor = client.get_executor(pure=False)
         try:
             yield executor, _Capacity(client)
@@ -71,7 +76,10 @@ def connected(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Keep dask from logging at length what an error of ours says in a line: that the connection was lost."""
+    """Keep dask from logging at length what an error of ours says in a line.
+
+    That the connection was lost.
+    """
     loggers = [logging.getLogger(name) for name in ("distributed.client", "tornado.application")]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -84,7 +92,9 @@ def _quiet() -> Iterator[None]:
 
 
 class _Capacity:
-    """How many runs a cluster does at a time; workers come and go, so its scheduler is asked now and then.
+    """How many runs a cluster does at a time.
+
+    Workers come and go, so its scheduler is asked now and then.
 
     Raises ``CancelledError`` when the connection is gone for good.
     """
@@ -96,9 +106,14 @@ class _Capacity:
         if self._client.status == "closed":
             raise CancelledError
         if time.monotonic() - self._asked > PATIENCE:
-            # A client that cannot reach its scheduler tries again for a while, and then cancels its runs and closes itself.
+            # A client that cannot reach its scheduler tries again for a while, and then cancels its
+            # runs and closes itself.
             with suppress(OSError):
-                self._last = sum(self._client.sync(self._client.scheduler.ncores, callback_timeout=PATIENCE).values())
+                self._last = sum(
+                    self._client.sync(
+                        self._client.scheduler.ncores, callback_timeout=PATIENCE
+                    ).values()
+                )
             self._asked = time.monotonic()
         return self._last
 
@@ -122,14 +137,19 @@ def _host_and_port(address: str) -> tuple[str, int]:
 
 
 def _shake_hands(address: str) -> None:
-    """Connect as dask does, but not without end: its client waits forever for the greeting of what is no scheduler."""
+    """Connect as dask does, but not without end.
+
+    Its client waits forever for the greeting of what is no scheduler.
+    """
     import distributed
 
     security: Any = distributed.Security
     connect: Any = distributed.comm.core.connect
 
     async def greet() -> None:
-        comm = await asyncio.wait_for(connect(address, PATIENCE, **security().get_connection_args("client")), PATIENCE)
+        comm = await asyncio.wait_for(
+            connect(address, PATIENCE, **security().get_connection_args("client")), PATIENCE
+        )
         comm.abort()
 
     # In a thread, because a notebook has an event loop of its own running in this one.
@@ -141,17 +161,25 @@ def _check_workers(client: Any, address: str) -> None:
     try:
         client.wait_for_workers(1, timeout=PATIENCE)
     except TimeoutError as error:
-        raise SchedulerUnavailable(address, f"has no workers; start some with: dask worker {address}") from error
+        raise SchedulerUnavailable(
+            address, f"has no workers; start some with: dask worker {address}"
+        ) from error
     here = package_version()
     try:
         versions = client.run(package_version)
     except Exception as error:
         # Whatever goes wrong on the way to a worker, a module that it lacks above all.
-        reason = f"a worker cannot run psp3 ({_in_one_line(error)}); install psp3 {here} on every worker"
+        reason = (
+            f"a worker cannot run psp3 ({_in_one_line(error)}); install psp3 {here} on every worker"
+        )
         raise SchedulerUnavailable(address, reason) from error
     for worker, version in versions.items():
         if version != here:
-            raise SchedulerUnavailable(address, f"worker {worker} has psp3 {version}, but this is psp3 {here}; install the same everywhere")
+            raise SchedulerUnavailable(
+                address,
+                f"worker {worker} has psp3 {version}, but this is psp3 {here}; install the same "
+                "everywhere",
+            )
 
 
 def _in_one_line(error: BaseException) -> str:

@@ -2,14 +2,18 @@
 
 What the file promises, and how:
 
-* A row is there whole or not at all, and what was committed survives ``kill -9``, a full disk and a loss of power: a plain rollback
-  journal with full synchronization. Not a write-ahead log, whose rows would live in a second file that a copy of the first forgets.
-* A row is decided by its run alone. Its key is the run's content, it holds no times or worker names, and the table is stored in
-  the order of its keys, so studies that were interrupted and studies that were not end with the same table.
-* Numbers come back as they went in. Infinity is a number to SQLite; NaN is NULL there, and NULL is read as NaN, since no metric is
-  ever absent.
-* One study writes at a time. Its lock belongs to the process and ends with it, however it ends. Reading is always possible.
-* A file of another program, another format, other fields, or runs of another length is refused with an error that says so.
+* A row is there whole or not at all, and what was committed survives ``kill -9``, a full disk and a
+  loss of power: a plain rollback journal with full synchronization. Not a write-ahead log, whose
+  rows would live in a second file that a copy of the first forgets.
+* A row is decided by its run alone. Its key is the run's content, it holds no times or worker
+  names, and the table is stored in the order of its keys, so studies that were interrupted and
+  studies that were not end with the same table.
+* Numbers come back as they went in. Infinity is a number to SQLite; NaN is NULL there, and NULL is
+  read as NaN, since no metric is ever absent.
+* One study writes at a time. Its lock belongs to the process and ends with it, however it ends.
+  Reading is always possible.
+* A file of another program, another format, other fields, or runs of another length is refused with
+  an error that says so.
 """
 
 from __future__ import annotations
@@ -34,10 +38,14 @@ FORMAT = 1
 """Version of the file's layout (SQLite's ``user_version``); any other is refused."""
 
 APPLICATION = int.from_bytes(b"PSP3", "big")
-"""Mark of our files (SQLite's ``application_id``), by which ``file`` and we tell them from other databases."""
+"""Mark of our files (SQLite's ``application_id``), by which ``file`` and we tell them from other
+databases.
+"""
 
 SHARED = ("duration",)
-"""Fields that are the same in all runs of a file: errors are summed over that time, and other sums do not go into one table."""
+"""Fields that are the same in all runs of a file: errors are summed over that time, and other sums
+do not go into one table.
+"""
 
 PATIENCE = 30.0
 """How long to wait for another program that has locked the database for a moment [s]."""
@@ -48,16 +56,25 @@ Row = dict[str, Any]
 
 @cache
 def field_types() -> dict[str, type[str] | type[int] | type[float]]:
-    """Return the type of every field of :class:`~psp3.study.run.Run`, without the None that some allow."""
+    """Return the type of every field of :class:`~psp3.study.run.Run`, without None."""
     hints = get_type_hints(Run)
-    return {field.name: next(iter(get_args(hints[field.name])), hints[field.name]) for field in fields(Run)}
+    return {
+        field.name: next(iter(get_args(hints[field.name])), hints[field.name])
+        for field in fields(Run)
+    }
 
 
 def contents(run: Run) -> dict[str, Value]:
-    """Return the values of a run's fields, each in the type of its field, so that 20 and 20.0 dB are one run."""
+    """Return the values of a run's fields, each in the type of its field.
+
+    So 20 and 20.0 dB are one run.
+    """
     values = ((name, kind, getattr(run, name)) for name, kind in field_types().items())
     # Adding zero makes 0.0 of -0.0.
-    return {name: None if value is None else kind(value) + 0.0 if kind is float else kind(value) for name, kind, value in values}
+    return {
+        name: None if value is None else kind(value) + 0.0 if kind is float else kind(value)
+        for name, kind, value in values
+    }
 
 
 def key(run: Run) -> str:
@@ -66,7 +83,9 @@ def key(run: Run) -> str:
 
 
 class StudyFile:
-    """A file of results. Making this object writes nothing; it refuses a file that is there and is not of this kind.
+    """A file of results. Making this object writes nothing.
+
+    It refuses a file that is there and is not of this kind.
 
     Parameters
     ----------
@@ -82,7 +101,8 @@ class StudyFile:
     """
 
     def __init__(self, path: str | Path, shared: Mapping[str, Value] | None = None) -> None:
-        # Resolved once: links to one file are one file, and a later change of directory changes nothing.
+        # Resolved once: links to one file are one file, and a later change of directory changes
+        # nothing.
         self.path = Path(path).resolve()
         self._shared = shared
         if self.path.exists():
@@ -106,12 +126,19 @@ class StudyFile:
             if _is_empty(connection):
                 raise InvalidStudyFile(self.path, "holds no results yet")
             self._check(connection)
-            table = connection.execute(f"SELECT key, {columns} FROM runs ORDER BY {order}").fetchall()
-        return {row[0]: {name: _read(name, value) for name, value in zip(names, row[1:], strict=True)} for row in table}
+            table = connection.execute(
+                f"SELECT key, {columns} FROM runs ORDER BY {order}"
+            ).fetchall()
+        return {
+            row[0]: {name: _read(name, value) for name, value in zip(names, row[1:], strict=True)}
+            for row in table
+        }
 
     @contextmanager
     def adding(self) -> Iterator[Additions]:
-        """Open the file to add results, and keep every other study from doing so; make it if it does not exist.
+        """Open the file to add results, and keep every other study from doing so.
+
+        Make it if it does not exist.
 
         Raises
         ------
@@ -130,13 +157,16 @@ class StudyFile:
                 else:
                     self._check(connection)
                     self._check_package(connection)
-                # A write that changes nothing: a disk that is full, or a directory that takes no journal, is found out now.
+                # A write that changes nothing: a disk that is full, or a directory that takes no
+                # journal, is found out now.
                 connection.execute("UPDATE meta SET value = value")
             yield Additions(connection, self)
 
     @contextmanager
     def _connected(self, mode: str) -> Iterator[sqlite3.Connection]:
-        connection = sqlite3.connect(f"{self.path.as_uri()}?mode={mode}", uri=True, isolation_level=None, timeout=PATIENCE)
+        connection = sqlite3.connect(
+            f"{self.path.as_uri()}?mode={mode}", uri=True, isolation_level=None, timeout=PATIENCE
+        )
         try:
             yield connection
         finally:
@@ -147,11 +177,14 @@ class StudyFile:
         if self.path.is_dir():
             raise InvalidStudyFile(self.path, "is a directory")
         try:
-            # Not read-only where it can be helped: what a killed study left half written must be rolled back before anyone reads.
+            # Not read-only where it can be helped: what a killed study left half written must be
+            # rolled back before anyone reads.
             with self._connected("rw") as connection:
                 yield connection
         except sqlite3.Error as error:
-            raise InvalidStudyFile(self.path, f"is not the file of a study, or cannot be read ({error})") from error
+            raise InvalidStudyFile(
+                self.path, f"is not the file of a study, or cannot be read ({error})"
+            ) from error
 
     @contextmanager
     def _writing(self) -> Iterator[sqlite3.Connection]:
@@ -163,14 +196,19 @@ class StudyFile:
             raise self.translated(error) from error
 
     def translated(self, error: sqlite3.Error, kept: int = 0) -> PSP3Error:
-        """Return our error for one of SQLite's while writing; ``kept`` is how many results are in the file."""
+        """Return our error for one of SQLite's while writing.
+
+        ``kept`` is how many results are in the file.
+        """
         # Extended codes carry the primary one in their low byte.
         code = getattr(error, "sqlite_errorcode", sqlite3.SQLITE_CORRUPT) & 0xFF
         reasons = {
             sqlite3.SQLITE_FULL: "the disk is full",
             sqlite3.SQLITE_READONLY: "the file or its file system is read-only",
             sqlite3.SQLITE_BUSY: f"another program has kept it locked for {PATIENCE:g} s",
-            sqlite3.SQLITE_IOERR: f"the disk failed ({error}, {getattr(error, 'sqlite_errorname', '')})",
+            sqlite3.SQLITE_IOERR: (
+                f"the disk failed ({error}, {getattr(error, 'sqlite_errorname', '')})"
+            ),
             sqlite3.SQLITE_CANTOPEN: f"SQLite cannot open it, or its journal beside it ({error})",
         }
         if code in reasons:
@@ -182,9 +220,15 @@ class StudyFile:
         if not directory.is_dir():
             raise StudyFileNotWritable(self.path, f"there is no directory {directory}")
         for path in (directory, self.path):
-            # Root may write to all files; one that is marked read-only is nonetheless meant to stay as it is.
-            if path.exists() and not (os.access(path, os.W_OK) and stat.S_IMODE(path.stat().st_mode) & 0o222):
-                raise StudyFileNotWritable(self.path, f"{'it' if path == self.path else f'the directory {path}'} is read-only")
+            # Root may write to all files; one that is marked read-only is nonetheless meant to stay
+            # as it is.
+            if path.exists() and not (
+                os.access(path, os.W_OK) and stat.S_IMODE(path.stat().st_mode) & 0o222
+            ):
+                raise StudyFileNotWritable(
+                    self.path,
+                    f"{'it' if path == self.path else f'the directory {path}'} is read-only",
+                )
 
     def _create(self, connection: sqlite3.Connection) -> None:
         from psp3.version import __version__
@@ -194,34 +238,60 @@ class StudyFile:
         columns += [f"{_quoted(name)} REAL" for name in METRICS]
         for table in ("runs", "meta"):
             connection.execute(f"DROP TABLE IF EXISTS {table}")
-        connection.execute(f"CREATE TABLE runs (key TEXT PRIMARY KEY, {', '.join(columns)}) WITHOUT ROWID")
-        connection.execute("CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID")
-        notes = {"package_version": __version__, **self._layout(), "shared": dict(self._shared or {})}
-        connection.executemany("INSERT INTO meta VALUES (?, ?)", [(name, json.dumps(value)) for name, value in notes.items()])
+        connection.execute(
+            f"CREATE TABLE runs (key TEXT PRIMARY KEY, {', '.join(columns)}) WITHOUT ROWID"
+        )
+        connection.execute(
+            "CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID"
+        )
+        notes = {
+            "package_version": __version__,
+            **self._layout(),
+            "shared": dict(self._shared or {}),
+        }
+        connection.executemany(
+            "INSERT INTO meta VALUES (?, ?)",
+            [(name, json.dumps(value)) for name, value in notes.items()],
+        )
         connection.execute(f"PRAGMA application_id = {APPLICATION}")
         connection.execute(f"PRAGMA user_version = {FORMAT}")
 
     @staticmethod
     def _layout() -> dict[str, list[str]]:
-        return {"fields": [f"{name}: {kind.__name__}" for name, kind in field_types().items()], "metrics": list(METRICS)}
+        return {
+            "fields": [f"{name}: {kind.__name__}" for name, kind in field_types().items()],
+            "metrics": list(METRICS),
+        }
 
     @staticmethod
     def _notes(connection: sqlite3.Connection) -> dict[str, Any]:
-        return {name: json.loads(value) for name, value in connection.execute("SELECT name, value FROM meta")}
+        return {
+            name: json.loads(value)
+            for name, value in connection.execute("SELECT name, value FROM meta")
+        }
 
     def _check(self, connection: sqlite3.Connection) -> None:
-        (application,), (version,) = (connection.execute(f"PRAGMA {name}").fetchone() for name in ("application_id", "user_version"))
+        (application,), (version,) = (
+            connection.execute(f"PRAGMA {name}").fetchone()
+            for name in ("application_id", "user_version")
+        )
         if application != APPLICATION:
-            raise InvalidStudyFile(self.path, f"is not the file of a study, but of a program that marks its files {application}")
+            raise InvalidStudyFile(
+                self.path,
+                f"is not the file of a study, but of a program that marks its files {application}",
+            )
         if version != FORMAT:
             raise StudyMismatch(self.path, "format version", version, FORMAT)
         notes = self._notes(connection)
         for name, expected in self._layout().items():
             if notes[name] != expected:
                 here, there = (
-                    [entry for entry in one if entry not in other] for one, other in ((expected, notes[name]), (notes[name], expected))
+                    [entry for entry in one if entry not in other]
+                    for one, other in ((expected, notes[name]), (notes[name], expected))
                 )
-                raise StudyMismatch(self.path, f"list of {name}", there or notes[name], here or expected)
+                raise StudyMismatch(
+                    self.path, f"list of {name}", there or notes[name], here or expected
+                )
         if self._shared is not None and not _has_no_results(connection):
             for name, value in self._shared.items():
                 if notes["shared"][name] != value:
@@ -237,13 +307,18 @@ class StudyFile:
 
     @contextmanager
     def _locked(self) -> Iterator[None]:
-        """Hold the lock: a file beside the results, since closing any handle on a database drops SQLite's own locks on it."""
+        """Hold the lock, a file beside the results.
+
+        SQLite's own locks on a database drop when any handle on it is closed.
+        """
         path = self.path.with_name(self.path.name + ".lock")
         while True:
             try:
                 handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
             except OSError as error:
-                raise StudyFileNotWritable(self.path, f"its lock {path.name} cannot be made ({error.strerror})") from error
+                raise StudyFileNotWritable(
+                    self.path, f"its lock {path.name} cannot be made ({error.strerror})"
+                ) from error
             try:
                 fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
             except BlockingIOError:
@@ -256,7 +331,8 @@ class StudyFile:
                     break
             os.close(handle)
         try:
-            with suppress(OSError):  # who holds it is for the reader of a message; the lock is what counts
+            # who holds it is for the reader of a message; the lock is what counts
+            with suppress(OSError):
                 os.ftruncate(handle, 0)
                 os.write(handle, f"process {os.getpid()} on {socket.gethostname()}".encode())
             yield
@@ -281,7 +357,9 @@ class Additions:
         self.keys = {str(name) for (name,) in connection.execute("SELECT key FROM runs")}
 
     def add(self, results: Iterable[tuple[Run, Mapping[str, float]]]) -> None:
-        """Commit results, all of them or none; those of runs that are in the file already change nothing.
+        """Commit results, all of them or none.
+
+        Those of runs that are in the file already change nothing.
 
         Raises
         ------
@@ -297,7 +375,8 @@ class Additions:
         try:
             with _transaction(self._connection):
                 self._connection.executemany(
-                    f"INSERT OR IGNORE INTO runs VALUES ({places})", [(name, *values) for name, values in rows.items()]
+                    f"INSERT OR IGNORE INTO runs VALUES ({places})",
+                    [(name, *values) for name, values in rows.items()],
                 )
         except sqlite3.Error as error:
             raise self._file.translated(error, len(self.keys)) from error
@@ -321,15 +400,27 @@ def _transaction(connection: sqlite3.Connection) -> Iterator[None]:
 
 
 def _is_empty(connection: sqlite3.Connection) -> bool:
-    """Tell whether this is a database without anything, such as a study leaves that was killed before its first commit."""
-    (tables,), (application,) = (connection.execute(q).fetchone() for q in ("SELECT count(*) FROM sqlite_master", "PRAGMA application_id"))
+    """Tell whether this is a database without anything.
+
+    A study leaves such a one if it was killed before its first commit.
+    """
+    (tables,), (application,) = (
+        connection.execute(q).fetchone()
+        for q in ("SELECT count(*) FROM sqlite_master", "PRAGMA application_id")
+    )
     return bool(tables == 0 and application == 0)
 
 
 def _has_no_results(connection: sqlite3.Connection) -> bool:
-    """Tell whether this is a study's file without a row: one that was stopped before its first result. It binds nobody."""
+    """Tell whether this is a study's file without a row.
+
+    One that was stopped before its first result. It binds nobody.
+    """
     (application,) = connection.execute("PRAGMA application_id").fetchone()
-    return bool(application == APPLICATION) and connection.execute("SELECT 1 FROM runs LIMIT 1").fetchone() is None
+    return (
+        bool(application == APPLICATION)
+        and connection.execute("SELECT 1 FROM runs LIMIT 1").fetchone() is None
+    )
 
 
 def _quoted(name: str) -> str:

@@ -1,7 +1,10 @@
-"""How long one step of a controller takes, called from Python as a control loop would call it (Table 6.2).
+"""How long one step of a controller takes (Table 6.2).
 
-A control loop must meet its deadline in every step, so what counts is the tail: the median says what the computation costs, the
-percentiles what the machine adds to it. Garbage collection is left as it is, because a loop in Python lives with it.
+It is called from Python as a control loop would call it.
+
+A control loop must meet its deadline in every step, so what counts is the tail: the median says
+what the computation costs, the percentiles what the machine adds to it. Garbage collection is left
+as it is, because a loop in Python lives with it.
 """
 
 from __future__ import annotations
@@ -29,7 +32,11 @@ Clock = Callable[[], int]
 
 
 class Latency(NamedTuple):
-    """Times of single steps [s]: how many were measured, and the values that half, 99 % and 99.9 % of them, and all, do not exceed."""
+    """Times of single steps [s].
+
+    How many were measured, and the values that half, 99 % and 99.9 % of them, and all, do not
+    exceed.
+    """
 
     steps: int
     median: float
@@ -39,7 +46,12 @@ class Latency(NamedTuple):
 
 
 def step_times(
-    controller: Controller, t: Array, heights: Array, speeds: Array, desired: Motion, clock: Clock = time.perf_counter_ns
+    controller: Controller,
+    t: Array,
+    heights: Array,
+    speeds: Array,
+    desired: Motion,
+    clock: Clock = time.perf_counter_ns,
 ) -> Array:
     """Return how long each call of a controller takes.
 
@@ -69,7 +81,15 @@ def step_times(
     if len(t) == 0:
         raise InvalidValue("t", t, "at least one time")
     # Taken apart before, so that only the controller's own work is timed.
-    calls = list(zip(t.tolist(), np.array(heights), np.array(speeds), map(Motion._make, zip(*desired, strict=True)), strict=True))
+    calls = list(
+        zip(
+            t.tolist(),
+            np.array(heights),
+            np.array(speeds),
+            map(Motion._make, zip(*desired, strict=True)),
+            strict=True,
+        )
+    )
     controller.reset()
     torque = controller.torque
     for call in calls[:WARM_UP]:
@@ -96,12 +116,16 @@ def summarize(times: Array) -> Latency:
     """
     ascending = np.sort(times).tolist()
     # Ranks in whole numbers: 99.9 % of 1000 is 999, and in floating point a little more.
-    median, high, higher, worst = (ascending[-(-permille * len(ascending) // 1000) - 1] for permille in (500, 990, 999, 1000))
+    median, high, higher, worst = (
+        ascending[-(-permille * len(ascending) // 1000) - 1] for permille in (500, 990, 999, 1000)
+    )
     return Latency(len(times), median, high, higher, worst)
 
 
 def controllers_of_table_6_2(robot: PSP3, recorded: Record) -> dict[str, Controller]:
-    """Return the controllers whose steps are compared, by name: the thesis's four, computed torque by three models, general type-2.
+    """Return the controllers whose steps are compared, by name.
+
+    The thesis's four, computed torque by three models, general type-2.
 
     Parameters
     ----------
@@ -125,7 +149,11 @@ def controllers_of_table_6_2(robot: PSP3, recorded: Record) -> dict[str, Control
 
 
 def measure_latencies(
-    controllers: dict[str, Controller], recorded: Record, desired: Motion, steps: int, clock: Clock = time.perf_counter_ns
+    controllers: dict[str, Controller],
+    recorded: Record,
+    desired: Motion,
+    steps: int,
+    clock: Clock = time.perf_counter_ns,
 ) -> dict[str, Latency]:
     """Return the latencies of controllers on states of a recorded run, spread evenly over it.
 
@@ -148,5 +176,13 @@ def measure_latencies(
         By name.
     """
     chosen = np.linspace(0, len(recorded.t) - 1, steps).round().astype(int)
-    states = (recorded.t[chosen], recorded.heights[chosen], recorded.speeds[chosen], Motion(*(array[chosen] for array in desired)))
-    return {name: summarize(step_times(controller, *states, clock)) for name, controller in controllers.items()}
+    states = (
+        recorded.t[chosen],
+        recorded.heights[chosen],
+        recorded.speeds[chosen],
+        Motion(*(array[chosen] for array in desired)),
+    )
+    return {
+        name: summarize(step_times(controller, *states, clock))
+        for name, controller in controllers.items()
+    }

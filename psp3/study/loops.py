@@ -1,4 +1,7 @@
-"""Compiled runs of the controllers that adaptive ones are compared with: computed torque with an integral, and linear feedback."""
+"""Compiled runs of the controllers that adaptive ones are compared with.
+
+Computed torque with an integral, and linear feedback.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,10 @@ from psp3.three_psp.stepping import advance, advance_driven
 
 @compiled
 def _measure(state, k, period, resolution, measured, seen, last):
-    """Write what the controller sees of a state: with noise, and counted by encoders, whose speeds are differences."""
+    """Write what the controller sees of a state.
+
+    With noise, and counted by encoders, whose speeds are differences.
+    """
     for i in range(6):
         seen[i] = state[i] + (measured[k, i] if measured.shape[0] > 0 else 0.0)
     if resolution > 0.0:
@@ -40,17 +46,28 @@ def _measure(state, k, period, resolution, measured, seen, last):
 
 @compiled
 def run(
-    controller: Array, model: Array, plant: Array, drives: Array, desired: Array, state: Array, period: float, resolution: float,
-    delay: int, measured: Array, added: Array, samples: Array,
-) -> int:  # fmt: skip
+    controller: Array,
+    model: Array,
+    plant: Array,
+    drives: Array,
+    desired: Array,
+    state: Array,
+    period: float,
+    resolution: float,
+    delay: int,
+    measured: Array,
+    added: Array,
+    samples: Array,
+) -> int:
     """Let a controller steer the robot; return the number of samples written.
 
-    ``model`` and ``plant`` are parameters as the controller knows them and as they are; ``drives`` (3, 3) see
-    :mod:`psp3.drives.kernels`, or (0, 3) for none; ``desired`` (N, 9) heights, speeds and accelerations; ``state`` (6,) where the robot
-    starts, changed in place; ``resolution`` of the encoders, 0 for perfect ones; ``delay`` in periods; ``measured`` (N, 6) or (0, 6)
-    what measurement adds to heights and speeds; ``added`` (N, 18) or (0, 18) what is added to the model's M, C and G. ``samples``
-    (N, 11) gets heights, speeds, torque applied, covered and fell back. Fewer than N samples are written if the robot leaves the poses
-    it can take.
+    ``model`` and ``plant`` are parameters as the controller knows them and as they are; ``drives``
+    (3, 3) see :mod:`psp3.drives.kernels`, or (0, 3) for none; ``desired`` (N, 9) heights, speeds
+    and accelerations; ``state`` (6,) where the robot starts, changed in place; ``resolution`` of
+    the encoders, 0 for perfect ones; ``delay`` in periods; ``measured`` (N, 6) or (0, 6) what
+    measurement adds to heights and speeds; ``added`` (N, 18) or (0, 18) what is added to the
+    model's M, C and G. ``samples`` (N, 11) gets heights, speeds, torque applied, covered and fell
+    back. Fewer than N samples are written if the robot leaves the poses it can take.
     """
     kind = int(controller[0])
     seen, last, step, values = np.empty(6), np.empty(3), np.zeros(STEP), np.empty(OUTPUTS)
@@ -62,7 +79,15 @@ def run(
         heights, speeds, wanted = seen[:3], seen[3:], desired[k]
         step[9], step[10] = 1.0, 0.0
         if kind >= INTERVAL:
-            fuzzy_torque(controller, model, heights, speeds, wanted, added[k] if added.shape[0] > 0 else none, step)
+            fuzzy_torque(
+                controller,
+                model,
+                heights,
+                speeds,
+                wanted,
+                added[k] if added.shape[0] > 0 else none,
+                step,
+            )
         else:
             if kind == FEED_FORWARD:
                 exact_model(wanted[:3], wanted[3:6], model, full, values)
@@ -78,7 +103,9 @@ def run(
                 apply_model(values, servo, speeds, step, 0)
             else:
                 for i in range(3):
-                    step[i] = controller[1] * (wanted[i] - heights[i]) + controller[2] * (wanted[3 + i] - speeds[i])
+                    step[i] = controller[1] * (wanted[i] - heights[i]) + controller[2] * (
+                        wanted[3 + i] - speeds[i]
+                    )
                     if kind == GRAVITY_COMPENSATED_PD:
                         step[i] += values[15 + i]
         place, arriving = k % asked.shape[0], max(k - delay, 0) % asked.shape[0]
@@ -106,8 +133,13 @@ def run(
 
 
 @compiled
-def move(state: Array, forces: Array, period: float, plant: Array, drives: Array, scratch: Array) -> bool:
-    """Move the robot for a period, with drives (3, 3) unless all of them are zero; return whether it is still a pose of the machine."""
+def move(
+    state: Array, forces: Array, period: float, plant: Array, drives: Array, scratch: Array
+) -> bool:
+    """Move the robot for a period, with drives (3, 3) unless all of them are zero.
+
+    Return whether it is still a pose of the machine.
+    """
     if not drives.any():
         return advance(state, forces, period, 1, plant, scratch)
     return advance_driven(state, forces, period, 1, plant, drives)
@@ -115,22 +147,35 @@ def move(state: Array, forces: Array, period: float, plant: Array, drives: Array
 
 @compiled
 def adaptive_run(
-    settings: Array, rules: Rules, memory: Memory, plant: Array, drives: Array, desired: Array, state: Array, start: float,
-    period: float, measured: Array, samples: Array,
-) -> int:  # fmt: skip
+    settings: Array,
+    rules: Rules,
+    memory: Memory,
+    plant: Array,
+    drives: Array,
+    desired: Array,
+    state: Array,
+    start: float,
+    period: float,
+    measured: Array,
+    samples: Array,
+) -> int:
     """Let the controller steer the robot; return the number of samples written.
 
-    ``plant`` are the parameters of the robot as they are, ``drives`` as for ``drive_kernels``; ``desired`` (N, 9) heights, speeds and
-    accelerations; ``state`` (6,) where the robot is at the time ``start``, changed in place to the last sample; ``measured`` (N, 6) or
-    (0, 6) what measurement adds to heights and speeds. ``samples`` (N, 6 + STEP) gets heights, speeds, and what ``adaptive_step`` writes.
-    Fewer than N samples are written if the robot leaves the poses it can take.
+    ``plant`` are the parameters of the robot as they are, ``drives`` as for ``drive_kernels``;
+    ``desired`` (N, 9) heights, speeds and accelerations; ``state`` (6,) where the robot is at the
+    time ``start``, changed in place to the last sample; ``measured`` (N, 6) or (0, 6) what
+    measurement adds to heights and speeds. ``samples`` (N, 6 + STEP) gets heights, speeds, and what
+    ``adaptive_step`` writes. Fewer than N samples are written if the robot leaves the poses it can
+    take.
     """
     seen, step, scratch = np.empty(6), np.zeros(STEP), np.empty(6)
     for k in range(desired.shape[0]):
         for i in range(6):
             samples[k, i] = state[i]
             seen[i] = state[i] + (measured[k, i] if measured.shape[0] > 0 else 0.0)
-        is_finite = adaptive_step(settings, rules, memory, start + k * period, seen[:3], seen[3:], desired[k], step)
+        is_finite = adaptive_step(
+            settings, rules, memory, start + k * period, seen[:3], seen[3:], desired[k], step
+        )
         for i in range(STEP):
             samples[k, 6 + i] = step[i]
         if not is_finite:
@@ -142,7 +187,10 @@ def adaptive_run(
 
 @compiled
 def computed_torque(model: Array, heights: Array, speeds: Array, wanted: Array, out: Array) -> bool:
-    """Write the forces M wanted + C speeds + G (3,) of the model; return whether the pose is one of the machine's."""
+    """Write the forces M wanted + C speeds + G (3,) of the model.
+
+    Return whether the pose is one of the machine's.
+    """
     full = np.empty(21)
     if equation_of_motion(heights, speeds, model, full) >= 0:
         return False
@@ -155,11 +203,22 @@ def computed_torque(model: Array, heights: Array, speeds: Array, wanted: Array, 
 
 @compiled
 def computed_torque_run(
-    gains: Array, model: Array, plant: Array, drives: Array, desired: Array, state: Array, period: float, measured: Array, samples: Array
+    gains: Array,
+    model: Array,
+    plant: Array,
+    drives: Array,
+    desired: Array,
+    state: Array,
+    period: float,
+    measured: Array,
+    samples: Array,
 ) -> int:
-    """Let computed torque with gains (kp, kv, ki) steer the robot; samples (N, 9) are heights, speeds and torque.
+    """Let computed torque with gains (kp, kv, ki) steer the robot.
 
-    The integral of the error is the trapezoidal rule's; all else as in ``adaptive_kernels.adaptive_run``.
+    Samples (N, 9) are heights, speeds and torque.
+
+    The integral of the error is the trapezoidal rule's; all else as in
+    ``adaptive_kernels.adaptive_run``.
     """
     seen, servo, torque, scratch = np.empty(6), np.empty(3), np.empty(3), np.empty(6)
     integral, last = np.zeros(3), np.zeros(3)
@@ -172,7 +231,12 @@ def computed_torque_run(
             if k > 0:
                 integral[i] += 0.5 * period * (error + last[i])
             last[i] = error
-            servo[i] = desired[k, 6 + i] + gains[1] * (desired[k, 3 + i] - seen[3 + i]) + gains[0] * error + gains[2] * integral[i]
+            servo[i] = (
+                desired[k, 6 + i]
+                + gains[1] * (desired[k, 3 + i] - seen[3 + i])
+                + gains[0] * error
+                + gains[2] * integral[i]
+            )
         if not computed_torque(model, seen[:3], seen[3:], servo, torque):
             return k
         for i in range(3):
@@ -186,9 +250,20 @@ def computed_torque_run(
 
 @compiled
 def feedback_run(
-    K: Array, forces: Array, plant: Array, drives: Array, desired: Array, state: Array, period: float, measured: Array, samples: Array
+    K: Array,
+    forces: Array,
+    plant: Array,
+    drives: Array,
+    desired: Array,
+    state: Array,
+    period: float,
+    measured: Array,
+    samples: Array,
 ) -> int:
-    """Let forces (N, 3) with linear feedback K (3, 6) of the errors of heights and speeds steer the robot; see the other run."""
+    """Let forces (N, 3) with linear feedback K (3, 6) steer the robot.
+
+    The feedback is of the errors of heights and speeds. See the other run.
+    """
     error, torque, scratch = np.empty(6), np.empty(3), np.empty(6)
     for k in range(desired.shape[0]):
         for i in range(6):

@@ -1,20 +1,25 @@
-r"""The comparison of controllers on robots that are not what they believe: adaptation against exact models, integrals and regulators.
+r"""The comparison of controllers on robots that are not what they believe.
 
-Every controller believes in the robot as drawn. The robot that it steers carries a payload, its masses and inertias are off by random
-factors, and what is measured is noisy; the fuzzy controllers were trained on the robot as drawn, from records that are exact or noisy.
+Adaptation against exact models, integrals and regulators.
 
-=================  ===================================================================================================
+Every controller believes in the robot as drawn. The robot that it steers carries a payload, its
+masses and inertias are off by random factors, and what is measured is noisy; the fuzzy controllers
+were trained on the robot as drawn, from records that are exact or noisy.
+
+=================  =================================================================================
 controller         what it is
-=================  ===================================================================================================
+=================  =================================================================================
 ctc                computed torque with the exact model of the robot as drawn, gains of Table 6.1
 ctc-integral       the same with an integral of the error
-lqr                the forces of the desired motion and a linear-quadratic regulator as stiff as computed torque is
+lqr                the forces of the desired motion and a linear-quadratic regulator as stiff as
+                   computed torque is
 lqr-stiff          the same, ten times as stiff
 t1, it2            fuzzy computed torque as trained, :class:`psp3.FuzzyComputedTorque`
 adaptive-t1, -it2  the same with rules that adapt, :class:`psp3.AdaptiveFuzzyComputedTorque`
-=================  ===================================================================================================
+=================  =================================================================================
 
-Runs of one seed see the same robot, the same noise and the same records, whatever the controller: they are compared in pairs.
+Runs of one seed see the same robot, the same noise and the same records, whatever the controller:
+they are compared in pairs.
 """
 
 from __future__ import annotations
@@ -52,7 +57,12 @@ FUZZY = ("t1", "it2", "adaptive-t1", "adaptive-it2")
 CONTROLLERS = ("ctc", "ctc-integral", "lqr", "lqr-stiff", *FUZZY)
 """Names of the controllers."""
 
-PAIRS = (("adaptive-t1", "ctc-integral"), ("adaptive-t1", "lqr-stiff"), ("adaptive-it2", "adaptive-t1"), ("it2", "t1"))
+PAIRS = (
+    ("adaptive-t1", "ctc-integral"),
+    ("adaptive-t1", "lqr-stiff"),
+    ("adaptive-it2", "adaptive-t1"),
+    ("it2", "t1"),
+)
 """Pairs whose ratios are shown by default."""
 
 METRICS = ("error", "settled", "effort")
@@ -68,16 +78,22 @@ ACCEPTABLE_ERROR, ACCEPTABLE_SPEED_ERROR = 0.01, 0.1
 """Errors that the regulators weigh like ``REGULATOR_FORCES`` (Bryson's rule) [m, m/s]."""
 
 REGULATOR_FORCES = {"lqr": 1.0, "lqr-stiff": 10.0}
-"""Forces that the regulators weigh like these errors [N]. The first makes a stiffness of 99 N/m, and computed torque has 93 N/m."""
+"""Forces that the regulators weigh like these errors [N]. The first makes a stiffness of 99 N/m,
+and computed torque has 93 N/m.
+"""
 
 MEASUREMENT_NOISE = (1e-5, 1e-3)
 """Standard deviations of white noise on measured heights [m] and speeds [m/s]."""
 
 MASS_MISMATCH = 0.05
-"""Masses and inertias are off by factors exp(0.05 ε), and 0.25 kg · abs(ε) ride on the star besides the payload; ε is normal."""
+"""Masses and inertias are off by factors exp(0.05 ε), and 0.25 kg · abs(ε) ride on the star besides
+the payload; ε is normal.
+"""
 
 UNCERTAINTY_SNR = 20.0
-"""Signal-to-noise ratio [dB] for whose mean variation the type-2 terms are made if the records are exact."""
+"""Signal-to-noise ratio [dB] for whose mean variation the type-2 terms are made if the records are
+exact.
+"""
 
 
 @dataclass(frozen=True)
@@ -91,7 +107,8 @@ class Case:
     trajectory : str
         One of :data:`psp3.study.run.TRAJECTORIES`; the rules are learned on the first.
     snr_db : float
-        Signal-to-noise ratio of the records that the rules are learned from [dB]; infinite for exact ones.
+        Signal-to-noise ratio of the records that the rules are learned from [dB]; infinite for
+        exact ones.
     drive : Drive
         Friction and motor inertia of the screws, which no controller knows of either.
     """
@@ -118,7 +135,10 @@ class Case:
 
     def __str__(self) -> str:
         records = "exact records" if self.snr_db == math.inf else f"records of {self.snr_db:g} dB"
-        return f"{self.payload:g} kg, {self.trajectory}, {records}{'' if self.drive == NO_DRIVE else ', driven'}"
+        return (
+            f"{self.payload:g} kg, {self.trajectory}, "
+            f"{records}{'' if self.drive == NO_DRIVE else ', driven'}"
+        )
 
 
 @dataclass(frozen=True)
@@ -145,7 +165,10 @@ class Outcome:
 
 @dataclass(frozen=True)
 class Row:
-    """What the seeds of one case gave under one controller: means with 95 % intervals, and the share of runs that diverged."""
+    """What the seeds of one case gave under one controller.
+
+    Means with 95 % intervals, and the share of runs that diverged.
+    """
 
     case: Case
     controller: str
@@ -176,53 +199,91 @@ class Comparison:
         if metric not in METRICS:
             raise UnknownName("metric", metric, METRICS)
         if (case, controller) not in self.outcomes:
-            raise InvalidValue("case and controller", (str(case), controller), "one that was compared")
+            raise InvalidValue(
+                "case and controller", (str(case), controller), "one that was compared"
+            )
         return np.array([getattr(outcome, metric) for outcome in self.outcomes[case, controller]])
 
     def rows(self) -> list[Row]:
         """Return a row for every case and controller."""
         rows = []
         for case, controller in itertools.product(self.cases, self.controllers):
-            error, settled, effort = (mean(self.values(case, controller, metric)) for metric in METRICS)
-            diverged = share([float(outcome.diverged) for outcome in self.outcomes[case, controller]])
+            error, settled, effort = (
+                mean(self.values(case, controller, metric)) for metric in METRICS
+            )
+            diverged = share(
+                [float(outcome.diverged) for outcome in self.outcomes[case, controller]]
+            )
             rows.append(Row(case, controller, error, settled, effort, diverged))
         return rows
 
     def ratio(self, case: Case, controller: str, baseline: str, metric: str = "error") -> Estimate:
-        """Return by what factor a controller's mean is that of another one, with its interval from seeds in pairs."""
-        return ratio_of_means(self.values(case, controller, metric), self.values(case, baseline, metric))
+        """Return by what factor a controller's mean is that of another one.
+
+        With its interval from seeds in pairs.
+        """
+        return ratio_of_means(
+            self.values(case, controller, metric), self.values(case, baseline, metric)
+        )
 
     def best(self, case: Case, metric: str = "error") -> tuple[str, ...]:
-        """Return the controller of the least mean, and those that it is not shown to be better than; none that ever diverged."""
-        safe = [name for name in self.controllers if not any(outcome.diverged for outcome in self.outcomes[case, name])]
+        """Return the controller of the least mean, and those not shown to be worse.
+
+        None that ever diverged.
+        """
+        safe = [
+            name
+            for name in self.controllers
+            if not any(outcome.diverged for outcome in self.outcomes[case, name])
+        ]
         if not safe:
             return ()
         first = min(safe, key=lambda name: float(self.values(case, name, metric).mean()))
-        return first, *(name for name in safe if name != first and not self.ratio(case, name, first, metric).low > 1.0)
+        return first, *(
+            name
+            for name in safe
+            if name != first and not self.ratio(case, name, first, metric).low > 1.0
+        )
 
     def markdown(self, metric: str = "settled", scale: float = 1e3) -> str:
-        """Return a table of means, a line for each case and a column for each controller; the :meth:`best` are bold."""
+        """Return a table of means, a line for each case and a column for each controller.
+
+        The :meth:`best` are bold.
+        """
         lines = _heading(self.controllers)
         for case in self.cases:
             best, cells = self.best(case, metric), []
             for name in self.controllers:
                 text = f"{scale * mean(self.values(case, name, metric)).value:.3g}"
                 lost = sum(outcome.diverged for outcome in self.outcomes[case, name])
-                cells.append((f"**{text}**" if name in best else text) + (f", {lost} diverged" if lost else ""))
+                cells.append(
+                    (f"**{text}**" if name in best else text)
+                    + (f", {lost} diverged" if lost else "")
+                )
             lines.append(_line(case, cells))
         return "\n".join(lines)
 
     def ratios(self, pairs: Sequence[tuple[str, str]] = PAIRS, metric: str = "settled") -> str:
-        """Return a table of :meth:`ratio` with its intervals, a line for each case and a column for each pair of controllers."""
+        """Return a table of :meth:`ratio` with its intervals.
+
+        A line for each case and a column for each pair of controllers.
+        """
         lines = _heading([f"{controller} / {baseline}" for controller, baseline in pairs])
         for case in self.cases:
-            found = (self.ratio(case, controller, baseline, metric) for controller, baseline in pairs)
-            lines.append(_line(case, [f"{one.value:.3g} ({one.low:.3g} to {one.high:.3g})" for one in found]))
+            found = (
+                self.ratio(case, controller, baseline, metric) for controller, baseline in pairs
+            )
+            lines.append(
+                _line(case, [f"{one.value:.3g} ({one.low:.3g} to {one.high:.3g})" for one in found])
+            )
         return "\n".join(lines)
 
 
 def _heading(columns: Sequence[str]) -> list[str]:
-    return ["| kg | path | records | " + " | ".join(columns) + " |", "|---" * (len(columns) + 3) + "|"]
+    return [
+        "| kg | path | records | " + " | ".join(columns) + " |",
+        "|---" * (len(columns) + 3) + "|",
+    ]
 
 
 def _line(case: Case, cells: Sequence[str]) -> str:
@@ -268,7 +329,9 @@ def compare(
     StrokeExceeded
         If a trajectory leaves the screws in the duration.
     """
-    cases = tuple(Case(*fields, drive) for fields in itertools.product(payloads, trajectories, snrs_db))
+    cases = tuple(
+        Case(*fields, drive) for fields in itertools.product(payloads, trajectories, snrs_db)
+    )
     names = tuple(controllers)
     for name in names:
         _check_controller(name)
@@ -277,13 +340,19 @@ def compare(
         _desired(case.trajectory, checked_positive("duration", duration))
     count = checked_count("seeds", seeds, 2)
     threads = checked_count("workers", (os.cpu_count() or 1) if workers is None else workers)
-    # Controllers without rules do not see the records; their runs are the same for all of them, and are done once.
+    # Controllers without rules do not see the records; their runs are the same for all of them, and
+    # are done once.
     wanted = {(_seen(case, name), name) for case, name in itertools.product(cases, names)}
     jobs = [(case, name, seed) for case, name in sorted(wanted, key=str) for seed in range(count)]
     with ThreadPoolExecutor(threads) as pool:
-        done = dict(zip(jobs, pool.map(lambda job: run(job[0], job[1], job[2], duration), jobs), strict=True))
+        done = dict(
+            zip(
+                jobs, pool.map(lambda job: run(job[0], job[1], job[2], duration), jobs), strict=True
+            )
+        )
     outcomes = {
-        (case, name): tuple(done[_seen(case, name), name, seed] for seed in range(count)) for case, name in itertools.product(cases, names)
+        (case, name): tuple(done[_seen(case, name), name, seed] for seed in range(count))
+        for case, name in itertools.product(cases, names)
     }
     return Comparison(cases, names, outcomes)
 
@@ -315,12 +384,16 @@ def run(case: Case, controller: str, seed: int = 0, duration: float = DURATION) 
 
 
 def simulate_run(case: Case, controller: str, seed: int = 0, duration: float = DURATION) -> Array:
-    """Do a run as :func:`run` does, and return heights, speeds and torque of its samples, (N, 9); fewer if it diverged."""
+    """Do a run as :func:`run` does, and return heights, speeds and torque of its samples, (N, 9).
+
+    Fewer if it diverged.
+    """
     case.check()
     _check_controller(controller)
     seed = checked_count("seed", seed, 0)
     t, motion, desired = _desired(case.trajectory, checked_positive("duration", duration))
-    # One stream for each use of noise, so that runs of one seed can be paired whatever else they draw.
+    # One stream for each use of noise, so that runs of one seed can be paired whatever else they
+    # draw.
     records, plants, measurements = (np.random.default_rng([seed, use]) for use in range(3))
     robot = _robot()
     plant = mismatched(robot.parameters, MASS_MISMATCH, case.payload, plants).as_array()
@@ -330,17 +403,25 @@ def simulate_run(case: Case, controller: str, seed: int = 0, duration: float = D
     if controller in FUZZY:
         rules, memory, settings = _fuzzy(controller, case.snr_db, records)
         steps = np.empty((len(t), 6 + STEP))
-        done = loops.adaptive_run(settings, rules, memory, plant, drives, desired, state, 0.0, PERIOD, measured, steps)
+        done = loops.adaptive_run(
+            settings, rules, memory, plant, drives, desired, state, 0.0, PERIOD, measured, steps
+        )
         return steps[:done, :9]
     samples = np.empty((len(t), 9))
     if controller in REGULATOR_FORCES:
         forces = robot.inverse_dynamics(motion.heights, motion.speeds, motion.accelerations)
         K = _regulator(controller)
-        done = mismatch_kernels.feedback_run(K, forces, plant, drives, desired, state, PERIOD, measured, samples)
+        done = mismatch_kernels.feedback_run(
+            K, forces, plant, drives, desired, state, PERIOD, measured, samples
+        )
     else:
-        gains = np.array([*TABLE_6_1["CTC"], INTEGRAL_GAIN if controller == "ctc-integral" else 0.0])
+        gains = np.array(
+            [*TABLE_6_1["CTC"], INTEGRAL_GAIN if controller == "ctc-integral" else 0.0]
+        )
         model = robot.parameters.as_array()
-        done = mismatch_kernels.computed_torque_run(gains, model, plant, drives, desired, state, PERIOD, measured, samples)
+        done = mismatch_kernels.computed_torque_run(
+            gains, model, plant, drives, desired, state, PERIOD, measured, samples
+        )
     return samples[:done]
 
 
@@ -351,12 +432,19 @@ def _measured(samples: Array, case: Case, duration: float) -> Outcome:
     squares = ((motion.heights - samples[:, :3]) ** 2).sum(axis=1)
     every = round(THESIS_SAMPLING_PERIOD / PERIOD)
     settled = math.sqrt(float(squares[len(t) // 2 :].mean()))
-    return Outcome(float(squares[::every].sum()), settled, float((samples[:, 6:] ** 2).sum(axis=1).mean()), False)
+    return Outcome(
+        float(squares[::every].sum()),
+        settled,
+        float((samples[:, 6:] ** 2).sum(axis=1).mean()),
+        False,
+    )
 
 
 def _seen(case: Case, controller: str) -> Case:
     """Return the case as far as it matters to a controller."""
-    return case if controller in FUZZY else Case(case.payload, case.trajectory, math.inf, case.drive)
+    return (
+        case if controller in FUZZY else Case(case.payload, case.trajectory, math.inf, case.drive)
+    )
 
 
 def _check_controller(name: str) -> None:
@@ -364,11 +452,23 @@ def _check_controller(name: str) -> None:
         raise UnknownName("controller", name, CONTROLLERS)
 
 
-def _fuzzy(controller: str, snr_db: float, rng: np.random.Generator) -> tuple[adaptive_kernels.Rules, adaptive_kernels.Memory, Array]:
-    """Return a fuzzy controller, trained and not called yet, as :mod:`psp3.fuzzy_control.adaptive_kernels` takes it."""
+def _fuzzy(
+    controller: str, snr_db: float, rng: np.random.Generator
+) -> tuple[adaptive_kernels.Rules, adaptive_kernels.Memory, Array]:
+    """Return a fuzzy controller, trained and not called yet.
+
+    It is as :mod:`psp3.fuzzy_control.adaptive_kernels` takes it.
+    """
     kp, kv = TABLE_6_1["CTC"]
     variation = float(mean_variation_from_snr(min(snr_db, UNCERTAINTY_SNR)))
-    base = FuzzyComputedTorque(controller.removeprefix("adaptive-"), _robot(), kp=kp, kv=kv, snr_db=snr_db, mean_variation=variation)
+    base = FuzzyComputedTorque(
+        controller.removeprefix("adaptive-"),
+        _robot(),
+        kp=kp,
+        kv=kv,
+        snr_db=snr_db,
+        mean_variation=variation,
+    )
     adaptive = AdaptiveFuzzyComputedTorque(base.learn(_record(), rng=rng))
     settings = adaptive.settings.copy()
     if not controller.startswith("adaptive-"):
@@ -394,12 +494,17 @@ def _record() -> Record:
 def _regulator(controller: str) -> Array:
     state = np.repeat([1.0 / ACCEPTABLE_ERROR**2, 1.0 / ACCEPTABLE_SPEED_ERROR**2], 3)
     force = np.full(3, 1.0 / REGULATOR_FORCES[controller] ** 2)
-    return np.ascontiguousarray(LinearQuadraticRegulator(_robot(), np.diag(state), np.diag(force), PERIOD).regulator.K)
+    return np.ascontiguousarray(
+        LinearQuadraticRegulator(_robot(), np.diag(state), np.diag(force), PERIOD).regulator.K
+    )
 
 
 @lru_cache(maxsize=16)
 def _desired(trajectory: str, duration: float) -> tuple[Array, Motion, Array]:
-    """Return times, the desired motion, and its heights, speeds and accelerations as the loops take them, (N, 9)."""
+    """Return times, the desired motion and its samples.
+
+    Heights, speeds and accelerations, as the loops take them, (N, 9).
+    """
     robot = _robot()
     t = PERIOD * np.arange(int(duration / PERIOD * (1.0 + 1e-12) + 1e-9) + 1, dtype=np.float64)
     if len(t) < 3:

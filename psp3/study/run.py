@@ -1,21 +1,26 @@
-r"""One run of the study: a controller tracks a trajectory under a noise, and its errors are measured.
+r"""One run of the study.
 
-Everything that decides a run is a field of :class:`Run`, so a run can be repeated anywhere from its row in a table of results. Noise
-has four readings:
+A controller tracks a trajectory under a noise, and its errors are measured.
 
-=============  =====================================================================================================
+Everything that decides a run is a field of :class:`Run`, so a run can be repeated anywhere from its
+row in a table of results. Noise has four readings:
+
+=============  =====================================================================================
 reading        what a signal-to-noise ratio S means (q = 10^(−S/20) is the ratio of amplitudes)
-=============  =====================================================================================================
-parameters     white noise on the recorded M, C and G from which rules are learned; the other controllers never see it
+=============  =====================================================================================
+parameters     white noise on the recorded M, C and G from which rules are learned; the other
+               controllers never see it
 measurement    white noise on measured heights and speeds at run time, seen by servo and estimator
 online         white noise on the controller's M, C and G at run time
-plant          every mass and inertia of the robot is off by a factor exp(q ε), and a payload of 5 kg · q abs(ε) rides on the star
-=============  =====================================================================================================
+plant          every mass and inertia of the robot is off by a factor exp(q ε), and a payload of
+               5 kg · q abs(ε) rides on the star
+=============  =====================================================================================
 
-The power of a signal is its mean square over the recorded training run, mean included, element by element.
+The power of a signal is its mean square over the recorded training run, mean included, element by
+element.
 
-Under the reading ``plant`` a run can also have a payload of its own, drives with friction and motor inertia, encoders that count, and a
-delay: fields that no signal-to-noise ratio scales.
+Under the reading ``plant`` a run can also have a payload of its own, drives with friction and motor
+inertia, encoders that count, and a delay: fields that no signal-to-noise ratio scales.
 """
 
 from __future__ import annotations
@@ -38,7 +43,11 @@ from psp3.fuzzy_control.computed_torque import OUTSIDE, REDUCTIONS, FuzzyCompute
 from psp3.fuzzy_control.records import Record, record
 from psp3.loading import load
 from psp3.published import DURATION, TABLE_6_1, THESIS_SAMPLING_PERIOD
-from psp3.simulation.metrics import integral_of_squared_error, largest_tip_error, sum_of_squared_errors
+from psp3.simulation.metrics import (
+    integral_of_squared_error,
+    largest_tip_error,
+    sum_of_squared_errors,
+)
 from psp3.simulation.result import Result
 from psp3.study import loops
 from psp3.three_psp.parameters import PARAMETER_SETS, Parameters
@@ -55,19 +64,32 @@ CLASSICAL = {
     "ctc": kernels.COMPUTED_TORQUE,
 }
 CONTROLLERS = (*CLASSICAL, *KINDS)
-"""Names of the controllers: open loop, PD, PD with gravity, computed torque with the exact model, and with learned ones."""
+"""Names of the controllers: open loop, PD, PD with gravity, computed torque with the exact model,
+and with learned ones.
+"""
 
 READINGS = ("parameters", "measurement", "online", "plant")
 """Names of the readings of noise."""
 
-OF_PLANT = ("payload", "coulomb_friction", "viscous_friction", "motor_inertia", "encoder_resolution", "delay")
-"""Fields that say how the plant differs from what controllers believe; zero but under the reading ``"plant"``."""
+OF_PLANT = (
+    "payload",
+    "coulomb_friction",
+    "viscous_friction",
+    "motor_inertia",
+    "encoder_resolution",
+    "delay",
+)
+"""Fields that say how the plant differs from what controllers believe; zero but under the reading
+``"plant"``.
+"""
 
 PAYLOAD_PER_MISMATCH = 5.0
 """Payload at q abs(ε) = 1 [kg]."""
 
 LEAST_SNR_OF_PLANT = -20.0
-"""Least signal-to-noise ratio under the reading ``"plant"`` [dB]: masses are off by factors up to exp(±40)."""
+"""Least signal-to-noise ratio under the reading ``"plant"`` [dB]: masses are off by factors up to
+exp(±40).
+"""
 
 MOST_STEPS = 10_000_000
 """Control periods of the longest run."""
@@ -78,7 +100,11 @@ def _square(robot: PSP3) -> Trajectory:
     angles = 0.5 * np.pi * np.arange(11)
     across = 0.012 * np.sqrt(2.0)
     rise = robot.parameters.tool_length + 0.010 * np.arange(11)
-    return Waypoints(np.arange(11.0), np.stack([across * np.cos(angles), across * np.sin(angles), rise], axis=-1), robot)
+    return Waypoints(
+        np.arange(11.0),
+        np.stack([across * np.cos(angles), across * np.sin(angles), rise], axis=-1),
+        robot,
+    )
 
 
 TRAJECTORIES: dict[str, Callable[[PSP3], Trajectory]] = {
@@ -93,10 +119,24 @@ TRAJECTORIES: dict[str, Callable[[PSP3], Trajectory]] = {
 """Trajectories by name; the estimators are trained on the first."""
 
 METRICS = (
-    "sum_of_squared_errors", "integral_of_squared_error", "rms_error_1", "rms_error_2", "rms_error_3",
-    "largest_error_1", "largest_error_2", "largest_error_3", "rms_tip_error", "largest_tip_error",
-    "effort", "largest_torque", "coverage", "fallbacks", "left_stroke", "diverged", "end_time",
-)  # fmt: skip
+    "sum_of_squared_errors",
+    "integral_of_squared_error",
+    "rms_error_1",
+    "rms_error_2",
+    "rms_error_3",
+    "largest_error_1",
+    "largest_error_2",
+    "largest_error_3",
+    "rms_tip_error",
+    "largest_tip_error",
+    "effort",
+    "largest_torque",
+    "coverage",
+    "fallbacks",
+    "left_stroke",
+    "diverged",
+    "end_time",
+)
 """Names of what is measured, see :func:`execute`."""
 
 FIRST_TRAJECTORY = next(iter(TRAJECTORIES))
@@ -115,16 +155,19 @@ class Run:
     snr_db : float
         Signal-to-noise ratio [dB]; infinite for none.
     seed : int
-        Of the noise. Runs of the same seed see the same noise, whatever the controller, and the same but for its amplitude at every
-        signal-to-noise ratio: differences between controllers can be paired.
+        Of the noise. Runs of the same seed see the same noise, whatever the controller, and the
+        same but for its amplitude at every signal-to-noise ratio: differences between controllers
+        can be paired.
     trajectory : str
         One of ``TRAJECTORIES``.
     learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
         See :class:`psp3.FuzzyComputedTorque`. The rules are learned on the first trajectory.
     payload : float
-        Mass on the star, at its center, that no controller knows of [kg]; of the reading ``"plant"``, as are the next six.
+        Mass on the star, at its center, that no controller knows of [kg]; of the reading
+        ``"plant"``, as are the next six.
     coulomb_friction, viscous_friction, motor_inertia, lead
-        Drive of each screw, see :class:`psp3.drives.drive.Drive` [N], [N s/m], [kg m²], [m per revolution].
+        Drive of each screw, see :class:`psp3.drives.drive.Drive` [N], [N s/m], [kg m²], [m per
+        revolution].
     encoder_resolution : float
         Travel of a nut per count of its encoder [m], see :func:`psp3.simulate`.
     delay : int
@@ -167,38 +210,60 @@ class Run:
                 object.__setattr__(self, field.name, value.item())
 
     def check(self) -> None:
-        """Raise what :func:`execute` would raise for fields that are not what they must be, before any work.
+        """Raise what :func:`execute` would raise for wrong fields, before any work.
+
+        Wrong are fields that are not what they must be.
 
         Raises
         ------
         UnknownName
             If a name is unknown.
         InvalidValue
-            If a number is outside of what it can be, or terms are so narrow that no rule fires on a part of the path learned from.
+            If a number is outside of what it can be, or terms are so narrow that no rule fires on a
+            part of the path learned from.
         StrokeExceeded
             If the trajectory leaves the screws in the duration.
         fuzzy2.errors.UnsupportedRule
             If no sample fires some rule by more than 0.001.
         """
         for what, name, known in (
-            ("controller", self.controller, CONTROLLERS), ("reading", self.reading, READINGS),
-            ("trajectory", self.trajectory, tuple(TRAJECTORIES)), ("learner", self.learner, LEARNERS),
-            ("reduction", self.reduction, REDUCTIONS), ("way outside of the trained range", self.outside, OUTSIDE),
+            ("controller", self.controller, CONTROLLERS),
+            ("reading", self.reading, READINGS),
+            ("trajectory", self.trajectory, tuple(TRAJECTORIES)),
+            ("learner", self.learner, LEARNERS),
+            ("reduction", self.reduction, REDUCTIONS),
+            ("way outside of the trained range", self.outside, OUTSIDE),
             ("parameter set", self.parameters, tuple(PARAMETER_SETS)),
-        ):  # fmt: skip
+        ):
             if not isinstance(name, str) or name not in known:
                 raise UnknownName(what, name, known)
         if checked_snr(self.snr_db) < LEAST_SNR_OF_PLANT and self.reading == "plant":
-            raise InvalidValue("snr_db", self.snr_db, f"at least {LEAST_SNR_OF_PLANT:g} under the reading 'plant'")
-        for name, least in (("seed", 0), ("n_terms", 1), ("levels", 1), ("samples", 2), ("delay", 0)):
+            raise InvalidValue(
+                "snr_db", self.snr_db, f"at least {LEAST_SNR_OF_PLANT:g} under the reading 'plant'"
+            )
+        for name, least in (
+            ("seed", 0),
+            ("n_terms", 1),
+            ("levels", 1),
+            ("samples", 2),
+            ("delay", 0),
+        ):
             checked_count(name, getattr(self, name), least)
         for name in ("duration", "period"):
             checked_positive(name, getattr(self, name))
         if not self.period <= self.duration <= MOST_STEPS * self.period:
-            raise InvalidValue("duration", self.duration, f"at least one and at most {MOST_STEPS:,} periods of {self.period} s")
+            raise InvalidValue(
+                "duration",
+                self.duration,
+                f"at least one and at most {MOST_STEPS:,} periods of {self.period} s",
+            )
         every = round(THESIS_SAMPLING_PERIOD / self.period)
         if abs(every * self.period - THESIS_SAMPLING_PERIOD) > 1e-9 * THESIS_SAMPLING_PERIOD:
-            raise InvalidValue("period", self.period, f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or a whole part of it")
+            raise InvalidValue(
+                "period",
+                self.period,
+                f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or a whole part of it",
+            )
         if self.mean_variation is not None:
             checked_not_negative("mean_variation", self.mean_variation)
         checked_positive("term_width", self.term_width)
@@ -211,14 +276,20 @@ class Run:
         _desired(self.trajectory, self.parameters, self.duration, self.period)
         if self.controller in KINDS:
             # Terms as wide as they are learned reach every sample, whatever the kind.
-            narrow = (self.controller, self.canonical().mean_variation, self.term_width) if self.term_width < 1.0 else ()
+            narrow = (
+                (self.controller, self.canonical().mean_variation, self.term_width)
+                if self.term_width < 1.0
+                else ()
+            )
             _try_to_learn(self.parameters, self.learner, self.n_terms, self.samples, *narrow)
 
     def _drive(self) -> Drive:
         return Drive(self.coulomb_friction, self.viscous_friction, self.motor_inertia, self.lead)
 
     def canonical(self) -> Run:
-        """Return the same run with every field that cannot matter at its default, and the mean variation that is used.
+        """Return the same run with every field that cannot matter at its default.
+
+        The mean variation is the one that is used.
 
         Runs with the same canonical form have the same results, so a study does them once.
         """
@@ -228,7 +299,16 @@ class Run:
             return replace(run, **{name: getattr(default, name) for name in names})
 
         if run.controller in CLASSICAL:
-            run = reset("learner", "n_terms", "mean_variation", "levels", "reduction", "outside", "term_width", "samples")
+            run = reset(
+                "learner",
+                "n_terms",
+                "mean_variation",
+                "levels",
+                "reduction",
+                "outside",
+                "term_width",
+                "samples",
+            )
         else:
             if run.controller == "t1":
                 run = replace(run, mean_variation=0.0)
@@ -241,14 +321,27 @@ class Run:
         if self.motor_inertia == 0.0:
             # All forces are those at the nuts.
             run = reset("lead")
-        blind = {"parameters": tuple(CLASSICAL), "measurement": ("feed-forward",), "online": ("pd",)}.get(run.reading, ())
+        blind = {
+            "parameters": tuple(CLASSICAL),
+            "measurement": ("feed-forward",),
+            "online": ("pd",),
+        }.get(run.reading, ())
         if run.controller in blind or run.snr_db == math.inf:
-            run = replace(run, snr_db=math.inf, seed=0, reading="plant" if any(getattr(run, name) for name in OF_PLANT) else "parameters")
+            run = replace(
+                run,
+                snr_db=math.inf,
+                seed=0,
+                reading="plant" if any(getattr(run, name) for name in OF_PLANT) else "parameters",
+            )
         return run
 
     def __str__(self) -> str:
         default = Run()
-        changed = [f"{field.name}={getattr(self, field.name)!r}" for field in fields(self) if self._differs(default, field.name)]
+        changed = [
+            f"{field.name}={getattr(self, field.name)!r}"
+            for field in fields(self)
+            if self._differs(default, field.name)
+        ]
         return f"Run({', '.join(changed)})"
 
     def _differs(self, default: Run, name: str) -> bool:
@@ -266,12 +359,13 @@ def execute(run: Run) -> dict[str, float]:
     Returns
     -------
     dict
-        By name, in the order of ``METRICS``: sum of squared errors at one sample per 0.05 s [m²] and its integral [m² s]; root mean
-        square and largest error of each screw, and of the tip [m]; effort :math:`\int \lVert\tau\rVert^2 dt` [N² s] and largest
-        torque [N]; share of the steps inside the trained range, and of those that fell back on the average over the rules; 1 if a nut
-        left the stroke of its screw (the run goes on, as in the thesis there is no end to a screw); 1 if the run diverged, that is
-        ended before its time, because the robot left the poses it can take; the time when it ended [s]. Errors of runs that diverged
-        are NaN.
+        By name, in the order of ``METRICS``: sum of squared errors at one sample per 0.05 s [m²]
+        and its integral [m² s]; root mean square and largest error of each screw, and of the tip
+        [m]; effort :math:`\int \lVert\tau\rVert^2 dt` [N² s] and largest torque [N]; share of the
+        steps inside the trained range, and of those that fell back on the average over the rules; 1
+        if a nut left the stroke of its screw (the run goes on, as in the thesis there is no end to
+        a screw); 1 if the run diverged, that is ended before its time, because the robot left the
+        poses it can take; the time when it ended [s]. Errors of runs that diverged are NaN.
 
     Raises
     ------
@@ -287,7 +381,9 @@ def execute(run: Run) -> dict[str, float]:
 
 @dataclass(frozen=True)
 class Samples:
-    """What :func:`simulate_run` returns: a result, which may end before its time, and what the controller said of itself.
+    """What :func:`simulate_run` returns.
+
+    A result, which may end before its time, and what the controller said of itself.
 
     Parameters
     ----------
@@ -302,7 +398,9 @@ class Samples:
 
 
 def simulate_run(run: Run) -> Samples:
-    """Simulate a run; the loop is compiled and holds no interpreter lock, so threads run side by side.
+    """Simulate a run.
+
+    The loop is compiled and holds no interpreter lock, so threads run side by side.
 
     Parameters
     ----------
@@ -315,7 +413,9 @@ def simulate_run(run: Run) -> Samples:
 
     Raises
     ------
-    InvalidValue, UnknownName, StrokeExceeded, fuzzy2.errors.InvalidValue, fuzzy2.errors.UnsupportedRule, UnusableEstimate
+    InvalidValue, UnknownName, StrokeExceeded, UnusableEstimate
+        As from :func:`execute`.
+    fuzzy2.errors.InvalidValue, fuzzy2.errors.UnsupportedRule
         As from :func:`execute`.
     """
     run.check()
@@ -323,7 +423,8 @@ def simulate_run(run: Run) -> Samples:
     t, desired = _desired(run.trajectory, run.parameters, run.duration, run.period)
     plant, measured, added = robot.parameters.as_array(), np.empty((0, 6)), np.empty((0, 18))
     drives = drive_table(run._drive(), 3)
-    # One stream for each use of noise, so that runs of one seed can be paired whatever else they draw.
+    # One stream for each use of noise, so that runs of one seed can be paired whatever else they
+    # draw.
     rules, noise = np.random.default_rng([run.seed, 0]), np.random.default_rng([run.seed, 1])
     ratio = 10.0 ** (-run.snr_db / 20.0)
     noisy = run.snr_db < math.inf
@@ -340,14 +441,30 @@ def simulate_run(run: Run) -> Samples:
     state = np.concatenate([desired.heights[0], np.zeros(3)])
     samples = np.empty((len(t), 11))
     done = loops.run(
-        controller, robot.parameters.as_array(), plant, drives if drives.any() else drives[:0], wanted, state, run.period,
-        run.encoder_resolution, run.delay, measured, added, samples,
-    )  # fmt: skip
+        controller,
+        robot.parameters.as_array(),
+        plant,
+        drives if drives.any() else drives[:0],
+        wanted,
+        state,
+        run.period,
+        run.encoder_resolution,
+        run.delay,
+        measured,
+        added,
+        samples,
+    )
     heights, speeds, torque = (samples[:done, i : i + 3].copy() for i in (0, 3, 6))
     result = Result(
-        t[:done], heights, speeds, Motion(*(array[:done] for array in desired)), torque, _tips(robot, heights),
-        covered=samples[:done, 9] > 0.0, fell_back=samples[:done, 10] > 0.0,
-    )  # fmt: skip
+        t[:done],
+        heights,
+        speeds,
+        Motion(*(array[:done] for array in desired)),
+        torque,
+        _tips(robot, heights),
+        covered=samples[:done, 9] > 0.0,
+        fell_back=samples[:done, 10] > 0.0,
+    )
     return Samples(result, len(t))
 
 
@@ -360,19 +477,32 @@ def measure(samples: Samples, run: Run) -> dict[str, float]:
     tip_error = np.linalg.norm(result.desired.tip - result.tip, axis=1)
     lower, upper = _robot(run.parameters).stroke
     values = (
-        sum_of_squared_errors(result), integral_of_squared_error(result), *np.sqrt((error**2).mean(axis=0)), *np.abs(error).max(axis=0),
-        np.sqrt((tip_error**2).mean()), largest_tip_error(result), np.trapezoid((result.torque**2).sum(axis=1), result.t),
-        np.abs(result.torque).max(),
-    ) if not diverged else (math.nan,) * 12  # fmt: skip
+        (
+            sum_of_squared_errors(result),
+            integral_of_squared_error(result),
+            *np.sqrt((error**2).mean(axis=0)),
+            *np.abs(error).max(axis=0),
+            np.sqrt((tip_error**2).mean()),
+            largest_tip_error(result),
+            np.trapezoid((result.torque**2).sum(axis=1), result.t),
+            np.abs(result.torque).max(),
+        )
+        if not diverged
+        else (math.nan,) * 12
+    )
     assert result.covered is not None
     assert result.fell_back is not None
     outside = bool(((result.heights < lower) | (result.heights > upper)).any())
-    shares = (result.covered.mean(), result.fell_back.mean()) if len(result.t) else (math.nan, math.nan)
+    shares = (
+        (result.covered.mean(), result.fell_back.mean()) if len(result.t) else (math.nan, math.nan)
+    )
     values += (*shares, outside, diverged, result.t[-1] if len(result.t) else 0.0)
     return dict(zip(METRICS, map(float, values), strict=True))
 
 
-def mismatched(parameters: Parameters, ratio: float, payload: float, rng: np.random.Generator) -> Parameters:
+def mismatched(
+    parameters: Parameters, ratio: float, payload: float, rng: np.random.Generator
+) -> Parameters:
     """Return parameters that are off by a ratio, with a payload on the star.
 
     Parameters
@@ -393,9 +523,17 @@ def mismatched(parameters: Parameters, ratio: float, payload: float, rng: np.ran
     """
     names = ("nut_mass", "ball_mass", "ball_axial_inertia", "ball_transverse_inertia", "star_mass")
     factors = np.exp(ratio * rng.standard_normal(len(names) + 3)).tolist()
-    changed = {name: getattr(parameters, name) * factor for name, factor in zip(names, factors, strict=False)}
-    inertia = tuple(moment * factor for moment, factor in zip(parameters.star_inertia, factors[len(names) :], strict=True))
-    changed["star_mass"] += payload + PAYLOAD_PER_MISMATCH * ratio * abs(float(rng.standard_normal()))
+    changed = {
+        name: getattr(parameters, name) * factor
+        for name, factor in zip(names, factors, strict=False)
+    }
+    inertia = tuple(
+        moment * factor
+        for moment, factor in zip(parameters.star_inertia, factors[len(names) :], strict=True)
+    )
+    changed["star_mass"] += payload + PAYLOAD_PER_MISMATCH * ratio * abs(
+        float(rng.standard_normal())
+    )
     return replace(parameters, star_inertia=inertia, **changed)
 
 
@@ -408,13 +546,29 @@ def _controller(run: Run, robot: PSP3, rng: np.random.Generator) -> Array:
 
 
 def trained(run: Run, robot: PSP3, rng: np.random.Generator) -> FuzzyComputedTorque:
-    """Return the trained controller of a run of a fuzzy one; ``rng`` is the source of the noise on what is recorded."""
-    variation = float(mean_variation_from_snr(run.snr_db)) if run.mean_variation is None else run.mean_variation
+    """Return the trained controller of a run of a fuzzy one.
+
+    ``rng`` is the source of the noise on what is recorded.
+    """
+    variation = (
+        float(mean_variation_from_snr(run.snr_db))
+        if run.mean_variation is None
+        else run.mean_variation
+    )
     controller = FuzzyComputedTorque(
-        run.controller, robot, kp=TABLE_6_1["CTC"][0], kv=TABLE_6_1["CTC"][1], n_terms=run.n_terms, learner=run.learner,
-        snr_db=run.snr_db if run.reading == "parameters" else math.inf, mean_variation=variation, levels=run.levels,
-        reduction=run.reduction, outside=run.outside, term_width=run.term_width,
-    )  # fmt: skip
+        run.controller,
+        robot,
+        kp=TABLE_6_1["CTC"][0],
+        kv=TABLE_6_1["CTC"][1],
+        n_terms=run.n_terms,
+        learner=run.learner,
+        snr_db=run.snr_db if run.reading == "parameters" else math.inf,
+        mean_variation=variation,
+        levels=run.levels,
+        reduction=run.reduction,
+        outside=run.outside,
+        term_width=run.term_width,
+    )
     return controller.learn(_record(run.parameters), run.samples, rng)
 
 
@@ -422,7 +576,8 @@ def _tips(robot: PSP3, heights: Array) -> Array:
     return robot.forward_kinematics(heights).tip
 
 
-# Robots, desired motions and records are the same for all runs of a study, and cost more than a run.
+# Robots, desired motions and records are the same for all runs of a study, and cost more than a
+# run.
 
 
 @lru_cache(maxsize=8)
@@ -431,7 +586,9 @@ def _robot(parameters: str) -> PSP3:
 
 
 @lru_cache(maxsize=32)
-def _desired(trajectory: str, parameters: str, duration: float, period: float) -> tuple[Array, Motion]:
+def _desired(
+    trajectory: str, parameters: str, duration: float, period: float
+) -> tuple[Array, Motion]:
     robot = _robot(parameters)
     t = period * np.arange(int(duration / period * (1.0 + 1e-12) + 1e-9) + 1, dtype=np.float64)
     motion = TRAJECTORIES[trajectory](robot)(t)
@@ -444,12 +601,26 @@ def _desired(trajectory: str, parameters: str, duration: float, period: float) -
 
 @lru_cache(maxsize=64)
 def _try_to_learn(
-    parameters: str, learner: str, n_terms: int, samples: int, kind: str = "t1", mean_variation: float | None = 0.0, width: float = 1.0
+    parameters: str,
+    learner: str,
+    n_terms: int,
+    samples: int,
+    kind: str = "t1",
+    mean_variation: float | None = 0.0,
+    width: float = 1.0,
 ) -> None:
-    """Raise what learning raises. Which rules have samples depends on inputs alone, and those are the same under all noise."""
+    """Raise what learning raises.
+
+    Which rules have samples depends on inputs alone, and those are the same under all noise.
+    """
     controller = FuzzyComputedTorque(
-        kind, _robot(parameters), learner=learner, n_terms=n_terms, mean_variation=mean_variation, term_width=width
-    )  # fmt: skip
+        kind,
+        _robot(parameters),
+        learner=learner,
+        n_terms=n_terms,
+        mean_variation=mean_variation,
+        term_width=width,
+    )
     controller.learn(_record(parameters), samples)
 
 

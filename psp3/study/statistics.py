@@ -1,11 +1,14 @@
-"""What many seeds say together: estimates with 95 % intervals, and the number of seeds that each of them stands on.
+"""What many seeds say together.
 
-Means and medians carry bootstrap intervals: the errors of runs are skewed, and thirty of them are too few for a normal law. Two
-controllers are compared by seed, since runs of one seed see the same noise.
+Estimates with 95 % intervals, and the number of seeds that each of them stands on.
 
-A run that diverged has no error, and its NaN cannot be averaged. Such runs are left out of means, medians, differences and ratios,
-which favors the controller that diverges: their share stands beside every summary, and the count of an estimate says how many runs
-it stands on.
+Means and medians carry bootstrap intervals: the errors of runs are skewed, and thirty of them are
+too few for a normal law. Two controllers are compared by seed, since runs of one seed see the same
+noise.
+
+A run that diverged has no error, and its NaN cannot be averaged. Such runs are left out of means,
+medians, differences and ratios, which favors the controller that diverges: their share stands
+beside every summary, and the count of an estimate says how many runs it stands on.
 """
 
 from __future__ import annotations
@@ -89,7 +92,8 @@ class Comparison:
     baseline : str
         Controller that it is compared with.
     difference : Estimate
-        Mean of the metric's difference, controller minus baseline, over the seeds with which neither diverged.
+        Mean of the metric's difference, controller minus baseline, over the seeds with which
+        neither diverged.
     ratio : Estimate
         Ratio of the metric's means, controller over baseline, over the same seeds.
     pairs : int
@@ -128,12 +132,17 @@ def mean(values: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
 def median(values: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
     """Return the median with its percentile bootstrap interval; parameters as for :func:`mean`.
 
-    The acceleration of the other interval is of no use here: leaving one value out hardly ever moves a median smoothly.
+    The acceleration of the other interval is of no use here: leaving one value out hardly ever
+    moves a median smoothly.
     """
-    return _bootstrapped(_finite(values=values), lambda x, axis: np.median(x, axis=axis), "percentile", rng)
+    return _bootstrapped(
+        _finite(values=values), lambda x, axis: np.median(x, axis=axis), "percentile", rng
+    )
 
 
-def paired_difference(first: ArrayLike, second: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
+def paired_difference(
+    first: ArrayLike, second: ArrayLike, rng: np.random.Generator | None = None
+) -> Estimate:
     """Return the mean of ``first - second`` with its interval.
 
     Parameters
@@ -156,9 +165,19 @@ def paired_difference(first: ArrayLike, second: ArrayLike, rng: np.random.Genera
     return _bootstrapped([one - other], lambda x, axis: x.mean(axis=axis), "BCa", rng)
 
 
-def ratio_of_means(first: ArrayLike, second: ArrayLike, rng: np.random.Generator | None = None) -> Estimate:
-    """Return the mean of ``first`` over that of ``second``; pairs are resampled whole. Parameters as for :func:`paired_difference`."""
-    return _bootstrapped(_finite(first=first, second=second), lambda x, y, axis: x.mean(axis=axis) / y.mean(axis=axis), "BCa", rng)
+def ratio_of_means(
+    first: ArrayLike, second: ArrayLike, rng: np.random.Generator | None = None
+) -> Estimate:
+    """Return the mean of ``first`` over that of ``second``; pairs are resampled whole.
+
+    Parameters as for :func:`paired_difference`.
+    """
+    return _bootstrapped(
+        _finite(first=first, second=second),
+        lambda x, y, axis: x.mean(axis=axis) / y.mean(axis=axis),
+        "BCa",
+        rng,
+    )
 
 
 def share(events: ArrayLike) -> Estimate:
@@ -185,12 +204,18 @@ def share(events: ArrayLike) -> Estimate:
         return Estimate(np.nan, np.nan, np.nan, 0)
     from scipy.stats import binomtest
 
-    interval = binomtest(int(happened.sum()), happened.size).proportion_ci(CONFIDENCE, method="wilson")
-    return Estimate(float(happened.mean()), float(interval.low), float(interval.high), happened.size)
+    interval = binomtest(int(happened.sum()), happened.size).proportion_ci(
+        CONFIDENCE, method="wilson"
+    )
+    return Estimate(
+        float(happened.mean()), float(interval.low), float(interval.high), happened.size
+    )
 
 
 def summarize(
-    rows: Iterable[Mapping[str, Any]], metric: str = "sum_of_squared_errors", rng: np.random.Generator | None = None
+    rows: Iterable[Mapping[str, Any]],
+    metric: str = "sum_of_squared_errors",
+    rng: np.random.Generator | None = None,
 ) -> list[Summary]:
     """Summarize a metric over the seeds of every setting.
 
@@ -220,7 +245,14 @@ def summarize(
     summaries = []
     for setting, members in groups.items():
         values = [_value(row, metric) for row in members]
-        summaries.append(Summary(setting, mean(values, rng), median(values, rng), share([row["diverged"] for row in members])))
+        summaries.append(
+            Summary(
+                setting,
+                mean(values, rng),
+                median(values, rng),
+                share([row["diverged"] for row in members]),
+            )
+        )
     return summaries
 
 
@@ -238,8 +270,8 @@ def compare(
     rows : sequence of mapping
         Results of both, see :meth:`psp3.Study.rows`.
     controller, baseline : str
-        Names of the controllers. Settings that mean nothing to the baseline, as the mean variation to type-1, do not separate the two;
-        so the baseline is the one with fewer of them.
+        Names of the controllers. Settings that mean nothing to the baseline, as the mean variation
+        to type-1, do not separate the two; so the baseline is the one with fewer of them.
     metric : str
         One of :data:`psp3.study.run.METRICS`.
     rng : numpy.random.Generator, optional
@@ -262,17 +294,28 @@ def compare(
         if name not in CONTROLLERS:
             raise UnknownName("controller", name, CONTROLLERS)
     if controller == baseline:
-        raise InvalidValue("baseline", baseline, "another controller than the one that is compared with it")
+        raise InvalidValue(
+            "baseline", baseline, "another controller than the one that is compared with it"
+        )
     by_run = {_run(row): row for row in rows}
     pairs: dict[Run, list[tuple[float, float]]] = {}
     for run, row in by_run.items():
-        partner = by_run.get(replace(run, controller=baseline).canonical()) if run.controller == controller else None
+        partner = (
+            by_run.get(replace(run, controller=baseline).canonical())
+            if run.controller == controller
+            else None
+        )
         if partner is not None:
-            pairs.setdefault(replace(run, seed=0), []).append((_value(row, metric), _value(partner, metric)))
+            pairs.setdefault(replace(run, seed=0), []).append(
+                (_value(row, metric), _value(partner, metric))
+            )
     comparisons = []
     for setting, values in pairs.items():
         first, second = np.array(values).T
-        difference, ratio = paired_difference(first, second, rng), ratio_of_means(first, second, rng)
+        difference, ratio = (
+            paired_difference(first, second, rng),
+            ratio_of_means(first, second, rng),
+        )
         comparisons.append(Comparison(setting, baseline, difference, ratio, len(values)))
     return comparisons
 
@@ -296,12 +339,20 @@ def _finite(**named: ArrayLike) -> list[Array]:
     rows = [as_floats(name, values, "(N,)") for name, values in named.items()]
     for (name, values), row in zip(named.items(), rows, strict=True):
         if np.ndim(values) != 1 or len(row) != len(rows[0]):
-            raise InvalidArray(name, "(N,)" if row is rows[0] else f"{rows[0].shape}, one number for each of the other row", row)
+            raise InvalidArray(
+                name,
+                "(N,)"
+                if row is rows[0]
+                else f"{rows[0].shape}, one number for each of the other row",
+                row,
+            )
     keep = np.logical_and.reduce([np.isfinite(row) for row in rows])
     return [row[keep] for row in rows]
 
 
-def _bootstrapped(rows: list[Array], statistic: Callable[..., Any], method: str, rng: np.random.Generator | None) -> Estimate:
+def _bootstrapped(
+    rows: list[Array], statistic: Callable[..., Any], method: str, rng: np.random.Generator | None
+) -> Estimate:
     """Return a statistic of paired rows with its bootstrap interval."""
     count = len(rows[0])
     if count == 0:
@@ -318,9 +369,17 @@ def _bootstrapped(rows: list[Array], statistic: Callable[..., Any], method: str,
                 # It warns of what is tested for below.
                 warnings.simplefilter("ignore", stats.DegenerateDataWarning)
                 found = stats.bootstrap(
-                    rows, statistic, n_resamples=RESAMPLES, batch=max(1, NUMBERS_AT_A_TIME // count), vectorized=True,
-                    paired=len(rows) > 1, axis=-1, confidence_level=CONFIDENCE, method=method, rng=source,
-                ).confidence_interval  # fmt: skip
+                    rows,
+                    statistic,
+                    n_resamples=RESAMPLES,
+                    batch=max(1, NUMBERS_AT_A_TIME // count),
+                    vectorized=True,
+                    paired=len(rows) > 1,
+                    axis=-1,
+                    confidence_level=CONFIDENCE,
+                    method=method,
+                    rng=source,
+                ).confidence_interval
             return float(found.low), float(found.high)
 
         low, high = interval(method)

@@ -1,17 +1,21 @@
 """Many runs, kept in a file: the way from one simulation to a statement with an interval.
 
-A study is a set of runs (:class:`~psp3.study.run.Run`) and a file. Runs that are in the file are not repeated, so the same lines begin a
-study, resume one that was stopped, however it was stopped, and extend one with more seeds::
+A study is a set of runs (:class:`~psp3.study.run.Run`) and a file. Runs that are in the file are
+not repeated, so the same lines begin a study, resume one that was stopped, however it was stopped,
+and extend one with more seeds::
 
-    study = psp3.Study("study.sqlite", psp3.grid(controller=["t1", "it2"], snr_db=[20, 15, 10], seed=range(30)))
+    runs = psp3.grid(controller=["t1", "it2"], snr_db=[20, 15, 10], seed=range(30))
+    study = psp3.Study("study.sqlite", runs)
     study.run()
     psp3.statistics.summarize(study.rows())
 
-Every run is decided by its fields alone, seed included, so it makes no difference which worker does it, or when.
+Every run is decided by its fields alone, seed included, so it makes no difference which worker does
+it, or when.
 
-Workers are threads: a run spends nearly all its time in compiled loops that release the GIL. With ``scheduler`` they are those of a
-dask.distributed cluster; results still come back here and are written by this process alone. Runs are handed out a few at a time,
-so the memory that a study takes grows with its table and not with what is under way.
+Workers are threads: a run spends nearly all its time in compiled loops that release the GIL. With
+``scheduler`` they are those of a dask.distributed cluster; results still come back here and are
+written by this process alone. Runs are handed out a few at a time, so the memory that a study takes
+grows with its table and not with what is under way.
 """
 
 from __future__ import annotations
@@ -21,14 +25,27 @@ import itertools
 import os
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ThreadPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted, UnknownName
+from psp3.errors import (
+    InvalidValue,
+    RunsFailed,
+    SchedulerUnavailable,
+    StudyInterrupted,
+    UnknownName,
+)
 from psp3.study import cluster
 from psp3.study.file import SHARED, Additions, Row, StudyFile, Value, contents, field_types, key
 from psp3.study.run import METRICS, Run, execute
@@ -37,7 +54,9 @@ MOST_FAILURES = 10
 """After so many failed runs a study hands out no more: something is wrong with all of them."""
 
 HANDED_OUT = 2
-"""Runs under way for each worker: the second one waits, so that no worker waits while results are written."""
+"""Runs under way for each worker: the second one waits, so that no worker waits while results are
+written.
+"""
 
 LOOK_UP = 5.0
 """How long to wait for a result before looking whether there still is anybody who works [s]."""
@@ -56,13 +75,14 @@ def grid(**values: Value | Iterable[Value]) -> tuple[Run, ...]:
     Parameters
     ----------
     **values
-        For each field of :class:`~psp3.study.run.Run` that is not to keep its default a value or several:
-        ``grid(controller=["t1", "it2"], snr_db=20, seed=range(30))``.
+        For each field of :class:`~psp3.study.run.Run` that is not to keep its default a value or
+        several: ``grid(controller=["t1", "it2"], snr_db=20, seed=range(30))``.
 
     Returns
     -------
     tuple of Run
-        Their number is the product of the numbers of values; :class:`Study` does those that differ in nothing that matters once.
+        Their number is the product of the numbers of values; :class:`Study` does those that differ
+        in nothing that matters once.
 
     Raises
     ------
@@ -77,12 +97,17 @@ def grid(**values: Value | Iterable[Value]) -> tuple[Run, ...]:
         if name not in types:
             raise UnknownName("field of a run", name, list(types))
         given = values[name]
-        several = list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+        several = (
+            list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+        )
         if not several:
             raise InvalidValue(name, several, "at least one value")
         choices[name] = [_of_type(name, types[name], value) for value in several]
     combinations = itertools.product(*choices.values())
-    return tuple(Run(**dict(zip(choices, combination, strict=True))) for combination in combinations)  # type: ignore[arg-type]
+    return tuple(
+        Run(**dict(zip(choices, combination, strict=True)))  # type: ignore[arg-type]
+        for combination in combinations
+    )
 
 
 def _of_type(name: str, kind: type[str] | type[int] | type[float], value: Any) -> Value:
@@ -105,7 +130,8 @@ class Study:
     path : path
         SQLite file of the results. It is made by :meth:`run`, and extended if it exists.
     runs : iterable of Run, optional
-        The runs, see :func:`grid`; those that differ in nothing that matters are one. Without them the study is what is in the file.
+        The runs, see :func:`grid`; those that differ in nothing that matters are one. Without them
+        the study is what is in the file.
 
     Attributes
     ----------
@@ -124,11 +150,18 @@ class Study:
 
     def __init__(self, path: str | Path, runs: Iterable[Run] | None = None) -> None:
         self.runs = None if runs is None else _checked(runs)
-        shared = None if self.runs is None else {name: contents(self.runs[0])[name] for name in SHARED}
+        shared = (
+            None if self.runs is None else {name: contents(self.runs[0])[name] for name in SHARED}
+        )
         self._file = StudyFile(path, shared)
         self.path = self._file.path
 
-    def run(self, workers: int | None = None, scheduler: str | None = None, progress: Progress | None = None) -> int:
+    def run(
+        self,
+        workers: int | None = None,
+        scheduler: str | None = None,
+        progress: Progress | None = None,
+    ) -> int:
         """Do the runs that are not yet in the file; each is committed when it is done.
 
         Parameters
@@ -138,7 +171,8 @@ class Study:
         scheduler : str, optional
             Address ``tcp://host:port`` of a dask scheduler, whose workers then do the runs.
         progress : callable, optional
-            Called with the number of runs in the file, the number of all runs, and the rate since the start [1/s].
+            Called with the number of runs in the file, the number of all runs, and the rate since
+            the start [1/s].
 
         Returns
         -------
@@ -150,21 +184,28 @@ class Study:
         InvalidValue
             If ``workers`` is not a positive integer, or is given together with a scheduler.
         StudyFileNotWritable, StudyInUse, StudyMismatch
-            Before any work, if the file cannot be written to, or another study is writing to it; the first one also later, when the
-            disk is full. What is in the file stays.
+            Before any work, if the file cannot be written to, or another study is writing to it;
+            the first one also later, when the disk is full. What is in the file stays.
         SchedulerUnavailable
-            Before any work, if the scheduler or its workers cannot be used; later, if the connection is lost.
+            Before any work, if the scheduler or its workers cannot be used; later, if the
+            connection is lost.
         RunsFailed
             At the end, if runs raised errors; the results of the others are kept.
         StudyInterrupted
             After Ctrl-C; a :class:`KeyboardInterrupt`.
         """
-        if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        if workers is not None and (
+            isinstance(workers, bool) or not isinstance(workers, int) or workers < 1
+        ):
             raise InvalidValue("workers", workers, "a positive integer")
         if workers is not None and scheduler is not None:
             raise InvalidValue("workers", workers, "left out where a scheduler has its own")
         if self.runs is None:
-            raise InvalidValue("runs", None, "given to the study that is to do them; without them it only reads its file")
+            raise InvalidValue(
+                "runs",
+                None,
+                "given to the study that is to do them; without them it only reads its file",
+            )
         with self._file.adding() as additions:
             missing = [run for run in self.runs if key(run) not in additions.keys]
             session = _Session(additions, missing, len(self.runs), progress)
@@ -172,19 +213,30 @@ class Study:
             if not missing:
                 return 0
             try:
-                with _threads(workers) if scheduler is None else cluster.connected(scheduler) as (executor, count_workers):
+                with (
+                    _threads(workers) if scheduler is None else cluster.connected(scheduler) as (
+                        executor,
+                        count_workers,
+                    )
+                ):
                     session.work(executor, count_workers)
             except KeyboardInterrupt:
                 raise StudyInterrupted(self.path, session.done, session.total) from None
             except CancelledError as error:
                 reason = (
-                    f"the connection was lost after {session.done} of {session.total} runs; they are in {self.path}, run the study again"
+                    f"the connection was lost after {session.done} of {session.total} runs; they "
+                    f"are in {self.path}, run the study again"
                 )
                 raise SchedulerUnavailable(str(scheduler), reason) from error
         if session.failures:
-            failures = [(run, f"{type(error).__name__}: {' '.join(str(error).split())}") for run, error in session.failures.items()]
+            failures = [
+                (run, f"{type(error).__name__}: {' '.join(str(error).split())}")
+                for run, error in session.failures.items()
+            ]
             not_started = session.total - session.done - len(failures)
-            raise RunsFailed(self.path, failures, not_started) from next(iter(session.failures.values()))
+            raise RunsFailed(self.path, failures, not_started) from next(
+                iter(session.failures.values())
+            )
         return len(missing)
 
     def rows(self, **selection: Value | Iterable[Value]) -> list[Row]:
@@ -193,7 +245,8 @@ class Study:
         Parameters
         ----------
         **selection
-            Fields with the value, or the values, that are wanted: ``rows(controller="it2", snr_db=[20, 10])``.
+            Fields with the value, or the values, that are wanted:
+            ``rows(controller="it2", snr_db=[20, 10])``.
 
         Returns
         -------
@@ -212,15 +265,24 @@ class Study:
         for name, given in selection.items():
             if name not in names:
                 raise UnknownName("field of a run", name, list(names))
-            wanted[name] = set(given) if isinstance(given, Iterable) and not isinstance(given, str) else {given}
+            wanted[name] = (
+                set(given)
+                if isinstance(given, Iterable) and not isinstance(given, str)
+                else {given}
+            )
         rows = self._file.rows()
         ours = rows.keys() if self.runs is None else {key(run) for run in self.runs}
-        return [row for name, row in rows.items() if name in ours and all(row[field] in values for field, values in wanted.items())]
+        return [
+            row
+            for name, row in rows.items()
+            if name in ours and all(row[field] in values for field, values in wanted.items())
+        ]
 
     def export(self, path: str | Path, **selection: Value | Iterable[Value]) -> Path:
         """Write results to a CSV file, all at once, and return its path.
 
-        Numbers are written so that reading gives the same numbers; ``inf`` and ``nan`` are words, None is empty.
+        Numbers are written so that reading gives the same numbers; ``inf`` and ``nan`` are words,
+        None is empty.
 
         Parameters
         ----------
@@ -238,7 +300,9 @@ class Study:
         """
         path = Path(path)
         if path.resolve() == self.path:
-            raise InvalidValue("path", str(path), "another file than that of the study, which it would replace")
+            raise InvalidValue(
+                "path", str(path), "another file than that of the study, which it would replace"
+            )
         rows = self.rows(**selection)
         partial = path.with_name(path.name + ".part")
         try:
@@ -263,7 +327,10 @@ def _checked(runs: Iterable[Run]) -> tuple[Run, ...]:
                 raise InvalidValue(name, value, "less than 2**63")
             if name in SHARED and shared.setdefault(name, value) != value:
                 raise InvalidValue(
-                    name, value, f"the same in all runs of a study, as errors are summed over it; others have {shared[name]}"
+                    name,
+                    value,
+                    "the same in all runs of a study, as errors are summed over it; others have "
+                    f"{shared[name]}",
                 )
         one = run.canonical()
         unique.setdefault(key(one), one)
@@ -282,7 +349,9 @@ def _threads(workers: int | None) -> Iterator[tuple[Executor, Callable[[], int]]
 class _Session:
     """One call of :meth:`Study.run`: what is to be done, under way, done, and failed."""
 
-    def __init__(self, additions: Additions, missing: list[Run], total: int, progress: Progress | None) -> None:
+    def __init__(
+        self, additions: Additions, missing: list[Run], total: int, progress: Progress | None
+    ) -> None:
         self.total = total
         self.failures: dict[Run, BaseException] = {}
         self._additions, self._progress = additions, progress
@@ -299,18 +368,25 @@ class _Session:
     def report(self) -> None:
         if self._progress is not None:
             now = self.done - self._there_before
-            self._progress(self.done, self.total, now / (time.monotonic() - self._start) if now else 0.0)
+            self._progress(
+                self.done, self.total, now / (time.monotonic() - self._start) if now else 0.0
+            )
 
     def work(self, executor: Executor, count_workers: Callable[[], int]) -> None:
-        """Hand out runs and keep their results until there are none left, or too many have failed."""
+        """Hand out runs and keep their results until none are left, or too many failed."""
         try:
             while True:
-                room = HANDED_OUT * max(1, count_workers()) - len(self._under_way) if len(self.failures) < MOST_FAILURES else 0
+                room = (
+                    HANDED_OUT * max(1, count_workers()) - len(self._under_way)
+                    if len(self.failures) < MOST_FAILURES
+                    else 0
+                )
                 for run in itertools.islice(self._waiting, max(0, room)):
                     self._under_way[executor.submit(execute, run)] = run
                 if not self._under_way:
                     return
-                # Not without end: with bad luck dask tells nobody that it has lost its scheduler, and count_workers finds it out.
+                # Not without end: with bad luck dask tells nobody that it has lost its scheduler,
+                # and count_workers finds it out.
                 finished = wait(self._under_way, LOOK_UP, FIRST_COMPLETED).done
                 if finished:
                     self._keep(finished)
@@ -341,8 +417,8 @@ class _Session:
             else:
                 self.failures[run] = error
         self._additions.add(results)
-        # Only now: an interrupt may come at any line, and what is not committed must then be found under way. What is found there
-        # although it is committed does no harm.
+        # Only now: an interrupt may come at any line, and what is not committed must then be found
+        # under way. What is found there although it is committed does no harm.
         for future in finished:
             del self._under_way[future]
         if lost:

@@ -1,1 +1,1 @@
-"""The thesis, replicated: its chapters, tables and figures, and the report of ``psp3 reproduce``."""
+"""The thesis, replicated: chapters, tables, figures, and the report of ``psp3 reproduce``."""

@@ -1,4 +1,4 @@
-"""What the thesis does not show: other learners, other readings of noise, other terms and other trajectories."""
+"""What the thesis does not show: other learners, readings of noise, terms and trajectories."""
 
 from __future__ import annotations
 
@@ -36,44 +36,84 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     for learner, label in LEARNERS.items():
         for snr in (math.inf, *plan.sweep_levels):
             run = Run(learner=learner, snr_db=snr)
-            average = {kind: results.mean(replace(run, controller=kind), plan.seeds) for kind in FUZZY}
+            average = {
+                kind: results.mean(replace(run, controller=kind), plan.seeds) for kind in FUZZY
+            }
             means[learner, snr] = {kind: estimate.value for kind, estimate in average.items()}
-            diverged = " / ".join(percent(results.average(replace(run, controller=kind), plan.seeds)) for kind in FUZZY)
+            diverged = " / ".join(
+                percent(results.average(replace(run, controller=kind), plan.seeds))
+                for kind in FUZZY
+            )
             cells = [with_interval(estimate) for estimate in average.values()]
-            entry: dict[str, Any] = {kind: as_numbers(estimate) for kind, estimate in average.items()}
+            entry: dict[str, Any] = {
+                kind: as_numbers(estimate) for kind, estimate in average.items()
+            }
             if math.isinf(snr):
                 rows.append([label, "∞", *cells, "–", "–", diverged, "the same"])
             else:
                 ratios = {kind: results.ratio(run, kind, plan.seeds) for kind in ("it2", "gt2")}
                 word = better(results.difference(run, "it2", plan.seeds), "type-2", "type-1")
-                entry |= {f"ratio_{kind}": as_numbers(ratio) for kind, ratio in ratios.items()} | {"verdict": word}
-                rows.append([label, decibels(snr), *cells, *map(with_interval, ratios.values()), diverged, word])
+                entry |= {f"ratio_{kind}": as_numbers(ratio) for kind, ratio in ratios.items()} | {
+                    "verdict": word
+                }
+                rows.append(
+                    [
+                        label,
+                        decibels(snr),
+                        *cells,
+                        *map(with_interval, ratios.values()),
+                        diverged,
+                        word,
+                    ]
+                )
                 if word != "type-2 better":
-                    not_better.append((label, snr, means[learner, snr]["t1"], means[learner, snr]["it2"], word))
+                    not_better.append(
+                        (label, snr, means[learner, snr]["t1"], means[learner, snr]["it2"], word)
+                    )
             numbers[f"{learner}, {decibels(snr)}"] = entry
     outcome.numbers["learners"] = numbers
     first = plan.sweep_levels[0]
     averaged, strongest = means["average", first]["t1"], means["strongest", first]["it2"]
-    said = "; ".join(f"{label} at {snr:g} dB, {significant(one)} against {significant(two)} m², {word}"
-                     for label, snr, one, two, word in not_better)  # fmt: skip
+    said = "; ".join(
+        f"{label} at {snr:g} dB, {significant(one)} against {significant(two)} m², {word}"
+        for label, snr, one, two, word in not_better
+    )
     outcome.tables.append(
         Table(
             f"What the learner does: sum of squared errors [m²], {count(plan.seeds)}",
-            ["learner", "SNR [dB]", "type-1", "type-2", "general type-2", "type-2 / type-1", "general / type-1", "diverged", "verdict"],
+            [
+                "learner",
+                "SNR [dB]",
+                "type-1",
+                "type-2",
+                "general type-2",
+                "type-2 / type-1",
+                "general / type-1",
+                "diverged",
+                "verdict",
+            ],
             rows,
-            "Reading 'parameters', two terms an input. Strongest sample: every rule keeps the sample that fires it most (table look-up, "
-            "the default). Weighted average: the mean of all samples, weighted with how strongly they fire the rule. Strict table "
-            "look-up: as Wang and Mendel published it, empty cells take the nearest rule. Ridge: least squares, held near the average. "
-            "Diverged: shares for type-1, type-2 and general type-2. "
-            + (f"Where type-2 does not beat type-1: {said}." if not_better else "Type-2 beats type-1 in every noisy row."),
+            "Reading 'parameters', two terms an input. Strongest sample: every rule keeps the "
+            "sample that fires it most (table look-up, the default). Weighted average: the mean "
+            "of all samples, weighted with how strongly they fire the rule. Strict table "
+            "look-up: as Wang and Mendel published it, empty cells take the nearest rule. Ridge: "
+            "least squares, held near the average. Diverged: shares for type-1, type-2 and "
+            "general type-2. "
+            + (
+                f"Where type-2 does not beat type-1: {said}."
+                if not_better
+                else "Type-2 beats type-1 in every noisy row."
+            ),
             detail=True,
         )
     )
     sentence = (
-        f"What the learner does matters more than the type: at {first:g} dB type-1 with rules that average their samples leaves "
-        f"{significant(averaged)} m², type-2 with rules that keep one sample {significant(strongest)} m²."
+        f"What the learner does matters more than the type: at {first:g} dB type-1 with rules "
+        f"that average their samples leaves {significant(averaged)} m², type-2 with rules that "
+        f"keep one sample {significant(strongest)} m²."
         if averaged < strongest
-        else f"At {first:g} dB type-2 with rules that keep one sample leaves {significant(strongest)} m², type-1 with rules that average "
+        else f"At {first:g} dB type-2 with rules that keep one sample leaves "
+        f"{significant(strongest)} m², type-1 with rules that average "
         f"{significant(averaged)} m²."
     )
     if not_better:
@@ -93,9 +133,16 @@ def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
         for width in plan.widths:
             wider = replace(type1, term_width=width)
             cells.append(results.shown(wider, plan.seeds))
-            differences.append(statistics.paired_difference(results.values(wider, plan.seeds), results.values(type2, plan.seeds)))
+            differences.append(
+                statistics.paired_difference(
+                    results.values(wider, plan.seeds), results.values(type2, plan.seeds)
+                )
+            )
             entry[f"{width:g}"] = as_numbers(results.mean(wider, plan.seeds))
-        words = [better(difference, f"type-1 × {width:g}", "type-2") for width, difference in zip(plan.widths, differences, strict=True)]
+        words = [
+            better(difference, f"type-1 × {width:g}", "type-2")
+            for width, difference in zip(plan.widths, differences, strict=True)
+        ]
         if math.isinf(snr):
             words = ["type-2 is type-1 here"]
         else:
@@ -105,12 +152,20 @@ def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     widest = plan.widths[-1]
     outcome.tables.append(
         Table(
-            f"Is it type-2, or averaging? Type-1 with wider terms, sum of squared errors [m²], {count(plan.seeds)}",
-            ["SNR [dB]", "type-1", *(f"type-1, terms × {width:g}" for width in plan.widths), "type-2", "verdict by seed, against type-2"],
+            "Is it type-2, or averaging? Type-1 with wider terms, sum of squared errors [m²], "
+            f"{count(plan.seeds)}",
+            [
+                "SNR [dB]",
+                "type-1",
+                *(f"type-1, terms × {width:g}" for width in plan.widths),
+                "type-2",
+                "verdict by seed, against type-2",
+            ],
             rows,
-            "Type-2 terms reach over more of each input's range, so more rules fire, and the noise in their consequents averages out. "
-            "Type-1 terms with a greater standard deviation do the same with the same rules. The first row is what wide terms cost where "
-            "there is no noise to average.",
+            "Type-2 terms reach over more of each input's range, so more rules fire, and the "
+            "noise in their consequents averages out. Type-1 terms with a greater standard "
+            "deviation do the same with the same rules. The first row is what wide terms cost "
+            "where there is no noise to average.",
             detail=True,
         )
     )
@@ -124,8 +179,9 @@ def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             )
         )
         outcome.answer.append(
-            f"The gain is that of averaging over rules, and needs no type-2: plain type-1 with terms {widest:g} times as wide, on the same "
-            f"noisy rules, leaves {wide} m² at {levels} dB, type-2 {type_2} m²."
+            "The gain is that of averaging over rules, and needs no type-2: plain type-1 with "
+            f"terms {widest:g} times as wide, on the same noisy rules, leaves {wide} m² at "
+            f"{levels} dB, type-2 {type_2} m²."
         )
 
 
@@ -136,24 +192,47 @@ def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     for reading, label in READINGS.items():
         for snr in plan.sweep_levels:
             run = Run(reading=reading, snr_db=snr)
-            average = {name: results.mean(replace(run, controller=name), plan.sweep_seeds) for name in names}
+            average = {
+                name: results.mean(replace(run, controller=name), plan.sweep_seeds)
+                for name in names
+            }
             difference = results.difference(run, "it2", plan.sweep_seeds)
             verdicts.append((reading, better(difference, "type-2", "type-1")))
-            lost = [results.average(replace(run, controller=name), plan.sweep_seeds) for name in names]
-            rows.append([label, decibels(snr), *(significant(average[name].value) + share_diverged(share)
-                                                 for name, share in zip(names, lost, strict=True)),
-                         with_interval(difference, plan.sweep_seeds), verdicts[-1][1]])  # fmt: skip
+            lost = [
+                results.average(replace(run, controller=name), plan.sweep_seeds) for name in names
+            ]
+            rows.append(
+                [
+                    label,
+                    decibels(snr),
+                    *(
+                        significant(average[name].value) + share_diverged(share)
+                        for name, share in zip(names, lost, strict=True)
+                    ),
+                    with_interval(difference, plan.sweep_seeds),
+                    verdicts[-1][1],
+                ]
+            )
             numbers[f"{reading}, {decibels(snr)}"] = {
-                **{name: as_numbers(estimate) for name, estimate in average.items()}, "difference": as_numbers(difference),
-            }  # fmt: skip
+                **{name: as_numbers(estimate) for name, estimate in average.items()},
+                "difference": as_numbers(difference),
+            }
     outcome.numbers["readings"] = numbers
     outcome.tables.append(
         Table(
-            f"Other readings of 'noise in the system parameters': mean sum of squared errors [m²], {count(plan.sweep_seeds)}",
-            ["reading", "SNR [dB]", *(LABELS[name] for name in names), "type-2 minus type-1, by seed", "verdict"],
+            "Other readings of 'noise in the system parameters': mean sum of squared errors "
+            f"[m²], {count(plan.sweep_seeds)}",
+            [
+                "reading",
+                "SNR [dB]",
+                *(LABELS[name] for name in names),
+                "type-2 minus type-1, by seed",
+                "verdict",
+            ],
             rows,
-            "Rules are learned without noise here, with the mean variation that belongs to the signal-to-noise ratio. Masses off: every "
-            "mass and inertia of the robot by a factor exp(q ε), and a payload of 5 kg · q |ε| on the star, with q = 10^(−SNR/20) and ε "
+            "Rules are learned without noise here, with the mean variation that belongs to the "
+            "signal-to-noise ratio. Masses off: every mass and inertia of the robot by a factor "
+            "exp(q ε), and a payload of 5 kg · q |ε| on the star, with q = 10^(−SNR/20) and ε "
             "standard normal; no controller knows of it.",
             detail=True,
         )
@@ -161,24 +240,34 @@ def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     helped = [reading for reading, word in verdicts if word == "type-2 better"]
     worse = sum(word == "type-1 better" for _, word in verdicts)
     if helped:
-        outcome.answer.append(f"Under other readings of the noise type-2 is shown to be better in {len(helped)} of {len(verdicts)} cases.")
+        outcome.answer.append(
+            f"Under other readings of the noise type-2 is shown to be better in {len(helped)} of "
+            f"{len(verdicts)} cases."
+        )
     else:
         cost = ": its wider terms cost accuracy that no averaging pays back" if worse else ""
         outcome.answer.append(
-            "Under the other readings (noise on measurements, on M, C and G at run time, or masses that are off) type-2 is never shown to "
-            f"beat type-1, and is shown to be worse in {worse} of {len(verdicts)} cases{cost}."
+            "Under the other readings (noise on measurements, on M, C and G at run time, or "
+            "masses that are off) type-2 is never shown to beat type-1, and is shown to be "
+            f"worse in {worse} of {len(verdicts)} cases{cost}."
         )
 
 
 def breaking_noise(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
-    """Add the noise at which each fuzzy controller breaks: loses a nut off its screw, or the robot altogether."""
+    """Add the noise at which each fuzzy controller breaks.
+
+    Loses a nut off its screw, or the robot altogether.
+    """
     rows, numbers, levels = [], {}, (*plan.sweep_levels, *NOISIER)
     for learner in ("strongest", "average"):
         for name in FUZZY:
             cells, entry = [], {}
             for snr in levels:
                 run = Run(name, learner=learner, snr_db=snr)
-                left, lost = (results.average(run, plan.sweep_seeds, metric) for metric in ("left_stroke", "diverged"))
+                left, lost = (
+                    results.average(run, plan.sweep_seeds, metric)
+                    for metric in ("left_stroke", "diverged")
+                )
                 cells.append(f"{percent(left)} / {percent(lost)}")
                 entry[decibels(snr)] = {"left_stroke": left, "diverged": lost}
             rows.append([LABELS[name], LEARNERS[learner], *cells])
@@ -186,10 +275,12 @@ def breaking_noise(results: Outcomes, plan: Plan, outcome: Reproduction) -> None
     outcome.numbers["breaking_noise"] = numbers
     outcome.tables.append(
         Table(
-            f"Where each controller breaks: share of runs in which a nut leaves its screw / the robot is lost, {count(plan.sweep_seeds)}",
+            "Where each controller breaks: share of runs in which a nut leaves its screw / the "
+            f"robot is lost, {count(plan.sweep_seeds)}",
             ["controller", "rules", *(f"{decibels(snr)} dB" for snr in levels)],
             rows,
-            "On the helix the rules were learned on, noise on the recorded M, C and G. The thesis stops at 10 dB.",
+            "On the helix the rules were learned on, noise on the recorded M, C and G. The "
+            "thesis stops at 10 dB.",
             detail=True,
         )
     )
@@ -203,24 +294,35 @@ def mean_variations(results: Outcomes, plan: Plan, outcome: Reproduction) -> Ser
     for variation in (0.0, *plan.variations):
         cells = []
         for snr, points in zip(levels, series.values(), strict=True):
-            run = Run("t1", snr_db=snr) if variation == 0.0 else Run("it2", snr_db=snr, mean_variation=variation)
+            run = (
+                Run("t1", snr_db=snr)
+                if variation == 0.0
+                else Run("it2", snr_db=snr, mean_variation=variation)
+            )
             average = results.mean(run, plan.sweep_seeds)
             diverged = results.average(run, plan.sweep_seeds)
             points[variation] = (average.value, average.low, average.high)
-            numbers[f"{variation:g}, {decibels(snr)}"] = {**as_numbers(average), "diverged": diverged}
+            numbers[f"{variation:g}, {decibels(snr)}"] = {
+                **as_numbers(average),
+                "diverged": diverged,
+            }
             cells.append(with_share(average, diverged))
         rows.append([f"{variation:g}{' (type-1)' if variation == 0.0 else ''}", *cells])
     outcome.numbers["mean_variation"] = numbers
     at = listed([decibels(snr) for snr in levels])
     rule = [f"{float(mean_variation_from_snr(snr)):.2f}" for snr in levels]
-    least = [f"{min(points, key=lambda variation: points[variation][0]):g}" for points in series.values()]
+    least = [
+        f"{min(points, key=lambda variation: points[variation][0]):g}" for points in series.values()
+    ]
     outcome.tables.append(
         Table(
-            f"Sensitivity to the mean variation: sum of squared errors of type-2 [m²], {count(plan.sweep_seeds)}",
+            "Sensitivity to the mean variation: sum of squared errors of type-2 [m²], "
+            f"{count(plan.sweep_seeds)}",
             ["mean variation, share of the range", *series],
             rows,
-            f"Reading 'parameters', strongest sample. The rule of this package takes {listed(rule)} at {at} dB; the least mean errors "
-            f"are at {listed(least)}, of what was tried.",
+            "Reading 'parameters', strongest sample. The rule of this package takes "
+            f"{listed(rule)} at {at} dB; the least mean errors are at {listed(least)}, of what "
+            "was tried.",
             figures=("mean_variation",),
             detail=True,
         )
@@ -237,27 +339,45 @@ def numbers_of_terms(results: Outcomes, plan: Plan, outcome: Reproduction) -> No
             cells = []
             for snr in levels:
                 run = Run(kind, learner="strict", n_terms=terms, snr_db=snr)
-                average, diverged = results.mean(run, plan.sweep_seeds), results.average(run, plan.sweep_seeds)
-                numbers[f"{terms}, {kind}, {decibels(snr)}"] = {**as_numbers(average), "diverged": diverged}
+                average, diverged = (
+                    results.mean(run, plan.sweep_seeds),
+                    results.average(run, plan.sweep_seeds),
+                )
+                numbers[f"{terms}, {kind}, {decibels(snr)}"] = {
+                    **as_numbers(average),
+                    "diverged": diverged,
+                }
                 cells.append(with_share(average, diverged))
             rows.append([f"{terms} ({terms**4} rules)", LABELS[kind], *cells])
     outcome.numbers["terms"] = numbers
-    few, many, noisiest = plan.terms[0], plan.terms[-1], decibels(plan.sweep_levels[0])
+    few, many = plan.terms[0], plan.terms[-1]
+    noisiest = decibels(plan.sweep_levels[0])
+
+    def error(terms: int, kind: str, snr: str) -> float:
+        return float(numbers[f"{terms}, {kind}, {snr}"]["value"])
+
     shares = listed(
         [
-            f"{numbers[f'{many}, {kind}, {snr}']['value'] / numbers[f'{few}, {kind}, {snr}']['value']:.2f} of the error of {LABELS[kind]} "
+            f"{error(many, kind, snr) / error(few, kind, snr):.2f} of the error of {LABELS[kind]} "
             f"{'without noise' if snr == decibels(math.inf) else f'at {snr} dB'}"
             for kind, snr in (("it2", decibels(math.inf)), ("t1", noisiest), ("it2", noisiest))
         ]
     )
     outcome.tables.append(
         Table(
-            f"Sensitivity to the number of terms: sum of squared errors [m²], {count(plan.sweep_seeds)}",
-            ["terms of an input", "controller", *("no noise" if math.isinf(snr) else f"{snr:g} dB" for snr in levels)],
+            "Sensitivity to the number of terms: sum of squared errors [m²], "
+            f"{count(plan.sweep_seeds)}",
+            [
+                "terms of an input",
+                "controller",
+                *("no noise" if math.isinf(snr) else f"{snr:g} dB" for snr in levels),
+            ],
             rows,
-            "Strict table look-up, because only it fills the cells that the helix never visits, with the nearest rule: with three terms or "
-            "more the other learners find rules that no sample fires, and refuse. The thesis says that more terms 'do not offer "
-            f"significant improvements' and shows no numbers. Here {plan.terms[-1]} terms instead of {plan.terms[0]} leave {shares}.",
+            "Strict table look-up, because only it fills the cells that the helix never visits, "
+            "with the nearest rule: with three terms or more the other learners find rules that "
+            "no sample fires, and refuse. The thesis says that more terms 'do not offer "
+            f"significant improvements' and shows no numbers. Here {plan.terms[-1]} terms "
+            f"instead of {plan.terms[0]} leave {shares}.",
             detail=True,
         )
     )
@@ -270,45 +390,72 @@ def other_trajectories(results: Outcomes, plan: Plan, outcome: Reproduction) -> 
         open_loop = Run("feed-forward", trajectory=trajectory)
         lost = results.average(open_loop, 1) > 0.0
         end = results.values(open_loop, 1, "end_time")[0]
-        cells = [f"lost after {end:.1f} s" if lost else significant(results.values(open_loop, 1)[0])]
-        runs = {LABELS[name]: Run(name, trajectory=trajectory) for name in ("pd", "pd-gravity", "ctc")}
+        cells = [
+            f"lost after {end:.1f} s" if lost else significant(results.values(open_loop, 1)[0])
+        ]
+        runs = {
+            LABELS[name]: Run(name, trajectory=trajectory) for name in ("pd", "pd-gravity", "ctc")
+        }
         runs |= {
-            "fuzzy": Run("it2", trajectory=trajectory), "fuzzy, ridge": Run("t1", trajectory=trajectory, learner="ridge"),
-            "type-1, 20 dB": Run("t1", trajectory=trajectory, snr_db=20.0), "type-2, 20 dB": Run("it2", trajectory=trajectory, snr_db=20.0),
-        }  # fmt: skip
+            "fuzzy": Run("it2", trajectory=trajectory),
+            "fuzzy, ridge": Run("t1", trajectory=trajectory, learner="ridge"),
+            "type-1, 20 dB": Run("t1", trajectory=trajectory, snr_db=20.0),
+            "type-2, 20 dB": Run("it2", trajectory=trajectory, snr_db=20.0),
+        }
         averages = {name: results.mean(run, plan.sweep_seeds) for name, run in runs.items()}
         cells += [results.shown(run, plan.sweep_seeds) for run in runs.values()]
         covered = results.values(runs["fuzzy"], 1, "coverage")[0]
         numbers[trajectory] = {
-            **{name: as_numbers(estimate) for name, estimate in averages.items()}, "coverage": covered,
+            **{name: as_numbers(estimate) for name, estimate in averages.items()},
+            "coverage": covered,
             "feed-forward": {"diverged": lost, "end_time": end},
-        }  # fmt: skip
-        rows.append([trajectory + (" (learned)" if trajectory == plan.trajectories[0] else ""), *cells, percent(covered)])
+        }
+        rows.append(
+            [
+                trajectory + (" (learned)" if trajectory == plan.trajectories[0] else ""),
+                *cells,
+                percent(covered),
+            ]
+        )
     outcome.numbers["trajectories"] = numbers
     outcome.tables.append(
         Table(
-            f"Other trajectories: sum of squared errors [m²], {count(plan.sweep_seeds)} where there is noise",
-            ["trajectory", *(LABELS[name] for name in ("feed-forward", "pd", "pd-gravity", "ctc")), "fuzzy, no noise",
-             "fuzzy, ridge, no noise", "type-1, 20 dB", "type-2, 20 dB", "steps inside the trained range"],
+            f"Other trajectories: sum of squared errors [m²], {count(plan.sweep_seeds)} where "
+            "there is noise",
+            [
+                "trajectory",
+                *(LABELS[name] for name in ("feed-forward", "pd", "pd-gravity", "ctc")),
+                "fuzzy, no noise",
+                "fuzzy, ridge, no noise",
+                "type-1, 20 dB",
+                "type-2, 20 dB",
+                "steps inside the trained range",
+            ],
             rows,
-            "Rules are learned on the helix (20 mm, 2 s a turn); fast-helix: 1 s a turn; fastest-helix: 0.4 s; large-helix: 23.5 mm, at "
-            "the fold of the tip's workspace; waypoints: a square, a corner a second. The circle asks for the same differences of heights "
-            "as the helix, so to the rules it is no new path. Without noise type-1 and type-2 are the same. Open loop has nothing that "
-            "holds the robot on its path, and is lost wherever it starts with the wrong speed. Outside of the trained range the inputs are "
-            "clamped to it (last column: without noise, default rules).",
+            "Rules are learned on the helix (20 mm, 2 s a turn); fast-helix: 1 s a turn; "
+            "fastest-helix: 0.4 s; large-helix: 23.5 mm, at the fold of the tip's workspace; "
+            "waypoints: a square, a corner a second. The circle asks for the same differences of "
+            "heights as the helix, so to the rules it is no new path. Without noise type-1 and "
+            "type-2 are the same. Open loop has nothing that holds the robot on its path, and is "
+            "lost wherever it starts with the wrong speed. Outside of the trained range the "
+            "inputs are clamped to it (last column: without noise, default rules).",
             detail=True,
         )
-    )  # fmt: skip
+    )
     home = numbers[plan.trajectories[0]]["fuzzy"]["value"]
     held = [name for name in plan.trajectories[1:] if np.isfinite(numbers[name]["fuzzy"]["value"])]
     lost_on = [name for name in plan.trajectories[1:] if name not in held]
     if not held:
-        outcome.answer.append("Away from the helix they learned on, the fuzzy controllers diverge, even without noise.")
+        outcome.answer.append(
+            "Away from the helix they learned on, the fuzzy controllers diverge, even without "
+            "noise."
+        )
         return
     worst = max(held, key=lambda name: numbers[name]["fuzzy"]["value"])
     outcome.answer.append(
-        f"Away from the helix they learned on, the fuzzy controllers {f'diverge on {listed(lost_on)}' if lost_on else 'keep working'} "
-        f"without noise, with the greatest error {'of the rest ' if lost_on else ''}on {worst} "
-        f"({significant(numbers[worst]['fuzzy']['value'])} m², {significant(home)} m² on the helix, CTC "
-        f"{significant(numbers[worst]['CTC']['value'])} m²)."
+        "Away from the helix they learned on, the fuzzy controllers "
+        f"{f'diverge on {listed(lost_on)}' if lost_on else 'keep working'} without noise, with "
+        f"the greatest error {'of the rest ' if lost_on else ''}on {worst} "
+        f"({significant(numbers[worst]['fuzzy']['value'])} m², {significant(home)} m² on the "
+        f"helix, CTC {significant(numbers[worst]['CTC']['value'])} m²)."
     )

@@ -1,15 +1,17 @@
 r"""Second-order systems and control-law partitioning: chapter 4 of the thesis, eq. 4.3 to 4.18.
 
-A mass on a spring and a damper is the smallest system that shows what a controller does. :class:`MassSpringDamper` has its
-poles, its damping case and its response in closed form. :class:`PartitionedControl` is the law that turns *any* system
+A mass on a spring and a damper is the smallest system that shows what a controller does.
+:class:`MassSpringDamper` has its poles, its damping case and its response in closed form.
+:class:`PartitionedControl` is the law that turns *any* system
 
 .. math:: m(x)\, \ddot x + f(x, \dot x) = F
 
-into a unit mass and then lets the error decay like a mass-spring-damper of one's choice (eq. 4.18): computed torque control in
-one dimension. :func:`simulate_tracking` closes the loop, also with a model that is wrong.
+into a unit mass and then lets the error decay like a mass-spring-damper of one's choice (eq. 4.18):
+computed torque control in one dimension. :func:`simulate_tracking` closes the loop, also with a
+model that is wrong.
 
-The thesis prints two slips that are corrected here: the underdamped case is :math:`b^2 - 4mk < 0`, and critical damping of the
-regulated system is :math:`b' = 2\sqrt{m k'}`.
+The thesis prints two slips that are corrected here: the underdamped case is :math:`b^2 - 4mk < 0`,
+and critical damping of the regulated system is :math:`b' = 2\sqrt{m k'}`.
 """
 
 from __future__ import annotations
@@ -32,7 +34,10 @@ ROUNDING = 4.0 * np.finfo(float).eps
 
 
 class DampingCase(StrEnum):
-    """The three responses of a second-order system, told apart by the sign of :math:`b^2 - 4mk` (section 4.2.2)."""
+    """The three responses of a second-order system (section 4.2.2).
+
+    They are told apart by the sign of :math:`b^2 - 4mk`.
+    """
 
     OVERDAMPED = "overdamped"
     UNDERDAMPED = "underdamped"
@@ -47,14 +52,20 @@ class Response(NamedTuple):
 
 
 class Gains(NamedTuple):
-    """Gains of a regulator (eq. 4.6): ``kp`` on the position [N/m] and ``kv`` on the speed [N s/m]."""
+    """Gains of a regulator (eq. 4.6).
+
+    ``kp`` on the position [N/m] and ``kv`` on the speed [N s/m].
+    """
 
     kp: float
     kv: float
 
 
 class Desired(NamedTuple):
-    """Desired motion at one instant: ``position`` [m], ``speed`` [m/s] and ``acceleration`` [m/s²]."""
+    """Desired motion at one instant.
+
+    ``position`` [m], ``speed`` [m/s] and ``acceleration`` [m/s²].
+    """
 
     position: float
     speed: float
@@ -173,21 +184,26 @@ class MassSpringDamper:
 
         .. math:: s_{1,2} = -\frac{b}{2m} \mp \frac{\sqrt{b^2 - 4mk}}{2m}
 
-        Shape (2,) [1/s], :math:`s_1` first. Real roots of very different size are both accurate to rounding.
+        Shape (2,) [1/s], :math:`s_1` first. Real roots of very different size are both accurate to
+        rounding.
         """
         decay, half_gap = self._decay, self._half_gap
         if half_gap.imag != 0.0 or half_gap == 0.0:
             return np.array([-decay - half_gap, -decay + half_gap])
-        # The smaller root comes from the product s1 s2 = k/m, because the sum in eq. 4.5 would cancel.
+        # The smaller root comes from the product s1 s2 = k/m, because the sum in eq. 4.5 would
+        # cancel.
         large = abs(decay) + half_gap.real
         small = math.copysign(self._frequency * (self._frequency / large), self.stiffness)
         return np.array([-large, -small] if decay >= 0.0 else [small, large], dtype=complex)
 
     @property
     def damping_case(self) -> DampingCase:
-        r"""Overdamped, underdamped or critically damped, by the sign of :math:`b^2 - 4mk` (section 4.2.2).
+        r"""Overdamped, underdamped or critically damped, by the sign of :math:`b^2 - 4mk`.
 
-        Real and equal roots are recognized when :math:`b` is :math:`2\sqrt{mk}` to within four rounding errors.
+        See section 4.2.2.
+
+        Real and equal roots are recognized when :math:`b` is :math:`2\sqrt{mk}` to within four
+        rounding errors.
         """
         half_gap = self._half_gap
         if half_gap == 0.0:
@@ -198,12 +214,15 @@ class MassSpringDamper:
     def is_stable(self) -> bool:
         """Whether every motion dies out: damping and stiffness are both positive.
 
-        With one of them zero the system stays bounded at best, and does not return to :math:`x = 0`.
+        With one of them zero the system stays bounded at best, and does not return to
+        :math:`x = 0`.
         """
         return self.damping > 0.0 and self.stiffness > 0.0
 
     def energy(self, position: ArrayLike, speed: ArrayLike) -> Array:
-        r"""Return the mechanical energy :math:`\tfrac12 m \dot x^2 + \tfrac12 k x^2`; its rate is :math:`-b \dot x^2`.
+        r"""Return the mechanical energy :math:`\tfrac12 m \dot x^2 + \tfrac12 k x^2`.
+
+        Its rate is :math:`-b \dot x^2`.
 
         Parameters
         ----------
@@ -219,7 +238,9 @@ class MassSpringDamper:
         return np.asarray(0.5 * (self.mass * v**2 + self.stiffness * x**2))
 
     def response(self, t: ArrayLike, position: ArrayLike, speed: ArrayLike) -> Response:
-        r"""Return the free motion after a release at :math:`t = 0`, the solution of eq. 4.3 in closed form.
+        r"""Return the free motion after a release at :math:`t = 0`.
+
+        It is the solution of eq. 4.3 in closed form.
 
         With the poles :math:`s_1 \le s_2` of eq. 4.5, :math:`2\delta = s_2 - s_1` and
         :math:`E = (1 - e^{-2\delta t}) / 2\delta`,
@@ -234,9 +255,11 @@ class MassSpringDamper:
         .. math::
 
             x &= e^{-\sigma t} \big[ (\cos\omega t + \sigma S)\, x_0 + S\, \dot x_0 \big], \\
-            \dot x &= e^{-\sigma t} \big[ (\cos\omega t - \sigma S)\, \dot x_0 - \tfrac km S\, x_0 \big].
+            \dot x &= e^{-\sigma t} \big[ (\cos\omega t - \sigma S)\, \dot x_0
+            - \tfrac km S\, x_0 \big].
 
-        Both pass into the critically damped response without loss as the poles meet, where :math:`E = S = t`.
+        Both pass into the critically damped response without loss as the poles meet, where
+        :math:`E = S = t`.
 
         Parameters
         ----------
@@ -255,16 +278,24 @@ class MassSpringDamper:
         InvalidArray
             If an argument is not finite.
         InvalidValue
-            If a time is negative, or so long that the motion of an unstable system leaves the range of the numbers.
+            If a time is negative, or so long that the motion of an unstable system leaves the range
+            of the numbers.
         """
-        time, x0, v0 = _finite_array("t", t), _finite_array("position", position), _finite_array("speed", speed)
+        time, x0, v0 = (
+            _finite_array("t", t),
+            _finite_array("position", position),
+            _finite_array("speed", speed),
+        )
         if (time < 0.0).any():
             raise InvalidValue("t", float(time.min()), "a time since the release, not negative")
         decay, half_gap, stiffness = self._decay, self._half_gap, self.stiffness / self.mass
         with np.errstate(over="ignore", invalid="ignore"):  # looked for below
             if half_gap.imag != 0.0:
                 growth = np.exp(-decay * time)
-                cosine, sine = np.cos(half_gap.imag * time), np.sin(half_gap.imag * time) / half_gap.imag
+                cosine, sine = (
+                    np.cos(half_gap.imag * time),
+                    np.sin(half_gap.imag * time) / half_gap.imag,
+                )
                 of_position, of_speed = cosine + decay * sine, cosine - decay * sine
             else:
                 first, second = self.poles.real
@@ -276,11 +307,17 @@ class MassSpringDamper:
             v = np.asarray(growth * (of_speed * v0 - stiffness * sine * x0))
         if not (np.isfinite(x).all() and np.isfinite(v).all()):
             pole = float(self.poles.real.max())
-            raise InvalidValue("t", float(time.max()), f"shorter: the system is unstable, it grows by e in {1.0 / pole:.3g} s")
+            raise InvalidValue(
+                "t",
+                float(time.max()),
+                f"shorter: the system is unstable, it grows by e in {1.0 / pole:.3g} s",
+            )
         return Response(x, v)
 
     def regulated(self, kp: float, kv: float) -> MassSpringDamper:
-        r"""Return the closed loop under the regulator :math:`f = -k_p x - k_v \dot x` (eq. 4.6 to 4.8).
+        r"""Return the closed loop under the regulator :math:`f = -k_p x - k_v \dot x`.
+
+        See eq. 4.6 to 4.8.
 
         .. math:: m \ddot x + b' \dot x + k' x = 0, \qquad b' = b + k_v, \quad k' = k + k_p
 
@@ -294,17 +331,22 @@ class MassSpringDamper:
         Returns
         -------
         MassSpringDamper
-            The closed loop. Gains that make :math:`b'` or :math:`k'` negative make it unstable: see :attr:`is_stable`.
+            The closed loop. Gains that make :math:`b'` or :math:`k'` negative make it unstable: see
+            :attr:`is_stable`.
 
         Raises
         ------
         InvalidValue
             If a gain is not a finite number.
         """
-        return MassSpringDamper(self.mass, self.damping + _finite("kv", kv), self.stiffness + _finite("kp", kp))
+        return MassSpringDamper(
+            self.mass, self.damping + _finite("kv", kv), self.stiffness + _finite("kp", kp)
+        )
 
     def regulation_gains(self, stiffness: float, damping: float | None = None) -> Gains:
-        r"""Return the gains that give the closed loop a stiffness :math:`k'` and a damping :math:`b'` (eq. 4.7, 4.8).
+        r"""Return the gains that give the closed loop :math:`k'` and :math:`b'` (eq. 4.7, 4.8).
+
+        They are its stiffness and damping.
 
         .. math:: k_p = k' - k, \qquad k_v = b' - b
 
@@ -313,7 +355,8 @@ class MassSpringDamper:
         stiffness : float
             Stiffness :math:`k'` of the closed loop [N/m].
         damping : float, optional
-            Damping :math:`b'` of the closed loop [N s/m]; critical damping, :math:`b' = 2\sqrt{m k'}`, by default.
+            Damping :math:`b'` of the closed loop [N s/m]; critical damping,
+            :math:`b' = 2\sqrt{m k'}`, by default.
 
         Returns
         -------
@@ -323,20 +366,29 @@ class MassSpringDamper:
         Raises
         ------
         InvalidValue
-            If the stiffness or the damping asked for is not positive and finite: such a closed loop is not stable.
+            If the stiffness or the damping asked for is not positive and finite: such a closed loop
+            is not stable.
         """
         k = _positive("stiffness of the closed loop", stiffness)
-        b = critical_damping(k, self.mass) if damping is None else _positive("damping of the closed loop", damping)
+        b = (
+            critical_damping(k, self.mass)
+            if damping is None
+            else _positive("damping of the closed loop", damping)
+        )
         return Gains(k - self.stiffness, b - self.damping)
 
     def system(self) -> SecondOrderSystem:
         """Return the same system with an applied force, in the general form (eq. 4.9)."""
-        return SecondOrderSystem(lambda _: self.mass, lambda x, v: self.damping * v + self.stiffness * x)
+        return SecondOrderSystem(
+            lambda _: self.mass, lambda x, v: self.damping * v + self.stiffness * x
+        )
 
 
 @dataclass(frozen=True)
 class SecondOrderSystem:
-    r"""Any system of one coordinate that a force drives (eq. 4.9 and its non-linear form in section 4.3).
+    r"""Any system of one coordinate that a force drives (eq. 4.9).
+
+    Also its non-linear form in section 4.3.
 
     .. math:: m(x)\, \ddot x + f(x, \dot x) = F
 
@@ -345,7 +397,8 @@ class SecondOrderSystem:
     mass : callable
         :math:`m(x)`, from a position [m] to a mass [kg], positive everywhere.
     internal_force : callable
-        :math:`f(x, \dot x)`, from a position [m] and a speed [m/s] to a force [N]: springs, friction, gravity.
+        :math:`f(x, \dot x)`, from a position [m] and a speed [m/s] to a force [N]: springs,
+        friction, gravity.
     """
 
     mass: Callable[[float], float]
@@ -376,7 +429,9 @@ class SecondOrderSystem:
 
 
 def cubic_spring(mass: float, damping: float, stiffness: float) -> SecondOrderSystem:
-    r"""Return a mass on a damper and a spring that hardens with the cube of its length (section 4.3).
+    r"""Return a mass on a damper and a spring that hardens (section 4.3).
+
+    It hardens with the cube of its length.
 
     .. math:: m \ddot x + b \dot x + k x^3 = F
 
@@ -409,21 +464,25 @@ class PartitionedControl:
 
     The model-based part makes a unit mass of the system, the servo part moves the unit mass:
 
-    .. math:: F = \alpha(x)\, f' + \beta(x, \dot x), \qquad f' = \ddot x_d + k_v \dot e + k_p e, \qquad e = x_d - x
+    .. math:: F = \alpha(x)\, f' + \beta(x, \dot x), \qquad
+              f' = \ddot x_d + k_v \dot e + k_p e, \qquad e = x_d - x
 
-    With :math:`\alpha = m` and :math:`\beta = f` (eq. 4.12) the error obeys :math:`\ddot e + k_v \dot e + k_p e = 0`
-    (eq. 4.18) whatever the system; with any other :math:`\alpha` and :math:`\beta` it does so approximately.
+    With :math:`\alpha = m` and :math:`\beta = f` (eq. 4.12) the error obeys
+    :math:`\ddot e + k_v \dot e + k_p e = 0` (eq. 4.18) whatever the system; with any other
+    :math:`\alpha` and :math:`\beta` it does so approximately.
 
     Parameters
     ----------
     alpha : callable
         Model of the mass, :math:`\alpha(x)`, from a position [m] to a mass [kg].
     beta : callable
-        Model of the internal force, :math:`\beta(x, \dot x)`, from position [m] and speed [m/s] to a force [N].
+        Model of the internal force, :math:`\beta(x, \dot x)`, from position [m] and speed [m/s] to
+        a force [N].
     kp : float
         Servo gain on the error [1/s²].
     kv : float
-        Servo gain on the error's rate [1/s]; :func:`critical_damping` of ``kp`` damps the error critically.
+        Servo gain on the error's rate [1/s]; :func:`critical_damping` of ``kp`` damps the error
+        critically.
 
     Raises
     ------
@@ -442,7 +501,7 @@ class PartitionedControl:
 
     @classmethod
     def of(cls, system: SecondOrderSystem, kp: float, kv: float) -> PartitionedControl:
-        r"""Return the law whose model is exact, :math:`\alpha = m` and :math:`\beta = f` (eq. 4.12).
+        r"""Return the law of exact model, :math:`\alpha = m` and :math:`\beta = f` (eq. 4.12).
 
         Parameters
         ----------
@@ -460,14 +519,19 @@ class PartitionedControl:
 
     @property
     def error_dynamics(self) -> MassSpringDamper:
-        r"""The error's own equation, :math:`\ddot e + k_v \dot e + k_p e = 0` (eq. 4.18), as a system of unit mass.
+        r"""The error's own equation, :math:`\ddot e + k_v \dot e + k_p e = 0` (eq. 4.18).
 
-        Its ``response(t, e0, e0_dot)`` is the error to expect, its ``is_stable`` says whether the error dies out.
+        As a system of unit mass.
+
+        Its ``response(t, e0, e0_dot)`` is the error to expect, its ``is_stable`` says whether the
+        error dies out.
         """
         return MassSpringDamper(1.0, self.kv, self.kp)
 
     def servo(self, desired: Desired, position: float, speed: float) -> float:
-        r"""Return the servo part :math:`f' = \ddot x_d + k_v \dot e + k_p e` (eq. 4.16; with a desired motion at rest in 0, eq. 4.14).
+        r"""Return the servo part :math:`f' = \ddot x_d + k_v \dot e + k_p e` (eq. 4.16).
+
+        With a desired motion at rest in 0 it is eq. 4.14.
 
         Parameters
         ----------
@@ -481,7 +545,11 @@ class PartitionedControl:
         float
             Acceleration that is asked of the unit mass [m/s²].
         """
-        return desired.acceleration + self.kv * (desired.speed - speed) + self.kp * (desired.position - position)
+        return (
+            desired.acceleration
+            + self.kv * (desired.speed - speed)
+            + self.kp * (desired.position - position)
+        )
 
     def force(self, desired: Desired, position: float, speed: float) -> float:
         r"""Return the force on the system, :math:`F = \alpha f' + \beta` (eq. 4.10).
@@ -498,7 +566,9 @@ class PartitionedControl:
         float
             Force [N].
         """
-        return self.alpha(position) * self.servo(desired, position, speed) + self.beta(position, speed)
+        return self.alpha(position) * self.servo(desired, position, speed) + self.beta(
+            position, speed
+        )
 
 
 @dataclass(frozen=True)
@@ -543,10 +613,12 @@ def simulate_tracking(
     position: float,
     speed: float,
 ) -> Tracking:
-    r"""Integrate the closed loop of a system and a partitioned control law (eq. 4.9, 4.10 and 4.16).
+    r"""Integrate the closed loop of a system and a partitioned law.
 
-    The law acts in continuous time, as in chapter 4; the integrator is DOP853 with relative tolerance 1e-10 and absolute
-    tolerance 1e-12.
+    See eq. 4.9, 4.10 and 4.16.
+
+    The law acts in continuous time, as in chapter 4; the integrator is DOP853 with relative
+    tolerance 1e-10 and absolute tolerance 1e-12.
 
     Parameters
     ----------
@@ -571,7 +643,8 @@ def simulate_tracking(
     InvalidArray
         If the times are not finite or not of shape (N,).
     InvalidValue
-        If the times do not increase, or a mass is not positive, or a start value is not a finite number.
+        If the times do not increase, or a mass is not positive, or a start value is not a finite
+        number.
     MotionDiverged
         If the motion leaves the range of the numbers, or a force is not a finite number.
     """
@@ -579,7 +652,11 @@ def simulate_tracking(
     if times.ndim != 1 or times.size < 2:
         raise InvalidArray("t", "(N,) with N of at least 2", times)
     if (np.diff(times) <= 0.0).any():
-        raise InvalidValue("t", float(np.diff(times).min()), "a list of times in increasing order, got a step of that size")
+        raise InvalidValue(
+            "t",
+            float(np.diff(times).min()),
+            "a list of times in increasing order, got a step of that size",
+        )
     start = _finite("position", position), _finite("speed", speed)
     from scipy.integrate import solve_ivp
 
@@ -598,8 +675,11 @@ def simulate_tracking(
             raise MotionDiverged(*latest)
         return v, acceleration
 
-    solution = solve_ivp(rates, (times[0], times[-1]), start, method="DOP853", t_eval=times, rtol=1e-10, atol=1e-12)
-    if not solution.success:  # the step fell below the spacing of the numbers: the motion has no end in this interval
+    solution = solve_ivp(
+        rates, (times[0], times[-1]), start, method="DOP853", t_eval=times, rtol=1e-10, atol=1e-12
+    )
+    # the step fell below the spacing of the numbers: the motion has no end in this interval
+    if not solution.success:
         raise MotionDiverged(*latest)
     x, v = solution.y
     wanted = [desired(time) for time in times.tolist()]
@@ -609,5 +689,8 @@ def simulate_tracking(
         v,
         np.array([motion.position for motion in wanted], dtype=float),
         np.array([motion.speed for motion in wanted], dtype=float),
-        np.array([control.force(*state) for state in zip(wanted, x.tolist(), v.tolist(), strict=True)], dtype=float),
+        np.array(
+            [control.force(*state) for state in zip(wanted, x.tolist(), v.tolist(), strict=True)],
+            dtype=float,
+        ),
     )

@@ -1,7 +1,8 @@
 """The numbers of chapter 6: Tables 6.1 to 6.3, and the comparisons that the thesis never showed.
 
-The runs come from one study, :class:`Plan`; every function here adds a table, its numbers and a sentence of the answer to a
-:class:`~psp3.thesis.findings.Reproduction`. Nothing is said that is not read off the runs: sentences change with the numbers.
+The runs come from one study, :class:`Plan`; every function here adds a table, its numbers and a
+sentence of the answer to a :class:`~psp3.thesis.findings.Reproduction`. Nothing is said that is not
+read off the runs: sentences change with the numbers.
 """
 
 from __future__ import annotations
@@ -16,14 +17,33 @@ from psp3 import published
 from psp3.control.classical import PD, PID, ComputedTorque
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
-from psp3.simulation.metrics import integral_of_squared_error, largest_tip_error, rms_error, sum_of_squared_errors
+from psp3.simulation.metrics import (
+    integral_of_squared_error,
+    largest_tip_error,
+    rms_error,
+    sum_of_squared_errors,
+)
 from psp3.simulation.tracking import simulate
 from psp3.study import statistics
 from psp3.study.latency import Latency
 from psp3.study.run import Run
 from psp3.study.statistics import Estimate
 from psp3.thesis.findings import Reproduction, Table, as_numbers, better, verdict, with_interval
-from psp3.thesis.plan import ERROR, FUZZY, LABELS, LEARNERS, NOISY, Outcomes, Plan, Series, count, decibels, listed, percent, with_share
+from psp3.thesis.plan import (
+    ERROR,
+    FUZZY,
+    LABELS,
+    LEARNERS,
+    NOISY,
+    Outcomes,
+    Plan,
+    Series,
+    count,
+    decibels,
+    listed,
+    percent,
+    with_share,
+)
 from psp3.three_psp.robot import PSP3
 from psp3.trajectories.paths import Helix
 
@@ -32,41 +52,69 @@ def table_6_1(robot: PSP3, outcome: Reproduction) -> None:
     """Add Table 6.1: the gains that this package takes unless given others."""
     fuzzy = {kind: FuzzyComputedTorque(kind, robot) for kind in ("t1", "it2")}
     used: dict[str, PD | ComputedTorque | FuzzyComputedTorque]
-    used = {"PD": PD(), "CTC": ComputedTorque(robot), "T1 fuzzy CTC": fuzzy["t1"], "T2 fuzzy CTC": fuzzy["it2"]}
+    used = {
+        "PD": PD(),
+        "CTC": ComputedTorque(robot),
+        "T1 fuzzy CTC": fuzzy["t1"],
+        "T2 fuzzy CTC": fuzzy["it2"],
+    }
     rows, levels = [], ", ".join(decibels(snr) for snr in published.TABLE_6_1_SNR)
     for name, controller in used.items():
         gains = (controller.kp, controller.kv)
         same, tail, more = gains == published.TABLE_6_1[name], "", ""
         if isinstance(controller, FuzzyComputedTorque):
-            same &= controller.n_terms == published.TABLE_6_1_TERMS and set(published.TABLE_6_1_SNR) == {math.inf, *NOISY}
-            tail, more = f"; SNR {levels} dB; {published.TABLE_6_1_TERMS} terms", f"; {controller.n_terms} terms"
+            same &= controller.n_terms == published.TABLE_6_1_TERMS and set(
+                published.TABLE_6_1_SNR
+            ) == {math.inf, *NOISY}
+            tail, more = (
+                f"; SNR {levels} dB; {published.TABLE_6_1_TERMS} terms",
+                f"; {controller.n_terms} terms",
+            )
         printed = "{:g} / {:g}".format(*published.TABLE_6_1[name])
-        rows.append([name, printed + tail, f"{gains[0]:g} / {gains[1]:g}{more}", "as printed" if same else "not as printed"])
+        rows.append(
+            [
+                name,
+                printed + tail,
+                f"{gains[0]:g} / {gains[1]:g}{more}",
+                "as printed" if same else "not as printed",
+            ]
+        )
     outcome.tables.append(
         Table(
-            "Table 6.1: gains and settings", ["controller", "printed: kp / kv", "used", "verdict"], rows,
-            "Gains of PD in N/m and N s/m, of the others in 1/s² and 1/s: these act on a robot that the model has made a unit mass. "
-            "kp = 10 and kv = 1 are soft, a natural frequency of 0.5 Hz with a damping ratio of 0.16, so whatever the model gets wrong "
+            "Table 6.1: gains and settings",
+            ["controller", "printed: kp / kv", "used", "verdict"],
+            rows,
+            "Gains of PD in N/m and N s/m, of the others in 1/s² and 1/s: these act on a robot "
+            "that the model has made a unit mass. kp = 10 and kv = 1 are soft, a natural "
+            "frequency of 0.5 Hz with a damping ratio of 0.16, so whatever the model gets wrong "
             "shows in full. PD has stiffness instead.",
             detail=True,
         )
-    )  # fmt: skip
+    )
 
 
 def table_6_2(latencies: Mapping[str, Latency], outcome: Reproduction) -> None:
     """Add Table 6.2: how long a step takes."""
     names = {
-        "PD": ("PD", "PD"), "CTC, noc": ("CTC, natural orthogonal complement", "CTC"), "CTC, pinocchio": ("CTC, Pinocchio", "CTC"),
-        "CTC, closed_form": ("CTC, closed form", "CTC"), "t1": ("type-1", "T1 fuzzy CTC"), "it2": ("type-2", "T2 fuzzy CTC"),
+        "PD": ("PD", "PD"),
+        "CTC, noc": ("CTC, natural orthogonal complement", "CTC"),
+        "CTC, pinocchio": ("CTC, Pinocchio", "CTC"),
+        "CTC, closed_form": ("CTC, closed form", "CTC"),
+        "t1": ("type-1", "T1 fuzzy CTC"),
+        "it2": ("type-2", "T2 fuzzy CTC"),
         "gt2": ("general type-2", ""),
-    }  # fmt: skip
+    }
     rows, numbers = [], {}
     for name, latency in latencies.items():
         label, printed_name = names[name]
         printed = published.TABLE_6_2.get(printed_name)
         numbers[name] = {**latency._asdict(), "printed": printed}
         times = [f"{1e3 * value:.4f}" for value in latency[1:]]
-        fits = "within 2 ms" if latency.worst <= published.STEP_BUDGET else "median within 2 ms, not every step"
+        fits = (
+            "within 2 ms"
+            if latency.worst <= published.STEP_BUDGET
+            else "median within 2 ms, not every step"
+        )
         fits = fits if latency.median <= published.STEP_BUDGET else "not within 2 ms"
         if printed is None:
             words = f"not in the thesis; {fits}"
@@ -79,44 +127,76 @@ def table_6_2(latencies: Mapping[str, Latency], outcome: Reproduction) -> None:
     outcome.numbers["table_6_2"] = numbers
     exact, noc, it2 = (latencies[name] for name in ("CTC, closed_form", "CTC, noc", "it2"))
     errors = outcome.numbers["table_6_3"]
-    better_exact = errors["CTC"][ERROR] < errors["fuzzy"][decibels(math.inf)]["it2"]["mean"]["value"]
+    better_exact = (
+        errors["CTC"][ERROR] < errors["fuzzy"][decibels(math.inf)]["it2"]["mean"]["value"]
+    )
     closer = ", and tracks better than every estimate learned by default" if better_exact else ""
     order = [latencies[name].median for name in ("PD", "t1", "it2", "CTC, noc")]
     outcome.tables.append(
         Table(
             "Table 6.2: time of one control step",
-            ["controller", "printed [ms]", "median [ms]", "99 % [ms]", "99.9 % [ms]", "worst [ms]", "verdict"],
+            [
+                "controller",
+                "printed [ms]",
+                "median [ms]",
+                "99 % [ms]",
+                "99.9 % [ms]",
+                "worst [ms]",
+                "verdict",
+            ],
             rows,
-            f"One call of controller.torque at a time from Python, {noc.steps:,} calls of the models that take milliseconds and "
-            f"{exact.steps:,} of the others, on states along the helix, after a warm-up, by the clock of the machine this ran on; beyond "
-            "the median it is the machine that is measured as much as the controller. The thesis: a Pentium 4 of 3 GHz, and a budget of "
-            "2 ms. Its premise was that exact computed torque cannot run in real time and must be estimated. The same equations take "
-            f"{1e3 * noc.median:.1f} ms through the natural orthogonal complement in Python, but in closed form "
-            f"{1e6 * exact.median:.0f} µs: {published.TABLE_6_2['CTC'] / exact.median:,.0f} times less than printed, and "
-            f"{published.STEP_BUDGET / exact.median:.0f} times within the budget. The fuzzy estimate takes {1e6 * it2.median:.0f} µs, "
-            f"{it2.median / exact.median:.1f} times the exact one, so time is no longer a reason to estimate M, C and G. The printed "
-            f"order, PD, type-1, type-2, CTC, {'holds' if order == sorted(order) else 'does not hold'} with the CTC of the thesis.",
+            f"One call of controller.torque at a time from Python, {noc.steps:,} calls of the "
+            f"models that take milliseconds and {exact.steps:,} of the others, on states along "
+            "the helix, after a warm-up, by the clock of the machine this ran on; beyond the "
+            "median it is the machine that is measured as much as the controller. The thesis: a "
+            "Pentium 4 of 3 GHz, and a budget of 2 ms. Its premise was that exact computed "
+            "torque cannot run in real time and must be estimated. The same equations take "
+            f"{1e3 * noc.median:.1f} ms through the natural orthogonal complement in Python, but "
+            f"in closed form {1e6 * exact.median:.0f} µs: "
+            f"{published.TABLE_6_2['CTC'] / exact.median:,.0f} times less than printed, and "
+            f"{published.STEP_BUDGET / exact.median:.0f} times within the budget. The fuzzy "
+            f"estimate takes {1e6 * it2.median:.0f} µs, {it2.median / exact.median:.1f} times "
+            "the exact one, so time is no longer a reason to estimate M, C and G. The printed "
+            "order, PD, type-1, type-2, CTC, "
+            f"{'holds' if order == sorted(order) else 'does not hold'} with the CTC of the "
+            "thesis.",
         )
     )
     outcome.answer.append(
-        f"The premise is gone: the thesis estimates M, C and G because exact computed torque took 255 ms a step. In closed form it takes "
-        f"{1e6 * exact.median:.0f} µs from Python (type-2: {1e6 * it2.median:.0f} µs), on a budget of 2 ms{closer}."
+        "The premise is gone: the thesis estimates M, C and G because exact computed torque "
+        f"took 255 ms a step. In closed form it takes {1e6 * exact.median:.0f} µs from Python "
+        f"(type-2: {1e6 * it2.median:.0f} µs), on a budget of 2 ms{closer}."
     )
 
 
 def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
-    """Add Table 6.3: the tracking errors of all controllers, the reading ``parameters``, the default learner."""
+    """Add Table 6.3: the tracking errors of all controllers.
+
+    For the reading ``parameters`` and the default learner.
+    """
     tracked = {name: outcome.results[name] for name in ("PD", "CTC", "PD with gravity")}
     tracked["PID"] = simulate(robot, PID(), Helix(robot=robot), DURATION)
     rows: list[list[str]] = []
     numbers: dict[str, Any] = {}
     for name, result in tracked.items():
-        squares, printed, tip = sum_of_squared_errors(result), published.TABLE_6_3.get(name), largest_tip_error(result)
+        squares, printed, tip = (
+            sum_of_squared_errors(result),
+            published.TABLE_6_3.get(name),
+            largest_tip_error(result),
+        )
         numbers[name] = {
-            ERROR: squares, "printed_sum_of_squared_errors": printed, "integral_of_squared_error": integral_of_squared_error(result),
-            "rms_error": rms_error(result), "largest_tip_error": tip, "largest_torque": float(np.abs(result.torque).max()),
-        }  # fmt: skip
-        shown, words = ("–", "not in the thesis") if printed is None else (f"{printed:.4f}", verdict(squares, printed))
+            ERROR: squares,
+            "printed_sum_of_squared_errors": printed,
+            "integral_of_squared_error": integral_of_squared_error(result),
+            "rms_error": rms_error(result),
+            "largest_tip_error": tip,
+            "largest_torque": float(np.abs(result.torque).max()),
+        }
+        shown, words = (
+            ("–", "not in the thesis")
+            if printed is None
+            else (f"{printed:.4f}", verdict(squares, printed))
+        )
         rows.append([name, "–", shown, f"{squares:.4f}", f"{1e3 * tip:.0f}", words])
     fuzzy: dict[str, Any] = {}
     ends: list[list[str]] = []
@@ -124,73 +204,139 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
         at = fuzzy[decibels(snr)] = {}
         for kind, old in zip(FUZZY, (*published.TABLE_6_3_FUZZY[snr], None), strict=True):
             run = Run(kind, snr_db=snr)
-            average, median = results.mean(run, plan.seeds), statistics.median(results.values(run, plan.seeds))
+            average, median = (
+                results.mean(run, plan.seeds),
+                statistics.median(results.values(run, plan.seeds)),
+            )
             tip = results.mean(run, plan.seeds, "largest_tip_error").value
-            diverged, left, coverage = (results.average(run, plan.seeds, name) for name in ("diverged", "left_stroke", "coverage"))
+            diverged, left, coverage = (
+                results.average(run, plan.seeds, name)
+                for name in ("diverged", "left_stroke", "coverage")
+            )
             at[kind] = {
-                "mean": as_numbers(average), "median": as_numbers(median), "diverged": diverged, "left_stroke": left, "printed": old,
-                "coverage": coverage, "largest_tip_error": tip, "values": results.values(run, plan.seeds).tolist(),
-            }  # fmt: skip
+                "mean": as_numbers(average),
+                "median": as_numbers(median),
+                "diverged": diverged,
+                "left_stroke": left,
+                "printed": old,
+                "coverage": coverage,
+                "largest_tip_error": tip,
+                "values": results.values(run, plan.seeds).tolist(),
+            }
             shown, words = "–", "not in the thesis"
             if old is not None:
-                shown, words = f"{old:.4f}", verdict(average.value, old, (average.low, average.high))
+                shown, words = (
+                    f"{old:.4f}",
+                    verdict(average.value, old, (average.low, average.high)),
+                )
             mean = f"{average.value:.4f}" if math.isinf(snr) else with_share(average, diverged)
-            rows.append([LABELS[kind], decibels(snr), shown, mean, f"{1e3 * tip:.0f}" if np.isfinite(tip) else "–", words])
+            rows.append(
+                [
+                    LABELS[kind],
+                    decibels(snr),
+                    shown,
+                    mean,
+                    f"{1e3 * tip:.0f}" if np.isfinite(tip) else "–",
+                    words,
+                ]
+            )
             if not math.isinf(snr):
-                ends.append([LABELS[kind], decibels(snr), with_interval(median), *map(percent, (diverged, left, coverage))])
+                ends.append(
+                    [
+                        LABELS[kind],
+                        decibels(snr),
+                        with_interval(median),
+                        *map(percent, (diverged, left, coverage)),
+                    ]
+                )
     t1, it2 = (results.values(Run(kind), 1)[0] for kind in ("t1", "it2"))
     numbers |= {"fuzzy": fuzzy, "gap_without_noise": abs(it2 - t1) / t1}
     outcome.numbers["table_6_3"] = numbers
-    averaged = [results.mean(Run("t1", snr_db=snr, learner="average"), plan.seeds).value for snr in plan.sweep_levels]
+    averaged = [
+        results.mean(Run("t1", snr_db=snr, learner="average"), plan.seeds).value
+        for snr in plan.sweep_levels
+    ]
     kept = [results.mean(Run("t1", snr_db=snr), plan.seeds).value for snr in plan.sweep_levels]
     printed_rows = [published.TABLE_6_3_FUZZY[snr][0] for snr in plan.sweep_levels]
-    between = all(low <= old <= high for low, old, high in zip(averaged, printed_rows, kept, strict=True))
+    between = all(
+        low <= old <= high for low, old, high in zip(averaged, printed_rows, kept, strict=True)
+    )
     outcome.tables += [
         Table(
             f"Table 6.3: sum of squared tracking errors, {count(plan.seeds)}",
-            ["controller", "SNR [dB]", "printed [m²]", "mean (95 % interval) [m²]", "largest tip error [mm]", "verdict"],
+            [
+                "controller",
+                "SNR [dB]",
+                "printed [m²]",
+                "mean (95 % interval) [m²]",
+                "largest tip error [mm]",
+                "verdict",
+            ],
             rows,
-            f"Helix of radius 20 mm, period 2 s, rise 10 mm/s, started at rest, {DURATION} s, control at 2 ms; one sample every "
-            f"{THESIS_SAMPLING_PERIOD} s is summed. The thesis names neither its helix nor its sampling, so orders of magnitude and "
-            f"ranking are what can be compared. PD has no gravity term: every screw sags by G/kp = {1e3 * _sag(robot):.1f} mm, and that "
-            "sag is the whole of its row. The CTC row is the start from rest; started on the path CTC has no error at all. Fuzzy rows: "
-            "noise on the recorded M, C and G, and every rule keeps the one noisy sample that fires it most, so its noise is in the "
-            "torque undiminished. "
+            f"Helix of radius 20 mm, period 2 s, rise 10 mm/s, started at rest, {DURATION} s, "
+            f"control at 2 ms; one sample every {THESIS_SAMPLING_PERIOD} s is summed. The thesis "
+            "names neither its helix nor its sampling, so orders of magnitude and ranking are "
+            "what can be compared. PD has no gravity term: every screw sags by G/kp = "
+            f"{1e3 * _sag(robot):.1f} mm, and that sag is the whole of its row. The CTC row is "
+            "the start from rest; started on the path CTC has no error at all. Fuzzy rows: "
+            "noise on the recorded M, C and G, and every rule keeps the one noisy sample that "
+            "fires it most, so its noise is in the torque undiminished. "
             + (
-                "The printed type-1 errors lie between these and those of rules that average, see the table of learners. "
+                (
+                    "The printed type-1 errors lie between these and those of rules that average, "
+                    "see the table of learners. "
+                )
                 if between
                 else ""
             )
-            + "Intervals: bootstrap over seeds. Means leave out the runs that diverged, which favors the controller that diverges.",
+            + (
+                "Intervals: bootstrap over seeds. Means leave out the runs that diverged, which "
+                "favors the controller that diverges."
+            ),
         ),
         Table(
             f"Table 6.3 continued: how the noisy runs end, {count(plan.seeds)}",
-            ["controller", "SNR [dB]", "median error (95 % interval) [m²]", "diverged", "off stroke", "inside the trained range"],
+            [
+                "controller",
+                "SNR [dB]",
+                "median error (95 % interval) [m²]",
+                "diverged",
+                "off stroke",
+                "inside the trained range",
+            ],
             ends,
-            "Diverged: share of the runs that ended early because the robot left the poses it can take. Off stroke: share of those in "
-            "which a nut passed the end of its screw, which the simulation, as the thesis, lets it do. Last column: mean share of the "
-            "control steps whose four inputs lie within what the rules were learned on; elsewhere they are clamped to it.",
+            "Diverged: share of the runs that ended early because the robot left the poses it "
+            "can take. Off stroke: share of those in which a nut passed the end of its screw, "
+            "which the simulation, as the thesis, lets it do. Last column: mean share of the "
+            "control steps whose four inputs lie within what the rules were learned on; "
+            "elsewhere they are clamped to it.",
             detail=True,
         ),
     ]
 
 
 def answer_of_table_6_3(robot: PSP3, outcome: Reproduction) -> None:
-    """Add what Table 6.3 says of the classical controllers, and of the fuzzy ones without noise, in sentences."""
+    """Add what Table 6.3 says of the classical controllers, in sentences.
+
+    And of the fuzzy ones without noise.
+    """
     numbers = outcome.numbers["table_6_3"]
     pd, ctc, simple = (numbers[name][ERROR] for name in ("PD", "CTC", "PD with gravity"))
     fuzzy = {kind: numbers["fuzzy"][decibels(math.inf)][kind]["mean"]["value"] for kind in FUZZY}
     if simple < min(fuzzy.values()):
         outcome.answer.append(
-            f"A PD controller of the same gains with the exact G added, which the thesis did not try, leaves {simple:.4f} m²: less than "
-            "every fuzzy controller with default rules, even without noise."
+            "A PD controller of the same gains with the exact G added, which the thesis did not "
+            f"try, leaves {simple:.4f} m²: less than every fuzzy controller with default rules, "
+            "even without noise."
         )
     sag, gap = _sag(robot), numbers["gap_without_noise"]
     outcome.answer.append(
-        f"PD leaves {pd:.2f} m² and CTC {ctc:.4f} m² of summed squared error (printed: {published.TABLE_6_3['PD']} and "
-        f"{published.TABLE_6_3['CTC']}): the ranking of Table 6.3 {'holds' if ctc < pd else 'does not hold'}, and PD's row is its sag of "
-        f"{1e3 * sag:.0f} mm under gravity. Without noise type-1 and type-2 are the same controller, {fuzzy['t1']:.4f} m² (printed: "
-        f"{published.TABLE_6_3_FUZZY[math.inf][0]}; they agree {'to the last bit' if gap == 0.0 else f'to {gap:.0e}'})."
+        f"PD leaves {pd:.2f} m² and CTC {ctc:.4f} m² of summed squared error (printed: "
+        f"{published.TABLE_6_3['PD']} and {published.TABLE_6_3['CTC']}): the ranking of Table "
+        f"6.3 {'holds' if ctc < pd else 'does not hold'}, and PD's row is its sag of "
+        f"{1e3 * sag:.0f} mm under gravity. Without noise type-1 and type-2 are the same "
+        f"controller, {fuzzy['t1']:.4f} m² (printed: {published.TABLE_6_3_FUZZY[math.inf][0]}; "
+        f"they agree {'to the last bit' if gap == 0.0 else f'to {gap:.0e}'})."
     )
 
 
@@ -211,24 +357,41 @@ def type_2_against_type_1(results: Outcomes, plan: Plan, outcome: Reproduction) 
         printed = old[1] / old[0]
         rows.append(
             [
-                decibels(snr), with_interval(difference, plan.seeds), f"{printed:.2f}", with_interval(ratio), f"{1.0 / printed:.2f}",
-                with_interval(inverse), f"{words[-1]}; ratio {verdict(ratio.value, printed, (ratio.low, ratio.high))}",
+                decibels(snr),
+                with_interval(difference, plan.seeds),
+                f"{printed:.2f}",
+                with_interval(ratio),
+                f"{1.0 / printed:.2f}",
+                with_interval(inverse),
+                f"{words[-1]}; ratio {verdict(ratio.value, printed, (ratio.low, ratio.high))}",
             ]
-        )  # fmt: skip
+        )
         numbers[decibels(snr)] = {
-            "difference": as_numbers(difference), "ratio": as_numbers(ratio), "inverse": as_numbers(inverse),
-            "printed_ratio": printed, "verdict": words[-1],
-        }  # fmt: skip
+            "difference": as_numbers(difference),
+            "ratio": as_numbers(ratio),
+            "inverse": as_numbers(inverse),
+            "printed_ratio": printed,
+            "verdict": words[-1],
+        }
     outcome.numbers["type_2_against_type_1"] = numbers
     won = [word == "type-2 better" for word in words]
     levels = listed([decibels(snr) for snr in NOISY])
     outcome.tables.append(
         Table(
             f"Figure 64 in numbers: type-2 against type-1, seed by seed, {count(plan.seeds)}",
-            ["SNR [dB]", "type-2 minus type-1 [m²]", "printed T2/T1", "T2/T1", "printed T1/T2", "T1/T2", "verdict"],
+            [
+                "SNR [dB]",
+                "type-2 minus type-1 [m²]",
+                "printed T2/T1",
+                "T2/T1",
+                "printed T1/T2",
+                "T1/T2",
+                "verdict",
+            ],
             rows,
-            "Both controllers of a seed learn from the same noise. Seeds with which one of the two diverged are left out; n says how many "
-            "are left where that is not all. The thesis writes that T2/T1 rises with the noise; its own numbers give 1, 0.51, 0.28, "
+            "Both controllers of a seed learn from the same noise. Seeds with which one of the "
+            "two diverged are left out; n says how many are left where that is not all. The "
+            "thesis writes that T2/T1 rises with the noise; its own numbers give 1, 0.51, 0.28, "
             "0.25, which falls. What rises is T1/T2, and so Figure 64 is drawn. Here T1/T2 is "
             f"{listed([f'{inverse:.2f}' for inverse in inverses])} at {levels} dB, and "
             f"{'rises' if inverses == sorted(inverses) else 'does not rise'} with the noise.",
@@ -236,13 +399,21 @@ def type_2_against_type_1(results: Outcomes, plan: Plan, outcome: Reproduction) 
         )
     )
     if all(won):
-        claim, proof = "holds for the thesis's table look-up", "every 95 % interval of the difference by seed excludes zero"
+        claim, proof = (
+            "holds for the thesis's table look-up",
+            "every 95 % interval of the difference by seed excludes zero",
+        )
     else:
-        claim = f"is {'shown in part only' if any(won) else 'not shown'} for the thesis's table look-up"
-        proof = "; ".join(f"{decibels(snr)} dB: {word}" for snr, word in zip(NOISY, words, strict=True))
+        claim = (
+            f"is {'shown in part only' if any(won) else 'not shown'} for the thesis's table look-up"
+        )
+        proof = "; ".join(
+            f"{decibels(snr)} dB: {word}" for snr, word in zip(NOISY, words, strict=True)
+        )
     outcome.answer.append(
-        f"The main claim, that type-2 tracks better than type-1 when rules are learned from noisy M, C and G, {claim}: its squared error "
-        f"is {listed(ratios)} of type-1's at {levels} dB, printed 0.51, 0.28 and 0.25 ({count(plan.seeds)}; {proof})."
+        "The main claim, that type-2 tracks better than type-1 when rules are learned from "
+        f"noisy M, C and G, {claim}: its squared error is {listed(ratios)} of type-1's at "
+        f"{levels} dB, printed 0.51, 0.28 and 0.25 ({count(plan.seeds)}; {proof})."
     )
 
 
@@ -252,13 +423,18 @@ def _comparison(results: Outcomes, run: Run, controller: str, seeds: int) -> tup
 
 
 def typical_seed(results: Outcomes, plan: Plan) -> int:
-    """Return the seed whose noisy runs of type-1 and type-2 come nearest to their medians, by the logarithms of their errors."""
+    """Return the seed whose noisy runs of type-1 and type-2 come nearest to their medians.
+
+    Nearest by the logarithms of their errors.
+    """
     distance = np.zeros(plan.seeds)
     for kind in ("t1", "it2"):
         for snr in NOISY:
             errors = results.values(Run(kind, snr_db=snr), plan.seeds)
             # A run that diverged is as far from the others as can be.
-            distance += np.where(np.isfinite(errors), np.abs(np.log(errors / np.nanmedian(errors))), np.inf)
+            distance += np.where(
+                np.isfinite(errors), np.abs(np.log(errors / np.nanmedian(errors))), np.inf
+            )
     return int(np.argmin(distance))
 
 
@@ -268,7 +444,9 @@ def ratios_of_figure_64(results: Outcomes, plan: Plan) -> Series:
     for learner in ("strongest", "average", "ridge"):
         points = {math.inf: (1.0, math.nan, math.nan)}
         for snr in NOISY if learner == "strongest" else plan.sweep_levels:
-            inverse = results.ratio(Run(learner=learner, snr_db=snr), "it2", plan.seeds, inverse=True)
+            inverse = results.ratio(
+                Run(learner=learner, snr_db=snr), "it2", plan.seeds, inverse=True
+            )
             points[snr] = (inverse.value, inverse.low, inverse.high)
         series[LEARNERS[learner]] = points
     return series

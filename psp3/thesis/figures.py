@@ -15,7 +15,14 @@ from matplotlib.ticker import FixedLocator, NullLocator
 
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control.records import Record
-from psp3.plots.control import DIFFERENCE_LABELS, draw_differences, draw_terms, draw_tracking, figure_of_terms, shown_samples
+from psp3.plots.control import (
+    DIFFERENCE_LABELS,
+    draw_differences,
+    draw_terms,
+    draw_tracking,
+    figure_of_terms,
+    shown_samples,
+)
 from psp3.plots.panels import Panels, given_panels, muted
 from psp3.plots.study import error_bars
 from psp3.simulation.result import Result
@@ -38,7 +45,11 @@ RELEASED = {
     DampingCase.UNDERDAMPED: MassSpringDamper(mass=1.0, damping=1.0, stiffness=4.0),
     DampingCase.CRITICALLY_DAMPED: MassSpringDamper(mass=1.0, damping=4.0, stiffness=4.0),
 }
-SIGNS = {DampingCase.OVERDAMPED: ">", DampingCase.UNDERDAMPED: "<", DampingCase.CRITICALLY_DAMPED: "="}
+SIGNS = {
+    DampingCase.OVERDAMPED: ">",
+    DampingCase.UNDERDAMPED: "<",
+    DampingCase.CRITICALLY_DAMPED: "=",
+}
 
 
 def _draw_poles(axes: Axes, system: MassSpringDamper) -> None:
@@ -46,30 +57,65 @@ def _draw_poles(axes: Axes, system: MassSpringDamper) -> None:
     axes.axhline(0.0, color=muted(), linewidth=0.8)
     axes.axvline(0.0, color=muted(), linewidth=0.8)
     axes.axvspan(0.0, 2.0, color=rcParams["grid.color"], alpha=0.6, linewidth=0.0, zorder=0)
-    axes.text(1.0, -2.75, "unstable", color=muted(), ha="center", va="bottom", fontsize="small", rotation=90.0)
+    axes.text(
+        1.0,
+        -2.75,
+        "unstable",
+        color=muted(),
+        ha="center",
+        va="bottom",
+        fontsize="small",
+        rotation=90.0,
+    )
     (poles,) = axes.plot(
-        system.poles.real, system.poles.imag, linestyle="none", marker="x", markersize=9.0, markeredgewidth=2.2, label="poles"
+        system.poles.real,
+        system.poles.imag,
+        linestyle="none",
+        marker="x",
+        markersize=9.0,
+        markeredgewidth=2.2,
+        label="poles",
     )
     labels: list[tuple[complex, str]]
     if first == second:
         # Two crosses in one place look like one.
-        axes.plot(first.real, 0.0, marker="o", markersize=16.0, markerfacecolor="none", markeredgecolor=poles.get_color())
+        axes.plot(
+            first.real,
+            0.0,
+            marker="o",
+            markersize=16.0,
+            markerfacecolor="none",
+            markeredgecolor=poles.get_color(),
+        )
         labels = [(first, f"$s_1 = s_2 = {first.real:.3g}$")]
     elif first.imag == 0.0:
         labels = [(first, f"$s_1 = {first.real:.3g}$"), (second, f"$s_2 = {second.real:.3g}$")]
     else:
-        labels = [(pole, f"$s_{n} = {pole.real:.3g} {pole.imag:+.3g}\\,i$") for n, pole in ((1, first), (2, second))]
+        labels = [
+            (pole, f"$s_{n} = {pole.real:.3g} {pole.imag:+.3g}\\,i$")
+            for n, pole in ((1, first), (2, second))
+        ]
     for pole, label in labels:
-        # A label beside the imaginary axis hangs to the left, where it cannot reach into the unstable half.
+        # A label beside the imaginary axis hangs to the left, where it cannot reach into the
+        # unstable half.
         beside = pole.real > -1.0
         offset = (-8.0 if beside else 0.0, 12.0)
         side = "right" if beside else "center"
-        axes.annotate(label, (pole.real, pole.imag), xytext=offset, textcoords="offset points", ha=side, va="bottom")
+        axes.annotate(
+            label,
+            (pole.real, pole.imag),
+            xytext=offset,
+            textcoords="offset points",
+            ha=side,
+            va="bottom",
+        )
     axes.set(xlim=(-11.0, 2.0), ylim=(-3.0, 3.0), xlabel="Re s [1/s]", ylabel="Im s [1/s]")
 
 
 def _figure_of_release(axes: Sequence[Axes] | None, case: DampingCase) -> Panels:
-    panels = given_panels(axes, 2) or tuple(Figure(figsize=(9.0, 3.4), layout="constrained").subplots(1, 2))
+    panels = given_panels(axes, 2) or tuple(
+        Figure(figsize=(9.0, 3.4), layout="constrained").subplots(1, 2)
+    )
     poles, response = panels
     system = RELEASED[case]
     _draw_poles(poles, system)
@@ -78,7 +124,12 @@ def _figure_of_release(axes: Sequence[Axes] | None, case: DampingCase) -> Panels
     if case is DampingCase.CRITICALLY_DAMPED:
         for other, dashes in ((DampingCase.OVERDAMPED, "--"), (DampingCase.UNDERDAMPED, ":")):
             response.plot(
-                t, RELEASED[other].response(t, -1.0, 0.0).position, color=muted(), linestyle=dashes, linewidth=1.0, label=str(other)
+                t,
+                RELEASED[other].response(t, -1.0, 0.0).position,
+                color=muted(),
+                linestyle=dashes,
+                linewidth=1.0,
+                label=str(other),
             )
     (line,) = response.plot(t, system.response(t, -1.0, 0.0).position, label=str(case))
     response.plot(0.0, -1.0, marker="o", markersize=5.0, color=line.get_color())
@@ -87,16 +138,24 @@ def _figure_of_release(axes: Sequence[Axes] | None, case: DampingCase) -> Panels
         decay, frequency = -system.poles[1].real, system.poles[1].imag
         envelope = math.hypot(1.0, decay / frequency) * np.exp(-decay * t)
         for sign, label in ((1.0, "envelope"), (-1.0, None)):
-            response.plot(t, sign * envelope, color=muted(), linestyle="--", linewidth=1.0, label=label)
+            response.plot(
+                t, sign * envelope, color=muted(), linestyle="--", linewidth=1.0, label=label
+            )
     response.axhline(0.0, color=muted(), linewidth=0.8)
-    response.set(xlim=(-0.2, 10.0), ylim=(-1.15, 1.15), xlabel="time t [s]", ylabel="position x [m]")
-    response.set_title(f"m = {system.mass:g} kg, b = {system.damping:g} N s/m, k = {system.stiffness:g} N/m")
+    response.set(
+        xlim=(-0.2, 10.0), ylim=(-1.15, 1.15), xlabel="time t [s]", ylabel="position x [m]"
+    )
+    response.set_title(
+        f"m = {system.mass:g} kg, b = {system.damping:g} N s/m, k = {system.stiffness:g} N/m"
+    )
     response.legend(loc="upper right")
     return panels
 
 
 def figure_34(axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw the poles and the response of an overdamped mass-spring-damper released at x = −1 m (Fig. 34, eq. 4.3 to 4.5).
+    """Draw the poles and the response of an overdamped system (Fig. 34).
+
+    It is a mass-spring-damper released at x = −1 m, eq. 4.3 to 4.5.
 
     Parameters
     ----------
@@ -117,7 +176,9 @@ def figure_34(axes: Sequence[Axes] | None = None) -> Panels:
 
 
 def figure_35(axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw the poles and the response of an underdamped mass-spring-damper released at x = −1 m (Fig. 35, eq. 4.3 to 4.5).
+    """Draw the poles and the response of an underdamped system (Fig. 35).
+
+    It is a mass-spring-damper released at x = −1 m, eq. 4.3 to 4.5.
 
     Parameters
     ----------
@@ -138,7 +199,9 @@ def figure_35(axes: Sequence[Axes] | None = None) -> Panels:
 
 
 def figure_36(axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw the poles and the response of a critically damped mass-spring-damper released at x = −1 m (Fig. 36, eq. 4.3 to 4.5).
+    """Draw the poles and the response of a critically damped system (Fig. 36).
+
+    It is a mass-spring-damper released at x = −1 m, eq. 4.3 to 4.5.
 
     The responses of Figures 34 and 35 are drawn beside it for comparison.
 
@@ -172,22 +235,49 @@ class _Diagram:
         """Shade a part of the diagram and write its name over it."""
         size = {"width": right - left, "height": top - bottom}
         shade = FancyBboxPatch(
-            (left, bottom), **size, boxstyle="round,pad=0,rounding_size=0.25", facecolor=rcParams["grid.color"], alpha=0.45
+            (left, bottom),
+            **size,
+            boxstyle="round,pad=0,rounding_size=0.25",
+            facecolor=rcParams["grid.color"],
+            alpha=0.45,
         )
         shade.set(linewidth=0.0, zorder=0)
         self.axes.add_patch(shade)
-        self.axes.text((left + right) / 2.0, top + 0.15, label, ha="center", va="bottom", fontsize="small", color=muted())
+        self.axes.text(
+            (left + right) / 2.0,
+            top + 0.15,
+            label,
+            ha="center",
+            va="bottom",
+            fontsize="small",
+            color=muted(),
+        )
 
     def block(self, x: float, y: float, width: float, label: str) -> None:
         """Draw a block with its center at (x, y)."""
-        outline = FancyBboxPatch((x - width / 2.0, y - 0.45), width, 0.9, boxstyle="round,pad=0,rounding_size=0.12", linewidth=1.2)
+        outline = FancyBboxPatch(
+            (x - width / 2.0, y - 0.45),
+            width,
+            0.9,
+            boxstyle="round,pad=0,rounding_size=0.12",
+            linewidth=1.2,
+        )
         outline.set(facecolor=rcParams["axes.facecolor"], edgecolor=self.text)
         self.axes.add_patch(outline)
         self.axes.text(x, y, label, ha="center", va="center")
 
     def sum(self, x: float, y: float) -> None:
         """Draw a circle that adds what comes in."""
-        self.axes.add_patch(Circle((x, y), 0.28, facecolor=rcParams["axes.facecolor"], edgecolor=self.text, linewidth=1.2, zorder=2))
+        self.axes.add_patch(
+            Circle(
+                (x, y),
+                0.28,
+                facecolor=rcParams["axes.facecolor"],
+                edgecolor=self.text,
+                linewidth=1.2,
+                zorder=2,
+            )
+        )
         self.axes.text(x, y, "+", ha="center", va="center_baseline", fontsize="small")
 
     def signal(self, *points: tuple[float, float], label: str = "", arrow: bool = True) -> None:
@@ -195,7 +285,13 @@ class _Diagram:
         xs, ys = zip(*points, strict=True)
         self.axes.plot(xs, ys, color=self.text, linewidth=1.2, solid_joinstyle="miter", zorder=1)
         if arrow:
-            head = {"arrowstyle": "-|>", "color": self.text, "linewidth": 1.2, "shrinkA": 0.0, "shrinkB": 0.0}
+            head = {
+                "arrowstyle": "-|>",
+                "color": self.text,
+                "linewidth": 1.2,
+                "shrinkA": 0.0,
+                "shrinkB": 0.0,
+            }
             self.axes.annotate("", points[-1], points[-2], arrowprops=head, zorder=1)
         if label:
             self.axes.text((xs[0] + xs[1]) / 2.0, ys[0] + 0.12, label, ha="center", va="bottom")
@@ -211,7 +307,8 @@ def _draw_partitioned_controller(axes: Axes) -> None:
     diagram.part(7.2, 11.9, 0.75, 5.1, "model (eq. 4.10)")
     diagram.part(12.9, 18.0, 3.3, 5.1, "system (eq. 4.9)")
     state = r"$x,\ \dot x$"
-    # The desired motion enters on the left; each error has a sum, a gain, and a sum on the way to f'.
+    # The desired motion enters on the left; each error has a sum, a gain, and a sum on the way to
+    # f'.
     for y, desired, gain in ((2.85, r"$\dot x_d$", "$k_v$"), (1.5, "$x_d$", "$k_p$")):
         column = 1.7 if y > 2.0 else 2.5
         diagram.signal((0.0, y), (column - 0.28, y))
@@ -221,7 +318,9 @@ def _draw_partitioned_controller(axes: Axes) -> None:
         axes.text(3.25, y + 0.1, r"$\dot e$" if y > 2.0 else "$e$", ha="center", va="bottom")
         diagram.block(4.25, y, 1.1, gain)
         diagram.signal((column, 0.3), (column, y - 0.28))
-        axes.text(column + 0.16, y - 0.42, "\N{MINUS SIGN}", ha="left", va="center", fontsize="small")
+        axes.text(
+            column + 0.16, y - 0.42, "\N{MINUS SIGN}", ha="left", va="center", fontsize="small"
+        )
     diagram.signal((4.8, 1.5), (5.7, 1.5), (5.7, 2.57))
     diagram.signal((4.8, 2.85), (5.42, 2.85))
     diagram.sum(5.7, 2.85)
@@ -249,15 +348,19 @@ def _draw_partitioned_controller(axes: Axes) -> None:
 
 
 def figure_40(axes: Sequence[Axes] | None = None) -> Panels:
-    r"""Draw the trajectory-tracking controller based on partitioning, and what it does to two systems (Fig. 40, eq. 4.9 to 4.18).
+    r"""Draw the trajectory-tracking controller based on partitioning (Fig. 40).
 
-    A mass-spring-damper and a mass on a cubic spring start at rest in x = −1 m and follow a sine under the same servo gains. The
-    forces differ, the errors do not: both are the closed form of :math:`\ddot e + k_v \dot e + k_p e = 0`, eq. 4.18.
+    And what it does to two systems, eq. 4.9 to 4.18.
+
+    A mass-spring-damper and a mass on a cubic spring start at rest in x = −1 m and follow a sine
+    under the same servo gains. The forces differ, the errors do not: both are the closed form of
+    :math:`\ddot e + k_v \dot e + k_p e = 0`, eq. 4.18.
 
     Parameters
     ----------
     axes : sequence of 7 Axes, optional
-        For the diagram, and for position, error and force of the first system, then of the second; those of a new figure by default.
+        For the diagram, and for position, error and force of the first system, then of the second;
+        those of a new figure by default.
 
     Returns
     -------
@@ -280,23 +383,47 @@ def figure_40(axes: Sequence[Axes] | None = None) -> Panels:
     kv = critical_damping(kp)
 
     def desired(t: float) -> Desired:
-        return Desired(math.sin(frequency * t), frequency * math.cos(frequency * t), -(frequency**2) * math.sin(frequency * t))
+        return Desired(
+            math.sin(frequency * t),
+            frequency * math.cos(frequency * t),
+            -(frequency**2) * math.sin(frequency * t),
+        )
 
     systems = (
-        (r"Mass-spring-damper, $f = b\,\dot x + k\,x$", MassSpringDamper(mass=1.0, damping=1.0, stiffness=20.0).system()),
-        (r"Cubic spring, $f = b\,\dot x + k\,x^3$", cubic_spring(mass=1.0, damping=1.0, stiffness=20.0)),
+        (
+            r"Mass-spring-damper, $f = b\,\dot x + k\,x$",
+            MassSpringDamper(mass=1.0, damping=1.0, stiffness=20.0).system(),
+        ),
+        (
+            r"Cubic spring, $f = b\,\dot x + k\,x^3$",
+            cubic_spring(mass=1.0, damping=1.0, stiffness=20.0),
+        ),
     )
     t = np.linspace(0.0, 6.0, 601)
-    for (name, system), (position, error, force) in zip(systems, (panels[1:4], panels[4:7]), strict=True):
+    for (name, system), (position, error, force) in zip(
+        systems, (panels[1:4], panels[4:7]), strict=True
+    ):
         control = PartitionedControl.of(system, kp, kv)
         tracking = simulate_tracking(system, control, desired, t, position=-1.0, speed=0.0)
-        expected = control.error_dynamics.response(t, tracking.error[0], tracking.error_speed[0]).position
-        position.plot(t, tracking.desired_position, color=muted(), linestyle="--", label="desired, $x_d$")
+        expected = control.error_dynamics.response(
+            t, tracking.error[0], tracking.error_speed[0]
+        ).position
+        position.plot(
+            t, tracking.desired_position, color=muted(), linestyle="--", label="desired, $x_d$"
+        )
         position.plot(t, tracking.position, label="x")
         position.set(ylabel="position [m]", ylim=(-1.2, 1.9))
         position.set_title(name)
         error.plot(t, tracking.error, label="simulated")
-        error.plot(t[::20], expected[::20], linestyle="none", marker="o", markersize=4.0, markerfacecolor="none", label="eq. 4.18")
+        error.plot(
+            t[::20],
+            expected[::20],
+            linestyle="none",
+            marker="o",
+            markersize=4.0,
+            markerfacecolor="none",
+            label="eq. 4.18",
+        )
         error.set(ylabel="error e [m]")
         force.plot(t, tracking.force, label="F")
         force.set(ylabel="force F [N]", xlabel="time t [s]", ylim=(-25.0, 25.0))
@@ -316,7 +443,8 @@ def figure_52(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
     result : Result
         A simulation under :class:`psp3.PD`.
     axes : sequence of 7 Axes, optional
-        Three for the heights [m], three for the speeds [m/s], a 3D one for the path of the tip [mm]; new ones by default.
+        Three for the heights [m], three for the speeds [m/s], a 3D one for the path of the tip
+        [mm]; new ones by default.
 
     Returns
     -------
@@ -362,7 +490,8 @@ def figure_49(record: Record, axes: Sequence[Axes] | None = None) -> Panels:
     record : Record
         A recorded run, see :func:`psp3.fuzzy_control.records.record`.
     axes : sequence of 4 Axes, optional
-        For the two differences of heights [m] and the two of speeds [m/s]; those of a new figure by default.
+        For the two differences of heights [m] and the two of speeds [m/s]; those of a new figure by
+        default.
 
     Returns
     -------
@@ -388,8 +517,12 @@ def figure_49(record: Record, axes: Sequence[Axes] | None = None) -> Panels:
     return panels
 
 
-def figure_51(type2: FuzzyComputedTorque, type1: FuzzyComputedTorque, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw the terms of the last input, the difference of the speeds of nuts 1 and 3: type-2, and reduced to type-1 (Fig. 51).
+def figure_51(
+    type2: FuzzyComputedTorque, type1: FuzzyComputedTorque, axes: Sequence[Axes] | None = None
+) -> Panels:
+    """Draw the terms of the last input, the difference of the speeds of nuts 1 and 3.
+
+    Type-2, and reduced to type-1 (Fig. 51).
 
     Parameters
     ----------
@@ -408,9 +541,16 @@ def figure_51(type2: FuzzyComputedTorque, type1: FuzzyComputedTorque, axes: Sequ
     InvalidValue
         If another number of axes is given.
     """
-    panels = given_panels(axes, 2) or tuple(Figure(figsize=(7.0, 5.6), layout="constrained").subplots(2, 1, sharex=True))
+    panels = given_panels(axes, 2) or tuple(
+        Figure(figsize=(7.0, 5.6), layout="constrained").subplots(2, 1, sharex=True)
+    )
     number = len(DIFFERENCE_LABELS) - 1
-    for panel, controller, title in zip(panels, (type2, type1), ("Type-2: footprints of uncertainty", "Reduced to type-1"), strict=True):
+    for panel, controller, title in zip(
+        panels,
+        (type2, type1),
+        ("Type-2: footprints of uncertainty", "Reduced to type-1"),
+        strict=True,
+    ):
         draw_terms(panel, controller, number)
         panel.set_title(title)
     panels[0].set_xlabel("")
@@ -441,47 +581,78 @@ def figure_54(controller: FuzzyComputedTorque, axes: Sequence[Axes] | None = Non
 
 
 def figure_59(controller: FuzzyComputedTorque, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw the terms of all four inputs of the type-2 controller (Fig. 59); see :func:`figure_54`."""
-    return figure_of_terms(axes, controller, f"Terms of the type-2 controller, means ± {controller.mean_variation:.2f} of the range")
+    """Draw the terms of all four inputs of the type-2 controller (Fig. 59).
+
+    See :func:`figure_54`.
+    """
+    return figure_of_terms(
+        axes,
+        controller,
+        f"Terms of the type-2 controller, means ± {controller.mean_variation:.2f} of the range",
+    )
 
 
 def figure_55(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figure 55, see :func:`figure_of_differences`: the type-1 controller, rules learned without noise."""
+    """Draw Figure 55, see :func:`figure_of_differences`.
+
+    The type-1 controller, rules learned without noise.
+    """
     return draw_differences(axes, result, "Type-1, no noise")
 
 
 def figure_56(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figure 56, see :func:`figure_of_differences`: the type-1 controller, rules learned at 20 dB."""
+    """Draw Figure 56, see :func:`figure_of_differences`.
+
+    The type-1 controller, rules learned at 20 dB.
+    """
     return draw_differences(axes, result, "Type-1, 20 dB")
 
 
 def figure_57(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figure 57, see :func:`figure_of_differences`: the type-1 controller, rules learned at 15 dB."""
+    """Draw Figure 57, see :func:`figure_of_differences`.
+
+    The type-1 controller, rules learned at 15 dB.
+    """
     return draw_differences(axes, result, "Type-1, 15 dB")
 
 
 def figure_58(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figure 58, see :func:`figure_of_differences`: the type-1 controller, rules learned at 10 dB."""
+    """Draw Figure 58, see :func:`figure_of_differences`.
+
+    The type-1 controller, rules learned at 10 dB.
+    """
     return draw_differences(axes, result, "Type-1, 10 dB")
 
 
 def figure_60(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figure 60, see :func:`figure_of_differences`: the type-2 controller, rules learned without noise."""
+    """Draw Figure 60, see :func:`figure_of_differences`.
+
+    The type-2 controller, rules learned without noise.
+    """
     return draw_differences(axes, result, "Type-2, no noise")
 
 
 def figure_61(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figure 61, see :func:`figure_of_differences`: the type-2 controller, rules learned at 20 dB."""
+    """Draw Figure 61, see :func:`figure_of_differences`.
+
+    The type-2 controller, rules learned at 20 dB.
+    """
     return draw_differences(axes, result, "Type-2, 20 dB")
 
 
 def figure_62(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figure 62, see :func:`figure_of_differences`: the type-2 controller, rules learned at 15 dB."""
+    """Draw Figure 62, see :func:`figure_of_differences`.
+
+    The type-2 controller, rules learned at 15 dB.
+    """
     return draw_differences(axes, result, "Type-2, 15 dB")
 
 
 def figure_63(result: Result, axes: Sequence[Axes] | None = None) -> Panels:
-    """Draw Figure 63, see :func:`figure_of_differences`: the type-2 controller, rules learned at 10 dB."""
+    """Draw Figure 63, see :func:`figure_of_differences`.
+
+    The type-2 controller, rules learned at 10 dB.
+    """
     return draw_differences(axes, result, "Type-2, 10 dB")
 
 
@@ -490,15 +661,18 @@ def figure_64(
     printed: Mapping[float, float] | None = None,
     axes: Sequence[Axes] | Axes | None = None,
 ) -> Panels:
-    """Draw the error of type-1 over that of type-2 against the noise (Fig. 64): above one, type-2 is better.
+    """Draw the error of type-1 over that of type-2 against the noise (Fig. 64).
 
-    The thesis's text says that the ratio rises with the noise. That of its own numbers does so as type-1 over type-2, as it is
-    drawn here, not the other way around.
+    Above one, type-2 is better.
+
+    The thesis's text says that the ratio rises with the noise. That of its own numbers does so as
+    type-1 over type-2, as it is drawn here, not the other way around.
 
     Parameters
     ----------
     ratios : mapping of str to mapping of float to (value, low, high)
-        For each series, by its name, the ratio and its interval at every signal-to-noise ratio [dB]; NaN leaves out an interval.
+        For each series, by its name, the ratio and its interval at every signal-to-noise ratio
+        [dB]; NaN leaves out an interval.
     printed : mapping of float to float, optional
         Ratios of the printed numbers.
     axes : Axes, optional
@@ -516,22 +690,45 @@ def figure_64(
     """
     if not ratios:
         raise InvalidValue("ratios", ratios, "at least one series")
-    (panel,) = given_panels(None if axes is None else list(np.ravel(np.asarray(axes, dtype=object))), 1) or (
-        Figure(figsize=(7.0, 4.0), layout="constrained").subplots(),
+    (panel,) = given_panels(
+        None if axes is None else list(np.ravel(np.asarray(axes, dtype=object))), 1
+    ) or (Figure(figsize=(7.0, 4.0), layout="constrained").subplots(),)
+    levels = sorted(
+        {snr for series in (*ratios.values(), printed or {}) for snr in series}, reverse=True
     )
-    levels = sorted({snr for series in (*ratios.values(), printed or {}) for snr in series}, reverse=True)
     place = {snr: number for number, snr in enumerate(levels)}
     panel.axhline(1.0, color=muted(), linewidth=1.0)
     for number, (name, series) in enumerate(ratios.items()):
         # Side by side, or intervals would hide one another.
         x = [place[snr] + 0.07 * (number - 0.5 * (len(ratios) - 1)) for snr in series]
         value, low, high = np.array(list(series.values())).T
-        panel.errorbar(x, value, error_bars(value, low, high), marker="o", markersize=5.0, capsize=3.0, label=name)
+        panel.errorbar(
+            x,
+            value,
+            error_bars(value, low, high),
+            marker="o",
+            markersize=5.0,
+            capsize=3.0,
+            label=name,
+        )
     if printed:
-        panel.plot([place[snr] for snr in printed], list(printed.values()), color=rcParams["text.color"], marker="s", markersize=6.0,
-                   markerfacecolor="none", linestyle="--", linewidth=0.9, label="printed")  # fmt: skip
+        panel.plot(
+            [place[snr] for snr in printed],
+            list(printed.values()),
+            color=rcParams["text.color"],
+            marker="s",
+            markersize=6.0,
+            markerfacecolor="none",
+            linestyle="--",
+            linewidth=0.9,
+            label="printed",
+        )
     panel.set_xticks(range(len(levels)), ["∞" if np.isinf(snr) else f"{snr:g}" for snr in levels])
-    panel.set(yscale="log", xlabel="signal-to-noise ratio [dB], noise grows to the right", ylabel="error of type-1 over type-2")
+    panel.set(
+        yscale="log",
+        xlabel="signal-to-noise ratio [dB], noise grows to the right",
+        ylabel="error of type-1 over type-2",
+    )
     panel.yaxis.set_major_locator(FixedLocator([0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0]))
     panel.yaxis.set_minor_locator(NullLocator())
     panel.yaxis.set_major_formatter("{x:g}")

@@ -1,4 +1,7 @@
-"""What the main job finds: tables of printed and computed values, verdicts in words, sentences of the answer, drawings."""
+"""What the main job finds.
+
+Tables of printed and computed values, verdicts in words, sentences of the answer, drawings.
+"""
 
 from __future__ import annotations
 
@@ -49,7 +52,10 @@ class Table:
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure in a file, and in words: ``caption`` is shown below it, ``description`` is read to those who cannot see it."""
+    """A figure in a file, and in words.
+
+    ``caption`` is shown below it, ``description`` is read to those who cannot see it.
+    """
 
     path: Path
     caption: str
@@ -113,7 +119,9 @@ def verdict(computed: float, printed: float, interval: tuple[float, float] | Non
     times = f"×\N{NO-BREAK SPACE}{ratio:.2g}"
     if interval is not None and interval[0] <= printed <= interval[1]:
         times += ", within the interval"
-    return f"{'same order' if 1.0 / SAME_ORDER <= ratio <= SAME_ORDER else 'not reproduced'} ({times})"
+    return (
+        f"{'same order' if 1.0 / SAME_ORDER <= ratio <= SAME_ORDER else 'not reproduced'} ({times})"
+    )
 
 
 def better(difference: Estimate, controller: str, baseline: str) -> str:
@@ -139,7 +147,10 @@ def better(difference: Estimate, controller: str, baseline: str) -> str:
 
 
 def significant(value: float) -> str:
-    """Return a number with three significant digits, six decimals at most and no exponent, as in tables of errors; a dash for none."""
+    """Return a number with three significant digits, as in tables of errors.
+
+    Six decimals at most, no exponent, and a dash for none.
+    """
     if not np.isfinite(value):
         return "–"
     if value == 0.0:
@@ -151,7 +162,10 @@ def significant(value: float) -> str:
 
 
 def with_interval(estimate: Estimate, seeds: int | None = None) -> str:
-    """Return a value with its interval, and with the number of seeds it stands on where that is not ``seeds``."""
+    """Return a value with its interval.
+
+    And with the number of seeds that it stands on where that is not ``seeds``.
+    """
     text = significant(estimate.value)
     if np.isfinite(estimate.low) and estimate.low != estimate.high:
         text += f" ({significant(estimate.low)} to {significant(estimate.high)})"
@@ -160,14 +174,34 @@ def with_interval(estimate: Estimate, seeds: int | None = None) -> str:
 
 def as_numbers(estimate: Estimate) -> dict[str, float | int]:
     """Return an estimate for a machine."""
-    return {"value": estimate.value, "low": estimate.low, "high": estimate.high, "seeds": estimate.count}
+    return {
+        "value": estimate.value,
+        "low": estimate.low,
+        "high": estimate.high,
+        "seeds": estimate.count,
+    }
 
 
 def compared(label: str, printed: Array, computed: Array, bar: float | None) -> list[list[str]]:
-    """Return rows of a matrix as printed and as computed; within ``bar`` they count as reproduced, and None says they cannot be."""
+    """Return rows of a matrix as printed and as computed.
+
+    Within ``bar`` they count as reproduced, and None says they cannot be.
+    """
     rows = []
-    for number, (old, new) in enumerate(zip(np.atleast_2d(printed), np.atleast_2d(computed), strict=True), start=1):
+    for number, (old, new) in enumerate(
+        zip(np.atleast_2d(printed), np.atleast_2d(computed), strict=True), start=1
+    ):
         gap = float(np.abs(old - new).max())
-        words = "not reproducible" if bar is None else f"{'reproduced' if gap <= bar else 'not reproduced'}, to {gap:.4f}"
-        rows.append([label.format(number), *("  ".join(f"{value: .4f}" for value in values) for values in (old, new)), words])
+        words = (
+            "not reproducible"
+            if bar is None
+            else f"{'reproduced' if gap <= bar else 'not reproduced'}, to {gap:.4f}"
+        )
+        rows.append(
+            [
+                label.format(number),
+                *("  ".join(f"{value: .4f}" for value in values) for values in (old, new)),
+                words,
+            ]
+        )
     return rows

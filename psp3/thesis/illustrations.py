@@ -1,4 +1,7 @@
-"""The figures of the report: each drawn by its function in :mod:`psp3.plots`, saved, and put in words."""
+"""The figures of the report.
+
+Each drawn by its function in :mod:`psp3.plots`, saved, and put in words.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,12 @@ _LINES = "Solid: actual, dashed: desired."
 
 
 def draw_all(
-    robot: PSP3, results: Mapping[str, Result], seed: int, curves: Mapping[str, Series], plan: Plan, directory: Path
+    robot: PSP3,
+    results: Mapping[str, Result],
+    seed: int,
+    curves: Mapping[str, Series],
+    plan: Plan,
+    directory: Path,
 ) -> Iterator[Drawing]:
     """Draw Figures 49, 51 to 64 and the sweep of the mean variation, one after the other.
 
@@ -63,40 +71,61 @@ def draw_all(
     recorded = record(robot, Helix(robot=robot))
     ranges = ", ".join(
         f"{name} from {low:.3f} to {high:.3f}"
-        for name, low, high in zip(INPUT_NAMES, recorded.inputs.min(axis=0), recorded.inputs.max(axis=0), strict=True)
+        for name, low, high in zip(
+            INPUT_NAMES, recorded.inputs.min(axis=0), recorded.inputs.max(axis=0), strict=True
+        )
     )
     yield saved(
-        "figure_49", figures.figure_49(recorded),
-        "Figure 49: the four inputs of the estimators, while crisp computed torque tracks the helix. The rules are learned from samples "
-        "of this run.",
+        "figure_49",
+        figures.figure_49(recorded),
+        "Figure 49: the four inputs of the estimators, while crisp computed torque tracks the "
+        "helix. The rules are learned from samples of this run.",
         f"Four curves over 10.4 s, periodic in two seconds: {ranges}, in m and m/s.",
-    )  # fmt: skip
+    )
 
-    three = {kind: FuzzyComputedTorque(kind, robot, n_terms=3, learner="strict", snr_db=TEN_PERCENT) for kind in ("it2", "t1")}
+    three = {
+        kind: FuzzyComputedTorque(kind, robot, n_terms=3, learner="strict", snr_db=TEN_PERCENT)
+        for kind in ("it2", "t1")
+    }
     for controller in three.values():
         controller.learn(recorded, rng=np.random.default_rng(0))
     yield saved(
-        "figure_51", figures.figure_51(three["it2"], three["t1"]),
-        f"Figure 51: three terms of {INPUT_NAMES[3]} at 10 % noise ({TEN_PERCENT:g} dB): footprints of uncertainty of the type-2 terms, "
-        f"means ± {three['it2'].mean_variation:.2f} of the range, and the same terms reduced to type-1. Dotted: the trained range.",
-        "Two panels. Above: Low, Mid and High as shaded bands between a lower and an upper membership function, which overlap widely. "
-        "Below: three Gaussian curves that cross at one half.",
-    )  # fmt: skip
+        "figure_51",
+        figures.figure_51(three["it2"], three["t1"]),
+        f"Figure 51: three terms of {INPUT_NAMES[3]} at 10 % noise ({TEN_PERCENT:g} dB): "
+        "footprints of uncertainty of the type-2 terms, means ± "
+        f"{three['it2'].mean_variation:.2f} of the range, and the same terms reduced to type-1. "
+        "Dotted: the trained range.",
+        "Two panels. Above: Low, Mid and High as shaded bands between a lower and an upper "
+        "membership function, which overlap widely. Below: three Gaussian curves that cross at "
+        "one half.",
+    )
 
     for name, draw, key, words in (
-        ("figure_52", figures.figure_52, "PD", "The heights lag by the sag under gravity, the speeds agree."),
+        (
+            "figure_52",
+            figures.figure_52,
+            "PD",
+            "The heights lag by the sag under gravity, the speeds agree.",
+        ),
         (
             "figure_53",
             figures.figure_53,
             "CTC",
-            "The error of the start from rest dies out within about ten seconds at the thesis's gains.",
+            (
+                "The error of the start from rest dies out within about ten seconds at the "
+                "thesis's gains."
+            ),
         ),
     ):
         yield saved(
-            name, draw(results[key]),
-            f"Figure {name[-2:]}: {key}. Heights and speeds of the three nuts and the path of the tip. {_LINES} {words}",
-            f"Three panels of heights, three of speeds and the helix of the tip under {key}. {_in_words(results[key])}",
-        )  # fmt: skip
+            name,
+            draw(results[key]),
+            f"Figure {name[-2:]}: {key}. Heights and speeds of the three nuts and the path of "
+            f"the tip. {_LINES} {words}",
+            f"Three panels of heights, three of speeds and the helix of the tip under {key}. "
+            f"{_in_words(results[key])}",
+        )
 
     two = {kind: FuzzyComputedTorque(kind, robot, snr_db=TEN_PERCENT) for kind in ("t1", "it2")}
     for controller in two.values():
@@ -104,45 +133,81 @@ def draw_all(
     first = {"t1": 55, "it2": 60}
     for kind, label in (("t1", "type-1"), ("it2", "type-2")):
         terms = first[kind] - 1
-        shape = "two Gaussian curves" if kind == "t1" else "two shaded bands, each between a lower and an upper membership function"
+        shape = (
+            "two Gaussian curves"
+            if kind == "t1"
+            else "two shaded bands, each between a lower and an upper membership function"
+        )
         yield saved(
-            f"figure_{terms}", (figures.figure_54 if kind == "t1" else figures.figure_59)(two[kind]),
+            f"figure_{terms}",
+            (figures.figure_54 if kind == "t1" else figures.figure_59)(two[kind]),
             f"Figure {terms}: membership functions of the inputs of the {label} controller"
             f"{'' if kind == 't1' else f' at {TEN_PERCENT:g} dB'}. Dotted: the trained range.",
-            f"Four panels, one for each of {', '.join(INPUT_NAMES)}, each with {shape}, Low and High, crossing in the middle of the range.",
-        )  # fmt: skip
+            f"Four panels, one for each of {', '.join(INPUT_NAMES)}, each with {shape}, Low and "
+            "High, crossing in the middle of the range.",
+        )
         for number, snr in enumerate((math.inf, *NOISY), start=first[kind]):
             result = results[f"{label}, {decibels(snr)} dB"]
             draw_differences = getattr(figures, f"figure_{number}")
-            noise = "rules learned without noise" if math.isinf(snr) else f"rules learned at {snr:g} dB, seed {seed}"
+            noise = (
+                "rules learned without noise"
+                if math.isinf(snr)
+                else f"rules learned at {snr:g} dB, seed {seed}"
+            )
             yield saved(
-                f"figure_{number}", draw_differences(result),
-                f"Figure {number}: {label} fuzzy controller, {noise}: the four differences and the path of the tip. {_LINES} "
-                f"Sum of squared errors of this run: {significant(sum_of_squared_errors(result))} m²."
-                + ("" if math.isinf(snr) else " Of all seeds this one comes nearest to the medians."),
+                f"figure_{number}",
+                draw_differences(result),
+                f"Figure {number}: {label} fuzzy controller, {noise}: the four differences and "
+                f"the path of the tip. {_LINES} Sum of squared errors of this run: "
+                f"{significant(sum_of_squared_errors(result))} m²."
+                + (
+                    ""
+                    if math.isinf(snr)
+                    else " Of all seeds this one comes nearest to the medians."
+                ),
                 f"Four panels over time and the path of the tip in space. {_in_words(result)}",
-            )  # fmt: skip
+            )
 
     printed = {snr: one / other for snr, (one, other) in published.TABLE_6_3_FUZZY.items()}
     yield saved(
-        "figure_64", figures.figure_64(curves["figure_64"], printed),
-        "Figure 64: squared error of type-1 over that of type-2, means with 95 % intervals, for three learners, and as printed. Above one, "
-        f"type-2 is better. {count(plan.seeds)}, without those with which one of the two diverged.",
+        "figure_64",
+        figures.figure_64(curves["figure_64"], printed),
+        "Figure 64: squared error of type-1 over that of type-2, means with 95 % intervals, for "
+        f"three learners, and as printed. Above one, type-2 is better. {count(plan.seeds)}, "
+        "without those with which one of the two diverged.",
         "; ".join(
-            f"{name}: {', '.join(f'{value:.2f} at {decibels(snr)} dB' for snr, (value, _, _) in points.items())}"
-            for name, points in {**curves["figure_64"], "printed": {snr: (ratio, 0.0, 0.0) for snr, ratio in printed.items()}}.items()
-        ) + ".",
-    )  # fmt: skip
+            f"{name}: "
+            + ", ".join(
+                f"{value:.2f} at {decibels(snr)} dB" for snr, (value, _, _) in points.items()
+            )
+            for name, points in {
+                **curves["figure_64"],
+                "printed": {snr: (ratio, 0.0, 0.0) for snr, ratio in printed.items()},
+            }.items()
+        )
+        + ".",
+    )
     yield saved(
-        "mean_variation", study.figure_of_sweep(curves["mean_variation"], "mean variation, share of each input's range"),
-        "Sum of squared errors against the mean variation of the type-2 terms; 0 is type-1. Means with 95 % intervals. "
-        f"{count(plan.sweep_seeds)}, without the runs that diverged.",
+        "mean_variation",
+        study.figure_of_sweep(
+            curves["mean_variation"], "mean variation, share of each input's range"
+        ),
+        "Sum of squared errors against the mean variation of the type-2 terms; 0 is type-1. "
+        f"Means with 95 % intervals. {count(plan.sweep_seeds)}, without the runs that diverged.",
         "; ".join(
-            f"{name}: {', '.join(f'{significant(value)} at {variation:g}' for variation, (value, _, _) in points.items())}"
+            f"{name}: "
+            + ", ".join(
+                f"{significant(value)} at {variation:g}"
+                for variation, (value, _, _) in points.items()
+            )
             for name, points in curves["mean_variation"].items()
-        ) + " m².",
-    )  # fmt: skip
+        )
+        + " m².",
+    )
 
 
 def _in_words(result: Result) -> str:
-    return f"The greatest distance of the tip from its desired path is {1e3 * largest_tip_error(result):.0f} mm."
+    return (
+        "The greatest distance of the tip from its desired path is "
+        f"{1e3 * largest_tip_error(result):.0f} mm."
+    )

@@ -17,16 +17,24 @@ from psp3.study.study import grid
 from psp3.thesis.findings import with_interval
 
 LABELS = {
-    "feed-forward": "feed-forward", "pd": "PD", "pd-gravity": "PD with gravity", "ctc": "CTC",
-    "t1": "type-1", "it2": "type-2", "gt2": "general type-2",
-}  # fmt: skip
+    "feed-forward": "feed-forward",
+    "pd": "PD",
+    "pd-gravity": "PD with gravity",
+    "ctc": "CTC",
+    "t1": "type-1",
+    "it2": "type-2",
+    "gt2": "general type-2",
+}
 """Controllers as tables name them."""
 
 FUZZY = ("t1", "it2", "gt2")
 
 LEARNERS = {
-    "strongest": "strongest sample", "average": "weighted average", "strict": "strict table look-up", "ridge": "ridge",
-}  # fmt: skip
+    "strongest": "strongest sample",
+    "average": "weighted average",
+    "strict": "strict table look-up",
+    "ridge": "ridge",
+}
 """Learners as tables name them; the first is the default."""
 
 READINGS = {
@@ -80,10 +88,21 @@ class Plan:
 
     @classmethod
     def of(cls, seeds: int, quick: bool = False) -> Plan:
-        """Return the whole plan, or one that is done in seconds and shows only that everything works."""
+        """Return the whole plan, or a short one that shows only that everything works.
+
+        The short one is done in seconds.
+        """
         if quick:
             few = min(seeds, 2)
-            return cls(few, few, sweep_levels=(20.0,), variations=(0.1, 0.4), terms=(2, 3), widths=(2.0,), trajectories=("helix", "circle"))
+            return cls(
+                few,
+                few,
+                sweep_levels=(20.0,),
+                variations=(0.1, 0.4),
+                terms=(2, 3),
+                widths=(2.0,),
+                trajectories=("helix", "circle"),
+            )
         return cls(seeds, min(seeds, MOST_SWEEP_SEEDS))
 
     def runs(self) -> tuple[Run, ...]:
@@ -95,14 +114,25 @@ class Plan:
             *grid(controller=FUZZY, snr_db=(math.inf, *NOISY), seed=all_seeds),
             *grid(controller=FUZZY, learner=LEARNERS, snr_db=levels, seed=all_seeds),
             *grid(controller=FUZZY, learner=("strongest", "average"), snr_db=NOISIER, seed=seeds),
-            *grid(controller=(*classical, *FUZZY), reading=READINGS, snr_db=self.sweep_levels, seed=seeds),
+            *grid(
+                controller=(*classical, *FUZZY),
+                reading=READINGS,
+                snr_db=self.sweep_levels,
+                seed=seeds,
+            ),
             *grid(controller="t1", term_width=self.widths, snr_db=levels, seed=all_seeds),
             *grid(controller="it2", mean_variation=self.variations, snr_db=levels, seed=seeds),
-            *grid(controller=("t1", "it2"), learner="strict", n_terms=self.terms, snr_db=levels, seed=seeds),
+            *grid(
+                controller=("t1", "it2"),
+                learner="strict",
+                n_terms=self.terms,
+                snr_db=levels,
+                seed=seeds,
+            ),
             *grid(controller=("feed-forward", *classical, *FUZZY), trajectory=self.trajectories),
             *grid(controller="t1", trajectory=self.trajectories, learner="ridge"),
             *grid(controller=("t1", "it2"), trajectory=self.trajectories, snr_db=20.0, seed=seeds),
-        )  # fmt: skip
+        )
 
 
 class Outcomes:
@@ -118,10 +148,15 @@ class Outcomes:
         self._rows = {Run(**{name: row[name] for name in field_types()}): row for row in rows}
 
     def values(self, run: Run, seeds: int, metric: str = ERROR) -> Array:
-        """Return a metric of a run for each seed; of a run without noise, which no seed changes, once."""
+        """Return a metric of a run for each seed.
+
+        Of a run without noise, which no seed changes, once.
+        """
         if run.canonical().snr_db == math.inf:
             seeds = 1
-        return np.array([self._rows[replace(run, seed=seed).canonical()][metric] for seed in range(seeds)])
+        return np.array(
+            [self._rows[replace(run, seed=seed).canonical()][metric] for seed in range(seeds)]
+        )
 
     def mean(self, run: Run, seeds: int, metric: str = ERROR) -> Estimate:
         """Return the mean over the seeds that did not diverge."""
@@ -136,16 +171,24 @@ class Outcomes:
         return statistics.paired_difference(*self._pair(run, controller, seeds))
 
     def ratio(self, run: Run, controller: str, seeds: int, inverse: bool = False) -> Estimate:
-        """Return the ratio of the mean errors over the same seeds, that controller's over type-1's, or the inverse."""
+        """Return the ratio of the mean errors over the same seeds.
+
+        That controller's over type-1's, or the inverse.
+        """
         pair = self._pair(run, controller, seeds)
         return statistics.ratio_of_means(*(pair[::-1] if inverse else pair))
 
     def shown(self, run: Run, seeds: int) -> str:
-        """Return the mean error with its interval, and the share of the runs that diverged if any did, as tables show it."""
+        """Return the mean error with its interval, as tables show it.
+
+        If runs diverged, their share is there, too.
+        """
         return with_share(self.mean(run, seeds), self.average(run, seeds))
 
     def _pair(self, run: Run, controller: str, seeds: int) -> tuple[Array, Array]:
-        return tuple(self.values(replace(run, controller=name), seeds) for name in (controller, "t1"))  # type: ignore[return-value]
+        return tuple(
+            self.values(replace(run, controller=name), seeds) for name in (controller, "t1")
+        )  # type: ignore[return-value]
 
 
 def decibels(snr_db: float) -> str:

@@ -1,7 +1,10 @@
-"""The main job: run the thesis's comparison on the robot and set every number beside the printed one.
+"""The main job of the package.
 
-Everything is computed, nothing is copied: the tables of chapters 5 and 6, Figures 49 and 51 to 64, and what the thesis never showed. The
-runs behind them are one study, kept in a file, so the job goes on where it was stopped.
+Run the thesis's comparison on the robot and set every number beside the printed one.
+
+Everything is computed, nothing is copied: the tables of chapters 5 and 6, Figures 49 and 51 to 64,
+and what the thesis never showed. The runs behind them are one study, kept in a file, so the job
+goes on where it was stopped.
 """
 
 from __future__ import annotations
@@ -52,20 +55,24 @@ def reproduce(
     Parameters
     ----------
     out : path
-        Directory to write to; made if it does not exist. Runs that its ``study.sqlite`` already holds are not repeated.
+        Directory to write to; made if it does not exist. Runs that its ``study.sqlite`` already
+        holds are not repeated.
     quick : bool
-        Leave out the animation, and take two seeds and a few values of everything: shows that all works, in seconds.
+        Leave out the animation, and take two seeds and a few values of everything: shows that all
+        works, in seconds.
     progress : callable, optional
         Called with a description, the number of steps done and the number of steps.
     seeds : int
         Seeds of Table 6.3 and of the comparison of learners; other comparisons take ten at most.
     run_progress : callable, optional
-        Called with the number of runs in the file, the number of all runs, and the rate since the start [1/s].
+        Called with the number of runs in the file, the number of all runs, and the rate since the
+        start [1/s].
 
     Returns
     -------
     Reproduction
-        Tables, results, numbers and the paths of ``report.html``, ``results.json``, the figures, the study and ``animation.html``.
+        Tables, results, numbers and the paths of ``report.html``, ``results.json``, the figures,
+        the study and ``animation.html``.
 
     Raises
     ------
@@ -74,7 +81,8 @@ def reproduce(
     OSError
         If the directory cannot be written to; before anything is computed.
     InvalidStudyFile, StudyMismatch, StudyInUse
-        If ``study.sqlite`` there is of another version, damaged or in use; before anything is computed.
+        If ``study.sqlite`` there is of another version, damaged or in use; before anything is
+        computed.
     StudyInterrupted
         After Ctrl-C; what was done is kept.
     """
@@ -92,7 +100,10 @@ def reproduce(
     steps: list[tuple[str, Callable[[], None]]] = [
         ("running the study", lambda: _run_study(runs, outcome, quick, run_progress)),
         ("simulating the controllers that are drawn", lambda: _simulate(runs, plan, outcome)),
-        ("recomputing Tables 6.1 and 6.3, and what the thesis never showed", lambda: curves.update(_chapter_6(runs, plan, outcome))),
+        (
+            "recomputing Tables 6.1 and 6.3, and what the thesis never showed",
+            lambda: curves.update(_chapter_6(runs, plan, outcome)),
+        ),
         ("timing control steps for Table 6.2", lambda: _table_6_2(outcome, quick)),
         ("recomputing Tables 5.1 and 5.2", lambda: _chapter_5(outcome, 11 if quick else 105)),
         ("drawing the figures", lambda: _figures(outcome, curves, plan, directory / "figures")),
@@ -109,9 +120,14 @@ def reproduce(
     return outcome
 
 
-def _run_study(runs: study.Study, outcome: Reproduction, quick: bool, run_progress: study.Progress | None) -> None:
+def _run_study(
+    runs: study.Study, outcome: Reproduction, quick: bool, run_progress: study.Progress | None
+) -> None:
     if quick:
-        outcome.answer.append("This was a quick look: two seeds and few values, which show that all works and no more.")
+        outcome.answer.append(
+            "This was a quick look: two seeds and few values, which show that all works and no "
+            "more."
+        )
     runs.run(progress=run_progress)
     outcome.files.append(runs.path)
 
@@ -120,7 +136,10 @@ def _simulate(runs: study.Study, plan: Plan, outcome: Reproduction) -> None:
     seed = outcome.numbers["drawn_seed"] = chapter_6.typical_seed(Outcomes(runs.rows()), plan)
     drawn = {"PD": Run("pd"), "CTC": Run("ctc"), "PD with gravity": Run("pd-gravity")}
     for kind, label in (("t1", "type-1"), ("it2", "type-2")):
-        drawn |= {f"{label}, {decibels(snr)} dB": Run(kind, snr_db=snr, seed=seed) for snr in (math.inf, *NOISY)}
+        drawn |= {
+            f"{label}, {decibels(snr)} dB": Run(kind, snr_db=snr, seed=seed)
+            for snr in (math.inf, *NOISY)
+        }
     for name, run in drawn.items():
         outcome.results[name] = simulate_run(run).result
 
@@ -150,7 +169,9 @@ def _table_6_2(outcome: Reproduction, quick: bool) -> None:
     times: dict[str, latency.Latency] = {}
     for name, controller in controllers.items():
         steps = SLOW_STEPS if name in ("CTC, noc", "CTC, pinocchio") else STEPS
-        times |= latency.measure_latencies({name: controller}, recorded, desired, 100 if quick else steps)
+        times |= latency.measure_latencies(
+            {name: controller}, recorded, desired, 100 if quick else steps
+        )
     chapter_6.table_6_2(times, outcome)
 
 
@@ -166,7 +187,9 @@ def _figures(outcome: Reproduction, curves: dict[str, Series], plan: Plan, direc
     from psp3.thesis.illustrations import draw_all
 
     with style():
-        for drawing in draw_all(load("psp3"), outcome.results, outcome.numbers["drawn_seed"], curves, plan, directory):
+        for drawing in draw_all(
+            load("psp3"), outcome.results, outcome.numbers["drawn_seed"], curves, plan, directory
+        ):
             outcome.drawings.append(drawing)
             outcome.files.append(drawing.path)
 
@@ -186,18 +209,26 @@ def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
         outcome.files.append(outcome.results[name].save(directory / f"{name.lower()}.npz"))
     outcome.numbers["answer"] = outcome.answer
     outcome.numbers["seeds"] = {"table_6_3": plan.seeds, "sweeps": plan.sweep_seeds}
-    outcome.numbers["parameters"] = {name: parameters.as_dict() for name, parameters in PARAMETER_SETS.items()}
+    outcome.numbers["parameters"] = {
+        name: parameters.as_dict() for name, parameters in PARAMETER_SETS.items()
+    }
     outcome.numbers["versions"] = {"python": platform.python_version()} | {
         name: version(name) for name in ("psp3", "pin", "numpy", "numba")
     }
     path = directory / "results.json"
-    path.write_text(json.dumps(_plain(outcome.numbers), indent=2, ensure_ascii=False, allow_nan=False) + "\n", encoding="utf-8")
+    path.write_text(
+        json.dumps(_plain(outcome.numbers), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+        encoding="utf-8",
+    )
     outcome.files.append(path)
     outcome.files.append(write_report(outcome, directory / "report.html"))
 
 
 def _plain(value: Any) -> Any:
-    """Return what JSON can hold: it has no word for what is not a finite number, so that becomes null."""
+    """Return what JSON can hold.
+
+    It has no word for what is not a finite number, so that becomes null.
+    """
     if isinstance(value, dict):
         return {name: _plain(one) for name, one in value.items()}
     if isinstance(value, list | tuple):

@@ -16,9 +16,12 @@ from psp3.three_psp.robot import PSP3
 
 
 def numbers_of_table_3_1(robot: PSP3) -> Unknowns:
-    """Return the masses and moments of inertia of the thesis's Table 3.1 as unknowns: see :class:`psp3.Parameters`.
+    """Return the masses and moments of inertia of the thesis's Table 3.1 as unknowns.
 
-    The products of inertia and the offsets that the table does not have are zero, and the three legs are equal.
+    See :class:`psp3.Parameters`.
+
+    The products of inertia and the offsets that the table does not have are zero, and the three
+    legs are equal.
 
     Raises
     ------
@@ -26,7 +29,11 @@ def numbers_of_table_3_1(robot: PSP3) -> Unknowns:
         If the robot is not a 3-PSP.
     """
     if not isinstance(robot, PSP3):
-        raise InvalidValue("robot", robot, "a 3-PSP: Table 3.1 is about that robot; use all_parameters or equal_bodies")
+        raise InvalidValue(
+            "robot",
+            robot,
+            "a 3-PSP: Table 3.1 is about that robot; use all_parameters or equal_bodies",
+        )
     known = ("screw_radius", "tool_length", "gravity")
     names, believed, columns = [], [], []
     for field in fields(Parameters):
@@ -34,10 +41,13 @@ def numbers_of_table_3_1(robot: PSP3) -> Unknowns:
             continue
         value = np.atleast_1d(getattr(robot.parameters, field.name))
         for k in range(len(value)):
-            # The standard parameters are linear in each number, so a difference of any size is the derivative.
+            # The standard parameters are linear in each number, so a difference of any size is the
+            # derivative.
             raised = value.copy()
             raised[k] += 1.0
-            change: dict[str, Any] = {field.name: tuple(raised) if len(value) == 3 else float(raised[0])}
+            change: dict[str, Any] = {
+                field.name: tuple(raised) if len(value) == 3 else float(raised[0])
+            }
             columns.append(_standard(robot, replace(robot.parameters, **change)))
             names.append(field.name if len(value) == 1 else f"{field.name}_{'xyz'[k]}")
             believed.append(float(value[k]))

@@ -1,8 +1,12 @@
-r"""What a printed mass matrix and gravity vector say about the robot they were computed for: Table 5.1, for instance.
+r"""What a printed mass matrix and gravity vector say about the robot they were computed for.
 
-At one pose M is linear in the base parameters :math:`\beta`, and so is G but for the acceleration of free fall g. A printed number is known
-to half a unit of its last digit, and nothing else is known of its error: the values that explain all printed numbers fill a polytope, whose
-extent in any direction two linear programs find (an interval without probabilities: it holds the true value for sure).
+Table 5.1, for instance.
+
+At one pose M is linear in the base parameters :math:`\beta`, and so is G but for the acceleration
+of free fall g. A printed number is known to half a unit of its last digit, and nothing else is
+known of its error: the values that explain all printed numbers fill a polytope, whose extent in any
+direction two linear programs find (an interval without probabilities: it holds the true value for
+sure).
 """
 
 from __future__ import annotations
@@ -31,12 +35,15 @@ class Implied:
     base : BaseParameters
         The r numbers that it is about.
     null_space : (r, k) ndarray
-        Changes of the base parameters, as shares of what is believed, that leave M and G as they are: orthonormal columns.
+        Changes of the base parameters, as shares of what is believed, that leave M and G as they
+        are: orthonormal columns.
     misfit : float
-        Largest error that no choice of values avoids, in units of the rounding: up to 1, the printed numbers are explained.
+        Largest error that no choice of values avoids, in units of the rounding: up to 1, the
+        printed numbers are explained.
     nearest : (r,) ndarray
-        Values that explain the printed numbers and are nearest to what is believed: with the least sum of squares of the changes, g's
-        among them, as shares of what is believed. NaN if nothing explains the numbers.
+        Values that explain the printed numbers and are nearest to what is believed: with the least
+        sum of squares of the changes, g's among them, as shares of what is believed. NaN if nothing
+        explains the numbers.
     """
 
     base: BaseParameters
@@ -52,7 +59,9 @@ class Implied:
         return len(self.null_space) - len(self.null_space.T)
 
     def interval(self, combination: ArrayLike) -> tuple[float, float]:
-        """Return the least and the greatest value of a combination of base parameters that explain the printed numbers.
+        """Return the least and the greatest value of a combination of base parameters.
+
+        Of those parameters that explain the printed numbers.
 
         Parameters
         ----------
@@ -76,10 +85,15 @@ class Implied:
 
     @property
     def gravity(self) -> tuple[float, float]:
-        """Least and greatest acceleration of free fall that explain the printed numbers; NaN if nothing does [m/s²]."""
+        """Least and greatest acceleration of free fall that explain the printed numbers.
+
+        NaN if nothing does [m/s²].
+        """
         if not self.misfit <= 1.0:
             return np.nan, np.nan
-        low, high = _extent(np.append(np.zeros(len(self.base.columns)), 1.0), self._rows, self._misses)
+        low, high = _extent(
+            np.append(np.zeros(len(self.base.columns)), 1.0), self._rows, self._misses
+        )
         believed = _fall(self.base)
         return believed / (1.0 + high), believed / (1.0 + low)
 
@@ -91,16 +105,21 @@ def implied_parameters(
     gravity: ArrayLike = published.TABLE_5_1_GRAVITY,
     rounding: float = ROUNDING_OF_TABLE_5_1,
 ) -> Implied:
-    r"""Return what a printed mass matrix and gravity vector say about base parameters; those of Table 5.1 by default.
+    r"""Return what a printed mass matrix and gravity vector say about base parameters.
 
-    .. math:: | M_{ij}(\beta) - M_{ij} | \le \epsilon, \qquad | g\, \hat G_i(\beta) - G_i | \le \epsilon
+    Those of Table 5.1 by default.
 
-    with :math:`\hat G` the gravity at :math:`g = 1`; divided by g, the second is linear in :math:`\beta` and :math:`1/g`.
+    .. math:: | M_{ij}(\beta) - M_{ij} | \le \epsilon, \qquad
+              | g\, \hat G_i(\beta) - G_i | \le \epsilon
+
+    with :math:`\hat G` the gravity at :math:`g = 1`; divided by g, the second is linear in
+    :math:`\beta` and :math:`1/g`.
 
     Parameters
     ----------
     base : BaseParameters
-        What is asked for. None of them may be believed to be zero, because changes are counted as shares of what is believed.
+        What is asked for. None of them may be believed to be zero, because changes are counted as
+        shares of what is believed.
     positions : (n,) array_like
         Pose of the actuated joints that the matrices belong to [m or rad].
     mass : (n, n) array_like
@@ -123,23 +142,38 @@ def implied_parameters(
     n, count = len(robot.actuated), len(base.columns)
     pose, weight = one_row("positions", positions, n), one_row("gravity", gravity, n)
     printed = as_floats("mass", mass, f"({n}, {n})")
-    if printed.shape != (n, n) or not np.isfinite(printed).all() or not np.array_equal(printed, printed.T):
+    if (
+        printed.shape != (n, n)
+        or not np.isfinite(printed).all()
+        or not np.array_equal(printed, printed.T)
+    ):
         raise InvalidArray("mass", f"({n}, {n}), symmetric", mass)
     checked_positive("rounding", rounding)
     believed = np.abs(base.believed)
     if not (believed > 0.0).all():
-        raise InvalidValue("base", base.names[int(np.argmin(believed))], "parameters that are believed to be something else than zero")
+        raise InvalidValue(
+            "base",
+            base.names[int(np.argmin(believed))],
+            "parameters that are believed to be something else than zero",
+        )
     _fall(base)
 
     rest = np.zeros((n + 1, n))
-    columns, known = base.forces_of(np.tile(pose, (n + 1, 1)), rest, np.concatenate([np.eye(n), rest[:1]]))
+    columns, known = base.forces_of(
+        np.tile(pose, (n + 1, 1)), rest, np.concatenate([np.eye(n), rest[:1]])
+    )
     upper = np.triu_indices(n)
     columns = np.concatenate([(columns[:n] - columns[n])[upper], columns[n]])
     known = np.concatenate([(known[:n] - known[n])[upper], known[n]])
     numbers = np.concatenate([printed[upper], weight])
-    # What is looked for are changes from what is believed: of base parameters and of 1/g, as shares. An error of G is divided by the
-    # change of g here, too, which is of second order.
-    rows = np.column_stack([columns * believed, np.where(np.arange(len(numbers)) < len(upper[0]), 0.0, -numbers)]) / rounding
+    # What is looked for are changes from what is believed: of base parameters and of 1/g, as
+    # shares. An error of G is divided by the change of g here, too, which is of second order.
+    rows = (
+        np.column_stack(
+            [columns * believed, np.where(np.arange(len(numbers)) < len(upper[0]), 0.0, -numbers)]
+        )
+        / rounding
+    )
     misses = (numbers - known - columns @ base.believed) / rounding
     misfit, nearest = _misfit(rows, misses), np.full(count, np.nan)
     if misfit <= 1.0:
@@ -166,22 +200,33 @@ def _null_space(rows: Array) -> Array:
 def _misfit(rows: Array, misses: Array) -> float:
     """Return the least t for which changes x exist with all | rows x - misses | up to t."""
     ones = np.ones((len(rows), 1))
-    return _solved(np.append(np.zeros(rows.shape[1]), 1.0), np.block([[rows, -ones], [-rows, -ones]]), np.append(misses, -misses))[1]
+    return _solved(
+        np.append(np.zeros(rows.shape[1]), 1.0),
+        np.block([[rows, -ones], [-rows, -ones]]),
+        np.append(misses, -misses),
+    )[1]
 
 
 def _extent(costs: Array, rows: Array, misses: Array) -> tuple[float, float]:
-    """Return the least and the greatest value of costs · x over the changes x with all | rows x - misses | up to 1."""
+    """Return the least and the greatest value of costs · x.
+
+    Over the changes x with all | rows x - misses | up to 1.
+    """
     matrix, bounds = np.concatenate([rows, -rows]), np.append(misses, -misses) + 1.0
     return _solved(costs, matrix, bounds)[1], -_solved(-costs, matrix, bounds)[1]
 
 
 def _least_changes(rows: Array, misses: Array) -> Array:
-    """Return the shortest x with all | rows x - misses | up to 1 (C. L. Lawson and R. J. Hanson, Solving Least Squares Problems, 1974)."""
+    """Return the shortest x with all | rows x - misses | up to 1.
+
+    After C. L. Lawson and R. J. Hanson, Solving Least Squares Problems, 1974.
+    """
     from scipy.optimize import nnls
 
     matrix, bounds = np.concatenate([-rows, rows]), np.append(-misses, misses) - 1.0
     sizes = np.linalg.norm(matrix, axis=1)
-    # Least-distance programming: its dual is a least-squares problem in numbers that are not negative.
+    # Least-distance programming: its dual is a least-squares problem in numbers that are not
+    # negative.
     dual = np.column_stack([matrix, bounds]).T / sizes
     target = np.append(np.zeros(rows.shape[1]), 1.0)
     residual = dual @ nnls(dual, target)[0] - target
@@ -192,7 +237,8 @@ def _solved(costs: Array, matrix: Array, bounds: Array) -> tuple[Array, float]:
     """Return the solution of a linear program and its value."""
     from scipy.optimize import linprog
 
-    # The solver's tolerances are absolute, so every unknown is counted in a unit that a constraint notices.
+    # The solver's tolerances are absolute, so every unknown is counted in a unit that a constraint
+    # notices.
     units = 1.0 / np.abs(matrix).max(axis=0)
     found = linprog(costs * units, A_ub=matrix * units, b_ub=bounds, bounds=(None, None))
     return np.asarray(found.x, dtype=np.float64) * units, float(found.fun)

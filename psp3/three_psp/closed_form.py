@@ -1,27 +1,34 @@
-r"""Closed form of the 3-PSP robot's kinematics and dynamics, compiled: the fast one of the two implementations.
+r"""Closed form of the 3-PSP robot's kinematics and dynamics, compiled.
+
+The fast one of the two implementations.
 
 Everything follows from three coordinates that are *linear* in the nut heights: the slope
-:math:`p = u + iv = \tan\theta\, e^{i\beta}` of the star (tilt :math:`\theta` toward azimuth :math:`\beta`) and the mean height,
+:math:`p = u + iv = \tan\theta\, e^{i\beta}` of the star (tilt :math:`\theta` toward azimuth
+:math:`\beta`) and the mean height,
 
 .. math::
 
     u + iv = -\frac{2}{3d} \sum_k a_k e^{i\alpha_k}, \qquad \bar a = \frac13 \sum_k a_k, \qquad
     c = \cos\theta = (1 + u^2 + v^2)^{-1/2}.
 
-The star's arms meet at 120° in the plane of the three nuts, so its center is the Fermat point of the nut triangle, and
+The star's arms meet at 120° in the plane of the three nuts, so its center is the Fermat point of
+the nut triangle, and
 
 .. math::
 
     C_x + iC_y &= \tfrac d4 \Big[ \tfrac{c^3}{(1+c)^2} p^4 - c\, \bar p^2 \Big], \qquad
     C_z = \bar a + \tfrac d2 \tfrac{c^2}{1+c} \operatorname{Re} p^3, \\
-    b_k &= \tfrac{d}{2c} \Big[ 1 + c + \tfrac{2c^2}{1+c} \operatorname{Re}(p^2 e^{i\alpha_k}) \Big], \qquad n = c\,(u, v, 1),
+    b_k &= \tfrac{d}{2c} \Big[ 1 + c
+    + \tfrac{2c^2}{1+c} \operatorname{Re}(p^2 e^{i\alpha_k}) \Big], \qquad n = c\,(u, v, 1),
 
-where :math:`n` is the star's own axis and its rotation is the shortest one that takes :math:`e_z` to :math:`n`. No angle is
-evaluated anywhere, so nothing is singular at the level pose. The change of coordinates is linear, so mass matrix and Coriolis
-matrix are transformed like tensors, without further terms.
+where :math:`n` is the star's own axis and its rotation is the shortest one that takes :math:`e_z`
+to :math:`n`. No angle is evaluated anywhere, so nothing is singular at the level pose. The change
+of coordinates is linear, so mass matrix and Coriolis matrix are transformed like tensors, without
+further terms.
 
-Kernels take flat, contiguous arrays of ``n`` rows, write to a flat array and return -1, or the first row that is not
-finite or whose arm lengths are not all positive. :mod:`psp3.three_psp.robot` is the face that people use.
+Kernels take flat, contiguous arrays of ``n`` rows, write to a flat array and return -1, or the
+first row that is not finite or whose arm lengths are not all positive. :mod:`psp3.three_psp.robot`
+is the face that people use.
 """
 
 from __future__ import annotations
@@ -34,7 +41,18 @@ from psp3.checks import Array
 HALF_SQRT3 = 0.8660254037844386
 
 # Columns of the parameter array, see Parameters.as_array.
-RADIUS, TOOL, SLIDING_MASS, STAR_MASS, STAR_X, STAR_Y, STAR_Z, PHI_INERTIA, THETA_INERTIA, GRAVITY = range(10)
+(
+    RADIUS,
+    TOOL,
+    SLIDING_MASS,
+    STAR_MASS,
+    STAR_X,
+    STAR_Y,
+    STAR_Z,
+    PHI_INERTIA,
+    THETA_INERTIA,
+    GRAVITY,
+) = range(10)
 
 
 @compiled
@@ -46,7 +64,10 @@ def slope_of_nuts(a1, a2, a3, d):
 
 @compiled
 def cosine_of_tilt(u, v):
-    """Cosine of the tilt, c, and k = c²/(1+c), which is (1 − c)/(u² + v²) without the division 0/0."""
+    """Cosine of the tilt, c, and k = c²/(1+c).
+
+    That is (1 − c)/(u² + v²) without the division 0/0.
+    """
     c = 1.0 / math.sqrt(1.0 + u * u + v * v)
     return c, c * c / (1.0 + c)
 
@@ -90,7 +111,10 @@ def is_finite(array, i):
 
 @compiled
 def _term(f, f1, f2, u, v, q, qu, qv, quu, quv, qvv):
-    """Value, gradient and second derivatives of f(u² + v²) q(u, v), given f, f', f'' and those of q."""
+    """Value, gradient and second derivatives of f(u² + v²) q(u, v).
+
+    Given f, f', f'' and those of q.
+    """
     fu, fv = 2.0 * u * f1, 2.0 * v * f1
     fuu, fuv, fvv = 2.0 * f1 + 4.0 * u * u * f2, 4.0 * u * v * f2, 2.0 * f1 + 4.0 * v * v * f2
     return (
@@ -116,28 +140,74 @@ def _center_derivatives(u, v, c, d):
     k1, k2 = k_c * c1, k_cc * c1 * c1 + k_c * c2
 
     uu, vv, uv = u * u, v * v, u * v
-    # Re p^4, Im p^4, Re p^3 and their derivatives; those of Re p^2 and Im p^2 are written out below.
+    # Re p^4, Im p^4, Re p^3 and their derivatives; those of Re p^2 and Im p^2 are written out
+    # below.
     x4 = _term(
-        g, g1, g2, u, v, uu * uu - 6.0 * uu * vv + vv * vv, 4.0 * u * (uu - 3.0 * vv), -4.0 * v * (3.0 * uu - vv),
-        12.0 * (uu - vv), -24.0 * uv, -12.0 * (uu - vv),
-    )  # fmt: skip
+        g,
+        g1,
+        g2,
+        u,
+        v,
+        uu * uu - 6.0 * uu * vv + vv * vv,
+        4.0 * u * (uu - 3.0 * vv),
+        -4.0 * v * (3.0 * uu - vv),
+        12.0 * (uu - vv),
+        -24.0 * uv,
+        -12.0 * (uu - vv),
+    )
     y4 = _term(
-        g, g1, g2, u, v, 4.0 * uv * (uu - vv), 4.0 * v * (3.0 * uu - vv), 4.0 * u * (uu - 3.0 * vv),
-        24.0 * uv, 12.0 * (uu - vv), -24.0 * uv,
-    )  # fmt: skip
+        g,
+        g1,
+        g2,
+        u,
+        v,
+        4.0 * uv * (uu - vv),
+        4.0 * v * (3.0 * uu - vv),
+        4.0 * u * (uu - 3.0 * vv),
+        24.0 * uv,
+        12.0 * (uu - vv),
+        -24.0 * uv,
+    )
     x2 = _term(c, c1, c2, u, v, uu - vv, 2.0 * u, -2.0 * v, 2.0, 0.0, -2.0)
     y2 = _term(c, c1, c2, u, v, 2.0 * uv, 2.0 * v, 2.0 * u, 0.0, 2.0, 0.0)
-    z3 = _term(k, k1, k2, u, v, u * (uu - 3.0 * vv), 3.0 * (uu - vv), -6.0 * uv, 6.0 * u, -6.0 * v, -6.0 * u)
+    z3 = _term(
+        k,
+        k1,
+        k2,
+        u,
+        v,
+        u * (uu - 3.0 * vv),
+        3.0 * (uu - vv),
+        -6.0 * uv,
+        6.0 * u,
+        -6.0 * v,
+        -6.0 * u,
+    )
     q, h = 0.25 * d, 0.5 * d
-    x = (q * (x4[0] - x2[0]), q * (x4[1] - x2[1]), q * (x4[2] - x2[2]), q * (x4[3] - x2[3]), q * (x4[4] - x2[4]))
-    y = (q * (y4[0] + y2[0]), q * (y4[1] + y2[1]), q * (y4[2] + y2[2]), q * (y4[3] + y2[3]), q * (y4[4] + y2[4]))
+    x = (
+        q * (x4[0] - x2[0]),
+        q * (x4[1] - x2[1]),
+        q * (x4[2] - x2[2]),
+        q * (x4[3] - x2[3]),
+        q * (x4[4] - x2[4]),
+    )
+    y = (
+        q * (y4[0] + y2[0]),
+        q * (y4[1] + y2[1]),
+        q * (y4[2] + y2[2]),
+        q * (y4[3] + y2[3]),
+        q * (y4[4] + y2[4]),
+    )
     z = (h * z3[0], h * z3[1], h * z3[2], h * z3[3], h * z3[4])
     return x, y, z
 
 
 @compiled
 def _tip_derivatives(u, v, c, d, h):
-    """Return the derivatives (u, v, uu, uv, vv) of the tip's three coordinates: those of the center plus h n."""
+    """Return the derivatives (u, v, uu, uv, vv) of the tip's three coordinates.
+
+    Those of the center plus h n.
+    """
     x, y, z = _center_derivatives(u, v, c, d)
     c1, c2 = -0.5 * c**3, 0.75 * c**5
     nx = _term(c, c1, c2, u, v, u, 1.0, 0.0, 0.0, 0.0, 0.0)
@@ -152,10 +222,13 @@ def _tip_derivatives(u, v, c, d, h):
 
 @compiled
 def _reduced(u, v, c, k, du, dv, p):
-    """Mass and Coriolis matrix of the star and the ball bodies' rotations in the coordinates (u, v, mean height).
+    """Mass and Coriolis matrix of the star and the ball bodies' rotations.
 
-    Returns the six entries of the mass matrix (uu, uv, vv, uz, vz, zz) and the Coriolis matrix's six (uu, uv, vu, vv, zu, zv);
-    its third column is zero. Each rotation enters as in eq. 3.3, W' (I (dW/dt + w x W) + w x I W), in axes fixed to the body.
+    In the coordinates (u, v, mean height).
+
+    Returns the six entries of the mass matrix (uu, uv, vv, uz, vz, zz) and the Coriolis matrix's
+    six (uu, uv, vu, vv, zu, zv); its third column is zero. Each rotation enters as in eq. 3.3, W'
+    (I (dW/dt + w x W) + w x I W), in axes fixed to the body.
     """
     d, m = p[RADIUS], p[STAR_MASS]
     x, y, z = _center_derivatives(u, v, c, d)
@@ -171,7 +244,8 @@ def _reduced(u, v, c, k, du, dv, p):
     c_vu = m * (x[1] * xu + y[1] * yu + z[1] * zu)
     c_vv = m * (x[1] * xv + y[1] * yv + z[1] * zv)
 
-    # Angular velocity in star axes, W (du, dv): for the shortest rotation it differs from that in base axes by the sign of z.
+    # Angular velocity in star axes, W (du, dv): for the shortest rotation it differs from that in
+    # base axes by the sign of z.
     ix, iy, iz = p[STAR_X], p[STAR_Y], p[STAR_Z]
     rate = u * du + v * dv
     dc = -(c**3) * rate
@@ -189,7 +263,8 @@ def _reduced(u, v, c, k, du, dv, p):
     m_uu += ix * wxu * wxu + iy * wyu * wyu + iz * wzu * wzu
     m_uv += ix * wxu * wxv + iy * wyu * wyv + iz * wzu * wzv
     m_vv += ix * wxv * wxv + iy * wyv * wyv + iz * wzv * wzv
-    # Columns of I (dW/dt + w x W) + w x I W. The first cross product is the rotation of the body axes; it vanishes in C v.
+    # Columns of I (dW/dt + w x W) + w x I W. The first cross product is the rotation of the body
+    # axes; it vanishes in C v.
     hxu = ix * (dwxu + oy * wzu - oz * wyu) + oy * iz * wzu - oz * iy * wyu
     hyu = iy * (dwyu + oz * wxu - ox * wzu) + oz * ix * wxu - ox * iz * wzu
     hzu = iz * (dwzu + ox * wyu - oy * wxu) + ox * iy * wyu - oy * ix * wxu
@@ -201,7 +276,8 @@ def _reduced(u, v, c, k, du, dv, p):
     c_vu += wxv * hxu + wyv * hyu + wzv * hzu
     c_vv += wxv * hxv + wyv * hyv + wzv * hzv
 
-    # First and second ball bodies: tan phi = x, sin theta = -c y in the axes of the leg, where (x, y) is the slope.
+    # First and second ball bodies: tan phi = x, sin theta = -c y in the axes of the leg, where (x,
+    # y) is the slope.
     c_square = c * c
     dc_square = -2.0 * c_square * c_square * rate
     for leg in range(3):
@@ -219,7 +295,11 @@ def _reduced(u, v, c, k, du, dv, p):
         phi_x = 1.0 / q_square
         dphi_x = -2.0 * lx * dlx / (q_square * q_square)
         theta_x, theta_y = lx * ly * c_square / q, -q * c_square
-        dtheta_x = (dlx * ly + lx * dly) * c_square / q + lx * ly * dc_square / q - lx * ly * c_square * dq / q_square
+        dtheta_x = (
+            (dlx * ly + lx * dly) * c_square / q
+            + lx * ly * dc_square / q
+            - lx * ly * c_square * dq / q_square
+        )
         dtheta_y = -dq * c_square - q * dc_square
         # Gradients with respect to (u, v) and their time derivatives.
         pu, pv, dpu, dpv = phi_x * ca, phi_x * sa, dphi_x * ca, dphi_x * sa
@@ -244,17 +324,27 @@ def _equation(heights, i, speeds, j, p):
     c, k = cosine_of_tilt(u, v)
     valid = is_valid_pose(u, v, c, k, d) and is_finite(speeds, j)
     du, dv, _ = slope_of_nuts(speeds[j], speeds[j + 1], speeds[j + 2], d)
-    m_uu, m_uv, m_vv, m_uz, m_vz, m_zz, c_uu, c_uv, c_vu, c_vv, c_zu, c_zv = _reduced(u, v, c, k, du, dv, p)
-    # Change of coordinates: derivatives of u, v and the mean height with respect to a_1, a_2, a_3 are the columns of
-    # [[f, -f/2, -f/2], [0, e, -e], [1/3, 1/3, 1/3]].
+    m_uu, m_uv, m_vv, m_uz, m_vz, m_zz, c_uu, c_uv, c_vu, c_vv, c_zu, c_zv = _reduced(
+        u, v, c, k, du, dv, p
+    )
+    # Change of coordinates: derivatives of u, v and the mean height with respect to a_1, a_2, a_3
+    # are the columns of [[f, -f/2, -f/2], [0, e, -e], [1/3, 1/3, 1/3]].
     f = -2.0 / (3.0 * d)
     g, e, third = -0.5 * f, f * HALF_SQRT3, 1.0 / 3.0
     sliding, gravity = p[SLIDING_MASS], p[GRAVITY]
     # Rows of the transposed change of coordinates times the reduced matrices.
     z = third * m_zz
     mu1, mv1, mz1 = f * m_uu + third * m_uz, f * m_uv + third * m_vz, f * m_uz + z
-    mu2, mv2, mz2 = g * m_uu + e * m_uv + third * m_uz, g * m_uv + e * m_vv + third * m_vz, g * m_uz + e * m_vz + z
-    mu3, mv3, mz3 = g * m_uu - e * m_uv + third * m_uz, g * m_uv - e * m_vv + third * m_vz, g * m_uz - e * m_vz + z
+    mu2, mv2, mz2 = (
+        g * m_uu + e * m_uv + third * m_uz,
+        g * m_uv + e * m_vv + third * m_vz,
+        g * m_uz + e * m_vz + z,
+    )
+    mu3, mv3, mz3 = (
+        g * m_uu - e * m_uv + third * m_uz,
+        g * m_uv - e * m_vv + third * m_vz,
+        g * m_uz - e * m_vz + z,
+    )
     cu1, cv1 = f * c_uu + third * c_zu, f * c_uv + third * c_zv
     cu2, cv2 = g * c_uu + e * c_vu + third * c_zu, g * c_uv + e * c_vv + third * c_zv
     cu3, cv3 = g * c_uu - e * c_vu + third * c_zu, g * c_uv - e * c_vv + third * c_zv
@@ -299,7 +389,10 @@ def _solve(m11, m12, m13, m22, m23, m33, b1, b2, b3):
 
 @compiled
 def forward_kinematics(heights: Array, p: Array, out: Array) -> int:
-    """Write star center (3), rotation (9), arm lengths (3) and tip (3) of every row, 18 numbers each."""
+    """Write star center (3), rotation (9), arm lengths (3) and tip (3) of every row.
+
+    They are 18 numbers each.
+    """
     d, h = p[RADIUS], p[TOOL]
     for row in range(heights.size // 3):
         u, v, mean = slope_of_nuts(heights[3 * row], heights[3 * row + 1], heights[3 * row + 2], d)
@@ -321,7 +414,10 @@ def forward_kinematics(heights: Array, p: Array, out: Array) -> int:
 
 @compiled
 def configuration(heights: Array, p: Array, out: Array) -> int:
-    """Write (a, phi, theta, lambda, b) of legs 1, 2 and 3 of every row, 15 numbers each (eq. 3.5)."""
+    """Write (a, phi, theta, lambda, b) of legs 1, 2 and 3 of every row.
+
+    They are 15 numbers each (eq. 3.5).
+    """
     d = p[RADIUS]
     for row in range(heights.size // 3):
         u, v, _ = slope_of_nuts(heights[3 * row], heights[3 * row + 1], heights[3 * row + 2], d)
@@ -346,9 +442,27 @@ def configuration(heights: Array, p: Array, out: Array) -> int:
 def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> int:
     """Write M (9), C (9) and G (3) of every row, 21 numbers each (eq. 3.2–3.4)."""
     for row in range(heights.size // 3):
-        valid, m11, m12, m13, m22, m23, m33, c11, c12, c13, c21, c22, c23, c31, c32, c33, g1, g2, g3 = _equation(
-            heights, 3 * row, speeds, 3 * row, p
-        )
+        (
+            valid,
+            m11,
+            m12,
+            m13,
+            m22,
+            m23,
+            m33,
+            c11,
+            c12,
+            c13,
+            c21,
+            c22,
+            c23,
+            c31,
+            c32,
+            c33,
+            g1,
+            g2,
+            g3,
+        ) = _equation(heights, 3 * row, speeds, 3 * row, p)
         if not valid:
             return row
         o = 21 * row
@@ -363,11 +477,33 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
 
 
 @compiled
-def inverse_dynamics(heights: Array, speeds: Array, accelerations: Array, p: Array, out: Array) -> int:
+def inverse_dynamics(
+    heights: Array, speeds: Array, accelerations: Array, p: Array, out: Array
+) -> int:
     """Write the screw forces M a + C v + G of every row (eq. 3.1)."""
     for row in range(heights.size // 3):
         i = 3 * row
-        valid, m11, m12, m13, m22, m23, m33, c11, c12, c13, c21, c22, c23, c31, c32, c33, g1, g2, g3 = _equation(heights, i, speeds, i, p)
+        (
+            valid,
+            m11,
+            m12,
+            m13,
+            m22,
+            m23,
+            m33,
+            c11,
+            c12,
+            c13,
+            c21,
+            c22,
+            c23,
+            c31,
+            c32,
+            c33,
+            g1,
+            g2,
+            g3,
+        ) = _equation(heights, i, speeds, i, p)
         if not (valid and is_finite(accelerations, i)):
             return row
         a1, a2, a3 = accelerations[i], accelerations[i + 1], accelerations[i + 2]
@@ -381,7 +517,9 @@ def inverse_dynamics(heights: Array, speeds: Array, accelerations: Array, p: Arr
 @compiled
 def accelerations_of_state(heights, i, speeds, j, f1, f2, f3, p):
     """Accelerations of one state under the given forces; NaN where the pose is not valid."""
-    valid, m11, m12, m13, m22, m23, m33, c11, c12, c13, c21, c22, c23, c31, c32, c33, g1, g2, g3 = _equation(heights, i, speeds, j, p)
+    valid, m11, m12, m13, m22, m23, m33, c11, c12, c13, c21, c22, c23, c31, c32, c33, g1, g2, g3 = (
+        _equation(heights, i, speeds, j, p)
+    )
     if not valid:
         return math.nan, math.nan, math.nan
     v1, v2, v3 = speeds[j], speeds[j + 1], speeds[j + 2]
@@ -403,7 +541,9 @@ def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, out
     """Write the accelerations M⁻¹ (tau − C v − G) of every row."""
     for row in range(heights.size // 3):
         i = 3 * row
-        x1, x2, x3 = accelerations_of_state(heights, i, speeds, i, forces[i], forces[i + 1], forces[i + 2], p)
+        x1, x2, x3 = accelerations_of_state(
+            heights, i, speeds, i, forces[i], forces[i + 1], forces[i + 2], p
+        )
         if not math.isfinite(x1 + x2 + x3):
             return row
         out[i], out[i + 1], out[i + 2] = x1, x2, x3
@@ -416,14 +556,21 @@ def energies(heights: Array, speeds: Array, p: Array, out: Array) -> int:
     d = p[RADIUS]
     for row in range(heights.size // 3):
         i = 3 * row
-        valid, m11, m12, m13, m22, m23, m33, _, _, _, _, _, _, _, _, _, _, _, _ = _equation(heights, i, speeds, i, p)
+        valid, m11, m12, m13, m22, m23, m33, _, _, _, _, _, _, _, _, _, _, _, _ = _equation(
+            heights, i, speeds, i, p
+        )
         if not valid:
             return row
         v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
         u, v, mean = slope_of_nuts(heights[i], heights[i + 1], heights[i + 2], d)
         c, k = cosine_of_tilt(u, v)
         _, _, z = _center(u, v, c, k, d)
-        out[2 * row] = 0.5 * (m11 * v1 * v1 + m22 * v2 * v2 + m33 * v3 * v3) + m12 * v1 * v2 + m13 * v1 * v3 + m23 * v2 * v3
+        out[2 * row] = (
+            0.5 * (m11 * v1 * v1 + m22 * v2 * v2 + m33 * v3 * v3)
+            + m12 * v1 * v2
+            + m13 * v1 * v3
+            + m23 * v2 * v3
+        )
         out[2 * row + 1] = p[GRAVITY] * (3.0 * p[SLIDING_MASS] * mean + p[STAR_MASS] * (mean + z))
     return -1
 
@@ -444,7 +591,11 @@ def tip_jacobian(heights: Array, p: Array, out: Array) -> int:
             across = factor * HALF_SQRT3 * derivatives[r][1]
             rise = 1.0 / 3.0 if r == 2 else 0.0
             o = 9 * row + 3 * r
-            out[o], out[o + 1], out[o + 2] = along + rise, -0.5 * along + across + rise, -0.5 * along - across + rise
+            out[o], out[o + 1], out[o + 2] = (
+                along + rise,
+                -0.5 * along + across + rise,
+                -0.5 * along - across + rise,
+            )
     return -1
 
 
@@ -456,19 +607,29 @@ def _tip_step(u, v, x, y, d, h):
     rx, ry = x - cx - h * c * u, y - cy - h * c * v
     dx, dy, _ = _tip_derivatives(u, v, c, d, h)
     determinant = dx[0] * dy[1] - dx[1] * dy[0]
-    return rx, ry, determinant, (dy[1] * rx - dx[1] * ry) / determinant, (dx[0] * ry - dy[0] * rx) / determinant
+    return (
+        rx,
+        ry,
+        determinant,
+        (dy[1] * rx - dx[1] * ry) / determinant,
+        (dx[0] * ry - dy[0] * rx) / determinant,
+    )
 
 
-# Beyond the fold the determinant is negative up to tilts of 70 degrees (checked on a grid for tools of 10 to 150 mm), so a
-# positive determinant below this slope (60 degrees) identifies the branch that is connected to home.
+# Beyond the fold the determinant is negative up to tilts of 70 degrees (checked on a grid for tools
+# of 10 to 150 mm), so a positive determinant below this slope (60 degrees) identifies the branch
+# that is connected to home.
 LARGEST_TIP_SLOPE = 1.7320508075688772
 
 
 @compiled
 def tip_slope(x: float, y: float, d: float, h: float) -> tuple[float, float]:
-    """Slope (u, v) that puts the tip at (x, y), on the branch connected to home; NaN where the tip is out of reach.
+    """Slope (u, v) that puts the tip at (x, y), on the branch connected to home.
 
-    Newton's method, followed along the ray from the center to (x, y) in steps that are halved where it leaves the branch.
+    NaN where the tip is out of reach.
+
+    Newton's method, followed along the ray from the center to (x, y) in steps that are halved where
+    it leaves the branch.
     """
     u, v, done, step = 0.0, 0.0, 0.0, 1.0
     tiny = 1e-16 * (d + h)
@@ -479,7 +640,9 @@ def tip_slope(x: float, y: float, d: float, h: float) -> tuple[float, float]:
         last = math.inf
         for _ in range(40):
             rx, ry, determinant, su, sv = _tip_step(nu, nv, goal * x, goal * y, d, h)
-            if not (determinant > 0.0 and nu * nu + nv * nv < LARGEST_TIP_SLOPE * LARGEST_TIP_SLOPE):
+            if not (
+                determinant > 0.0 and nu * nu + nv * nv < LARGEST_TIP_SLOPE * LARGEST_TIP_SLOPE
+            ):
                 break
             residual = math.hypot(rx, ry)
             if residual <= tiny or (residual >= last and residual <= 64.0 * tiny):
@@ -502,7 +665,10 @@ def tip_slope(x: float, y: float, d: float, h: float) -> tuple[float, float]:
 
 @compiled
 def inverse_kinematics_tip(tips: Array, p: Array, out: Array) -> int:
-    """Write the heights that put the tip at each row of ``tips``; return -1 or the first row out of reach."""
+    """Write the heights that put the tip at each row of ``tips``.
+
+    Return -1 or the first row out of reach.
+    """
     d, h = p[RADIUS], p[TOOL]
     for row in range(tips.size // 3):
         o = 3 * row
@@ -513,15 +679,27 @@ def inverse_kinematics_tip(tips: Array, p: Array, out: Array) -> int:
         _, _, z = _center(u, v, c, k, d)
         mean = tips[o + 2] - h * c - z
         # The plane through the nuts falls toward the slope's azimuth.
-        out[o], out[o + 1], out[o + 2] = mean - d * u, mean - d * (-0.5 * u + HALF_SQRT3 * v), mean - d * (-0.5 * u - HALF_SQRT3 * v)
+        out[o], out[o + 1], out[o + 2] = (
+            mean - d * u,
+            mean - d * (-0.5 * u + HALF_SQRT3 * v),
+            mean - d * (-0.5 * u - HALF_SQRT3 * v),
+        )
     return -1
 
 
 @compiled
-def tip_rates(heights: Array, velocities: Array, accelerations: Array, p: Array, speeds_out: Array, accelerations_out: Array) -> int:
+def tip_rates(
+    heights: Array,
+    velocities: Array,
+    accelerations: Array,
+    p: Array,
+    speeds_out: Array,
+    accelerations_out: Array,
+) -> int:
     """Write nut speeds and accelerations for given tip velocities and accelerations, row by row.
 
-    With x = f(u, v) the tip's horizontal position: (du, dv) = J⁻¹ dx and (ddu, ddv) = J⁻¹ (ddx − dJ (du, dv)).
+    With x = f(u, v) the tip's horizontal position: (du, dv) = J⁻¹ dx and (ddu, ddv) = J⁻¹ (ddx − dJ
+    (du, dv)).
     """
     d, h = p[RADIUS], p[TOOL]
     for row in range(heights.size // 3):
@@ -538,7 +716,12 @@ def tip_rates(heights: Array, velocities: Array, accelerations: Array, p: Array,
         ay = accelerations[o + 1] - (y[2] * du * du + 2.0 * y[3] * du * dv + y[4] * dv * dv)
         ddu, ddv = (y[1] * ax - x[1] * ay) / determinant, (x[0] * ay - y[0] * ax) / determinant
         rise = velocities[o + 2] - z[0] * du - z[1] * dv
-        lift = accelerations[o + 2] - z[0] * ddu - z[1] * ddv - (z[2] * du * du + 2.0 * z[3] * du * dv + z[4] * dv * dv)
+        lift = (
+            accelerations[o + 2]
+            - z[0] * ddu
+            - z[1] * ddv
+            - (z[2] * du * du + 2.0 * z[3] * du * dv + z[4] * dv * dv)
+        )
         speeds_out[o], accelerations_out[o] = rise - d * du, lift - d * ddu
         speeds_out[o + 1] = rise - d * (-0.5 * du + HALF_SQRT3 * dv)
         accelerations_out[o + 1] = lift - d * (-0.5 * ddu + HALF_SQRT3 * ddv)

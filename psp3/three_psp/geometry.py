@@ -1,8 +1,11 @@
-r"""Geometry of the 3-PSP robot that is not on the hot path: inverse kinematics from tilt, and the reach of the tip.
+r"""Geometry of the 3-PSP robot that is not on the hot path.
 
-Driving the tip's horizontal position folds where its derivative with respect to the star's slope becomes singular; the fold
-is a curve with three cusps (nearly a deltoid) around the vertical axis, and the tip cannot leave it on the branch that is
-connected to home. At azimuth 0 the reach is exactly :math:`\sqrt{h^2 + d^2/4} - d/2`, 23.9 mm for the thesis's robot.
+Inverse kinematics from tilt, and the reach of the tip.
+
+Driving the tip's horizontal position folds where its derivative with respect to the star's slope
+becomes singular; the fold is a curve with three cusps (nearly a deltoid) around the vertical axis,
+and the tip cannot leave it on the branch that is connected to home. At azimuth 0 the reach is
+exactly :math:`\sqrt{h^2 + d^2/4} - d/2`, 23.9 mm for the thesis's robot.
 """
 
 from __future__ import annotations
@@ -17,7 +20,9 @@ SCREW_AZIMUTHS = np.array([0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0])
 """Azimuths of the three screws [rad]."""
 
 LARGEST_TIP_SLOPE = np.sqrt(3.0)
-"""Tangent of the largest tilt at which a given tip is looked for, 60 degrees; the fold lies at 33 to 38 degrees."""
+"""Tangent of the largest tilt at which a given tip is looked for, 60 degrees; the fold lies at 33
+to 38 degrees.
+"""
 
 
 def _column(name: str, values: ArrayLike) -> Array:
@@ -28,12 +33,15 @@ def _column(name: str, values: ArrayLike) -> Array:
     return column
 
 
-def heights_of_tilt(height: ArrayLike, tilt: ArrayLike, azimuth: ArrayLike, screw_radius: float) -> Array:
+def heights_of_tilt(
+    height: ArrayLike, tilt: ArrayLike, azimuth: ArrayLike, screw_radius: float
+) -> Array:
     r"""Return the nut heights that hold the star's center at a height and its axis at a tilt.
 
     .. math::
 
-        b_k = d\, \frac{1 + \cos\theta}{2 \cos\theta} \Big[ 1 + 2 \tan^2\tfrac\theta2 \cos(2\phi + \alpha_k) \Big], \qquad
+        b_k = d\, \frac{1 + \cos\theta}{2 \cos\theta}
+        \Big[ 1 + 2 \tan^2\tfrac\theta2 \cos(2\phi + \alpha_k) \Big], \qquad
         a_k = z_C - b_k \sin\theta \cos(\phi - \alpha_k).
 
     Parameters
@@ -61,12 +69,21 @@ def heights_of_tilt(height: ArrayLike, tilt: ArrayLike, azimuth: ArrayLike, scre
     UnreachablePose
         If an arm length comes out negative or zero, which needs a tilt of at least 70.53°.
     """
-    z, theta, phi = together(height=_column("height", height), tilt=_column("tilt", tilt), azimuth=_column("azimuth", azimuth))
+    z, theta, phi = together(
+        height=_column("height", height),
+        tilt=_column("tilt", tilt),
+        azimuth=_column("azimuth", azimuth),
+    )
     if (np.abs(theta) >= 0.5 * np.pi).any():
         raise InvalidValue("tilt", float(np.abs(theta).max()), "less than 90 degrees (pi/2 rad)")
     half = np.tan(0.5 * theta) ** 2
     cosine = np.cos(theta)
-    arms = screw_radius * (1.0 + cosine) / (2.0 * cosine) * (1.0 + 2.0 * half * np.cos(2.0 * phi + SCREW_AZIMUTHS))
+    arms = (
+        screw_radius
+        * (1.0 + cosine)
+        / (2.0 * cosine)
+        * (1.0 + 2.0 * half * np.cos(2.0 * phi + SCREW_AZIMUTHS))
+    )
     heights: Array = z - arms * np.sin(theta) * np.cos(phi - SCREW_AZIMUTHS)
     valid = (arms > 0.0).all(axis=-1)
     if not valid.all():
@@ -78,10 +95,11 @@ def heights_of_tilt(height: ArrayLike, tilt: ArrayLike, azimuth: ArrayLike, scre
 def arm_lengths(heights: ArrayLike, screw_radius: float) -> Array:
     r"""Return the signed arm lengths of the star, from the sides of the nut triangle.
 
-    The star's center is the Fermat point of the triangle. With :math:`l_k` the side opposite nut k, :math:`A` the area and
-    :math:`\Sigma = l_1^2 + l_2^2 + l_3^2`,
+    The star's center is the Fermat point of the triangle. With :math:`l_k` the side opposite nut k,
+    :math:`A` the area and :math:`\Sigma = l_1^2 + l_2^2 + l_3^2`,
 
-    .. math:: s = \sum_k b_k = \sqrt{\Sigma/2 + 2\sqrt3 A}, \qquad b_k = (s^2 + \Sigma - 3 l_k^2) / (3 s).
+    .. math:: s = \sum_k b_k = \sqrt{\Sigma/2 + 2\sqrt3 A}, \qquad
+              b_k = (s^2 + \Sigma - 3 l_k^2) / (3 s).
 
     Parameters
     ----------
@@ -93,7 +111,8 @@ def arm_lengths(heights: ArrayLike, screw_radius: float) -> Array:
     Returns
     -------
     (..., 3) ndarray
-        Arm lengths [m]; negative where the Fermat point lies outside the triangle, which the machine cannot reach.
+        Arm lengths [m]; negative where the Fermat point lies outside the triangle, which the
+        machine cannot reach.
 
     Raises
     ------
@@ -101,8 +120,14 @@ def arm_lengths(heights: ArrayLike, screw_radius: float) -> Array:
         If the heights are not finite or of another shape.
     """
     a = finite_rows("heights", heights, 3)
-    nuts = np.stack(np.broadcast_arrays(screw_radius * np.cos(SCREW_AZIMUTHS), screw_radius * np.sin(SCREW_AZIMUTHS), a), axis=-1)
-    # Absurd heights overflow to lengths that are not numbers; the caller's check says so better than a warning.
+    nuts = np.stack(
+        np.broadcast_arrays(
+            screw_radius * np.cos(SCREW_AZIMUTHS), screw_radius * np.sin(SCREW_AZIMUTHS), a
+        ),
+        axis=-1,
+    )
+    # Absurd heights overflow to lengths that are not numbers; the caller's check says so better
+    # than a warning.
     with np.errstate(over="ignore", invalid="ignore"):
         return _fermat_arms(nuts)
 
@@ -111,7 +136,9 @@ def _fermat_arms(nuts: Array) -> Array:
     """Signed distances from the Fermat point of triangles (..., 3, 3) to their corners."""
     edges = np.roll(nuts, -2, axis=-2) - np.roll(nuts, -1, axis=-2)
     squares = (edges**2).sum(axis=-1)
-    area = 0.5 * np.linalg.norm(np.cross(edges[..., 0, :], edges[..., 1, :]), axis=-1, keepdims=True)
+    area = 0.5 * np.linalg.norm(
+        np.cross(edges[..., 0, :], edges[..., 1, :]), axis=-1, keepdims=True
+    )
     total = squares.sum(axis=-1, keepdims=True)
     length = np.sqrt(0.5 * total + 2.0 * np.sqrt(3.0) * area)
     arms: Array = (length**2 + total - 3.0 * squares) / (3.0 * length)
@@ -119,7 +146,10 @@ def _fermat_arms(nuts: Array) -> Array:
 
 
 def _tip_map(slope: complex, d: float, h: float) -> tuple[complex, float]:
-    """Horizontal tip position of a slope, and the determinant of its derivative (by complex arithmetic, not by the kernels)."""
+    """Horizontal tip position of a slope, and the determinant of its derivative.
+
+    By complex arithmetic, not by the kernels.
+    """
     s = abs(slope) ** 2
     c = (1.0 + s) ** -0.5
     g = c**3 / (1.0 + c) ** 2
@@ -128,8 +158,13 @@ def _tip_map(slope: complex, d: float, h: float) -> tuple[complex, float]:
     # Derivatives with respect to p and its conjugate; c and g depend on s = p p*.
     c_s = -0.5 * c**3
     g_s = c * c * (3.0 + c) / (1.0 + c) ** 3 * c_s
-    along = 0.25 * d * (4.0 * g * slope**3 + g_s * conjugate * slope**4 - c_s * conjugate**3) + h * (c + c_s * s)
-    across = 0.25 * d * (g_s * slope**5 - 2.0 * c * conjugate - c_s * slope * conjugate**2) + h * c_s * slope**2
+    along = 0.25 * d * (
+        4.0 * g * slope**3 + g_s * conjugate * slope**4 - c_s * conjugate**3
+    ) + h * (c + c_s * s)
+    across = (
+        0.25 * d * (g_s * slope**5 - 2.0 * c * conjugate - c_s * slope * conjugate**2)
+        + h * c_s * slope**2
+    )
     return tip, abs(along) ** 2 - abs(across) ** 2
 
 
@@ -138,8 +173,8 @@ def _fold(direction: float, d: float, h: float) -> complex:
     from scipy.optimize import brentq
 
     ray = np.exp(1j * direction)
-    # The determinant falls from h² at the level pose. With a very long tool it is still positive at the tilt of 60 degrees
-    # where the compiled inverse kinematics ends.
+    # The determinant falls from h² at the level pose. With a very long tool it is still positive at
+    # the tilt of 60 degrees where the compiled inverse kinematics ends.
     size = LARGEST_TIP_SLOPE
     if _tip_map(size * ray, d, h)[1] < 0.0:
         size = brentq(lambda t: _tip_map(t * ray, d, h)[1], 0.0, size, xtol=1e-15, rtol=1e-14)
@@ -147,7 +182,9 @@ def _fold(direction: float, d: float, h: float) -> complex:
 
 
 def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Array:
-    r"""Return how far from the vertical axis the tip gets at an azimuth, on the branch connected to home.
+    r"""Return how far from the vertical axis the tip gets at an azimuth.
+
+    On the branch connected to home.
 
     Parameters
     ----------
@@ -159,8 +196,9 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
     Returns
     -------
     (...,) ndarray
-        Radius of the fold [m]; :math:`\sqrt{h^2 + d^2/4} - d/2` at the azimuths of the screws, where it is least. A tool longer than
-        0.866 d does not fold before the tilt of 60° where the inverse kinematics ends; then it is the radius at that tilt.
+        Radius of the fold [m]; :math:`\sqrt{h^2 + d^2/4} - d/2` at the azimuths of the screws,
+        where it is least. A tool longer than 0.866 d does not fold before the tilt of 60° where the
+        inverse kinematics ends; then it is the radius at that tilt.
 
     Raises
     ------
@@ -170,8 +208,8 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
     from scipy.optimize import brentq
 
     def reach(angle: float) -> float:
-        # One third of the curve, mirrored: between a screw's azimuth and the cusp half-way to the next one the tip's azimuth
-        # rises from 0 to 60 degrees with the slope's direction.
+        # One third of the curve, mirrored: between a screw's azimuth and the cusp half-way to the
+        # next one the tip's azimuth rises from 0 to 60 degrees with the slope's direction.
         folded = angle % (2.0 * np.pi / 3.0)
         folded = min(folded, 2.0 * np.pi / 3.0 - folded)
         lower, upper = 0.0, np.pi / 3.0
@@ -180,7 +218,12 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
         elif folded > upper - 1e-9:
             direction = upper
         else:
-            direction = brentq(lambda b: np.angle(_fold(b, screw_radius, tool_length)) - folded, lower, upper, xtol=1e-14)
+            direction = brentq(
+                lambda b: np.angle(_fold(b, screw_radius, tool_length)) - folded,
+                lower,
+                upper,
+                xtol=1e-14,
+            )
         return abs(_fold(direction, screw_radius, tool_length))
 
     angles = _column("azimuth", azimuth)[..., 0]

@@ -28,15 +28,22 @@ def load_psp3(parameters: str | Parameters) -> PSP3:
     robot = PSP3(model, closures, loops.actuated, home, visual_model, numbers)
     robot.urdf, robot.srdf = ROBOT_FILES / "psp3.urdf", ROBOT_FILES / "psp3.srdf"
     for pose in list(model.referenceConfigurations):
-        # The file's poses are those of the default screw radius; their tilts are kept, so that every pose stays possible.
-        heights = np.array(pose.data())[[model.joints[model.getJointId(name)].idx_q for name in loops.actuated]]
+        # The file's poses are those of the default screw radius; their tilts are kept, so that
+        # every pose stays possible.
+        heights = np.array(pose.data())[
+            [model.joints[model.getJointId(name)].idx_q for name in loops.actuated]
+        ]
         wider = numbers.screw_radius / Parameters().screw_radius
-        model.referenceConfigurations[pose.key()] = robot.configuration(heights.mean() + wider * (heights - heights.mean()))
+        model.referenceConfigurations[pose.key()] = robot.configuration(
+            heights.mean() + wider * (heights - heights.mean())
+        )
     return robot
 
 
 def set_parameters(model: pin.Model, parameters: Parameters) -> None:
-    """Write parameters into a model read from ``psp3.urdf``: screw and tip positions, masses, inertias, gravity.
+    """Write parameters into a model read from ``psp3.urdf``.
+
+    Screw and tip positions, masses, inertias, gravity.
 
     Parameters
     ----------
@@ -47,22 +54,35 @@ def set_parameters(model: pin.Model, parameters: Parameters) -> None:
     """
     p = parameters
     ball = {
-        axis: _diagonal(p.ball_mass, [p.ball_axial_inertia if axis == i else p.ball_transverse_inertia for i in range(3)])
+        axis: _diagonal(
+            p.ball_mass,
+            [p.ball_axial_inertia if axis == i else p.ball_transverse_inertia for i in range(3)],
+        )
         for axis in range(3)
     }
     third = _diagonal(p.star_mass / 3.0, np.array(p.star_inertia) / 3.0)
     for leg in (1, 2, 3):
-        joint = {name: model.getJointId(f"{name}{leg}") for name in ("a", "phi", "theta", "lambda", "b")}
+        joint = {
+            name: model.getJointId(f"{name}{leg}") for name in ("a", "phi", "theta", "lambda", "b")
+        }
         placement = model.jointPlacements[joint["a"]]
         azimuth = 2.0 * np.pi * (leg - 1) / 3.0
         placement.translation = p.screw_radius * np.array([np.cos(azimuth), np.sin(azimuth), 0.0])
         model.jointPlacements[joint["a"]] = placement
         model.inertias[joint["a"]] = _diagonal(p.nut_mass, p.nut_inertia)
         # Each body of the ball joint has its large moment about its own joint's axis.
-        model.inertias[joint["phi"]], model.inertias[joint["theta"]], model.inertias[joint["lambda"]] = ball[1], ball[0], ball[2]
-        model.inertias[joint["b"]] = model.frames[model.getFrameId(f"star{leg}_center")].placement.act(third)
+        (
+            model.inertias[joint["phi"]],
+            model.inertias[joint["theta"]],
+            model.inertias[joint["lambda"]],
+        ) = ball[1], ball[0], ball[2]
+        model.inertias[joint["b"]] = model.frames[
+            model.getFrameId(f"star{leg}_center")
+        ].placement.act(third)
     tip = model.frames[model.getFrameId("tip")]
-    tip.placement = model.frames[model.getFrameId("star1_center")].placement * pin.SE3(np.eye(3), np.array([0.0, 0.0, p.tool_length]))
+    tip.placement = model.frames[model.getFrameId("star1_center")].placement * pin.SE3(
+        np.eye(3), np.array([0.0, 0.0, p.tool_length])
+    )
     model.gravity = pin.Motion(np.array([0.0, 0.0, -p.gravity]), np.zeros(3))
 
 

@@ -1,18 +1,21 @@
-r"""Physical parameters of the 3-PSP robot: the thesis's Table 3.1 and the readings of it that are in use.
+r"""Physical parameters of the 3-PSP robot.
+
+The thesis's Table 3.1 and the readings of it that are in use.
 
 Three sets have names. They differ in the inertia of the star and in gravity only:
 
-=============  ======================================  ============  ==================================================
-name           star inertia about (x, y, own axis)     g [m/s²]      what it is
-=============  ======================================  ============  ==================================================
-``default``    0.06451, 0.06451, 0.12901               9.81          Table 3.1, star inertia divided by ten
-``table_3_1``  0.6451, 0.6451, 1.2901                  9.81          Table 3.1, moments as printed
-``table_5_1``  0.06451, 0.12901, 0.06451               9.806         reproduces the printed M and G of Table 5.1
-=============  ======================================  ============  ==================================================
+=============  ===================================  ========  ======================================
+name           star inertia about (x, y, own axis)  g [m/s²]  what it is
+=============  ===================================  ========  ======================================
+``default``    0.06451, 0.06451, 0.12901            9.81      Table 3.1, star inertia divided by ten
+``table_3_1``  0.6451, 0.6451, 1.2901               9.81      Table 3.1, moments as printed
+``table_5_1``  0.06451, 0.12901, 0.06451            9.806     reproduces M and G of Table 5.1
+=============  ===================================  ========  ======================================
 
-The star inertia printed in Table 3.1 does not give the thesis's own Table 5.1; divided by ten it does, provided that the
-large moment lies in the star's plane, perpendicular to arm 1. A star with three equal arms cannot have that inertia, so
-``default`` puts the large moment about the star's own axis.
+The star inertia printed in Table 3.1 does not give the thesis's own Table 5.1; divided by ten it
+does, provided that the large moment lies in the star's plane, perpendicular to arm 1. A star with
+three equal arms cannot have that inertia, so ``default`` puts the large moment about the star's own
+axis.
 """
 
 from __future__ import annotations
@@ -27,7 +30,9 @@ from psp3.errors import InvalidValue, UnknownName
 
 @dataclass(frozen=True)
 class Parameters:
-    r"""Geometry, masses, moments of inertia and gravity of a 3-PSP robot (thesis Table 3.1; SI units).
+    r"""Geometry, masses, moments of inertia and gravity of a 3-PSP robot.
+
+    See the thesis's Table 3.1. Units are SI.
 
     Parameters
     ----------
@@ -38,8 +43,8 @@ class Parameters:
     nut_mass : float
         Mass of each nut, :math:`m_1 = m_2 = m_3` [kg].
     nut_inertia : (3,) tuple of float
-        Moments of inertia of a nut [kg m²]. The printed ones violate the triangle inequality; a nut never turns, so
-        they enter no equation of motion.
+        Moments of inertia of a nut [kg m²]. The printed ones violate the triangle inequality; a nut
+        never turns, so they enter no equation of motion.
     ball_mass : float
         Mass of each of the three bodies of a ball joint, :math:`m_4 = \dots = m_{12}` [kg].
     ball_axial_inertia, ball_transverse_inertia : float
@@ -47,14 +52,16 @@ class Parameters:
     star_mass : float
         Mass of the star, :math:`m_{13}` [kg].
     star_inertia : (3,) tuple of float
-        Principal moments of the star about its center, along x (arm 1 at home), y and the star's own axis [kg m²].
+        Principal moments of the star about its center, along x (arm 1 at home), y and the star's
+        own axis [kg m²].
     gravity : float
         Acceleration of free fall :math:`g`, along −z of the base [m/s²].
 
     Raises
     ------
     InvalidValue
-        If a length or a mass is not positive, or a moment of inertia or gravity is negative or not finite.
+        If a length or a mass is not positive, or a moment of inertia or gravity is negative or not
+        finite.
     """
 
     screw_radius: float = 0.181
@@ -74,12 +81,20 @@ class Parameters:
             value = getattr(self, field.name)
             shape = (3,) if field.name.endswith(("nut_inertia", "star_inertia")) else ()
             strict = field.name in positive
-            requirement = f"{'three numbers' if shape else 'a number'}, finite and {'positive' if strict else 'not negative'}"
+            requirement = (
+                f"{'three numbers' if shape else 'a number'}, finite and "
+                f"{'positive' if strict else 'not negative'}"
+            )
             try:
                 values = np.asarray(value, dtype=float)
             except (TypeError, ValueError) as error:
                 raise InvalidValue(field.name, value, requirement) from error
-            if values.shape != shape or not np.isfinite(values).all() or (values < 0).any() or (strict and (values == 0).any()):
+            if (
+                values.shape != shape
+                or not np.isfinite(values).all()
+                or (values < 0).any()
+                or (strict and (values == 0).any())
+            ):
                 raise InvalidValue(field.name, value, requirement)
             if shape:
                 object.__setattr__(self, field.name, tuple(values.tolist()))
@@ -95,9 +110,10 @@ class Parameters:
         Returns
         -------
         (10,) ndarray
-            :math:`d`, :math:`h`, the mass that slides on one screw, the star's mass, its three moments plus those of the
-            ball bodies that turn with it, the moments that :math:`\dot\varphi_k` and :math:`\dot\theta_k` see in sum and
-            :math:`\dot\theta_k` alone, and :math:`g`.
+            :math:`d`, :math:`h`, the mass that slides on one screw, the star's mass, its three
+            moments plus those of the ball bodies that turn with it, the moments that
+            :math:`\dot\varphi_k` and :math:`\dot\theta_k` see in sum and :math:`\dot\theta_k`
+            alone, and :math:`g`.
         """
         axial, transverse = self.ball_axial_inertia, self.ball_transverse_inertia
         ix, iy, iz = self.star_inertia
@@ -111,7 +127,8 @@ class Parameters:
                 ix + 3.0 * transverse,
                 iy + 3.0 * transverse,
                 iz + 3.0 * axial,
-                # The phi body is turned by phi alone; the theta body by phi (across its axis) and theta (about it).
+                # The phi body is turned by phi alone; the theta body by phi (across its axis) and
+                # theta (about it).
                 axial + transverse,
                 axial,
                 self.gravity,
@@ -131,7 +148,9 @@ PARAMETER_SETS: dict[str, Parameters] = {
 
 
 def named_parameters(parameters: str | Parameters) -> Parameters:
-    """Return the parameter set of that name; an instance of :class:`Parameters` is returned as it is.
+    """Return the parameter set of that name.
+
+    An instance of :class:`Parameters` is returned as it is.
 
     Raises
     ------

@@ -1,8 +1,11 @@
-r"""The 3-PSP parallel robot: three vertical ball screws, a ball joint on each nut, a slider along each arm of a star.
+r"""The 3-PSP parallel robot.
 
-One object holds the robot as Pinocchio sees it (tree, loop closures, poses, visuals) and answers every question about its
-kinematics and dynamics in the nut heights :math:`a`, through the compiled closed form of :mod:`psp3.three_psp.closed_form`. The same
-questions can be asked of the two other implementations, see :meth:`PSP3.dynamics`.
+Three vertical ball screws, a ball joint on each nut, a slider along each arm of a star.
+
+One object holds the robot as Pinocchio sees it (tree, loop closures, poses, visuals) and answers
+every question about its kinematics and dynamics in the nut heights :math:`a`, through the compiled
+closed form of :mod:`psp3.three_psp.closed_form`. The same questions can be asked of the two other
+implementations, see :meth:`PSP3.dynamics`.
 """
 
 from __future__ import annotations
@@ -28,11 +31,15 @@ DYNAMICS_MODELS = ("closed_form", "pinocchio", "noc")
 """Names of the three implementations of the equation of motion."""
 
 SCREW_IN_NUT = np.array([0.0, -0.055, 0.0])
-"""Where the screw passes through the nut, in the axes of the leg [m]; see the visuals of psp3.urdf."""
+"""Where the screw passes through the nut, in the axes of the leg [m]; see the visuals of
+psp3.urdf.
+"""
 
 
 class Pose:
-    """Pose of the star: ``center`` (..., 3), ``rotation`` (..., 3, 3), ``arms`` (..., 3) and ``tip`` (..., 3), in base axes [m].
+    """Pose of the star in base axes [m].
+
+    ``center`` (..., 3), ``rotation`` (..., 3, 3), ``arms`` (..., 3) and ``tip`` (..., 3).
 
     The four are views of one buffer.
     """
@@ -54,7 +61,7 @@ class Pose:
 
     @property
     def arms(self) -> Array:
-        """Arm lengths b_1, b_2, b_3 between the center and the ball joints, of shape (..., 3) [m]."""
+        """Arm lengths b_1, b_2, b_3 between the center and the ball joints, (..., 3) [m]."""
         return self._buffer[..., 12:15]
 
     @property
@@ -63,14 +70,18 @@ class Pose:
         return self._buffer[..., 15:18]
 
     def __repr__(self) -> str:
-        return f"Pose(center={self.center!r}, rotation={self.rotation!r}, arms={self.arms!r}, tip={self.tip!r})"
+        return (
+            f"Pose(center={self.center!r}, rotation={self.rotation!r}, arms={self.arms!r}, "
+            f"tip={self.tip!r})"
+        )
 
 
 class PSP3(ClosedLoopRobot):
     """The 3-PSP robot in closed form; get one from :func:`psp3.load`.
 
-    Every method takes leading batch dimensions, and any heights whose three arm lengths come out positive. The stroke of
-    the screws, ``stroke``, is the business of trajectories and of the simulation.
+    Every method takes leading batch dimensions, and any heights whose three arm lengths come out
+    positive. The stroke of the screws, ``stroke``, is the business of trajectories and of the
+    simulation.
 
     Parameters
     ----------
@@ -96,12 +107,19 @@ class PSP3(ClosedLoopRobot):
         self._kernels = closed_form
         self._p = parameters.as_array()
         self._configuration_order = np.array(
-            [model.joints[model.getJointId(f"{joint}{leg}")].idx_q for leg in (1, 2, 3) for joint in ("a", "phi", "theta", "lambda", "b")]
+            [
+                model.joints[model.getJointId(f"{joint}{leg}")].idx_q
+                for leg in (1, 2, 3)
+                for joint in ("a", "phi", "theta", "lambda", "b")
+            ]
         )
 
     @property
     def stroke(self) -> tuple[Array, Array]:
-        """Lowest and highest nut heights, each of shape (3,) [m]: the limits of the actuated joints."""
+        """Lowest and highest nut heights, each of shape (3,) [m].
+
+        The limits of the actuated joints.
+        """
         return self.limits
 
     @property
@@ -135,8 +153,9 @@ class PSP3(ClosedLoopRobot):
         Parameters
         ----------
         name : str
-            ``"closed_form"`` (this object), ``"pinocchio"`` (the tree projected with RNEA and CRBA, loops closed by Newton's
-            method) or ``"noc"`` (the thesis's natural orthogonal complement, eq. 3.2–3.4).
+            ``"closed_form"`` (this object), ``"pinocchio"`` (the tree projected with RNEA and CRBA,
+            loops closed by Newton's method) or ``"noc"`` (the thesis's natural orthogonal
+            complement, eq. 3.2–3.4).
 
         Raises
         ------
@@ -146,7 +165,9 @@ class PSP3(ClosedLoopRobot):
         if name == "closed_form":
             return self
         if name == "pinocchio":
-            return ClosedLoopRobot(self.model, self.constraint_models, self.actuated, self.q0, self.visual_model)
+            return ClosedLoopRobot(
+                self.model, self.constraint_models, self.actuated, self.q0, self.visual_model
+            )
         if name == "noc":
             from psp3.dynamics.natural_orthogonal_complement import NaturalOrthogonalComplement
 
@@ -166,8 +187,8 @@ class PSP3(ClosedLoopRobot):
         Returns
         -------
         Pose
-            ``.center`` (..., 3), ``.rotation`` (..., 3, 3), ``.arms`` (..., 3) and ``.tip`` (..., 3), in base axes [m]. The star
-            never turns about its own axis: its torsion is zero.
+            ``.center`` (..., 3), ``.rotation`` (..., 3, 3), ``.arms`` (..., 3) and ``.tip`` (...,
+            3), in base axes [m]. The star never turns about its own axis: its torsion is zero.
 
         Raises
         ------
@@ -186,8 +207,9 @@ class PSP3(ClosedLoopRobot):
     def configuration(self, heights: ArrayLike, guess: ArrayLike | None = None) -> Array:
         r"""Return the Pinocchio configuration that closes the loops (eq. 3.5).
 
-        With :math:`(x, y)` the star's slope in the axes of leg k: :math:`\tan\varphi_k = x`, :math:`\sin\theta_k = -c y`,
-        :math:`\tan\lambda_k = -\kappa x y / (1 - \kappa y^2)`, where :math:`\kappa = c^2/(1+c)`.
+        With :math:`(x, y)` the star's slope in the axes of leg k: :math:`\tan\varphi_k = x`,
+        :math:`\sin\theta_k = -c y`, :math:`\tan\lambda_k = -\kappa x y / (1 - \kappa y^2)`, where
+        :math:`\kappa = c^2/(1+c)`.
 
         Parameters
         ----------
@@ -225,7 +247,8 @@ class PSP3(ClosedLoopRobot):
         height : (...,) array_like
             Height of the star's center [m].
         tilt, azimuth : (...,) array_like
-            Angle of the star's axis from the vertical, and the direction toward which it leans [rad].
+            Angle of the star's axis from the vertical, and the direction toward which it leans
+            [rad].
 
         Returns
         -------
@@ -235,12 +258,13 @@ class PSP3(ClosedLoopRobot):
         Raises
         ------
         InvalidArray, InvalidValue, UnreachablePose
-            If an argument is not finite, the tilt is 90 degrees or more, or an arm would not be longer than 0.
+            If an argument is not finite, the tilt is 90 degrees or more, or an arm would not be
+            longer than 0.
         """
         return heights_of_tilt(height, tilt, azimuth, self.parameters.screw_radius)
 
     def inverse_kinematics_tip(self, tip: ArrayLike) -> Array:
-        """Return the nut heights that put the tip at a point, on the branch that is connected to home.
+        """Return the nut heights that put the tip at a point, on the branch connected to home.
 
         Parameters
         ----------
@@ -257,7 +281,8 @@ class PSP3(ClosedLoopRobot):
         InvalidArray
             If the points are not finite or of another shape.
         UnreachableTip
-            If a point lies beyond the fold; the error names the reach at its azimuth, see :meth:`tip_reach`.
+            If a point lies beyond the fold; the error names the reach at its azimuth, see
+            :meth:`tip_reach`.
         """
         points = _three("tip", tip)
         out = np.empty_like(points)
@@ -267,11 +292,16 @@ class PSP3(ClosedLoopRobot):
             if not np.isfinite(point).all():
                 raise InvalidArray("tip", "(..., 3)", points)
             azimuth = float(np.arctan2(point[1], point[0]))
-            raise UnreachableTip(point, float(np.hypot(point[0], point[1])), azimuth, float(self.tip_reach(azimuth)))
+            raise UnreachableTip(
+                point, float(np.hypot(point[0], point[1])), azimuth, float(self.tip_reach(azimuth))
+            )
         return out
 
     def tip_reach(self, azimuth: ArrayLike) -> Array:
-        """Return how far from the vertical axis the tip gets at an azimuth [m]; see :func:`psp3.three_psp.geometry.tip_reach`."""
+        """Return how far from the vertical axis the tip gets at an azimuth [m].
+
+        See :func:`psp3.three_psp.geometry.tip_reach`.
+        """
         return tip_reach(azimuth, self.parameters.screw_radius, self.parameters.tool_length)
 
     def tip_jacobian(self, heights: ArrayLike) -> Array:
@@ -300,8 +330,12 @@ class PSP3(ClosedLoopRobot):
         return out
 
     def position_jacobian(self, positions: ArrayLike, frame: str) -> Array:
-        """Return the Jacobian of a frame's origin, (..., 3, 3); that of the tip in closed form, see :meth:`tip_jacobian`."""
-        return self.tip_jacobian(positions) if frame == "tip" else super().position_jacobian(positions, frame)
+        """Return the Jacobian of a frame's origin, (..., 3, 3); see :meth:`tip_jacobian`."""
+        return (
+            self.tip_jacobian(positions)
+            if frame == "tip"
+            else super().position_jacobian(positions, frame)
+        )
 
     def tip(self, positions: ArrayLike) -> Array:
         """Return the tip in base axes, of shape (..., 3) [m]; see :meth:`forward_kinematics`."""
@@ -310,7 +344,9 @@ class PSP3(ClosedLoopRobot):
     has_inverse_of_tip = True
     """The tip's inverse kinematics is known."""
 
-    def motion_of_tip(self, point: Array, velocity: Array, acceleration: Array) -> tuple[Array, Array, Array]:
+    def motion_of_tip(
+        self, point: Array, velocity: Array, acceleration: Array
+    ) -> tuple[Array, Array, Array]:
         """Return nut heights, speeds and accelerations for a motion of the tip.
 
         Parameters
@@ -326,7 +362,9 @@ class PSP3(ClosedLoopRobot):
         heights = self.inverse_kinematics_tip(point)
         return heights, *self.rates_of_tip(heights, velocity, acceleration)
 
-    def rates_of_tip(self, heights: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike) -> tuple[Array, Array]:
+    def rates_of_tip(
+        self, heights: ArrayLike, velocity: ArrayLike, acceleration: ArrayLike
+    ) -> tuple[Array, Array]:
         r"""Return nut speeds and accelerations for a motion of the tip.
 
         .. math:: \dot a = J^{-1} \dot x, \qquad \ddot a = J^{-1} (\ddot x - \dot J \dot a).
@@ -354,14 +392,18 @@ class PSP3(ClosedLoopRobot):
             acceleration=finite_rows("acceleration", acceleration, 3),
         )
         speeds, accelerations = np.empty_like(a), np.empty_like(a)
-        row = self._kernels.tip_rates(a.ravel(), dx.ravel(), ddx.ravel(), self._p, speeds.ravel(), accelerations.ravel())
+        row = self._kernels.tip_rates(
+            a.ravel(), dx.ravel(), ddx.ravel(), self._p, speeds.ravel(), accelerations.ravel()
+        )
         if row >= 0:
             self._refuse(row, heights=a)
         return speeds, accelerations
 
     # Dynamics
 
-    def equation_of_motion(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array, Array]:
+    def equation_of_motion(
+        self, heights: ArrayLike, speeds: ArrayLike
+    ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity vector in one call (eq. 3.1–3.4).
 
         .. math:: M(a)\, \ddot a + C(a, \dot a)\, \dot a + G(a) = \tau
@@ -376,7 +418,8 @@ class PSP3(ClosedLoopRobot):
         M : (..., 3, 3) ndarray
             Symmetric, positive definite [kg].
         C : (..., 3, 3) ndarray
-            The only matrix with the right C v for which dM/dt − 2C is skew and C (1, 1, 1) = 0 [kg/s].
+            The only matrix with the right C v for which dM/dt − 2C is skew and C (1, 1, 1) = 0
+            [kg/s].
         G : (..., 3) ndarray
             Weight carried by each screw, g M 1 [N].
 
@@ -402,18 +445,29 @@ class PSP3(ClosedLoopRobot):
         return out[..., :9].reshape(square), out[..., 9:18].reshape(square), out[..., 18:]
 
     def mass_matrix(self, heights: ArrayLike) -> Array:
-        """Return the mass matrix M (eq. 3.2), of shape (..., 3, 3) [kg]; see :meth:`equation_of_motion`."""
+        """Return the mass matrix M (eq. 3.2), of shape (..., 3, 3) [kg].
+
+        See :meth:`equation_of_motion`.
+        """
         return self.equation_of_motion(heights, _REST)[0]
 
     def coriolis_matrix(self, heights: ArrayLike, speeds: ArrayLike) -> Array:
-        """Return the Coriolis matrix C (eq. 3.3), of shape (..., 3, 3) [kg/s]; see :meth:`equation_of_motion`."""
+        """Return the Coriolis matrix C (eq. 3.3), of shape (..., 3, 3) [kg/s].
+
+        See :meth:`equation_of_motion`.
+        """
         return self.equation_of_motion(heights, speeds)[1]
 
     def gravity(self, heights: ArrayLike) -> Array:
-        """Return the gravity vector G (eq. 3.4), of shape (..., 3) [N]; see :meth:`equation_of_motion`."""
+        """Return the gravity vector G (eq. 3.4), of shape (..., 3) [N].
+
+        See :meth:`equation_of_motion`.
+        """
         return self.equation_of_motion(heights, _REST)[2]
 
-    def inverse_dynamics(self, heights: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike) -> Array:
+    def inverse_dynamics(
+        self, heights: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
         r"""Return the screw forces of a motion, :math:`\tau = M \ddot a + C \dot a + G` (eq. 3.1).
 
         Parameters
@@ -431,20 +485,28 @@ class PSP3(ClosedLoopRobot):
         InvalidArray, UnreachablePose
             See :meth:`forward_kinematics`.
         """
-        a, v, w = _three("heights", heights), _three("speeds", speeds), _three("accelerations", accelerations)
+        a, v, w = (
+            _three("heights", heights),
+            _three("speeds", speeds),
+            _three("accelerations", accelerations),
+        )
         if not a.shape == v.shape == w.shape:
             a, v, w = together(heights=a, speeds=v, accelerations=w)
         out = np.empty(a.shape)
         if a.ndim == 1:
             row = self._kernels.inverse_dynamics(a, v, w, self._p, out)
         else:
-            row = self._kernels.inverse_dynamics(a.ravel(), v.ravel(), w.ravel(), self._p, out.ravel())
+            row = self._kernels.inverse_dynamics(
+                a.ravel(), v.ravel(), w.ravel(), self._p, out.ravel()
+            )
         if row >= 0:
             self._refuse(row, heights=a, speeds=v, accelerations=w)
         return out
 
     def forward_dynamics(self, heights: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
-        r"""Return the accelerations under given screw forces, :math:`\ddot a = M^{-1} (\tau - C \dot a - G)`.
+        r"""Return the accelerations under given screw forces.
+
+        They are :math:`\ddot a = M^{-1} (\tau - C \dot a - G)`.
 
         Parameters
         ----------
@@ -468,7 +530,9 @@ class PSP3(ClosedLoopRobot):
         if a.ndim == 1:
             row = self._kernels.forward_dynamics(a, v, f, self._p, out)
         else:
-            row = self._kernels.forward_dynamics(a.ravel(), v.ravel(), f.ravel(), self._p, out.ravel())
+            row = self._kernels.forward_dynamics(
+                a.ravel(), v.ravel(), f.ravel(), self._p, out.ravel()
+            )
         if row >= 0:
             self._refuse(row, heights=a, speeds=v, forces=f)
         return out
@@ -486,7 +550,10 @@ class PSP3(ClosedLoopRobot):
         return self._energies(heights, speeds)[..., 0]
 
     def potential_energy(self, heights: ArrayLike) -> Array:
-        """Return the potential energy V with G = dV/da, zero with all masses at the base's height, of shape (...,) [J]."""
+        """Return the potential energy V with G = dV/da, of shape (...,) [J].
+
+        It is zero with all masses at the base's height.
+        """
         return self._energies(heights, _REST)[..., 1]
 
     def _refuse(self, row: int, **arguments: Array) -> NoReturn:
@@ -497,7 +564,11 @@ class PSP3(ClosedLoopRobot):
         heights = arguments["heights"].reshape(-1, 3)[row]
         arms = arm_lengths(heights, self.parameters.screw_radius)
         if (arms > 0.0).all():
-            others = {name: array.reshape(-1, 3)[row].tolist() for name, array in arguments.items() if name != "heights"}
+            others = {
+                name: array.reshape(-1, 3)[row].tolist()
+                for name, array in arguments.items()
+                if name != "heights"
+            }
             raise InvalidValue(" and ".join(others), others, "small enough for a finite result")
         raise UnreachablePose(heights, arms)
 
@@ -507,7 +578,10 @@ _FLOAT = np.dtype(np.float64)
 
 
 def _three(name: str, values: ArrayLike) -> Array:
-    """Return ``values`` as a contiguous float array of shape (..., 3). Whether they are finite is seen by the kernels."""
+    """Return ``values`` as a contiguous float array of shape (..., 3).
+
+    Whether they are finite is seen by the kernels.
+    """
     ready = type(values) is np.ndarray and values.dtype is _FLOAT
     array: Array = np.ascontiguousarray(values) if ready else as_floats(name, values, "(..., 3)")
     if array.shape != (3,) and (array.shape[-1] != 3 or np.ndim(values) == 0):

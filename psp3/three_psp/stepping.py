@@ -1,4 +1,4 @@
-"""Compiled Runge–Kutta steps of the 3-PSP in closed form, free or with drives from event to event."""
+"""Compiled Runge–Kutta steps of the 3-PSP: free, or with drives from event to event."""
 
 from __future__ import annotations
 
@@ -53,9 +53,21 @@ def _balance(state: Array, forces: Array, p: Array, drives: Array, mass: Array, 
 
 @compiled
 def _step(
-    state: Array, forces: Array, duration: float, p: Array, drives: Array, slip: Array, mass: Array, net: Array, rates: Array, new: Array
+    state: Array,
+    forces: Array,
+    duration: float,
+    p: Array,
+    drives: Array,
+    slip: Array,
+    mass: Array,
+    net: Array,
+    rates: Array,
+    new: Array,
 ) -> None:
-    """Write the state after one step of the classical Runge–Kutta method with constant slip; ``rates`` is scratch space (4, 6)."""
+    """Write the state after one step with constant slip.
+
+    The method is the classical Runge–Kutta; ``rates`` is scratch space (4, 6).
+    """
     acceleration = np.empty(3)
     for i in range(6):
         new[i] = state[i]
@@ -68,12 +80,19 @@ def _step(
         for i in range(6):
             new[i] = state[i] + share * rates[stage, i]
     for i in range(6):
-        new[i] = state[i] + duration / 6.0 * (rates[0, i] + 2.0 * (rates[1, i] + rates[2, i]) + rates[3, i])
+        new[i] = state[i] + duration / 6.0 * (
+            rates[0, i] + 2.0 * (rates[1, i] + rates[2, i]) + rates[3, i]
+        )
 
 
 @compiled
-def _margin(state: Array, forces: Array, p: Array, drives: Array, slip: Array, mass: Array, net: Array) -> float:
-    """Return what is left until a joint comes to rest or lets go, in m/s or N; negative once it has happened."""
+def _margin(
+    state: Array, forces: Array, p: Array, drives: Array, slip: Array, mass: Array, net: Array
+) -> float:
+    """Return what is left until a joint comes to rest or lets go.
+
+    In m/s or N; negative once it has happened.
+    """
     margin, sticks = math.inf, False
     for i in range(3):
         if slip[i] == 0.0:
@@ -92,9 +111,21 @@ def _margin(state: Array, forces: Array, p: Array, drives: Array, slip: Array, m
 
 @compiled
 def _first_event(
-    state: Array, forces: Array, step: float, p: Array, drives: Array, slip: Array, mass: Array, net: Array, rates: Array, new: Array
+    state: Array,
+    forces: Array,
+    step: float,
+    p: Array,
+    drives: Array,
+    slip: Array,
+    mass: Array,
+    net: Array,
+    rates: Array,
+    new: Array,
 ) -> float:
-    """Write the state just after the first event in a step that has one, and return its time: false position (Illinois)."""
+    """Write the state just after the first event in a step that has one, and return its time.
+
+    False position (Illinois).
+    """
     high, above = step, _margin(new, forces, p, drives, slip, mass, net)
     # A joint that has just let go has no margin at first, so that a time must be found when it has.
     low, below = high, above
@@ -122,9 +153,17 @@ def _first_event(
 
 
 @compiled
-def advance_driven(state: Array, forces: Array, step: float, steps: int, p: Array, drives: Array) -> bool:
+def advance_driven(
+    state: Array, forces: Array, step: float, steps: int, p: Array, drives: Array
+) -> bool:
     """Do as ``closed_form.advance`` for a robot with drives, an array (3, 3)."""
-    mass, net, rates, new, slip = np.empty((3, 3)), np.empty(3), np.empty((4, 6)), np.empty(6), np.zeros(3)
+    mass, net, rates, new, slip = (
+        np.empty((3, 3)),
+        np.empty(3),
+        np.empty((4, 6)),
+        np.empty(6),
+        np.zeros(3),
+    )
     for _ in range(steps):
         left = step
         for event in range(MOST_EVENTS + 1):
@@ -147,7 +186,9 @@ def advance_driven(state: Array, forces: Array, step: float, steps: int, p: Arra
 
 @compiled
 def runge_kutta_step(state: Array, forces: Array, step: float, p: Array, mid: Array) -> None:
-    """Advance ``state`` (heights, speeds) in place by one step of the classical Runge–Kutta method under constant forces.
+    """Advance ``state`` (heights, speeds) in place by one Runge–Kutta step.
+
+    The method is the classical one, under constant forces.
 
     ``mid`` is scratch space of 6 numbers.
     """
@@ -178,7 +219,10 @@ def runge_kutta_step(state: Array, forces: Array, step: float, p: Array, mid: Ar
 
 @compiled
 def advance(state: Array, forces: Array, step: float, steps: int, p: Array, mid: Array) -> bool:
-    """Take Runge–Kutta steps under constant forces; return whether the state reached is finite and a pose of the machine."""
+    """Take Runge–Kutta steps under constant forces.
+
+    Return whether the state reached is finite and a pose of the machine.
+    """
     for _ in range(steps):
         runge_kutta_step(state, forces, step, p, mid)
     u, v, _ = slope_of_nuts(state[0], state[1], state[2], p[RADIUS])
@@ -211,7 +255,7 @@ class ClosedFormSteps:
         self._state = np.concatenate([heights, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return heights and speeds after ``duration`` [s] under constant forces, each (3,), or None."""
+        """Return heights and speeds, each (3,), after ``duration`` [s], or None."""
         step = duration / self._steps
         if self._is_driven:
             valid = advance_driven(self._state, forces, step, self._steps, self._p, self._drives)

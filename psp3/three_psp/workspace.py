@@ -1,17 +1,22 @@
-r"""The workspace: what every pose costs in parasitic motion, arm length and conditioning, and where the poses end.
+r"""The workspace of the robot.
 
-Only differences of the nut heights matter here: lifting all nuts together lifts the star and changes nothing else. Two
-borders bound the orientation of the star:
+What every pose costs in parasitic motion, arm length and conditioning, and where the poses end.
+
+Only differences of the nut heights matter here: lifting all nuts together lifts the star and
+changes nothing else. Two borders bound the orientation of the star:
 
 * an arm length vanishes, see :func:`largest_tilt`: the machine ends, at a tilt of 70.53° or more;
-* the map from star orientation to the tip's horizontal position folds, see :func:`fold_tilt`: orientations beyond can be
-  taken, but the tip comes back from the border of its reach, :func:`reach_boundary`, and no longer determines the pose.
+* the map from star orientation to the tip's horizontal position folds, see :func:`fold_tilt`:
+  orientations beyond can be taken, but the tip comes back from the border of its reach,
+  :func:`reach_boundary`, and no longer determines the pose.
 
-Between them there is no singularity of actuation: :attr:`WorkspaceMap.actuation_determinant` stays positive. The model with fifteen
-coordinates, whose ball joints are three hinges each, adds one that the machine does not have, where the middle hinge is at ±90°:
-:attr:`WorkspaceMap.hinge_angle` says how near that is, and :attr:`WorkspaceMap.closure_condition` what it costs in digits.
+Between them there is no singularity of actuation: :attr:`WorkspaceMap.actuation_determinant` stays
+positive. The model with fifteen coordinates, whose ball joints are three hinges each, adds one that
+the machine does not have, where the middle hinge is at ±90°: :attr:`WorkspaceMap.hinge_angle` says
+how near that is, and :attr:`WorkspaceMap.closure_condition` what it costs in digits.
 
-:mod:`psp3.kinematics.singularities` and :mod:`psp3.kinematics.workspace` ask the same of any robot, without closed forms.
+:mod:`psp3.kinematics.singularities` and :mod:`psp3.kinematics.workspace` ask the same of any robot,
+without closed forms.
 """
 
 from __future__ import annotations
@@ -55,14 +60,17 @@ class WorkspaceMap:
     mass_condition : (...,) ndarray
         Condition number (2-norm) of the mass matrix.
     actuation_determinant : (...,) ndarray
-        Determinant of the six wrenches by which the ball joints hold the star while the screws are locked [m³].
+        Determinant of the six wrenches by which the ball joints hold the star while the screws are
+        locked [m³].
     hinge_angle : (...,) ndarray
-        Largest angle of the three middle hinges of the ball joints; less than the tilt, so never 90° [rad].
+        Largest angle of the three middle hinges of the ball joints; less than the tilt, so never
+        90° [rad].
     closure_condition : (...,) ndarray
-        Condition number (2-norm) of the columns of the constraint Jacobian that belong to the joints without a motor, in m and rad.
+        Condition number (2-norm) of the columns of the constraint Jacobian that belong to the
+        joints without a motor, in m and rad.
     travel : (...,) ndarray
-        How far the star can be lifted at this orientation before a nut meets the end of its screw, from one end to the
-        other; negative if the stroke is too short for the orientation [m].
+        How far the star can be lifted at this orientation before a nut meets the end of its screw,
+        from one end to the other; negative if the stroke is too short for the orientation [m].
     """
 
     heights: Array
@@ -91,7 +99,8 @@ def tilt_and_azimuth(rotation: ArrayLike) -> tuple[Array, Array]:
     Returns
     -------
     tilt, azimuth : (...,) ndarray
-        Angle between the star's axis and the vertical, and direction of the axis's horizontal part; 0 if it has none [rad].
+        Angle between the star's axis and the vertical, and direction of the axis's horizontal part;
+        0 if it has none [rad].
     """
     axis = np.asarray(rotation, dtype=float)[..., :, 2]
     horizontal = np.hypot(axis[..., 0], axis[..., 1])
@@ -102,11 +111,12 @@ def tilt_and_azimuth(rotation: ArrayLike) -> tuple[Array, Array]:
 def map_at_heights(robot: PSP3, heights: ArrayLike) -> WorkspaceMap:
     r"""Return what poses cost, given by nut heights.
 
-    The six wrenches of the ball joints, two for each arm, across it and along the normal of the star's plane, have the
-    determinant :math:`\sqrt3\, s A`, with :math:`s` the sum of the arm lengths and
-    :math:`A = \frac{\sqrt3}{4} (b_1 b_2 + b_2 b_3 + b_3 b_1)` the area of the nut triangle. The middle hinge of the ball joint on
-    screw k has the angle :math:`\sin\theta_k = \sin\theta \sin(\alpha_k - \phi)`, for a star that leans by :math:`\theta` toward
-    :math:`\phi`.
+    The six wrenches of the ball joints, two for each arm, across it and along the normal of the
+    star's plane, have the determinant :math:`\sqrt3\, s A`, with :math:`s` the sum of the arm
+    lengths and :math:`A = \frac{\sqrt3}{4} (b_1 b_2 + b_2 b_3 + b_3 b_1)` the area of the nut
+    triangle. The middle hinge of the ball joint on screw k has the angle
+    :math:`\sin\theta_k = \sin\theta \sin(\alpha_k - \phi)`, for a star that leans by :math:`\theta`
+    toward :math:`\phi`.
 
     Parameters
     ----------
@@ -144,7 +154,11 @@ def map_at_heights(robot: PSP3, heights: ArrayLike) -> WorkspaceMap:
         tip_condition=np.linalg.cond(robot.tip_jacobian(a)),
         mass_condition=np.linalg.cond(robot.mass_matrix(a)),
         actuation_determinant=0.75 * b.sum(axis=-1) * pairs,
-        hinge_angle=np.arcsin(np.abs(np.sin(tilt)[..., np.newaxis] * np.sin(SCREW_AZIMUTHS - azimuth[..., np.newaxis])).max(axis=-1)),
+        hinge_angle=np.arcsin(
+            np.abs(
+                np.sin(tilt)[..., np.newaxis] * np.sin(SCREW_AZIMUTHS - azimuth[..., np.newaxis])
+            ).max(axis=-1)
+        ),
         closure_condition=_closure_condition(robot, a),
         travel=(upper - a).min(axis=-1) - (lower - a).max(axis=-1),
     )
@@ -158,8 +172,9 @@ def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> Workspace
     robot : PSP3
         The robot.
     tilt, azimuth : (...,) array_like
-        Angle of the star's axis from the vertical, within [0, π/2), and the direction toward which it leans [rad]. They
-        are broadcast against each other: (N, 1) and (K,) make a map of N by K poses.
+        Angle of the star's axis from the vertical, within [0, π/2), and the direction toward which
+        it leans [rad]. They are broadcast against each other: (N, 1) and (K,) make a map of N by K
+        poses.
 
     Returns
     -------
@@ -177,9 +192,12 @@ def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> Workspace
     if theta.size and not (theta.min() >= 0.0 and theta.max() < 0.5 * np.pi):
         wrong = theta.min() if theta.min() < 0.0 else theta.max()
         raise InvalidValue("tilt", float(wrong), "at least 0 and less than 90 degrees (pi/2 rad)")
-    # On the border itself an arm vanishes, and rounding would decide on which side of it a pose falls.
+    # On the border itself an arm vanishes, and rounding would decide on which side of it a pose
+    # falls.
     rows = np.flatnonzero(theta <= largest_tilt(phi) - 1e-12)
-    some = map_at_heights(robot, robot.inverse_kinematics(0.0, theta.reshape(-1)[rows], phi.reshape(-1)[rows]))
+    some = map_at_heights(
+        robot, robot.inverse_kinematics(0.0, theta.reshape(-1)[rows], phi.reshape(-1)[rows])
+    )
     whole = {}
     for field in fields(WorkspaceMap):
         values = getattr(some, field.name)
@@ -192,9 +210,9 @@ def map_over_tilt(robot: PSP3, tilt: ArrayLike, azimuth: ArrayLike) -> Workspace
 def map_over_reach(robot: PSP3, share: ArrayLike, azimuth: ArrayLike) -> WorkspaceMap:
     """Return what the tip positions within reach cost, with the star's center at the height 0.
 
-    The poses are those of the branch that is connected to home. They are spread over the orientations of the star rather
-    than over a square grid, so that they follow the border of the reach: row by row the tip moves from the vertical axis
-    to the border.
+    The poses are those of the branch that is connected to home. They are spread over the
+    orientations of the star rather than over a square grid, so that they follow the border of the
+    reach: row by row the tip moves from the vertical axis to the border.
 
     Parameters
     ----------
@@ -219,17 +237,22 @@ def map_over_reach(robot: PSP3, share: ArrayLike, azimuth: ArrayLike) -> Workspa
     """
     rho, phi = _angles(share=share, azimuth=azimuth)
     if rho.size and not (rho.min() >= 0.0 and rho.max() <= 1.0):
-        raise InvalidValue("share", float(rho.min() if rho.min() < 0.0 else rho.max()), "within [0, 1]")
+        raise InvalidValue(
+            "share", float(rho.min() if rho.min() < 0.0 else rho.max()), "within [0, 1]"
+        )
     directions, place = np.unique(phi, return_inverse=True)
     return map_over_tilt(robot, rho * fold_tilt(robot, directions)[place].reshape(rho.shape), phi)
 
 
 def largest_tilt(azimuth: ArrayLike) -> Array:
-    r"""Return the tilt at which an arm length vanishes, for the direction toward which the star leans.
+    r"""Return the tilt at which an arm length vanishes.
+
+    For the direction toward which the star leans.
 
     .. math:: \tan^2(\theta/2) = -1 / \big(2 \min_k \cos(2\phi + \alpha_k)\big)
 
-    from the arm lengths of :func:`psp3.three_psp.geometry.heights_of_tilt`. It depends on no dimension of the robot.
+    from the arm lengths of :func:`psp3.three_psp.geometry.heights_of_tilt`. It depends on no
+    dimension of the robot.
 
     Parameters
     ----------
@@ -265,7 +288,8 @@ def fold_tilt(robot: PSP3, azimuth: ArrayLike) -> Array:
     Returns
     -------
     (...,) ndarray
-        Tilt at the fold, 33° to 38° for the thesis's robot [rad]; the largest tilt where a long tool never folds.
+        Tilt at the fold, 33° to 38° for the thesis's robot [rad]; the largest tilt where a long
+        tool never folds.
 
     Raises
     ------
@@ -275,7 +299,8 @@ def fold_tilt(robot: PSP3, azimuth: ArrayLike) -> Array:
     (phi,) = _angles(azimuth=azimuth)
     # Short of the tilt where an arm vanishes: beyond it there is no Jacobian.
     end = largest_tilt(phi) * (1.0 - 1e-9)
-    # A second root, where there is one, lies far behind the first: sixteen steps do not jump over both.
+    # A second root, where there is one, lies far behind the first: sixteen steps do not jump over
+    # both.
     scan = end[..., np.newaxis] * np.linspace(0.0, 1.0, 17)
     folded = _tip_determinant(robot, scan, phi[..., np.newaxis]) <= 0.0
     first = np.where(folded.any(axis=-1), folded.argmax(axis=-1), 16)
@@ -290,10 +315,13 @@ def fold_tilt(robot: PSP3, azimuth: ArrayLike) -> Array:
 
 
 def reach_boundary(robot: PSP3, azimuth: ArrayLike) -> Array:
-    r"""Return the horizontal border of the tip's reach, where the star leans toward given directions.
+    r"""Return the horizontal border of the tip's reach.
 
-    The border is a curve with three cusps, at the azimuths 60°, 180° and 300°. It comes nearest to the vertical axis at the
-    azimuths of the screws, :math:`\sqrt{h^2 + d^2/4} - d/2`. :meth:`psp3.PSP3.tip_reach` gives its distance by the tip's azimuth.
+    There the star leans toward given directions.
+
+    The border is a curve with three cusps, at the azimuths 60°, 180° and 300°. It comes nearest to
+    the vertical axis at the azimuths of the screws, :math:`\sqrt{h^2 + d^2/4} - d/2`.
+    :meth:`psp3.PSP3.tip_reach` gives its distance by the tip's azimuth.
 
     Parameters
     ----------
@@ -319,14 +347,19 @@ def reach_boundary(robot: PSP3, azimuth: ArrayLike) -> Array:
 
 def _closure_condition(robot: PSP3, heights: Array) -> Array:
     q = robot.configuration(heights)
-    jacobians = [robot.constraint_jacobian(row)[:, robot.dependent_v] for row in q.reshape(-1, robot.model.nq)]
+    jacobians = [
+        robot.constraint_jacobian(row)[:, robot.dependent_v]
+        for row in q.reshape(-1, robot.model.nq)
+    ]
     width = robot.dependent_v.size
     condition: Array = np.linalg.cond(np.reshape(jacobians, (len(jacobians), width, width)))
     return condition.reshape(heights.shape[:-1])
 
 
 def _tip_determinant(robot: PSP3, tilt: Array, azimuth: Array) -> Array:
-    determinant: Array = np.linalg.det(robot.tip_jacobian(robot.inverse_kinematics(0.0, tilt, azimuth)))
+    determinant: Array = np.linalg.det(
+        robot.tip_jacobian(robot.inverse_kinematics(0.0, tilt, azimuth))
+    )
     return determinant
 
 

@@ -1,8 +1,10 @@
-r"""Periodic motions of the actuated joints as finite Fourier series, and the series through noisy measurements of one.
+r"""Periodic motions of the actuated joints as finite Fourier series.
 
-A periodic motion is differentiated without delay and without amplifying noise by differentiating the series fitted to it (J. Swevers,
-C. Ganseman, D. B. Tükel, J. De Schutter and H. Van Brussel, Optimal robot excitation and identification, IEEE Transactions on Robotics and
-Automation, 1997).
+And the series through noisy measurements of one.
+
+A periodic motion is differentiated without delay and without amplifying noise by differentiating
+the series fitted to it (J. Swevers, C. Ganseman, D. B. Tükel, J. De Schutter and H. Van Brussel,
+Optimal robot excitation and identification, IEEE Transactions on Robotics and Automation, 1997).
 """
 
 from __future__ import annotations
@@ -23,7 +25,8 @@ from psp3.trajectories.trajectory import Trajectory
 class FourierSeries(Trajectory):
     r"""A periodic motion of the actuated joints, with H harmonics of one base frequency.
 
-    .. math:: a(t) = c + \sum_{k=1}^H \big( s_k \sin k \omega t + c_k \cos k \omega t \big), \qquad \omega = 2\pi / T
+    .. math:: a(t) = c + \sum_{k=1}^H \big( s_k \sin k \omega t + c_k \cos k \omega t \big), \qquad
+              \omega = 2\pi / T
 
     Parameters
     ----------
@@ -43,13 +46,23 @@ class FourierSeries(Trajectory):
     """
 
     def __init__(
-        self, center: ArrayLike, sines: ArrayLike, cosines: ArrayLike, period: float, robot: ClosedLoopRobot | None = None
+        self,
+        center: ArrayLike,
+        sines: ArrayLike,
+        cosines: ArrayLike,
+        period: float,
+        robot: ClosedLoopRobot | None = None,
     ) -> None:
         super().__init__(robot, "joints")
         self.center = one_row("center", center, self.width)
-        self.sines, self.cosines = finite_rows("sines", sines, self.width), finite_rows("cosines", cosines, self.width)
+        self.sines, self.cosines = (
+            finite_rows("sines", sines, self.width),
+            finite_rows("cosines", cosines, self.width),
+        )
         if self.sines.ndim != 2 or self.sines.shape != self.cosines.shape or not len(self.sines):
-            raise InvalidArray("sines and cosines", f"(H, {self.width}) with H of at least 1", cosines)
+            raise InvalidArray(
+                "sines and cosines", f"(H, {self.width}) with H of at least 1", cosines
+            )
         self.period = checked_positive("period", period)
 
     @property
@@ -58,7 +71,9 @@ class FourierSeries(Trajectory):
         return len(self.sines)
 
     def joints(self, t: ArrayLike) -> tuple[Array, Array, Array]:
-        """Return positions, speeds and accelerations (..., n) of the joints at times (...,), whether or not the robot can take them.
+        """Return positions, speeds and accelerations (..., n) of the joints at times (...,).
+
+        Whether or not the robot can take them.
 
         Raises
         ------
@@ -69,12 +84,16 @@ class FourierSeries(Trajectory):
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         coefficients = np.concatenate([self.center[np.newaxis], self.sines, self.cosines])
-        value, rate, curvature = (terms @ coefficients for terms in fourier_terms(t, self.period, self.harmonics))
+        value, rate, curvature = (
+            terms @ coefficients for terms in fourier_terms(t, self.period, self.harmonics)
+        )
         return value, rate, curvature
 
 
 def fourier_terms(t: ArrayLike, period: float, harmonics: int) -> tuple[Array, Array, Array]:
-    """Return the terms of a Fourier series at times (...,) with their first and second derivatives, each (..., 2 H + 1).
+    """Return the terms of a Fourier series at times (...,) and two derivatives.
+
+    The first and the second one; each is (..., 2 H + 1).
 
     First the constant, then the sines, then the cosines.
     """
@@ -91,8 +110,9 @@ def fourier_terms(t: ArrayLike, period: float, harmonics: int) -> tuple[Array, A
 class FittedSeries(NamedTuple):
     """A series through measured positions, ``.motion``, with what the measurements leave uncertain.
 
-    ``noise`` (n,) is the standard deviation of the measured positions about it [m or rad]; ``covariance`` (2 H + 1, 2 H + 1) that of the
-    coefficients of a joint for noise of standard deviation 1, in the order of :func:`fourier_terms`.
+    ``noise`` (n,) is the standard deviation of the measured positions about it [m or rad];
+    ``covariance`` (2 H + 1, 2 H + 1) that of the coefficients of a joint for noise of standard
+    deviation 1, in the order of :func:`fourier_terms`.
     """
 
     motion: FourierSeries
@@ -100,7 +120,9 @@ class FittedSeries(NamedTuple):
     covariance: Array
 
 
-def fit_fourier_series(t: ArrayLike, positions: ArrayLike, period: float, harmonics: int, robot: ClosedLoopRobot) -> FittedSeries:
+def fit_fourier_series(
+    t: ArrayLike, positions: ArrayLike, period: float, harmonics: int, robot: ClosedLoopRobot
+) -> FittedSeries:
     r"""Return the Fourier series nearest to measured positions in the sense of least squares.
 
     Parameters
@@ -108,11 +130,13 @@ def fit_fourier_series(t: ArrayLike, positions: ArrayLike, period: float, harmon
     t : (N,) array_like
         Times of the measurements [s], over a period or more for a well-determined series.
     positions : (N, n) array_like
-        Measured positions of the actuated joints [m or rad], whose errors are taken to be independent.
+        Measured positions of the actuated joints [m or rad], whose errors are taken to be
+        independent.
     period : float
         Time after which the motion repeats [s].
     harmonics : int
-        Number H of harmonics to be fitted. Too few leave a part of the motion out, too many let noise in.
+        Number H of harmonics to be fitted. Too few leave a part of the motion out, too many let
+        noise in.
     robot : ClosedLoopRobot
         Whose motion it is.
 
@@ -138,8 +162,14 @@ def fit_fourier_series(t: ArrayLike, positions: ArrayLike, period: float, harmon
     rank = int(np.count_nonzero(values > RANK_TOLERANCE * values.max(initial=0.0)))
     # One measurement more than coefficients, so that there is something to tell the noise from.
     if rank < count or times.size <= count:
-        raise PoorExcitation("Fourier coefficients and their noise", min(rank, times.size - 1), count)
+        raise PoorExcitation(
+            "Fourier coefficients and their noise", min(rank, times.size - 1), count
+        )
     coefficients = (right.T / values) @ (left.T @ rows)
     noise = np.sqrt(np.sum((rows - terms @ coefficients) ** 2, axis=0) / (times.size - count))
     center, sines, cosines = np.split(coefficients, [1, 1 + harmonics])
-    return FittedSeries(FourierSeries(center[0], sines, cosines, period, robot), noise, (right.T / values**2) @ right)
+    return FittedSeries(
+        FourierSeries(center[0], sines, cosines, period, robot),
+        noise,
+        (right.T / values**2) @ right,
+    )

@@ -25,7 +25,8 @@ def _home(robot: ClosedLoopRobot) -> Array:
 class Helix(Trajectory):
     r"""A helix about the vertical axis, the thesis's trajectory.
 
-    .. math:: x(t) = \big( r \cos\omega t,\; r \sin\omega t,\; z_0 + \dot z t \big), \qquad \omega = 2\pi / T
+    .. math:: x(t) = \big( r \cos\omega t,\; r \sin\omega t,\; z_0 + \dot z t \big), \qquad
+              \omega = 2\pi / T
 
     Parameters
     ----------
@@ -43,7 +44,8 @@ class Helix(Trajectory):
     Raises
     ------
     InvalidValue
-        If the radius is negative, the period is not positive, a number is not finite, or the robot is not a 3-PSP.
+        If the radius is negative, the period is not positive, a number is not finite, or the robot
+        is not a 3-PSP.
     """
 
     def __init__(
@@ -81,7 +83,11 @@ class Circle(Helix):
     """
 
     def __init__(
-        self, radius: float = 0.020, period: float = 2.0, height: float | None = None, robot: ClosedLoopRobot | None = None
+        self,
+        radius: float = 0.020,
+        period: float = 2.0,
+        height: float | None = None,
+        robot: ClosedLoopRobot | None = None,
     ) -> None:
         super().__init__(radius, period, 0.0, height, robot)
 
@@ -92,14 +98,20 @@ class Hold(Trajectory):
     Parameters
     ----------
     point : array_like, optional
-        Where the tip is, (3,) [m], or the actuated joints are, (n,) [m or rad]; by default those of the home or reference pose.
+        Where the tip is, (3,) [m], or the actuated joints are, (n,) [m or rad]; by default those of
+        the home or reference pose.
     robot, space
         See :class:`Trajectory`.
     """
 
     duration = 0.0
 
-    def __init__(self, point: ArrayLike | None = None, robot: ClosedLoopRobot | None = None, space: str | None = None) -> None:
+    def __init__(
+        self,
+        point: ArrayLike | None = None,
+        robot: ClosedLoopRobot | None = None,
+        space: str | None = None,
+    ) -> None:
         super().__init__(robot, space)
         if point is None:
             self.point = _home(self.robot) if self.space == "tip" else self.robot.reference
@@ -115,14 +127,22 @@ class _Segment(Trajectory):
     """A straight path from one point to another, in a given time, at rest before and after."""
 
     def __init__(
-        self, start: ArrayLike, end: ArrayLike, duration: float, robot: ClosedLoopRobot | None = None, space: str | None = None
+        self,
+        start: ArrayLike,
+        end: ArrayLike,
+        duration: float,
+        robot: ClosedLoopRobot | None = None,
+        space: str | None = None,
     ) -> None:
         super().__init__(robot, space)
         self.start, self.end = one_row("start", start, self.width), one_row("end", end, self.width)
         self.duration: float = checked_positive("duration", duration)
 
     def _progress(self, x: Array) -> tuple[Array, Array, Array]:
-        """Share of the way at the share x of the time, within [0, 1], with its first and second derivative."""
+        """Share of the way at the share x of the time, with its first and second derivative.
+
+        Both shares are within [0, 1].
+        """
         raise NotImplementedError
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
@@ -137,7 +157,9 @@ class _Segment(Trajectory):
 
 
 class Line(_Segment):
-    r"""A straight line at constant speed: :math:`x(t) = x_0 + (x_1 - x_0)\, t/T`, at rest before and after.
+    r"""A straight line at constant speed.
+
+    :math:`x(t) = x_0 + (x_1 - x_0)\, t/T`, at rest before and after.
 
     The speed jumps at both ends; :class:`PointToPoint` starts and stops smoothly.
 
@@ -156,7 +178,9 @@ class Line(_Segment):
 
 
 class PointToPoint(_Segment):
-    r"""A straight line from rest to rest with continuous acceleration: the quintic :math:`s = 10x^3 - 15x^4 + 6x^5`, :math:`x = t/T`.
+    r"""A straight line from rest to rest with continuous acceleration.
+
+    The quintic :math:`s = 10x^3 - 15x^4 + 6x^5`, :math:`x = t/T`.
 
     Parameters
     ----------

@@ -35,7 +35,13 @@ class Waypoints(Trajectory):
         If the times do not increase.
     """
 
-    def __init__(self, times: ArrayLike, points: ArrayLike, robot: ClosedLoopRobot | None = None, space: str | None = None) -> None:
+    def __init__(
+        self,
+        times: ArrayLike,
+        points: ArrayLike,
+        robot: ClosedLoopRobot | None = None,
+        space: str | None = None,
+    ) -> None:
         from scipy.interpolate import CubicSpline
 
         super().__init__(robot, space)
@@ -50,9 +56,9 @@ class Waypoints(Trajectory):
 class FromCSV(Trajectory):
     """A recorded motion from a CSV file, smoothed by a cubic spline through its rows.
 
-    The first line names the columns: ``t,x,y,z`` for a path of the tip, or ``t`` and the names of the actuated joints, ``t,a1,a2,a3``
-    for nut heights; seconds, meters and radians, other columns are ignored. Before the first and after the last row the robot rests
-    there.
+    The first line names the columns: ``t,x,y,z`` for a path of the tip, or ``t`` and the names of
+    the actuated joints, ``t,a1,a2,a3`` for nut heights; seconds, meters and radians, other columns
+    are ignored. Before the first and after the last row the robot rests there.
 
     Parameters
     ----------
@@ -64,7 +70,8 @@ class FromCSV(Trajectory):
     Raises
     ------
     InvalidTrajectoryFile
-        If the file is missing, lacks the columns, or has a row that is not as many finite numbers; the error names the line.
+        If the file is missing, lacks the columns, or has a row that is not as many finite numbers;
+        the error names the line.
     """
 
     def __init__(self, path: str | Path, robot: ClosedLoopRobot | None = None) -> None:
@@ -72,7 +79,9 @@ class FromCSV(Trajectory):
 
         super().__init__(robot)
         columns = {"tip": ("t", "x", "y", "z")} if self.space == "tip" else {}
-        self.space, table = _read_table(Path(path), columns | {"joints": ("t", *self.robot.actuated)})
+        self.space, table = _read_table(
+            Path(path), columns | {"joints": ("t", *self.robot.actuated)}
+        )
         try:
             knots, values = _knots(table[:, 0], table[:, 1:], self.width, minimum=4)
         except (InvalidArray, InvalidValue) as error:
@@ -88,10 +97,16 @@ def _knots(times: ArrayLike, points: ArrayLike, width: int, minimum: int) -> tup
     values = finite_rows("points", points, width)
     knots = finite_times(times)
     if values.ndim != 2 or knots.shape != values.shape[:1] or knots.size < minimum:
-        raise InvalidArray("times and points", f"(N,) and (N, {width}) with N of at least {minimum}", knots)
+        raise InvalidArray(
+            "times and points", f"(N,) and (N, {width}) with N of at least {minimum}", knots
+        )
     late = np.flatnonzero(np.diff(knots) <= 0.0)
     if late.size:
-        raise InvalidValue("times", float(knots[late[0] + 1]), f"later than the one before it, {knots[late[0]]:.6g} s")
+        raise InvalidValue(
+            "times",
+            float(knots[late[0] + 1]),
+            f"later than the one before it, {knots[late[0]]:.6g} s",
+        )
     return knots, values
 
 
@@ -109,12 +124,18 @@ def _read_table(path: Path, known: dict[str, tuple[str, ...]]) -> tuple[str, Arr
     try:
         lines = list(csv.reader(path.read_text(encoding="utf-8").splitlines()))
     except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InvalidTrajectoryFile(path, f"cannot be read ({getattr(error, 'strerror', None) or error})") from error
+        raise InvalidTrajectoryFile(
+            path, f"cannot be read ({getattr(error, 'strerror', None) or error})"
+        ) from error
     header = [name.strip() for name in lines[0]] if lines else []
     matching = [space for space, columns in known.items() if set(columns) <= set(header)]
     if not matching:
         choices = " or ".join(map(",".join, known.values()))
-        raise InvalidTrajectoryFile(path, f"the first line must name the columns {choices}; it has {', '.join(header) or 'nothing'}")
+        raise InvalidTrajectoryFile(
+            path,
+            f"the first line must name the columns {choices}; it has "
+            f"{', '.join(header) or 'nothing'}",
+        )
     columns = known[matching[0]]
     places = [header.index(name) for name in columns]
     rows = []
@@ -125,9 +146,13 @@ def _read_table(path: Path, known: dict[str, tuple[str, ...]]) -> tuple[str, Arr
             row = [float(cells[place]) for place in places]
         except (IndexError, ValueError) as error:
             raise InvalidTrajectoryFile(
-                path, f"line {number}: expected numbers for {', '.join(columns)}, got {','.join(cells)!r}"
+                path,
+                f"line {number}: expected numbers for {', '.join(columns)}, got "
+                f"{','.join(cells)!r}",
             ) from error
         if not np.isfinite(row).all():
-            raise InvalidTrajectoryFile(path, f"line {number}: a number is not finite: {','.join(cells)!r}")
+            raise InvalidTrajectoryFile(
+                path, f"line {number}: a number is not finite: {','.join(cells)!r}"
+            )
         rows.append(row)
     return matching[0], np.array(rows).reshape(-1, len(columns))

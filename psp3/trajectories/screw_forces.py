@@ -1,6 +1,9 @@
-r"""From a motion of the tip to the forces of the screws, the thesis's inverse dynamics (Figures 27, 28 and 31).
+r"""From a motion of the tip to the forces of the screws.
 
-Inverse kinematics turns the tip's path into nut heights, their rates follow, and the equation of motion gives the forces:
+It is the thesis's inverse dynamics (Figures 27, 28 and 31).
+
+Inverse kinematics turns the tip's path into nut heights, their rates follow, and the equation of
+motion gives the forces:
 
 .. math:: \tau = M(a)\, \ddot a + C(a, \dot a)\, \dot a + G(a) \qquad \text{(eq. 3.1)}
 """
@@ -51,8 +54,9 @@ class ScrewForces:
         Returns
         -------
         dict of str to ndarray
-            ``t``, the tip ``x y z``, then ``a1 a2 a3`` and likewise ``speed``, ``acceleration`` and ``force``. With the names as
-            first line this is a file that :class:`psp3.trajectories.recorded.FromCSV` reads.
+            ``t``, the tip ``x y z``, then ``a1 a2 a3`` and likewise ``speed``, ``acceleration`` and
+            ``force``. With the names as first line this is a file that
+            :class:`psp3.trajectories.recorded.FromCSV` reads.
         """
         columns = {"t": self.t, **dict(zip("xyz", self.motion.tip.T, strict=True))}
         for name, values in (
@@ -65,7 +69,9 @@ class ScrewForces:
         return columns
 
 
-def screw_forces(trajectory: Trajectory, t: ArrayLike, model: DynamicsModel | None = None) -> ScrewForces:
+def screw_forces(
+    trajectory: Trajectory, t: ArrayLike, model: DynamicsModel | None = None
+) -> ScrewForces:
     """Return the screw forces that a trajectory takes.
 
     Parameters
@@ -75,8 +81,8 @@ def screw_forces(trajectory: Trajectory, t: ArrayLike, model: DynamicsModel | No
     t : (N,) array_like
         Times [s].
     model : DynamicsModel, optional
-        Where M, C and G come from: the trajectory's robot in closed form by default; ``robot.dynamics("noc")`` is the
-        thesis's own way.
+        Where M, C and G come from: the trajectory's robot in closed form by default;
+        ``robot.dynamics("noc")`` is the thesis's own way.
 
     Returns
     -------
@@ -93,7 +99,9 @@ def screw_forces(trajectory: Trajectory, t: ArrayLike, model: DynamicsModel | No
     if times.ndim != 1:
         raise InvalidArray("t", "(N,)", times)
     motion = trajectory.check(times)
-    M, C, G = (trajectory.robot if model is None else model).equation_of_motion(motion.heights, motion.speeds)
+    M, C, G = (trajectory.robot if model is None else model).equation_of_motion(
+        motion.heights, motion.speeds
+    )
     return ScrewForces(
         times,
         motion,

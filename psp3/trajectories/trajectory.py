@@ -1,8 +1,11 @@
-"""Desired motions: of the tip along a path, turned into nut heights with their rates by inverse kinematics, or of the joints.
+"""Desired motions of the tip or of the joints.
 
-A trajectory is called with a time or an array of times and returns a :class:`Motion`. The tip's are those of the 3-PSP, whose inverse
-kinematics is known; motions of the actuated joints are those of any robot. A path that the robot cannot follow is an error of that call;
-:meth:`Trajectory.check` also looks at the limits of the actuated joints, and a simulation does so before it starts.
+Those of the tip along a path become nut heights with their rates by inverse kinematics.
+
+A trajectory is called with a time or an array of times and returns a :class:`Motion`. The tip's are
+those of the 3-PSP, whose inverse kinematics is known; motions of the actuated joints are those of
+any robot. A path that the robot cannot follow is an error of that call; :meth:`Trajectory.check`
+also looks at the limits of the actuated joints, and a simulation does so before it starts.
 """
 
 from __future__ import annotations
@@ -32,16 +35,16 @@ def _default_robot() -> ClosedLoopRobot:
 class Trajectory:
     """Base of the trajectories: a path in time, of the tip or of the actuated joints.
 
-    A subclass gives ``_path(t)``, the position on the path with its velocity and acceleration. What moves otherwise overrides
-    ``__call__``.
+    A subclass gives ``_path(t)``, the position on the path with its velocity and acceleration. What
+    moves otherwise overrides ``__call__``.
 
     Parameters
     ----------
     robot : ClosedLoopRobot, optional
         Whose motion it is; ``psp3.load("psp3")`` by default.
     space : str, optional
-        ``"tip"``, a path of the tip in base axes [m], or ``"joints"``, of the n actuated joints [m or rad]. By default the tip of a 3-PSP,
-        and the joints of any other robot.
+        ``"tip"``, a path of the tip in base axes [m], or ``"joints"``, of the n actuated joints [m
+        or rad]. By default the tip of a 3-PSP, and the joints of any other robot.
 
     Raises
     ------
@@ -61,7 +64,11 @@ class Trajectory:
         if self.space not in SPACES:
             raise UnknownName("space", space, SPACES)
         if self.space == "tip" and not has_inverse:
-            raise InvalidValue("space", "tip", "'joints' for another robot than the 3-PSP, whose tip has an inverse kinematics")
+            raise InvalidValue(
+                "space",
+                "tip",
+                "'joints' for another robot than the 3-PSP, whose tip has an inverse kinematics",
+            )
 
     @property
     def width(self) -> int:
@@ -98,7 +105,9 @@ class Trajectory:
         return Motion(*self.robot.motion_of_tip(point, velocity, acceleration), point)
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
-        raise NotImplementedError(f"{type(self).__name__} must return a position with its velocity and acceleration")
+        raise NotImplementedError(
+            f"{type(self).__name__} must return a position with its velocity and acceleration"
+        )
 
     def check(self, t: ArrayLike, clearance: float | None = None) -> Motion:
         """Return the motion at given times, provided that the robot can make it.

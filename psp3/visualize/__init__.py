@@ -1,4 +1,6 @@
-"""See the robot in the browser: :class:`Scene` for files and notebooks, :class:`Viewer` for a live view, on MeshCat.
+"""See the robot in the browser.
+
+:class:`Scene` for files and notebooks, :class:`Viewer` for a live view, on MeshCat.
 
 .. code-block:: python
 

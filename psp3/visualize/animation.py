@@ -1,4 +1,7 @@
-"""The frames of an animation: what is to be seen of a result or a trajectory, at even times, and MeshCat's tracks through them."""
+"""The frames of an animation.
+
+What is to be seen of a result or a trajectory, at even times, and MeshCat's tracks through them.
+"""
 
 from __future__ import annotations
 
@@ -21,8 +24,9 @@ _TRACK_TYPES = {"position": "vector3", "quaternion": "quaternion", "scale": "vec
 class Frames(NamedTuple):
     """What is to be seen, frame by frame.
 
-    ``time`` (n,) [s]; ``heights`` (n, k), positions of the actuated joints [m]; the others may be missing: ``tip`` (n, 3),
-    ``desired_heights`` (n, k) and ``desired_tip`` (n, 3) [m], ``force`` (n, 3) [N].
+    ``time`` (n,) [s]; ``heights`` (n, k), positions of the actuated joints [m]; the others may be
+    missing: ``tip`` (n, 3), ``desired_heights`` (n, k) and ``desired_tip`` (n, 3) [m], ``force``
+    (n, 3) [N].
     """
 
     time: Array
@@ -34,7 +38,9 @@ class Frames(NamedTuple):
 
 
 def frames_of(motion: Result | Trajectory, duration: float | None = None) -> Frames:
-    """Return the frames of a result, on the simulation's own time, or of a trajectory as it is desired.
+    """Return the frames of a result, or of a trajectory.
+
+    Of a result on the simulation's own time, of a trajectory as it is desired.
 
     Parameters
     ----------
@@ -51,7 +57,11 @@ def frames_of(motion: Result | Trajectory, duration: float | None = None) -> Fra
     if isinstance(motion, Trajectory):
         seconds = motion.duration if duration is None else duration
         if seconds is None or not (np.isfinite(seconds) and seconds > 0.0):
-            raise InvalidValue("duration", seconds, f"a positive time in seconds, since this {type(motion).__name__} never rests")
+            raise InvalidValue(
+                "duration",
+                seconds,
+                f"a positive time in seconds, since this {type(motion).__name__} never rests",
+            )
         time = _even_times(0.0, seconds)
         desired = motion(time)
         return Frames(time, desired.heights, desired.tip)
@@ -60,7 +70,13 @@ def frames_of(motion: Result | Trajectory, duration: float | None = None) -> Fra
     def at_frames(values: Array) -> Array:
         return np.stack([np.interp(time, motion.t, column) for column in values.T], axis=-1)
 
-    return Frames(time, *map(at_frames, (motion.heights, motion.tip, motion.desired.heights, motion.desired.tip, motion.torque)))
+    return Frames(
+        time,
+        *map(
+            at_frames,
+            (motion.heights, motion.tip, motion.desired.heights, motion.desired.tip, motion.torque),
+        ),
+    )
 
 
 def _even_times(start: float, end: float) -> Array:
@@ -78,17 +94,27 @@ def clip(path: str, seconds: Array, tracks: Mapping[str, Array]) -> dict[str, An
     seconds : (n,) ndarray
         Times of the frames [s].
     tracks : mapping of (n, 3) or (n, 4) ndarray
-        ``"position"`` [m], ``"quaternion"`` (x, y, z, w) and ``"scale"``. Tracks that stand still are left out, and of a position or
-        scale that changes along one axis only this axis is kept, which makes files small.
+        ``"position"`` [m], ``"quaternion"`` (x, y, z, w) and ``"scale"``. Tracks that stand still
+        are left out, and of a position or scale that changes along one axis only this axis is kept,
+        which makes files small.
     """
     moving = []
     for name, values in tracks.items():
-        axes = [axis for axis, column in zip("xyzw", values.T, strict=False) if np.ptp(column) > 1e-6]
+        axes = [
+            axis for axis, column in zip("xyzw", values.T, strict=False) if np.ptp(column) > 1e-6
+        ]
         if not axes:
             continue
         if len(axes) == 1 and name != "quaternion":
             track, kind, values = f".{name}[{axes[0]}]", "number", values[:, "xyz".index(axes[0])]
         else:
             track, kind = f".{name}", _TRACK_TYPES[name]
-        moving.append({"name": track, "type": kind, "times": seconds.round(4), "values": values.ravel().round(5)})
+        moving.append(
+            {
+                "name": track,
+                "type": kind,
+                "times": seconds.round(4),
+                "values": values.ravel().round(5),
+            }
+        )
     return {"path": path, "clip": {"name": "default", "fps": 1, "tracks": moving}}

@@ -1,4 +1,7 @@
-"""A scene of the two links that are nearest to each other: their shapes in color, and the shortest way between them."""
+"""A scene of the two links that are nearest to each other.
+
+Their shapes in color, and the shortest way between them.
+"""
 
 from __future__ import annotations
 
@@ -33,14 +36,16 @@ NODE = "robots/0/nearest"
 class CollisionScene(Scene):
     """A robot on a floor, with the two links that are nearest to each other.
 
-    The collision shapes of their bodies are drawn in the place of what these look like, each body in a color of its own.
+    The collision shapes of their bodies are drawn in the place of what these look like, each body
+    in a color of its own.
 
     Parameters
     ----------
     robot : ClosedLoopRobot
         What to show.
     model : CollisionModel, optional
-        Its shapes; by default those of the file that it was loaded from, see :func:`psp3.collisions.model.collision_model`.
+        Its shapes; by default those of the file that it was loaded from, see
+        :func:`psp3.collisions.model.collision_model`.
     """
 
     def __init__(self, robot: ClosedLoopRobot, model: CollisionModel | None = None) -> None:
@@ -88,10 +93,18 @@ class CollisionScene(Scene):
         """Have the whole robot in view, from nearby the points, and say what the colors are."""
         corners = self._performers[0].body.corners(self.robot.q0)
         box = np.array([corners.min(axis=0), corners.max(axis=0)])
-        cube = np.array([nearest.points.min(axis=0), nearest.points.max(axis=0)]) + SURROUNDINGS * np.array([[-1.0], [1.0]])
+        cube = np.array(
+            [nearest.points.min(axis=0), nearest.points.max(axis=0)]
+        ) + SURROUNDINGS * np.array([[-1.0], [1.0]])
         apart = "apart" if nearest.distance >= 0.0 else "in each other"
-        entries = [(link, color, "area") for link, color in zip(nearest.links, LINK_COLORS, strict=True) if self.model.joint_of(link)]
-        entries.append((f"nearest points, {1e3 * abs(nearest.distance):.1f} mm {apart}", POINT_COLOR, "line"))
+        entries = [
+            (link, color, "area")
+            for link, color in zip(nearest.links, LINK_COLORS, strict=True)
+            if self.model.joint_of(link)
+        ]
+        entries.append(
+            (f"nearest points, {1e3 * abs(nearest.distance):.1f} mm {apart}", POINT_COLOR, "line")
+        )
         self._commands.add(
             {
                 "type": "stage",
@@ -100,14 +113,19 @@ class CollisionScene(Scene):
                 "direction": VIEW_DIRECTION,
                 "field_of_view": FIELD_OF_VIEW,
                 "texts": [],
-                "legend": [{"text": text, "color": color, "mark": mark} for text, color, mark in entries],
+                "legend": [
+                    {"text": text, "color": color, "mark": mark} for text, color, mark in entries
+                ],
             }
         )
         # What is shown next sets the stage anew.
         self._cast = None
 
     def _draw_body(self, node: str, link: str, color: str, configuration: Array) -> None:
-        """Draw the collision shapes of the body that a link belongs to, in the place of what the body looks like."""
+        """Draw the collision shapes of the body that a link belongs to.
+
+        They take the place of what the body looks like.
+        """
         # Not before psp3.visualize.shapes, which has MeshCat imported without a warning.
         from psp3.visualize.robot_visualizer import RobotVisualizer
 
@@ -119,7 +137,9 @@ class CollisionScene(Scene):
                 colored = shape.copy()
                 colored.meshColor = np.array([*rgb(color), 1.0])
                 shapes.addGeometryObject(colored)
-        alone = ClosedLoopRobot(model, self.robot.constraint_models, self.robot.actuated, self.robot.q0, shapes)
+        alone = ClosedLoopRobot(
+            model, self.robot.constraint_models, self.robot.actuated, self.robot.q0, shapes
+        )
         RobotVisualizer(alone, self._viewer, node).display(configuration)
         self._hidden.append(place)
         self._viewer[place].set_property("visible", False)

@@ -1,4 +1,7 @@
-"""The commands that build a scene in the browser, kept so that a page can be written or served at any time."""
+"""The commands that build a scene in the browser.
+
+They are kept so that a page can be written or served at any time.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,10 @@ _NUMPY_TYPES = {0x12: np.uint8, 0x15: np.int32, 0x16: np.uint32, 0x17: np.float3
 
 
 class DrawingCommands:
-    """The commands that build the scene as it is now, in JSON; MeshCat takes it for the connection to its server."""
+    """The commands that build the scene as it is now, in JSON.
+
+    MeshCat takes it for the connection to its server.
+    """
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
@@ -27,7 +33,10 @@ class DrawingCommands:
         self.add(command.lower())
 
     def add(self, command: dict[str, Any]) -> None:
-        """Take a command; it replaces an earlier one to the same effect and reaches every subscriber."""
+        """Take a command, which reaches every subscriber.
+
+        It replaces an earlier one to the same effect.
+        """
         text = json.dumps(command, default=_as_plain_data, separators=(",", ":"))
         path = command.get("path", "")
         with self._lock:
@@ -36,8 +45,8 @@ class DrawingCommands:
                     del self._current[key]
             else:
                 key = (command["type"], path, command.get("property", ""))
-                # In the order of the last calls: an animation must find its nodes where it begins, or three.js takes values for set
-                # that are not.
+                # In the order of the last calls: an animation must find its nodes where it begins,
+                # or three.js takes values for set that are not.
                 self._current.pop(key, None)
                 self._current[key] = text
             for subscriber in self._subscribers:
@@ -49,12 +58,16 @@ class DrawingCommands:
             return f"[{','.join(self._current.values())}]"
 
     def subscribe(self) -> queue.Queue[str | None]:
-        """Return a queue of all commands up to now and, as they come, all further ones; None ends it."""
+        """Return a queue of all commands up to now and, as they come, all further ones.
+
+        None ends it.
+        """
         subscriber: queue.Queue[str | None] = queue.Queue()
         with self._lock:
             for text in self._current.values():
                 subscriber.put(text)
-            # A browser may connect just as the viewer closes; nobody would end its subscription later.
+            # A browser may connect just as the viewer closes; nobody would end its subscription
+            # later.
             if self._ended:
                 subscriber.put(None)
             self._subscribers.append(subscriber)
@@ -74,7 +87,10 @@ class DrawingCommands:
 
 
 def _as_plain_data(value: Any) -> Any:
-    """Turn what JSON does not know, packed arrays of MeshCat and numbers of NumPy, into lists and numbers."""
+    """Turn what JSON does not know into lists and numbers.
+
+    It does not know packed arrays of MeshCat and numbers of NumPy.
+    """
     if hasattr(value, "data") and hasattr(value, "type"):
         return np.frombuffer(value.data, _NUMPY_TYPES[value.type]).tolist()
     return np.asarray(value).tolist()

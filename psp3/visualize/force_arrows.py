@@ -1,4 +1,4 @@
-"""Arrows on sliding motors, such as the screws of the 3-PSP: the force on what each moves, to scale."""
+"""Arrows on sliding motors, such as the screws of the 3-PSP: the force of each, to scale."""
 
 from __future__ import annotations
 
@@ -30,11 +30,15 @@ def newtons_per_decimeter(largest: float) -> float:
     """Return a round scale, 1, 2 or 5 times a power of ten, at which the largest force fits [N]."""
     least = max(largest, 1e-9) * 0.1 / LONGEST
     power = 10.0 ** np.floor(np.log10(least))
-    return float(next(step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * (1.0 - 1e-12)))
+    return float(
+        next(
+            step * power for step in (1.0, 2.0, 5.0, 10.0) if step * power >= least * (1.0 - 1e-12)
+        )
+    )
 
 
 class ForceArrow:
-    """An arrow on a sliding motor, which grows from what it moves one way or the other with the force.
+    """An arrow on a sliding motor, which grows with the force, one way or the other.
 
     Parameters
     ----------
@@ -57,18 +61,30 @@ class ForceArrow:
         self._head.set_object(Column(HEAD_LENGTH, HEAD_RADIUS, 0.0), Satin(rgb(FORCE_COLOR)))
 
     def place(self, lengths: Array, seconds: Array) -> list[dict[str, Any]]:
-        """Put the arrow at the first of its lengths, (n,) [m], negative downward; return its animation through all."""
+        """Put the arrow at the first of its lengths, (n,) [m], negative downward.
+
+        Return its animation through all.
+        """
         size = np.maximum(np.minimum(np.abs(lengths) / HEAD_LENGTH, 1.0), _NO_LENGTH)
         reach = np.maximum(np.abs(lengths) - size * HEAD_LENGTH, _NO_LENGTH)
-        # Downward is upward turned around x: three.js takes a matrix with negative scales for another rotation.
+        # Downward is upward turned around x: three.js takes a matrix with negative scales for
+        # another rotation.
         down = lengths < 0.0
         turn = np.where(down[:, None], [1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0])
         # From the upper end of the nut to the lower one while the force changes its sign.
         start = CLEARANCE * np.clip(lengths / HEAD_LENGTH, -1.0, 1.0)
         parts = []
         for node, base, scale in (
-            (self._shaft, start, np.stack([np.ones_like(reach), np.ones_like(reach), reach], axis=-1)),
-            (self._head, start + np.where(down, -reach, reach), np.repeat(size[:, None], 3, axis=-1)),
+            (
+                self._shaft,
+                start,
+                np.stack([np.ones_like(reach), np.ones_like(reach), reach], axis=-1),
+            ),
+            (
+                self._head,
+                start + np.where(down, -reach, reach),
+                np.repeat(size[:, None], 3, axis=-1),
+            ),
         ):
             position = self._origin + base[:, None] * np.array([0.0, 0.0, 1.0])
             placement = np.diag([*scale[0], 1.0])
@@ -76,5 +92,11 @@ class ForceArrow:
                 placement[1:3] *= -1.0
             placement[:3, 3] = position[0]
             node.set_transform(placement)
-            parts.append(clip(node.path.lower(), seconds, {"position": position, "quaternion": turn, "scale": scale}))
+            parts.append(
+                clip(
+                    node.path.lower(),
+                    seconds,
+                    {"position": position, "quaternion": turn, "scale": scale},
+                )
+            )
         return parts

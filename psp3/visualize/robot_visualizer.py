@@ -17,7 +17,9 @@ from psp3.visualize.shapes import Glass, Satin, meshcat
 GHOST_OPACITY = 0.4
 
 GHOST_MARGIN = 0.0015
-"""A ghost is thinner than the robot all around [m]: it is hidden where the two agree, and neither flickers through the other."""
+"""A ghost is thinner than the robot all around [m]: it is hidden where the two agree, and neither
+flickers through the other.
+"""
 
 MARK_LENGTH = 0.005
 """Cylinders whose half length is less are marks on something else [m]."""
@@ -26,7 +28,9 @@ _PRIMITIVES = coal.Box | coal.Cylinder | coal.Sphere
 
 
 class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
-    """Pinocchio's visualizer with one node for each rigid body, so that a motion is one track a body and not one a shape.
+    """Pinocchio's visualizer with one node for each rigid body.
+
+    So a motion is one track a body and not one a shape.
 
     Bodies that a loop joins rigidly, such as the thirds of the star, share a node.
 
@@ -42,16 +46,27 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
         Show the moving parts only, translucent and in this color, ``#rrggbb``.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, viewer: meshcat.Visualizer, node: str, ghost: str | None = None) -> None:
+    def __init__(
+        self,
+        robot: ClosedLoopRobot,
+        viewer: meshcat.Visualizer,
+        node: str,
+        ghost: str | None = None,
+    ) -> None:
         self._ghost = None if ghost is None else Glass(ghost, GHOST_OPACITY)
         self._rigid = _rigidly_joined(robot)
-        super().__init__(robot.model, visual_model=robot.visual_model if ghost is None else _thinned(robot.visual_model))
+        super().__init__(
+            robot.model,
+            visual_model=robot.visual_model if ghost is None else _thinned(robot.visual_model),
+        )
         self.initViewer(viewer)
         self.loadViewerModel(node)
 
     def joint_node(self, joint: int) -> str:
         """Return the path of the body that a joint carries."""
-        return f"{self.viewerVisualGroupName}/{self.model.names[self._rigid.get(joint, (joint,))[0]]}"
+        return (
+            f"{self.viewerVisualGroupName}/{self.model.names[self._rigid.get(joint, (joint,))[0]]}"
+        )
 
     @property
     def joints(self) -> list[int]:
@@ -63,15 +78,23 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
         """Return the path of a shape: below its body."""
         return f"{self.joint_node(geometry_object.parentJoint)}/{geometry_object.name}"
 
-    def loadViewerGeometryObject(self, geometry_object: Any, geometry_type: Any, color: Any = None) -> None:
+    def loadViewerGeometryObject(
+        self, geometry_object: Any, geometry_type: Any, color: Any = None
+    ) -> None:
         """Draw a shape in its finish."""
         node = self.viewer[self.getViewerNodeName(geometry_object, geometry_type)]
         if isinstance(geometry_object.geometry, _PRIMITIVES):
-            node.set_object(self.loadPrimitive(geometry_object), self._ghost or Satin(geometry_object.meshColor))
+            node.set_object(
+                self.loadPrimitive(geometry_object), self._ghost or Satin(geometry_object.meshColor)
+            )
         else:
             super().loadViewerGeometryObject(geometry_object, geometry_type, color)
         joint = geometry_object.parentJoint
-        in_body = self._rigid[joint][1] * geometry_object.placement if joint in self._rigid else geometry_object.placement
+        in_body = (
+            self._rigid[joint][1] * geometry_object.placement
+            if joint in self._rigid
+            else geometry_object.placement
+        )
         node.set_transform(in_body.homogeneous @ np.diag([*geometry_object.meshScale, 1.0]))
 
     def updatePlacements(self, geometry_type: Any) -> None:
@@ -89,8 +112,13 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
         clips = []
         for joint, of_joint in poses.items():
             pose = np.array(of_joint)
-            # q and −q are the same rotation; the browser must not go the long way round between two frames.
-            pose[:, 3:] *= np.cumprod(np.append(1.0, np.where((pose[1:, 3:] * pose[:-1, 3:]).sum(axis=1) < 0.0, -1.0, 1.0)))[:, None]
+            # q and −q are the same rotation; the browser must not go the long way round between two
+            # frames.
+            pose[:, 3:] *= np.cumprod(
+                np.append(
+                    1.0, np.where((pose[1:, 3:] * pose[:-1, 3:]).sum(axis=1) < 0.0, -1.0, 1.0)
+                )
+            )[:, None]
             path = self.viewer[self.joint_node(joint)].path.lower()
             clips.append(clip(path, seconds, {"position": pose[:, :3], "quaternion": pose[:, 3:]}))
         return clips
@@ -100,22 +128,37 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
         pin.forwardKinematics(self.model, self.data, q)
         pin.updateGeometryPlacements(self.model, self.data, self.visual_model, self.visual_data)
         corners = []
-        for shape, placement in zip(self.visual_model.geometryObjects, self.visual_data.oMg, strict=True):
+        for shape, placement in zip(
+            self.visual_model.geometryObjects, self.visual_data.oMg, strict=True
+        ):
             if moving_only and shape.parentJoint == 0:
                 continue
             shape.geometry.computeLocalAABB()
-            box = np.array([shape.geometry.aabb_local.min_, shape.geometry.aabb_local.max_]) * shape.meshScale
+            box = (
+                np.array([shape.geometry.aabb_local.min_, shape.geometry.aabb_local.max_])
+                * shape.meshScale
+            )
             grid = np.stack(np.meshgrid(*box.T), axis=-1).reshape(-1, 3)
             corners.append(grid @ placement.rotation.T + placement.translation)
         return np.concatenate(corners) if corners else np.zeros((0, 3))
 
 
 def _rigidly_joined(robot: ClosedLoopRobot) -> dict[int, tuple[int, pin.SE3]]:
-    """Return, for each joint whose body a 6D loop joins to that of another, the other and the placement in it."""
+    """Return the other joint of each 6D loop and the placement in it.
+
+    For each joint whose body such a loop joins to that of another.
+    """
     joined: dict[int, tuple[int, pin.SE3]] = {}
     for loop in robot.constraint_models:
-        if loop.type == pin.ContactType.CONTACT_6D and loop.joint2_id not in joined and loop.joint1_id not in joined:
-            joined[loop.joint2_id] = (loop.joint1_id, loop.joint1_placement * loop.joint2_placement.inverse())
+        if (
+            loop.type == pin.ContactType.CONTACT_6D
+            and loop.joint2_id not in joined
+            and loop.joint1_id not in joined
+        ):
+            joined[loop.joint2_id] = (
+                loop.joint1_id,
+                loop.joint1_placement * loop.joint2_placement.inverse(),
+            )
     # A body that others are joined to must not be joined on itself: it keeps its own node.
     carriers = {carrier for carrier, _ in joined.values()}
     return {joint: entry for joint, entry in joined.items() if joint not in carriers}
@@ -126,13 +169,18 @@ def _thinned(visual_model: pin.GeometryModel) -> pin.GeometryModel:
     thin = pin.GeometryModel()
     for shape in visual_model.geometryObjects:
         moving, form = shape.copy(), shape.geometry
-        # Marks on the arms would be inside the thinner arms, and rings about them in a translucent picture.
-        if shape.parentJoint == 0 or (isinstance(form, coal.Cylinder) and form.halfLength < MARK_LENGTH):
+        # Marks on the arms would be inside the thinner arms, and rings about them in a translucent
+        # picture.
+        if shape.parentJoint == 0 or (
+            isinstance(form, coal.Cylinder) and form.halfLength < MARK_LENGTH
+        ):
             continue
         if isinstance(form, coal.Box):
             moving.geometry = coal.Box(2.0 * (form.halfSide - GHOST_MARGIN))
         elif isinstance(form, coal.Cylinder):
-            moving.geometry = coal.Cylinder(form.radius - GHOST_MARGIN, 2.0 * (form.halfLength - GHOST_MARGIN))
+            moving.geometry = coal.Cylinder(
+                form.radius - GHOST_MARGIN, 2.0 * (form.halfLength - GHOST_MARGIN)
+            )
         elif isinstance(form, coal.Sphere):
             moving.geometry = coal.Sphere(form.radius - GHOST_MARGIN)
         thin.addGeometryObject(moving)

@@ -1,8 +1,11 @@
-"""The robot on a floor in one page, at rest or in motion, beside other robots; a page that needs no network.
+"""The robot on a floor in one page, at rest or in motion, beside other robots.
 
-A scene is a list of MeshCat's drawing commands. :class:`Scene` collects them with Pinocchio's MeshCat visualizer and puts them
-in one page, ``scene.html``, which holds MeshCat itself, the lights and the camera. Written to a file, the page carries the
-commands; served by :class:`psp3.visualize.viewer.Viewer`, it receives them one by one.
+A page that needs no network.
+
+A scene is a list of MeshCat's drawing commands. :class:`Scene` collects them with Pinocchio's
+MeshCat visualizer and puts them in one page, ``scene.html``, which holds MeshCat itself, the lights
+and the camera. Written to a file, the page carries the commands; served by
+:class:`psp3.visualize.viewer.Viewer`, it receives them one by one.
 """
 
 from __future__ import annotations
@@ -31,7 +34,9 @@ from psp3.visualize.robot_visualizer import RobotVisualizer
 from psp3.visualize.shapes import Flat, Tube, geometry, meshcat, meshcat_script
 
 VIEW_DIRECTION = (0.47, 0.76, 0.44)
-"""From the robot toward the camera: between arms 1 and 2, so that the third column stands behind the star."""
+"""From the robot toward the camera: between arms 1 and 2, so that the third column stands behind
+the star.
+"""
 
 FIELD_OF_VIEW = 24.0
 """Vertical angle that the camera sees [degrees]."""
@@ -42,19 +47,30 @@ SPACING = 0.72
 DESIRED_COLOR, ACTUAL_COLOR = "#0b7285", "#c2255c"
 
 TRACE_RADIUS = 0.0014
-"""WebGL draws lines one pixel wide, so the tip's path is a tube of this radius [m]; the desired one is a translucent sleeve of twice it."""
+"""WebGL draws lines one pixel wide, so the tip's path is a tube of this radius [m]; the desired one
+is a translucent sleeve of twice it.
+"""
 
 FRAME_HEIGHT = 520
 """Height of a scene in a notebook [pixels]."""
 
 
 class _Performer:
-    """One robot of a scene: its body, and as far as wanted its ghost, force arrows, paths of the tip, and target."""
+    """One robot of a scene: its body.
 
-    def __init__(self, robot: ClosedLoopRobot, viewer: meshcat.Visualizer, node: str, frames: Frames) -> None:
+    And as far as wanted its ghost, force arrows, paths of the tip, and target.
+    """
+
+    def __init__(
+        self, robot: ClosedLoopRobot, viewer: meshcat.Visualizer, node: str, frames: Frames
+    ) -> None:
         self._robot, self._viewer, self._node = robot, viewer, node
         self.body = RobotVisualizer(robot, viewer, node)
-        self._ghost = None if frames.desired_heights is None else RobotVisualizer(robot, viewer, f"{node}/ghost", DESIRED_COLOR)
+        self._ghost = (
+            None
+            if frames.desired_heights is None
+            else RobotVisualizer(robot, viewer, f"{node}/ghost", DESIRED_COLOR)
+        )
         self._arrows: list[ForceArrow] = []
         if frames.force is not None:
             joints = [robot.model.getJointId(name) for name in robot.actuated]
@@ -77,7 +93,9 @@ class _Performer:
             for arrow, force in zip(self._arrows, frames.force.T, strict=True):
                 clips += arrow.place(meters_per_newton * force, seconds)
         self._draw_path("actual", frames.tip, Flat(ACTUAL_COLOR), TRACE_RADIUS)
-        self._draw_path("desired", frames.desired_tip, Flat(DESIRED_COLOR, opacity=0.5), 2.0 * TRACE_RADIUS)
+        self._draw_path(
+            "desired", frames.desired_tip, Flat(DESIRED_COLOR, opacity=0.5), 2.0 * TRACE_RADIUS
+        )
         if frames.desired_tip is not None:
             target = self._viewer[f"{self._node}/target"]
             target.set_object(geometry.Sphere(4.0 * TRACE_RADIUS), Flat(DESIRED_COLOR))
@@ -96,7 +114,9 @@ class _Performer:
 
 
 class Scene:
-    """Robots on a floor, in one pose or in motion, ready to be written to a file or shown in a notebook.
+    """Robots on a floor, in one pose or in motion.
+
+    Ready to be written to a file or shown in a notebook.
 
     Parameters
     ----------
@@ -105,8 +125,8 @@ class Scene:
 
     Notes
     -----
-    As the last value of a notebook's cell a scene shows itself. The whole scene is in the output, so it works on a JupyterHub and in
-    exported pages, where a server would be out of reach.
+    As the last value of a notebook's cell a scene shows itself. The whole scene is in the output,
+    so it works on a JupyterHub and in exported pages, where a server would be out of reach.
     """
 
     def __init__(self, robot: ClosedLoopRobot) -> None:
@@ -116,7 +136,13 @@ class Scene:
         self._performers: list[_Performer] = []
         self._cast: tuple[Any, ...] | None = None
 
-    def show(self, heights: ArrayLike, *, desired: ArrayLike | None = None, force: ArrayLike | None = None) -> Self:
+    def show(
+        self,
+        heights: ArrayLike,
+        *,
+        desired: ArrayLike | None = None,
+        force: ArrayLike | None = None,
+    ) -> Self:
         """Show the robot at rest.
 
         Parameters
@@ -124,9 +150,11 @@ class Scene:
         heights : (3,) array_like
             Nut heights [m]; of another robot with loops, positions of its actuated joints.
         desired : (3,) array_like, optional
-            Nut heights of a pose to show as a translucent ghost [m]: it comes out where the robot is not there.
+            Nut heights of a pose to show as a translucent ghost [m]: it comes out where the robot
+            is not there.
         force : (n,) array_like, optional
-            Forces of the sliding motors to show as arrows along them [N]; of the 3-PSP those of the screws on the nuts, up is positive.
+            Forces of the sliding motors to show as arrows along them [N]; of the 3-PSP those of the
+            screws on the nuts, up is positive.
 
         Returns
         -------
@@ -143,7 +171,11 @@ class Scene:
             If a force is given for a robot with motors that do not slide.
         """
         if force is not None and not _is_driven_by_slides(self.robot):
-            raise InvalidValue("force", force, "left out: arrows are drawn along sliding motors only, and this robot has others")
+            raise InvalidValue(
+                "force",
+                force,
+                "left out: arrows are drawn along sliding motors only, and this robot has others",
+            )
         pose = np.reshape(heights, -1)
         # Before anything is drawn: what cannot be shown leaves the scene as it was.
         for positions in (pose,) if desired is None else (pose, np.reshape(desired, -1)):
@@ -154,26 +186,33 @@ class Scene:
                     np.zeros(1),
                     pose[None],
                     desired_heights=None if desired is None else np.reshape(desired, (1, -1)),
-                    force=None if force is None else one_row("force", force, len(self.robot.actuated))[None],
+                    force=None
+                    if force is None
+                    else one_row("force", force, len(self.robot.actuated))[None],
                 )
             }
         )
         return self
 
     def animate(
-        self, motions: Result | Trajectory | Mapping[str, Result] | Mapping[str, Result | Trajectory], duration: float | None = None
+        self,
+        motions: Result | Trajectory | Mapping[str, Result] | Mapping[str, Result | Trajectory],
+        duration: float | None = None,
     ) -> Self:
         """Show simulated or desired motion in real time.
 
-        Of a result are shown: the robot, the desired pose as a translucent ghost, the paths of the tip and of the desired tip, and
-        the screw forces as arrows. Of a trajectory: the robot that follows it exactly, and the path of the tip.
+        Of a result are shown: the robot, the desired pose as a translucent ghost, the paths of the
+        tip and of the desired tip, and the screw forces as arrows. Of a trajectory: the robot that
+        follows it exactly, and the path of the tip.
 
         Parameters
         ----------
         motions : Result, Trajectory, or mapping of str to these
-            A result of :func:`psp3.simulate`, a trajectory, or several by name: their robots stand side by side, each under its name.
+            A result of :func:`psp3.simulate`, a trajectory, or several by name: their robots stand
+            side by side, each under its name.
         duration : float, optional
-            How long trajectories are followed [s]; by default until they rest. Results have the time of their simulation.
+            How long trajectories are followed [s]; by default until they rest. Results have the
+            time of their simulation.
 
         Returns
         -------
@@ -183,12 +222,21 @@ class Scene:
         Raises
         ------
         InvalidValue
-            If there is no motion, a result without a sample, or a trajectory that never rests without a duration.
+            If there is no motion, a result without a sample, or a trajectory that never rests
+            without a duration.
         """
-        named: dict[str, Result | Trajectory] = dict(motions) if isinstance(motions, Mapping) else {"": motions}
-        samples = {name: len(motion.t) for name, motion in named.items() if isinstance(motion, Result)}
+        named: dict[str, Result | Trajectory] = (
+            dict(motions) if isinstance(motions, Mapping) else {"": motions}
+        )
+        samples = {
+            name: len(motion.t) for name, motion in named.items() if isinstance(motion, Result)
+        }
         if not named or min(samples.values(), default=1) == 0:
-            raise InvalidValue("motions", samples, "one simulation result or more, none of them empty (number of samples by name)")
+            raise InvalidValue(
+                "motions",
+                samples,
+                "one simulation result or more, none of them empty (number of samples by name)",
+            )
         frames = {name: frames_of(motion, duration) for name, motion in named.items()}
         if not _is_driven_by_slides(self.robot):
             # A torque has no arrow.
@@ -198,7 +246,10 @@ class Scene:
 
     def html(self) -> str:
         """Return the scene as one page that needs no network."""
-        return page(f"{self._commands.as_json()}.forEach(handle);".replace("</", "<\\/"), name_of(self.robot))
+        return page(
+            f"{self._commands.as_json()}.forEach(handle);".replace("</", "<\\/"),
+            name_of(self.robot),
+        )
 
     def write_html(self, path: str | Path) -> None:
         """Write the scene to a file that any browser opens, without a network.
@@ -211,19 +262,28 @@ class Scene:
         Path(path).write_text(self.html(), encoding="utf-8")
 
     def _repr_html_(self) -> str:
-        # Compressed, a scene takes a third of the room in the notebook's file; the frame unpacks it into itself.
+        # Compressed, a scene takes a third of the room in the notebook's file; the frame unpacks it
+        # into itself.
         packed = base64.b64encode(gzip.compress(self.html().encode(), mtime=0)).decode()
         unpack = (
-            f'<script>const packed = Uint8Array.from(atob("{packed}"), (letter) => letter.charCodeAt(0));'
-            'new Response(new Blob([packed]).stream().pipeThrough(new DecompressionStream("gzip"))).text().then((page) => '
+            f'<script>const packed = Uint8Array.from(atob("{packed}"), (letter) => '
+            "letter.charCodeAt(0));"
+            "new Response(new Blob([packed]).stream().pipeThrough(new "
+            'DecompressionStream("gzip"))).text().then((page) => '
             "{ document.open(); document.write(page); document.close(); })</script>"
         )
         style = f"width: 100%; height: {FRAME_HEIGHT}px; border: 0"
-        return f'<iframe srcdoc="{html.escape(unpack)}" title="{name_of(self.robot)} in 3D" style="{style}"></iframe>'
+        return (
+            f'<iframe srcdoc="{html.escape(unpack)}" title="{name_of(self.robot)} in 3D" '
+            f'style="{style}"></iframe>'
+        )
 
     def _perform(self, frames: Mapping[str, Frames]) -> None:
         self._animate([])
-        largest = max((np.abs(one.force).max() for one in frames.values() if one.force is not None), default=0.0)
+        largest = max(
+            (np.abs(one.force).max() for one in frames.values() if one.force is not None),
+            default=0.0,
+        )
         newtons = newtons_per_decimeter(largest)
         self._set_up(frames, newtons)
         animations: list[dict[str, Any]] = []
@@ -232,10 +292,17 @@ class Scene:
         self._animate(animations)
 
     def _set_up(self, frames: Mapping[str, Frames], newtons: float) -> None:
-        """Set up one robot for each name, side by side, and the camera before them; nothing if they stand there already."""
+        """Set up one robot for each name, side by side, and the camera before them.
+
+        Nothing if they stand there already.
+        """
         in_motion = any(len(one.time) > 1 for one in frames.values())
         shown = tuple((name, *(part is not None for part in one)) for name, one in frames.items())
-        cast = (shown, in_motion, newtons if any(one.force is not None for one in frames.values()) else None)
+        cast = (
+            shown,
+            in_motion,
+            newtons if any(one.force is not None for one in frames.values()) else None,
+        )
         if not in_motion and cast == self._cast:
             return
         self._viewer["robots"].delete()
@@ -245,12 +312,17 @@ class Scene:
         for number, (name, of_robot) in enumerate(frames.items()):
             performer = _Performer(self.robot, self._viewer, f"robots/{number}", of_robot)
             corners = performer.body.corners(self.robot.q0)
-            spacing = max(SPACING, 1.1 * float(np.ptp(corners @ rightward, axis=0)) if len(corners) else 0.0)
+            spacing = max(
+                SPACING, 1.1 * float(np.ptp(corners @ rightward, axis=0)) if len(corners) else 0.0
+            )
             offset = (number - 0.5 * (len(frames) - 1)) * spacing * rightward
             self._viewer[f"robots/{number}"].set_transform(pin.SE3(np.eye(3), offset).homogeneous)
             corners = corners + offset
             points.append(corners)
-            nearby += [performer.body.corners(q, moving_only=True) + offset for q in self._extremes(of_robot)]
+            nearby += [
+                performer.body.corners(q, moving_only=True) + offset
+                for q in self._extremes(of_robot)
+            ]
             if name:
                 above = np.append(offset[:2], corners[:, 2].max() + 0.1)
                 points.append(above[None])
@@ -271,17 +343,28 @@ class Scene:
 
     def _extremes(self, frames: Frames) -> Array:
         """Return the configurations at which nuts are highest or lowest, actual or desired."""
-        heights = frames.heights if frames.desired_heights is None else np.concatenate([frames.heights, frames.desired_heights])
-        return self.robot.configuration(heights[np.unique([heights.argmin(axis=0), heights.argmax(axis=0)])])
+        heights = (
+            frames.heights
+            if frames.desired_heights is None
+            else np.concatenate([frames.heights, frames.desired_heights])
+        )
+        return self.robot.configuration(
+            heights[np.unique([heights.argmin(axis=0), heights.argmax(axis=0)])]
+        )
 
     def _animate(self, animations: list[dict[str, Any]]) -> None:
         endless = 1e9
         options = {"play": True, "repetitions": endless}
-        self._commands.add({"type": "set_animation", "path": "", "animations": animations, "options": options})
+        self._commands.add(
+            {"type": "set_animation", "path": "", "animations": animations, "options": options}
+        )
 
 
 def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]]:
-    """Return what is to be explained: each entry has its own mark, so that none is told by color alone."""
+    """Return what is to be explained.
+
+    Each entry has its own mark, so that none is told by color alone.
+    """
     entries = {
         "desired_heights": ("desired pose", DESIRED_COLOR, "area"),
         "desired_tip": ("desired tip", DESIRED_COLOR, "sleeve"),
@@ -296,7 +379,10 @@ def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]
 
 
 def _hull(points: Array) -> Array:
-    """Return the corners of the convex hull: what has them in view has all of the points in view."""
+    """Return the corners of the convex hull.
+
+    What has them in view has all of the points in view.
+    """
     from scipy.spatial import ConvexHull
 
     corners: Array = points[ConvexHull(points).vertices].round(3)
@@ -314,7 +400,9 @@ def _axes_of_slides(robot: ClosedLoopRobot) -> Array:
     pin.computeJointJacobians(robot.model, data, robot.q0)
     axes = []
     for name, column in zip(robot.actuated, robot.actuated_v, strict=True):
-        jacobian = pin.getJointJacobian(robot.model, data, robot.model.getJointId(name), pin.ReferenceFrame.LOCAL)
+        jacobian = pin.getJointJacobian(
+            robot.model, data, robot.model.getJointId(name), pin.ReferenceFrame.LOCAL
+        )
         axes.append(jacobian.reshape(6, robot.model.nv)[:3, column])
     return np.array(axes)
 
@@ -328,10 +416,16 @@ def page(script: str, name: str = "Robot") -> str:
     """Return the page with MeshCat and a script that feeds it commands; ``name`` is its title."""
     text = Path(__file__).with_suffix(".html").read_text(encoding="utf-8")
     # MeshCat last: the marks are then looked for in our own text only.
-    return text.replace("/*NAME*/", name).replace("/*COMMANDS*/", script).replace("/*MESHCAT*/", meshcat_script())
+    return (
+        text.replace("/*NAME*/", name)
+        .replace("/*COMMANDS*/", script)
+        .replace("/*MESHCAT*/", meshcat_script())
+    )
 
 
-def write_animation(robot: ClosedLoopRobot, results: Result | Mapping[str, Result], path: str | Path) -> None:
+def write_animation(
+    robot: ClosedLoopRobot, results: Result | Mapping[str, Result], path: str | Path
+) -> None:
     """Write a simulated motion to a file that any browser opens, without a network.
 
     Parameters
@@ -339,7 +433,8 @@ def write_animation(robot: ClosedLoopRobot, results: Result | Mapping[str, Resul
     robot : robot from :func:`psp3.load`
         The robot that was simulated.
     results : Result or mapping of str to Result
-        One result of :func:`psp3.simulate`, or several by name: their robots stand side by side, each under its name.
+        One result of :func:`psp3.simulate`, or several by name: their robots stand side by side,
+        each under its name.
     path : path
         The file, conventionally ``.html``.
 

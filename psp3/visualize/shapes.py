@@ -20,14 +20,29 @@ with warnings.catch_warnings():
     import meshcat
     from meshcat import geometry
 
-__all__ = ["Column", "Flat", "Glass", "Satin", "Tube", "geometry", "meshcat", "meshcat_script", "rgb"]
+__all__ = [
+    "Column",
+    "Flat",
+    "Glass",
+    "Satin",
+    "Tube",
+    "geometry",
+    "meshcat",
+    "meshcat_script",
+    "rgb",
+]
 
-_ALONG_Z = np.array([[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+_ALONG_Z = np.array(
+    [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+)
 """Turns the axis of a three.js cylinder, y, into z."""
 
 
 class _Finish(geometry.Material):  # type: ignore[misc]
-    """A material of three.js by its properties: MeshCat's own repeat every default, which makes large files of many small shapes."""
+    """A material of three.js by its properties.
+
+    MeshCat's own repeat every default, which makes large files of many small shapes.
+    """
 
     kind: str
 
@@ -41,7 +56,10 @@ class _Finish(geometry.Material):  # type: ignore[misc]
 
 
 class Satin(_Finish):
-    """Machined, anodized or painted metal: every part of the robot has this finish, in its own color."""
+    """Machined, anodized or painted metal.
+
+    Every part of the robot has this finish, in its own color.
+    """
 
     kind = "MeshPhongMaterial"
 
@@ -99,12 +117,21 @@ class Tube(geometry.Geometry):  # type: ignore[misc]
 class Column(geometry.Cylinder):  # type: ignore[misc]
     """A cylinder or cone on z, from the origin to ``height``."""
 
-    def __init__(self, height: float, radius: float, radius_at_the_top: float | None = None) -> None:
-        super().__init__(height, radiusBottom=radius, radiusTop=radius if radius_at_the_top is None else radius_at_the_top)
+    def __init__(
+        self, height: float, radius: float, radius_at_the_top: float | None = None
+    ) -> None:
+        super().__init__(
+            height,
+            radiusBottom=radius,
+            radiusTop=radius if radius_at_the_top is None else radius_at_the_top,
+        )
         self.radialSegments = 24
 
     def intrinsic_transform(self) -> Array:
-        """Return the transform from the axes of three.js, transposed: MeshCat writes rows where three.js reads columns."""
+        """Return the transform from the axes of three.js, transposed.
+
+        MeshCat writes rows where three.js reads columns.
+        """
         lifted = _ALONG_Z.copy()
         lifted[2, 3] = 0.5 * self.height
         return lifted.T
@@ -112,7 +139,9 @@ class Column(geometry.Cylinder):  # type: ignore[misc]
 
 def meshcat_script() -> str:
     """Return MeshCat's program for the browser."""
-    return (Path(meshcat.__file__).with_name("viewer") / "dist" / "main.min.js").read_text(encoding="utf-8")
+    return (Path(meshcat.__file__).with_name("viewer") / "dist" / "main.min.js").read_text(
+        encoding="utf-8"
+    )
 
 
 def rgb(color: str) -> list[float]:
@@ -121,6 +150,11 @@ def rgb(color: str) -> list[float]:
 
 
 def _hexadecimal(color: ArrayLike) -> int:
-    """Return an sRGB color, given by numbers in [0, 1], as three.js wants it: in linear light, 0xRRGGBB."""
-    red, green, blue = (int(np.rint(255.0 * value**2.2)) for value in np.asarray(color, dtype=float)[:3])
+    """Return an sRGB color, given by numbers in [0, 1], as three.js wants it.
+
+    In linear light, 0xRRGGBB.
+    """
+    red, green, blue = (
+        int(np.rint(255.0 * value**2.2)) for value in np.asarray(color, dtype=float)[:3]
+    )
     return (red << 16) + (green << 8) + blue

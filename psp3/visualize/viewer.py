@@ -20,7 +20,10 @@ LAST_PORT = 65535
 
 
 class _Server(ThreadingHTTPServer):
-    """Serves the page and, on one long connection to each browser, the commands as server-sent events."""
+    """Serves the page and its commands.
+
+    The commands are server-sent events, on one long connection to each browser.
+    """
 
     daemon_threads = True
 
@@ -98,7 +101,9 @@ class Viewer(Scene):
         super().__init__(robot)
         self._server = self._listen(port)
         self.url = f"http://127.0.0.1:{self._server.server_port}/"
-        self._thread = threading.Thread(target=self._server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True)
+        self._thread = threading.Thread(
+            target=self._server.serve_forever, kwargs={"poll_interval": 0.05}, daemon=True
+        )
         self._thread.start()
 
     def _listen(self, port: int) -> _Server:
@@ -122,5 +127,10 @@ class Viewer(Scene):
     def __enter__(self) -> Viewer:
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
         self.close()

@@ -1,4 +1,7 @@
-"""The natural orthogonal complement on robots without loops, where Pinocchio's CRBA and RNEA give the answer directly."""
+"""The natural orthogonal complement on robots without loops.
+
+There Pinocchio's CRBA and RNEA give the answer directly.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +15,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 import psp3
 from tests.helpers import Array
 
-robots = pytest.importorskip("example_robot_data", reason="example-robot-data-loaders is in the extras test and notebooks")
+robots = pytest.importorskip(
+    "example_robot_data", reason="example-robot-data-loaders is in the extras test and notebooks"
+)
 
 NAMES = {
     "panda": "seven axes and a gripper of two sliders",
@@ -27,7 +32,10 @@ def robot(request: pytest.FixtureRequest) -> Any:
 
 
 def random_state(model: pin.Model, rng: np.random.Generator) -> tuple[Array, Array, Array]:
-    """Return a configuration about 1 rad per joint away from neutral, a velocity and an acceleration."""
+    """Return a random configuration, a velocity and an acceleration.
+
+    The configuration is about 1 rad per joint away from neutral.
+    """
     q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
     return q, rng.normal(size=model.nv), rng.normal(size=model.nv)
 
@@ -45,9 +53,13 @@ def test_dynamics_equal_crba_rnea_and_gravity(robot: Any) -> None:
         coriolis = pin.nonLinearEffects(model, data, q, v) - gravity
         forces = pin.rnea(model, data, q, v, a)
         assert_allclose(noc.mass_matrix(q), mass, rtol=0, atol=1e-10 * np.abs(mass).max())
-        assert_allclose(noc.coriolis_matrix(q, v) @ v, coriolis, rtol=0, atol=1e-10 * np.abs(coriolis).max())
+        assert_allclose(
+            noc.coriolis_matrix(q, v) @ v, coriolis, rtol=0, atol=1e-10 * np.abs(coriolis).max()
+        )
         assert_allclose(noc.gravity(q), gravity, rtol=0, atol=1e-10 * np.abs(gravity).max())
-        assert_allclose(noc.inverse_dynamics(q, v, a), forces, rtol=0, atol=1e-10 * np.abs(forces).max())
+        assert_allclose(
+            noc.inverse_dynamics(q, v, a), forces, rtol=0, atol=1e-10 * np.abs(forces).max()
+        )
 
 
 def test_without_loops_every_joint_is_independent(robot: Any) -> None:
@@ -65,12 +77,18 @@ def test_without_loops_every_joint_is_independent(robot: Any) -> None:
 
 
 def test_rate_of_the_mass_matrix_minus_twice_c_is_skew(robot: Any) -> None:
-    """With dM/dt by central differences of second order along q + v t on the manifold: 1e-6 relative at steps of 1e-5."""
+    """With dM/dt by central differences of second order along q + v t on the manifold.
+
+    1e-6 relative at steps of 1e-5.
+    """
     model = robot.model
     noc = psp3.NaturalOrthogonalComplement(robot)
     q, v, _ = random_state(model, np.random.default_rng(2))
     step = 1e-5
-    rate = (noc.mass_matrix(pin.integrate(model, q, step * v)) - noc.mass_matrix(pin.integrate(model, q, -step * v))) / (2 * step)
+    rate = (
+        noc.mass_matrix(pin.integrate(model, q, step * v))
+        - noc.mass_matrix(pin.integrate(model, q, -step * v))
+    ) / (2 * step)
     difference = rate - 2.0 * noc.coriolis_matrix(q, v)
     assert np.abs(difference + difference.T).max() < 1e-6 * np.abs(rate).max()
 
@@ -81,5 +99,7 @@ def test_closed_loop_robot_takes_an_arm_too() -> None:
     arm = psp3.ClosedLoopRobot(model, [], list(model.names)[1:])
     q, v, a = random_state(model, np.random.default_rng(3))
     forces = pin.rnea(model, model.createData(), q, v, a)
-    assert_allclose(arm.inverse_dynamics(q, v, a), forces, rtol=0, atol=1e-10 * np.abs(forces).max())
+    assert_allclose(
+        arm.inverse_dynamics(q, v, a), forces, rtol=0, atol=1e-10 * np.abs(forces).max()
+    )
     assert_allclose(arm.forward_dynamics(q, v, forces), a, rtol=0, atol=1e-10 * np.abs(a).max())

@@ -1,4 +1,7 @@
-"""Derivatives in actuated coordinates against Pinocchio's own derivatives of constraintDynamics, in all joints of the tree."""
+"""Derivatives in actuated coordinates against Pinocchio's.
+
+Its own are those of constraintDynamics, in all joints of the tree.
+"""
 
 from __future__ import annotations
 
@@ -16,10 +19,15 @@ from tests.psp3.dynamics.test_derivatives import ball_in_a_loop, build, free_pla
 
 
 def closed_as_a_whole(robot: ClosedLoopRobot) -> bool:
-    """Whether Pinocchio's derivatives hold: they are wrong for loops closed at a point, and need independent closures."""
+    """Whether Pinocchio's derivatives hold.
+
+    They are wrong for loops closed at a point, and need independent closures.
+    """
     jacobian = robot.constraint_jacobian(robot.q0)
     independent = np.linalg.matrix_rank(jacobian, tol=1e-9) == len(jacobian)
-    return independent and all(loop.type == pin.ContactType.CONTACT_6D for loop in robot.constraint_models)
+    return independent and all(
+        loop.type == pin.ContactType.CONTACT_6D for loop in robot.constraint_models
+    )
 
 
 ROBOTS_CLOSED_AS_A_WHOLE = {
@@ -39,9 +47,12 @@ def test_there_are_three_at_least() -> None:
 
 @pytest.mark.parametrize("name", ROBOTS_CLOSED_AS_A_WHOLE)
 def test_derivatives_are_those_of_pinocchio_along_the_closed_loops(name: str) -> None:
-    r"""Pinocchio differentiates by the configuration with all joint velocities held; those follow the loops here, by differences.
+    r"""Pinocchio differentiates by the configuration with all joint velocities held.
 
-    1e-8 of the largest entry: differences of the velocities leave 1e-10, the proximal step of constraintDynamics 1e-9.
+    Those follow the loops here, by differences.
+
+    1e-8 of the largest entry: differences of the velocities leave 1e-10, the proximal step of
+    constraintDynamics 1e-9.
     """
     robot = ROBOTS_CLOSED_AS_A_WHOLE[name]
     rng, n = np.random.default_rng(21), len(robot.actuated)
@@ -61,11 +72,19 @@ def test_derivatives_are_those_of_pinocchio_along_the_closed_loops(name: str) ->
         tau[robot.actuated_v] = forces
         pin.constraintDynamics(model, data, q, L @ v, tau, loops, states, settings)
         pin.computeConstraintDynamicsDerivatives(model, data, loops, states, settings)
-        velocities = np.stack([derivative(lambda t, u=unit: robot.velocity(a + t * u, v), 2e-3) for unit in np.eye(n)], axis=-1)  # noqa: B023
+        velocities = np.stack(
+            [
+                derivative(lambda t, u=unit: robot.velocity(a + t * u, v), 2e-3)  # noqa: B023
+                for unit in np.eye(n)
+            ],
+            axis=-1,
+        )
         expected: tuple[Array, ...] = (
             (data.ddq_dq @ L + data.ddq_dv @ velocities)[robot.actuated_v],
             (data.ddq_dv @ L)[robot.actuated_v],
             data.ddq_dtau[np.ix_(robot.actuated_v, robot.actuated_v)],
         )
-        for found, wanted in zip(forward_dynamics_derivatives(robot, a, v, forces), expected, strict=True):
+        for found, wanted in zip(
+            forward_dynamics_derivatives(robot, a, v, forces), expected, strict=True
+        ):
             assert_allclose(found, wanted, rtol=0, atol=1e-8 * np.abs(wanted).max())

@@ -1,4 +1,7 @@
-"""The tree of the 3-PSP in MuJoCo: what becomes of the nuts' inertia, which no body can have. The dynamics is in test_mujoco_robots.py."""
+"""The tree of the 3-PSP in MuJoCo: what becomes of the nuts' inertia, which no body can have.
+
+The dynamics is in test_mujoco_robots.py.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,10 @@ def test_mujoco_refuses_the_nut_as_printed() -> None:
 
 
 def test_balancing_changes_the_nuts_only(robot: psp3.PSP3, model: Any) -> None:
-    """All other bodies are those of the URDF to 1e-12; a nut gets the mean of its moments, and never turns."""
+    """All other bodies are those of the URDF to 1e-12.
+
+    A nut gets the mean of its moments, and never turns.
+    """
     world_and_base, frames = 2, 4
     assert model.nbody == world_and_base + 15 + frames
     for joint in range(1, robot.model.njoints):

@@ -36,23 +36,33 @@ CONTROLLERS = {
 }
 
 
-def difference(controller: Any, steps: int, duration: float = 0.4, drive: Drive = NO_DRIVE, engine: Any = None) -> float:
-    """Largest difference of nut heights between MuJoCo and our plant with four steps, which is exact to 1e-14 m."""
+def difference(
+    controller: Any, steps: int, duration: float = 0.4, drive: Drive = NO_DRIVE, engine: Any = None
+) -> float:
+    """Largest difference of nut heights between MuJoCo and our plant.
+
+    Ours takes four steps and is exact to 1e-14 m.
+    """
     plant = MuJoCo(ROBOT, steps, drive=drive)
     if engine is not None:
         plant.model.opt.integrator = engine
     theirs = psp3.simulate(ROBOT, controller, HELIX, duration, plant=plant)
-    ours = psp3.simulate(ROBOT, controller, HELIX, duration, plant=RungeKutta(ROBOT, 4, drive=drive))
+    ours = psp3.simulate(
+        ROBOT, controller, HELIX, duration, plant=RungeKutta(ROBOT, 4, drive=drive)
+    )
     assert np.abs(ours.heights - ours.desired.heights).max() > 1e-3, "nothing happened"
     return float(np.abs(theirs.heights - ours.heights).max())
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_every_controller_runs_unchanged_and_tracks_alike(name: str) -> None:
-    """With one step of 2 ms to 1e-7 m, where the path is 40 mm wide and servo errors are 10 mm; with four steps to 1e-8 m.
+    """With one step of 2 ms to 1e-7 m, where the path is 40 mm wide and servo errors are 10 mm.
 
-    What is left are the closures, springs of two steps: measured are 7e-9 to 2e-8 m, and 3 to 30 times less with four steps. If
-    anything in MuJoCo's robot were off by 1e-5 of its weight, that would be 1e-5 m.
+    With four steps to 1e-8 m.
+
+    What is left are the closures, springs of two steps: measured are 7e-9 to 2e-8 m, and 3 to 30
+    times less with four steps. If anything in MuJoCo's robot were off by 1e-5 of its weight, that
+    would be 1e-5 m.
     """
     controller = CONTROLLERS[name]()
     # The thesis's own equations take some 5 ms each.
@@ -66,16 +76,23 @@ def test_every_controller_runs_unchanged_and_tracks_alike(name: str) -> None:
 
 
 def test_integrators_of_mujoco() -> None:
-    """Its one-step methods are of first order: 2e-4 m at 2 ms, half of it at half the step, to 5 %. Runge–Kutta is at 2e-8 m at once.
+    """Its one-step methods are of first order: 2e-4 m at 2 ms, half of it at half the step, to 5 %.
 
-    The latter's difference falls by more than half with every half of the step, as stiffness and stages of the closures do.
+    Runge–Kutta is at 2e-8 m at once.
+
+    The latter's difference falls by more than half with every half of the step, as stiffness and
+    stages of the closures do.
     """
     for name in ("EULER", "IMPLICIT", "IMPLICITFAST"):
         engine = getattr(mujoco.mjtIntegrator, f"mjINT_{name}")
-        coarse, middle, fine = (difference(psp3.ComputedTorque(ROBOT), steps, 0.2, engine=engine) for steps in (1, 2, 4))
+        coarse, middle, fine = (
+            difference(psp3.ComputedTorque(ROBOT), steps, 0.2, engine=engine) for steps in (1, 2, 4)
+        )
         assert coarse < 3e-4
         np.testing.assert_allclose([coarse / middle, middle / fine], 2.0, rtol=0.05)
-    coarse, middle, fine = (difference(psp3.ComputedTorque(ROBOT), steps, 0.2) for steps in (1, 2, 4))
+    coarse, middle, fine = (
+        difference(psp3.ComputedTorque(ROBOT), steps, 0.2) for steps in (1, 2, 4)
+    )
     assert coarse < 1e-7
     assert middle < 0.5 * coarse
     assert fine < 0.5 * middle
@@ -92,10 +109,13 @@ def test_integrators_of_mujoco() -> None:
     ids=["viscous", "rotor", "dry", "all"],
 )
 def test_friction_and_motors_are_the_same(drive: Drive, coarse: float, fine: float) -> None:
-    """MuJoCo's damping, armature and friction loss against ours, which goes from event to event; 1 s with one step of 2 ms and with four.
+    """MuJoCo's damping, armature and friction loss against ours, which goes from event to event.
 
-    Smooth ones keep the difference of the closures. Of dry friction MuJoCo makes a strong damper, and sees stick and slip at its steps
-    only: 4e-6 m, and less than a tenth of it with four steps. With a rotor of 39 kg on every screw and all of it together it is 4e-5 m.
+    1 s with one step of 2 ms and with four.
+
+    Smooth ones keep the difference of the closures. Of dry friction MuJoCo makes a strong damper,
+    and sees stick and slip at its steps only: 4e-6 m, and less than a tenth of it with four steps.
+    With a rotor of 39 kg on every screw and all of it together it is 4e-5 m.
     """
     controller = psp3.ComputedTorque(ROBOT, 100.0, 20.0)
     assert difference(controller, 1, 1.0, drive) < coarse
@@ -103,11 +123,18 @@ def test_friction_and_motors_are_the_same(drive: Drive, coarse: float, fine: flo
 
 
 def test_dry_friction_holds_but_for_a_creep() -> None:
-    """30 N against 40 N of friction: our plant stays to the last bit; MuJoCo's creeps by 7e-7 m/s, and by a quarter with four steps."""
+    """30 N against 40 N of friction: our plant stays to the last bit.
+
+    MuJoCo's creeps by 7e-7 m/s, and by a quarter with four steps.
+    """
     drive, start = Drive(coulomb_friction=40.0), np.array([0.05, -0.02, 0.01])
     forces = ROBOT.gravity(start) + np.array([30.0, -20.0, 10.0])
     speeds = []
-    plants = (RungeKutta(ROBOT, drive=drive), MuJoCo(ROBOT, 1, drive=drive), MuJoCo(ROBOT, 4, drive=drive))
+    plants = (
+        RungeKutta(ROBOT, drive=drive),
+        MuJoCo(ROBOT, 1, drive=drive),
+        MuJoCo(ROBOT, 4, drive=drive),
+    )
     for plant in plants:
         plant.start(start, np.zeros(3))
         for _ in range(100):
@@ -121,7 +148,10 @@ def test_dry_friction_holds_but_for_a_creep() -> None:
 
 @pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
 def test_other_robots(name: str) -> None:
-    """Computed torque from 5 mm (or mrad) beside the path; differences are 4e-9 to 2e-7, and less than half of that with four steps."""
+    """Computed torque from 5 mm (or mrad) beside the path.
+
+    Differences are 4e-9 to 2e-7, and less than half of that with four steps.
+    """
     robot = psp3.load(name)
     goal = robot.reference + np.linspace(0.02, 0.04, len(robot.actuated))
     way = psp3.trajectories.PointToPoint(robot.reference, goal, 0.2, robot)

@@ -1,4 +1,7 @@
-"""The shipped robots in MuJoCo: mass matrix, bias and gravity projected on the closures' null space, engine against engine."""
+"""The shipped robots in MuJoCo.
+
+Mass matrix, bias and gravity projected on the closures' null space, engine against engine.
+"""
 
 from __future__ import annotations
 
@@ -32,18 +35,28 @@ def both(name: str, gravity: Array) -> tuple[tuple[Array, Array, Array], Array, 
     projection, names = Projection(name, model), list(robot.model.names)[1:]
     indices = [joint.idx_q for joint in list(robot.model.joints)[1:]]
     theirs = [
-        projection.at(dict(zip(names, q[indices], strict=True)), v) for q, v in zip(robot.configuration(positions), speeds, strict=True)
+        projection.at(dict(zip(names, q[indices], strict=True)), v)
+        for q, v in zip(robot.configuration(positions), speeds, strict=True)
     ]
     return robot.equation_of_motion(positions, speeds), speeds, theirs
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_projected_dynamics_agree(name: str) -> None:
-    """M, C v and G of 60 random states; MuJoCo agrees that the loops are closed there, to 1e-10 m."""
+    """M, C v and G of 60 random states.
+
+    MuJoCo agrees that the loops are closed there, to 1e-10 m.
+    """
     (mass, coriolis, gravity), speeds, theirs = both(name, np.array([0.0, 0.0, -9.81]))
     assert max(state.gap for state in theirs) < 1e-10
     assert relative_error(mass, np.array([state.mass for state in theirs])) < TOLERANCE
-    assert relative_error(np.einsum("nij,nj->ni", coriolis, speeds), np.array([state.coriolis for state in theirs])) < TOLERANCE
+    assert (
+        relative_error(
+            np.einsum("nij,nj->ni", coriolis, speeds),
+            np.array([state.coriolis for state in theirs]),
+        )
+        < TOLERANCE
+    )
     if name == "planar_3rrr":
         # It moves level: 1e-12 N m of a weight of 11 N.
         assert np.abs(gravity).max() < 1e-12

@@ -1,7 +1,9 @@
-"""Closed form, Pinocchio path and natural orthogonal complement against each other, and against bare Pinocchio.
+"""Closed form, Pinocchio path and natural orthogonal complement.
 
-The three implementations share no code. The tests at the end use none of ours but the answer: loops, projection and constraint
-forces there are Pinocchio's or written out with numpy.
+Against each other, and against bare Pinocchio.
+
+The three implementations share no code. The tests at the end use none of ours but the answer:
+loops, projection and constraint forces there are Pinocchio's or written out with numpy.
 """
 
 from __future__ import annotations
@@ -26,26 +28,39 @@ def robot() -> psp3.PSP3:
 
 @pytest.fixture(scope="module")
 def closures(robot: psp3.PSP3) -> tuple[Array, Array]:
-    """1000 random heights, |a_i - a_j| up to 0.3 m, and the configurations that Newton's method on the tree's loops finds for them."""
+    """1000 random heights, |a_i - a_j| up to 0.3 m, and their configurations.
+
+    Newton's method on the tree's loops finds the configurations.
+    """
     heights = random_heights(np.random.default_rng(0), 1000)
     return heights, robot.dynamics("pinocchio").configuration(heights)
 
 
-def test_configuration_equals_newton_closure_in_pinocchio(robot: psp3.PSP3, closures: tuple[Array, Array]) -> None:
-    """1e-11 m and rad: Newton's method stops at a residual of 1e-16 to 1e-13, the closures' condition number is at most 300 here."""
+def test_configuration_equals_newton_closure_in_pinocchio(
+    robot: psp3.PSP3, closures: tuple[Array, Array]
+) -> None:
+    """1e-11 m and rad: Newton's method stops at a residual of 1e-16 to 1e-13.
+
+    The closures' condition number is at most 300 here.
+    """
     heights, expected = closures
     q = robot.configuration(heights)
     assert q.shape == (1000, 15)
     assert_allclose(q, expected, rtol=0, atol=1e-11)
 
 
-def test_pose_equals_the_frames_of_the_tree_closed_by_newton(robot: psp3.PSP3, closures: tuple[Array, Array]) -> None:
+def test_pose_equals_the_frames_of_the_tree_closed_by_newton(
+    robot: psp3.PSP3, closures: tuple[Array, Array]
+) -> None:
     """Center, rotation, tip and arms from Pinocchio's placements; 1e-11 for the same reason."""
     heights, configurations = closures
     pose = robot.forward_kinematics(heights)
     data = robot.model.createData()
     frames = [robot.model.getFrameId(f"star{leg}_center") for leg in (1, 2, 3)]
-    tip, sliders = robot.model.getFrameId("tip"), [robot.model.joints[robot.model.getJointId(f"b{leg}")].idx_q for leg in (1, 2, 3)]
+    tip, sliders = (
+        robot.model.getFrameId("tip"),
+        [robot.model.joints[robot.model.getJointId(f"b{leg}")].idx_q for leg in (1, 2, 3)],
+    )
     for i, q in enumerate(configurations):
         pin.framesForwardKinematics(robot.model, data, q)
         for frame in frames:
@@ -67,9 +82,12 @@ def test_tip_jacobian_equals_that_of_the_tree(robot: psp3.PSP3) -> None:
 
 @pytest.mark.parametrize("parameters", SETS)
 def test_three_implementations_agree_on_the_equation_of_motion(parameters: str) -> None:
-    """M, C, G and tau of 500 random states, each relative to the largest entry of its array; the bar is 1e-9.
+    """M, C, G and tau of 500 random states, each relative to the largest entry of its array.
 
-    The Pinocchio path and the natural orthogonal complement share no code with the closed form, nor with each other.
+    The bar is 1e-9.
+
+    The Pinocchio path and the natural orthogonal complement share no code with the closed form, nor
+    with each other.
     """
     robot = psp3.load("psp3", parameters)
     heights, speeds = random_states(rng := np.random.default_rng(7), 500)
@@ -87,7 +105,11 @@ def test_three_implementations_agree_on_the_equation_of_motion(parameters: str) 
         assert relative_error(mass, other_mass) < 1e-9, name
         assert relative_error(coriolis, other_coriolis) < 1e-9, name
         assert relative_error(gravity, other_gravity) < 1e-9, name
-        other_forces = np.einsum("nij,nj->ni", other_mass, accelerations) + np.einsum("nij,nj->ni", other_coriolis, speeds) + other_gravity
+        other_forces = (
+            np.einsum("nij,nj->ni", other_mass, accelerations)
+            + np.einsum("nij,nj->ni", other_coriolis, speeds)
+            + other_gravity
+        )
         assert relative_error(forces, other_forces) < 1e-9, name
 
 
@@ -96,41 +118,61 @@ def test_inverse_dynamics_equals_projected_rnea_and_noc(robot: psp3.PSP3) -> Non
     heights, speeds = random_states(rng := np.random.default_rng(8), 200)
     accelerations = rng.normal(size=(200, 3))
     forces = robot.inverse_dynamics(heights, speeds, accelerations)
-    assert relative_error(forces, robot.dynamics("pinocchio").inverse_dynamics(heights, speeds, accelerations)) < 1e-9
+    assert (
+        relative_error(
+            forces, robot.dynamics("pinocchio").inverse_dynamics(heights, speeds, accelerations)
+        )
+        < 1e-9
+    )
     noc = psp3.NaturalOrthogonalComplement(robot)
     q = robot.configuration(heights)
     v = np.einsum("nij,nj->ni", noc.L(q), speeds)
     assert relative_error(forces, noc.inverse_dynamics(q, v, accelerations)) < 1e-9
 
 
-@pytest.mark.parametrize(("parameters", "count"), [("default", 500), ("table_3_1", 50), ("table_5_1", 50)])
+@pytest.mark.parametrize(
+    ("parameters", "count"), [("default", 500), ("table_3_1", 50), ("table_5_1", 50)]
+)
 def test_forward_dynamics_equals_constraint_dynamics(parameters: str, count: int) -> None:
-    """Pinocchio's constraintDynamics on the tree with its loops; 1e-8 relative (its constraint inertia has condition number 1e4)."""
+    """Pinocchio's constraintDynamics on the tree with its loops.
+
+    1e-8 relative (its constraint inertia has condition number 1e4).
+    """
     robot = psp3.load("psp3", parameters)
     heights, speeds = random_states(rng := np.random.default_rng(9), count)
     forces = rng.normal(scale=100.0, size=(count, 3))
     found = robot.forward_dynamics(heights, speeds, forces)
-    assert relative_error(found, robot.dynamics("pinocchio").forward_dynamics(heights, speeds, forces)) < 1e-8
+    assert (
+        relative_error(found, robot.dynamics("pinocchio").forward_dynamics(heights, speeds, forces))
+        < 1e-8
+    )
 
 
 def test_energies_equal_those_of_the_tree(robot: psp3.PSP3) -> None:
     """Pinocchio's sums over all fifteen bodies; 1e-12 relative."""
     heights, speeds = random_states(np.random.default_rng(11), 100)
     tree = robot.dynamics("pinocchio")
-    assert_allclose(robot.kinetic_energy(heights, speeds), tree.kinetic_energy(heights, speeds), rtol=1e-12)
-    assert_allclose(robot.potential_energy(heights), tree.potential_energy(heights), rtol=1e-12, atol=1e-12)
+    assert_allclose(
+        robot.kinetic_energy(heights, speeds), tree.kinetic_energy(heights, speeds), rtol=1e-12
+    )
+    assert_allclose(
+        robot.potential_energy(heights), tree.potential_energy(heights), rtol=1e-12, atol=1e-12
+    )
 
 
 # Against bare Pinocchio
 
 
 class BarePinocchio:
-    """The tree with its two closures, handled with nothing but Pinocchio and numpy's least squares."""
+    """The tree with its two closures, by Pinocchio and numpy's least squares alone."""
 
     def __init__(self, model: pin.Model) -> None:
         self.model, self.data = model, model.createData()
         first, *others = (model.frames[model.getFrameId(f"star{leg}_center")] for leg in (1, 2, 3))
-        self.constraints, self.constraint_data = pin.StdVec_RigidConstraintModel(), pin.StdVec_RigidConstraintData()
+        self.constraints, self.constraint_data = (
+            pin.StdVec_RigidConstraintModel(),
+            pin.StdVec_RigidConstraintData(),
+        )
         for other in others:
             self.constraints.append(
                 pin.RigidConstraintModel(
@@ -149,16 +191,29 @@ class BarePinocchio:
         self.dependent = [i for i in range(model.nv) if i not in self.actuated]
 
     def difference(self, q: Array, v: Array) -> tuple[Array, Array, Array]:
-        """Twists between the hub frames in world axes at their own origins: residual of closing, Jacobian, and drift."""
+        """Twists between the hub frames in world axes at their own origins.
+
+        Residual of closing, Jacobian, and drift.
+        """
         pin.forwardKinematics(self.model, self.data, q, v, np.zeros(self.model.nv))
         pin.computeJointJacobians(self.model, self.data, q)
         pin.updateFramePlacements(self.model, self.data)
         axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-        jacobians = [pin.getFrameJacobian(self.model, self.data, frame, axes) for frame in self.frames]
-        drifts = [pin.getFrameClassicalAcceleration(self.model, self.data, frame, axes).vector for frame in self.frames]
+        jacobians = [
+            pin.getFrameJacobian(self.model, self.data, frame, axes) for frame in self.frames
+        ]
+        drifts = [
+            pin.getFrameClassicalAcceleration(self.model, self.data, frame, axes).vector
+            for frame in self.frames
+        ]
         places = [self.data.oMf[frame] for frame in self.frames]
         residuals = [
-            np.concatenate([place.translation - places[0].translation, pin.log3(place.rotation @ places[0].rotation.T)])
+            np.concatenate(
+                [
+                    place.translation - places[0].translation,
+                    pin.log3(place.rotation @ places[0].rotation.T),
+                ]
+            )
             for place in places[1:]
         ]
         return (
@@ -186,12 +241,16 @@ def test_configuration_equals_newton_from_home_step_by_step(robot: psp3.PSP3) ->
     heights = random_heights(np.random.default_rng(20), 60)
     expected = np.array([bare.closed(row) for row in heights])
     assert_allclose(robot.configuration(heights), expected, rtol=0, atol=1e-11)
-    assert_allclose(robot.dynamics("pinocchio").configuration(heights), expected, rtol=0, atol=1e-11)
+    assert_allclose(
+        robot.dynamics("pinocchio").configuration(heights), expected, rtol=0, atol=1e-11
+    )
 
 
 @pytest.mark.parametrize("parameters", SETS)
 def test_dynamics_equal_bare_rnea_and_constraint_dynamics(parameters: str) -> None:
-    """Velocities and accelerations solved from world-frame closures, forces from RNEA, and the way back by constraintDynamics.
+    """Velocities and accelerations solved from world-frame closures.
+
+    Forces from RNEA, and the way back by constraintDynamics.
 
     1e-9 relative for RNEA, 1e-8 for constraintDynamics.
     """
@@ -211,12 +270,18 @@ def test_dynamics_equal_bare_rnea_and_constraint_dynamics(parameters: str) -> No
         v[bare.dependent] = -solve @ jacobian[:, bare.actuated] @ speeds[i]
         _, _, drift = bare.difference(q, v)
         a[bare.dependent] = -solve @ (jacobian[:, bare.actuated] @ accelerations[i] + drift)
-        # Forces of the tree's joints that the closures carry do no work: what is left in the screws are the actuator forces.
+        # Forces of the tree's joints that the closures carry do no work: what is left in the screws
+        # are the actuator forces.
         carried = pin.rnea(model, data, q, v, a)
-        expected = carried[bare.actuated] - (solve @ jacobian[:, bare.actuated]).T @ carried[bare.dependent]
+        expected = (
+            carried[bare.actuated]
+            - (solve @ jacobian[:, bare.actuated]).T @ carried[bare.dependent]
+        )
         assert_allclose(forces[i], expected, rtol=0, atol=1e-9 * np.abs(expected).max())
         tau = rest.copy()
         tau[bare.actuated] = forces[i]
         pin.initConstraintDynamics(model, data, bare.constraints, bare.constraint_data)
-        found = pin.constraintDynamics(model, data, q, v, tau, bare.constraints, bare.constraint_data, settings)
+        found = pin.constraintDynamics(
+            model, data, q, v, tau, bare.constraints, bare.constraint_data, settings
+        )
         assert_allclose(found, a, rtol=0, atol=1e-8 * np.abs(a).max())

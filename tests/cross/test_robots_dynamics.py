@@ -1,4 +1,7 @@
-"""Dynamics of the shipped robots against what must hold for any: energy, power, symmetry; and one implementation against another."""
+"""Dynamics of the shipped robots against what must hold for any: energy, power, symmetry.
+
+And one implementation against another.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,9 @@ from tests.robot_samplers import random_poses
 
 NAMES = ROBOTS[1:]
 STEP = 3e-4
-"""Of eighth-order differences [m, rad]: truncation and rounding are both below 1e-8 near the singularities, where both are worst."""
+"""Of eighth-order differences [m, rad]: truncation and rounding are both below 1e-8 near the
+singularities, where both are worst.
+"""
 
 
 @pytest.fixture(scope="module", params=NAMES)
@@ -41,7 +46,9 @@ def test_mass_matrix_is_symmetric_and_positive_definite(robot: ClosedLoopRobot) 
     assert (values[:, 0] > 1e-4 * values[:, -1]).all()
 
 
-def test_kinetic_energy_is_half_the_square_of_the_speeds_in_the_mass_matrix(robot: ClosedLoopRobot) -> None:
+def test_kinetic_energy_is_half_the_square_of_the_speeds_in_the_mass_matrix(
+    robot: ClosedLoopRobot,
+) -> None:
     """Pinocchio's sum over the bodies of the tree; 1e-12 is rounding."""
     positions, speeds = states(robot, 20)
     half = 0.5 * np.einsum("ni,nij,nj->n", speeds, robot.mass_matrix(positions), speeds)
@@ -52,13 +59,24 @@ def test_gravity_is_the_slope_of_the_potential_energy(robot: ClosedLoopRobot) ->
     """1e-8 of the weight's largest force; the 3-RRR moves level and has none."""
     positions, _ = states(robot, 10)
     gravity = robot.gravity(positions)
-    slopes = [derivative(lambda t, unit=unit: robot.potential_energy(positions + t * unit), STEP) for unit in np.eye(positions.shape[1])]
-    assert_allclose(gravity, np.stack(slopes, axis=-1), rtol=0, atol=1e-8 * max(float(np.abs(gravity).max()), 1e-4))
+    slopes = [
+        derivative(lambda t, unit=unit: robot.potential_energy(positions + t * unit), STEP)
+        for unit in np.eye(positions.shape[1])
+    ]
+    assert_allclose(
+        gravity,
+        np.stack(slopes, axis=-1),
+        rtol=0,
+        atol=1e-8 * max(float(np.abs(gravity).max()), 1e-4),
+    )
     assert (np.abs(gravity).max() > 0.1) == (robot.model.name != "planar_3rrr")
 
 
 def test_rate_of_the_mass_matrix_less_twice_coriolis_is_skew(robot: ClosedLoopRobot) -> None:
-    """dM/dt = C + C' is the same as x'(dM/dt - 2C)x = 0 for every x; to 1e-7 of the largest entry of dM/dt, which differences give."""
+    """dM/dt = C + C' is the same as x'(dM/dt - 2C)x = 0 for every x.
+
+    To 1e-7 of the largest entry of dM/dt, which differences give.
+    """
     positions, speeds = states(robot, 10)
     rate = derivative(lambda t: robot.mass_matrix(positions + t * speeds), STEP)
     coriolis = robot.coriolis_matrix(positions, speeds)
@@ -66,12 +84,19 @@ def test_rate_of_the_mass_matrix_less_twice_coriolis_is_skew(robot: ClosedLoopRo
 
 
 def test_forward_dynamics_undoes_inverse_dynamics(robot: ClosedLoopRobot) -> None:
-    """Pinocchio's constraintDynamics on the whole tree against projected RNEA, and M a + C v + G; 1e-13 is reached."""
+    """Pinocchio's constraintDynamics on the whole tree against projected RNEA.
+
+    And M a + C v + G; 1e-13 is reached.
+    """
     positions, speeds = states(robot, 60)
     accelerations = np.random.default_rng(1).normal(size=positions.shape)
     forces = robot.inverse_dynamics(positions, speeds, accelerations)
     mass, coriolis, gravity = robot.equation_of_motion(positions, speeds)
-    assembled = np.einsum("nij,nj->ni", mass, accelerations) + np.einsum("nij,nj->ni", coriolis, speeds) + gravity
+    assembled = (
+        np.einsum("nij,nj->ni", mass, accelerations)
+        + np.einsum("nij,nj->ni", coriolis, speeds)
+        + gravity
+    )
     assert relative_error(assembled, forces) < 1e-11
     found = robot.forward_dynamics(positions, speeds, forces)
     # Relative to what the forces alone would give: they mostly carry the weight.
@@ -80,14 +105,25 @@ def test_forward_dynamics_undoes_inverse_dynamics(robot: ClosedLoopRobot) -> Non
 
 
 def test_natural_orthogonal_complement_agrees(robot: ClosedLoopRobot) -> None:
-    """The thesis's equations, body by body, on redundant closures, too; C is not unique, C v is. 1e-13 is reached."""
+    """The thesis's equations, body by body, on redundant closures, too; C is not unique, C v is.
+
+    1e-13 is reached.
+    """
     positions, speeds = states(robot, 20)
     noc = NaturalOrthogonalComplement(robot)
     mass, coriolis, gravity = robot.equation_of_motion(positions, speeds)
     their_mass, their_coriolis, their_gravity = noc.equation_of_motion(positions, speeds)
     assert relative_error(their_mass, mass) < 1e-10
-    assert relative_error(np.einsum("nij,nj->ni", their_coriolis, speeds), np.einsum("nij,nj->ni", coriolis, speeds)) < 1e-10
-    assert_allclose(their_gravity, gravity, rtol=0, atol=1e-10 * max(float(np.abs(gravity).max()), 1e-3))
+    assert (
+        relative_error(
+            np.einsum("nij,nj->ni", their_coriolis, speeds),
+            np.einsum("nij,nj->ni", coriolis, speeds),
+        )
+        < 1e-10
+    )
+    assert_allclose(
+        their_gravity, gravity, rtol=0, atol=1e-10 * max(float(np.abs(gravity).max()), 1e-3)
+    )
 
 
 def falling(robot: ClosedLoopRobot) -> tuple[Array, Array]:
@@ -96,7 +132,10 @@ def falling(robot: ClosedLoopRobot) -> tuple[Array, Array]:
 
 
 def test_energy_is_kept_in_free_motion(robot: ClosedLoopRobot) -> None:
-    """Motors off, 0.1 s of fall, integrated by DOP853 to 1e-12: the sum of kinetic and potential energy stays, here to 1e-13 J or so."""
+    """Motors off, 0.1 s of fall, integrated by DOP853 to 1e-12.
+
+    The sum of kinetic and potential energy stays, here to 1e-13 J or so.
+    """
     plant = DormandPrince(robot)
     positions, speeds = falling(robot)
     plant.start(positions, speeds)
@@ -111,7 +150,10 @@ def test_energy_is_kept_in_free_motion(robot: ClosedLoopRobot) -> None:
 
 
 def test_plants_agree(robot: ClosedLoopRobot) -> None:
-    """Runge-Kutta steps of 1 ms and the whole tree under Pinocchio's constraintDynamics after 50 ms of fall."""
+    """Runge-Kutta steps of 1 ms and the whole tree.
+
+    Under Pinocchio's constraintDynamics, after 50 ms of fall.
+    """
     ends = []
     for plant in (DormandPrince(robot), RungeKutta(robot), ConstraintDynamics(robot)):
         plant.start(*falling(robot))

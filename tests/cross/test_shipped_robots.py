@@ -1,7 +1,9 @@
-"""The five robots of urdf/ beside the 3-PSP: their files, and their kinematics against closed forms from the literature.
+"""The five robots of urdf/ beside the 3-PSP.
 
-The closed forms (``tests/closed_form_kinematics.py``) hold the lengths a second time and know nothing of Pinocchio. Positions are compared
-to 1e-10 m and rad; 1e-14 is reached.
+Their files, and their kinematics against closed forms from the literature.
+
+The closed forms (``tests/closed_form_kinematics.py``) hold the lengths a second time and know
+nothing of Pinocchio. Positions are compared to 1e-10 m and rad; 1e-14 is reached.
 """
 
 from __future__ import annotations
@@ -26,7 +28,14 @@ from psp3.description.parts import ROBOT_FILES, ROBOTS
 from psp3.description.srdf import reference_poses
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
-from tests.closed_form_kinematics import Delta, FiveBar, GoughStewart, PlanarThreeRRR, Tricept, rotation_xyz
+from tests.closed_form_kinematics import (
+    Delta,
+    FiveBar,
+    GoughStewart,
+    PlanarThreeRRR,
+    Tricept,
+    rotation_xyz,
+)
 from tests.helpers import Array, relative_error
 from tests.robot_samplers import WORKSPACES, Reachable, reachable
 
@@ -57,14 +66,18 @@ def samples() -> dict[str, Reachable]:
 
 
 @pytest.fixture(scope="module")
-def configurations(robots: dict[str, ClosedLoopRobot], samples: dict[str, Reachable]) -> dict[str, Array]:
+def configurations(
+    robots: dict[str, ClosedLoopRobot], samples: dict[str, Reachable]
+) -> dict[str, Array]:
     """Every pose closed from the reference pose, none of them helped by its neighbor."""
     return {name: robots[name].configuration(samples[name].positions) for name in NAMES}
 
 
 @pytest.fixture(scope="module")
 def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location("make_robots", Path(ROBOT_FILES) / "make_robots.py")
+    spec = importlib.util.spec_from_file_location(
+        "make_robots", Path(ROBOT_FILES) / "make_robots.py"
+    )
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
@@ -84,12 +97,16 @@ def tips(robot: ClosedLoopRobot, configurations: Array) -> tuple[Array, Array]:
 
 def largest_gap(name: str, robot: ClosedLoopRobot, configurations: Array) -> float:
     """Largest distance of two frames that the loop file says coincide."""
-    pairs = yaml.safe_load((ROBOT_FILES / f"{name}.yaml").read_text(encoding="utf-8"))["closed_loop"]
+    pairs = yaml.safe_load((ROBOT_FILES / f"{name}.yaml").read_text(encoding="utf-8"))[
+        "closed_loop"
+    ]
     indices = [[robot.model.getFrameId(frame) for frame in pair] for pair in pairs]
     largest = 0.0
     for q in configurations:
         pin.framesForwardKinematics(robot.model, robot.data, q)
-        first, second = (np.array([robot.data.oMf[pair[i]].translation for pair in indices]) for i in (0, 1))
+        first, second = (
+            np.array([robot.data.oMf[pair[i]].translation for pair in indices]) for i in (0, 1)
+        )
         largest = max(largest, float(np.linalg.norm(first - second, axis=1).max()))
     return largest
 
@@ -100,13 +117,23 @@ def largest_gap(name: str, robot: ClosedLoopRobot, configurations: Array) -> flo
 def test_files_are_what_the_script_writes(script: ModuleType, tmp_path: Path) -> None:
     script.main(tmp_path)
     written = sorted(path.name for path in tmp_path.iterdir())
-    assert written == sorted(f"{name}.{kind}" for name in NAMES for kind in ("urdf", "srdf", "yaml"))
+    assert written == sorted(
+        f"{name}.{kind}" for name in NAMES for kind in ("urdf", "srdf", "yaml")
+    )
     for name in written:
-        found, expected = ((directory / name).read_text(encoding="utf-8") for directory in (ROBOT_FILES, tmp_path))
+        found, expected = (
+            (directory / name).read_text(encoding="utf-8") for directory in (ROBOT_FILES, tmp_path)
+        )
         # Another processor may round the last of seventeen digits otherwise.
         number = re.compile(r"(?<![\w.])-?\d+(?:\.\d+)?(?:e-?\d+)?")
-        assert number.sub("#", found) == number.sub("#", expected), f"{name}: run urdf/make_robots.py"
-        assert_allclose([float(text) for text in number.findall(found)], [float(text) for text in number.findall(expected)], atol=1e-12)
+        assert number.sub("#", found) == number.sub("#", expected), (
+            f"{name}: run urdf/make_robots.py"
+        )
+        assert_allclose(
+            [float(text) for text in number.findall(found)],
+            [float(text) for text in number.findall(expected)],
+            atol=1e-12,
+        )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -121,7 +148,10 @@ def test_load_returns_the_robot(name: str, robots: dict[str, ClosedLoopRobot]) -
     assert len(robot.actuated) == mobility == joints - rank
     assert robot.model.existFrame("tip")
     assert robot.visual_model.ngeoms > 10
-    assert all(joint.shortname() not in ("JointModelRUBX", "JointModelRUBY", "JointModelRUBZ") for joint in robot.model.joints)
+    assert all(
+        joint.shortname() not in ("JointModelRUBX", "JointModelRUBY", "JointModelRUBZ")
+        for joint in robot.model.joints
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -132,12 +162,16 @@ def test_parameters_belong_to_the_3psp(name: str) -> None:
 
 
 def test_unknown_names_are_answered_with_all_known_ones() -> None:
-    with pytest.raises(UnknownName, match="psp3, five_bar, planar_3rrr, delta, gough_stewart, tricept"):
+    with pytest.raises(
+        UnknownName, match="psp3, five_bar, planar_3rrr, delta, gough_stewart, tricept"
+    ):
         psp3.load("hexaglide")
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_home_closes_the_loops_within_the_limits(name: str, robots: dict[str, ClosedLoopRobot]) -> None:
+def test_home_closes_the_loops_within_the_limits(
+    name: str, robots: dict[str, ClosedLoopRobot]
+) -> None:
     """As written, to 1e-12 m, before any iteration."""
     robot = robots[name]
     poses = reference_poses(robot.model, ROBOT_FILES / f"{name}.srdf")
@@ -150,7 +184,9 @@ def test_home_closes_the_loops_within_the_limits(name: str, robots: dict[str, Cl
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_samplers_know_the_limits_of_the_motors(name: str, robots: dict[str, ClosedLoopRobot]) -> None:
+def test_samplers_know_the_limits_of_the_motors(
+    name: str, robots: dict[str, ClosedLoopRobot]
+) -> None:
     lower, upper = robots[name].limits
     assert_allclose(lower, WORKSPACES[name].limits[0])
     assert_allclose(upper, WORKSPACES[name].limits[1])
@@ -158,7 +194,10 @@ def test_samplers_know_the_limits_of_the_motors(name: str, robots: dict[str, Clo
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_body_can_exist(name: str, robots: dict[str, ClosedLoopRobot]) -> None:
-    """Masses and moments are positive, and no moment exceeds the sum of the others. No body is so light that it spoils the tree."""
+    """Masses and moments are positive, and no moment exceeds the sum of the others.
+
+    No body is so light that it spoils the tree.
+    """
     robot = robots[name]
     for inertia in list(robot.model.inertias)[1:]:
         moments = np.linalg.eigvalsh(inertia.inertia)
@@ -170,31 +209,55 @@ def test_every_body_can_exist(name: str, robots: dict[str, ClosedLoopRobot]) -> 
 
 
 def drawn_inertias(name: str, robot: ClosedLoopRobot, script: ModuleType) -> dict[int, pin.Inertia]:
-    """Inertia of each joint's body from the shapes that Pinocchio read, by coal's formulas: each solid, of its color's density."""
-    densities = {tuple(float(part) for part in color.split()): density for color, density in script.MATERIALS.values()}
+    """Inertia of each joint's body from the shapes that Pinocchio read, by coal's formulas.
+
+    Each solid, of its color's density.
+    """
+    densities = {
+        tuple(float(part) for part in color.split()): density
+        for color, density in script.MATERIALS.values()
+    }
     totals: dict[int, Any] = {}
     for shape in robot.visual_model.geometryObjects:
         if shape.parentJoint == 0:
             continue
         form, density = shape.geometry, densities[tuple(shape.meshColor.round(6))]
         assert isinstance(form, coal.Box | coal.Cylinder | coal.Sphere)
-        body = pin.Inertia(density * form.computeVolume(), np.zeros(3), density * form.computeMomentofInertia())
-        totals[shape.parentJoint] = totals.get(shape.parentJoint, pin.Inertia.Zero()) + shape.placement.act(body)
+        body = pin.Inertia(
+            density * form.computeVolume(), np.zeros(3), density * form.computeMomentofInertia()
+        )
+        totals[shape.parentJoint] = totals.get(
+            shape.parentJoint, pin.Inertia.Zero()
+        ) + shape.placement.act(body)
     return totals
 
 
-@pytest.mark.parametrize(("name", "solid"), [("five_bar", r".*"), ("planar_3rrr", r".*"), ("delta", r".*_pitch|platform.*")])
-def test_bodies_weigh_what_is_drawn(name: str, solid: str, robots: dict[str, ClosedLoopRobot], script: ModuleType) -> None:
-    """Of bodies without tubes, which are drawn as if they were solid. 1e-4: drawings are written to a micrometer."""
+@pytest.mark.parametrize(
+    ("name", "solid"),
+    [("five_bar", r".*"), ("planar_3rrr", r".*"), ("delta", r".*_pitch|platform.*")],
+)
+def test_bodies_weigh_what_is_drawn(
+    name: str, solid: str, robots: dict[str, ClosedLoopRobot], script: ModuleType
+) -> None:
+    """Of bodies without tubes, which are drawn as if they were solid.
+
+    1e-4: drawings are written to a micrometer.
+    """
     robot = robots[name]
     drawn = drawn_inertias(name, robot, script)
-    compared = [joint for joint in range(1, robot.model.njoints) if re.fullmatch(solid, robot.model.names[joint])]
+    compared = [
+        joint
+        for joint in range(1, robot.model.njoints)
+        if re.fullmatch(solid, robot.model.names[joint])
+    ]
     assert compared
     for joint in compared:
         ours, theirs = robot.model.inertias[joint], drawn[joint]
         assert_allclose(ours.mass, theirs.mass, rtol=1e-4)
         assert_allclose(ours.lever, theirs.lever, rtol=0, atol=1e-5)
-        assert_allclose(ours.inertia, theirs.inertia, rtol=0, atol=1e-4 * np.abs(theirs.inertia).max())
+        assert_allclose(
+            ours.inertia, theirs.inertia, rtol=0, atol=1e-4 * np.abs(theirs.inertia).max()
+        )
 
 
 def test_a_tube_is_a_cylinder_less_its_bore(script: ModuleType) -> None:
@@ -205,32 +268,57 @@ def test_a_tube_is_a_cylinder_less_its_bore(script: ModuleType) -> None:
     assert_allclose(tube.lever, 0.5 * (start + end), rtol=1e-14)
     assert_allclose(tube.inertia, outer.inertia - inner.inertia, rtol=1e-12)
     cylinder = coal.Cylinder(0.03, float(np.linalg.norm(end - start)))
-    assert_allclose(np.linalg.eigvalsh(outer.inertia), 7850.0 * np.linalg.eigvalsh(cylinder.computeMomentofInertia()), rtol=1e-12)
+    assert_allclose(
+        np.linalg.eigvalsh(outer.inertia),
+        7850.0 * np.linalg.eigvalsh(cylinder.computeMomentofInertia()),
+        rtol=1e-12,
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_the_readme_describes_the_robot(name: str, robots: dict[str, ClosedLoopRobot]) -> None:
-    """The row of the table: joints, rows, rank, degrees of freedom, moving mass to 0.01 kg, and condition numbers to their digits."""
+    """The row of the table.
+
+    Joints, rows, rank, degrees of freedom, moving mass to 0.01 kg, and condition numbers to their
+    digits.
+    """
     robot = robots[name]
     found = re.search(rf"^\| `{name}` \|(.*)\|$", README, flags=re.MULTILINE)
     assert found is not None
     cells = [cell.strip() for cell in found[1].split("|")]
     assert tuple(int(cell) for cell in cells[1:5]) == COUNTS[name]
-    assert float(cells[5]) == pytest.approx(sum(inertia.mass for inertia in list(robot.model.inertias)[1:]), abs=0.005)
+    assert float(cells[5]) == pytest.approx(
+        sum(inertia.mass for inertia in list(robot.model.inertias)[1:]), abs=0.005
+    )
     tree = pin.crba(robot.model, robot.data, robot.q0)
-    closures = np.linalg.svd(robot.constraint_jacobian(robot.q0)[:, robot.dependent_v], compute_uv=False)[: COUNTS[name][2]]
-    assert float(cells[6]) == pytest.approx(np.linalg.cond(np.triu(tree) + np.triu(tree, 1).T), rel=0.05)
+    closures = np.linalg.svd(
+        robot.constraint_jacobian(robot.q0)[:, robot.dependent_v], compute_uv=False
+    )[: COUNTS[name][2]]
+    assert float(cells[6]) == pytest.approx(
+        np.linalg.cond(np.triu(tree) + np.triu(tree, 1).T), rel=0.05
+    )
     assert float(cells[7]) == pytest.approx(closures[0] / closures[-1], rel=0.05)
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_visuals_are_primitives_in_named_colors(name: str, robots: dict[str, ClosedLoopRobot]) -> None:
-    """Every moving body is drawn, and Pinocchio found every color: what it does not find turns gray (0.9, 0.9, 0.9) in silence."""
+def test_visuals_are_primitives_in_named_colors(
+    name: str, robots: dict[str, ClosedLoopRobot]
+) -> None:
+    """Every moving body is drawn, and Pinocchio found every color.
+
+    What it does not find turns gray (0.9, 0.9, 0.9) in silence.
+    """
     root = ElementTree.parse(ROBOT_FILES / f"{name}.urdf").getroot()
-    assert {child.tag for geometry in root.iter("geometry") for child in geometry} <= {"box", "cylinder", "sphere"}
+    assert {child.tag for geometry in root.iter("geometry") for child in geometry} <= {
+        "box",
+        "cylinder",
+        "sphere",
+    }
     colors = {color.get("rgba") for color in root.findall("material/color")}
     shapes = robots[name].visual_model.geometryObjects
-    assert {tuple(shape.meshColor.round(6)) for shape in shapes} == {tuple(float(part) for part in str(color).split()) for color in colors}
+    assert {tuple(shape.meshColor.round(6)) for shape in shapes} == {
+        tuple(float(part) for part in str(color).split()) for color in colors
+    }
     assert {shape.parentJoint for shape in shapes} == set(range(robots[name].model.njoints))
 
 
@@ -239,18 +327,28 @@ def test_visuals_are_primitives_in_named_colors(name: str, robots: dict[str, Clo
 
 @pytest.mark.parametrize("name", NAMES)
 def test_all_reachable_poses_close_from_the_reference_pose(
-    name: str, robots: dict[str, ClosedLoopRobot], configurations: dict[str, Array], samples: dict[str, Reachable]
+    name: str,
+    robots: dict[str, ClosedLoopRobot],
+    configurations: dict[str, Array],
+    samples: dict[str, Reachable],
 ) -> None:
     robot = robots[name]
     assert configurations[name].shape == (POSES, robot.model.nq)
     assert largest_gap(name, robot, configurations[name]) <= TOLERANCE
-    assert_allclose(configurations[name][:, robot.actuated_q], samples[name].positions, rtol=0, atol=0)
+    assert_allclose(
+        configurations[name][:, robot.actuated_q], samples[name].positions, rtol=0, atol=0
+    )
 
 
 def test_five_bar_meets_where_two_circles_do(
-    robots: dict[str, ClosedLoopRobot], configurations: dict[str, Array], samples: dict[str, Reachable]
+    robots: dict[str, ClosedLoopRobot],
+    configurations: dict[str, Array],
+    samples: dict[str, Reachable],
 ) -> None:
-    """The sampled point is that of the closed loop (assembly mode included), and so is the intersection of the circles."""
+    """The sampled point is that of the closed loop, assembly mode included.
+
+    So is the intersection of the circles.
+    """
     robot, closed_form = robots["five_bar"], FiveBar()
     position, _ = tips(robot, configurations["five_bar"])
     poses, positions = samples["five_bar"]
@@ -262,7 +360,9 @@ def test_five_bar_meets_where_two_circles_do(
 
 
 def test_planar_3rrr_has_the_crank_angles_of_its_quadratics(
-    robots: dict[str, ClosedLoopRobot], configurations: dict[str, Array], samples: dict[str, Reachable]
+    robots: dict[str, ClosedLoopRobot],
+    configurations: dict[str, Array],
+    samples: dict[str, Reachable],
 ) -> None:
     robot, closed_form = robots["planar_3rrr"], PlanarThreeRRR()
     position, rotation = tips(robot, configurations["planar_3rrr"])
@@ -272,17 +372,22 @@ def test_planar_3rrr_has_the_crank_angles_of_its_quadratics(
     assert_allclose(found, poses, rtol=0, atol=TOLERANCE)
     assert_allclose(position[:, 2], 0.0, rtol=0, atol=TOLERANCE)
     assert_allclose(closed_form.inverse(found), positions, rtol=0, atol=TOLERANCE)
-    # Half-angle substitution turns the rod's length into the quadratic of the paper: (k + x) t² - 2 y t + (k - x) = 0.
+    # Half-angle substitution turns the rod's length into the quadratic of the paper: (k + x) t² - 2
+    # y t + (k - x) = 0.
     x, y = np.moveaxis(closed_form.placed_corners(found) - closed_form.shafts, -1, 0)
     k = (x**2 + y**2 + closed_form.crank**2 - closed_form.rod**2) / (2.0 * closed_form.crank)
     t = np.tan(0.5 * (positions + closed_form.azimuths + np.pi))
-    assert_allclose(((k + x) * t**2 - 2.0 * y * t + (k - x)) / (1.0 + t**2), 0.0, rtol=0, atol=TOLERANCE)
+    assert_allclose(
+        ((k + x) * t**2 - 2.0 * y * t + (k - x)) / (1.0 + t**2), 0.0, rtol=0, atol=TOLERANCE
+    )
     jacobian = robot.frame_jacobian(positions, "tip")
     assert relative_error(jacobian[:, [0, 1, 5]], closed_form.jacobian(poses)) < TOLERANCE
 
 
 def test_delta_meets_where_three_spheres_do(
-    robots: dict[str, ClosedLoopRobot], configurations: dict[str, Array], samples: dict[str, Reachable]
+    robots: dict[str, ClosedLoopRobot],
+    configurations: dict[str, Array],
+    samples: dict[str, Reachable],
 ) -> None:
     """And its platform never turns."""
     robot, closed_form = robots["delta"], Delta()
@@ -298,7 +403,9 @@ def test_delta_meets_where_three_spheres_do(
 
 
 def test_gough_stewart_has_the_leg_lengths_of_its_pose(
-    robots: dict[str, ClosedLoopRobot], configurations: dict[str, Array], samples: dict[str, Reachable]
+    robots: dict[str, ClosedLoopRobot],
+    configurations: dict[str, Array],
+    samples: dict[str, Reachable],
 ) -> None:
     robot, closed_form = robots["gough_stewart"], GoughStewart()
     position, rotation = tips(robot, configurations["gough_stewart"])
@@ -307,11 +414,18 @@ def test_gough_stewart_has_the_leg_lengths_of_its_pose(
     assert_allclose(rotation, rotation_xyz(poses[:, 3:]), rtol=0, atol=TOLERANCE)
     assert_allclose(closed_form.lengths(position, rotation), positions, rtol=0, atol=TOLERANCE)
     rates = closed_form.rates(position, rotation)
-    assert_allclose(rates @ robot.frame_jacobian(positions, "tip"), np.broadcast_to(np.eye(6), rates.shape), rtol=0, atol=TOLERANCE)
+    assert_allclose(
+        rates @ robot.frame_jacobian(positions, "tip"),
+        np.broadcast_to(np.eye(6), rates.shape),
+        rtol=0,
+        atol=TOLERANCE,
+    )
 
 
 def test_tricept_has_the_leg_lengths_of_its_central_leg(
-    robots: dict[str, ClosedLoopRobot], configurations: dict[str, Array], samples: dict[str, Reachable]
+    robots: dict[str, ClosedLoopRobot],
+    configurations: dict[str, Array],
+    samples: dict[str, Reachable],
 ) -> None:
     robot, closed_form = robots["tricept"], Tricept()
     position, rotation = tips(robot, configurations["tricept"])
@@ -320,23 +434,41 @@ def test_tricept_has_the_leg_lengths_of_its_central_leg(
     assert_allclose(rotation, closed_form.platform(poses)[1], rtol=0, atol=TOLERANCE)
     assert_allclose(closed_form.inverse(position), positions, rtol=0, atol=TOLERANCE)
     angles, length = closed_form.central_leg(position)
-    center = [robot.model.joints[robot.model.getJointId(f"center_{part}")].idx_q for part in ("universal_x", "universal_y", "length")]
-    assert_allclose(configurations["tricept"][:, center], np.column_stack([angles, length]), rtol=0, atol=TOLERANCE)
+    center = [
+        robot.model.joints[robot.model.getJointId(f"center_{part}")].idx_q
+        for part in ("universal_x", "universal_y", "length")
+    ]
+    assert_allclose(
+        configurations["tricept"][:, center],
+        np.column_stack([angles, length]),
+        rtol=0,
+        atol=TOLERANCE,
+    )
     jacobian = robot.frame_jacobian(positions, "tip")
     assert relative_error(jacobian[:, :3], closed_form.jacobian(poses)) < TOLERANCE
-    # The platform's twist, about its center: three of the legs' rates are its actuators', by the rows [n, b × n].
+    # The platform's twist, about its center: three of the legs' rates are its actuators', by the
+    # rows [n, b × n].
     arm = rotation[:, :, 2] * -closed_form.tool
     linear = jacobian[:, :3] - np.cross(jacobian[:, 3:], arm[:, :, None], axisa=1, axisb=1, axisc=1)
-    rates = closed_form.rates(position - arm, rotation) @ np.concatenate([linear, jacobian[:, 3:]], axis=1)
+    rates = closed_form.rates(position - arm, rotation) @ np.concatenate(
+        [linear, jacobian[:, 3:]], axis=1
+    )
     assert_allclose(rates, np.broadcast_to(np.eye(3), rates.shape), rtol=0, atol=TOLERANCE)
 
 
-def test_planar_3rrr_looks_the_same_from_all_three_sides(robots: dict[str, ClosedLoopRobot], samples: dict[str, Reachable]) -> None:
-    """Handing the state of each leg on to the next turns the robot by 120°; that one leg carries the platform must not show."""
+def test_planar_3rrr_looks_the_same_from_all_three_sides(
+    robots: dict[str, ClosedLoopRobot], samples: dict[str, Reachable]
+) -> None:
+    """Handing the state of each leg on to the next turns the robot by 120°.
+
+    That one leg carries the platform must not show.
+    """
     robot, positions = robots["planar_3rrr"], samples["planar_3rrr"].positions[:50]
     speeds = np.random.default_rng(1).normal(size=positions.shape)
     mass, coriolis, _ = robot.equation_of_motion(positions, speeds)
-    turned_mass, turned_coriolis, _ = robot.equation_of_motion(np.roll(positions, 1, axis=1), np.roll(speeds, 1, axis=1))
+    turned_mass, turned_coriolis, _ = robot.equation_of_motion(
+        np.roll(positions, 1, axis=1), np.roll(speeds, 1, axis=1)
+    )
     assert relative_error(turned_mass, np.roll(mass, (1, 1), axis=(1, 2))) < 1e-9
     assert relative_error(turned_coriolis, np.roll(coriolis, (1, 1), axis=(1, 2))) < 1e-8
 
@@ -350,7 +482,9 @@ MIRRORS: dict[str, Callable[[Array], Array]] = {
 
 
 @pytest.mark.parametrize("name", sorted(MIRRORS))
-def test_a_mirrored_robot_reaches_the_mirrored_point(name: str, robots: dict[str, ClosedLoopRobot], samples: dict[str, Reachable]) -> None:
+def test_a_mirrored_robot_reaches_the_mirrored_point(
+    name: str, robots: dict[str, ClosedLoopRobot], samples: dict[str, Reachable]
+) -> None:
     """The mirror is the plane y = 0, or x = 0 for the five-bar."""
     robot, positions = robots[name], samples[name].positions[:50]
     there, _ = tips(robot, robot.configuration(positions))

@@ -1,4 +1,7 @@
-"""The robot on disk as people see it: visuals of the URDF, reference poses of the SRDF, and the recipe in urdf/README.md."""
+"""The robot on disk as people see it.
+
+Visuals of the URDF, reference poses of the SRDF, and the recipe in urdf/README.md.
+"""
 
 from __future__ import annotations
 
@@ -17,11 +20,14 @@ FILES = Path(__file__).parents[2] / "urdf"
 SHAPES = {"box", "cylinder", "sphere"}
 JOINTS = [f"{joint}{leg}" for leg in (1, 2, 3) for joint in ("a", "phi", "theta", "lambda", "b")]
 
-# Heights over the stroke with the star tilted by up to 35 degrees, the working range of the machine.
+# Heights over the stroke with the star tilted by up to 35 degrees, the working range of the
+# machine.
 RNG = np.random.default_rng(0)
 POSES = [
     psp3.load().inverse_kinematics(height=height, tilt=tilt, azimuth=azimuth)
-    for height, tilt, azimuth in RNG.uniform([-0.25, 0.0, -np.pi], [0.25, np.radians(35.0), np.pi], (60, 3))
+    for height, tilt, azimuth in RNG.uniform(
+        [-0.25, 0.0, -np.pi], [0.25, np.radians(35.0), np.pi], (60, 3)
+    )
 ]
 
 
@@ -36,7 +42,9 @@ def visuals(model: pin.Model) -> pin.GeometryModel:
 
 
 def shapes_of(model: pin.Model, visuals: pin.GeometryModel, joint: str) -> list[pin.GeometryObject]:
-    return [shape for shape in visuals.geometryObjects if shape.parentJoint == model.getJointId(joint)]
+    return [
+        shape for shape in visuals.geometryObjects if shape.parentJoint == model.getJointId(joint)
+    ]
 
 
 def columns(visuals: pin.GeometryModel) -> list[pin.GeometryObject]:
@@ -44,14 +52,21 @@ def columns(visuals: pin.GeometryModel) -> list[pin.GeometryObject]:
     return [
         shape
         for shape in visuals.geometryObjects
-        if shape.parentJoint == 0 and isinstance(shape.geometry, coal.Cylinder) and shape.geometry.halfLength > 0.4
+        if shape.parentJoint == 0
+        and isinstance(shape.geometry, coal.Cylinder)
+        and shape.geometry.halfLength > 0.4
     ]
 
 
 def placed(model: pin.Model, visuals: pin.GeometryModel, heights: np.ndarray) -> dict[str, pin.SE3]:
     data, placements = model.createData(), visuals.createData()
-    pin.updateGeometryPlacements(model, data, visuals, placements, psp3.load().configuration(heights))
-    return {shape.name: placement.copy() for shape, placement in zip(visuals.geometryObjects, placements.oMg, strict=True)}
+    pin.updateGeometryPlacements(
+        model, data, visuals, placements, psp3.load().configuration(heights)
+    )
+    return {
+        shape.name: placement.copy()
+        for shape, placement in zip(visuals.geometryObjects, placements.oMg, strict=True)
+    }
 
 
 def height_range(shape: pin.GeometryObject) -> tuple[float, float]:
@@ -59,7 +74,10 @@ def height_range(shape: pin.GeometryObject) -> tuple[float, float]:
     shape.geometry.computeLocalAABB()
     box = shape.geometry.aabb_local
     x, y, z = np.meshgrid(*np.stack([box.min_, box.max_], axis=-1))
-    corners = np.stack([x, y, z], axis=-1).reshape(-1, 3) @ shape.placement.rotation.T + shape.placement.translation
+    corners = (
+        np.stack([x, y, z], axis=-1).reshape(-1, 3) @ shape.placement.rotation.T
+        + shape.placement.translation
+    )
     return corners[:, 2].min(), corners[:, 2].max()
 
 
@@ -68,7 +86,10 @@ def test_only_primitives_in_named_colors() -> None:
     colors = {material.get("name") for material in root.findall("material")}
     assert {child.tag for geometry in root.iter("geometry") for child in geometry} == SHAPES
     assert {material.get("name") for material in root.findall("link/visual/material")} == colors
-    for link in ("base", *(f"{name}{leg}" for name in ("nut", "ball_lambda", "star") for leg in (1, 2, 3))):
+    for link in (
+        "base",
+        *(f"{name}{leg}" for name in ("nut", "ball_lambda", "star") for leg in (1, 2, 3)),
+    ):
         assert root.find(f"link[@name='{link}']/visual") is not None, link
 
 
@@ -78,15 +99,26 @@ def test_pinocchio_keeps_every_color(visuals: pin.GeometryModel) -> None:
     wanted = {material.find("color").get("rgba") for material in root.findall("material")}
     found = {tuple(shape.meshColor) for shape in visuals.geometryObjects}
     assert visuals.ngeoms == len(root.findall("link/visual"))
-    np.testing.assert_allclose(sorted(found), sorted(tuple(map(float, color.split())) for color in wanted), atol=1e-12)
+    np.testing.assert_allclose(
+        sorted(found), sorted(tuple(map(float, color.split())) for color in wanted), atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("height", [-0.4, 0.4])
-def test_the_nuts_have_their_whole_stroke(model: pin.Model, visuals: pin.GeometryModel, height: float) -> None:
+def test_the_nuts_have_their_whole_stroke(
+    model: pin.Model, visuals: pin.GeometryModel, height: float
+) -> None:
     """Between the bearings, which are the nearest shapes of the base above and below."""
     ranges = [height_range(shape) for shape in shapes_of(model, visuals, "a1")]
-    lowest, highest = height + min(low for low, _ in ranges), height + max(high for _, high in ranges)
-    at_the_columns = [height_range(shape) for shape in visuals.geometryObjects if shape.parentJoint == 0 and shape not in columns(visuals)]
+    lowest, highest = (
+        height + min(low for low, _ in ranges),
+        height + max(high for _, high in ranges),
+    )
+    at_the_columns = [
+        height_range(shape)
+        for shape in visuals.geometryObjects
+        if shape.parentJoint == 0 and shape not in columns(visuals)
+    ]
     assert max(high for _, high in at_the_columns if high < 0) < lowest
     assert highest < min(low for low, _ in at_the_columns if low > 0)
 
@@ -99,7 +131,10 @@ def test_the_tool_ends_at_the_tip(model: pin.Model, visuals: pin.GeometryModel) 
 
 
 def test_the_machine_has_a_threefold_axis(model: pin.Model, visuals: pin.GeometryModel) -> None:
-    """Turned by 120 degrees, the base's shapes cover themselves (6 decimals in the file: 2e-6 m)."""
+    """Turned by 120 degrees, the base's shapes cover themselves.
+
+    To 2e-6 m, for the file has 6 decimals.
+    """
 
     def description(turn: float) -> list[tuple[float, ...]]:
         rotation = pin.rpy.rpyToMatrix(0.0, 0.0, turn)
@@ -108,21 +143,38 @@ def test_the_machine_has_a_threefold_axis(model: pin.Model, visuals: pin.Geometr
             if shape.parentJoint == 0:
                 shape.geometry.computeLocalAABB()
                 size = shape.geometry.aabb_local.max_
-                axis = rotation @ shape.placement.rotation[:, 0] if isinstance(shape.geometry, coal.Box) else np.zeros(3)
+                axis = (
+                    rotation @ shape.placement.rotation[:, 0]
+                    if isinstance(shape.geometry, coal.Box)
+                    else np.zeros(3)
+                )
                 rows.append((*size, *(rotation @ shape.placement.translation), *axis))
         return sorted(tuple(np.round(row, 4) + 0.0) for row in rows)
 
     np.testing.assert_allclose(description(2.0 * np.pi / 3.0), description(0.0), atol=2e-4)
 
 
-def test_each_arm_slides_through_its_ball_and_sticks_out(model: pin.Model, visuals: pin.GeometryModel) -> None:
-    """Loops closed by psp3, shapes placed by Pinocchio: the arm's axis meets the ball's center (1e-7 m: six decimals in the file)."""
+def test_each_arm_slides_through_its_ball_and_sticks_out(
+    model: pin.Model, visuals: pin.GeometryModel
+) -> None:
+    """Loops closed by psp3, shapes placed by Pinocchio.
+
+    The arm's axis meets the ball's center (1e-7 m: six decimals in the file).
+    """
     for heights in POSES:
         placements = placed(model, visuals, heights)
         for leg in (1, 2, 3):
-            ball = next(s for s in shapes_of(model, visuals, f"lambda{leg}") if isinstance(s.geometry, coal.Sphere))
+            ball = next(
+                s
+                for s in shapes_of(model, visuals, f"lambda{leg}")
+                if isinstance(s.geometry, coal.Sphere)
+            )
             arm = max(
-                (s for s in shapes_of(model, visuals, f"b{leg}") if isinstance(s.geometry, coal.Cylinder)),
+                (
+                    s
+                    for s in shapes_of(model, visuals, f"b{leg}")
+                    if isinstance(s.geometry, coal.Cylinder)
+                ),
                 key=lambda s: s.geometry.halfLength,
             )
             in_arm = placements[arm.name].actInv(placements[ball.name]).translation
@@ -130,7 +182,9 @@ def test_each_arm_slides_through_its_ball_and_sticks_out(model: pin.Model, visua
             assert abs(in_arm[2]) + ball.geometry.radius < arm.geometry.halfLength
 
 
-def test_arms_and_columns_stay_clear_of_each_other(model: pin.Model, visuals: pin.GeometryModel) -> None:
+def test_arms_and_columns_stay_clear_of_each_other(
+    model: pin.Model, visuals: pin.GeometryModel
+) -> None:
     request, result = coal.DistanceRequest(), coal.DistanceResult()
     for heights in POSES:
         placements = placed(model, visuals, heights)
@@ -139,7 +193,12 @@ def test_arms_and_columns_stay_clear_of_each_other(model: pin.Model, visuals: pi
                 for column in columns(visuals):
                     ends = []
                     for shape in (arm, column):
-                        ends += [shape.geometry, coal.Transform3s(placements[shape.name].rotation, placements[shape.name].translation)]
+                        ends += [
+                            shape.geometry,
+                            coal.Transform3s(
+                                placements[shape.name].rotation, placements[shape.name].translation
+                            ),
+                        ]
                     assert coal.distance(*ends, request, result) > 0.003
 
 
@@ -171,8 +230,12 @@ def test_reference_poses_name_every_joint() -> None:
 
 def test_the_recipe_of_the_readme_closes_the_loops(monkeypatch: pytest.MonkeyPatch) -> None:
     """Newton's method of the README and the closed form agree to 1e-12 m and rad."""
-    (recipe,) = re.findall(r"```python\n(.*?)```", (FILES / "README.md").read_text(encoding="utf-8"), flags=re.DOTALL)
+    (recipe,) = re.findall(
+        r"```python\n(.*?)```", (FILES / "README.md").read_text(encoding="utf-8"), flags=re.DOTALL
+    )
     monkeypatch.chdir(FILES)
     names: dict[str, object] = {}
     exec(compile(recipe, "urdf/README.md", "exec"), names)
-    np.testing.assert_allclose(names["q"], psp3.load().configuration([0.05, 0.0, -0.02]), atol=1e-12)
+    np.testing.assert_allclose(
+        names["q"], psp3.load().configuration([0.05, 0.0, -0.02]), atol=1e-12
+    )

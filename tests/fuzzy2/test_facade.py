@@ -1,4 +1,6 @@
-"""What ``import fuzzy2`` loads, that every public name is there, and that it works where nothing can be written.
+"""What ``import fuzzy2`` loads.
+
+That every public name is there, and that it works where nothing can be written.
 
 Seconds are measured by the benchmarks, not here.
 """
@@ -19,29 +21,50 @@ PACKAGE = Path(fuzzy2.__file__).resolve().parent
 # Nothing can be made under it, by nobody, not even by root, for whom no directory is read-only.
 UNWRITABLE = "/proc/none"
 
-COMPUTE = "import fuzzy2; print(fuzzy2.centroid([0.0, 1.0, 2.0], [0.1, 0.5, 0.1], [0.2, 1.0, 0.4]).round(12).tolist())"
+COMPUTE = (
+    "import fuzzy2; print(fuzzy2.centroid([0.0, 1.0, 2.0], [0.1, 0.5, 0.1], [0.2, 1.0, "
+    "0.4]).round(12).tolist())"
+)
 # By hand: left (0 * 0.2 + 1 * 0.5 + 2 * 0.1) / 0.8, right (0 * 0.1 + 1 * 0.5 + 2 * 0.4) / 1.0.
 COMPUTED = "[0.875, 1.3]"
 
 
 def run(code: str, root: Path = PACKAGE.parent, **environment: str) -> str:
-    """Run code in a new interpreter that finds the fuzzy2 under ``root``, and return what it prints; warnings are errors."""
+    """Run code in a new interpreter and return what it prints.
+
+    It finds the fuzzy2 under ``root``, and warnings are errors.
+    """
     program = f"import sys; sys.path.insert(0, {str(root)!r})\n{code}"
     settings = {**os.environ, "PYTHONDONTWRITEBYTECODE": "1", **environment}
-    result = subprocess.run([sys.executable, "-W", "error", "-c", program], capture_output=True, text=True, env=settings, check=False)
+    result = subprocess.run(
+        [sys.executable, "-W", "error", "-c", program],
+        capture_output=True,
+        text=True,
+        env=settings,
+        check=False,
+    )
     assert result.returncode == 0, result.stderr
     return result.stdout.strip()
 
 
 def test_importing_fuzzy2_loads_nothing_heavy() -> None:
-    """They load when first needed: listing names, making sets and evaluating them needs none of them."""
+    """They load when first needed.
+
+    Listing names, making sets and evaluating them needs none of them.
+    """
     heavy = ["numba", "scipy", "matplotlib", "sklearn", "psp3", "pinocchio"]
-    code = "import fuzzy2; dir(fuzzy2); fuzzy2.Fuzzy2Error; fuzzy2.GaussianUncertainMean(mean=(0, 1), sigma=1).lower(0.5)"
+    code = (
+        "import fuzzy2; dir(fuzzy2); fuzzy2.Fuzzy2Error; fuzzy2.GaussianUncertainMean(mean=(0, "
+        "1), sigma=1).lower(0.5)"
+    )
     assert run(f"{code}; print([name for name in {heavy} if name in sys.modules])") == "[]"
 
 
 def test_computing_loads_numba_and_draws_nothing() -> None:
-    code = f"{COMPUTE}; print([name for name in ['numba', 'matplotlib', 'psp3'] if name in sys.modules])"
+    code = (
+        f"{COMPUTE}; print([name for name in ['numba', 'matplotlib', 'psp3'] if name in "
+        "sys.modules])"
+    )
     assert run(code).splitlines() == [COMPUTED, "['numba']"]
 
 
@@ -59,11 +82,17 @@ def test_unknown_name_is_an_attribute_error() -> None:
 
 
 def test_the_cache_may_be_where_nothing_can_be_written() -> None:
-    assert run(COMPUTE, NUMBA_CACHE_DIR=UNWRITABLE, HOME=UNWRITABLE, XDG_CACHE_HOME=UNWRITABLE) == COMPUTED
+    assert (
+        run(COMPUTE, NUMBA_CACHE_DIR=UNWRITABLE, HOME=UNWRITABLE, XDG_CACHE_HOME=UNWRITABLE)
+        == COMPUTED
+    )
 
 
 def test_nothing_at_all_need_be_writable(tmp_path: Path) -> None:
-    """The kernels are compiled anew then. A file that bars the way to the cache stands for a read-only installation."""
+    """The kernels are compiled anew then.
+
+    A file that bars the way to the cache stands for a read-only installation.
+    """
     shutil.copytree(PACKAGE, tmp_path / "fuzzy2", ignore=shutil.ignore_patterns("__pycache__"))
     (tmp_path / "fuzzy2" / "__pycache__").touch()
     environment = {"NUMBA_CACHE_DIR": UNWRITABLE, "HOME": UNWRITABLE, "XDG_CACHE_HOME": UNWRITABLE}

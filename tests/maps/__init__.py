@@ -1,0 +1,1 @@
+"""The thesis's equations: each has a function and a test."""

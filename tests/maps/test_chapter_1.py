@@ -1,4 +1,7 @@
-"""The map of chapter 1: every equation is on it, and every function, test and number that it names is there."""
+"""The map of chapter 1.
+
+Every equation is on it, and every function, test and number that it names is there.
+"""
 
 from __future__ import annotations
 
@@ -18,7 +21,11 @@ TEXT = MAP.read_text(encoding="utf-8")
 # Equations in parts, by the labels of the thesis's text.
 PARTS = {8: "ab", 18: "ab", 20: "ab", 22: "ab", 29: "ab", 62: "ab", 86: "ab", 111: "ab"}
 EQUATIONS = [f"1.{number}{part}" for number in range(1, 125) for part in PARTS.get(number, [""])]
-ROWS = [[cell.strip() for cell in line.strip("|").split("|")] for line in TEXT.splitlines() if re.match(r"\| 1\.\d", line)]
+ROWS = [
+    [cell.strip() for cell in line.strip("|").split("|")]
+    for line in TEXT.splitlines()
+    if re.match(r"\| 1\.\d", line)
+]
 FUNCTIONS = sorted(set(re.findall(r"`(fuzzy2\.[\w.]+)`", TEXT)))
 NAMED_TESTS = sorted(set(re.findall(r"`([\w/]+\.py::test_\w+)`", TEXT)))
 ERRATA = [int(number) for number in re.findall(r"^(\d+)\. \*\*", TEXT, flags=re.MULTILINE)]
@@ -59,5 +66,7 @@ def test_errors_of_the_gaussian_meet_are_as_tabulated() -> None:
     table = re.findall(r"^\| ([\d., ]+) \| ([\d., ]+) \| (0\.\d{3}) \|$", TEXT, flags=re.MULTILINE)
     assert len(table) == 6
     for means, sigmas, error in table:
-        found = fuzzy2.gaussian_meet_error(*([float(number) for number in numbers.split(", ")] for numbers in (means, sigmas)))
+        found = fuzzy2.gaussian_meet_error(
+            *([float(number) for number in numbers.split(", ")] for numbers in (means, sigmas))
+        )
         assert abs(found - float(error)) < 5.5e-4

@@ -14,15 +14,31 @@ from psp3.closure.mobility import Mobility
 HEIGHTS = np.array([0.1, 0.2, 0.3])
 
 EXAMPLES = [
-    (errors.UnknownName("robot", "psp4", ["psp3", "delta"]), {"name": "psp4", "known": ("psp3", "delta")}, ["robot 'psp4'", "psp3, delta"]),
+    (
+        errors.UnknownName("robot", "psp4", ["psp3", "delta"]),
+        {"name": "psp4", "known": ("psp3", "delta")},
+        ["robot 'psp4'", "psp3, delta"],
+    ),
     (
         errors.InvalidArray("heights", "(..., 3)", np.array([1.0, np.nan, 2.0])),
         {"name": "heights"},
         ["heights", "(..., 3)", "1 of its entries not finite", "nan"],
     ),
-    (errors.InvalidArray("speeds", "(..., 3)", np.zeros((2, 4))), {"name": "speeds"}, ["speeds", "shape (2, 4)"]),
-    (errors.InvalidArray("heights", "(..., 3)", "text"), {"name": "heights", "array": "text"}, ["'text'"]),
-    (errors.InvalidValue("tilt", 2.0, "less than pi/2"), {"name": "tilt", "value": 2.0}, ["tilt", "less than pi/2", "2.0"]),
+    (
+        errors.InvalidArray("speeds", "(..., 3)", np.zeros((2, 4))),
+        {"name": "speeds"},
+        ["speeds", "shape (2, 4)"],
+    ),
+    (
+        errors.InvalidArray("heights", "(..., 3)", "text"),
+        {"name": "heights", "array": "text"},
+        ["'text'"],
+    ),
+    (
+        errors.InvalidValue("tilt", 2.0, "less than pi/2"),
+        {"name": "tilt", "value": 2.0},
+        ["tilt", "less than pi/2", "2.0"],
+    ),
     (
         errors.UnreachablePose(HEIGHTS, np.array([0.2, -0.01, 0.2])),
         {"heights": HEIGHTS, "arms": np.array([0.2, -0.01, 0.2])},
@@ -38,7 +54,11 @@ EXAMPLES = [
         {"time": 1.25, "heights": HEIGHTS, "lower": np.full(3, -0.4), "upper": np.full(3, 0.4)},
         ["1.25 s", "0.2", "-0.4", "0.4"],
     ),
-    (errors.OpenLoops(0.0123, 1e-6), {"residual": 0.0123, "tolerance": 1e-6}, ["0.0123", "1e-06", "robot.configuration(heights)"]),
+    (
+        errors.OpenLoops(0.0123, 1e-6),
+        {"residual": 0.0123, "tolerance": 1e-6},
+        ["0.0123", "1e-06", "robot.configuration(heights)"],
+    ),
     (
         errors.ClosureFailed(HEIGHTS, 0.5, 0.25),
         {"positions": HEIGHTS, "residual": 0.5, "reached": 0.25},
@@ -49,8 +69,16 @@ EXAMPLES = [
         {"joint": "b1", "position": -0.031, "lower": 0.0, "upper": 0.6},
         ["'b1'", "-0.031", "0 to 0.6"],
     ),
-    (errors.InconsistentVelocity(0.75, 1e-8), {"residual": 0.75, "tolerance": 1e-8}, ["0.75", "1e-08", "v = L(q) @ speeds"]),
-    (errors.SingularConfiguration(11, 12, 1.5e16), {"rank": 11, "needed": 12, "condition": 1.5e16}, ["11 of 12", "1.5e+16"]),
+    (
+        errors.InconsistentVelocity(0.75, 1e-8),
+        {"residual": 0.75, "tolerance": 1e-8},
+        ["0.75", "1e-08", "v = L(q) @ speeds"],
+    ),
+    (
+        errors.SingularConfiguration(11, 12, 1.5e16),
+        {"rank": 11, "needed": 12, "condition": 1.5e16},
+        ["11 of 12", "1.5e+16"],
+    ),
     (
         errors.MobilityMismatch(Mobility(3, 2, 2, 15, 12, 12, ("a3", "b3"), ()), ["a1", "a2"]),
         {"actuated": ("a1", "a2")},
@@ -76,14 +104,26 @@ EXAMPLES = [
         {"poles": np.array([0.5 + 0.0j, -1.0 + 0.0j]), "period": 0.002},
         ["0.5", "unit circle", "0.002 s"],
     ),
-    (errors.DisorderedJoints("d", "b"), {"joint": "d", "parent": "b"}, ["'d'", "'b'", "finish every chain"]),
-    (errors.UnsupportedJoint("glide", "JointModelPlanar"), {"joint": "glide", "kind": "JointModelPlanar"}, ["'glide'", "JointModelPlanar"]),
+    (
+        errors.DisorderedJoints("d", "b"),
+        {"joint": "d", "parent": "b"},
+        ["'d'", "'b'", "finish every chain"],
+    ),
+    (
+        errors.UnsupportedJoint("glide", "JointModelPlanar"),
+        {"joint": "glide", "kind": "JointModelPlanar"},
+        ["'glide'", "JointModelPlanar"],
+    ),
     (
         errors.PoorExcitation("base parameters", 5, 7),
         {"what": "base parameters", "rank": 5, "needed": 7},
         ["5 of 7 base parameters", "richer motion"],
     ),
-    (errors.InvalidRobotFile("some.yaml", "lacks the key type"), {"reason": "lacks the key type"}, ["some.yaml", "lacks the key type"]),
+    (
+        errors.InvalidRobotFile("some.yaml", "lacks the key type"),
+        {"reason": "lacks the key type"},
+        ["some.yaml", "lacks the key type"],
+    ),
     (
         errors.OverlappingShapes([("nut1", "ball_lambda1")], [0.005]),
         {"pairs": (("nut1", "ball_lambda1"),), "depths": (0.005,)},
@@ -91,15 +131,46 @@ EXAMPLES = [
     ),
     (
         errors.CollisionFound(0.62, ("nut1", "ball_lambda1"), 0.0, 0.0, 0.7, -0.0024),
-        {"time": 0.62, "links": ("nut1", "ball_lambda1"), "distance": 0.0, "clearance": 0.0, "worst_time": 0.7, "worst_distance": -0.0024},
+        {
+            "time": 0.62,
+            "links": ("nut1", "ball_lambda1"),
+            "distance": 0.0,
+            "clearance": 0.0,
+            "worst_time": 0.7,
+            "worst_distance": -0.0024,
+        },
         ["t = 0.62 s", "'nut1' and 'ball_lambda1' touch", "0.7 s, 2.4 mm in each other"],
     ),
-    (errors.InvalidControllerFile("some.json", "lacks 'kp'"), {"reason": "lacks 'kp'"}, ["some.json", "lacks 'kp'"]),
-    (errors.UnusableEstimate(-np.eye(3)), {"mass": -np.eye(3)}, ["-1.", "not positive definite", "more samples or less noise"]),
-    (errors.InvalidTrajectoryFile("some.csv", "no rows"), {"reason": "no rows"}, ["some.csv", "no rows"]),
-    (errors.InvalidMapFile("some.json", "cut off"), {"reason": "cut off"}, ["some.json", "cut off"]),
-    (errors.InvalidResultFile("some.npz", "cut off"), {"reason": "cut off"}, ["some.npz", "cut off"]),
-    (errors.InvalidStudyFile("some.sqlite", "damaged"), {"reason": "damaged"}, ["some.sqlite", "damaged"]),
+    (
+        errors.InvalidControllerFile("some.json", "lacks 'kp'"),
+        {"reason": "lacks 'kp'"},
+        ["some.json", "lacks 'kp'"],
+    ),
+    (
+        errors.UnusableEstimate(-np.eye(3)),
+        {"mass": -np.eye(3)},
+        ["-1.", "not positive definite", "more samples or less noise"],
+    ),
+    (
+        errors.InvalidTrajectoryFile("some.csv", "no rows"),
+        {"reason": "no rows"},
+        ["some.csv", "no rows"],
+    ),
+    (
+        errors.InvalidMapFile("some.json", "cut off"),
+        {"reason": "cut off"},
+        ["some.json", "cut off"],
+    ),
+    (
+        errors.InvalidResultFile("some.npz", "cut off"),
+        {"reason": "cut off"},
+        ["some.npz", "cut off"],
+    ),
+    (
+        errors.InvalidStudyFile("some.sqlite", "damaged"),
+        {"reason": "damaged"},
+        ["some.sqlite", "damaged"],
+    ),
     (
         errors.StudyMismatch("some.sqlite", "format version", 2, 1),
         {"what": "format version", "found": 2, "expected": 1},
@@ -109,9 +180,13 @@ EXAMPLES = [
 
 
 @pytest.mark.parametrize(
-    ("error", "attributes", "words"), EXAMPLES, ids=lambda value: type(value).__name__ if isinstance(value, Exception) else ""
+    ("error", "attributes", "words"),
+    EXAMPLES,
+    ids=lambda value: type(value).__name__ if isinstance(value, Exception) else "",
 )
-def test_error_carries_its_values_and_names_them(error: Exception, attributes: dict[str, object], words: list[str]) -> None:
+def test_error_carries_its_values_and_names_them(
+    error: Exception, attributes: dict[str, object], words: list[str]
+) -> None:
     assert isinstance(error, errors.PSP3Error)
     assert isinstance(error, ValueError)
     for name, value in attributes.items():
@@ -122,10 +197,17 @@ def test_error_carries_its_values_and_names_them(error: Exception, attributes: d
 
 
 @pytest.mark.parametrize(
-    ("error", "attributes", "words"), EXAMPLES, ids=lambda value: type(value).__name__ if isinstance(value, Exception) else ""
+    ("error", "attributes", "words"),
+    EXAMPLES,
+    ids=lambda value: type(value).__name__ if isinstance(value, Exception) else "",
 )
-def test_error_survives_the_way_back_from_a_worker_process(error: Exception, attributes: dict[str, object], words: list[str]) -> None:
-    """Studies run in worker processes; an error that cannot be unpickled takes the whole pool down instead of being reported."""
+def test_error_survives_the_way_back_from_a_worker_process(
+    error: Exception, attributes: dict[str, object], words: list[str]
+) -> None:
+    """Studies run in worker processes.
+
+    An error that cannot be unpickled takes the whole pool down instead of being reported.
+    """
     copy = pickle.loads(pickle.dumps(error))
     assert type(copy) is type(error)
     assert str(copy) == str(error)
@@ -135,14 +217,25 @@ def test_error_survives_the_way_back_from_a_worker_process(error: Exception, att
 
 def test_every_error_about_an_argument_has_an_example_here() -> None:
     """Those that end a motion on the way are RuntimeErrors and are tested where they are raised."""
-    classes = [cls for _, cls in inspect.getmembers(errors, inspect.isclass) if issubclass(cls, errors.PSP3Error)]
-    assert {cls for cls in classes if issubclass(cls, ValueError)} == {type(error) for error, _, _ in EXAMPLES}
-    assert all(issubclass(cls, ValueError | RuntimeError) for cls in classes if cls is not errors.PSP3Error)
+    classes = [
+        cls
+        for _, cls in inspect.getmembers(errors, inspect.isclass)
+        if issubclass(cls, errors.PSP3Error)
+    ]
+    assert {cls for cls in classes if issubclass(cls, ValueError)} == {
+        type(error) for error, _, _ in EXAMPLES
+    }
+    assert all(
+        issubclass(cls, ValueError | RuntimeError) for cls in classes if cls is not errors.PSP3Error
+    )
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (4, 3), (12,), (2, 2, 3), (500, 3)])
 def test_messages_stay_on_one_line(shape: tuple[int, ...]) -> None:
-    """Numpy breaks lines between rows and at 75 characters; the command line promises one clear line."""
+    """Numpy breaks lines between rows and at 75 characters.
+
+    The command line promises one clear line.
+    """
     values = np.linspace(0.123456, 0.987654, int(np.prod(shape))).reshape(shape)
     for error in (
         errors.InvalidArray("heights", "(..., 3)", np.where(values < 0.2, np.nan, values)),

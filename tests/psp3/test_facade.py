@@ -1,4 +1,7 @@
-"""What ``import psp3`` loads, and that every public name is there. Seconds are measured by the benchmarks, not here."""
+"""What ``import psp3`` loads, and that every public name is there.
+
+Seconds are measured by the benchmarks, not here.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,13 @@ ROOT = Path(psp3.__file__).resolve().parent.parent
 def run(code: str, *options: str, directory: Path = ROOT) -> str:
     """Run code in a new interpreter that finds this psp3, and return what it prints."""
     program = f"import sys; sys.path.insert(0, {str(ROOT)!r})\n{code}"
-    result = subprocess.run([sys.executable, *options, "-c", program], capture_output=True, text=True, cwd=directory, check=False)
+    result = subprocess.run(
+        [sys.executable, *options, "-c", program],
+        capture_output=True,
+        text=True,
+        cwd=directory,
+        check=False,
+    )
     assert result.returncode == 0, result.stderr
     return result.stdout.strip()
 
@@ -24,13 +33,25 @@ def run(code: str, *options: str, directory: Path = ROOT) -> str:
 def test_importing_psp3_loads_nothing_heavy() -> None:
     """They load when first needed: listing names and catching errors needs none of them."""
     heavy = ["numba", "scipy", "matplotlib", "meshcat", "typer", "rich", "yaml", "mujoco"]
-    assert run(f"import psp3; dir(psp3); psp3.PSP3Error; psp3.Parameters(); print([m for m in {heavy} if m in sys.modules])") == "[]"
+    assert (
+        run(
+            "import psp3; dir(psp3); psp3.PSP3Error; psp3.Parameters(); print([m for m in "
+            f"{heavy} if m in sys.modules])"
+        )
+        == "[]"
+    )
 
 
 def test_loading_the_robot_draws_nothing_and_plots_nothing() -> None:
-    """The compiled closed form needs numba (which looks for scipy); pictures wait until they are asked for."""
+    """The compiled closed form needs numba (which looks for scipy).
+
+    Pictures wait until they are asked for.
+    """
     code = "import psp3; psp3.load('psp3').forward_kinematics([0, 0, 0])"
-    assert run(f"{code}; print([m for m in ['matplotlib', 'meshcat', 'typer'] if m in sys.modules])") == "[]"
+    assert (
+        run(f"{code}; print([m for m in ['matplotlib', 'meshcat', 'typer'] if m in sys.modules])")
+        == "[]"
+    )
 
 
 @pytest.mark.parametrize("name", psp3.__all__)
@@ -47,7 +68,9 @@ def test_unknown_name_is_an_attribute_error() -> None:
 
 
 def test_psp3_works_from_any_directory_without_a_warning(tmp_path: Path) -> None:
-    """Robot files are found from the code's place. The first call of a process takes another path through numba than later ones.
+    """Robot files are found from the code's place.
+
+    The first call of a process takes another path through numba than later ones.
 
     Broadcast arguments are the ones that numba looks at twice.
     """
@@ -56,4 +79,10 @@ def test_psp3_works_from_any_directory_without_a_warning(tmp_path: Path) -> None
 
 
 def test_fuzzy2_knows_nothing_of_psp3() -> None:
-    assert run("import fuzzy2, fuzzy2.support.compiled; print('psp3' in sys.modules, 'pinocchio' in sys.modules)") == "False False"
+    assert (
+        run(
+            "import fuzzy2, fuzzy2.support.compiled; print('psp3' in sys.modules, 'pinocchio' in "
+            "sys.modules)"
+        )
+        == "False False"
+    )

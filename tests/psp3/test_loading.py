@@ -1,4 +1,7 @@
-"""The robot's files: URDF numbers are those of the parameter class, poses close the loops, names are known."""
+"""The robot's files.
+
+URDF numbers are those of the parameter class, poses close the loops, names are known.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +38,11 @@ def test_load_returns_what_example_robot_data_returns_and_the_loops() -> None:
 
 
 def test_default_arguments_load_the_default_robot() -> None:
-    assert psp3.load().parameters == psp3.load("psp3", parameters="default").parameters == psp3.PARAMETER_SETS["default"]
+    assert (
+        psp3.load().parameters
+        == psp3.load("psp3", parameters="default").parameters
+        == psp3.PARAMETER_SETS["default"]
+    )
 
 
 def test_loads_do_not_share_what_can_be_changed() -> None:
@@ -74,10 +81,24 @@ def test_urdf_holds_the_numbers_of_the_parameter_class() -> None:
     as_read, _ = read_tree(ROBOT_FILES / "psp3.urdf")
     written, _ = read_tree(ROBOT_FILES / "psp3.urdf")
     set_parameters(written, psp3.Parameters())
-    assert list(as_read.names) == list(written.names) == ["universe", *(f"{joint}{leg}" for leg in LEGS for joint in CHAIN)]
+    assert (
+        list(as_read.names)
+        == list(written.names)
+        == ["universe", *(f"{joint}{leg}" for leg in LEGS for joint in CHAIN)]
+    )
     for joint in range(1, as_read.njoints):
-        assert_allclose(as_read.jointPlacements[joint].homogeneous, written.jointPlacements[joint].homogeneous, rtol=0, atol=1e-16)
-        assert_allclose(as_read.inertias[joint].toDynamicParameters(), written.inertias[joint].toDynamicParameters(), rtol=0, atol=1e-16)
+        assert_allclose(
+            as_read.jointPlacements[joint].homogeneous,
+            written.jointPlacements[joint].homogeneous,
+            rtol=0,
+            atol=1e-16,
+        )
+        assert_allclose(
+            as_read.inertias[joint].toDynamicParameters(),
+            written.inertias[joint].toDynamicParameters(),
+            rtol=0,
+            atol=1e-16,
+        )
     for one, other in zip(as_read.frames, written.frames, strict=True):
         assert one.name == other.name
         assert_allclose(one.placement.homogeneous, other.placement.homogeneous, rtol=0, atol=1e-16)
@@ -98,7 +119,9 @@ def test_urdf_text_holds_table_3_1() -> None:
         assert mass is not None
         assert inertia is not None
         assert all(float(inertia.get(key, "nan")) == 0.0 for key in ("ixy", "ixz", "iyz"))
-        return float(mass.get("value", "nan")), [float(inertia.get(key, "nan")) for key in ("ixx", "iyy", "izz")]
+        return float(mass.get("value", "nan")), [
+            float(inertia.get(key, "nan")) for key in ("ixx", "iyy", "izz")
+        ]
 
     axial, transverse = parameters.ball_axial_inertia, parameters.ball_transverse_inertia
     for leg in LEGS:
@@ -116,7 +139,11 @@ def test_urdf_text_holds_table_3_1() -> None:
     assert set(links) == {
         "base",
         "tip",
-        *(f"{name}{leg}" for name in ("nut", "ball_phi", "ball_theta", "ball_lambda", "star") for leg in LEGS),
+        *(
+            f"{name}{leg}"
+            for name in ("nut", "ball_phi", "ball_theta", "ball_lambda", "star")
+            for leg in LEGS
+        ),
     } | {f"star{leg}_center" for leg in LEGS}
 
 
@@ -126,7 +153,10 @@ def test_the_thirds_of_the_star_add_up_to_the_star(parameters: str) -> None:
     robot = psp3.load("psp3", parameters)
     data = robot.model.createData()
     pin.forwardKinematics(robot.model, data, robot.q0)
-    thirds = [data.oMi[joint].act(robot.model.inertias[joint]) for joint in (robot.model.getJointId(f"b{leg}") for leg in LEGS)]
+    thirds = [
+        data.oMi[joint].act(robot.model.inertias[joint])
+        for joint in (robot.model.getJointId(f"b{leg}") for leg in LEGS)
+    ]
     whole = thirds[0] + thirds[1] + thirds[2]
     assert_allclose(whole.mass, robot.parameters.star_mass, rtol=1e-15)
     assert_allclose(whole.lever, np.zeros(3), rtol=0, atol=1e-15)
@@ -135,12 +165,17 @@ def test_the_thirds_of_the_star_add_up_to_the_star(parameters: str) -> None:
 
 def test_total_mass_of_the_tree_is_26_496_kg() -> None:
     model = psp3.load("psp3").model
-    assert sum(model.inertias[joint].mass for joint in range(1, model.njoints)) == pytest.approx(26.496, rel=1e-14)
+    assert sum(model.inertias[joint].mass for joint in range(1, model.njoints)) == pytest.approx(
+        26.496, rel=1e-14
+    )
     assert pin.computeTotalMass(model) == pytest.approx(26.496, rel=1e-14)
 
 
 def test_parameters_reach_every_part_of_the_model() -> None:
-    """Numbers that differ from the file's in every field; positions to 1e-16, everything else exact."""
+    """Numbers that differ from the file's in every field.
+
+    Positions to 1e-16, everything else exact.
+    """
     own = psp3.Parameters(
         screw_radius=0.25,
         tool_length=0.09,
@@ -157,7 +192,9 @@ def test_parameters_reach_every_part_of_the_model() -> None:
     for leg in LEGS:
         angle = 2 * np.pi * (leg - 1) / 3
         assert_allclose(
-            model.jointPlacements[model.getJointId(f"a{leg}")].translation, [0.25 * np.cos(angle), 0.25 * np.sin(angle), 0], atol=1e-16
+            model.jointPlacements[model.getJointId(f"a{leg}")].translation,
+            [0.25 * np.cos(angle), 0.25 * np.sin(angle), 0],
+            atol=1e-16,
         )
         nut = model.inertias[model.getJointId(f"a{leg}")]
         assert nut.mass == 3.0
@@ -165,14 +202,21 @@ def test_parameters_reach_every_part_of_the_model() -> None:
         for joint, axis in {"phi": 1, "theta": 0, "lambda": 2}.items():
             ball = model.inertias[model.getJointId(f"{joint}{leg}")]
             assert ball.mass == 0.2
-            assert_array_equal(ball.inertia, np.diag([3e-4 if i == axis else 2e-4 for i in range(3)]))
+            assert_array_equal(
+                ball.inertia, np.diag([3e-4 if i == axis else 2e-4 for i in range(3)])
+            )
         assert model.inertias[model.getJointId(f"b{leg}")].mass == 0.5
-    assert_allclose(model.frames[model.getFrameId("tip")].placement.translation, [0, 0, 0.09], atol=1e-16)
+    assert_allclose(
+        model.frames[model.getFrameId("tip")].placement.translation, [0, 0, 0.09], atol=1e-16
+    )
     assert_array_equal(model.gravity.linear, [0, 0, -1.62])
 
 
 def test_reference_poses_close_the_loops_and_are_those_of_the_closed_form() -> None:
-    """Every pose of the SRDF: loops open by less than 1e-12, joint values of the closed form to 1e-12."""
+    """Every pose of the SRDF: loops and joint values to 1e-12.
+
+    Loops are open by less, and joint values are those of the closed form.
+    """
     robot = psp3.load("psp3")
     poses = reference_poses(robot.model, ROBOT_FILES / "psp3.srdf")
     assert set(poses) >= {"home", "tilted", "low", "high"}
@@ -181,7 +225,9 @@ def test_reference_poses_close_the_loops_and_are_those_of_the_closed_form() -> N
     index = [robot.model.joints[robot.model.getJointId(name)].idx_q for name in robot.actuated]
     for q in poses.values():
         pin.framesForwardKinematics(robot.model, data, q)
-        first, second, third = (data.oMf[robot.model.getFrameId(f"star{leg}_center")] for leg in LEGS)
+        first, second, third = (
+            data.oMf[robot.model.getFrameId(f"star{leg}_center")] for leg in LEGS
+        )
         for other in (second, third):
             assert np.abs(pin.log6(first.actInv(other)).vector).max() < 1e-12
         assert_allclose(q, robot.configuration(q[index]), rtol=0, atol=1e-12)
@@ -190,11 +236,18 @@ def test_reference_poses_close_the_loops_and_are_those_of_the_closed_form() -> N
         assert (robot.model.lowerPositionLimit <= q).all()
         assert (q <= robot.model.upperPositionLimit).all()
     assert_allclose(poses["home"], robot.q0, rtol=0, atol=1e-15)
-    assert_allclose(robot.forward_kinematics(poses["tilted"][index]).rotation[2, 2], np.cos(np.radians(25)), rtol=1e-14)
+    assert_allclose(
+        robot.forward_kinematics(poses["tilted"][index]).rotation[2, 2],
+        np.cos(np.radians(25)),
+        rtol=1e-14,
+    )
 
 
 def test_reference_poses_fit_a_robot_of_other_lengths() -> None:
-    """Poses that the model carries along are poses of this robot: loops open by less than 1e-12 with screws farther apart."""
+    """Poses that the model carries along are poses of this robot.
+
+    Loops open by less than 1e-12 with screws farther apart.
+    """
     robot = psp3.load("psp3", psp3.Parameters(screw_radius=0.25))
     noc = psp3.NaturalOrthogonalComplement(robot)
     for pose in robot.model.referenceConfigurations:
@@ -209,10 +262,16 @@ def test_stroke_is_that_of_the_urdf() -> None:
 
 def test_the_files_load_without_the_parameter_class_too() -> None:
     """URDF, SRDF and loop file alone give the default robot's dynamics; 1e-12 relative."""
-    from_files = psp3.ClosedLoopRobot.from_urdf(ROBOT_FILES / "psp3.urdf", ROBOT_FILES / "psp3.yaml", ROBOT_FILES / "psp3.srdf")
+    from_files = psp3.ClosedLoopRobot.from_urdf(
+        ROBOT_FILES / "psp3.urdf", ROBOT_FILES / "psp3.yaml", ROBOT_FILES / "psp3.srdf"
+    )
     robot = psp3.load("psp3")
     heights, speeds = [0.05, -0.02, 0.1], [0.3, 0.1, -0.2]
-    for found, expected in zip(from_files.equation_of_motion(heights, speeds), robot.equation_of_motion(heights, speeds), strict=True):
+    for found, expected in zip(
+        from_files.equation_of_motion(heights, speeds),
+        robot.equation_of_motion(heights, speeds),
+        strict=True,
+    ):
         assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
     assert_allclose(from_files.q0, robot.q0, rtol=0, atol=1e-15)
 

@@ -14,18 +14,32 @@ from psp3.cli.output import narrow_table
 
 
 def reproduce(
-    out: Annotated[Path, typer.Option(file_okay=False, metavar="DIR", help="Directory to write to; made if it does not exist.")] = Path(
-        "results"
-    ),
+    out: Annotated[
+        Path,
+        typer.Option(
+            file_okay=False, metavar="DIR", help="Directory to write to; made if it does not exist."
+        ),
+    ] = Path("results"),
     seeds: Annotated[
-        int, typer.Option(min=1, metavar="COUNT", help="Number of seeds of Table 6.3; other comparisons take 10 at most.")
+        int,
+        typer.Option(
+            min=1,
+            metavar="COUNT",
+            help="Number of seeds of Table 6.3; other comparisons take 10 at most.",
+        ),
     ] = 30,
-    quick: Annotated[bool, typer.Option("--quick", help="A look in seconds: two seeds, no animation.", show_default=False)] = False,
+    quick: Annotated[
+        bool,
+        typer.Option(
+            "--quick", help="A look in seconds: two seeds, no animation.", show_default=False
+        ),
+    ] = False,
 ) -> None:
     """Run the main job: the thesis's results, recomputed.
 
-    Every number stands beside the printed one. Writes a report, figures, an animation and all numbers, and prints the main tables. Runs
-    that DIR/study.sqlite holds are not repeated, so the same command goes on where it was stopped.
+    Every number stands beside the printed one. Writes a report, figures, an animation and all
+    numbers, and prints the main tables. Runs that DIR/study.sqlite holds are not repeated, so the
+    same command goes on where it was stopped.
     """
     from rich.console import Console
     from rich.text import Text
@@ -35,9 +49,15 @@ def reproduce(
 
     try:
         with _reproduce_progress() as (progress, run_progress):
-            outcome = run(out, quick=quick, progress=progress, seeds=seeds, run_progress=run_progress)
+            outcome = run(
+                out, quick=quick, progress=progress, seeds=seeds, run_progress=run_progress
+            )
     except StudyInterrupted as interrupt:
-        typer.echo(f"{interrupt.done} of {interrupt.total} runs are in {out}; the same command goes on from there", err=True)
+        typer.echo(
+            f"{interrupt.done} of {interrupt.total} runs are in {out}; the same command goes on "
+            "from there",
+            err=True,
+        )
         raise typer.Exit(INTERRUPTED) from None
     console = Console(highlight=False)
     for content in outcome.tables:
@@ -51,7 +71,9 @@ def reproduce(
     for sentence in outcome.answer:
         console.print(Text(f"• {sentence}"))
     hidden = sum(content.detail for content in outcome.tables)
-    console.print(Text(f"• {hidden} more tables and {len(outcome.drawings)} figures are in the report."))
+    console.print(
+        Text(f"• {hidden} more tables and {len(outcome.drawings)} figures are in the report.")
+    )
     console.print()
     for path in outcome.files:
         # Outside rich, which would break long paths.
@@ -59,13 +81,29 @@ def reproduce(
 
 
 @contextmanager
-def _reproduce_progress() -> Iterator[tuple[Callable[[str, int, int], None], Callable[[int, int, float], None]]]:
-    """Show the steps of the main job and the runs of its study on standard error; in a log each step is a line."""
+def _reproduce_progress() -> Iterator[
+    tuple[Callable[[str, int, int], None], Callable[[int, int, float], None]]
+]:
+    """Show the steps of the main job and the runs of its study on standard error.
+
+    In a log each step is a line.
+    """
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
     errors = Console(stderr=True, highlight=False)
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
+    columns = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.description}"),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as bar:
         task, runs = bar.add_task("", total=None), bar.add_task("runs", total=None, visible=False)
 
@@ -75,6 +113,12 @@ def _reproduce_progress() -> Iterator[tuple[Callable[[str, int, int], None], Cal
                 typer.echo(f"[{done + 1}/{total}] {description}", err=True)
 
         def run_progress(done: int, total: int, rate: float) -> None:
-            bar.update(runs, description=f"runs, {rate:.0f} a second", completed=done, total=total, visible=done < total)
+            bar.update(
+                runs,
+                description=f"runs, {rate:.0f} a second",
+                completed=done,
+                total=total,
+                visible=done < total,
+            )
 
         yield progress, run_progress

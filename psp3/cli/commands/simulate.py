@@ -35,8 +35,23 @@ from psp3.cli.options import (
     only_allowed,
     output_file,
 )
-from psp3.cli.output import check_outputs, draw_figure, error_message, fixed, new_table, print_json, progress_bar, show, write_csv
-from psp3.cli.shared import controller_from_file, controller_named, load_robot, trajectory_from_options
+from psp3.cli.output import (
+    check_outputs,
+    draw_figure,
+    error_message,
+    fixed,
+    new_table,
+    print_json,
+    progress_bar,
+    show,
+    write_csv,
+)
+from psp3.cli.shared import (
+    controller_from_file,
+    controller_named,
+    load_robot,
+    trajectory_from_options,
+)
 
 if TYPE_CHECKING:
     from psp3.simulation.result import Result
@@ -47,28 +62,54 @@ def simulate(
         ControllerName | None,
         typer.Option(
             metavar="NAME",
-            help="Controller: pd, pd-gravity, pid, feed-forward or ctc; t1, it2 or gt2, trained on the helix without noise.",
+            help=(
+                "Controller: pd, pd-gravity, pid, feed-forward or ctc; t1, it2 or gt2, trained "
+                "on the helix without noise."
+            ),
             show_default="ctc",
         ),
     ] = None,
     trained: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A controller that psp3 train wrote, in place of --controller.", show_default=False)
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="A controller that psp3 train wrote, in place of --controller.",
+            show_default=False,
+        ),
     ] = None,
     model: Model = None,
     kp: Annotated[
-        float | None, typer.Option(metavar="GAIN", help="Proportional gain: N/m, 1/s² for ctc; 1000, 10 for ctc, unless given.")
+        float | None,
+        typer.Option(
+            metavar="GAIN",
+            help="Proportional gain: N/m, 1/s² for ctc; 1000, 10 for ctc, unless given.",
+        ),
     ] = None,
     kv: Annotated[
-        float | None, typer.Option(metavar="GAIN", help="Derivative gain: N s/m, 1/s for ctc; 100, 1 for ctc, unless given.")
+        float | None,
+        typer.Option(
+            metavar="GAIN",
+            help="Derivative gain: N s/m, 1/s for ctc; 100, 1 for ctc, unless given.",
+        ),
     ] = None,
-    ki: Annotated[float | None, typer.Option(metavar="GAIN", help="Integral gain of pid: N/(m s); 2000 unless given.")] = None,
+    ki: Annotated[
+        float | None,
+        typer.Option(metavar="GAIN", help="Integral gain of pid: N/(m s); 2000 unless given."),
+    ] = None,
     torque_limit: Annotated[
         Limit | None,
-        typer.Option(parser=limit_of_torque, metavar="N", help="Largest screw force (N), one number or three; none unless given."),
+        typer.Option(
+            parser=limit_of_torque,
+            metavar="N",
+            help="Largest screw force (N), one number or three; none unless given.",
+        ),
     ] = None,
     period: Annotated[float, typer.Option(metavar="S", help="Control period (s).")] = 0.002,
     initial_speed: Annotated[
-        InitialSpeed, typer.Option(metavar="NAME", help="Speed at the start: rest, or path for that of the motion.")
+        InitialSpeed,
+        typer.Option(
+            metavar="NAME", help="Speed at the start: rest, or path for that of the motion."
+        ),
     ] = InitialSpeed.REST,
     parameters: Parameters = ParametersName.DEFAULT,
     trajectory: TrajectoryText = "helix",
@@ -83,7 +124,12 @@ def simulate(
     duration: Duration = None,
     out: Annotated[
         Path | None,
-        typer.Option(parser=output_file, metavar="FILE", rich_help_panel=OUTPUT, help="Save the result as .npz, for psp3 view."),
+        typer.Option(
+            parser=output_file,
+            metavar="FILE",
+            rich_help_panel=OUTPUT,
+            help="Save the result as .npz, for psp3 view.",
+        ),
     ] = None,
     csv: CsvFile = None,
     figure: OutputFigure = None,
@@ -100,13 +146,21 @@ def simulate(
         controller = controller or ControllerName.CTC
         steering, settings = controller_named(robot, controller, model, gains)
     else:
-        only_allowed("--trained, which has its own", gains | {"model": model, "controller": controller}, ())
+        only_allowed(
+            "--trained, which has its own", gains | {"model": model, "controller": controller}, ()
+        )
         steering, settings = controller_from_file(robot, trained)
         controller = ControllerName(steering.kind)
     given = {
-        "radius": radius, "turn_time": turn_time, "rise": rise, "start_height": start_height,
-        "start": start, "end": end, "travel_time": travel_time, "tip": tip,
-    }  # fmt: skip
+        "radius": radius,
+        "turn_time": turn_time,
+        "rise": rise,
+        "start_height": start_height,
+        "start": start,
+        "end": end,
+        "travel_time": travel_time,
+        "tip": tip,
+    }
     motion, seconds = trajectory_from_options(robot, trajectory, duration, given)
     from psp3.errors import SimulationStopped
     from psp3.simulation.tracking import simulate as run
@@ -123,7 +177,9 @@ def simulate(
             from psp3.plots.control import figure_of_tracking
 
             draw_figure(figure, lambda: figure_of_tracking(result, title))
-        return {name: path for name, path in files.items() if path is not None and path != Path("-")}
+        return {
+            name: path for name, path in files.items() if path is not None and path != Path("-")
+        }
 
     try:
         with progress_bar("simulating", seconds) as progress:
@@ -151,23 +207,47 @@ def simulate(
         return
     metrics = _metrics(result)
     if json:
-        content = {"controller": controller.value, **settings, "parameters": parameters.value, "trajectory": trajectory}
-        content |= {"trajectory_options": {name: value for name, value in given.items() if value is not None}}
-        content |= {"duration": float(result.t[-1]), "period": period, "samples": result.t.size, "initial_speed": initial_speed.value}
+        content = {
+            "controller": controller.value,
+            **settings,
+            "parameters": parameters.value,
+            "trajectory": trajectory,
+        }
+        content |= {
+            "trajectory_options": {
+                name: value for name, value in given.items() if value is not None
+            }
+        }
+        content |= {
+            "duration": float(result.t[-1]),
+            "period": period,
+            "samples": result.t.size,
+            "initial_speed": initial_speed.value,
+        }
         content |= {"torque_limit": None if torque_limit is None else torque_limit.values}
         print_json(content | {"metrics": metrics, "files": files})
         return
     table = new_table(f"{title}, {result.t[-1]:g} s at {1e3 * period:g} ms", "", "value", "unit")
     squares = metrics["sum_of_squared_errors"]
-    table.add_row("sum of squared errors, one sample per 0.05 s", "–" if squares is None else f"{squares:.6g}", "m²")
-    table.add_row("integral of the squared error", f"{metrics['integral_of_squared_error']:.6g}", "m² s")
+    table.add_row(
+        "sum of squared errors, one sample per 0.05 s",
+        "–" if squares is None else f"{squares:.6g}",
+        "m²",
+    )
+    table.add_row(
+        "integral of the squared error", f"{metrics['integral_of_squared_error']:.6g}", "m² s"
+    )
     table.add_row("root mean square of the error", f"{1e3 * metrics['rms_error']:.6g}", "mm")
     table.add_row("largest error of the tip", f"{1e3 * metrics['largest_tip_error']:.6g}", "mm")
     table.add_row("error of the tip at the end", f"{1e3 * metrics['final_tip_error']:.6g}", "mm")
     table.add_row("largest screw forces", "  ".join(fixed(metrics["largest_forces"], 2)), "N")
     if "coverage" in metrics:
         table.add_row("steps inside the trained range", f"{100.0 * metrics['coverage']:.4g}", "%")
-        table.add_row("steps that fell back on the average of the rules", f"{100.0 * metrics['fallbacks']:.4g}", "%")
+        table.add_row(
+            "steps that fell back on the average of the rules",
+            f"{100.0 * metrics['fallbacks']:.4g}",
+            "%",
+        )
     show(table)
     for path in files.values():
         typer.echo(path)
@@ -197,9 +277,14 @@ def _metrics(result: Result) -> dict[str, Any]:
 
 
 def _samples(result: Result) -> dict[str, Any]:
-    """Columns of a simulation's CSV file, named as those of :meth:`psp3.trajectories.screw_forces.ScrewForces.columns`."""
+    """Return the columns of a simulation's CSV file.
+
+    They are named as those of :meth:`psp3.trajectories.screw_forces.ScrewForces.columns`.
+    """
     columns = {"t": result.t, **dict(zip("xyz", result.tip.T, strict=True))}
-    columns |= {f"desired_{name}": column for name, column in zip("xyz", result.desired.tip.T, strict=True)}
+    columns |= {
+        f"desired_{name}": column for name, column in zip("xyz", result.desired.tip.T, strict=True)
+    }
     for name, values in (
         ("a", result.heights),
         ("desired_a", result.desired.heights),
@@ -214,16 +299,38 @@ def _samples(result: Result) -> dict[str, Any]:
 
 
 def train(
-    file: Annotated[Path, typer.Argument(parser=output_file, metavar="FILE", help="JSON file to write.", show_default=False)],
-    kind: Annotated[str, typer.Option(metavar="NAME", help="it2 (interval type-2), t1 (type-1) or gt2 (general type-2).")] = "it2",
-    learner: Annotated[str, typer.Option(metavar="NAME", help="How rules are learned: strongest, strict, average or ridge.")] = "strongest",
+    file: Annotated[
+        Path,
+        typer.Argument(
+            parser=output_file, metavar="FILE", help="JSON file to write.", show_default=False
+        ),
+    ],
+    kind: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="it2 (interval type-2), t1 (type-1) or gt2 (general type-2)."
+        ),
+    ] = "it2",
+    learner: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="How rules are learned: strongest, strict, average or ridge."
+        ),
+    ] = "strongest",
     terms: Annotated[int, typer.Option(metavar="COUNT", help="Terms of every input.")] = 2,
     snr: Annotated[
-        float, typer.Option(metavar="DB", help="Signal-to-noise ratio of the recorded M, C and G (dB); inf adds no noise.")
+        float,
+        typer.Option(
+            metavar="DB",
+            help="Signal-to-noise ratio of the recorded M, C and G (dB); inf adds no noise.",
+        ),
     ] = math.inf,
     mean_variation: Annotated[
         float | None,
-        typer.Option(metavar="SHARE", help="Mean variation as a share of each input's range; it follows --snr unless given."),
+        typer.Option(
+            metavar="SHARE",
+            help="Mean variation as a share of each input's range; it follows --snr unless given.",
+        ),
     ] = None,
     seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="Of the noise.")] = 0,
     kp: Annotated[float, typer.Option(metavar="GAIN", help="Proportional gain (1/s²).")] = 10.0,
@@ -242,7 +349,8 @@ def train(
 ) -> None:
     """Train a fuzzy computed-torque controller and write it to a file.
 
-    The crisp controller tracks a motion, the helix unless given; M, C and G are recorded and learned from.
+    The crisp controller tracks a motion, the helix unless given; M, C and G are recorded and
+    learned from.
     """
     import numpy as np
 
@@ -251,16 +359,35 @@ def train(
 
     robot = load_robot(parameters)
     given = {
-        "radius": radius, "turn_time": turn_time, "rise": rise, "start_height": start_height,
-        "start": start, "end": end, "travel_time": travel_time, "tip": tip,
-    }  # fmt: skip
+        "radius": radius,
+        "turn_time": turn_time,
+        "rise": rise,
+        "start_height": start_height,
+        "start": start,
+        "end": end,
+        "travel_time": travel_time,
+        "tip": tip,
+    }
     motion, seconds = trajectory_from_options(robot, trajectory, duration, given)
-    controller = FuzzyComputedTorque(kind, robot, kp=kp, kv=kv, n_terms=terms, learner=learner, snr_db=snr, mean_variation=mean_variation)
+    controller = FuzzyComputedTorque(
+        kind,
+        robot,
+        kp=kp,
+        kv=kv,
+        n_terms=terms,
+        learner=learner,
+        snr_db=snr,
+        mean_variation=mean_variation,
+    )
     recorded = record(robot, motion, seconds, kp=kp, kv=kv)
     controller.learn(recorded, min(209, len(recorded.t)), np.random.default_rng(seed)).save(file)
     note = f"{len(controller.system_.rules)} rules, mean variation {controller.mean_variation:.3g}"
-    table = new_table(f"{kind}, learned on {trajectory}", "trained range", "least", "greatest", "unit", note=note)
-    for name, low, high, unit in zip(INPUT_NAMES, *controller.ranges_, ("m", "m", "m/s", "m/s"), strict=True):
+    table = new_table(
+        f"{kind}, learned on {trajectory}", "trained range", "least", "greatest", "unit", note=note
+    )
+    for name, low, high, unit in zip(
+        INPUT_NAMES, *controller.ranges_, ("m", "m", "m/s", "m/s"), strict=True
+    ):
         table.add_row(name, f"{low:.4f}", f"{high:.4f}", unit)
     errors = new_table("Estimates on the way", "", "RMS error, relative")
     estimates = controller.estimate(recorded.heights, recorded.speeds)

@@ -16,93 +16,164 @@ from psp3.cli.output import cell_text, narrow_table
 
 def study(
     file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="SQLite file of the results: begun, resumed or extended.", show_default=False)
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="SQLite file of the results: begun, resumed or extended.",
+            show_default=False,
+        ),
     ],
     controller: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="Controller: feed-forward, pd, pd-gravity, ctc, t1, it2 or gt2; pd, ctc, t1 and it2 unless given.",
+            help=(
+                "Controller: feed-forward, pd, pd-gravity, ctc, t1, it2 or gt2; pd, ctc, t1 and "
+                "it2 unless given."
+            ),
         ),
     ] = None,
     reading: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", rich_help_panel=RUNS, help="What is noisy: parameters (unless given), measurement, online or plant."),
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="What is noisy: parameters (unless given), measurement, online or plant.",
+        ),
     ] = None,
     snr: Annotated[
         list[float] | None,
-        typer.Option(metavar="DB", rich_help_panel=RUNS, help="Signal-to-noise ratio (dB); inf, 20, 15 and 10 unless given."),
+        typer.Option(
+            metavar="DB",
+            rich_help_panel=RUNS,
+            help="Signal-to-noise ratio (dB); inf, 20, 15 and 10 unless given.",
+        ),
     ] = None,
-    seeds: Annotated[int, typer.Option(min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, from 0 on.")] = 30,
+    seeds: Annotated[
+        int,
+        typer.Option(
+            min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, from 0 on."
+        ),
+    ] = 30,
     trajectory: Annotated[
         list[str] | None,
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="Path: helix (unless given), which is the one learned from, circle, line, fast-helix, fastest-helix, large-helix or "
-            "waypoints.",
+            help="Path: helix (unless given), which is the one learned from, circle, line, "
+            "fast-helix, fastest-helix, large-helix or waypoints.",
         ),
     ] = None,
     learner: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", rich_help_panel=RUNS, help="How t1, it2 and gt2 learn their rules; strongest unless given."),
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="How t1, it2 and gt2 learn their rules; strongest unless given.",
+        ),
     ] = None,
     terms: Annotated[
         list[int] | None,
-        typer.Option(metavar="COUNT", rich_help_panel=RUNS, help="Terms of each input of t1, it2 and gt2; 2 unless given."),
+        typer.Option(
+            metavar="COUNT",
+            rich_help_panel=RUNS,
+            help="Terms of each input of t1, it2 and gt2; 2 unless given.",
+        ),
     ] = None,
     mean_variation: Annotated[
         list[float] | None,
         typer.Option(
             metavar="SHARE",
             rich_help_panel=RUNS,
-            help="Mean variation of it2 and gt2 as a share of each input's range; it follows the signal-to-noise ratio unless given.",
+            help=(
+                "Mean variation of it2 and gt2 as a share of each input's range; it follows the "
+                "signal-to-noise ratio unless given."
+            ),
         ),
     ] = None,
     payload: Annotated[
         list[float] | None,
-        typer.Option(metavar="KG", rich_help_panel=PLANT, help="Mass on the star that no controller knows of (kg)."),
+        typer.Option(
+            metavar="KG",
+            rich_help_panel=PLANT,
+            help="Mass on the star that no controller knows of (kg).",
+        ),
     ] = None,
     coulomb_friction: Annotated[
-        list[float] | None, typer.Option(metavar="N", rich_help_panel=PLANT, help="Dry friction of a nut (N).")
+        list[float] | None,
+        typer.Option(metavar="N", rich_help_panel=PLANT, help="Dry friction of a nut (N)."),
     ] = None,
     viscous_friction: Annotated[
-        list[float] | None, typer.Option(metavar="N*S/M", rich_help_panel=PLANT, help="Viscous friction of a nut (N s/m).")
+        list[float] | None,
+        typer.Option(
+            metavar="N*S/M", rich_help_panel=PLANT, help="Viscous friction of a nut (N s/m)."
+        ),
     ] = None,
     motor_inertia: Annotated[
         list[float] | None,
-        typer.Option(metavar="KG*M2", rich_help_panel=PLANT, help="Inertia of a motor with its screw (kg m²); needs --lead."),
+        typer.Option(
+            metavar="KG*M2",
+            rich_help_panel=PLANT,
+            help="Inertia of a motor with its screw (kg m²); needs --lead.",
+        ),
     ] = None,
     lead: Annotated[
-        list[float] | None, typer.Option(metavar="M", rich_help_panel=PLANT, help="Travel of a nut in one turn of its screw (m).")
+        list[float] | None,
+        typer.Option(
+            metavar="M", rich_help_panel=PLANT, help="Travel of a nut in one turn of its screw (m)."
+        ),
     ] = None,
     encoder_resolution: Annotated[
-        list[float] | None, typer.Option(metavar="M", rich_help_panel=PLANT, help="Height of a nut per count of its encoder (m).")
+        list[float] | None,
+        typer.Option(
+            metavar="M", rich_help_panel=PLANT, help="Height of a nut per count of its encoder (m)."
+        ),
     ] = None,
     delay: Annotated[
-        list[int] | None, typer.Option(metavar="PERIODS", rich_help_panel=PLANT, help="Control periods from measurement to force.")
+        list[int] | None,
+        typer.Option(
+            metavar="PERIODS",
+            rich_help_panel=PLANT,
+            help="Control periods from measurement to force.",
+        ),
     ] = None,
     duration: Annotated[
-        float, typer.Option(metavar="S", rich_help_panel=RUNS, help="Length of a run (s), the same in all a file.")
+        float,
+        typer.Option(
+            metavar="S", rich_help_panel=RUNS, help="Length of a run (s), the same in all a file."
+        ),
     ] = float(SAMPLED),
     workers: Annotated[
-        int | None, typer.Option(min=1, metavar="COUNT", help="Runs at a time on this machine; one for each core unless given.")
+        int | None,
+        typer.Option(
+            min=1,
+            metavar="COUNT",
+            help="Runs at a time on this machine; one for each core unless given.",
+        ),
     ] = None,
     scheduler: Annotated[
-        str | None, typer.Option(metavar="ADDRESS", help="Address of a dask scheduler, tcp://HOST:PORT: its workers do the runs.")
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Address of a dask scheduler, tcp://HOST:PORT: its workers do the runs.",
+        ),
     ] = None,
     csv: Annotated[
         Path | None,
         typer.Option(
-            parser=output_file, metavar="FILE", rich_help_panel=OUTPUT, help="Write fields and metrics of all runs as CSV, SI units."
+            parser=output_file,
+            metavar="FILE",
+            rich_help_panel=OUTPUT,
+            help="Write fields and metrics of all runs as CSV, SI units.",
         ),
     ] = None,
 ) -> None:
     """Compare controllers over many seeds, with intervals.
 
-    Options of runs can be given more than once: every combination is a run. Runs that are in FILE are not repeated, so the same
-    command resumes a study that was stopped, and one with more seeds extends it.
+    Options of runs can be given more than once: every combination is a run. Runs that are in FILE
+    are not repeated, so the same command resumes a study that was stopped, and one with more seeds
+    extends it.
     """
     if workers is not None and scheduler is not None:
         raise usage_error("--workers does not apply to --scheduler, which has its own")
@@ -111,17 +182,39 @@ def study(
     from psp3.errors import StudyInterrupted
     from psp3.study.study import Study, grid
 
-    given = {"reading": reading, "trajectory": trajectory, "learner": learner, "n_terms": terms, "mean_variation": mean_variation}
-    given |= {"payload": payload, "coulomb_friction": coulomb_friction, "viscous_friction": viscous_friction, "lead": lead}
-    given |= {"motor_inertia": motor_inertia, "encoder_resolution": encoder_resolution, "delay": delay}
-    given |= {"controller": controller or ["pd", "ctc", "t1", "it2"], "snr_db": snr or [math.inf, 20.0, 15.0, 10.0]}
+    given = {
+        "reading": reading,
+        "trajectory": trajectory,
+        "learner": learner,
+        "n_terms": terms,
+        "mean_variation": mean_variation,
+    }
+    given |= {
+        "payload": payload,
+        "coulomb_friction": coulomb_friction,
+        "viscous_friction": viscous_friction,
+        "lead": lead,
+    }
+    given |= {
+        "motor_inertia": motor_inertia,
+        "encoder_resolution": encoder_resolution,
+        "delay": delay,
+    }
+    given |= {
+        "controller": controller or ["pd", "ctc", "t1", "it2"],
+        "snr_db": snr or [math.inf, 20.0, 15.0, 10.0],
+    }
     values = {name: choice for name, choice in given.items() if choice}
     outcome = Study(file, grid(**values, seed=range(seeds), duration=duration))
     try:
         with _study_progress() as progress:
             outcome.run(workers, scheduler, progress)
     except StudyInterrupted as interrupt:
-        typer.echo(f"{interrupt.done} of {interrupt.total} runs are in {file}; the same command goes on from there", err=True)
+        typer.echo(
+            f"{interrupt.done} of {interrupt.total} runs are in {file}; the same command goes on "
+            "from there",
+            err=True,
+        )
         raise typer.Exit(INTERRUPTED) from None
     rows = outcome.rows()
     for title, headings, cells, note in _study_tables(rows, mean_variation is not None):
@@ -139,14 +232,30 @@ def study(
 
 @contextmanager
 def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
-    """Show runs done, rate and remaining time on standard error: as a bar on a terminal, else as a line every tenth of the way."""
+    """Show runs done, rate and remaining time on standard error.
+
+    As a bar on a terminal, else as a line every tenth of the way.
+    """
     from rich.console import Console
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
 
     console = Console(stderr=True, highlight=False)
-    columns = (BarColumn(), MofNCompleteColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
+    columns = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.description}"),
+        TimeRemainingColumn(),
+    )
     tenths = -1
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as bar:
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bar:
         task = None
 
         def progress(done: int, total: int, rate: float) -> None:
@@ -164,48 +273,84 @@ def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
         yield progress
 
 
-def _study_tables(rows: list[dict[str, Any]], show_mean_variation: bool) -> Iterator[tuple[str, list[str], list[list[str]], str]]:
-    """Title, headings, rows and note of the tables of a study: every setting, then type-2 beside type-1."""
+def _study_tables(
+    rows: list[dict[str, Any]], show_mean_variation: bool
+) -> Iterator[tuple[str, list[str], list[list[str]], str]]:
+    """Title, headings, rows and note of the tables of a study.
+
+    Every setting, then type-2 beside type-1.
+    """
     from psp3.study.statistics import Estimate, compare, summarize
 
     headings = {
-        "controller": "controller", "reading": "reading", "snr_db": "SNR (dB)", "trajectory": "trajectory", "learner": "learner",
-        "n_terms": "terms", "mean_variation": "mean variation", "payload": "payload (kg)",
-        "coulomb_friction": "dry friction (N)", "viscous_friction": "viscous friction (N s/m)", "motor_inertia": "motor inertia (kg m²)",
-        "lead": "lead (m)", "encoder_resolution": "encoder (m)", "delay": "delay (periods)",
-    }  # fmt: skip
+        "controller": "controller",
+        "reading": "reading",
+        "snr_db": "SNR (dB)",
+        "trajectory": "trajectory",
+        "learner": "learner",
+        "n_terms": "terms",
+        "mean_variation": "mean variation",
+        "payload": "payload (kg)",
+        "coulomb_friction": "dry friction (N)",
+        "viscous_friction": "viscous friction (N s/m)",
+        "motor_inertia": "motor inertia (kg m²)",
+        "lead": "lead (m)",
+        "encoder_resolution": "encoder (m)",
+        "delay": "delay (periods)",
+    }
     summaries = summarize(rows)
-    names = [name for name in headings if name == "controller" or len({getattr(summary.run, name) for summary in summaries}) > 1]
+    names = [
+        name
+        for name in headings
+        if name == "controller" or len({getattr(summary.run, name) for summary in summaries}) > 1
+    ]
     if not show_mean_variation and "mean_variation" in names:
         names.remove("mean_variation")
-    fixed = [f"{headings[name]} {cell_text(getattr(summaries[0].run, name))}" for name in ("reading", "trajectory") if name not in names]
+    fixed = [
+        f"{headings[name]} {cell_text(getattr(summaries[0].run, name))}"
+        for name in ("reading", "trajectory")
+        if name not in names
+    ]
 
     def settings(run: Any) -> list[str]:
         return [cell_text(getattr(run, name)) for name in names]
 
     def number(estimate: Estimate, factor: float = 1.0, unit: str = "") -> str:
-        value, low, high = (cell_text(factor * x) for x in (estimate.value, estimate.low, estimate.high))
+        value, low, high = (
+            cell_text(factor * x) for x in (estimate.value, estimate.low, estimate.high)
+        )
         return f"{value}{unit} ({low} to {high})" if estimate.count > 1 else f"{value}{unit}"
 
     title = ", ".join(["Sum of squared errors, one sample per 0.05 s (m²)", *fixed])
     cells = [
         [
             *settings(summary.run),
-            number(summary.mean), number(summary.median), number(summary.diverged, 100.0, " %"), str(summary.diverged.count),
+            number(summary.mean),
+            number(summary.median),
+            number(summary.diverged, 100.0, " %"),
+            str(summary.diverged.count),
         ]
         for summary in summaries
-    ]  # fmt: skip
+    ]
     shown = [headings[name] for name in names]
     note = (
-        "In brackets 95 % intervals, by bootstrap and of shares Wilson's. Means and medians are over the seeds that did not diverge. What "
-        "does not depend on the seed is done once."
+        "In brackets 95 % intervals, by bootstrap and of shares Wilson's. Means and medians are "
+        "over the seeds that did not diverge. What does not depend on the seed is done once."
     )
     yield title, [*shown, "mean", "median", "diverged", "seeds"], cells, note
     cells = [
-        [*settings(comparison.run), number(comparison.difference), number(comparison.ratio), str(comparison.difference.count)]
+        [
+            *settings(comparison.run),
+            number(comparison.difference),
+            number(comparison.ratio),
+            str(comparison.difference.count),
+        ]
         for name in ("it2", "gt2")
         for comparison in compare(rows, name, "t1")
     ]
     if cells:
-        note = "Paired by seed, over the seeds with which neither diverged: mean of type-2 minus type-1, and ratio of their means."
+        note = (
+            "Paired by seed, over the seeds with which neither diverged: mean of type-2 minus "
+            "type-1, and ratio of their means."
+        )
         yield "Type-2 beside type-1", [*shown, "difference (m²)", "ratio", "seeds"], cells, note

@@ -29,7 +29,12 @@ from psp3.cli.options import (
     usage_error,
 )
 from psp3.cli.output import progress_bar
-from psp3.cli.shared import controller_from_file, controller_named, load_robot, trajectory_from_options
+from psp3.cli.shared import (
+    controller_from_file,
+    controller_named,
+    load_robot,
+    trajectory_from_options,
+)
 
 if TYPE_CHECKING:
     from psp3.control.controller import Controller
@@ -40,31 +45,59 @@ if TYPE_CHECKING:
 
 def view(
     heights: Annotated[
-        Triple | None, typer.Option(parser=triple, metavar="A1,A2,A3", help="Show this pose (m); home unless given.")
+        Triple | None,
+        typer.Option(
+            parser=triple, metavar="A1,A2,A3", help="Show this pose (m); home unless given."
+        ),
     ] = None,
     result: Annotated[
-        list[Path] | None, typer.Option(metavar="FILE", help="Show the motion that psp3 simulate --out saved; may be given more than once.")
+        list[Path] | None,
+        typer.Option(
+            metavar="FILE",
+            help="Show the motion that psp3 simulate --out saved; may be given more than once.",
+        ),
     ] = None,
     controller: Annotated[
         list[ControllerName] | None,
-        typer.Option(metavar="NAME", help="Simulate this controller, as psp3 simulate does, and show it; may be given more than once."),
+        typer.Option(
+            metavar="NAME",
+            help=(
+                "Simulate this controller, as psp3 simulate does, and show it; may be given more "
+                "than once."
+            ),
+        ),
     ] = None,
     trained: Annotated[
         list[Path] | None,
-        typer.Option(metavar="FILE", help="Simulate a controller that psp3 train wrote, and show it; may be given more than once."),
+        typer.Option(
+            metavar="FILE",
+            help=(
+                "Simulate a controller that psp3 train wrote, and show it; may be given more "
+                "than once."
+            ),
+        ),
     ] = None,
     record: Annotated[
         Path | None,
-        typer.Option(parser=page_output, metavar="FILE", help="Write a page (.html) that any browser opens, and do not serve."),
+        typer.Option(
+            parser=page_output,
+            metavar="FILE",
+            help="Write a page (.html) that any browser opens, and do not serve.",
+        ),
     ] = None,
-    port: Annotated[int, typer.Option(min=1, max=65000, help="Port to serve on; if it is taken, the next one.")] = 7000,
+    port: Annotated[
+        int, typer.Option(min=1, max=65000, help="Port to serve on; if it is taken, the next one.")
+    ] = 7000,
     parameters: Parameters = ParametersName.DEFAULT,
     trajectory: Annotated[
         str | None,
         typer.Option(
             metavar="NAME",
             rich_help_panel=MOTION,
-            help="helix (unless given), circle, line, point-to-point, hold, or csv:FILE; without a controller shown as it is desired.",
+            help=(
+                "helix (unless given), circle, line, point-to-point, hold, or csv:FILE; without "
+                "a controller shown as it is desired."
+            ),
         ),
     ] = None,
     radius: Radius = None,
@@ -79,12 +112,19 @@ def view(
 ) -> None:
     """Show the robot in the browser, at rest or in motion.
 
-    Robots of several results and controllers stand side by side. Serves to this machine only, at 127.0.0.1, until Ctrl-C.
+    Robots of several results and controllers stand side by side. Serves to this machine only, at
+    127.0.0.1, until Ctrl-C.
     """
     given = {
-        "radius": radius, "turn_time": turn_time, "rise": rise, "start_height": start_height,
-        "start": start, "end": end, "travel_time": travel_time, "tip": tip,
-    }  # fmt: skip
+        "radius": radius,
+        "turn_time": turn_time,
+        "rise": rise,
+        "start_height": start_height,
+        "start": start,
+        "end": end,
+        "travel_time": travel_time,
+        "tip": tip,
+    }
     if heights is not None and result:
         raise usage_error("give --heights or --result, not both")
     simulated = bool(controller or trained)
@@ -92,7 +132,10 @@ def view(
         what = "a view without --trajectory, --controller or --trained"
         only_allowed(what, given | {"duration": duration}, ())
     elif heights is not None:
-        raise usage_error("--heights is for a robot at rest: it does not apply to --trajectory, --controller or --trained")
+        raise usage_error(
+            "--heights is for a robot at rest: it does not apply to --trajectory, --controller "
+            "or --trained"
+        )
     elif result and not simulated:
         raise usage_error("--trajectory does not apply to --result, which has its own")
     robot = load_robot(parameters)
@@ -101,7 +144,9 @@ def view(
     # Files of the same name in different directories are told apart by their paths.
     paths = list(dict.fromkeys(result or []))
     stems = [path.stem for path in paths]
-    motions: dict[str, Result | Trajectory] = {path.stem if stems.count(path.stem) == 1 else str(path): load_result(path) for path in paths}
+    motions: dict[str, Result | Trajectory] = {
+        path.stem if stems.count(path.stem) == 1 else str(path): load_result(path) for path in paths
+    }
     seconds = None
     if trajectory is not None or simulated:
         motion, seconds = trajectory_from_options(robot, trajectory or "helix", duration, given)
@@ -136,13 +181,19 @@ def view(
 
 
 def _simulated(
-    robot: PSP3, names: Iterable[ControllerName], files: Iterable[Path], motion: Trajectory, seconds: float
+    robot: PSP3,
+    names: Iterable[ControllerName],
+    files: Iterable[Path],
+    motion: Trajectory,
+    seconds: float,
 ) -> dict[str, Result]:
     """Simulate controllers on one motion, each once."""
     from psp3.simulation.tracking import simulate as run
 
     gains: dict[str, float | None] = {"kp": None, "kv": None, "ki": None}
-    steering: dict[str, Controller] = {name.value: controller_named(robot, name, None, gains)[0] for name in dict.fromkeys(names)}
+    steering: dict[str, Controller] = {
+        name.value: controller_named(robot, name, None, gains)[0] for name in dict.fromkeys(names)
+    }
     steering |= {str(path): controller_from_file(robot, path)[0] for path in files}
     results = {}
     for name, one in steering.items():

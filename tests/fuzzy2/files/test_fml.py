@@ -1,4 +1,7 @@
-"""IEEE 1855: documents in the layout of the standard, round trips, and what is refused at which line."""
+"""IEEE 1855: documents in the layout of the standard.
+
+Round trips, and what is refused at which line.
+"""
 
 from __future__ import annotations
 
@@ -28,18 +31,26 @@ TIPPER = """\
 <fuzzySystem xmlns="http://www.ieee1855.org" name="tipper">
   <knowledgeBase>
     <fuzzyVariable name="service" scale="" domainleft="0.0" domainright="10.0" type="input">
-      <fuzzyTerm name="poor" complement="false"><gaussianShape param1="0.0" param2="1.5"/></fuzzyTerm>
-      <fuzzyTerm name="good" complement="false"><gaussianShape param1="5.0" param2="1.5"/></fuzzyTerm>
-      <fuzzyTerm name="excellent" complement="false"><gaussianShape param1="10.0" param2="1.5"/></fuzzyTerm>
+      <fuzzyTerm name="poor" complement="false"><gaussianShape param1="0.0" param2="1.5"/>\
+</fuzzyTerm>
+      <fuzzyTerm name="good" complement="false"><gaussianShape param1="5.0" param2="1.5"/>\
+</fuzzyTerm>
+      <fuzzyTerm name="excellent" complement="false"><gaussianShape param1="10.0" param2="1.5"/>\
+</fuzzyTerm>
     </fuzzyVariable>
     <fuzzyVariable name="food" domainleft="0.0" domainright="10.0" type="input">
-      <fuzzyTerm name="rancid"><trapezoidShape param1="-2" param2="0" param3="1" param4="3"/></fuzzyTerm>
-      <fuzzyTerm name="delicious"><trapezoidShape param1="7" param2="9" param3="10" param4="12"/></fuzzyTerm>
+      <fuzzyTerm name="rancid"><trapezoidShape param1="-2" param2="0" param3="1" param4="3"/>\
+</fuzzyTerm>
+      <fuzzyTerm name="delicious"><trapezoidShape param1="7" param2="9" param3="10" param4="12"/>\
+</fuzzyTerm>
     </fuzzyVariable>
-    <fuzzyVariable name="tip" domainleft="0.0" domainright="30.0" type="output" accumulation="MAX" defuzzifier="COG" defaultValue="0.0">
+    <fuzzyVariable name="tip" domainleft="0.0" domainright="30.0" type="output" accumulation="MAX" \
+defuzzifier="COG" defaultValue="0.0">
       <fuzzyTerm name="cheap"><triangularShape param1="0.0" param2="5.0" param3="10.0"/></fuzzyTerm>
-      <fuzzyTerm name="average"><triangularShape param1="10.0" param2="15.0" param3="20.0"/></fuzzyTerm>
-      <fuzzyTerm name="generous"><triangularShape param1="20.0" param2="25.0" param3="30.0"/></fuzzyTerm>
+      <fuzzyTerm name="average"><triangularShape param1="10.0" param2="15.0" param3="20.0"/>\
+</fuzzyTerm>
+      <fuzzyTerm name="generous"><triangularShape param1="20.0" param2="25.0" param3="30.0"/>\
+</fuzzyTerm>
     </fuzzyVariable>
   </knowledgeBase>
   <mamdaniRuleBase name="rulebase1" activationMethod="MIN" andMethod="MIN" orMethod="MAX">
@@ -48,18 +59,21 @@ TIPPER = """\
         <clause><variable>food</variable><term>rancid</term></clause>
         <clause><variable>service</variable><term>poor</term></clause>
       </antecedent>
-      <consequent><then><clause><variable>tip</variable><term>cheap</term></clause></then></consequent>
+      <consequent><then><clause><variable>tip</variable><term>cheap</term></clause></then>\
+</consequent>
     </rule>
     <rule name="rule2" connector="or">
       <antecedent><clause><variable>service</variable><term> good </term></clause></antecedent>
-      <consequent><then><clause><variable>tip</variable><term>average</term></clause></then></consequent>
+      <consequent><then><clause><variable>tip</variable><term>average</term></clause></then>\
+</consequent>
     </rule>
     <rule name="rule3" connector="OR" weight="1.0">
       <antecedent>
         <clause><variable>service</variable><term>excellent</term></clause>
         <clause><variable>food</variable><term>delicious</term></clause>
       </antecedent>
-      <consequent><then><clause><variable>tip</variable><term>generous</term></clause></then></consequent>
+      <consequent><then><clause><variable>tip</variable><term>generous</term></clause></then>\
+</consequent>
     </rule>
   </mamdaniRuleBase>
 </fuzzySystem>
@@ -76,17 +90,21 @@ TSK = """\
     </fuzzyVariable>
     <tskVariable name="y" scale="" type="output" combination="WA" defaultValue="0.0">
       <tskTerm name="fixed" order="0"><tskValue>1.5</tskValue></tskTerm>
-      <tskTerm name="plane" order="1"><tskValue>1.0</tskValue><tskValue>2.0</tskValue><tskValue>3.0</tskValue></tskTerm>
+      <tskTerm name="plane" order="1"><tskValue>1.0</tskValue><tskValue>2.0</tskValue>\
+<tskValue>3.0</tskValue></tskTerm>
     </tskVariable>
   </knowledgeBase>
   <tskRuleBase name="rules" activationMethod="MIN" andMethod="PROD">
     <tskRule name="r1" andMethod="PROD">
-      <antecedent><clause><variable>a</variable><term>low</term></clause><clause><variable>b</variable><term>high</term></clause></antecedent>
-      <tskConsequent><tskThen><tskClause><variable>y</variable><term>plane</term></tskClause></tskThen></tskConsequent>
+      <antecedent><clause><variable>a</variable><term>low</term></clause><clause>\
+<variable>b</variable><term>high</term></clause></antecedent>
+      <tskConsequent><tskThen><tskClause><variable>y</variable><term>plane</term></tskClause>\
+</tskThen></tskConsequent>
     </tskRule>
     <tskRule name="r2" connector="and">
       <antecedent><clause><variable>b</variable><term>high</term></clause></antecedent>
-      <tskConsequent><tskThen><tskClause><variable>y</variable><term>fixed</term></tskClause></tskThen></tskConsequent>
+      <tskConsequent><tskThen><tskClause><variable>y</variable><term>fixed</term></tskClause>\
+</tskThen></tskConsequent>
     </tskRule>
   </tskRuleBase>
 </fuzzySystem>
@@ -94,21 +112,35 @@ TSK = """\
 
 
 def test_the_tipper_is_that_of_matlab_but_for_the_grid() -> None:
-    """The same system as in MATLAB's file, on another number of points; the reader of that is tested against published numbers."""
+    """The same system as in MATLAB's file, on another number of points.
+
+    The reader of that is tested against published numbers.
+    """
     system, other = parse_fml(TIPPER), parse_fis(TIPPER_FIS)
     assert (system.inputs, system.term_names) == (other.inputs, other.term_names)
     assert sorted(system.rules.tolist()) == sorted(other.rules.tolist())
     X = np.random.default_rng(0).uniform(0.0, 10.0, size=(50, 2))
-    # Both are Riemann sums of piecewise linear functions on 30; 0.3 apart, their kinks cost about 0.3² / 30.
+    # Both are Riemann sums of piecewise linear functions on 30; 0.3 apart, their kinks cost about
+    # 0.3² / 30.
     np.testing.assert_allclose(system(X), other(X), atol=0.01)
     on_its_grid = Type1System(
-        system.inputs, system.rules, system.consequents, t_norm="min", type_reduction="centroid", resolution=other.resolution
+        system.inputs,
+        system.rules,
+        system.consequents,
+        t_norm="min",
+        type_reduction="centroid",
+        resolution=other.resolution,
     )
-    np.testing.assert_allclose(on_its_grid([[2.0, 1.0], [7.0, 8.0]]), [[7.0169], [20.3414]], atol=5e-5)
+    np.testing.assert_allclose(
+        on_its_grid([[2.0, 1.0], [7.0, 8.0]]), [[7.0169], [20.3414]], atol=5e-5
+    )
 
 
 def test_functions_of_takagi_sugeno_and_kang() -> None:
-    """Constant first, then the slopes in the order of the variables; at (3, 3) both terms have the grade 1/2."""
+    """Constant first, then the slopes in the order of the variables.
+
+    At (3, 3) both terms have the grade 1/2.
+    """
     system = parse_fml(TSK)
     first, second = 0.25 * (1.0 + 2.0 * 3.0 + 3.0 * 3.0), 0.5 * 1.5
     np.testing.assert_allclose(system([3.0, 3.0]), [(first + second) / 0.75], rtol=1e-14)
@@ -131,10 +163,16 @@ def test_functions_of_takagi_sugeno_and_kang() -> None:
         ('<zShape param1="3" param2="5"/>', PiShaped(-math.inf, -math.inf, 3, 5)),
         ('<piShape param1="3" param2="5"/>', PiShaped(3, 5, 5, 7)),
         (
-            '<pointSetShape><point x="2" y="0"/><point x="1" y="0"/><point x="1.5" y="1"/></pointSetShape>',
+            (
+                '<pointSetShape><point x="2" y="0"/><point x="1" y="0"/><point x="1.5" '
+                'y="1"/></pointSetShape>'
+            ),
             SampledSet([1, 1.5, 2], [0, 1, 0]),
         ),
-        ('<pointSetShape><point x="2" y="1"/><point x="4" y="0.5"/></pointSetShape>', SampledSet([0, 2, 4, 10], [1, 1, 0.5, 0.5])),
+        (
+            '<pointSetShape><point x="2" y="1"/><point x="4" y="0.5"/></pointSetShape>',
+            SampledSet([0, 2, 4, 10], [1, 1, 0.5, 0.5]),
+        ),
     ],
 )
 def test_every_shape(shape: str, expected: Any) -> None:
@@ -145,10 +183,17 @@ def test_every_shape(shape: str, expected: Any) -> None:
 @pytest.mark.parametrize(
     ("name", "expected"),
     [
-        ("MIN", "min"), ("PROD", "product"), ("BDIF", "lukasiewicz"), ("BSUM", "lukasiewicz"), ("DRP", "drastic"), ("DRS", "drastic"),
-        ("EPROD", "einstein"), ("HPROD", "hamacher"), ("NILMIN", "nilpotent"),
+        ("MIN", "min"),
+        ("PROD", "product"),
+        ("BDIF", "lukasiewicz"),
+        ("BSUM", "lukasiewicz"),
+        ("DRP", "drastic"),
+        ("DRS", "drastic"),
+        ("EPROD", "einstein"),
+        ("HPROD", "hamacher"),
+        ("NILMIN", "nilpotent"),
     ],
-)  # fmt: skip
+)
 def test_every_t_norm(name: str, expected: str) -> None:
     assert parse_fml(TSK.replace('andMethod="PROD"', f'andMethod="{name}"')).t_norm.name == expected
 
@@ -160,27 +205,107 @@ def line_of(text: str, part: str) -> int:
 @pytest.mark.parametrize(
     ("text", "old", "new", "said"),
     [
-        (TIPPER, '<gaussianShape param1="0.0"', '<gaussianShape param="0.0"', "<gaussianShape> has no attribute 'param1'"),
-        (TIPPER, '<gaussianShape param1="0.0"', '<gaussianShape param1="zero"', "expected a finite number, got 'zero'"),
-        (TIPPER, '<gaussianShape param1="0.0"', '<gaussianShape param1="INF"', "expected a finite number, got 'INF'"),
-        (TIPPER, 'param1="0.0" param2="1.5"', 'param1="0.0" param2="-1.5"', "gaussianShape: sigma must be a finite number above 0"),
-        (TIPPER, '<gaussianShape param1="0.0"', '<gausianShape param1="0.0"', "expected <triangularShape> or"),
-        (TIPPER, '<fuzzyTerm name="good" complement="false">', '<fuzzyTerm name="poor">', "the name 'poor' is given to two terms"),
-        (TIPPER, '<fuzzyVariable name="food"', '<fuzzyVariable name="service"', "the name 'service' is given to two variables"),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gaussianShape param="0.0"',
+            "<gaussianShape> has no attribute 'param1'",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gaussianShape param1="zero"',
+            "expected a finite number, got 'zero'",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gaussianShape param1="INF"',
+            "expected a finite number, got 'INF'",
+        ),
+        (
+            TIPPER,
+            'param1="0.0" param2="1.5"',
+            'param1="0.0" param2="-1.5"',
+            "gaussianShape: sigma must be a finite number above 0",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gausianShape param1="0.0"',
+            "expected <triangularShape> or",
+        ),
+        (
+            TIPPER,
+            '<fuzzyTerm name="good" complement="false">',
+            '<fuzzyTerm name="poor">',
+            "the name 'poor' is given to two terms",
+        ),
+        (
+            TIPPER,
+            '<fuzzyVariable name="food"',
+            '<fuzzyVariable name="service"',
+            "the name 'service' is given to two variables",
+        ),
         (TIPPER, '<fuzzyVariable name="food"', "<fuzzyVariable", "has no attribute 'name'"),
-        (TIPPER, 'domainright="30.0"', 'domainright="-30.0"', "expected domainleft below domainright"),
-        (TIPPER, 'complement="false"', 'complement="maybe"', "expected complement true or false, got 'maybe'"),
-        (TIPPER, '<gaussianShape param1="0.0" param2="1.5"/>', '<piShape param1="2" param2="1"/>', "must be in ascending order"),
+        (
+            TIPPER,
+            'domainright="30.0"',
+            'domainright="-30.0"',
+            "expected domainleft below domainright",
+        ),
+        (
+            TIPPER,
+            'complement="false"',
+            'complement="maybe"',
+            "expected complement true or false, got 'maybe'",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0" param2="1.5"/>',
+            '<piShape param1="2" param2="1"/>',
+            "must be in ascending order",
+        ),
         (TIPPER, 'type="output"', 'type="throughput"', "expected the type input or output"),
-        (TIPPER, "<variable>food</variable><term>r", "<variable>fod</variable><term>r", "unknown input 'fod'; did you mean 'food'?"),
-        (TIPPER, "<term>rancid", "<term>randic", "unknown term of 'food' 'randic'; did you mean 'rancid'?"),
-        (TIPPER, "<variable>food</variable><term>rancid", "<term>rancid", "expected one <variable> and one <term>"),
-        (TIPPER, 'connector="OR"', 'connector="xor"', "expected the connector and or or, got 'xor'"),
-        (TIPPER, '"MIN" orMethod="MAX">', '"MIN" orMethod="MAX"><comment/>', "expected <rule> in <mamdaniRuleBase>, got <comment>"),
-        (TSK, 'order="0"', 'order="1"', "expected one value of order 0, or several of order 1, got 1 of order '1'"),
+        (
+            TIPPER,
+            "<variable>food</variable><term>r",
+            "<variable>fod</variable><term>r",
+            "unknown input 'fod'; did you mean 'food'?",
+        ),
+        (
+            TIPPER,
+            "<term>rancid",
+            "<term>randic",
+            "unknown term of 'food' 'randic'; did you mean 'rancid'?",
+        ),
+        (
+            TIPPER,
+            "<variable>food</variable><term>rancid",
+            "<term>rancid",
+            "expected one <variable> and one <term>",
+        ),
+        (
+            TIPPER,
+            'connector="OR"',
+            'connector="xor"',
+            "expected the connector and or or, got 'xor'",
+        ),
+        (
+            TIPPER,
+            '"MIN" orMethod="MAX">',
+            '"MIN" orMethod="MAX"><comment/>',
+            "expected <rule> in <mamdaniRuleBase>, got <comment>",
+        ),
+        (
+            TSK,
+            'order="0"',
+            'order="1"',
+            "expected one value of order 0, or several of order 1, got 1 of order '1'",
+        ),
         (TSK, "<tskValue>1.5", "<tskValue>x", "expected a finite number, got 'x'"),
     ],
-)  # fmt: skip
+)
 def test_a_malformed_document_names_the_line(text: str, old: str, new: str, said: str) -> None:
     with pytest.raises(MalformedFile) as caught:
         parse_fml(text.replace(old, new, 1), "a.fml")
@@ -201,15 +326,51 @@ def test_a_malformed_document_names_the_line(text: str, old: str, new: str, said
         ),
         ("<fuzzySystem/>", "line 1", "expected one <knowledgeBase>, got 0"),
         ("<fuzzySystem><knowledgeBase/></fuzzySystem>", "line 1", "there is no rule base"),
-        ("<fuzzySystem><knowledgeBase/><mamdaniRuleBase/></fuzzySystem>", "line 1", "at least one input and one output"),
-        (TSK.replace("<tskValue>3.0</tskValue>", ""), "line 9", "a slope for each of the 2 inputs, got 2 values"),
-        (TSK.replace("tskVariable", "thing"), "line 9", "expected <fuzzyVariable> or <tskVariable>, got <thing>"),
-        (TSK.replace('domainleft="0"', 'type="output" domainleft="0"', 1), "line 3", "an output of a TSK rule base is a <tskVariable>"),
-        (TIPPER.replace("mamdaniRuleBase", "tskRuleBase"), "line 13", "an output of a TSK rule base is a <tskVariable>"),
-        (TSK.replace("tskRuleBase", "mamdaniRuleBase"), "line 9", "a Mamdani rule base has no <tskVariable>"),
-        (TIPPER[: TIPPER.index("    <rule ")] + "</mamdaniRuleBase></fuzzySystem>", "line 19", "there are no rules"),
-        ('<!DOCTYPE a [<!ENTITY b "bbb">]>\n' + TSK, "line 1", "a document type declaration is not allowed"),
-        ('<?xml version="1.0"?>\n<!DOCTYPE a SYSTEM "file:///etc/passwd">\n<a/>', "line 2", "a document type declaration is not allowed"),
+        (
+            "<fuzzySystem><knowledgeBase/><mamdaniRuleBase/></fuzzySystem>",
+            "line 1",
+            "at least one input and one output",
+        ),
+        (
+            TSK.replace("<tskValue>3.0</tskValue>", ""),
+            "line 9",
+            "a slope for each of the 2 inputs, got 2 values",
+        ),
+        (
+            TSK.replace("tskVariable", "thing"),
+            "line 9",
+            "expected <fuzzyVariable> or <tskVariable>, got <thing>",
+        ),
+        (
+            TSK.replace('domainleft="0"', 'type="output" domainleft="0"', 1),
+            "line 3",
+            "an output of a TSK rule base is a <tskVariable>",
+        ),
+        (
+            TIPPER.replace("mamdaniRuleBase", "tskRuleBase"),
+            "line 13",
+            "an output of a TSK rule base is a <tskVariable>",
+        ),
+        (
+            TSK.replace("tskRuleBase", "mamdaniRuleBase"),
+            "line 9",
+            "a Mamdani rule base has no <tskVariable>",
+        ),
+        (
+            TIPPER[: TIPPER.index("    <rule ")] + "</mamdaniRuleBase></fuzzySystem>",
+            "line 19",
+            "there are no rules",
+        ),
+        (
+            '<!DOCTYPE a [<!ENTITY b "bbb">]>\n' + TSK,
+            "line 1",
+            "a document type declaration is not allowed",
+        ),
+        (
+            '<?xml version="1.0"?>\n<!DOCTYPE a SYSTEM "file:///etc/passwd">\n<a/>',
+            "line 2",
+            "a document type declaration is not allowed",
+        ),
         ("<a>&b;</a>", "line 1, column 4", "undefined entity"),
     ],
 )
@@ -224,30 +385,82 @@ def test_documents_that_are_none(text: str, place: str, said: str) -> None:
     ("text", "old", "new", "said"),
     [
         (TIPPER, 'defuzzifier="COG"', 'defuzzifier="MOM"', "known is COG"),
-        (TIPPER, 'activationMethod="MIN"', 'activationMethod="PROD"', "a system has one t-norm for both"),
+        (
+            TIPPER,
+            'activationMethod="MIN"',
+            'activationMethod="PROD"',
+            "a system has one t-norm for both",
+        ),
         (TIPPER, 'andMethod="MIN"', 'andMethod="custom_and"', "known are MIN, PROD"),
         (TIPPER, 'accumulation="MAX"', 'accumulation="custom_sum"', "known are MAX, PROBOR"),
-        (TIPPER, '<rule name="rule1" orMethod="MAX"', '<rule name="rule1" orMethod="PROBOR"', "one rule for each alternative"),
+        (
+            TIPPER,
+            '<rule name="rule1" orMethod="MAX"',
+            '<rule name="rule1" orMethod="PROBOR"',
+            "one rule for each alternative",
+        ),
         (TIPPER, '"or" weight="1.0"', '"or" weight="0.5"', "rules have no weights"),
-        (TIPPER, "<clause><variable>food", '<clause modifier="very"><variable>food', "the modifier 'very'"),
+        (
+            TIPPER,
+            "<clause><variable>food",
+            '<clause modifier="very"><variable>food',
+            "the modifier 'very'",
+        ),
         (
             TSK,
             "<tskClause><variable>y</variable><term>fixed",
             '<tskClause modifier="not"><variable>y</variable><term>fixed',
             "have a compl",
         ),
-        (TIPPER, "<clause><variable>service</variable><term>poor", "<clause><variable>food</variable><term>rancid", "two clauses"),
+        (
+            TIPPER,
+            "<clause><variable>service</variable><term>poor",
+            "<clause><variable>food</variable><term>rancid",
+            "two clauses",
+        ),
         (TIPPER, "</then>", "</then><else/>", "where it does not fire"),
-        (TIPPER, '<gaussianShape param1="0.0" param2="1.5"/>', '<customShape param1="0"/>', "no class here has its shape"),
-        (TIPPER, '<gaussianShape param1="0.0" param2="1.5"/>', '<pointSetShape interpolationMethod="spline"/>', "interpolated linearly"),
-        (TIPPER, "  <mamdaniRuleBase", "<anYaRuleBase/>\n  <mamdaniRuleBase", "rule bases are of Mamdani or TSK"),
-        (TIPPER, "    <fuzzyVariable", "<anYaDataCloud/>\n    <fuzzyVariable", "variables are fuzzy, or outputs of TSK"),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0" param2="1.5"/>',
+            '<customShape param1="0"/>',
+            "no class here has its shape",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0" param2="1.5"/>',
+            '<pointSetShape interpolationMethod="spline"/>',
+            "interpolated linearly",
+        ),
+        (
+            TIPPER,
+            "  <mamdaniRuleBase",
+            "<anYaRuleBase/>\n  <mamdaniRuleBase",
+            "rule bases are of Mamdani or TSK",
+        ),
+        (
+            TIPPER,
+            "    <fuzzyVariable",
+            "<anYaDataCloud/>\n    <fuzzyVariable",
+            "variables are fuzzy, or outputs of TSK",
+        ),
         (TSK, 'combination="WA"', 'combination="custom_x"', "the weighted average"),
-        (TSK, '<tskRule name="r1" andMethod="PROD"', '<tskRule name="r1" andMethod="MIN"', "a system has one t-norm"),
-        (TSK, '<tskRule name="r1" andMethod="PROD"', '<tskRule name="r1" connector="or"', "one rule for each alternative"),
+        (
+            TSK,
+            '<tskRule name="r1" andMethod="PROD"',
+            '<tskRule name="r1" andMethod="MIN"',
+            "a system has one t-norm",
+        ),
+        (
+            TSK,
+            '<tskRule name="r1" andMethod="PROD"',
+            '<tskRule name="r1" connector="or"',
+            "one rule for each alternative",
+        ),
     ],
 )
-def test_what_a_system_cannot_be_is_refused_with_its_line(text: str, old: str, new: str, said: str) -> None:
+def test_what_a_system_cannot_be_is_refused_with_its_line(
+    text: str, old: str, new: str, said: str
+) -> None:
     assert old in text
     with pytest.raises(NotExpressible, match="cannot be expressed in fuzzy2") as caught:
         parse_fml(text.replace(old, new, 1), "a.fml")
@@ -272,16 +485,26 @@ widths = st.floats(0.1, 5.0)
 triangles = st.builds(lambda a, b, c: Triangular(a, a + b, a + b + c), numbers, widths, widths)
 shapes = st.one_of(
     triangles,
-    st.builds(lambda a, b, c, d: Trapezoidal(a, a + b, a + b + c, a + b + c + d), numbers, widths, widths, widths),
+    st.builds(
+        lambda a, b, c, d: Trapezoidal(a, a + b, a + b + c, a + b + c + d),
+        numbers,
+        widths,
+        widths,
+        widths,
+    ),
     st.builds(lambda a, b: Trapezoidal(-math.inf, -math.inf, a, a + b), numbers, widths),
     st.builds(lambda a, b: Trapezoidal(a, a + b, math.inf, math.inf), numbers, widths),
     st.builds(Gaussian, numbers, widths),
     st.builds(lambda a, b: Interval(a, a + b), numbers, widths),
     st.builds(Singleton, numbers),
-    st.builds(lambda a, b, c: SampledSet([a, a + b, a + b + c], [0.0, 1.0, 0.0]), numbers, widths, widths),
+    st.builds(
+        lambda a, b, c: SampledSet([a, a + b, a + b + c], [0.0, 1.0, 0.0]), numbers, widths, widths
+    ),
     st.builds(lambda a, b: PiShaped(-math.inf, -math.inf, a, a + b), numbers, widths),
     st.builds(lambda a, b: PiShaped(a, a + b, math.inf, math.inf), numbers, widths),
-    st.builds(lambda a, b: PiShaped(a, b, b, b + (b - a)), st.floats(-5.0, 0.0), st.floats(0.1, 5.0)),
+    st.builds(
+        lambda a, b: PiShaped(a, b, b, b + (b - a)), st.floats(-5.0, 0.0), st.floats(0.1, 5.0)
+    ),
     st.builds(lambda a, s: TwoSidedGaussian((a, a), (math.inf, s)), numbers, widths),
     st.builds(lambda a, s: TwoSidedGaussian((a, a), (s, math.inf)), numbers, widths),
 )
@@ -292,30 +515,67 @@ shapes |= shapes.map(Complement)
 def systems(draw: st.DrawFn) -> Type1System:
     p, m, count = draw(st.integers(1, 3)), draw(st.integers(1, 2)), draw(st.integers(1, 4))
     inputs = [draw(st.lists(shapes, min_size=1, max_size=3)) for _ in range(p)]
-    rules = np.array([[draw(st.integers(-1, len(terms) - 1)) for terms in inputs] for _ in range(count)])
+    rules = np.array(
+        [[draw(st.integers(-1, len(terms) - 1)) for terms in inputs] for _ in range(count)]
+    )
     rules[(rules < 0).all(axis=1), 0] = 0
     rng = np.random.default_rng(draw(st.integers(0, 99)))
-    options: dict[str, Any] = {"t_norm": draw(st.sampled_from(["min", "product", "lukasiewicz", "drastic", "einstein", "hamacher"]))}
+    options: dict[str, Any] = {
+        "t_norm": draw(
+            st.sampled_from(["min", "product", "lukasiewicz", "drastic", "einstein", "hamacher"])
+        )
+    }
     kind = draw(st.sampled_from(["numbers", "linear", "sets"]))
     consequents: Any
     if kind == "sets":
-        pool = draw(st.lists(triangles | st.builds(Gaussian, numbers, widths), min_size=1, max_size=3))
+        pool = draw(
+            st.lists(triangles | st.builds(Gaussian, numbers, widths), min_size=1, max_size=3)
+        )
         consequents = [[draw(st.sampled_from(pool)) for _ in range(m)] for _ in range(count)]
-        conorm = draw(st.sampled_from(["max", "probabilistic", "lukasiewicz", "drastic", "nilpotent", "hamacher", "einstein"]))
+        conorm = draw(
+            st.sampled_from(
+                [
+                    "max",
+                    "probabilistic",
+                    "lukasiewicz",
+                    "drastic",
+                    "nilpotent",
+                    "hamacher",
+                    "einstein",
+                ]
+            )
+        )
         options |= {"type_reduction": "centroid", "t_conorm": conorm}
     else:
-        consequents = Linear(rng.normal(size=(count, m, p + 1))) if kind == "linear" else rng.normal(size=(count, m))
-    names = draw(st.lists(st.text("aß <>&\"' [];", min_size=1, max_size=5), min_size=p + m, max_size=p + m, unique=True))
-    return Type1System(inputs, rules, consequents, **options, input_names=names[:p], output_names=names[p:])
+        consequents = (
+            Linear(rng.normal(size=(count, m, p + 1)))
+            if kind == "linear"
+            else rng.normal(size=(count, m))
+        )
+    names = draw(
+        st.lists(
+            st.text("aß <>&\"' [];", min_size=1, max_size=5),
+            min_size=p + m,
+            max_size=p + m,
+            unique=True,
+        )
+    )
+    return Type1System(
+        inputs, rules, consequents, **options, input_names=names[:p], output_names=names[p:]
+    )
 
 
 @given(systems())
 @settings(max_examples=150, deadline=None)
 def test_systems_come_back_the_same(system: Type1System) -> None:
-    """Bit for bit: numbers are written with all their digits, and output sets lie on the same grid."""
+    """Bit for bit: numbers have all their digits, and output sets lie on the same grid."""
     text = format_fml(system)
     read = parse_fml(text)
-    assert (read.inputs, read.input_names, read.output_names) == (system.inputs, system.input_names, system.output_names)
+    assert (read.inputs, read.input_names, read.output_names) == (
+        system.inputs,
+        system.input_names,
+        system.output_names,
+    )
     assert (read.t_norm, read.term_names) == (system.t_norm, system.term_names)
     np.testing.assert_array_equal(read.rules, system.rules)
     X = np.random.default_rng(1).uniform(-4.0, 4.0, size=(20, len(system.inputs)))
@@ -324,15 +584,33 @@ def test_systems_come_back_the_same(system: Type1System) -> None:
 
 
 def test_negations_are_complements() -> None:
-    """The modifier makes 1 minus the grade, as the complement of a term does: against the same system as a .fis file."""
-    text = TIPPER.replace("<clause><variable>food</variable><term>ran", '<clause modifier="not"><variable>food</variable><term>ran')
-    text = text.replace("<then><clause><variable>tip</variable><term>ge", '<then><clause modifier="not"><variable>tip</variable><term>ge')
+    """The modifier makes 1 minus the grade, as the complement of a term does.
+
+    Against the same system as a .fis file.
+    """
+    text = TIPPER.replace(
+        "<clause><variable>food</variable><term>ran",
+        '<clause modifier="not"><variable>food</variable><term>ran',
+    )
+    text = text.replace(
+        "<then><clause><variable>tip</variable><term>ge",
+        '<then><clause modifier="not"><variable>tip</variable><term>ge',
+    )
     system = parse_fml(text.replace('"good" complement="false"', '"good" complement="TRUE"'))
-    other = parse_fis(TIPPER_FIS.replace("1 1, 1", "1 -1, 1").replace("2 0, 2", "-2 0, 2").replace("3 2, 3", "3 2, -3"))
+    other = parse_fis(
+        TIPPER_FIS.replace("1 1, 1", "1 -1, 1")
+        .replace("2 0, 2", "-2 0, 2")
+        .replace("3 2, 3", "3 2, -3")
+    )
     assert system.inputs[0] == (Gaussian(0, 1.5), Complement(Gaussian(5, 1.5)), Gaussian(10, 1.5))
     assert system.term_names[1] == ("rancid", "delicious", "not rancid")
     on_its_grid = Type1System(
-        system.inputs, system.rules, system.consequents, t_norm="min", type_reduction="centroid", resolution=other.resolution
+        system.inputs,
+        system.rules,
+        system.consequents,
+        t_norm="min",
+        type_reduction="centroid",
+        resolution=other.resolution,
     )
     X = np.random.default_rng(0).uniform(0.0, 10.0, size=(50, 2))
     np.testing.assert_allclose(on_its_grid(X), other(X), rtol=1e-12)
@@ -344,10 +622,23 @@ def test_negations_are_complements() -> None:
 
 def test_names_and_domains_of_outputs_are_kept() -> None:
     system = parse_fml(TIPPER.replace('domainright="30.0"', 'domainright="35.0"'))
-    assert system.consequent_names == (("cheap",), ("cheap",), ("average",), ("generous",), ("generous",))
-    assert (system.input_ranges, system.output_ranges) == (((0.0, 10.0), (0.0, 10.0)), ((0.0, 35.0),))
+    assert system.consequent_names == (
+        ("cheap",),
+        ("cheap",),
+        ("average",),
+        ("generous",),
+        ("generous",),
+    )
+    assert (system.input_ranges, system.output_ranges) == (
+        ((0.0, 10.0), (0.0, 10.0)),
+        ((0.0, 35.0),),
+    )
     text = format_fml(system)
-    for part in ('name="tip" domainleft="0.0" domainright="35.0"', 'name="food" domainleft="0.0" domainright="10.0"', '"generous"'):
+    for part in (
+        'name="tip" domainleft="0.0" domainright="35.0"',
+        'name="food" domainleft="0.0" domainright="10.0"',
+        '"generous"',
+    ):
         assert part in text
     assert parse_fml(TSK).output_ranges is None
     assert parse_fml(format_fml(parse_fml(TSK))).consequent_names == (("plane",), ("fixed",))
@@ -368,7 +659,10 @@ G, N = Gaussian(0, 1), [[1.0]]
     ("system", "said"),
     [
         (IntervalType2System([[GaussianUncertainMean((0, 1), 1)]], [[0]], N), "type-1 sets only"),
-        (Type1System([[G]], [[0]], [G], type_reduction="center_of_sums"), "its accumulation unites"),
+        (
+            Type1System([[G]], [[0]], [G], type_reduction="center_of_sums"),
+            "its accumulation unites",
+        ),
         (Type1System([[G]], [[0]], [G]), "type reduction 'center_of_sets'"),
         (Type1System([[G]], [[0]], [[[1.0, 2.0]]]), "its constants are crisp"),
         (Type1System([[Bell(0, 1, 2)]], [[0]], N), "it has no such shape"),
@@ -376,8 +670,14 @@ G, N = Gaussian(0, 1), [[1.0]]
         (Type1System([[TwoSidedGaussian((0, 1), (1, 2))]], [[0]], N), "it has no such shape"),
         (Type1System([[Complement(Complement(G))]], [[0]], N), "it has no such shape"),
         (Type1System([[Gaussian(0, 1, 0.5)]], [[0]], N), "its membership functions reach 1"),
-        (Type1System([[SampledSet([0, 1], [0.5, 0]), G]], [[0]], N), "let its first and last grade be 0"),
-        (Type1System([[Trapezoidal(-math.inf, -math.inf, math.inf, math.inf), G]], [[1]], N), "it has no such shape"),
+        (
+            Type1System([[SampledSet([0, 1], [0.5, 0]), G]], [[0]], N),
+            "let its first and last grade be 0",
+        ),
+        (
+            Type1System([[Trapezoidal(-math.inf, -math.inf, math.inf, math.inf), G]], [[1]], N),
+            "it has no such shape",
+        ),
         (Type1System([[G]], [[-1]], N), "a rule that asks for nothing"),
         (Type1System([[G]], [[0]], N, input_names=["y1"]), "an input and an output of one name"),
         (Type1System([[G]], [[0]], N, term_names=[["a\x00"]]), "the name 'a\\x00'"),

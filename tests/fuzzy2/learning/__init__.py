@@ -1,0 +1,1 @@
+"""Tests of fuzzy2.learning, one file per module."""

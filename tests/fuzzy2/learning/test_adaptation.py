@@ -1,4 +1,7 @@
-"""Online adaptation of consequents, against batch least squares, differences of the output, and plain recursive least squares."""
+"""Online adaptation of consequents.
+
+Against batch least squares, differences of the output, and plain recursive least squares.
+"""
 
 from __future__ import annotations
 
@@ -25,15 +28,22 @@ GRID = list(itertools.product(range(2), range(3)))
 
 
 def type1(seed: int = 0, outputs: int = 2) -> Type1System:
-    terms = [[Gaussian(-1.0, 0.8), Gaussian(1.0, 0.9)], [Gaussian(-2.0, 1.0), Gaussian(0.0, 0.7), Gaussian(2.0, 1.1)]]
+    terms = [
+        [Gaussian(-1.0, 0.8), Gaussian(1.0, 0.9)],
+        [Gaussian(-2.0, 1.0), Gaussian(0.0, 0.7), Gaussian(2.0, 1.1)],
+    ]
     return Type1System(terms, GRID, np.random.default_rng(seed).normal(size=(6, outputs)))
 
 
 def type2(seed: int = 0, outputs: int = 2, intervals: bool = False) -> IntervalType2System:
     first = [GaussianUncertainMean((center - 0.4, center + 0.3), 0.8) for center in (-1.0, 1.0)]
     second = [GaussianUncertainSigma(center, (0.6, 1.1)) for center in (-2.0, 0.0, 2.0)]
-    consequents = np.random.default_rng(seed).normal(size=(6, outputs, 2) if intervals else (6, outputs))
-    return IntervalType2System([first, second], GRID, np.sort(consequents, axis=-1) if intervals else consequents)
+    consequents = np.random.default_rng(seed).normal(
+        size=(6, outputs, 2) if intervals else (6, outputs)
+    )
+    return IntervalType2System(
+        [first, second], GRID, np.sort(consequents, axis=-1) if intervals else consequents
+    )
 
 
 def samples(count: int, outputs: int = 2, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -42,7 +52,10 @@ def samples(count: int, outputs: int = 2, seed: int = 1) -> tuple[np.ndarray, np
 
 
 def all_switch_points(firing: np.ndarray, points: np.ndarray, left: bool) -> np.ndarray:
-    """Return the weights, adding up to 1, of the best of all switch points: the definition of the ends."""
+    """Return the weights, adding up to 1, of the best of all switch points.
+
+    The definition of the ends.
+    """
     order = np.argsort(points, kind="stable")
     best: tuple[float, np.ndarray] | None = None
     for k in range(len(points) + 1):
@@ -57,25 +70,47 @@ def all_switch_points(firing: np.ndarray, points: np.ndarray, left: bool) -> np.
 
 
 def rows_of(system: FuzzySystem, x: np.ndarray, consequents: np.ndarray) -> np.ndarray:
-    """Return the derivatives (m, n) of the crisp outputs with respect to the consequents, by enumeration."""
+    """Return the derivatives (m, n) of the crisp outputs by consequents.
+
+    By enumeration.
+    """
     firing = system.firing(x)
     ends = np.stack([consequents, consequents], axis=-1) if consequents.ndim == 2 else consequents
-    left, right = (np.array([all_switch_points(firing, ends[:, j, end], end == 0) for j in range(ends.shape[1])]) for end in (0, 1))
-    return 0.5 * (left + right) if consequents.ndim == 2 else 0.5 * np.concatenate([left, right], axis=1)
+    left, right = (
+        np.array(
+            [all_switch_points(firing, ends[:, j, end], end == 0) for j in range(ends.shape[1])]
+        )
+        for end in (0, 1)
+    )
+    return (
+        0.5 * (left + right)
+        if consequents.ndim == 2
+        else 0.5 * np.concatenate([left, right], axis=1)
+    )
 
 
-@pytest.mark.parametrize("system", [type1(), type2(), type2(intervals=True)], ids=["type-1", "type-2", "intervals"])
+@pytest.mark.parametrize(
+    "system", [type1(), type2(), type2(intervals=True)], ids=["type-1", "type-2", "intervals"]
+)
 @pytest.mark.parametrize(("forgetting", "trust"), [(1.0, 0.1), (0.9, 0.1), (0.97, 5.0)])
-def test_what_is_learned_is_batch_weighted_least_squares(system: FuzzySystem, forgetting: float, trust: float) -> None:
+def test_what_is_learned_is_batch_weighted_least_squares(
+    system: FuzzySystem, forgetting: float, trust: float
+) -> None:
     """After every sample, to 1e-10, by singular values of all weighted rows and those of the prior.
 
-    Rows of a type-2 system are those of the switch points at their time, found by enumeration with the consequents of that time.
-    Where least squares let the ends of an interval cross, they are put on their middle.
+    Rows of a type-2 system are those of the switch points at their time, found by enumeration with
+    the consequents of that time. Where least squares let the ends of an interval cross, they are
+    put on their middle.
     """
     X, Y = samples(40)
     adaptive = AdaptiveConsequents(system, forgetting, trust)
     trained = np.asarray(system.consequents)
-    flat = trained.T if trained.ndim == 2 else np.concatenate([trained[..., 0].T, trained[..., 1].T], axis=1)  # (m, n)
+    # (m, n)
+    flat = (
+        trained.T
+        if trained.ndim == 2
+        else np.concatenate([trained[..., 0].T, trained[..., 1].T], axis=1)
+    )
     rows: list[np.ndarray] = []
     for n, (x, y) in enumerate(zip(X, Y, strict=True), start=1):
         rows.append(rows_of(system, x, adaptive.consequents))
@@ -83,7 +118,9 @@ def test_what_is_learned_is_batch_weighted_least_squares(system: FuzzySystem, fo
         weights = np.sqrt(forgetting ** np.arange(n - 1, -1, -1))
         for j in range(2):
             phi = np.array([row[j] for row in rows])
-            matrix = np.concatenate([weights[:, np.newaxis] * phi, math.sqrt(trust) * np.eye(flat.shape[1])])
+            matrix = np.concatenate(
+                [weights[:, np.newaxis] * phi, math.sqrt(trust) * np.eye(flat.shape[1])]
+            )
             right = np.concatenate([weights * (Y[:n, j] - phi @ flat[j]), np.zeros(flat.shape[1])])
             expected = flat[j] + np.linalg.lstsq(matrix, right, rcond=None)[0]
             if trained.ndim == 3:
@@ -92,15 +129,22 @@ def test_what_is_learned_is_batch_weighted_least_squares(system: FuzzySystem, fo
                 ends[crossed] = ends[crossed].mean(axis=1, keepdims=True)
                 np.testing.assert_allclose(adaptive.consequents[:, j], ends, rtol=0.0, atol=1e-10)
             else:
-                np.testing.assert_allclose(adaptive.consequents[:, j], expected, rtol=0.0, atol=1e-10)
+                np.testing.assert_allclose(
+                    adaptive.consequents[:, j], expected, rtol=0.0, atol=1e-10
+                )
             covariance = np.linalg.inv(matrix.T @ matrix)
-            np.testing.assert_allclose(adaptive.covariance[j], covariance, rtol=0.0, atol=1e-10 / trust)
+            np.testing.assert_allclose(
+                adaptive.covariance[j], covariance, rtol=0.0, atol=1e-10 / trust
+            )
 
 
 @settings(max_examples=50, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), intervals=st.booleans())
 def test_basis_functions_make_the_ends_of_the_system(seed: int, intervals: bool) -> None:
-    """They add up to 1 and give the type-reduced interval to rounding, 1e-13; equal consequents are ties, and any order will do."""
+    """They add up to 1 and give the type-reduced interval to rounding, 1e-13.
+
+    Equal consequents are ties, and any order will do.
+    """
     rng = np.random.default_rng(seed)
     system = type2(seed, 3, intervals)
     consequents = np.asarray(system.consequents)
@@ -114,12 +158,17 @@ def test_basis_functions_make_the_ends_of_the_system(seed: int, intervals: bool)
     for x in rng.uniform(-4.0, 4.0, (5, 2)):
         assert basis(system.table, x, by_output, orders, strengths, phi)
         np.testing.assert_allclose(phi.sum(axis=-1), 1.0, rtol=1e-14)
-        np.testing.assert_allclose((phi * by_output).sum(axis=-1), system.type_reduced(x), rtol=0.0, atol=1e-13)
+        np.testing.assert_allclose(
+            (phi * by_output).sum(axis=-1), system.type_reduced(x), rtol=0.0, atol=1e-13
+        )
         assert (np.diff(np.take_along_axis(by_output, orders, axis=-1), axis=-1) >= 0.0).all()
 
 
 def test_basis_functions_are_derivatives_with_respect_to_the_consequents() -> None:
-    """By central differences, which are exact where the output is linear; 1e-9 is rounding over the step."""
+    """By central differences, which are exact where the output is linear.
+
+    1e-9 is rounding over the step.
+    """
     system, step = type2(5), 1e-6
     consequents = np.asarray(system.consequents)
     for x in np.random.default_rng(0).uniform(-3.0, 3.0, (10, 2)):
@@ -127,12 +176,18 @@ def test_basis_functions_are_derivatives_with_respect_to_the_consequents() -> No
         for r, j in itertools.product(range(6), range(2)):
             shift = np.zeros_like(consequents)
             shift[r, j] = step
-            up, down = (IntervalType2System(system.inputs, system.rules, consequents + sign * shift)(x) for sign in (1.0, -1.0))
+            up, down = (
+                IntervalType2System(system.inputs, system.rules, consequents + sign * shift)(x)
+                for sign in (1.0, -1.0)
+            )
             assert (up[j] - down[j]) / (2.0 * step) == pytest.approx(rows[j, r], abs=1e-9)
 
 
 def test_tiny_firing_strengths_lose_nothing() -> None:
-    """Thirty standard deviations off all firing is below 1e-190, and its products underflow; its shares are as good as anywhere."""
+    """Thirty standard deviations off all firing is below 1e-190, and its products underflow.
+
+    Its shares are as good as anywhere.
+    """
     system = type1()
     adaptive = AdaptiveConsequents(system)
     x = [30.0, 2.0]
@@ -143,33 +198,47 @@ def test_tiny_firing_strengths_lose_nothing() -> None:
 
 
 def test_a_system_in_reach_is_found_and_a_drift_is_followed() -> None:
-    """Consequents of the truth turn slowly; memory of 50 samples follows them to a tenth of what a memory without end misses."""
+    """Consequents of the truth turn slowly.
+
+    Memory of 50 samples follows them to a tenth of what a memory without end misses.
+    """
     truth = type1(7)
     X, _ = samples(3000)
     for system in (type1(3), type2(3)):
         same = type(system)(system.inputs, system.rules, np.asarray(truth.consequents))
         adaptive = AdaptiveConsequents(system, 1.0, 1e-6)
         adaptive.update(X, same(X))
-        tolerance = 1e-4 if isinstance(system, Type1System) else 0.05  # switch points were others on the way there
+        # switch points were others on the way there
+        tolerance = 1e-4 if isinstance(system, Type1System) else 0.05
         np.testing.assert_allclose(adaptive.consequents, truth.consequents, atol=tolerance)
     first, second = np.asarray(type1(7).consequents), np.asarray(type1(8).consequents)
     angles = np.linspace(0.0, math.pi, len(X))
     moving = np.array(
-        [Type1System(truth.inputs, truth.rules, math.cos(a) * first + math.sin(a) * second)(x) for x, a in zip(X, angles, strict=True)]
+        [
+            Type1System(truth.inputs, truth.rules, math.cos(a) * first + math.sin(a) * second)(x)
+            for x, a in zip(X, angles, strict=True)
+        ]
     )
     missed = {}
     for forgetting in (0.98, 1.0):
-        adaptive = AdaptiveConsequents(Type1System(truth.inputs, truth.rules, first), forgetting, 1e-3)
+        adaptive = AdaptiveConsequents(
+            Type1System(truth.inputs, truth.rules, first), forgetting, 1e-3
+        )
         missed[forgetting] = np.sqrt(np.mean(adaptive.update(X, moving)[500:] ** 2))
-    frozen = np.sqrt(np.mean((moving - Type1System(truth.inputs, truth.rules, first)(X))[500:] ** 2))
+    frozen = np.sqrt(
+        np.mean((moving - Type1System(truth.inputs, truth.rules, first)(X))[500:] ** 2)
+    )
     assert missed[0.98] < 0.1 * missed[1.0] < 0.1 * frozen
 
 
 def test_without_excitation_nothing_winds_up() -> None:
-    """Twenty thousand samples at one place; plain forgetting loses count within them, and the bounded one does not.
+    """Twenty thousand samples at one place.
 
-    Its covariance never exceeds 1/trust, and rules that did not fire say what they said. Then a single sample with noise comes in at
-    another place: it moves the bounded consequents by its noise at most.
+    Plain forgetting loses count within them, and the bounded one does not.
+
+    Its covariance never exceeds 1/trust, and rules that did not fire say what they said. Then a
+    single sample with noise comes in at another place: it moves the bounded consequents by its
+    noise at most.
     """
     system = type1(outputs=1)
     trust, forgetting = 0.1, 0.99
@@ -177,7 +246,8 @@ def test_without_excitation_nothing_winds_up() -> None:
     x, y = np.array([-1.0, -2.0]), np.array([3.0])
     adaptive.update(np.tile(x, (20_000, 1)), np.tile(y, (20_000, 1)))
     assert np.linalg.eigvalsh(adaptive.covariance[0]).max() <= (1.0 + 1e-12) / trust
-    # One sample's worth of trust against a hundred remembered samples; the basis function there is 0.9.
+    # One sample's worth of trust against a hundred remembered samples; the basis function there is
+    # 0.9.
     assert adaptive(x)[0] == pytest.approx(3.0, abs=0.01)
     np.testing.assert_allclose(adaptive.consequents[-1], system.consequents[-1], atol=1e-3)
 
@@ -209,7 +279,9 @@ def test_rules_that_do_not_fire_any_more_go_back_to_what_was_trained() -> None:
 
 @settings(max_examples=25, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), intervals=st.booleans(), reach=st.floats(0.0, 2.0))
-def test_consequents_stay_within_their_bounds_and_in_order(seed: int, intervals: bool, reach: float) -> None:
+def test_consequents_stay_within_their_bounds_and_in_order(
+    seed: int, intervals: bool, reach: float
+) -> None:
     """Whatever comes in: samples a thousand times larger than the consequents."""
     system = type2(seed, 2, intervals)
     trained = np.asarray(system.consequents)
@@ -226,7 +298,10 @@ def test_consequents_stay_within_their_bounds_and_in_order(seed: int, intervals:
 
 
 def test_within_bounds_it_is_the_least_squares_within_them() -> None:
-    """By SciPy's bounded solver. Ten sweeps a sample from the last solution keep within 1e-6 of numbers of order 1."""
+    """By SciPy's bounded solver.
+
+    Ten sweeps a sample from the last solution keep within 1e-6 of numbers of order 1.
+    """
     optimize = pytest.importorskip("scipy.optimize")
     system, forgetting, trust, reach = type1(outputs=1), 0.98, 0.05, 0.4
     X, Y = samples(150, outputs=1)
@@ -240,16 +315,22 @@ def test_within_bounds_it_is_the_least_squares_within_them() -> None:
     expected = optimize.lsq_linear(matrix, right, (-reach, reach), method="bvls", tol=1e-14).x
     assert (np.abs(expected) > reach - 1e-9).any()
     assert (np.abs(expected) < reach - 1e-3).any()
-    np.testing.assert_allclose(adaptive.consequents[:, 0] - trained[:, 0], expected, rtol=0.0, atol=1e-6)
+    np.testing.assert_allclose(
+        adaptive.consequents[:, 0] - trained[:, 0], expected, rtol=0.0, atol=1e-6
+    )
 
 
-@pytest.mark.parametrize("system", [type1(), type2(), type2(intervals=True)], ids=["type-1", "type-2", "intervals"])
+@pytest.mark.parametrize(
+    "system", [type1(), type2(), type2(intervals=True)], ids=["type-1", "type-2", "intervals"]
+)
 def test_one_by_one_or_all_at_once_and_what_is_given_stays(system: FuzzySystem) -> None:
     X, Y = samples(12)
     trained = np.array(system.consequents)
     one, other = AdaptiveConsequents(system), AdaptiveConsequents(system)
     errors = np.array([one.update(x, y) for x, y in zip(X, Y, strict=True)])
-    np.testing.assert_array_equal(other.update(X.reshape(3, 4, 2), Y.reshape(3, 4, 2)), errors.reshape(3, 4, 2))
+    np.testing.assert_array_equal(
+        other.update(X.reshape(3, 4, 2), Y.reshape(3, 4, 2)), errors.reshape(3, 4, 2)
+    )
     np.testing.assert_array_equal(one.consequents, other.consequents)
     np.testing.assert_allclose(errors[0], Y[0] - system(X[0]), atol=1e-13)
     np.testing.assert_array_equal(system.consequents, trained)
@@ -284,7 +365,9 @@ def test_a_sample_that_fires_no_rule_is_passed_over() -> None:
         (["a", "b"], [0.0, 0.0], "real numbers"),
     ],
 )
-def test_samples_that_are_no_numbers_are_refused_before_any_is_learned(X: Any, y: Any, words: str) -> None:
+def test_samples_that_are_no_numbers_are_refused_before_any_is_learned(
+    X: Any, y: Any, words: str
+) -> None:
     system = type1()
     adaptive = AdaptiveConsequents(system)
     with pytest.raises(InvalidValue, match=words):
@@ -327,5 +410,7 @@ def test_systems_whose_output_is_of_another_form_are_refused() -> None:
         Type1System([[Sigmoid(0.0, 1.0), Sigmoid(0.0, -1.0)]], rules, numbers),
     ]
     for system in systems:
-        with pytest.raises(NotApplicable, match=r"^adaptation of consequents does not apply: it (takes|needs)"):
+        with pytest.raises(
+            NotApplicable, match=r"^adaptation of consequents does not apply: it (takes|needs)"
+        ):
             AdaptiveConsequents(system)

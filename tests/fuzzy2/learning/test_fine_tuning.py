@@ -1,4 +1,7 @@
-"""Gradient fine-tuning: the analytic gradient against finite differences of the system itself, and what tuning achieves."""
+"""Gradient fine-tuning.
+
+The analytic gradient against finite differences of the system itself, and what tuning achieves.
+"""
 
 from __future__ import annotations
 
@@ -19,12 +22,24 @@ RULES = np.array([[0, 0], [0, 1], [1, 0], [1, 1], [2, -1]])
 
 
 def systems(rng: np.random.Generator, t_norm: str) -> dict[str, FuzzySystem]:
-    """Systems with every kind of term that can be tuned, an unused input in one rule, and number or interval consequents."""
+    """Systems with every kind of term that can be tuned.
+
+    One rule does not use an input, and consequents are numbers or intervals.
+    """
     numbers = rng.normal(size=(5, 2)) * [1.0, 40.0]
-    intervals = np.stack([numbers - rng.uniform(0.1, 0.5, (5, 2)), numbers + rng.uniform(0.1, 0.5, (5, 2))], axis=-1)
-    type1 = [[Gaussian(-1.0, 0.8), Gaussian(1.0, 0.9), Gaussian(0.2, 1.5, height=0.7)], [Gaussian(-20.0, 12.0), Gaussian(15.0, 14.0)]]
+    intervals = np.stack(
+        [numbers - rng.uniform(0.1, 0.5, (5, 2)), numbers + rng.uniform(0.1, 0.5, (5, 2))], axis=-1
+    )
+    type1 = [
+        [Gaussian(-1.0, 0.8), Gaussian(1.0, 0.9), Gaussian(0.2, 1.5, height=0.7)],
+        [Gaussian(-20.0, 12.0), Gaussian(15.0, 14.0)],
+    ]
     mixed: list[list[Any]] = [
-        [GaussianUncertainMean((-1.3, -0.8), 0.8), GaussianUncertainSigma(1.0, (0.6, 1.1)), Gaussian(0.2, 1.5)],
+        [
+            GaussianUncertainMean((-1.3, -0.8), 0.8),
+            GaussianUncertainSigma(1.0, (0.6, 1.1)),
+            Gaussian(0.2, 1.5),
+        ],
         [GaussianUncertainMean((-24.0, -18.0), 12.0), GaussianUncertainMean((12.0, 19.0), 14.0)],
     ]
     return {
@@ -41,12 +56,15 @@ def samples(rng: np.random.Generator, count: int = 40) -> tuple[np.ndarray, np.n
 
 
 @pytest.mark.parametrize("t_norm", ["product", "min"])
-@pytest.mark.parametrize("name", ["type-1", "type-1, intervals", "interval type-2", "interval type-2, intervals"])
+@pytest.mark.parametrize(
+    "name", ["type-1", "type-1, intervals", "interval type-2", "interval type-2, intervals"]
+)
 def test_gradient_is_that_of_finite_differences_of_the_system(name: str, t_norm: str) -> None:
     """Central differences of the error of the compiled system, evaluated anew for every parameter.
 
-    With a step of 1e-6 truncation is 1e-12 and rounding 1e-10 of an error of order 1, so 1e-7 is generous; the samples are drawn so that
-    none lies within a step of a kink (a change of switch point, of the smallest grade or of the nearer mean).
+    With a step of 1e-6 truncation is 1e-12 and rounding 1e-10 of an error of order 1, so 1e-7 is
+    generous; the samples are drawn so that none lies within a step of a kink (a change of switch
+    point, of the smallest grade or of the nearer mean).
     """
     rng = np.random.default_rng(3)
     system = systems(rng, t_norm)[name]
@@ -65,7 +83,8 @@ def test_gradient_is_that_of_finite_differences_of_the_system(name: str, t_norm:
         step[k] = 1e-6
         expected[k] = (error(tunable.parameters + step) - error(tunable.parameters - step)) / 2e-6
     np.testing.assert_allclose(gradient, expected, rtol=1e-6, atol=1e-7)
-    # Every parameter matters somewhere among the samples, so that a gradient of zeros would not pass.
+    # Every parameter matters somewhere among the samples, so that a gradient of zeros would not
+    # pass.
     assert (np.abs(gradient) > 1e-6).mean() > 0.9
 
 
@@ -76,7 +95,9 @@ def test_parameters_there_and_back_are_the_same_system(name: str) -> None:
     tunable = TunableSystem(system, [4.0, 60.0], [2.0, 3.0])
     again = tunable.system(tunable.parameters)
     X, _ = samples(np.random.default_rng(1))
-    np.testing.assert_allclose(again.type_reduced(X), system.type_reduced(X), rtol=1e-11, atol=1e-13)
+    np.testing.assert_allclose(
+        again.type_reduced(X), system.type_reduced(X), rtol=1e-11, atol=1e-13
+    )
     assert type(again) is type(system)
     assert again.inputs[0][2].height == system.inputs[0][2].height
     np.testing.assert_array_equal(again.rules, system.rules)
@@ -109,14 +130,20 @@ def test_crossed_pairs_meet_in_their_middle() -> None:
 @pytest.mark.parametrize("kind", ["t1", "it2"])
 @pytest.mark.parametrize("output_terms", [None, 5])
 def test_tuning_lowers_the_error_of_a_learned_system(kind: str, output_terms: int | None) -> None:
-    """On fresh samples, and by more than half: table look-up with 9 rules is far from what 9 rules can do."""
+    """On fresh samples, and by more than half.
+
+    Table look-up with 9 rules is far from what 9 rules can do.
+    """
     rng = np.random.default_rng(2)
     X, Y = samples(rng, 300)
     learned = WangMendel(n_terms=3, kind=kind, output_terms=output_terms).fit(X, Y)
     before = learned.system_(X)
     tuning = fine_tune(learned.system_, X, Y, np.random.default_rng(0), most_epochs=200)
     fresh_X, fresh_Y = samples(rng, 500)
-    errors = [np.mean(((system(fresh_X) - fresh_Y) / Y.std(axis=0)) ** 2) for system in (learned.system_, tuning.system)]
+    errors = [
+        np.mean(((system(fresh_X) - fresh_Y) / Y.std(axis=0)) ** 2)
+        for system in (learned.system_, tuning.system)
+    ]
     assert errors[1] < 0.5 * errors[0]
     np.testing.assert_array_equal(learned.system_(X), before)  # the given system is as it was
     assert tuning.system.term_names == learned.system_.term_names
@@ -125,7 +152,10 @@ def test_tuning_lowers_the_error_of_a_learned_system(kind: str, output_terms: in
 
 
 def test_tuning_finds_back_a_system_from_nearby() -> None:
-    """Samples without noise of a system, tuned from one with everything shifted: the error must fall by a factor of 100."""
+    """Samples without noise of a system, tuned from one with everything shifted.
+
+    The error must fall by a factor of 100.
+    """
     rng = np.random.default_rng(4)
     truth = systems(rng, "product")["type-1"]
     X, _ = samples(rng, 400)
@@ -140,13 +170,18 @@ def test_history_starts_with_the_given_system_and_follows_the_generator() -> Non
     rng = np.random.default_rng(2)
     X, Y = samples(rng, 50)
     system = systems(rng, "product")["interval type-2"]
-    first, same, other = (fine_tune(system, X, Y, np.random.default_rng(seed), most_epochs=5) for seed in (0, 0, 1))
+    first, same, other = (
+        fine_tune(system, X, Y, np.random.default_rng(seed), most_epochs=5) for seed in (0, 0, 1)
+    )
     np.testing.assert_array_equal(first.training_errors, same.training_errors)
     np.testing.assert_array_equal(first.system(X), same.system(X))
     assert first.training_errors[0] != other.training_errors[0]
-    # 40 samples and 10: their errors, weighed with their numbers, are the error over all; 1e-12 is rounding.
+    # 40 samples and 10: their errors, weighed with their numbers, are the error over all; 1e-12 is
+    # rounding.
     whole = np.mean(((system(X) - Y) / Y.std(axis=0)) ** 2)
-    assert 0.8 * first.training_errors[0] + 0.2 * first.validation_errors[0] == pytest.approx(whole, rel=1e-12)
+    assert 0.8 * first.training_errors[0] + 0.2 * first.validation_errors[0] == pytest.approx(
+        whole, rel=1e-12
+    )
     assert len(first.training_errors) == 6
     assert not first.stopped_early
 
@@ -157,7 +192,15 @@ def test_it_stops_when_validation_gets_worse() -> None:
     X, _ = samples(rng, 30)
     noise = rng.normal(size=(30, 2)) * 0.1
     learned = WangMendel(n_terms=3, learner="average").fit(X, noise)
-    tuning = fine_tune(learned.system_, X, noise, np.random.default_rng(1), learning_rate=0.05, most_epochs=2000, patience=20)
+    tuning = fine_tune(
+        learned.system_,
+        X,
+        noise,
+        np.random.default_rng(1),
+        learning_rate=0.05,
+        most_epochs=2000,
+        patience=20,
+    )
     assert tuning.stopped_early
     assert len(tuning.training_errors) - 1 == tuning.best_epoch + 20
     assert tuning.validation_errors[tuning.best_epoch] <= tuning.validation_errors[0]
@@ -165,7 +208,10 @@ def test_it_stops_when_validation_gets_worse() -> None:
 
 
 def test_a_step_after_which_no_rule_fires_ends_the_tuning(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Such a step is made by hand in the seventh epoch: all terms leave the samples. What comes back is the best system before it."""
+    """Such a step is made by hand in the seventh epoch: all terms leave the samples.
+
+    What comes back is the best system before it.
+    """
     X, Y = samples(np.random.default_rng(0))
     system = systems(np.random.default_rng(0), "product")["type-1"]
     expected = fine_tune(system, X, Y, np.random.default_rng(0), most_epochs=6)
@@ -189,23 +235,35 @@ def test_a_step_after_which_no_rule_fires_ends_the_tuning(monkeypatch: pytest.Mo
 def test_type_1_terms_and_numbers_stay_what_they_are() -> None:
     rng = np.random.default_rng(0)
     X, Y = samples(rng)
-    tuned = fine_tune(systems(rng, "product")["interval type-2"], X, Y, np.random.default_rng(0), most_epochs=30).system
+    tuned = fine_tune(
+        systems(rng, "product")["interval type-2"], X, Y, np.random.default_rng(0), most_epochs=30
+    ).system
     kinds = [[type(term) for term in terms] for terms in tuned.inputs]
-    assert kinds == [[GaussianUncertainMean, GaussianUncertainSigma, Gaussian], [GaussianUncertainMean, GaussianUncertainMean]]
+    assert kinds == [
+        [GaussianUncertainMean, GaussianUncertainSigma, Gaussian],
+        [GaussianUncertainMean, GaussianUncertainMean],
+    ]
     assert np.ndim(tuned.consequents) == 2
 
 
 def test_one_output_and_a_constant_one_can_be_tuned() -> None:
     rng = np.random.default_rng(0)
     X, Y = samples(rng)
-    system = Type1System([[Gaussian(-1.0, 1.0), Gaussian(1.0, 1.0)], [Gaussian(0.0, 20.0)]], [[0, 0], [1, 0]], [[0.0], [1.0]])
+    system = Type1System(
+        [[Gaussian(-1.0, 1.0), Gaussian(1.0, 1.0)], [Gaussian(0.0, 20.0)]],
+        [[0, 0], [1, 0]],
+        [[0.0], [1.0]],
+    )
     assert fine_tune(system, X, Y[:, 0], np.random.default_rng(0), most_epochs=20).best_epoch > 0
     constant = fine_tune(system, X, np.ones(len(X)), np.random.default_rng(0), most_epochs=50)
     assert constant.validation_errors[constant.best_epoch] < constant.validation_errors[0]
 
 
 def test_a_single_rule_without_lower_firing_has_a_gradient() -> None:
-    """The lower membership is 0 as a float 40 sigma from the far mean: both ends are the one consequent, and move with it one to one."""
+    """The lower membership is 0 as a float 40 sigma from the far mean.
+
+    Both ends are the one consequent, and move with it one to one.
+    """
     term = GaussianUncertainMean((0.0, 100.0), 1.0)
     tunable = TunableSystem(IntervalType2System([[term]], [[0]], [[3.0]]), [1.0], [1.0])
     error, gradient = tunable.objective(tunable.parameters, np.array([[50.0]]), np.array([[1.0]]))
@@ -220,13 +278,29 @@ LOW_HIGH = [[Gaussian(0.0, 1.0), Gaussian(1.0, 1.0)]]
     ("system", "words"),
     [
         (Type1System([[Triangular(0.0, 1.0, 2.0)]], [[0]], [[1.0]]), "is no Gaussian"),
-        (Type1System(LOW_HIGH, [[0], [1]], [Gaussian(0.0, 1.0), Gaussian(1.0, 1.0)]), "neither numbers nor intervals"),
+        (
+            Type1System(LOW_HIGH, [[0], [1]], [Gaussian(0.0, 1.0), Gaussian(1.0, 1.0)]),
+            "neither numbers nor intervals",
+        ),
         (Type1System(LOW_HIGH, [[0], [1]], [[0.0], [1.0]], "lukasiewicz"), "t-norm"),
-        (Type1System(LOW_HIGH, [[0], [1]], [[0.0], [1.0]], fuzzifier=NonSingletonFuzzifier(Gaussian(0.0, 0.1))), "fuzzifier"),
-        (WangMendel(kind="gt2").fit([[0.0], [1.0]], [0.0, 1.0]).system_, "type-1 or an interval type-2 system"),
+        (
+            Type1System(
+                LOW_HIGH,
+                [[0], [1]],
+                [[0.0], [1.0]],
+                fuzzifier=NonSingletonFuzzifier(Gaussian(0.0, 0.1)),
+            ),
+            "fuzzifier",
+        ),
+        (
+            WangMendel(kind="gt2").fit([[0.0], [1.0]], [0.0, 1.0]).system_,
+            "type-1 or an interval type-2 system",
+        ),
     ],
 )
-def test_systems_that_cannot_be_tuned_are_refused_with_a_reason(system: FuzzySystem, words: str) -> None:
+def test_systems_that_cannot_be_tuned_are_refused_with_a_reason(
+    system: FuzzySystem, words: str
+) -> None:
     with pytest.raises(NotApplicable, match=words):
         fine_tune(system, [[0.0], [1.0]], [0.0, 1.0], np.random.default_rng(0))
 
@@ -249,6 +323,10 @@ def test_systems_that_cannot_be_tuned_are_refused_with_a_reason(system: FuzzySys
     ],
 )
 def test_arguments_that_cannot_be_meant_are_refused(changes: dict[str, Any], words: str) -> None:
-    arguments: dict[str, Any] = {"X": [[0.0], [0.5], [1.0], [2.0]], "y": np.arange(4.0), "rng": np.random.default_rng(0)}
+    arguments: dict[str, Any] = {
+        "X": [[0.0], [0.5], [1.0], [2.0]],
+        "y": np.arange(4.0),
+        "rng": np.random.default_rng(0),
+    }
     with pytest.raises(InvalidValue, match=words):
         fine_tune(Type1System(LOW_HIGH, [[0], [1]], [[0.0], [1.0]]), **(arguments | changes))

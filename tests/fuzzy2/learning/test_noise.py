@@ -10,7 +10,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.learning.noise import GREATEST_MEAN_VARIATION, add_noise, mean_variation_from_snr, snr_from_mean_variation
+from fuzzy2.learning.noise import (
+    GREATEST_MEAN_VARIATION,
+    add_noise,
+    mean_variation_from_snr,
+    snr_from_mean_variation,
+)
 
 
 def test_no_noise_asks_for_no_mean_variation() -> None:
@@ -30,15 +35,23 @@ def test_noise_levels_of_table_6_3_get_the_documented_variations() -> None:
 
 
 def test_weak_noise_asks_in_proportion_to_its_amplitude() -> None:
-    """20 dB more are a tenth of the amplitude; at 100 dB the law is off by the ratio to the amplitude at 30 dB, 10**-3.5."""
+    """20 dB more are a tenth of the amplitude.
+
+    At 100 dB the law is off by the ratio to the amplitude at 30 dB, 10**-3.5.
+    """
     ratio = mean_variation_from_snr(100.0) / mean_variation_from_snr(120.0)
     assert ratio == pytest.approx(10.0, rel=4e-4)
 
 
 @given(st.floats(-100.0, 200.0))
 def test_the_inverse_undoes_the_rule(snr_db: float) -> None:
-    """Near 0.4 the inverse loses what 0.4/ν - 1 cancels: eps/10**(-130/20) of 20/ln 10 dB is 6e-9 dB at worst."""
-    assert snr_from_mean_variation(mean_variation_from_snr(snr_db)) == pytest.approx(snr_db, abs=1e-8)
+    """Near 0.4 the inverse loses what 0.4/ν - 1 cancels.
+
+    At worst that is eps/10**(-130/20) of 20/ln 10 dB, 6e-9 dB.
+    """
+    assert snr_from_mean_variation(mean_variation_from_snr(snr_db)) == pytest.approx(
+        snr_db, abs=1e-8
+    )
 
 
 def test_the_rule_falls_with_the_ratio_and_keeps_shapes() -> None:
@@ -61,9 +74,13 @@ def test_a_ratio_that_is_no_number_is_refused() -> None:
 
 @pytest.mark.parametrize("snr_db", [0.0, 10.0, 20.0])
 def test_noise_has_the_power_asked_for_column_by_column(snr_db: float) -> None:
-    """Sample power of 200 000 normal numbers has a relative spread of sqrt(2/N) = 0.003; five of them are 0.016."""
+    """Sample power of 200 000 normal numbers has a relative spread of sqrt(2/N) = 0.003.
+
+    Five of them are 0.016.
+    """
     time = np.linspace(0.0, 1.0, 200_000)
-    # A large mean: with the variance for power, the noise of the second column would be 30 times too weak.
+    # A large mean: with the variance for power, the noise of the second column would be 30 times
+    # too weak.
     signal = np.stack([np.sin(20.0 * time), 9.0 + 0.3 * np.sin(20.0 * time)], axis=-1)
     noise = add_noise(signal, snr_db, np.random.default_rng(1)) - signal
     measured = 10.0 * np.log10((signal**2).mean(axis=0) / (noise**2).mean(axis=0))

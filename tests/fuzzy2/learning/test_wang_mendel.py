@@ -1,4 +1,7 @@
-"""Table look-up learning, against a second implementation written with plain loops, and against scikit-learn's own checks."""
+"""Table look-up learning.
+
+Against a second implementation written with plain loops, and against scikit-learn's own checks.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fuzzy2.errors import FeatureNamesWarning, Fuzzy2Error, InvalidValue, NotFitted, NotNumbers, UnknownName, UnsupportedRule, WrongFeatures
+from fuzzy2.errors import (
+    FeatureNamesWarning,
+    Fuzzy2Error,
+    InvalidValue,
+    NotFitted,
+    NotNumbers,
+    UnknownName,
+    UnsupportedRule,
+    WrongFeatures,
+)
 from fuzzy2.learning import KINDS, WangMendel, cluster_partition, gaussian_partition, term_names
 from fuzzy2.learning.clustering import fuzzy_c_means
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
@@ -27,9 +39,21 @@ Samples = tuple[np.ndarray, np.ndarray]
 
 
 def corners_and_more(count: int = 60, inputs: int = 2, outputs: int = 3, seed: int = 0) -> Samples:
-    """Random samples, and the corners of their box, so that every cell of a grid of two terms has a sample at its center."""
+    """Random samples, and the corners of their box.
+
+    So every cell of a grid of two terms has a sample at its center.
+    """
     rng = np.random.default_rng(seed)
-    X = np.concatenate([rng.uniform(-1.0, 1.0, (count, inputs)), list(itertools.product((-1.0, 1.0), repeat=inputs))]) * 3.0 + 1.0
+    X = (
+        np.concatenate(
+            [
+                rng.uniform(-1.0, 1.0, (count, inputs)),
+                list(itertools.product((-1.0, 1.0), repeat=inputs)),
+            ]
+        )
+        * 3.0
+        + 1.0
+    )
     return X, rng.normal(size=(len(X), outputs))
 
 
@@ -46,12 +70,19 @@ def loops_grade(x: float, term: tuple[float, float]) -> float:
     return math.exp(-((x - term[0]) ** 2) / (2.0 * term[1] ** 2))
 
 
-def loops_fire(x: np.ndarray, cell: tuple[int, ...], terms: list[list[tuple[float, float]]], minimum: bool = False) -> float:
+def loops_fire(
+    x: np.ndarray,
+    cell: tuple[int, ...],
+    terms: list[list[tuple[float, float]]],
+    minimum: bool = False,
+) -> float:
     grades = [loops_grade(x[i], terms[i][cell[i]]) for i in range(len(cell))]
     return min(grades) if minimum else math.prod(grades)
 
 
-def loops_strongest(X: np.ndarray, Y: np.ndarray, counts: list[int], minimum: bool) -> dict[tuple[int, ...], np.ndarray]:
+def loops_strongest(
+    X: np.ndarray, Y: np.ndarray, counts: list[int], minimum: bool
+) -> dict[tuple[int, ...], np.ndarray]:
     terms = [loops_partition(X[:, i], counts[i]) for i in range(len(counts))]
     rules = {}
     for cell in itertools.product(*map(range, counts)):
@@ -60,13 +91,18 @@ def loops_strongest(X: np.ndarray, Y: np.ndarray, counts: list[int], minimum: bo
     return rules
 
 
-def loops_strict(X: np.ndarray, Y: np.ndarray, counts: list[int], output_count: int | None) -> dict[tuple[int, ...], np.ndarray]:
+def loops_strict(
+    X: np.ndarray, Y: np.ndarray, counts: list[int], output_count: int | None
+) -> dict[tuple[int, ...], np.ndarray]:
     """Return the value, or number of the output term, of every cell that has a sample."""
     terms = [loops_partition(X[:, i], counts[i]) for i in range(len(counts))]
     rules: dict[tuple[int, ...], np.ndarray] = {}
     degrees: dict[tuple[int, ...], np.ndarray] = {}
     for x, y in zip(X, Y, strict=True):
-        cell = tuple(max(range(counts[i]), key=lambda k: loops_grade(x[i], terms[i][k])) for i in range(len(counts)))
+        cell = tuple(
+            max(range(counts[i]), key=lambda k: loops_grade(x[i], terms[i][k]))
+            for i in range(len(counts))
+        )
         for j in range(Y.shape[1]):
             degree, says = loops_fire(x, cell, terms), float(y[j])
             if output_count is not None:
@@ -80,7 +116,9 @@ def loops_strict(X: np.ndarray, Y: np.ndarray, counts: list[int], output_count: 
     return rules
 
 
-def loops_type1_output(x: np.ndarray, rules: dict[tuple[int, ...], np.ndarray], terms: list[list[tuple[float, float]]]) -> np.ndarray:
+def loops_type1_output(
+    x: np.ndarray, rules: dict[tuple[int, ...], np.ndarray], terms: list[list[tuple[float, float]]]
+) -> np.ndarray:
     weights = {cell: loops_fire(x, cell, terms) for cell in rules}
     return sum(weights[cell] * rules[cell] for cell in rules) / sum(weights.values())
 
@@ -103,14 +141,26 @@ def test_strongest_takes_the_samples_that_plain_loops_take(counts: list[int], t_
 
 
 @settings(max_examples=40)
-@given(seed=st.integers(0, 2**32 - 1), inputs=st.integers(1, 3), count=st.integers(2, 40), output_count=st.sampled_from([None, 2, 5]))
-def test_the_strict_procedure_is_that_of_plain_loops(seed: int, inputs: int, count: int, output_count: int | None) -> None:
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    inputs=st.integers(1, 3),
+    count=st.integers(2, 40),
+    output_count=st.sampled_from([None, 2, 5]),
+)
+def test_the_strict_procedure_is_that_of_plain_loops(
+    seed: int, inputs: int, count: int, output_count: int | None
+) -> None:
     rng = np.random.default_rng(seed)
     X, Y = rng.normal(size=(count, inputs)), rng.normal(size=(count, 2))
     counts = rng.integers(2, 5, size=inputs).tolist()
-    model = WangMendel(n_terms=counts, learner="strict", completion="none", output_terms=output_count).fit(X, Y)
+    model = WangMendel(
+        n_terms=counts, learner="strict", completion="none", output_terms=output_count
+    ).fit(X, Y)
     says = model.system_.consequents if output_count is None else model.output_rules_
-    learned, expected = as_dictionary(model.system_.rules, says), loops_strict(X, Y, counts, output_count)
+    learned, expected = (
+        as_dictionary(model.system_.rules, says),
+        loops_strict(X, Y, counts, output_count),
+    )
     assert learned.keys() == expected.keys()
     for cell, value in expected.items():
         np.testing.assert_array_equal(learned[cell], value)
@@ -121,7 +171,11 @@ def test_type_1_prediction_is_that_of_plain_loops(learner: str) -> None:
     """Both average at most 9 numbers of order 1: 1e-12 is 1000 times their rounding."""
     X, Y = corners_and_more()
     model = WangMendel(n_terms=3, kind="t1", learner=learner, completion="none").fit(X, Y)
-    rules = loops_strongest(X, Y, [3, 3], False) if learner == "strongest" else loops_strict(X, Y, [3, 3], None)
+    rules = (
+        loops_strongest(X, Y, [3, 3], False)
+        if learner == "strongest"
+        else loops_strict(X, Y, [3, 3], None)
+    )
     terms = [loops_partition(X[:, i], 3) for i in range(2)]
     points = np.random.default_rng(5).uniform(-2.0, 4.0, (30, 2))
     expected = [loops_type1_output(x, rules, terms) for x in points]
@@ -129,77 +183,124 @@ def test_type_1_prediction_is_that_of_plain_loops(learner: str) -> None:
 
 
 def test_average_and_ridge_are_the_sums_they_are_said_to_be() -> None:
-    """Ridge by a different route: one least-squares problem with the penalty as rows, by singular values; 1e-10 for its condition."""
+    """Ridge by a different route.
+
+    One least-squares problem with the penalty as rows, by singular values; 1e-10 for its condition.
+    """
     X, Y = corners_and_more(count=40)
     terms = [loops_partition(X[:, i], 2) for i in range(2)]
     cells = list(itertools.product(range(2), repeat=2))
     firing = np.array([[loops_fire(x, cell, terms) for cell in cells] for x in X])
     average = np.array([(firing[:, [r]] * Y).sum(axis=0) / firing[:, r].sum() for r in range(4)])
-    np.testing.assert_allclose(WangMendel(learner="average").fit(X, Y).system_.consequents, average, rtol=1e-12)
+    np.testing.assert_allclose(
+        WangMendel(learner="average").fit(X, Y).system_.consequents, average, rtol=1e-12
+    )
 
     penalty = 0.02
     shares = firing / firing.sum(axis=1, keepdims=True)
     rows = np.concatenate([shares / math.sqrt(len(X)), math.sqrt(penalty) * np.eye(4)])
     right = np.concatenate([Y / math.sqrt(len(X)), math.sqrt(penalty) * average])
     expected = np.linalg.lstsq(rows, right, rcond=None)[0]
-    np.testing.assert_allclose(WangMendel(learner="ridge", ridge=penalty).fit(X, Y).system_.consequents, expected, rtol=1e-10)
+    np.testing.assert_allclose(
+        WangMendel(learner="ridge", ridge=penalty).fit(X, Y).system_.consequents,
+        expected,
+        rtol=1e-10,
+    )
 
 
 def test_ridge_goes_from_least_squares_to_the_average() -> None:
     X, Y = corners_and_more(outputs=1)
-    shares = [WangMendel(kind="t1", learner="ridge", ridge=ridge).fit(X, Y) for ridge in (1e-9, 1e-3, 1.0, 1e9)]
+    shares = [
+        WangMendel(kind="t1", learner="ridge", ridge=ridge).fit(X, Y)
+        for ridge in (1e-9, 1e-3, 1.0, 1e9)
+    ]
     errors = [float(((model.predict(X) - Y) ** 2).sum()) for model in shares]
     assert errors == sorted(errors)
     average = WangMendel(learner="average").fit(X, Y).system_.consequents
     # A penalty of 1e9 leaves a billionth of the step to least squares.
     np.testing.assert_allclose(shares[-1].system_.consequents, average, atol=1e-7)
-    # What the type-1 system can express is found: 1e-9 is the penalty, times steps of order 1 and the condition of the problem.
+    # What the type-1 system can express is found: 1e-9 is the penalty, times steps of order 1 and
+    # the condition of the problem.
     truth = WangMendel(kind="t1").fit(X, Y)
     again = WangMendel(kind="t1", learner="ridge", ridge=1e-12).fit(X, truth.predict(X))
     np.testing.assert_allclose(again.predict(X), truth.predict(X), atol=1e-8)
 
 
 def test_doubling_the_samples_changes_no_learner() -> None:
-    """The ridge penalty is weighed against a mean, so that it does not fade with the number of samples; 1e-12 for the sums' order."""
+    """The ridge penalty is weighed against a mean.
+
+    So it does not fade with the number of samples; 1e-12 for the sums' order.
+    """
     X, Y = corners_and_more()
     for learner in ("strongest", "strict", "average", "ridge"):
         once = WangMendel(learner=learner).fit(X, Y).system_.consequents
-        twice = WangMendel(learner=learner).fit(np.concatenate([X, X]), np.concatenate([Y, Y])).system_.consequents
+        twice = (
+            WangMendel(learner=learner)
+            .fit(np.concatenate([X, X]), np.concatenate([Y, Y]))
+            .system_.consequents
+        )
         np.testing.assert_allclose(twice, once, atol=1e-12)
 
 
 def test_samples_at_the_centers_of_cells_are_reproduced_as_far_as_the_neighbors_let_them() -> None:
-    r"""At a corner the other cells fire with 1/16 and 1/256, by hand: :math:`\exp(-d^2/2\sigma^2) = 2^{-4}`. 1e-12 is rounding."""
-    X, Y = np.array([[0.0, 0.0], [0.0, 2.0], [5.0, 0.0], [5.0, 2.0]]), np.array([1.0, -4.0, 9.0, 2.0])
+    r"""At a corner the other cells fire with 1/16 and 1/256, by hand.
+
+    :math:`\exp(-d^2/2\sigma^2) = 2^{-4}`. 1e-12 is rounding.
+    """
+    X, Y = (
+        np.array([[0.0, 0.0], [0.0, 2.0], [5.0, 0.0], [5.0, 2.0]]),
+        np.array([1.0, -4.0, 9.0, 2.0]),
+    )
     model = WangMendel(kind="t1").fit(X, Y)
     np.testing.assert_array_equal(model.system_.consequents[:, 0], Y)
     weights = np.array([1.0, 1.0 / 16.0, 1.0 / 16.0, 1.0 / 256.0])
     assert model.predict(X[:1])[0] == pytest.approx(weights @ Y / weights.sum(), abs=1e-12)
-    # A single rule per axis that nothing else comes near: with 40 cells between, the neighbors' share is 16**-(39**2).
-    far = WangMendel(kind="t1", n_terms=40, learner="strict", completion="none").fit([[0.0], [1.0]], [3.0, 7.0])
+    # A single rule per axis that nothing else comes near: with 40 cells between, the neighbors'
+    # share is 16**-(39**2).
+    far = WangMendel(kind="t1", n_terms=40, learner="strict", completion="none").fit(
+        [[0.0], [1.0]], [3.0, 7.0]
+    )
     np.testing.assert_array_equal(far.predict([[0.0], [1.0]]), [3.0, 7.0])
 
 
 @pytest.mark.parametrize("learner", ["strongest", "strict", "average", "ridge"])
 @pytest.mark.parametrize("output_terms", [None, 4])
 @pytest.mark.parametrize("t_norm", ["product", "min"])
-def test_without_mean_variation_all_kinds_are_the_type_1_system(learner: str, output_terms: int | None, t_norm: str) -> None:
+def test_without_mean_variation_all_kinds_are_the_type_1_system(
+    learner: str, output_terms: int | None, t_norm: str
+) -> None:
     """1e-12 relative to the outputs' size is what is asked for."""
     X, Y = corners_and_more()
-    options: dict[str, Any] = {"n_terms": 3, "mean_variation": 0.0, "learner": learner, "output_terms": output_terms, "t_norm": t_norm}
+    options: dict[str, Any] = {
+        "n_terms": 3,
+        "mean_variation": 0.0,
+        "learner": learner,
+        "output_terms": output_terms,
+        "t_norm": t_norm,
+    }
     points = np.random.default_rng(1).uniform(-3.0, 5.0, (50, 2))
     first, *others = (WangMendel(kind=kind, **options).fit(X, Y) for kind in ("t1", "it2", "gt2"))
     expected = first.predict(points)
     for other in others:
-        np.testing.assert_allclose(other.predict(points), expected, rtol=0.0, atol=1e-12 * np.abs(Y).max())
+        np.testing.assert_allclose(
+            other.predict(points), expected, rtol=0.0, atol=1e-12 * np.abs(Y).max()
+        )
         interval = other.predict_interval(points)
-        np.testing.assert_allclose(interval[..., 0], interval[..., 1], rtol=0.0, atol=1e-12 * np.abs(Y).max())
+        np.testing.assert_allclose(
+            interval[..., 0], interval[..., 1], rtol=0.0, atol=1e-12 * np.abs(Y).max()
+        )
 
 
 def test_kinds_differ_in_their_uncertainty_only() -> None:
     X, Y = corners_and_more()
-    systems = [WangMendel(n_terms=3, kind=kind, mean_variation=0.3).fit(X, Y).system_ for kind in KINDS]
-    assert [type(system) for system in systems] == [Type1System, IntervalType2System, GeneralType2System]
+    systems = [
+        WangMendel(n_terms=3, kind=kind, mean_variation=0.3).fit(X, Y).system_ for kind in KINDS
+    ]
+    assert [type(system) for system in systems] == [
+        Type1System,
+        IntervalType2System,
+        GeneralType2System,
+    ]
     for system in systems[1:]:
         np.testing.assert_array_equal(system.rules, systems[0].rules)
         np.testing.assert_array_equal(system.consequents, systems[0].consequents)
@@ -223,7 +324,10 @@ def test_partition_is_what_its_equations_say(kind: str) -> None:
 
 
 def test_secondary_grades_are_what_a_mean_spread_over_the_interval_does() -> None:
-    """By experiment: membership one sigma from the mean, for means spread evenly over a small interval; second order in that."""
+    """By experiment: membership one sigma from the mean.
+
+    For means spread evenly over a small interval; second order in that.
+    """
     variation = 0.002
     term = gaussian_partition(0.0, 1.0, 2, "gt2", variation)[1]
     assert isinstance(term, GaussianType2Set)
@@ -249,23 +353,39 @@ def test_names_of_terms() -> None:
 
 
 def clouds(seed: int = 0) -> Samples:
-    """Four clouds of samples of two inputs in different units, which a straight cut along neither input tells apart."""
+    """Four clouds of samples of two inputs in different units.
+
+    A straight cut along neither input tells them apart.
+    """
     rng = np.random.default_rng(seed)
     middles = np.array([[0.0, 0.0], [1.0, 3.0], [2.0, 1.0], [3.0, 2.0]])
-    X = (middles[:, np.newaxis] + 0.2 * rng.normal(size=(4, 25, 2))).reshape(-1, 2) * np.array([1.0, 1e3])
+    X = (middles[:, np.newaxis] + 0.2 * rng.normal(size=(4, 25, 2))).reshape(-1, 2) * np.array(
+        [1.0, 1e3]
+    )
     return X, rng.normal(size=(100, 2))
 
 
 @pytest.mark.parametrize("learner", ["strongest", "average", "ridge"])
 def test_rules_of_clusters_are_those_of_plain_loops(learner: str) -> None:
-    """The terms are the clusters' centers and spreads in shares of the ranges, put back into units; 1e-10 for the condition of ridge."""
+    """The terms are the clusters' centers and spreads in shares of the ranges, put back into units.
+
+    1e-10 for the condition of ridge.
+    """
     X, Y = clouds()
     model = WangMendel(4, "t1", learner=learner, partition="clusters").fit(X, Y)
     least, widths = X.min(axis=0), np.ptp(X, axis=0)
     clusters = fuzzy_c_means((X - least) / widths, 4)
     np.testing.assert_array_equal(model.clusters_.memberships, clusters.memberships)
     centers, sigmas = least + widths * clusters.centers, widths * clusters.spreads
-    firing = np.array([[math.prod(loops_grade(x[i], (centers[k, i], sigmas[k, i])) for i in range(2)) for k in range(4)] for x in X])
+    firing = np.array(
+        [
+            [
+                math.prod(loops_grade(x[i], (centers[k, i], sigmas[k, i])) for i in range(2))
+                for k in range(4)
+            ]
+            for x in X
+        ]
+    )
     average = np.array([(firing[:, [k]] * Y).sum(axis=0) / firing[:, k].sum() for k in range(4)])
     if learner == "strongest":
         expected = np.array([Y[firing[:, k].argmax()] for k in range(4)])
@@ -274,7 +394,9 @@ def test_rules_of_clusters_are_those_of_plain_loops(learner: str) -> None:
     else:
         shares = firing / firing.sum(axis=1, keepdims=True)
         rows = np.concatenate([shares / 10.0, math.sqrt(1e-3) * np.eye(4)])
-        expected = np.linalg.lstsq(rows, np.concatenate([Y / 10.0, math.sqrt(1e-3) * average]), rcond=None)[0]
+        expected = np.linalg.lstsq(
+            rows, np.concatenate([Y / 10.0, math.sqrt(1e-3) * average]), rcond=None
+        )[0]
     np.testing.assert_allclose(model.system_.consequents, expected, rtol=1e-10, atol=1e-10)
     for i, terms in enumerate(model.system_.inputs):
         means = [term.mean for term in terms]
@@ -283,13 +405,22 @@ def test_rules_of_clusters_are_those_of_plain_loops(learner: str) -> None:
             assert terms[asked].mean == pytest.approx(centers[k, i], rel=1e-12)
             assert terms[asked].sigma == pytest.approx(sigmas[k, i], rel=1e-12)
     points = np.array([[0.5, 1500.0], [2.5, 1200.0]])
-    weights = [[math.prod(loops_grade(x[i], (centers[k, i], sigmas[k, i])) for i in range(2)) for k in range(4)] for x in points]
+    weights = [
+        [
+            math.prod(loops_grade(x[i], (centers[k, i], sigmas[k, i])) for i in range(2))
+            for k in range(4)
+        ]
+        for x in points
+    ]
     outputs = [np.array(w) @ expected / sum(w) for w in weights]
     np.testing.assert_allclose(model.predict(points), outputs, rtol=1e-9, atol=1e-9)
 
 
 def test_kinds_of_clustered_systems_differ_in_their_uncertainty_only() -> None:
-    """Means reach as far as in a partition of the range, to both sides; without that all are the type-1 system, up to rounding."""
+    """Means reach as far as in a partition of the range, to both sides.
+
+    Without that all are the type-1 system, up to rounding.
+    """
     X, Y = clouds()
     models = {kind: WangMendel(4, kind, 0.2, partition="clusters").fit(X, Y) for kind in KINDS}
     systems = {kind: model.system_ for kind, model in models.items()}
@@ -299,19 +430,32 @@ def test_kinds_of_clustered_systems_differ_in_their_uncertainty_only() -> None:
     for i, width in enumerate(np.ptp(X, axis=0)):
         for first, second, third in zip(*(systems[kind].inputs[i] for kind in KINDS), strict=True):
             assert second.sigma == first.sigma
-            assert second.mean == pytest.approx((first.mean - 0.2 * width, first.mean + 0.2 * width), rel=1e-12)
+            assert second.mean == pytest.approx(
+                (first.mean - 0.2 * width, first.mean + 0.2 * width), rel=1e-12
+            )
             assert third.principal == first
-            assert third.sigma == pytest.approx(0.2 * width * math.exp(-0.5) / math.sqrt(3.0) / first.sigma, rel=1e-12)
+            assert third.sigma == pytest.approx(
+                0.2 * width * math.exp(-0.5) / math.sqrt(3.0) / first.sigma, rel=1e-12
+            )
     expected = models["t1"].predict(X)
     for kind in ("it2", "gt2"):
-        np.testing.assert_allclose(WangMendel(4, kind, 0.0, partition="clusters").fit(X, Y).predict(X), expected, atol=1e-12)
+        np.testing.assert_allclose(
+            WangMendel(4, kind, 0.0, partition="clusters").fit(X, Y).predict(X),
+            expected,
+            atol=1e-12,
+        )
 
 
 def test_clusters_need_as_many_rules_for_many_inputs_as_for_few() -> None:
-    """Ten inputs that all follow one hidden variable: the grid would have 3**10 rules. R² is 0.98 with 6; 0.9 leaves room for seeds."""
+    """Ten inputs that all follow one hidden variable: the grid would have 3**10 rules.
+
+    R² is 0.98 with 6; 0.9 leaves room for seeds.
+    """
     rng = np.random.default_rng(0)
     hidden = rng.uniform(-1.0, 1.0, 300)
-    X = np.stack([np.sin(k + hidden) for k in range(10)], axis=1) + 0.01 * rng.normal(size=(300, 10))
+    X = np.stack([np.sin(k + hidden) for k in range(10)], axis=1) + 0.01 * rng.normal(
+        size=(300, 10)
+    )
     model = WangMendel(6, "it2", 0.02, "average", partition="clusters").fit(X[:200], hidden[:200])
     assert len(model.system_.rules) == 6
     assert model.score(X[200:], hidden[200:]) > 0.9
@@ -321,10 +465,14 @@ def test_clusters_need_as_many_rules_for_many_inputs_as_for_few() -> None:
 def test_starts_of_clusters_are_the_caller_s() -> None:
     X, Y = corners_and_more()
     options: dict[str, Any] = {"n_terms": 9, "partition": "clusters"}
-    np.testing.assert_array_equal(WangMendel(**options).fit(X, Y).predict(X), WangMendel(**options).fit(X, Y).predict(X))
+    np.testing.assert_array_equal(
+        WangMendel(**options).fit(X, Y).predict(X), WangMendel(**options).fit(X, Y).predict(X)
+    )
     rng = np.random.default_rng(0)
     model = WangMendel(**options, rng=rng)
-    np.testing.assert_array_equal(model.fit(X, Y).predict(X), WangMendel(**options).fit(X, Y).predict(X))
+    np.testing.assert_array_equal(
+        model.fit(X, Y).predict(X), WangMendel(**options).fit(X, Y).predict(X)
+    )
     assert rng.bit_generator.state != np.random.default_rng(0).bit_generator.state
 
 
@@ -335,19 +483,27 @@ def test_starts_of_clusters_are_the_caller_s() -> None:
         ({"partition": "clusters", "learner": "strict"}, InvalidValue, "every rule is a cluster's"),
         ({"partition": "clusters", "n_terms": [2, 2]}, InvalidValue, "n_terms"),
         ({"partition": "clusters", "n_terms": 65}, InvalidValue, "at most 64"),
-        ({"partition": "clusters", "n_terms": 64}, InvalidValue, "has none along input 1: take fewer clusters"),
+        (
+            {"partition": "clusters", "n_terms": 64},
+            InvalidValue,
+            "has none along input 1: take fewer clusters",
+        ),
         ({"partition": "clusters", "fuzzifier": 1.0}, InvalidValue, "fuzzifier"),
         ({"partition": "clusters", "rng": 0}, InvalidValue, "rng"),
         ({"partition": "clusters", "n_terms": 20_000, "learner": "ridge"}, InvalidValue, "20,000"),
     ],
 )
-def test_what_makes_no_clusters_is_refused(options: dict[str, Any], error: type[Fuzzy2Error], words: str) -> None:
+def test_what_makes_no_clusters_is_refused(
+    options: dict[str, Any], error: type[Fuzzy2Error], words: str
+) -> None:
     X, Y = corners_and_more()
     with pytest.raises(error, match=words):
         WangMendel(**options).fit(X, Y)
 
 
-@pytest.mark.parametrize("arguments", [([1.0],), ([1.0, 0.0],), ([1.0, math.inf],), ([1.0, 1.0], "it2", -0.1)])
+@pytest.mark.parametrize(
+    "arguments", [([1.0],), ([1.0, 0.0],), ([1.0, math.inf],), ([1.0, 1.0], "it2", -0.1)]
+)
 def test_cluster_partitions_of_nothing_are_refused(arguments: tuple[Any, ...]) -> None:
     with pytest.raises(InvalidValue):
         cluster_partition(fuzzy_c_means(clouds()[0], 3), *arguments)
@@ -355,7 +511,10 @@ def test_cluster_partitions_of_nothing_are_refused(arguments: tuple[Any, ...]) -
         cluster_partition(fuzzy_c_means(clouds()[0], 3), [1.0, 1.0], "it3")
 
 
-@pytest.mark.parametrize("arguments", [(1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (0.0, 1.0, 0), (0.0, 1.0, 2, "it2", -0.1)])
+@pytest.mark.parametrize(
+    "arguments",
+    [(1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (0.0, 1.0, 0), (0.0, 1.0, 2, "it2", -0.1)],
+)
 def test_partitions_of_nothing_are_refused(arguments: tuple[Any, ...]) -> None:
     with pytest.raises(InvalidValue):
         gaussian_partition(*arguments)
@@ -380,8 +539,11 @@ def test_output_terms_enter_by_their_centroids(kind: str) -> None:
         assert model.output_rules_[r, j] == int(np.argmax(grades))
         chosen = terms[model.output_rules_[r, j]]
         assert not isinstance(chosen, GaussianType2Set)
-        # The mean and the middle of the means are the same up to rounding; quadrature is good to 1e-12 of the range.
-        np.testing.assert_allclose(model.system_.consequents[r, j], np.broadcast_to(chosen.centroid(), 2), atol=1e-11)
+        # The mean and the middle of the means are the same up to rounding; quadrature is good to
+        # 1e-12 of the range.
+        np.testing.assert_allclose(
+            model.system_.consequents[r, j], np.broadcast_to(chosen.centroid(), 2), atol=1e-11
+        )
     width = np.ptp(model.system_.consequents, axis=-1)
     assert (width == 0.0).all() if kind == "t1" else (width > 0.0).all()
 
@@ -390,14 +552,24 @@ L_SHAPE = np.array([[0.0, 0.0], [0.0, 1.0], [0.0, 2.0], [1.0, 0.0], [2.0, 0.0]])
 
 
 def test_nearest_completion_copies_the_nearest_rule_of_the_highest_degree() -> None:
-    """Four cells of a 3 x 3 grid have no sample. By hand: (1, 1) is one step from (0, 1) and (1, 0), both of degree 1 as it stands."""
+    """Four cells of a 3 x 3 grid have no sample.
+
+    By hand: (1, 1) is one step from (0, 1) and (1, 0), both of degree 1 as it stands.
+    """
     samples, values = L_SHAPE.copy(), np.array([10.0, 11.0, 12.0, 13.0, 14.0])
     model = WangMendel(n_terms=3, learner="strict", kind="t1").fit(samples, values)
     cells = as_dictionary(model.system_.rules, model.system_.consequents[:, 0])
-    assert [cells[cell] for cell in ((0, 0), (0, 1), (0, 2), (1, 0), (2, 0))] == [10.0, 11.0, 12.0, 13.0, 14.0]
+    assert [cells[cell] for cell in ((0, 0), (0, 1), (0, 2), (1, 0), (2, 0))] == [
+        10.0,
+        11.0,
+        12.0,
+        13.0,
+        14.0,
+    ]
     assert cells[1, 2] == 12.0
     assert cells[2, 1] == 14.0
-    assert cells[2, 2] == 12.0  # (0, 2) and (2, 0) are equally far and equally strong: the first one
+    # (0, 2) and (2, 0) are equally far and equally strong: the first one
+    assert cells[2, 2] == 12.0
     assert cells[1, 1] == 11.0
     assert (model.rule_samples_ == -1).sum() == 4
     samples[1] = [0.0, 1.1]  # now the other neighbor of (1, 1) has the higher degree
@@ -407,9 +579,12 @@ def test_nearest_completion_copies_the_nearest_rule_of_the_highest_degree() -> N
 
 def test_average_completion_weighs_with_inverse_squares_of_distance() -> None:
     values = np.array([10.0, 11.0, 12.0, 13.0, 14.0])
-    model = WangMendel(n_terms=3, learner="strict", completion="average", kind="t1").fit(L_SHAPE, values)
+    model = WangMendel(n_terms=3, learner="strict", completion="average", kind="t1").fit(
+        L_SHAPE, values
+    )
     cells = as_dictionary(model.system_.rules, model.system_.consequents[:, 0])
-    # By hand, of cell (2, 2): squared distances 8, 5, 4, 5, 4 in grid steps, from the samples in their order.
+    # By hand, of cell (2, 2): squared distances 8, 5, 4, 5, 4 in grid steps, from the samples in
+    # their order.
     weights = 1.0 / np.array([8.0, 5.0, 4.0, 5.0, 4.0])
     assert cells[2, 2] == pytest.approx(weights @ values / weights.sum(), rel=1e-14)
     assert cells[0, 1] == 11.0
@@ -419,16 +594,25 @@ def test_completion_with_output_terms() -> None:
     values = np.array([10.0, 11.0, 12.0, 13.0, 14.0])
     nearest = WangMendel(n_terms=3, learner="strict", output_terms=5).fit(L_SHAPE, values)
     assert (nearest.output_rules_ >= 0).all()
-    averaged = WangMendel(n_terms=3, learner="strict", output_terms=5, completion="average").fit(L_SHAPE, values)
+    averaged = WangMendel(n_terms=3, learner="strict", output_terms=5, completion="average").fit(
+        L_SHAPE, values
+    )
     empty = averaged.output_rules_[:, 0] < 0
     assert empty.sum() == 4
-    np.testing.assert_array_equal(nearest.system_.consequents[~empty], averaged.system_.consequents[~empty])
-    assert (averaged.system_.consequents[empty, 0, 1] > averaged.system_.consequents[empty, 0, 0]).all()
+    np.testing.assert_array_equal(
+        nearest.system_.consequents[~empty], averaged.system_.consequents[~empty]
+    )
+    assert (
+        averaged.system_.consequents[empty, 0, 1] > averaged.system_.consequents[empty, 0, 0]
+    ).all()
     assert averaged.system_.consequents[:, 0].min() >= nearest.system_.consequents.min()
 
 
 def test_strict_fills_few_cells_of_a_curve_and_the_default_all() -> None:
-    """A helix visits 6 of 16 cells when positions and speeds are the inputs, the reason for the default."""
+    """A helix visits 6 of 16 cells when positions and speeds are the inputs.
+
+    That is the reason for the default.
+    """
     t = np.linspace(0.0, 2.0 * np.pi, 200)
     X = np.stack([np.sin(t), np.sin(t + 2.0), np.cos(t), np.cos(t + 2.0)], axis=1)
     strict = WangMendel(learner="strict", completion="none").fit(X, t)
@@ -441,33 +625,56 @@ def test_strict_fills_few_cells_of_a_curve_and_the_default_all() -> None:
 
 
 def test_a_rule_that_no_sample_fires_is_named_with_its_firing() -> None:
-    """Two corners of a 3 x 3 grid: each of the other corners is two terms away in one input, which makes 16**-4 of 1 by hand."""
-    with pytest.raises(UnsupportedRule, match=r"rule 3 \(IF x1 is Low and x2 is High\).*1.53e-05.*2 such rules") as caught:
+    """Two corners of a 3 x 3 grid.
+
+    Each of the other corners is two terms away in one input, which makes 16**-4 of 1 by hand.
+    """
+    with pytest.raises(
+        UnsupportedRule, match=r"rule 3 \(IF x1 is Low and x2 is High\).*1.53e-05.*2 such rules"
+    ) as caught:
         WangMendel(n_terms=3).fit([[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0])
     assert caught.value.firing == pytest.approx(16.0**-4, rel=1e-12)
     # With two terms a cell is one away, and 1/16 is enough.
-    assert WangMendel().fit([[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0]).best_firing_.min() == pytest.approx(1.0 / 16.0, rel=1e-12)
+    assert WangMendel().fit(
+        [[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0]
+    ).best_firing_.min() == pytest.approx(1.0 / 16.0, rel=1e-12)
 
 
 # scikit-learn's conventions
 
 
 NOT_APPLICABLE = {
-    "check_regressors_train": "asks for R² > 0.5 from 200 samples in 10 dimensions, where the grid has 1024 rules",
-    "check_regressor_multioutput": "50 samples in 10 dimensions leave some of the 1024 rules without a sample, which is refused",
+    "check_regressors_train": (
+        "asks for R² > 0.5 from 200 samples in 10 dimensions, where the grid has 1024 rules"
+    ),
+    "check_regressor_multioutput": (
+        "50 samples in 10 dimensions leave some of the 1024 rules without a sample, which is "
+        "refused"
+    ),
 }
 
 
 @pytest.mark.parametrize(
     "options",
-    [{}, {"kind": "t1", "learner": "strict"}, {"kind": "gt2", "output_terms": 5}, {"partition": "clusters", "learner": "average"}],
+    [
+        {},
+        {"kind": "t1", "learner": "strict"},
+        {"kind": "gt2", "output_terms": 5},
+        {"partition": "clusters", "learner": "average"},
+    ],
     ids=str,
 )
 @pytest.mark.filterwarnings("ignore:Estimator WangMendel does not inherit:UserWarning")
 def test_scikit_learn_finds_nothing_to_complain_about(options: dict[str, Any]) -> None:
     checks = pytest.importorskip("sklearn.utils.estimator_checks")
-    results = checks.check_estimator(WangMendel(**options), expected_failed_checks=NOT_APPLICABLE, on_fail=None, on_skip=None)
-    failed = {result["check_name"]: result["exception"] for result in results if result["status"] == "failed"}
+    results = checks.check_estimator(
+        WangMendel(**options), expected_failed_checks=NOT_APPLICABLE, on_fail=None, on_skip=None
+    )
+    failed = {
+        result["check_name"]: result["exception"]
+        for result in results
+        if result["status"] == "failed"
+    }
     assert not failed
     assert sum(result["status"] == "passed" for result in results) >= 45
 
@@ -478,7 +685,9 @@ def test_scikit_learn_can_search_and_clone() -> None:
     X, Y = corners_and_more(count=120)
     model = base.clone(WangMendel(n_terms=3, learner="average"))
     assert model.get_params()["n_terms"] == 3
-    search = selection.GridSearchCV(model, {"learner": ["average", "ridge"], "mean_variation": [0.0, 0.1]}, cv=3).fit(X, Y)
+    search = selection.GridSearchCV(
+        model, {"learner": ["average", "ridge"], "mean_variation": [0.0, 0.1]}, cv=3
+    ).fit(X, Y)
     assert set(search.best_params_) == {"learner", "mean_variation"}
 
 
@@ -489,18 +698,23 @@ def test_score_is_that_of_scikit_learn() -> None:
     assert model.score(X, Y) == pytest.approx(metrics.r2_score(Y, model.predict(X)), rel=1e-12)
     constant = np.concatenate([Y, np.ones((len(Y), 1))], axis=1)
     model.fit(X, constant)
-    assert model.score(X, constant) == pytest.approx(metrics.r2_score(constant, model.predict(X)), rel=1e-12)
+    assert model.score(X, constant) == pytest.approx(
+        metrics.r2_score(constant, model.predict(X)), rel=1e-12
+    )
 
 
 def test_nothing_is_imported_from_scikit_learn() -> None:
-    """In a process of its own: learning, predicting and asking too early leave scikit-learn alone."""
+    """In its own process: learning, predicting and asking too early do not load scikit-learn."""
     script = (
         "import sys; from fuzzy2.learning import WangMendel\n"
         "try: WangMendel().predict([[1.0]])\n"
         "except AttributeError as error: assert 'call fit' in str(error)\n"
-        "print(WangMendel(kind='t1').fit([[0.0], [1.0]], [0.0, 1.0]).predict([[0.5]])[0], 'sklearn' in sys.modules)"
+        "print(WangMendel(kind='t1').fit([[0.0], [1.0]], [0.0, 1.0]).predict([[0.5]])[0], "
+        "'sklearn' in sys.modules)"
     )
-    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    result = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, check=True
+    )
     assert result.stdout.split() == ["0.5", "False"]
 
 
@@ -534,9 +748,14 @@ def test_outputs_keep_their_dimensions() -> None:
     X, Y = corners_and_more(outputs=2)
     many, one, column = (WangMendel().fit(X, y) for y in (Y, Y[:, 0], Y[:, :1]))
     n = len(X)
-    assert (many.predict(X).shape, one.predict(X).shape, column.predict(X).shape) == ((n, 2), (n,), (n, 1))
+    assert (many.predict(X).shape, one.predict(X).shape, column.predict(X).shape) == (
+        (n, 2),
+        (n,),
+        (n, 1),
+    )
     assert (many.predict_interval(X).shape, one.predict_interval(X).shape) == ((n, 2, 2), (n, 2))
-    # Many outputs over one rule base are as many models; the compiled loop treats them alike, to the last digit.
+    # Many outputs over one rule base are as many models; the compiled loop treats them alike, to
+    # the last digit.
     np.testing.assert_allclose(many.predict(X)[:, 0], one.predict(X), rtol=0.0, atol=1e-14)
     assert one.score(X, Y[:, 0]) == pytest.approx(column.score(X, Y[:, :1]), rel=1e-14)
 
@@ -556,9 +775,16 @@ def test_gaussian_reduction_gives_two_standard_deviations() -> None:
     X, Y = corners_and_more()
     model = WangMendel(kind="gt2", reduction="gaussian").fit(X, Y)
     mean, sigma = np.moveaxis(model.system_.type_reduced(X), -1, 0)
-    np.testing.assert_allclose(model.predict_interval(X), np.stack([mean - 2.0 * sigma, mean + 2.0 * sigma], axis=-1), rtol=1e-12)
-    # By the corollary the crisp output is that of type 1, whatever the uncertainty; 1e-12 is rounding.
-    np.testing.assert_allclose(model.predict(X), WangMendel(kind="t1").fit(X, Y).predict(X), rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        model.predict_interval(X),
+        np.stack([mean - 2.0 * sigma, mean + 2.0 * sigma], axis=-1),
+        rtol=1e-12,
+    )
+    # By the corollary the crisp output is that of type 1, whatever the uncertainty; 1e-12 is
+    # rounding.
+    np.testing.assert_allclose(
+        model.predict(X), WangMendel(kind="t1").fit(X, Y).predict(X), rtol=0.0, atol=1e-12
+    )
 
 
 class Table:
@@ -580,7 +806,9 @@ def test_names_of_columns_name_the_system_and_are_checked() -> None:
     np.testing.assert_array_equal(model.predict(Table(X, ["speed", "height"])), model.system_(X))
     with pytest.raises(WrongFeatures, match="same order"):
         model.predict(Table(X, ["height", "speed"]))
-    with pytest.raises(WrongFeatures, match=r"(?s)unseen at fit time:\n- width.*now missing:\n- height"):
+    with pytest.raises(
+        WrongFeatures, match=r"(?s)unseen at fit time:\n- width.*now missing:\n- height"
+    ):
         model.predict(Table(X, ["speed", "width"]))
     with pytest.warns(FeatureNamesWarning, match="was fitted with feature names"):
         model.predict(X)
@@ -595,7 +823,9 @@ def test_pickled_models_predict_the_same() -> None:
     X, Y = corners_and_more()
     for kind in KINDS:
         model = WangMendel(kind=kind).fit(X, Y)
-        np.testing.assert_array_equal(pickle.loads(pickle.dumps(model)).predict(X), model.predict(X))
+        np.testing.assert_array_equal(
+            pickle.loads(pickle.dumps(model)).predict(X), model.predict(X)
+        )
 
 
 def test_learning_again_forgets_what_was_learned_before() -> None:
@@ -609,12 +839,16 @@ def test_learning_again_forgets_what_was_learned_before() -> None:
 def test_blocks_of_samples_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """1e-12: sums are added in another order."""
     X, Y = corners_and_more()
-    options: list[dict[str, Any]] = [{"learner": name} for name in ("strongest", "strict", "average", "ridge")]
+    options: list[dict[str, Any]] = [
+        {"learner": name} for name in ("strongest", "strict", "average", "ridge")
+    ]
     whole = [WangMendel(**option).fit(X, Y) for option in options]
     monkeypatch.setattr("fuzzy2.learning.consequents._BLOCK", 28)  # seven samples
     for option, before in zip(options, whole, strict=True):
         after = WangMendel(**option).fit(X, Y)
-        np.testing.assert_allclose(after.system_.consequents, before.system_.consequents, rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(
+            after.system_.consequents, before.system_.consequents, rtol=0.0, atol=1e-12
+        )
         np.testing.assert_array_equal(after.best_firing_, before.best_firing_)
 
 
@@ -640,7 +874,9 @@ def test_blocks_of_samples_change_nothing(monkeypatch: pytest.MonkeyPatch) -> No
         ({"output_terms": 1}, InvalidValue, "output_terms"),
     ],
 )
-def test_parameters_that_cannot_be_meant_are_refused_by_fit(options: dict[str, Any], error: type[Fuzzy2Error], words: str) -> None:
+def test_parameters_that_cannot_be_meant_are_refused_by_fit(
+    options: dict[str, Any], error: type[Fuzzy2Error], words: str
+) -> None:
     X, Y = corners_and_more()
     with pytest.raises(error, match=words):
         WangMendel(**options).fit(X, Y)

@@ -1,0 +1,1 @@
+"""Tests of fuzzy2.numbers, one file per module."""

@@ -1,4 +1,8 @@
-"""Fuzzy numbers: Theorems 1.4 and 1.5 against the extension principle on grids, arrays against loops, α-cuts against enumeration."""
+"""Fuzzy numbers.
+
+Theorems 1.4 and 1.5 against the extension principle on grids, arrays against loops, α-cuts against
+enumeration.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +17,13 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
-from fuzzy2.numbers import FuzzyNumber, GaussianNumber, IntervalNumber, gaussian_meet, gaussian_meet_error
+from fuzzy2.numbers import (
+    FuzzyNumber,
+    GaussianNumber,
+    IntervalNumber,
+    gaussian_meet,
+    gaussian_meet_error,
+)
 from fuzzy2.operations.join_meet import meet
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
@@ -23,11 +33,13 @@ Array = NDArray[np.float64]
 COEFFICIENTS = st.floats(-3.0, 3.0, allow_subnormal=False).map(lambda x: round(x, 2))
 
 
-# --- published vectors -----------------------------------------------------------------------------------------------------------
+# --- published vectors ----------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
-    ("t_norm", "sigma"), [("product", 0.7211102550927978), ("min", 1.0)], ids=["gauss_sum_product_tnorm", "gauss_sum_min_tnorm"]
+    ("t_norm", "sigma"),
+    [("product", 0.7211102550927978), ("min", 1.0)],
+    ids=["gauss_sum_product_tnorm", "gauss_sum_min_tnorm"],
 )
 def test_published_affine_combination_of_gaussians(t_norm: Any, sigma: float) -> None:
     """Karnik and Mendel (2001), Theorem 1.5 of the thesis; 1e-12 as given with the vectors."""
@@ -37,12 +49,14 @@ def test_published_affine_combination_of_gaussians(t_norm: Any, sigma: float) ->
     assert float(found.sigma) == pytest.approx(sigma, abs=1e-12)
 
 
-# --- theorems 1.4 and 1.5 against the extension principle ------------------------------------------------------------------------
+# --- theorems 1.4 and 1.5 against the extension principle -----------------------------------------
 
 
 @given(coefficients=st.lists(COEFFICIENTS, min_size=3, max_size=3))
 @settings(max_examples=200, deadline=None)
-def test_affine_combinations_of_intervals_have_the_ends_of_all_combinations(coefficients: list[float]) -> None:
+def test_affine_combinations_of_intervals_have_the_ends_of_all_combinations(
+    coefficients: list[float],
+) -> None:
     a, b, beta = coefficients
     found = a * IntervalNumber(1.0, 0.5) + IntervalNumber(-2.0, 0.25) * b + beta
     corners = [a * v + b * w + beta for v in (0.5, 1.5) for w in (-2.25, -1.75)]
@@ -52,20 +66,32 @@ def test_affine_combinations_of_intervals_have_the_ends_of_all_combinations(coef
 @pytest.mark.parametrize("t_norm", ["product", "min"])
 @given(a=COEFFICIENTS, b=COEFFICIENTS, beta=COEFFICIENTS)
 @settings(max_examples=100, deadline=None)
-def test_affine_combinations_of_gaussians_against_sup_star_on_a_grid(t_norm: Any, a: float, b: float, beta: float) -> None:
-    """For given theta the best v is searched on a grid of step 1.5e-3, which misses it by half a step at most."""
+def test_affine_combinations_of_gaussians_against_sup_star_on_a_grid(
+    t_norm: Any, a: float, b: float, beta: float
+) -> None:
+    """For given theta the best v is searched on a grid of step 1.5e-3.
+
+    The grid misses it by half a step at most.
+    """
     a, b = (x if abs(x) > 0.1 else 0.5 for x in (a, b))
     found = a * GaussianNumber(1.0, 0.3, t_norm) + b * GaussianNumber(2.0, 0.4, t_norm) + beta
     v = np.linspace(-2.0, 4.0, 4001)
     f = np.exp(-0.5 * ((v - 1.0) / 0.3) ** 2)
-    theta = np.linspace(float(found.mean) - 2.5 * float(found.sigma), float(found.mean) + 2.5 * float(found.sigma), 11)
+    theta = np.linspace(
+        float(found.mean) - 2.5 * float(found.sigma),
+        float(found.mean) + 2.5 * float(found.sigma),
+        11,
+    )
     w = (theta[:, None] - beta - a * v) / b
     g = np.exp(-0.5 * ((w - 2.0) / 0.4) ** 2)
     supremum = (f * g if t_norm == "product" else np.minimum(f, g)).max(axis=1)
-    # Under the product the grade is flat at the best v, with half of (1.55) as its curvature; under the minimum the best v is at a
-    # crossing, where the grade has a slope of at most 2.1 in v and 1.6 in w.
+    # Under the product the grade is flat at the best v, with half of (1.55) as its curvature; under
+    # the minimum the best v is at a crossing, where the grade has a slope of at most 2.1 in v and
+    # 1.6 in w.
     curvature = 1.0 / 0.3**2 + (a / b / 0.4) ** 2
-    tolerance = 0.5 * curvature * 0.75e-3**2 if t_norm == "product" else 1.5e-3 * (2.1 + 1.6 * abs(a / b))
+    tolerance = (
+        0.5 * curvature * 0.75e-3**2 if t_norm == "product" else 1.5e-3 * (2.1 + 1.6 * abs(a / b))
+    )
     np.testing.assert_allclose(found(theta), supremum, rtol=0.0, atol=tolerance)
     assert (found(theta) >= supremum - 1e-12).all()
 
@@ -87,7 +113,7 @@ def test_operands_do_not_interact() -> None:
     assert (g - g).sigma == pytest.approx(3.0 * math.sqrt(2.0), rel=1e-15)
 
 
-# --- arrays ----------------------------------------------------------------------------------------------------------------------
+# --- arrays ---------------------------------------------------------------------------------------
 
 KINDS: dict[str, Callable[[Array, Array], Any]] = {
     "interval": IntervalNumber,
@@ -98,7 +124,11 @@ ALL_KINDS = pytest.mark.parametrize("make", KINDS.values(), ids=KINDS.keys())
 
 
 def fields(number: Any) -> tuple[Array, Array]:
-    return (number.center, number.spread) if isinstance(number, IntervalNumber) else (number.mean, number.sigma)
+    return (
+        (number.center, number.spread)
+        if isinstance(number, IntervalNumber)
+        else (number.mean, number.sigma)
+    )
 
 
 def assert_close(found: Any, expected: Any) -> None:
@@ -110,7 +140,9 @@ def assert_close(found: Any, expected: Any) -> None:
 
 @ALL_KINDS
 @pytest.mark.parametrize("batch", [(), (4,), (2, 5)])
-def test_matrix_of_numbers_times_crisp_vector(make: Callable[[Array, Array], Any], batch: tuple[int, ...]) -> None:
+def test_matrix_of_numbers_times_crisp_vector(
+    make: Callable[[Array, Array], Any], batch: tuple[int, ...]
+) -> None:
     rng = np.random.default_rng(1)
     A = make(rng.normal(size=(*batch, 2, 3)), rng.uniform(0.0, 1.0, (*batch, 2, 3)))
     v = rng.normal(size=(*batch, 3))
@@ -118,7 +150,11 @@ def test_matrix_of_numbers_times_crisp_vector(make: Callable[[Array, Array], Any
     assert found.shape == (*batch, 2)
     for index in np.ndindex(*batch):
         for row in range(2):
-            element = A[(*index, row, 0)] * v[(*index, 0)] + A[(*index, row, 1)] * v[(*index, 1)] + A[(*index, row, 2)] * v[(*index, 2)]
+            element = (
+                A[(*index, row, 0)] * v[(*index, 0)]
+                + A[(*index, row, 1)] * v[(*index, 1)]
+                + A[(*index, row, 2)] * v[(*index, 2)]
+            )
             assert_close(found[(*index, row)], element)
     # One matrix for all vectors of the batch.
     assert_close(A[(0,) * len(batch)] @ v, make(*(one[(0,) * len(batch)] for one in fields(A))) @ v)
@@ -166,7 +202,13 @@ def test_arithmetic_with_crisp_arrays_broadcasts(make: Callable[[Array, Array], 
         len(z[0])
     with pytest.raises(TypeError, match="unhashable"):
         hash(z)
-    for operation in (lambda: z + "a", lambda: z - "a", lambda: z * "a", lambda: z / "a", lambda: z + object()):
+    for operation in (
+        lambda: z + "a",
+        lambda: z - "a",
+        lambda: z * "a",
+        lambda: z / "a",
+        lambda: z + object(),
+    ):
         with pytest.raises(TypeError):
             operation()
 
@@ -195,7 +237,9 @@ def test_cuts_and_memberships() -> None:
     np.testing.assert_allclose(gaussian[0](cut[0]), 0.3, rtol=1e-14)
     np.testing.assert_array_equal(cut[1], [1.0, 1.0])
     np.testing.assert_array_equal(gaussian[1](np.array([1.0, 1.1, np.nan])), [1.0, 0.0, np.nan])
-    np.testing.assert_allclose(gaussian[0](np.linspace(-1, 1, 9)), Gaussian(0.0, 0.5)(np.linspace(-1, 1, 9)), rtol=1e-15)
+    np.testing.assert_allclose(
+        gaussian[0](np.linspace(-1, 1, 9)), Gaussian(0.0, 0.5)(np.linspace(-1, 1, 9)), rtol=1e-15
+    )
     assert IntervalNumber.from_ends([[1.0, 2.0]]) == IntervalNumber([1.5], [0.5])
 
 
@@ -236,30 +280,41 @@ def test_what_is_refused() -> None:
         a.center[...] = 3.0
 
 
-# --- α-cuts ----------------------------------------------------------------------------------------------------------------------
+# --- α-cuts ---------------------------------------------------------------------------------------
 
 
 def test_defuzzifying_last_differs_from_defuzzifying_first() -> None:
     """The triangle (0, 0, 1) plus the interval [0, 1]: 7/9 against 5/6.
 
-    The sum is a trapezoid with corners 0, 0, 1, 2, of area 3/2 and moment 7/6; its cuts are linear, so that only rounding is left.
+    The sum is a trapezoid with corners 0, 0, 1, 2, of area 3/2 and moment 7/6; its cuts are linear,
+    so that only rounding is left.
     """
-    triangle, interval = FuzzyNumber.of(Triangular(0.0, 0.0, 1.0)), FuzzyNumber.of(Interval(0.0, 1.0))
+    triangle, interval = (
+        FuzzyNumber.of(Triangular(0.0, 0.0, 1.0)),
+        FuzzyNumber.of(Interval(0.0, 1.0)),
+    )
     last = float((triangle + interval).defuzzify())
     first = float(triangle.defuzzify() + interval.defuzzify())
     assert last == pytest.approx(7.0 / 9.0, abs=1e-14)
     assert first == pytest.approx(5.0 / 6.0, abs=1e-14)
     x = np.linspace(-0.5, 2.5, 61)
-    np.testing.assert_allclose((triangle + interval)(x), Trapezoidal(0.0, 0.0, 1.0, 2.0)(x), rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(
+        (triangle + interval)(x), Trapezoidal(0.0, 0.0, 1.0, 2.0)(x), rtol=0.0, atol=1e-14
+    )
 
 
 def test_for_affine_numbers_it_makes_no_difference() -> None:
-    """Chapter 5 claims this for intervals only; it holds for Gaussian numbers as well (Theorem 1.5)."""
+    """Chapter 5 claims this for intervals only.
+
+    It holds for Gaussian numbers as well (Theorem 1.5).
+    """
     rng = np.random.default_rng(4)
     v = rng.normal(size=3)
     for t_norm in ("product", "min"):
         A = GaussianNumber(rng.normal(size=(3, 3)), rng.uniform(size=(3, 3)), t_norm)
-        np.testing.assert_allclose((A @ v + 1.0).defuzzify(), A.defuzzify() @ v + 1.0, rtol=0.0, atol=1e-15)
+        np.testing.assert_allclose(
+            (A @ v + 1.0).defuzzify(), A.defuzzify() @ v + 1.0, rtol=0.0, atol=1e-15
+        )
 
 
 @st.composite
@@ -279,8 +334,13 @@ OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
 @pytest.mark.parametrize("sign", OPERATIONS)
 @given(data=st.data())
 @settings(max_examples=150, deadline=None)
-def test_cuts_of_results_hold_the_results_of_all_points_of_the_cuts(sign: str, data: st.DataObject) -> None:
-    """Both signs. 41 x 41 points of the cuts hold their corners, where the operations are extreme; the rest is rounding."""
+def test_cuts_of_results_hold_the_results_of_all_points_of_the_cuts(
+    sign: str, data: st.DataObject
+) -> None:
+    """Both signs. 41 x 41 points of the cuts hold their corners, where the operations are extreme.
+
+    The rest is rounding.
+    """
     a = data.draw(triangles())
     b = data.draw(triangles(positive=sign == "/"))
     operation = OPERATIONS[sign]
@@ -294,7 +354,10 @@ def test_cuts_of_results_hold_the_results_of_all_points_of_the_cuts(sign: str, d
 
 @pytest.mark.parametrize("sign", OPERATIONS)
 def test_memberships_against_sup_min_on_a_grid(sign: str) -> None:
-    """The supremum over 2001 x 2001 pairs in cells of 0.01, where the steepest membership (3) moves by 0.03; twice that for steps."""
+    """The supremum over 2001 x 2001 pairs in cells of 0.01.
+
+    There the steepest membership (3) moves by 0.03; twice that for steps.
+    """
     a, b = Triangular(-1.0, 0.5, 2.0), Trapezoidal(1.0, 1.5, 2.0, 4.0)
     operation = OPERATIONS[sign]
     u, w = np.linspace(-1.0, 2.0, 2001), np.linspace(1.0, 4.0, 2001)
@@ -308,7 +371,10 @@ def test_memberships_against_sup_min_on_a_grid(sign: str) -> None:
     np.testing.assert_allclose(cells, near, rtol=0.0, atol=0.02)
 
 
-@pytest.mark.parametrize("denominator", [Triangular(-1.0, 0.5, 2.0), Triangular(0.0, 1.0, 2.0), Triangular(-2.0, -1.0, 0.0)])
+@pytest.mark.parametrize(
+    "denominator",
+    [Triangular(-1.0, 0.5, 2.0), Triangular(0.0, 1.0, 2.0), Triangular(-2.0, -1.0, 0.0)],
+)
 def test_a_denominator_that_contains_zero_is_refused(denominator: Triangular) -> None:
     number = FuzzyNumber.of(Interval(1.0, 2.0))
     with pytest.raises(InvalidValue, match="does not contain 0"):
@@ -354,7 +420,9 @@ def test_arrays_of_fuzzy_numbers() -> None:
     assert numbers(np.zeros((5, 1, 1))).shape == (5, 2, 3)
     assert FuzzyNumber.of([1.0, 2.0]).shape == (2,)
     np.testing.assert_array_equal(FuzzyNumber.of([1.0, 2.0]).defuzzify(), [1.0, 2.0])
-    np.testing.assert_array_equal(FuzzyNumber.of(2.0)(np.array([1.9, 2.0, np.nan])), [0.0, 1.0, np.nan])
+    np.testing.assert_array_equal(
+        FuzzyNumber.of(2.0)(np.array([1.9, 2.0, np.nan])), [0.0, 1.0, np.nan]
+    )
     assert numbers == FuzzyNumber(numbers.left, numbers.right, numbers.levels)
     assert numbers != numbers + 1.0
     assert numbers != 3.0
@@ -368,17 +436,28 @@ def test_gaussian_numbers_by_cuts_agree_with_theorem_1_5_for_the_minimum() -> No
     x = np.linspace(-6.0, 0.0, 601)
     np.testing.assert_allclose(by_cuts(x), exact(x), rtol=0.0, atol=2e-3)
     for level in by_cuts.levels[[5, 64, 120]]:
-        np.testing.assert_allclose(by_cuts.interval(float(level)), exact.interval(float(level)), rtol=1e-13)
+        np.testing.assert_allclose(
+            by_cuts.interval(float(level)), exact.interval(float(level)), rtol=1e-13
+        )
     assert float(by_cuts.defuzzify()) == pytest.approx(-3.0, abs=1e-13)
     with pytest.raises(NotApplicable, match="t_norm"):
         FuzzyNumber.of(GaussianNumber(1.0, 0.3))
 
 
 @pytest.mark.parametrize(
-    "one", [Gaussian(1.0, 0.4), Bell(1.0, 0.5, 4.0), Trapezoidal(0.0, 1.0, 1.5, 4.0), SampledSet([0, 1, 3], [0, 1, 0])]
+    "one",
+    [
+        Gaussian(1.0, 0.4),
+        Bell(1.0, 0.5, 4.0),
+        Trapezoidal(0.0, 1.0, 1.5, 4.0),
+        SampledSet([0, 1, 3], [0, 1, 0]),
+    ],
 )
 def test_centroids_of_numbers_are_those_of_their_sets(one: Any) -> None:
-    """Quadrature on the continuous domain against 129 cuts, of which the lowest cut of an unbounded set is at 1e-6."""
+    """Quadrature on the continuous domain against 129 cuts.
+
+    Of these the lowest cut of an unbounded set is at 1e-6.
+    """
     assert float(FuzzyNumber.of(one).defuzzify()) == pytest.approx(one.centroid(), abs=1e-3)
 
 
@@ -407,7 +486,7 @@ def test_what_is_no_fuzzy_number_is_refused() -> None:
         FuzzyNumber.of(1.0).interval(1.5)
 
 
-# --- the Gaussian approximation of the meet --------------------------------------------------------------------------------------
+# --- the Gaussian approximation of the meet -------------------------------------------------------
 
 
 def test_gaussian_meet_is_equation_1_30() -> None:
@@ -418,15 +497,25 @@ def test_gaussian_meet_is_equation_1_30() -> None:
     assert float(found.sigma) == pytest.approx(math.sqrt(variance), rel=1e-14)
     batch = gaussian_meet(np.stack([m, m[::-1]]), 0.05)
     assert batch.shape == (2,)
-    assert float(batch.sigma[0]) == pytest.approx(float(gaussian_meet(m, [0.05] * 3).sigma), rel=1e-15)
+    assert float(batch.sigma[0]) == pytest.approx(
+        float(gaussian_meet(m, [0.05] * 3).sigma), rel=1e-15
+    )
     # A mean of 0 must not divide.
     assert float(gaussian_meet([0.0, 0.5], [0.1, 0.2]).sigma) == pytest.approx(0.05, rel=1e-15)
     assert gaussian_meet([0.4], [0.1]) == GaussianNumber(0.4, 0.1)
 
 
-@pytest.mark.parametrize(("means", "sigmas", "error"), [([0.5, 0.7], [0.05, 0.05], 0.033), ([0.1, 0.2], [0.1, 0.15], 0.234)])
-def test_gaussian_meet_is_an_approximation_of_known_error(means: list[float], sigmas: list[float], error: float) -> None:
-    """The errors of the errata, to the three digits given there; the exact meet is searched here once more, densely."""
+@pytest.mark.parametrize(
+    ("means", "sigmas", "error"),
+    [([0.5, 0.7], [0.05, 0.05], 0.033), ([0.1, 0.2], [0.1, 0.15], 0.234)],
+)
+def test_gaussian_meet_is_an_approximation_of_known_error(
+    means: list[float], sigmas: list[float], error: float
+) -> None:
+    """The errors of the errata, to the three digits given there.
+
+    The exact meet is searched here once more, densely.
+    """
     assert gaussian_meet_error(means, sigmas) == pytest.approx(error, abs=5e-4)
     theta = np.linspace(0.0, 1.0, 101)[1:]
     v = np.linspace(1e-6, 1.0, 20001)
@@ -434,7 +523,9 @@ def test_gaussian_meet_is_an_approximation_of_known_error(means: list[float], si
     f, g = Gaussian(means[0], sigmas[0]), Gaussian(means[1], sigmas[1])
     exact = np.where(w <= 1.0, f(v) * g(np.minimum(w, 1.0)), 0.0).max(axis=1)
     np.testing.assert_allclose(meet(f, g, t_norm="product")(theta), exact, rtol=0.0, atol=1e-5)
-    assert np.abs(gaussian_meet(means, sigmas)(theta) - exact).max() == pytest.approx(error, abs=0.02)
+    assert np.abs(gaussian_meet(means, sigmas)(theta) - exact).max() == pytest.approx(
+        error, abs=0.02
+    )
 
 
 def test_gaussian_meet_refuses_nonsense() -> None:

@@ -1,0 +1,1 @@
+"""Tests of fuzzy2.operations, one file per module."""

@@ -26,7 +26,10 @@ Array = NDArray[np.float64]
 
 @st.composite
 def integer_sets(draw: st.DrawFn) -> SampledSet:
-    """Small integers as points, sixteenths as grades: images are integers, so that equal ones are equal."""
+    """Small integers as points, sixteenths as grades.
+
+    Images are integers, so that equal ones are equal.
+    """
     points = draw(st.lists(st.integers(-6, 6), min_size=1, max_size=6, unique=True))
     return SampledSet(points, [draw(st.integers(0, 16)) / 16.0 for _ in points])
 
@@ -45,7 +48,9 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 def test_discrete_sets_are_enumerated(name: str, grades: str, sets: list[SampledSet]) -> None:
     f, norm = FUNCTIONS[name], t_norm(grades)
     expected: dict[float, float] = {}
-    for pairs in itertools.product(*(list(zip(one.points, one.grades, strict=True)) for one in sets)):
+    for pairs in itertools.product(
+        *(list(zip(one.points, one.grades, strict=True)) for one in sets)
+    ):
         image = float(f(*(float(point) for point, _ in pairs)))
         expected[image] = max(expected.get(image, 0.0), float(norm(*(grade for _, grade in pairs))))
     found = extend(f, *sets, t_norm=grades)
@@ -54,11 +59,15 @@ def test_discrete_sets_are_enumerated(name: str, grades: str, sets: list[Sampled
 
 
 def test_equation_1_8_maximizes_over_all_preimages() -> None:
-    assert extend(np.square, SampledSet([-2.0, -1.0, 1.0, 2.0], [0.3, 1.0, 0.6, 0.8])) == SampledSet([1.0, 4.0], [1.0, 0.8])
+    assert extend(
+        np.square, SampledSet([-2.0, -1.0, 1.0, 2.0], [0.3, 1.0, 0.6, 0.8])
+    ) == SampledSet([1.0, 4.0], [1.0, 0.8])
 
 
 def test_singletons_are_crisp_arguments() -> None:
-    assert extend(np.multiply, Singleton(2.0), SampledSet([1.0, 3.0], [0.5, 1.0])) == SampledSet([2.0, 6.0], [0.5, 1.0])
+    assert extend(np.multiply, Singleton(2.0), SampledSet([1.0, 3.0], [0.5, 1.0])) == SampledSet(
+        [2.0, 6.0], [0.5, 1.0]
+    )
 
 
 def test_images_within_1e_12_are_one() -> None:
@@ -76,20 +85,26 @@ def test_large_enumerations_are_done_in_blocks(monkeypatch: pytest.MonkeyPatch) 
 
 
 def gaussian_sum_error(grades: str, sigma: float) -> float:
-    """Return the error of the sum of two Gaussian sets, (1, 0.3) and (2, 0.4), against Theorem 1.5."""
+    """Return the error of the sum of Gaussian sets (1, 0.3) and (2, 0.4) by Theorem 1.5."""
     found = extend(np.add, Gaussian(1.0, 0.3), Gaussian(2.0, 0.4), t_norm=grades)
     x = np.linspace(1.5, 4.5, 501)
     return float(np.abs(found(x) - Gaussian(3.0, sigma)(x)).max())
 
 
 def test_sum_of_gaussians_under_both_t_norms() -> None:
-    """Theorem 1.5. Interpolating 257 cuts costs h²μ''/8 < 5e-5; sampling on 1024 x 1024 pairs about 1e-3, and the lower bound holds."""
+    """Theorem 1.5. Interpolating 257 cuts costs h²μ''/8 < 5e-5.
+
+    Sampling on 1024 x 1024 pairs about 1e-3, and the lower bound holds.
+    """
     assert gaussian_sum_error("min", 0.7) < 5e-5
     assert gaussian_sum_error("product", 0.5) < 1e-3
 
 
 def test_a_function_that_is_not_monotone_under_the_minimum() -> None:
-    """The square of a triangle on [-1, 2]: the cut at a is the square of [2a/2 - 1, 2 - 3a/2], known in closed form."""
+    """The square of a triangle on [-1, 2].
+
+    The cut at a is the square of [2a/2 - 1, 2 - 3a/2], known in closed form.
+    """
     found = extend(np.square, Triangular(-1.0, 0.5, 2.0))
     levels = np.linspace(0.05, 0.95, 19)
     left, right = -1.0 + 1.5 * levels, 2.0 - 1.5 * levels
@@ -100,8 +115,15 @@ def test_a_function_that_is_not_monotone_under_the_minimum() -> None:
 
 
 def test_extrema_inside_the_box_are_found() -> None:
-    """Rosenbrock's valley: the least value 0 at (1, 1) lies off the grid of the first search. Its images reach from 0 to the corner."""
-    found = extend(lambda x, y: (1.0 - x) ** 2 + 100.0 * (y - x**2) ** 2, Interval(0.31, 1.57), Interval(-0.12, 1.93))
+    """Rosenbrock's valley: the least value 0 at (1, 1) lies off the grid of the first search.
+
+    Its images reach from 0 to the corner.
+    """
+    found = extend(
+        lambda x, y: (1.0 - x) ** 2 + 100.0 * (y - x**2) ** 2,
+        Interval(0.31, 1.57),
+        Interval(-0.12, 1.93),
+    )
     assert found.points[0] == pytest.approx(0.0, abs=1e-3)
     corners = [(1 - x) ** 2 + 100 * (y - x * x) ** 2 for x in (0.31, 1.57) for y in (-0.12, 1.93)]
     assert found.points[-1] == pytest.approx(max(corners), rel=1e-12)
@@ -109,17 +131,23 @@ def test_extrema_inside_the_box_are_found() -> None:
 
 @pytest.mark.parametrize("count", [1, 3, 4])
 def test_other_numbers_of_functions(count: int) -> None:
-    """Sums of equal triangles under the minimum are a triangle; linear cuts are exact at every level."""
+    """Sums of equal triangles under the minimum are a triangle.
+
+    Linear cuts are exact at every level.
+    """
     found = extend(lambda *x: sum(x), *[Triangular(0.0, 1.0, 3.0)] * count)
     u = np.linspace(0.0, 3.0 * count, 97)
-    np.testing.assert_allclose(found(u), Triangular(0.0, count, 3.0 * count)(u), rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(
+        found(u), Triangular(0.0, count, 3.0 * count)(u), rtol=0.0, atol=1e-9
+    )
 
 
 def test_sets_below_height_one_and_sets_that_are_not_convex() -> None:
     low = extend(lambda x: 2.0 * x, Triangular(0.0, 0.5, 1.0, height=0.5))
     assert low.height == 0.5
     two_peaks = SampledSet([0.0, 1.0, 2.0, 3.0, 4.0], [0.0, 1.0, 0.0, 0.5, 0.0])
-    mixed = extend(np.add, two_peaks, Gaussian(10.0, 0.01))  # a point of the sampled set, blurred a little
+    # a point of the sampled set, blurred a little
+    mixed = extend(np.add, two_peaks, Gaussian(10.0, 0.01))
     for point, expected in ((11.0, 1.0), (12.0, 0.0), (13.0, 0.5), (11.5, 0.0)):
         assert mixed(point) == pytest.approx(expected, abs=0.05)
 
@@ -147,4 +175,6 @@ def test_what_cannot_be_extended_is_refused() -> None:
 
 def test_an_unbounded_set_counts_down_to_1e_6() -> None:
     found = extend(lambda x: x, Gaussian(0.0, 1.0))
-    np.testing.assert_allclose(found.points[[0, -1]], np.array([-1, 1]) * math.sqrt(-2.0 * math.log(1e-6)), rtol=1e-12)
+    np.testing.assert_allclose(
+        found.points[[0, -1]], np.array([-1, 1]) * math.sqrt(-2.0 * math.log(1e-6)), rtol=1e-12
+    )

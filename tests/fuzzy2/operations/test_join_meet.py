@@ -1,4 +1,7 @@
-"""Join, meet and negation against brute force, the theorems in their corrected form, and the counterexamples to their misuse."""
+"""Join, meet and negation against brute force.
+
+The theorems in their corrected form, and the counterexamples to their misuse.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +18,13 @@ from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
 from fuzzy2.operations.join_meet import METHODS, join, meet, negation
-from fuzzy2.operations.joined_sets import ContinuousMeet, ExtremumSet, NegatedSet, supremum, tabulated
+from fuzzy2.operations.joined_sets import (
+    ContinuousMeet,
+    ExtremumSet,
+    NegatedSet,
+    supremum,
+    tabulated,
+)
 from fuzzy2.operations.t_norms import T_NORMS, t_conorm, t_norm
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
@@ -29,8 +38,13 @@ BOTH = pytest.mark.parametrize("kind", ["join", "meet"])
 GRADE_NORMS = pytest.mark.parametrize("grades", ["min", "product", "lukasiewicz"])
 
 
-def brute_force(first: SampledSet, second: SampledSet, combine: Callable[[float, float], Any], grades: str) -> dict[float, float]:
-    """Enumerate all pairs; points that agree to nine digits are one (the test sets have coarse points)."""
+def brute_force(
+    first: SampledSet, second: SampledSet, combine: Callable[[float, float], Any], grades: str
+) -> dict[float, float]:
+    """Enumerate all pairs.
+
+    Points that agree to nine digits are one (the test sets have coarse points).
+    """
     norm = t_norm(grades)
     result: dict[float, float] = {}
     for u, f in zip(first.points, first.grades, strict=True):
@@ -44,14 +58,18 @@ def assert_same(found: Type1Set, expected: dict[float, float], tolerance: float 
     assert isinstance(found, SampledSet)
     order = sorted(expected)
     np.testing.assert_allclose(found.points, order, rtol=0.0, atol=1e-9)
-    np.testing.assert_allclose(found.grades, [expected[point] for point in order], rtol=0.0, atol=tolerance)
+    np.testing.assert_allclose(
+        found.grades, [expected[point] for point in order], rtol=0.0, atol=tolerance
+    )
 
 
 @st.composite
 def discrete_sets(draw: st.DrawFn, smallest_grade: int = 0) -> SampledSet:
     """Points on a grid of 1/20 and grades of sixteenths, any shape."""
     points = draw(st.lists(st.integers(0, 20), min_size=1, max_size=7, unique=True))
-    grades = draw(st.lists(st.integers(smallest_grade, 16), min_size=len(points), max_size=len(points)))
+    grades = draw(
+        st.lists(st.integers(smallest_grade, 16), min_size=len(points), max_size=len(points))
+    )
     assume(any(grades))
     return SampledSet([k / 20.0 for k in points], [k / 16.0 for k in grades])
 
@@ -61,7 +79,10 @@ def unimodal_sets(draw: st.DrawFn, normal: bool = True) -> SampledSet:
     """Convex sets on the same eleven points; normal unless allowed to be lower."""
     top = 16 if normal else draw(st.integers(1, 16))
     before = sorted(draw(st.lists(st.integers(0, top), max_size=10)))
-    after = sorted(draw(st.lists(st.integers(0, top), min_size=10 - len(before), max_size=10 - len(before))), reverse=True)
+    after = sorted(
+        draw(st.lists(st.integers(0, top), min_size=10 - len(before), max_size=10 - len(before))),
+        reverse=True,
+    )
     return SampledSet(np.arange(11) / 10.0, np.array([*before, top, *after]) / 16.0)
 
 
@@ -85,9 +106,10 @@ def convex_functions(draw: st.DrawFn, normal: bool = True) -> Type1Set:
     return Interval(a, d)
 
 
-# --- published vectors -----------------------------------------------------------------------------------------------------------
+# --- published vectors ----------------------------------------------------------------------------
 
-# Operands from carmelgafa/type2fuzzy_papers, "approach_type2fuzzy_arithmetic"; results by enumeration of all nine pairs.
+# Operands from carmelgafa/type2fuzzy_papers, "approach_type2fuzzy_arithmetic"; results by
+# enumeration of all nine pairs.
 F = SampledSet([0.0, 0.1, 0.2], [0.5, 0.7, 0.3])
 G = SampledSet([0.1, 0.2, 0.3], [0.9, 0.7, 0.6])
 
@@ -98,22 +120,32 @@ G = SampledSet([0.1, 0.2, 0.3], [0.9, 0.7, 0.6])
         (join(F, G, t_norm="min"), {0.1: 0.7, 0.2: 0.7, 0.3: 0.6}),
         (meet(F, G, t_norm="min"), {0.0: 0.5, 0.1: 0.7, 0.2: 0.3}),
         (meet(F, G, t_norm="min", grade_t_norm="product"), {0.0: 0.45, 0.1: 0.63, 0.2: 0.21}),
-        (meet(F, G, t_norm="product", grade_t_norm="min"), {0.0: 0.5, 0.01: 0.7, 0.02: 0.7, 0.03: 0.6, 0.04: 0.3, 0.06: 0.3}),
+        (
+            meet(F, G, t_norm="product", grade_t_norm="min"),
+            {0.0: 0.5, 0.01: 0.7, 0.02: 0.7, 0.03: 0.6, 0.04: 0.3, 0.06: 0.3},
+        ),
     ],
-    ids=["discrete_join_max_tmin", "discrete_meet_min_tmin", "discrete_meet_min_tprod", "discrete_meet_product_tmin"],
+    ids=[
+        "discrete_join_max_tmin",
+        "discrete_meet_min_tmin",
+        "discrete_meet_min_tprod",
+        "discrete_meet_product_tmin",
+    ],
 )
 def test_published_discrete_joins_and_meets(found: Type1Set, expected: dict[float, float]) -> None:
     assert_same(found, expected, 1e-12)
 
 
-# --- discrete sets ---------------------------------------------------------------------------------------------------------------
+# --- discrete sets --------------------------------------------------------------------------------
 
 
 @BOTH
 @GRADE_NORMS
 @given(first=discrete_sets(), second=discrete_sets())
 @settings(max_examples=250, deadline=None)
-def test_discrete_extremum_is_that_of_all_pairs(kind: str, grades: str, first: SampledSet, second: SampledSet) -> None:
+def test_discrete_extremum_is_that_of_all_pairs(
+    kind: str, grades: str, first: SampledSet, second: SampledSet
+) -> None:
     found = OPERATIONS[kind](first, second, grade_t_norm=grades)
     assert_same(found, brute_force(first, second, max if kind == "join" else min, grades))
 
@@ -122,8 +154,13 @@ def test_discrete_extremum_is_that_of_all_pairs(kind: str, grades: str, first: S
 @pytest.mark.parametrize("name", ["product", "lukasiewicz", "hamacher", "drastic"])
 @given(first=discrete_sets(), second=discrete_sets())
 @settings(max_examples=100, deadline=None)
-def test_discrete_meet_and_join_by_any_norm_are_those_of_all_pairs(grades: str, name: str, first: SampledSet, second: SampledSet) -> None:
-    assert_same(meet(first, second, t_norm=name, grade_t_norm=grades), brute_force(first, second, t_norm(name), grades))
+def test_discrete_meet_and_join_by_any_norm_are_those_of_all_pairs(
+    grades: str, name: str, first: SampledSet, second: SampledSet
+) -> None:
+    assert_same(
+        meet(first, second, t_norm=name, grade_t_norm=grades),
+        brute_force(first, second, t_norm(name), grades),
+    )
     conorm = {"product": "probabilistic"}.get(name, name)
     found = join(first, second, t_conorm=conorm, grade_t_norm=grades)
     assert_same(found, brute_force(first, second, t_conorm(conorm), grades))
@@ -137,7 +174,10 @@ def test_discrete_meet_and_join_by_any_norm_are_those_of_all_pairs(grades: str, 
 def test_many_sets_at_once_in_any_order_are_pairs_in_turn(
     kind: str, name: str, grades: str, sets: list[SampledSet], data: st.DataObject
 ) -> None:
-    """Commutative and associative up to rounding: 1e-14 is some ulps of products of four grades, 1e-12 where points merge."""
+    """Commutative and associative up to rounding.
+
+    1e-14 is some ulps of products of four grades, 1e-12 where points merge.
+    """
     operation: Callable[..., Any] = OPERATIONS[kind]
     options = {"t_norm": name, "grade_t_norm": grades}
     at_once = operation(*sets, **options)
@@ -158,15 +198,24 @@ def test_points_within_1e_12_merge_by_the_maximum() -> None:
     first, second = SampledSet([0.3], [0.4]), SampledSet([0.1 + 0.2, 0.1], [0.9, 1.0])
     assert second.points[1] != first.points[0]
     assert join(first, second) == SampledSet([0.3], [0.4])
-    found = meet(SampledSet([0.5, 0.25], [1.0, 0.75]), SampledSet([0.5, 1.0], [0.5, 1.0]), t_norm="product")
-    assert found == SampledSet([0.125, 0.25, 0.5], [0.375, 0.75, 1.0])  # 0.25 is 0.5 · 0.5 (grade 0.5) and 0.25 · 1 (0.75)
+    found = meet(
+        SampledSet([0.5, 0.25], [1.0, 0.75]), SampledSet([0.5, 1.0], [0.5, 1.0]), t_norm="product"
+    )
+    # 0.25 is 0.5 · 0.5 (grade 0.5) and 0.25 · 1 (0.75)
+    assert found == SampledSet([0.125, 0.25, 0.5], [0.375, 0.75, 1.0])
 
 
 @given(first=discrete_sets(), second=discrete_sets())
 @settings(max_examples=300, deadline=None)
-def test_de_morgan_for_the_minimum_and_for_dual_pairs(first: SampledSet, second: SampledSet) -> None:
+def test_de_morgan_for_the_minimum_and_for_dual_pairs(
+    first: SampledSet, second: SampledSet
+) -> None:
     """Points are twentieths, whose complements round to 1e-16; the grades are the same numbers."""
-    for norm, conorm in (("min", "max"), ("product", "probabilistic"), ("lukasiewicz", "lukasiewicz")):
+    for norm, conorm in (
+        ("min", "max"),
+        ("product", "probabilistic"),
+        ("lukasiewicz", "lukasiewicz"),
+    ):
         for grades in ("min", "product"):
             left = negation(join(first, second, t_conorm=conorm, grade_t_norm=grades))
             right = meet(negation(first), negation(second), t_norm=norm, grade_t_norm=grades)
@@ -206,7 +255,8 @@ def on_grid(discrete: Type1Set, grid: Array) -> Array:
 
 def test_what_fails_under_the_product() -> None:
     """The counterexamples of the errata."""
-    # De Morgan: the right side has a second way to 0.5, which the left one has not. The gap is 0.75.
+    # De Morgan: the right side has a second way to 0.5, which the left one has not. The gap is
+    # 0.75.
     first, second = SampledSet([0.5], [1.0]), SampledSet([0.0, 0.5], [0.25, 1.0])
     left = negation(join(first, second, t_norm="product"))
     right = meet(negation(first), negation(second), t_norm="product")
@@ -223,21 +273,27 @@ def test_what_fails_under_the_product() -> None:
 
 
 def test_meet_does_not_distribute_over_join_under_the_product() -> None:
-    a, b, c = SampledSet([0.2, 0.5], [0.6, 1.0]), SampledSet([0.3, 0.6], [1.0, 0.8]), SampledSet([0.4, 0.7], [0.9, 1.0])
+    a, b, c = (
+        SampledSet([0.2, 0.5], [0.6, 1.0]),
+        SampledSet([0.3, 0.6], [1.0, 0.8]),
+        SampledSet([0.4, 0.7], [0.9, 1.0]),
+    )
     left = meet(a, join(b, c, t_norm="product"), t_norm="product")
     right = join(meet(a, b, t_norm="product"), meet(a, c, t_norm="product"), t_norm="product")
     assert left != right
 
 
 def test_lukasiewicz_grades_may_leave_nothing() -> None:
-    assert meet(SampledSet([0.3], [0.4]), SampledSet([0.5], [0.5]), grade_t_norm="lukasiewicz") == SampledSet([0.3], [0.0])
+    assert meet(
+        SampledSet([0.3], [0.4]), SampledSet([0.5], [0.5]), grade_t_norm="lukasiewicz"
+    ) == SampledSet([0.3], [0.0])
 
 
-# --- theorem 1.1 -----------------------------------------------------------------------------------------------------------------
+# --- theorem 1.1 ----------------------------------------------------------------------------------
 
 
 def pairs_on_the_grid(kind: str, sets: list[Type1Set], grades: str) -> Array:
-    """Return the join or meet on THETA by enumeration of all pairs of grid points, set after set."""
+    """Return the join or meet on THETA by enumeration of pairs of grid points, set after set."""
     norm = t_norm(grades)
     result = sets[0](THETA)
     for other in sets[1:]:
@@ -254,10 +310,15 @@ def pairs_on_the_grid(kind: str, sets: list[Type1Set], grades: str) -> Array:
 @GRADE_NORMS
 @given(sets=st.lists(convex_functions(), min_size=2, max_size=4))
 @settings(max_examples=150, deadline=None)
-def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(kind: str, grades: str, sets: list[Type1Set]) -> None:
-    """Peaks are on the grid, where the suprema are attained, so only rounding is left: 1e-14 for products of four grades.
+def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(
+    kind: str, grades: str, sets: list[Type1Set]
+) -> None:
+    """Peaks are on the grid, where the suprema are attained, so only rounding is left.
 
-    Beyond the grid the sets have nothing that counts on it: for a join what lies below 0 is lower than what lies at 0.
+    1e-14 for products of four grades.
+
+    Beyond the grid the sets have nothing that counts on it: for a join what lies below 0 is lower
+    than what lies at 0.
     """
     operation = OPERATIONS[kind]
     assume(all(operand.is_normal() for operand in sets))
@@ -271,19 +332,27 @@ def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(kind: st
 @GRADE_NORMS
 @given(sets=st.lists(convex_functions(normal=False), min_size=2, max_size=4))
 @settings(max_examples=150, deadline=None)
-def test_without_normality_the_general_formula_still_agrees_with_all_pairs(kind: str, grades: str, sets: list[Type1Set]) -> None:
+def test_without_normality_the_general_formula_still_agrees_with_all_pairs(
+    kind: str, grades: str, sets: list[Type1Set]
+) -> None:
     found = OPERATIONS[kind](*sets, grade_t_norm=grades)
-    np.testing.assert_allclose(found(THETA), pairs_on_the_grid(kind, sets, grades), rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(
+        found(THETA), pairs_on_the_grid(kind, sets, grades), rtol=0.0, atol=1e-14
+    )
 
 
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(unimodal_sets(), min_size=2, max_size=4))
 @settings(max_examples=100, deadline=None)
-def test_theorem_1_1_for_discrete_sets_at_the_same_points(kind: str, grades: str, sets: list[SampledSet]) -> None:
+def test_theorem_1_1_for_discrete_sets_at_the_same_points(
+    kind: str, grades: str, sets: list[SampledSet]
+) -> None:
     by_theorem = OPERATIONS[kind](*sets, grade_t_norm=grades, method="theorem_1_1")
     general = OPERATIONS[kind](*sets, grade_t_norm=grades, method="general")
-    np.testing.assert_allclose(on_grid(by_theorem, sets[0].points), on_grid(general, sets[0].points), rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(
+        on_grid(by_theorem, sets[0].points), on_grid(general, sets[0].points), rtol=0.0, atol=1e-15
+    )
 
 
 def test_first_row_of_1_15_is_a_maximum_and_of_1_14_a_minimum() -> None:
@@ -311,10 +380,15 @@ def test_theorem_1_1_is_refused_where_it_would_be_wrong(kind: str) -> None:
         operation(SampledSet([0.1], [1.0]), SampledSet([0.2], [1.0]), method="theorem_1_1")
     with pytest.raises(NotApplicable, match="never reaches"):
         operation(Sigmoid(0.5, 10.0), normal, method="theorem_1_1")
-    # What is refused is done right instead, also automatically. The theorem would be off by 0.2 and 1.0.
-    np.testing.assert_allclose(operation(low, normal)(THETA), pairs_on_the_grid(kind, [low, normal], "min"), atol=1e-15)
+    # What is refused is done right instead, also automatically. The theorem would be off by 0.2 and
+    # 1.0.
+    np.testing.assert_allclose(
+        operation(low, normal)(THETA), pairs_on_the_grid(kind, [low, normal], "min"), atol=1e-15
+    )
     found = operation(two_peaks, normal)(THETA)
-    np.testing.assert_allclose(found, pairs_on_the_grid(kind, [two_peaks, normal], "min"), atol=1e-15)
+    np.testing.assert_allclose(
+        found, pairs_on_the_grid(kind, [two_peaks, normal], "min"), atol=1e-15
+    )
 
 
 @pytest.mark.parametrize("method", ["theorem_1_1", "shift", "intervals"])
@@ -323,7 +397,7 @@ def test_theorems_of_the_minimum_are_refused_for_the_product_meet(method: Any) -
         meet(Gaussian(0.5, 0.1), Gaussian(0.6, 0.1), t_norm="product", method=method)
 
 
-# --- shift corollary and interval theorem ----------------------------------------------------------------------------------------
+# --- shift corollary and interval theorem ---------------------------------------------------------
 
 
 @BOTH
@@ -336,7 +410,9 @@ def test_theorems_of_the_minimum_are_refused_for_the_product_meet(method: Any) -
         lambda k: Bell(0.2 + k, 0.1, 2.0),
     ],
 )
-def test_shifted_sets_join_to_the_last_and_meet_to_the_first(kind: str, shape: Callable[[float], Type1Set]) -> None:
+def test_shifted_sets_join_to_the_last_and_meet_to_the_first(
+    kind: str, shape: Callable[[float], Type1Set]
+) -> None:
     sets = [shape(k) for k in (0.3, 0.0, 0.5, 0.1)]
     expected = sets[2] if kind == "join" else sets[1]
     assert OPERATIONS[kind](*sets) == expected
@@ -357,13 +433,19 @@ def test_the_shift_corollary_is_refused_where_it_does_not_hold(kind: str) -> Non
     with pytest.raises(NotApplicable, match="normal"):
         operation(Gaussian(0.2, 0.1, 0.9), Gaussian(0.5, 0.1, 0.9), method="shift")
     with pytest.raises(NotApplicable, match="no parameters"):
-        operation(SampledSet([0.1, 0.2], [1.0, 0.5]), SampledSet([0.2, 0.3], [1.0, 0.5]), method="shift")
-    # Under product grades the join of a Gaussian with its shifted self is another set: left of both, f1 f2 instead of f2.
+        operation(
+            SampledSet([0.1, 0.2], [1.0, 0.5]), SampledSet([0.2, 0.3], [1.0, 0.5]), method="shift"
+        )
+    # Under product grades the join of a Gaussian with its shifted self is another set: left of
+    # both, f1 f2 instead of f2.
     found = join(Gaussian(0.4, 0.1), Gaussian(0.5, 0.1), grade_t_norm="product")(THETA)
     assert np.abs(found - Gaussian(0.5, 0.1)(THETA)).max() == pytest.approx(0.0548, abs=1e-4)
 
 
-@given(ends=st.lists(st.tuples(st.integers(0, 10), st.integers(0, 10)), min_size=1, max_size=4), name=st.sampled_from(tuple(T_NORMS)))
+@given(
+    ends=st.lists(st.tuples(st.integers(0, 10), st.integers(0, 10)), min_size=1, max_size=4),
+    name=st.sampled_from(tuple(T_NORMS)),
+)
 @settings(max_examples=200, deadline=None)
 def test_intervals_meet_and_join_end_by_end(ends: list[tuple[int, int]], name: str) -> None:
     sets = [Interval(min(pair) / 10.0, max(pair) / 10.0) for pair in ends]
@@ -384,7 +466,9 @@ def test_intervals_meet_and_join_end_by_end(ends: list[tuple[int, int]], name: s
 def test_the_interval_theorem_agrees_with_the_general_way_and_is_refused_for_other_sets() -> None:
     a, b = Interval(0.2, 0.5), Interval(0.4, 0.75)
     for operation in (join, meet):
-        np.testing.assert_array_equal(operation(a, b, method="general")(THETA), operation(a, b)(THETA))
+        np.testing.assert_array_equal(
+            operation(a, b, method="general")(THETA), operation(a, b)(THETA)
+        )
         with pytest.raises(NotApplicable, match="not all sets are intervals"):
             operation(a, Gaussian(0.5, 0.1), method="intervals")
     by_search = meet(a, b, t_norm="product", method="general")
@@ -398,21 +482,30 @@ def test_the_interval_theorem_agrees_with_the_general_way_and_is_refused_for_oth
 
 def test_singletons_are_crisp_grades() -> None:
     assert join(Singleton(0.3), Singleton(0.6)) == Singleton(0.6)
-    assert meet(Singleton(0.3), Singleton(0.6), Singleton(0.5), t_norm="product") == Singleton(0.3 * 0.6 * 0.5)
+    assert meet(Singleton(0.3), Singleton(0.6), Singleton(0.5), t_norm="product") == Singleton(
+        0.3 * 0.6 * 0.5
+    )
     assert meet(Singleton(0.3), Singleton(0.6), t_norm="drastic") == Singleton(0.0)
     assert join(Singleton(0.3), Singleton(0.6), method="general") == Singleton(0.6)
-    assert meet(Singleton(0.5), Singleton(0.5), t_norm="product", method="general") == Singleton(0.25)
+    assert meet(Singleton(0.5), Singleton(0.5), t_norm="product", method="general") == Singleton(
+        0.25
+    )
     assert negation(Singleton(0.25)) == Singleton(0.75)
     # A singleton with a function scales it under the product.
     scaled = meet(Singleton(0.5), Triangular(0.2, 0.4, 0.8), t_norm="product")
-    np.testing.assert_allclose(scaled(THETA), Triangular(0.1, 0.2, 0.4)(THETA), rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        scaled(THETA), Triangular(0.1, 0.2, 0.4)(THETA), rtol=0.0, atol=1e-12
+    )
 
 
-# --- meets under other t-norms ---------------------------------------------------------------------------------------------------
+# --- meets under other t-norms --------------------------------------------------------------------
 
 
 def dense_meet(f: Type1Set, g: Type1Set, name: str, grades: str, theta: Array) -> Array:
-    """Return a lower bound of the product meet: the best of 4001 factorizations, and (1.33) at 0."""
+    """Return a lower bound of the product meet.
+
+    The best of 4001 factorizations, and (1.33) at 0.
+    """
     norm = t_norm(grades)
     v = np.linspace(1e-9, 1.0, 4001)
     rows = []
@@ -429,8 +522,12 @@ def dense_meet(f: Type1Set, g: Type1Set, name: str, grades: str, theta: Array) -
 @pytest.mark.parametrize("grades", ["min", "product"])
 @given(f=convex_functions(normal=False), g=convex_functions(normal=False))
 @settings(max_examples=100, deadline=None)
-def test_product_meet_of_functions_is_the_supremum_over_factorizations(grades: str, f: Type1Set, g: Type1Set) -> None:
-    """The dense search is a lower bound; it lags by the slope of the sets (up to 20) times its step of 2.5e-4.
+def test_product_meet_of_functions_is_the_supremum_over_factorizations(
+    grades: str, f: Type1Set, g: Type1Set
+) -> None:
+    """The dense search is a lower bound.
+
+    It lags by the slope of the sets (up to 20) times its step of 2.5e-4.
 
     At vertical edges it may lag by anything, so there only the bound is checked.
     """
@@ -438,7 +535,11 @@ def test_product_meet_of_functions_is_the_supremum_over_factorizations(grades: s
     exact = meet(f, g, t_norm="product", grade_t_norm=grades, method="general")(theta)
     bound = dense_meet(f, g, "product", grades, theta)
     assert (exact >= bound - 1e-9).all()
-    steep = any(isinstance(one, Interval | Truncated) or (isinstance(one, Triangular | Trapezoidal) and not slopes(one)) for one in (f, g))
+    steep = any(
+        isinstance(one, Interval | Truncated)
+        or (isinstance(one, Triangular | Trapezoidal) and not slopes(one))
+        for one in (f, g)
+    )
     if not steep:
         assert (exact <= bound + 8e-3).all()
 
@@ -453,13 +554,20 @@ def slopes(polygon: Triangular | Trapezoidal) -> bool:
 
 
 def test_product_meet_of_gaussians_against_newtons_method() -> None:
-    """Equation 1.36: J(v) of (1.37) is minimized to 1e-13 by Newton's method from the peak of 1.40; the search promises 1e-8."""
+    """Equation 1.36: J(v) of (1.37) is minimized to 1e-13 by Newton's method from the peak of 1.40.
+
+    The search promises 1e-8.
+    """
     m1, s1, m2, s2 = 0.5, 0.06, 0.7, 0.05
     for theta in np.linspace(0.2, 0.55, 15):
         v = (theta * m2 * s1**2 + m1 * m1**2 * s2**2) / (m2**2 * s1**2 + m1**2 * s2**2)
         for _ in range(60):
             first = 2 * (v - m1) / s1**2 - 2 * (theta / v - m2) * theta / v**2 / s2**2
-            second = 2 / s1**2 + 2 * theta**2 / v**4 / s2**2 + 4 * (theta / v - m2) * theta / v**3 / s2**2
+            second = (
+                2 / s1**2
+                + 2 * theta**2 / v**4 / s2**2
+                + 4 * (theta / v - m2) * theta / v**3 / s2**2
+            )
             v -= first / second
         expected = math.exp(-0.5 * (((v - m1) / s1) ** 2 + ((theta / v - m2) / s2) ** 2))
         found = meet(Gaussian(m1, s1), Gaussian(m2, s2), t_norm="product")(theta)
@@ -469,7 +577,9 @@ def test_product_meet_of_gaussians_against_newtons_method() -> None:
 def test_product_meet_at_zero_and_outside_the_unit_interval() -> None:
     """Equations 1.33 and 1.35; memberships beyond [0, 1] do not exist."""
     found = meet(Gaussian(0.1, 0.1), Gaussian(0.2, 0.15), t_norm="product")
-    assert found(0.0) == pytest.approx(max(math.exp(-0.5), math.exp(-0.5 * (0.2 / 0.15) ** 2)), abs=1e-15)
+    assert found(0.0) == pytest.approx(
+        max(math.exp(-0.5), math.exp(-0.5 * (0.2 / 0.15) ** 2)), abs=1e-15
+    )
     np.testing.assert_array_equal(found(np.array([-0.1, 1.1, np.nan])), [0.0, 0.0, np.nan])
     assert found.support == (0.0, 1.0)
     beyond = meet(Gaussian(1.2, 0.1), Gaussian(1.0, 0.1), t_norm="product")
@@ -480,7 +590,10 @@ def test_product_meet_at_zero_and_outside_the_unit_interval() -> None:
 @pytest.mark.parametrize("grades", ["min", "product"])
 @pytest.mark.parametrize("name", ["product", "lukasiewicz", "hamacher", "einstein"])
 def test_meets_and_joins_by_other_norms_against_a_grid(name: str, grades: str) -> None:
-    """All pairs of a grid of 801 x 801, in cells of 0.01; a step at the slope of 5 is 6.25e-3, which the grid may miss."""
+    """All pairs of a grid of 801 x 801, in cells of 0.01.
+
+    A step at the slope of 5 is 6.25e-3, which the grid may miss.
+    """
     f, g = Triangular(0.2, 0.6, 0.8), Gaussian(0.7, 0.15)
     u = np.linspace(0.0, 1.0, 801)
     conorm = t_conorm({"product": "probabilistic"}.get(name, name))
@@ -489,9 +602,16 @@ def test_meets_and_joins_by_other_norms_against_a_grid(name: str, grades: str) -
         (join(f, g, t_conorm=conorm, grade_t_norm=grades), conorm(u[:, None], u[None, :])),
     ):
         cells = np.zeros(101)
-        np.maximum.at(cells, np.rint(combined * 100.0).astype(int), t_norm(grades)(f(u)[:, None], g(u)[None, :]))
+        np.maximum.at(
+            cells,
+            np.rint(combined * 100.0).astype(int),
+            t_norm(grades)(f(u)[:, None], g(u)[None, :]),
+        )
         theta = np.arange(101) / 100.0
-        best_near = np.max([found(np.clip(theta + shift, 0.0, 1.0)) for shift in np.linspace(-0.005, 0.005, 11)], axis=0)
+        best_near = np.max(
+            [found(np.clip(theta + shift, 0.0, 1.0)) for shift in np.linspace(-0.005, 0.005, 11)],
+            axis=0,
+        )
         np.testing.assert_allclose(cells, best_near, rtol=0.0, atol=0.0064)
 
 
@@ -499,17 +619,24 @@ def test_three_sets_in_any_order_and_against_equal_thirds() -> None:
     """The intermediate table is within 1e-7, so two orders differ by less than 4e-7."""
     sets = [Gaussian(0.5, 0.05), Gaussian(0.7, 0.05), Gaussian(0.9, 0.05)]
     theta = np.linspace(0.0, 1.0, 101)
-    results = [meet(*(sets[k] for k in order), t_norm="product")(theta) for order in ((0, 1, 2), (2, 1, 0), (1, 2, 0))]
+    results = [
+        meet(*(sets[k] for k in order), t_norm="product")(theta)
+        for order in ((0, 1, 2), (2, 1, 0), (1, 2, 0))
+    ]
     np.testing.assert_allclose(results[0], results[1], rtol=0.0, atol=4e-7)
     np.testing.assert_allclose(results[0], results[2], rtol=0.0, atol=4e-7)
     # Three equal sets: near their peak the best factors are equal by symmetry.
     same = meet(*[Gaussian(0.8, 0.1)] * 3, t_norm="product")
     near = np.linspace(0.4, 0.6, 9)
-    np.testing.assert_allclose(same(near), Gaussian(0.8, 0.1)(np.cbrt(near)) ** 3, rtol=0.0, atol=4e-7)
+    np.testing.assert_allclose(
+        same(near), Gaussian(0.8, 0.1)(np.cbrt(near)) ** 3, rtol=0.0, atol=4e-7
+    )
     # Under minimum grades it holds everywhere, and the cuts give it to rounding.
     lowest = meet(*[Gaussian(0.8, 0.1)] * 3, t_norm="product", grade_t_norm="min")
     theta = theta[theta > 0.01]
-    np.testing.assert_allclose(lowest(theta), Gaussian(0.8, 0.1)(np.cbrt(theta)), rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        lowest(theta), Gaussian(0.8, 0.1)(np.cbrt(theta)), rtol=0.0, atol=1e-12
+    )
 
 
 def test_a_sampled_set_among_functions_counts_by_its_linear_interpolation() -> None:
@@ -518,7 +645,9 @@ def test_a_sampled_set_among_functions_counts_by_its_linear_interpolation() -> N
     for name in ("min", "product"):
         for operation in (join, meet):
             found = operation(corners, other, t_norm=name)(THETA)
-            np.testing.assert_allclose(found, operation(triangle, other, t_norm=name)(THETA), rtol=0.0, atol=1e-9)
+            np.testing.assert_allclose(
+                found, operation(triangle, other, t_norm=name)(THETA), rtol=0.0, atol=1e-9
+            )
 
 
 @pytest.mark.parametrize("grades", ["min", "product"])
@@ -549,25 +678,41 @@ def test_t_norms_with_jumps_are_refused_for_functions() -> None:
             meet(one, Gaussian(0.5, 0.1), t_norm="product")
 
 
-# --- the sets that come out ------------------------------------------------------------------------------------------------------
+# --- the sets that come out -----------------------------------------------------------------------
 
 RESULTS = {
     "join": lambda: join(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9)),
     "meet": lambda: meet(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9)),
-    "join, product grades": lambda: join(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9), t_norm="product"),
-    "meet, product grades": lambda: meet(Gaussian(0.3, 0.1), Trapezoidal(0.2, 0.4, 0.6, 0.9), grade_t_norm="product"),
+    "join, product grades": lambda: join(
+        Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9), t_norm="product"
+    ),
+    "meet, product grades": lambda: meet(
+        Gaussian(0.3, 0.1), Trapezoidal(0.2, 0.4, 0.6, 0.9), grade_t_norm="product"
+    ),
     "join, low": lambda: join(Gaussian(0.3, 0.1, 0.7), Triangular(0.2, 0.6, 0.9, 0.9)),
     "meet, low": lambda: meet(Gaussian(0.3, 0.1, 0.7), Triangular(0.2, 0.6, 0.9, 0.9)),
     "product meet": lambda: meet(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9), t_norm="product"),
-    "product meet, minimum grades": lambda: meet(Gaussian(0.3, 0.1, 0.8), Triangular(0.2, 0.6, 0.9), t_norm="product", grade_t_norm="min"),
-    "probabilistic join": lambda: join(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9), t_conorm="probabilistic"),
-    "three": lambda: meet(Triangular(0.3, 0.4, 0.8), Triangular(0.2, 0.6, 0.9), Triangular(0.4, 0.6, 1.0), t_norm="product"),
+    "product meet, minimum grades": lambda: meet(
+        Gaussian(0.3, 0.1, 0.8), Triangular(0.2, 0.6, 0.9), t_norm="product", grade_t_norm="min"
+    ),
+    "probabilistic join": lambda: join(
+        Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9), t_conorm="probabilistic"
+    ),
+    "three": lambda: meet(
+        Triangular(0.3, 0.4, 0.8),
+        Triangular(0.2, 0.6, 0.9),
+        Triangular(0.4, 0.6, 1.0),
+        t_norm="product",
+    ),
 }
 
 
 @pytest.mark.parametrize("name", RESULTS)
 def test_results_are_sets_like_any_other(name: str) -> None:
-    """Height, maxima, support, cuts and centroid against 20001 samples of the membership; 1e-3 of a set of unit size."""
+    """Height, maxima, support, cuts and centroid against 20001 samples of the membership.
+
+    To 1e-3 of a set of unit size.
+    """
     found = RESULTS[name]()
     u = np.linspace(-0.5, 1.5, 20001)
     grades = found(u)
@@ -585,7 +730,9 @@ def test_results_are_sets_like_any_other(name: str) -> None:
     for alpha in (0.05, 0.3, 0.6):
         inside = u[grades >= alpha]
         np.testing.assert_allclose(found.alpha_cut(alpha), inside[[0, -1]], rtol=0.0, atol=2e-4)
-    np.testing.assert_allclose(found.alpha_cut(np.array([0.2, 0.4]))[0], [found.alpha_cut(0.2)[0], found.alpha_cut(0.4)[0]])
+    np.testing.assert_allclose(
+        found.alpha_cut(np.array([0.2, 0.4]))[0], [found.alpha_cut(0.2)[0], found.alpha_cut(0.4)[0]]
+    )
     assert found.centroid() == pytest.approx(float((u * grades).sum() / grades.sum()), abs=1e-3)
     assert found(0.5).shape == ()
     assert found(np.full((2, 3), 0.5)).shape == (2, 3)
@@ -602,18 +749,25 @@ def test_their_representation_rebuilds_them(name: str) -> None:
 
 
 def test_sigmoids_that_never_reach_their_height() -> None:
-    """A rising sigmoid is highest at infinity, so that a join with it is, too; a meet is highest where the other set is."""
+    """A rising sigmoid is highest at infinity, so that a join with it is, too.
+
+    A meet is highest where the other set is.
+    """
     rising, bump = Sigmoid(0.5, 20.0), Triangular(0.2, 0.4, 0.6)
     theta = np.linspace(0.0, 1.0, 101)
     joined, met = join(rising, bump), meet(rising, bump)
     assert joined.maxima is None
     assert not joined.is_normal()
     expected = np.where(
-        theta < 0.4, np.minimum(rising(theta), bump(theta)), np.maximum(rising(theta), np.minimum(rising(theta), bump(theta)))
+        theta < 0.4,
+        np.minimum(rising(theta), bump(theta)),
+        np.maximum(rising(theta), np.minimum(rising(theta), bump(theta))),
     )
     np.testing.assert_allclose(joined(theta), expected, rtol=0.0, atol=1e-15)
     # w >= theta is always found where the sigmoid is 1, and the triangle is free to be at its peak.
-    expected = np.maximum(np.where(theta <= 0.4, rising(theta), np.minimum(rising(theta), bump(theta))), bump(theta))
+    expected = np.maximum(
+        np.where(theta <= 0.4, rising(theta), np.minimum(rising(theta), bump(theta))), bump(theta)
+    )
     np.testing.assert_allclose(met(theta), expected, rtol=0.0, atol=1e-15)
     assert met.maxima == (0.4, 0.4)
     falling = join(Sigmoid(0.5, -20.0), bump)
@@ -629,7 +783,10 @@ def test_sigmoids_that_never_reach_their_height() -> None:
 @given(one=convex_functions(normal=False))
 @settings(max_examples=100, deadline=None)
 def test_negation_mirrors_a_set_and_undoes_itself(one: Type1Set) -> None:
-    """Away from vertical edges, where rounding of 1 - u decides, by less than 1e-9 of the steepest slope."""
+    """Away from vertical edges by less than 1e-9 of the steepest slope.
+
+    At these edges rounding of 1 - u decides.
+    """
     mirrored = negation(one)
     u = np.linspace(-0.013, 1.011, 97)
     np.testing.assert_allclose(mirrored(u), one(1.0 - u), rtol=0.0, atol=1e-12)
@@ -648,22 +805,28 @@ def test_negation_of_any_set() -> None:
     assert mirrored.height == 1.0
     assert mirrored.core == pytest.approx((0.4, 0.4))
     assert mirrored.centroid() == pytest.approx(1.0 - original.centroid(), abs=1e-10)
-    np.testing.assert_allclose(mirrored.alpha_cut(0.5), 1.0 - np.array(original.alpha_cut(0.5))[::-1])
+    np.testing.assert_allclose(
+        mirrored.alpha_cut(0.5), 1.0 - np.array(original.alpha_cut(0.5))[::-1]
+    )
     np.testing.assert_allclose(mirrored.landmarks, 1.0 - original.landmarks[::-1])
     rising = negation(join(Sigmoid(0.5, 20.0), Triangular(0.2, 0.4, 0.6)))
     assert rising.maxima is None
 
 
-# --- parts ------------------------------------------------------------------------------------------------------------------------
+# --- parts ----------------------------------------------------------------------------------------
 
 
-@given(one=st.one_of(discrete_sets(), convex_functions(normal=False)), ends=st.tuples(st.integers(-4, 24), st.integers(-4, 24)))
+@given(
+    one=st.one_of(discrete_sets(), convex_functions(normal=False)),
+    ends=st.tuples(st.integers(-4, 24), st.integers(-4, 24)),
+)
 @settings(max_examples=300, deadline=None)
 def test_supremum_over_an_interval(one: Type1Set, ends: tuple[int, int]) -> None:
     """All peaks and corners are twentieths, and the samples hold those."""
     left, right = ends[0] / 20.0, ends[1] / 20.0
     found = float(supremum(one, np.array([left]), np.array([right]))[0])
-    # Of a cut Gaussian both ends are corners; samples between twentieths are not needed but do no harm.
+    # Of a cut Gaussian both ends are corners; samples between twentieths are not needed but do no
+    # harm.
     samples = np.array([k / 20.0 for k in range(min(ends), max(ends) + 1)])
     expected = one(samples).max() if left <= right else 0.0
     assert found == pytest.approx(expected, abs=1e-15)
@@ -671,7 +834,9 @@ def test_supremum_over_an_interval(one: Type1Set, ends: tuple[int, int]) -> None
 
 def test_table_is_within_its_tolerance_even_at_jumps() -> None:
     original = Trapezoidal(0.2, 0.2, 0.5, 0.9)
-    table = tabulated(ExtremumSet("join", (original, Triangular(0.0, 0.1, 0.3)), t_norm("product"), True))
+    table = tabulated(
+        ExtremumSet("join", (original, Triangular(0.0, 0.1, 0.3)), t_norm("product"), True)
+    )
     u = np.linspace(0.0, 1.0, 7001)
     far = np.abs(u - 0.2) > 1e-9
     expected = join(original, Triangular(0.0, 0.1, 0.3), t_norm="product")(u)
@@ -686,7 +851,12 @@ def test_wrong_arguments_are_refused() -> None:
     with pytest.raises(UnknownName, match="theorem_1_1"):
         meet(Gaussian(0.5, 0.1), Gaussian(0.6, 0.1), method="fast")  # type: ignore[arg-type]
     with pytest.raises(UnknownName, match="theorem_1_1"):
-        meet(Gaussian(0.5, 0.1), Gaussian(0.6, 0.1), t_norm="product", method="fast")  # type: ignore[arg-type]
+        meet(
+            Gaussian(0.5, 0.1),
+            Gaussian(0.6, 0.1),
+            t_norm="product",
+            method="fast",  # type: ignore[arg-type]
+        )
     with pytest.raises(UnknownName, match="lukasiewicz"):
         meet(F, G, t_norm="multiply")
     assert "auto" in METHODS
@@ -697,4 +867,6 @@ def test_a_single_set_is_its_own_join_and_meet() -> None:
         assert meet(Gaussian(0.5, 0.1), t_norm=name) == Gaussian(0.5, 0.1)
         assert join(F, t_norm=name) == F
         assert meet(F, t_norm=name) == F
-    assert ContinuousMeet((Gaussian(0.5, 0.1),), t_norm("product"), t_norm("min")).operands == (Gaussian(0.5, 0.1),)
+    assert ContinuousMeet((Gaussian(0.5, 0.1),), t_norm("product"), t_norm("min")).operands == (
+        Gaussian(0.5, 0.1),
+    )

@@ -1,4 +1,7 @@
-"""Measures of type-1 and interval type-2 sets: closed forms, sums over a grid, all embedded sets of small samples, and what is refused."""
+"""Measures of type-1 and interval type-2 sets.
+
+Closed forms, sums over a grid, all embedded sets of small samples, and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +20,11 @@ from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.set_operations import union
 from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma, IntervalType2Set
+from fuzzy2.sets.interval_type2 import (
+    GaussianUncertainMean,
+    GaussianUncertainSigma,
+    IntervalType2Set,
+)
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import Bell, Sigmoid, SigmoidProduct
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
@@ -29,7 +36,10 @@ TENT = IntervalType2Set(lower=Triangular(-1.0, 0.0, 1.0), upper=Triangular(-2.0,
 
 
 def exactly(expected: float | tuple[float, float]) -> object:
-    """Return what is equal within 1e-12: the quadrature is asked for 1e-13 of every piece, and kinks that it must find cost some of it."""
+    """Return what is equal within 1e-12.
+
+    The quadrature is asked for 1e-13 of every piece, and kinks that it must find cost some of it.
+    """
     return pytest.approx(expected, rel=1e-12, abs=1e-13)
 
 
@@ -39,10 +49,16 @@ widths = st.floats(0.1, 3.0)
 
 @st.composite
 def trapezoids(draw: st.DrawFn) -> IntervalType2Set:
-    """Trapezoid within a trapezoid: inner corners between outer ones, so that the lower membership is below the upper one."""
+    """Trapezoid within a trapezoid.
+
+    Inner corners between outer ones, so that the lower membership is below the upper one.
+    """
     a, b, c, d = np.cumsum([draw(numbers), *(draw(widths) for _ in range(3))]).tolist()
     share, height = draw(st.floats(0.0, 0.5)), draw(st.floats(0.2, 1.0))
-    return IntervalType2Set(lower=Trapezoidal(a + share * (b - a), b, c, d - share * (d - c), height), upper=Trapezoidal(a, b, c, d))
+    return IntervalType2Set(
+        lower=Trapezoidal(a + share * (b - a), b, c, d - share * (d - c), height),
+        upper=Trapezoidal(a, b, c, d),
+    )
 
 
 def uncertain_mean(mean: float, spread: float, sigma: float) -> IntervalType2Set:
@@ -66,13 +82,23 @@ def moved(fuzzy_set: Footprint, shift: float) -> IntervalType2Set:
 
     def membership(whole: Type1Set) -> FunctionalSet:
         first, last = (end + shift for end in whole.support)
-        return FunctionalSet(lambda x: whole(x - shift), first, last, tuple((whole.landmarks + shift).tolist()))
+        return FunctionalSet(
+            lambda x: whole(x - shift), first, last, tuple((whole.landmarks + shift).tolist())
+        )
 
     return IntervalType2Set(lower=membership(fuzzy_set.lower), upper=membership(fuzzy_set.upper))
 
 
-def grid_sum(integrand: Callable[[np.ndarray], np.ndarray], first: float = -60.0, last: float = 60.0, count: int = 240_000) -> float:
-    """Midpoint rule: a kink costs at most an eighth of the square of the spacing, 2.5e-7, times the change of the slope."""
+def grid_sum(
+    integrand: Callable[[np.ndarray], np.ndarray],
+    first: float = -60.0,
+    last: float = 60.0,
+    count: int = 240_000,
+) -> float:
+    """Midpoint rule: a kink costs at most an eighth of the square of the spacing.
+
+    That is 2.5e-7, times the change of the slope.
+    """
     edges = np.linspace(first, last, count + 1)
     return float(integrand(0.5 * (edges[1:] + edges[:-1])).sum() * (edges[1] - edges[0]))
 
@@ -85,14 +111,33 @@ def grid_sum(integrand: Callable[[np.ndarray], np.ndarray], first: float = -60.0
         (TENT, 1.0, 2.0),
         (Gaussian(3.0, 2.0, 0.5), ROOT, ROOT),
         (GaussianUncertainSigma(mean=-1.0, sigma=(0.5, 2.0)), 0.5 * ROOT, 2.0 * ROOT),
-        (GaussianUncertainMean(mean=(-1.0, 1.0), sigma=0.5), 0.5 * ROOT * math.erfc(math.sqrt(2.0)), 0.5 * ROOT + 2.0),
-        (Bell(0.0, 1.0, 2.0), math.pi / 2.0 / math.sin(math.pi / 4.0), math.pi / 2.0 / math.sin(math.pi / 4.0)),
-        (Bell(0.0, 1.0, 0.75), 4.0 * math.pi / 3.0 / math.sin(2.0 * math.pi / 3.0), 4.0 * math.pi / 3.0 / math.sin(2.0 * math.pi / 3.0)),
+        (
+            GaussianUncertainMean(mean=(-1.0, 1.0), sigma=0.5),
+            0.5 * ROOT * math.erfc(math.sqrt(2.0)),
+            0.5 * ROOT + 2.0,
+        ),
+        (
+            Bell(0.0, 1.0, 2.0),
+            math.pi / 2.0 / math.sin(math.pi / 4.0),
+            math.pi / 2.0 / math.sin(math.pi / 4.0),
+        ),
+        (
+            Bell(0.0, 1.0, 0.75),
+            4.0 * math.pi / 3.0 / math.sin(2.0 * math.pi / 3.0),
+            4.0 * math.pi / 3.0 / math.sin(2.0 * math.pi / 3.0),
+        ),
         (Interval(2.0, 5.0), 3.0, 3.0),
         (Singleton(2.0), 0.0, 0.0),
         (IntervalType2Set(lower=Singleton(0.0), upper=Triangular(-1.0, 0.0, 1.0)), 0.0, 1.0),
         # Narrow beside the other: only its own corners tell the quadrature where it is.
-        (IntervalType2Set(lower=Triangular(5.0, 5.0 + 2.0**-20, 5.0 + 2.0**-19), upper=Trapezoidal(0.0, 1.0, 99.0, 100.0)), 2.0**-20, 99.0),
+        (
+            IntervalType2Set(
+                lower=Triangular(5.0, 5.0 + 2.0**-20, 5.0 + 2.0**-19),
+                upper=Trapezoidal(0.0, 1.0, 99.0, 100.0),
+            ),
+            2.0**-20,
+            99.0,
+        ),
     ],
 )
 def test_cardinality_in_closed_form(fuzzy_set: Footprint, left: float, right: float) -> None:
@@ -100,7 +145,9 @@ def test_cardinality_in_closed_form(fuzzy_set: Footprint, left: float, right: fl
     assert cardinality(fuzzy_set) == exactly((left, right))
 
 
-GAUSSIAN_FUZZINESS = 2.0 * (ROOT * math.erfc(math.sqrt(math.log(2.0))) + 2.0 * math.sqrt(2.0 * math.log(2.0)))
+GAUSSIAN_FUZZINESS = 2.0 * (
+    ROOT * math.erfc(math.sqrt(math.log(2.0))) + 2.0 * math.sqrt(2.0 * math.log(2.0))
+)
 GAUSSIAN_FUZZINESS -= 2.0 * ROOT * math.erf(math.sqrt(math.log(2.0)))
 
 
@@ -110,7 +157,8 @@ GAUSSIAN_FUZZINESS -= 2.0 * ROOT * math.erf(math.sqrt(math.log(2.0)))
         # Over a slope the grade is uniform in [0, 1], and the mean of 2 min(u, 1 - u) is 1/2.
         (Triangular(0.0, 1.0, 3.0), 1.5, 1.5),
         (Trapezoidal(0.0, 1.0, 2.0, 4.0), 1.5, 1.5),
-        # Right half: min(1 - x, x/2) has a third at its peak; min(x, 1/2, 1 - x/2) is 1/8 + 1/4 + 1/4.
+        # Right half: min(1 - x, x/2) has a third at its peak; min(x, 1/2, 1 - x/2) is 1/8 + 1/4 +
+        # 1/4.
         (TENT, 2.0 / 3.0, 2.5),
         # Halves on both sides of the points of grade 1/2, at sigma sqrt(2 log 2).
         (Gaussian(4.0, 3.0), 3.0 * GAUSSIAN_FUZZINESS, 3.0 * GAUSSIAN_FUZZINESS),
@@ -132,15 +180,25 @@ def test_fuzziness_in_closed_form(fuzzy_set: Footprint, left: float, right: floa
         (Triangular(-1e9, 0.0, 1e9), 1e9),
     ],
 )
-def test_fuzziness_where_a_grade_is_1_but_for_rounding_and_on_any_scale(fuzzy_set: Type1Set, expected: float) -> None:
-    """Two sigmoids far apart have 2 log 2 on each side of each center. Rounding leaves 1e-13 of the cardinality, 200, of the first."""
+def test_fuzziness_where_a_grade_is_1_but_for_rounding_and_on_any_scale(
+    fuzzy_set: Type1Set, expected: float
+) -> None:
+    """Two sigmoids far apart have 2 log 2 on each side of each center.
+
+    Rounding leaves 1e-13 of the cardinality, 200, of the first.
+    """
     assert fuzziness(fuzzy_set)[0] == pytest.approx(expected, rel=1e-11)
 
 
 def test_fuzziness_of_a_steep_bell_agrees_with_the_grid() -> None:
-    """1 - u is below the rounding of u over most of its width. Spacing 1e-5; slopes of up to 5, curvature of up to 100."""
+    """1 - u is below the rounding of u over most of its width.
+
+    Spacing 1e-5; slopes of up to 5, curvature of up to 100.
+    """
     steep = Bell(0.0, 1.0, 10.0)
-    expected = grid_sum(lambda x: 2.0 * np.minimum(steep(x), 1.0 - steep(x)), -10.0, 10.0, 2_000_000)
+    expected = grid_sum(
+        lambda x: 2.0 * np.minimum(steep(x), 1.0 - steep(x)), -10.0, 10.0, 2_000_000
+    )
     assert fuzziness(steep)[0] == pytest.approx(expected, abs=1e-8)
 
 
@@ -151,14 +209,22 @@ def test_jaccard_of_shifted_sets_in_closed_form(shift: float) -> None:
     found = jaccard(Triangular(-1.0, 0.0, 1.0), Triangular(shift - 1.0, shift, shift + 1.0))
     assert found == exactly(common / (2.0 - common))
     common = max(2.0 - shift, 0.0)
-    assert jaccard(Interval(0.0, 2.0), Interval(shift, shift + 2.0)) == exactly(common / (4.0 - common))
+    assert jaccard(Interval(0.0, 2.0), Interval(shift, shift + 2.0)) == exactly(
+        common / (4.0 - common)
+    )
     common = math.erfc(shift / 3.0 / math.sqrt(8.0))
     assert jaccard(Gaussian(0.0, 3.0), Gaussian(shift, 3.0)) == exactly(common / (2.0 - common))
 
 
 def test_jaccard_of_nested_sets_is_the_ratio_of_their_areas() -> None:
-    """Where one footprint has both its bounds below those of the other, minima and maxima are the sets themselves."""
-    narrow, wide = GaussianUncertainSigma(mean=1.0, sigma=(0.5, 1.0)), GaussianUncertainSigma(mean=1.0, sigma=(2.0, 3.0))
+    """Where one footprint is below the other, minima and maxima are the sets themselves.
+
+    Below with both its bounds.
+    """
+    narrow, wide = (
+        GaussianUncertainSigma(mean=1.0, sigma=(0.5, 1.0)),
+        GaussianUncertainSigma(mean=1.0, sigma=(2.0, 3.0)),
+    )
     assert jaccard(narrow, wide) == exactly(1.5 / 5.0)
     assert jaccard(Gaussian(1.0, 0.5), narrow) == exactly(1.0 / 1.5)
     assert jaccard(TENT, TENT.upper) == exactly(3.0 / 4.0)
@@ -168,7 +234,10 @@ def test_jaccard_of_nested_sets_is_the_ratio_of_their_areas() -> None:
 @settings(max_examples=25, deadline=None)
 @given(first=footprints, second=footprints)
 def test_all_measures_agree_with_a_grid(first: Footprint, second: Footprint) -> None:
-    """The grid is within 1e-5: an eighth of the square of its spacing, times slopes of up to 20, at each of some ten kinks."""
+    """The grid is within 1e-5.
+
+    An eighth of the square of its spacing, times slopes of up to 20, at each of some ten kinks.
+    """
     (low, high), (below, above) = (first.lower, first.upper), (second.lower, second.upper)
     assert cardinality(first) == pytest.approx((grid_sum(low), grid_sum(high)), abs=1e-5)
 
@@ -188,19 +257,29 @@ def test_all_measures_agree_with_a_grid(first: Footprint, second: Footprint) -> 
 @settings(max_examples=25, deadline=None)
 @given(first=footprints, second=footprints)
 def test_jaccard_is_a_similarity(first: Footprint, second: Footprint) -> None:
-    """In [0, 1], symmetric, and 1 for equal memberships only: sets that differ by a thousandth on the grid are told apart."""
+    """In [0, 1], symmetric, and 1 for equal memberships only.
+
+    Sets that differ by a thousandth on the grid are told apart.
+    """
     found = jaccard(first, second)
     assert 0.0 <= found <= 1.0
     assert found == jaccard(second, first)
     assert jaccard(first, first) == 1.0
     x = np.linspace(-20.0, 20.0, 401)
-    if max(abs(first.lower(x) - second.lower(x)).max(), abs(first.upper(x) - second.upper(x)).max()) > 1e-3:
+    if (
+        max(
+            abs(first.lower(x) - second.lower(x)).max(), abs(first.upper(x) - second.upper(x)).max()
+        )
+        > 1e-3
+    ):
         assert found < 1.0
 
 
 @settings(max_examples=20, deadline=None)
 @given(fuzzy_set=trapezoids(), shifts=st.tuples(widths, widths))
-def test_jaccard_falls_as_a_set_is_shifted_away(fuzzy_set: IntervalType2Set, shifts: tuple[float, float]) -> None:
+def test_jaccard_falls_as_a_set_is_shifted_away(
+    fuzzy_set: IntervalType2Set, shifts: tuple[float, float]
+) -> None:
     """Of convex sets; once they do not meet any more it stays 0."""
     near, far = (jaccard(fuzzy_set, moved(fuzzy_set, shift)) for shift in (shifts[0], sum(shifts)))
     assert near < 1.0
@@ -212,7 +291,10 @@ def test_jaccard_falls_as_a_set_is_shifted_away(fuzzy_set: IntervalType2Set, shi
 def test_cardinality_and_fuzziness_grow_with_the_set_and_stay_when_it_moves(
     first: IntervalType2Set, second: IntervalType2Set, shift: float, scale: float
 ) -> None:
-    """A union is at least as large as each of its sets. 1e-11 is for the kinks of unions, which are not known in advance."""
+    """A union is at least as large as each of its sets.
+
+    1e-11 is for the kinks of unions, which are not known in advance.
+    """
     both = union(first, second)
     assert isinstance(both, IntervalType2Set)
     for one in (first, second):
@@ -223,7 +305,10 @@ def test_cardinality_and_fuzziness_grow_with_the_set_and_stay_when_it_moves(
     assert cardinality(again) == pytest.approx(cardinality(first), rel=1e-11)
     assert fuzziness(again) == pytest.approx(fuzziness(first), rel=1e-11, abs=1e-11)
     # Less is known of the grade: the interval of the fuzziness widens on both sides.
-    wider = IntervalType2Set(lower=FunctionalSet(lambda x: scale * first.lower(x), *first.lower.support), upper=first.upper)
+    wider = IntervalType2Set(
+        lower=FunctionalSet(lambda x: scale * first.lower(x), *first.lower.support),
+        upper=first.upper,
+    )
     (left, right), (least, greatest) = fuzziness(first), fuzziness(wider)
     assert least <= left + 1e-11
     assert greatest >= right - 1e-11
@@ -243,27 +328,43 @@ def test_embedded_sets_lie_within_both_intervals(fuzzy_set: Footprint, seed: int
         assert left - 1e-11 <= value <= right + 1e-11
 
 
-grades = st.tuples(st.integers(0, 20), st.integers(0, 20)).map(lambda pair: (min(pair) / 20.0, max(pair) / 20.0))
+grades = st.tuples(st.integers(0, 20), st.integers(0, 20)).map(
+    lambda pair: (min(pair) / 20.0, max(pair) / 20.0)
+)
 
 
 @settings(max_examples=40, deadline=None)
-@given(bounds=st.lists(grades, min_size=4, max_size=4), lengths=st.lists(widths, min_size=4, max_size=4))
-def test_the_ends_are_those_of_all_embedded_sets_of_steps(bounds: list[tuple[float, float]], lengths: list[float]) -> None:
-    """Both memberships are constant on four intervals; on each the embedded sets take both grades, one half, and some grades between.
+@given(
+    bounds=st.lists(grades, min_size=4, max_size=4),
+    lengths=st.lists(widths, min_size=4, max_size=4),
+)
+def test_the_ends_are_those_of_all_embedded_sets_of_steps(
+    bounds: list[tuple[float, float]], lengths: list[float]
+) -> None:
+    """Both memberships are constant on four intervals.
 
-    Sums over all of their combinations know nothing of which sets are extreme. 1e-11 is for rounding.
+    On each the embedded sets take both grades, one half, and some grades between.
+
+    Sums over all of their combinations know nothing of which sets are extreme. 1e-11 is for
+    rounding.
     """
     edges = np.concatenate([[0.0], np.cumsum(lengths)])
 
     def steps(values: tuple[float, ...]) -> FunctionalSet:
         of_step = np.asarray(values)
         return FunctionalSet(
-            lambda x: of_step[np.clip(np.searchsorted(edges, x, side="right") - 1, 0, 3)], 0.0, float(edges[-1]), tuple(edges.tolist())
+            lambda x: of_step[np.clip(np.searchsorted(edges, x, side="right") - 1, 0, 3)],
+            0.0,
+            float(edges[-1]),
+            tuple(edges.tolist()),
         )
 
-    fuzzy_set = IntervalType2Set(lower=steps(tuple(low for low, _ in bounds)), upper=steps(tuple(high for _, high in bounds)))
+    fuzzy_set = IntervalType2Set(
+        lower=steps(tuple(low for low, _ in bounds)), upper=steps(tuple(high for _, high in bounds))
+    )
     choices = [np.arange(round(20 * low), round(20 * high) + 1) / 20.0 for low, high in bounds]
-    # Every third twentieth besides the ends and the half: more would make no other extremes, only more sums.
+    # Every third twentieth besides the ends and the half: more would make no other extremes, only
+    # more sums.
     choices = [np.unique([*some[::3], some[-1], *some[some == 0.5]]) for some in choices]
     chosen = np.array(list(itertools.product(*choices)))
     areas = chosen @ lengths
@@ -274,22 +375,31 @@ def test_the_ends_are_those_of_all_embedded_sets_of_steps(bounds: list[tuple[flo
 
 def test_rank_orders_by_the_middles_of_centroids() -> None:
     """The middle is neither that of the support, nor the centroid of the upper membership."""
-    lopsided = IntervalType2Set(lower=Triangular(6.0, 7.0, 8.0), upper=Trapezoidal(0.0, 1.0, 7.0, 8.0))
+    lopsided = IntervalType2Set(
+        lower=Triangular(6.0, 7.0, 8.0), upper=Trapezoidal(0.0, 1.0, 7.0, 8.0)
+    )
     x = np.linspace(0.0, 8.0, 8001)
     low, high = lopsided.lower(x), lopsided.upper(x)
-    ends = [[np.where(x < c, *pair) @ x / np.where(x < c, *pair).sum() for c in x] for pair in ((high, low), (low, high))]
+    ends = [
+        [np.where(x < c, *pair) @ x / np.where(x < c, *pair).sum() for c in x]
+        for pair in ((high, low), (low, high))
+    ]
     middle = 0.5 * (min(ends[0]) + max(ends[1]))
     assert abs(middle - 4.0) > 0.05
-    below, above = Gaussian(middle - 0.02, 1.0), GaussianUncertainMean(mean=(middle - 0.98, middle + 1.02), sigma=0.5)
+    below, above = (
+        Gaussian(middle - 0.02, 1.0),
+        GaussianUncertainMean(mean=(middle - 0.98, middle + 1.02), sigma=0.5),
+    )
     sets: list[Footprint] = [above, lopsided, Singleton(9.0), below, Singleton(-3.0)]
     order = rank(sets)
     assert order.tolist() == [4, 3, 1, 0, 2]
     assert rank(tuple(sets[i] for i in order)).tolist() == [0, 1, 2, 3, 4]
 
 
-# Words of amount from a survey, as trapezoids: corners of the upper membership, corners and height of the lower one, and the printed
-# centroid. Centroids of the outermost words were computed on a grid that their steep shoulders make visible, so they are left out. (J. M.
-# Mendel and D. Wu, "Perceptual Computing: Aiding People in Making Subjective Judgments", Wiley, 2010, Table 3.6.)
+# Words of amount from a survey, as trapezoids: corners of the upper membership, corners and height
+# of the lower one, and the printed centroid. Centroids of the outermost words were computed on a
+# grid that their steep shoulders make visible, so they are left out. (J. M. Mendel and D. Wu,
+# "Perceptual Computing: Aiding People in Making Subjective Judgments", Wiley, 2010, Table 3.6.)
 WORDS = {
     "none to very little": ((0.0, 0.0, 0.14, 1.97), (0.0, 0.0, 0.05, 0.66, 1.0), None),
     "a bit": ((0.59, 1.50, 2.00, 3.41), (0.79, 1.68, 1.68, 2.21, 0.74), (1.42, 2.08)),
@@ -313,8 +423,14 @@ WORDS = {
 
 
 def test_published_words_come_in_their_published_order() -> None:
-    """Printed to two digits, of which the last may be off by half a unit, as may those of the corners; the table is in ascending order."""
-    sets = [IntervalType2Set(lower=Trapezoidal(*lower), upper=Trapezoidal(*upper)) for upper, lower, _ in WORDS.values()]
+    """Printed to two digits, of which the last may be off by half a unit.
+
+    So may those of the corners; the table is in ascending order.
+    """
+    sets = [
+        IntervalType2Set(lower=Trapezoidal(*lower), upper=Trapezoidal(*upper))
+        for upper, lower, _ in WORDS.values()
+    ]
     shuffled = np.random.default_rng(0).permutation(len(sets))
     np.testing.assert_array_equal(shuffled[rank([sets[i] for i in shuffled])], np.arange(len(sets)))
     for fuzzy_set, (_, _, printed) in zip(sets, WORDS.values(), strict=True):
@@ -324,17 +440,23 @@ def test_published_words_come_in_their_published_order() -> None:
 
 @settings(max_examples=20, deadline=None)
 @given(means=st.permutations([-2.0, -1.0, 0.0, 1.0, 3.0]), spread=widths)
-def test_rank_of_equal_shapes_is_the_order_of_their_places(means: list[float], spread: float) -> None:
+def test_rank_of_equal_shapes_is_the_order_of_their_places(
+    means: list[float], spread: float
+) -> None:
     sets = [GaussianUncertainMean(mean=(mean, mean + spread), sigma=0.5) for mean in means]
     assert rank(iter(sets)).tolist() == np.argsort(means).tolist()
 
 
 def test_sets_of_one_middle_stay_in_their_order() -> None:
     """Centroids of sets about 0 are exactly symmetric."""
-    assert rank([Singleton(0.0), Interval(-1.0, 1.0), Triangular(-1.0, 0.0, 1.0), Singleton(-1.0)]).tolist() == [3, 0, 1, 2]
+    assert rank(
+        [Singleton(0.0), Interval(-1.0, 1.0), Triangular(-1.0, 0.0, 1.0), Singleton(-1.0)]
+    ).tolist() == [3, 0, 1, 2]
 
 
-@pytest.mark.parametrize("shoulder", [Sigmoid(0.0, 1.0), Trapezoidal(0.0, 1.0, math.inf, math.inf), Bell(0.0, 1.0, 0.5)])
+@pytest.mark.parametrize(
+    "shoulder", [Sigmoid(0.0, 1.0), Trapezoidal(0.0, 1.0, math.inf, math.inf), Bell(0.0, 1.0, 0.5)]
+)
 def test_sets_without_finite_area_are_refused(shoulder: Type1Set) -> None:
     """And each measure says which one it is, and how to go on."""
     above_something = IntervalType2Set(lower=Triangular(1.0, 2.0, 3.0, 0.1), upper=shoulder)
@@ -359,7 +481,17 @@ def test_two_sets_without_area_have_no_similarity() -> None:
         jaccard(Singleton(0.0), Singleton(1.0))
 
 
-@pytest.mark.parametrize("bad", [0.5, "tall", None, [Gaussian(0.0, 1.0)], GaussianType2Set(Gaussian(0.0, 1.0), 0.1), SampledSet])
+@pytest.mark.parametrize(
+    "bad",
+    [
+        0.5,
+        "tall",
+        None,
+        [Gaussian(0.0, 1.0)],
+        GaussianType2Set(Gaussian(0.0, 1.0), 0.1),
+        SampledSet,
+    ],
+)
 def test_what_is_no_bounded_footprint_is_refused(bad: Any) -> None:
     calls: list[Callable[[], object]] = [
         lambda: cardinality(bad),

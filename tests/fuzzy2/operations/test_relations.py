@@ -1,4 +1,7 @@
-"""Relations of the three kinds: products and compositions against loops, and against each other where they must agree."""
+"""Relations of the three kinds.
+
+Products and compositions against loops, and against each other where they must agree.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,13 @@ from numpy.typing import NDArray
 from fuzzy2.errors import InvalidValue
 from fuzzy2.operations import relations
 from fuzzy2.operations.join_meet import join, meet, negation
-from fuzzy2.operations.relations import cartesian_product, compose, relation_complement, relation_intersection, relation_union
+from fuzzy2.operations.relations import (
+    cartesian_product,
+    compose,
+    relation_complement,
+    relation_intersection,
+    relation_union,
+)
 from fuzzy2.operations.t_norms import t_norm
 from fuzzy2.sets.shapes import Gaussian, Interval, Triangular
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
@@ -34,7 +43,10 @@ def pairs_of_relations(draw: st.DrawFn) -> tuple[Array, Array]:
 def test_sup_star_composition_is_the_loop_of_1_62(pair: tuple[Array, Array], name: str) -> None:
     R, S = pair
     norm = t_norm(name)
-    expected = [[max(float(norm(R[u, v], S[v, w])) for v in range(len(S))) for w in range(S.shape[1])] for u in range(len(R))]
+    expected = [
+        [max(float(norm(R[u, v], S[v, w])) for v in range(len(S))) for w in range(S.shape[1])]
+        for u in range(len(R))
+    ]
     np.testing.assert_array_equal(compose(R, S, t_norm=name), expected)
     np.testing.assert_array_equal(compose(R[0], S, t_norm=name), expected[0])
 
@@ -57,16 +69,31 @@ def test_large_relations_are_composed_in_blocks(monkeypatch: pytest.MonkeyPatch)
 
 @given(pair=pairs_of_relations(), name=st.sampled_from(("min", "product", "lukasiewicz")))
 @settings(max_examples=100, deadline=None)
-def test_interval_composition_is_the_extended_one_of_interval_secondaries(pair: tuple[Array, Array], name: str) -> None:
-    """The interval theorem (1.29) against join and meet of the secondaries; 1e-15 is one rounding."""
-    widened = [np.stack([np.minimum(one, one[::-1]), np.maximum(one, one[::-1])], axis=-1) for one in pair]
+def test_interval_composition_is_the_extended_one_of_interval_secondaries(
+    pair: tuple[Array, Array], name: str
+) -> None:
+    """The interval theorem (1.29) against join and meet of the secondaries.
+
+    1e-15 is one rounding.
+    """
+    widened = [
+        np.stack([np.minimum(one, one[::-1]), np.maximum(one, one[::-1])], axis=-1) for one in pair
+    ]
     general = [as_sets(one) for one in widened]
-    found, extended = compose(widened[0], widened[1], t_norm=name), compose(general[0], general[1], t_norm=name)
-    np.testing.assert_allclose(found, [[one.support for one in row] for row in extended], rtol=0.0, atol=1e-15)
+    found, extended = (
+        compose(widened[0], widened[1], t_norm=name),
+        compose(general[0], general[1], t_norm=name),
+    )
+    np.testing.assert_allclose(
+        found, [[one.support for one in row] for row in extended], rtol=0.0, atol=1e-15
+    )
     # The ends of what embedded type-1 relations give bound it.
     rng = np.random.default_rng(0)
     for _ in range(5):
-        embedded = [one[..., 0] + rng.uniform(size=one.shape[:2]) * (one[..., 1] - one[..., 0]) for one in widened]
+        embedded = [
+            one[..., 0] + rng.uniform(size=one.shape[:2]) * (one[..., 1] - one[..., 0])
+            for one in widened
+        ]
         inside = compose(embedded[0], embedded[1], t_norm=name)
         assert (inside >= found[..., 0] - 1e-15).all()
         assert (inside <= found[..., 1] + 1e-15).all()
@@ -80,10 +107,15 @@ def as_sets(intervals: Array) -> NDArray[Any]:
 
 
 @pytest.mark.parametrize(("name", "grades"), [("min", None), ("product", None), ("product", "min")])
-def test_extended_composition_of_discrete_secondaries_is_enumerated(name: str, grades: str | None) -> None:
-    """All embedded choices of primary memberships at once: the extension principle over all entries that take part.
+def test_extended_composition_of_discrete_secondaries_is_enumerated(
+    name: str, grades: str | None
+) -> None:
+    """All embedded choices of primary memberships at once.
 
-    With one v there is one meet and no join, so the enumeration of pairs is exact; with two the join takes all pairs of the meets.
+    The extension principle over all entries that take part.
+
+    With one v there is one meet and no join, so the enumeration of pairs is exact; with two the
+    join takes all pairs of the meets.
     """
     rng = np.random.default_rng(3)
 
@@ -102,7 +134,9 @@ def test_extended_composition_of_discrete_secondaries_is_enumerated(name: str, g
         expected[point] = max(expected.get(point, 0.0), float(grade(*g)))
     assert isinstance(found, SampledSet)
     np.testing.assert_allclose(found.points, sorted(expected), atol=1e-12)
-    np.testing.assert_allclose(found.grades, [expected[point] for point in sorted(expected)], atol=1e-15)
+    np.testing.assert_allclose(
+        found.grades, [expected[point] for point in sorted(expected)], atol=1e-15
+    )
 
 
 def test_general_composition_with_functional_secondaries_and_a_set() -> None:
@@ -126,16 +160,22 @@ def test_cartesian_products(sizes: list[int], name: str) -> None:
     for index in np.ndindex(*sizes):
         assert found[index] == t_norm(name)(*(one[k] for one, k in zip(grades, index, strict=True)))
     # A type-1 set among interval sets is an interval without width.
-    intervals = cartesian_product(np.stack([0.5 * grades[0], grades[0]], axis=-1), *grades[1:], t_norm=name)
+    intervals = cartesian_product(
+        np.stack([0.5 * grades[0], grades[0]], axis=-1), *grades[1:], t_norm=name
+    )
     assert intervals.shape == (*sizes, 2)
     np.testing.assert_array_equal(intervals[..., 1], found)
 
 
 def test_cartesian_product_of_general_sets_and_of_mixed_ones() -> None:
     secondaries = [Gaussian(0.5, 0.1), Triangular(0.0, 0.5, 1.0)]
-    found = cartesian_product(secondaries, [[0.2, 0.4]], [0.7, 0.9, 1.0], t_norm="product", grade_t_norm="min")
+    found = cartesian_product(
+        secondaries, [[0.2, 0.4]], [0.7, 0.9, 1.0], t_norm="product", grade_t_norm="min"
+    )
     assert found.shape == (2, 1, 3)
-    expected = meet(secondaries[1], Interval(0.2, 0.4), Singleton(0.9), t_norm="product", grade_t_norm="min")
+    expected = meet(
+        secondaries[1], Interval(0.2, 0.4), Singleton(0.9), t_norm="product", grade_t_norm="min"
+    )
     u = np.linspace(0.0, 1.0, 33)
     np.testing.assert_array_equal(found[1, 0, 1](u), expected(u))
 
@@ -144,15 +184,26 @@ def test_union_intersection_and_complement_of_relations() -> None:
     rng = np.random.default_rng(5)
     R, S = rng.uniform(size=(2, 3, 4))
     np.testing.assert_array_equal(relation_union(R, S), np.maximum(R, S))
-    np.testing.assert_allclose(relation_union(R, S, t_conorm="probabilistic"), R + S - R * S, atol=1e-15)
+    np.testing.assert_allclose(
+        relation_union(R, S, t_conorm="probabilistic"), R + S - R * S, atol=1e-15
+    )
     np.testing.assert_array_equal(relation_intersection(R, S, t_norm="product"), R * S)
     np.testing.assert_array_equal(relation_complement(R), 1.0 - R)
     wide = np.stack([0.5 * R, R], axis=-1)
-    np.testing.assert_array_equal(relation_complement(wide), np.stack([1.0 - R, 1.0 - 0.5 * R], axis=-1))
-    np.testing.assert_array_equal(relation_intersection(wide, S), np.stack([np.minimum(0.5 * R, S), np.minimum(R, S)], axis=-1))
+    np.testing.assert_array_equal(
+        relation_complement(wide), np.stack([1.0 - R, 1.0 - 0.5 * R], axis=-1)
+    )
+    np.testing.assert_array_equal(
+        relation_intersection(wide, S),
+        np.stack([np.minimum(0.5 * R, S), np.minimum(R, S)], axis=-1),
+    )
     a, b = SampledSet([0.1, 0.4], [0.5, 1.0]), SampledSet([0.2, 0.3], [1.0, 0.5])
-    assert relation_union([[a]], [[b]], grade_t_norm="product")[0, 0] == join(a, b, grade_t_norm="product")
-    assert relation_intersection([[a]], [[b]], t_norm="product")[0, 0] == meet(a, b, t_norm="product")
+    assert relation_union([[a]], [[b]], grade_t_norm="product")[0, 0] == join(
+        a, b, grade_t_norm="product"
+    )
+    assert relation_intersection([[a]], [[b]], t_norm="product")[0, 0] == meet(
+        a, b, t_norm="product"
+    )
     assert relation_complement([[a, b]])[0, 1] == negation(b)
     mixed: Type1Set = relation_union([[a]], [[[0.2, 0.3]]])[0, 0]
     assert mixed(0.25) == join(a, Interval(0.2, 0.3))(0.25)

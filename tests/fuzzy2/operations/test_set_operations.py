@@ -16,7 +16,10 @@ from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 
 X = np.linspace(-4.0, 6.0, 101)
 LOW, HIGH = Triangular(-1.0, 0.0, 2.0), Triangular(1.0, 2.0, 4.0)
-FIRST, SECOND = GaussianUncertainMean(mean=(0.0, 1.0), sigma=0.5), GaussianUncertainMean(mean=(2.0, 2.5), sigma=1.0)
+FIRST, SECOND = (
+    GaussianUncertainMean(mean=(0.0, 1.0), sigma=0.5),
+    GaussianUncertainMean(mean=(2.0, 2.5), sigma=1.0),
+)
 
 
 def test_type_1_sets_combine_their_grades() -> None:
@@ -30,7 +33,9 @@ def test_type_1_sets_combine_their_grades() -> None:
     assert found.support == (1.0, 2.0)
     found = union(LOW, Gaussian(0.0, 1.0), HIGH, t_conorm="probabilistic")
     assert isinstance(found, Type1Set)
-    np.testing.assert_allclose(found(X), 1.0 - (1.0 - LOW(X)) * (1.0 - Gaussian(0.0, 1.0)(X)) * (1.0 - HIGH(X)), atol=1e-15)
+    np.testing.assert_allclose(
+        found(X), 1.0 - (1.0 - LOW(X)) * (1.0 - Gaussian(0.0, 1.0)(X)) * (1.0 - HIGH(X)), atol=1e-15
+    )
 
 
 def test_the_intersection_of_sets_that_do_not_meet_is_empty() -> None:
@@ -42,8 +47,12 @@ def test_the_intersection_of_sets_that_do_not_meet_is_empty() -> None:
 def test_interval_sets_combine_lower_with_lower_and_upper_with_upper() -> None:
     found = union(FIRST, SECOND, LOW)
     assert isinstance(found, IntervalType2Set)
-    np.testing.assert_array_equal(found.lower(X), np.maximum.reduce([FIRST.lower(X), SECOND.lower(X), LOW(X)]))
-    np.testing.assert_array_equal(found.upper(X), np.maximum.reduce([FIRST.upper(X), SECOND.upper(X), LOW(X)]))
+    np.testing.assert_array_equal(
+        found.lower(X), np.maximum.reduce([FIRST.lower(X), SECOND.lower(X), LOW(X)])
+    )
+    np.testing.assert_array_equal(
+        found.upper(X), np.maximum.reduce([FIRST.upper(X), SECOND.upper(X), LOW(X)])
+    )
     found = intersection(FIRST, SECOND, t_norm="product")
     assert isinstance(found, IntervalType2Set)
     np.testing.assert_array_equal(found.lower(X), FIRST.lower(X) * SECOND.lower(X))
@@ -62,17 +71,30 @@ def test_complements_of_type_1_sets() -> None:
 
 
 def test_general_sets_combine_their_vertical_slices() -> None:
-    first, second = GaussianType2Set(principal=LOW, sigma=0.1), GaussianType2Set(principal=HIGH, sigma=0.2)
+    first, second = (
+        GaussianType2Set(principal=LOW, sigma=0.1),
+        GaussianType2Set(principal=HIGH, sigma=0.2),
+    )
     u = np.linspace(0.0, 1.0, 41)
-    for found, operation in ((union(first, second, FIRST, LOW), join), (intersection(first, second, FIRST, LOW), meet)):
+    for found, operation in (
+        (union(first, second, FIRST, LOW), join),
+        (intersection(first, second, FIRST, LOW), meet),
+    ):
         assert isinstance(found, GeneralType2Set)
         for x in (0.5, 1.5):
-            expected = operation(first.secondary(x), second.secondary(x), FIRST.secondary(x), Singleton(float(LOW(x))))
+            expected = operation(
+                first.secondary(x),
+                second.secondary(x),
+                FIRST.secondary(x),
+                Singleton(float(LOW(x))),
+            )
             np.testing.assert_array_equal(found.secondary(x)(u), expected(u))
     found = complement(first)
     assert isinstance(found, GeneralType2Set)
     np.testing.assert_allclose(found.secondary(0.5)(u), first.secondary(0.5)(1.0 - u), atol=1e-12)
-    np.testing.assert_allclose(found.principal(np.array([0.5, 1.0])), 1.0 - LOW(np.array([0.5, 1.0])), atol=1e-12)
+    np.testing.assert_allclose(
+        found.principal(np.array([0.5, 1.0])), 1.0 - LOW(np.array([0.5, 1.0])), atol=1e-12
+    )
 
 
 def test_sets_sampled_at_the_same_points_stay_sampled() -> None:

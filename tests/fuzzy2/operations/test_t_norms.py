@@ -17,7 +17,8 @@ from fuzzy2.operations.t_norms import MINIMUM, PRODUCT, T_CONORMS, T_NORMS, TNor
 
 Array = NDArray[np.float64]
 
-# Sixty-fourths: sums and differences of them are exact, so that a + b = 1 is hit often and jumps are on the right side.
+# Sixty-fourths: sums and differences of them are exact, so that a + b = 1 is hit often and jumps
+# are on the right side.
 GRADES = st.integers(0, 64).map(lambda k: k / 64.0)
 NORMS = pytest.mark.parametrize("name", tuple(T_NORMS))
 CONORMS = pytest.mark.parametrize("name", tuple(T_CONORMS))
@@ -55,9 +56,13 @@ def test_t_conorms_obey_their_laws_and_are_dual(name: str, a: float, b: float, c
     conorm = t_conorm(name)
     assert conorm(a, 0.0) == a
     assert conorm(a, b) == conorm(b, a)
-    assert float(conorm(conorm(a, b), c)) == pytest.approx(float(conorm(a, conorm(b, c))), abs=1e-14)
+    assert float(conorm(conorm(a, b), c)) == pytest.approx(
+        float(conorm(a, conorm(b, c))), abs=1e-14
+    )
     assert conorm(a, b) <= conorm(a, max(b, c)) + 1e-15
-    assert float(conorm(a, b)) == pytest.approx(1.0 - float(conorm.dual(1.0 - a, 1.0 - b)), abs=1e-14)
+    assert float(conorm(a, b)) == pytest.approx(
+        1.0 - float(conorm.dual(1.0 - a, 1.0 - b)), abs=1e-14
+    )
 
 
 @NORMS
@@ -142,7 +147,9 @@ def test_a_function_that_is_a_t_conorm_is_taken_with_its_dual() -> None:
         (lambda a, b: np.full(np.shape(a), np.nan), "returns a for"),
     ],
 )
-def test_a_function_that_is_no_t_norm_is_refused_with_the_law_it_breaks(function: Any, law: str) -> None:
+def test_a_function_that_is_no_t_norm_is_refused_with_the_law_it_breaks(
+    function: Any, law: str
+) -> None:
     with pytest.raises(InvalidValue, match=law):
         t_norm(function)
 

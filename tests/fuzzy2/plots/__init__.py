@@ -1,0 +1,1 @@
+"""Tests of fuzzy2.plots, one file per module."""

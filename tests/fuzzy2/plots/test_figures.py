@@ -1,4 +1,7 @@
-"""Figures of fuzzy sets and systems: what stands on the axes, and whether the curves are the numbers they claim to be."""
+"""Figures of fuzzy sets and systems.
+
+What stands on the axes, and whether the curves are the numbers they claim to be.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +26,11 @@ from fuzzy2.plots.style import style
 from fuzzy2.reduction.general import TypeReducedPlanes, TypeReducedPoints
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.general_type2 import FunctionalType2Set
-from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma, IntervalType2Set
+from fuzzy2.sets.interval_type2 import (
+    GaussianUncertainMean,
+    GaussianUncertainSigma,
+    IntervalType2Set,
+)
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.type1 import SampledSet, Singleton
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Type1System
@@ -35,7 +42,13 @@ TRIANGLES = FunctionalType2Set(lambda x: Triangular(0.2, 0.5, 0.9), 0.0, 2.0)
 TERMS = [GaussianUncertainMean(mean=(m - 0.1, m + 0.1), sigma=0.5) for m in (-1.0, 0.0, 1.0)]
 RULES = [[i, j] for i in range(3) for j in range(3)]
 CONSEQUENTS = [[i * j + 0.5 * i, -1.0] for i, j in RULES]
-SYSTEM = IntervalType2System([TERMS, TERMS], RULES, CONSEQUENTS, input_names=["a [m]", "b [m]"], output_names=["force [N]", "other"])
+SYSTEM = IntervalType2System(
+    [TERMS, TERMS],
+    RULES,
+    CONSEQUENTS,
+    input_names=["a [m]", "b [m]"],
+    output_names=["force [N]", "other"],
+)
 
 FIGURES: dict[str, tuple[Callable[..., tuple[Axes, ...]], int]] = {
     "figure_1": (plots.figure_1, 2),
@@ -43,9 +56,19 @@ FIGURES: dict[str, tuple[Callable[..., tuple[Axes, ...]], int]] = {
     "figure_3": (plots.figure_3, 2),
     "figure_4": (plots.figure_4, 3),
     "figure_5": (plots.figure_5, 3),
-    "sets": (lambda axes=None: plots.figure_of_sets({"low": Triangular(0.0, 1.0, 2.0), "fuzzy": FUZZY, "now": Singleton(3.0)}, axes), 1),
+    "sets": (
+        lambda axes=None: plots.figure_of_sets(
+            {"low": Triangular(0.0, 1.0, 2.0), "fuzzy": FUZZY, "now": Singleton(3.0)}, axes
+        ),
+        1,
+    ),
     "secondaries": (lambda axes=None: plots.figure_of_secondaries(FUZZY, [4.0, 5.0], axes), 1),
-    "reduced": (lambda axes=None: plots.figure_of_type_reduced({"one": [1.0, 2.0], "two": GaussianNumber(3.0, 0.5)}, axes), 1),
+    "reduced": (
+        lambda axes=None: plots.figure_of_type_reduced(
+            {"one": [1.0, 2.0], "two": GaussianNumber(3.0, 0.5)}, axes
+        ),
+        1,
+    ),
     "response": (lambda axes=None: plots.figure_of_response(SYSTEM, axes=axes), 1),
 }
 IN_SPACE: dict[str, Callable[..., tuple[Axes, ...]]] = {
@@ -74,12 +97,17 @@ def band(axes: Axes, label: str | None = None, index: int = 0) -> Array:
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Array]:
-    """Coordinates (3, ...) of every surface and net that is drawn in space, in order; matplotlib does not give them back."""
+    """Coordinates (3, ...) of every surface and net that is drawn in space, in order.
+
+    Matplotlib does not give them back.
+    """
     seen: list[Array] = []
     for name in ("plot_surface", "plot_wireframe"):
         draw = getattr(Axes3D, name)
 
-        def record(panel: Axes3D, *coordinates: Array, draw: Callable[..., Any] = draw, **options: Any) -> Any:
+        def record(
+            panel: Axes3D, *coordinates: Array, draw: Callable[..., Any] = draw, **options: Any
+        ) -> Any:
             seen.append(np.stack(coordinates))
             return draw(panel, *coordinates, **options)
 
@@ -95,21 +123,34 @@ def edges(corners: Array, x: float) -> tuple[float, float]:
 
 
 def test_figure_1_blurs_a_triangle() -> None:
-    """Triangles of all corners from those of the figure fill the footprint from edge to edge; J at x′ is its section."""
+    """Triangles of all corners from those of the figure fill the footprint from edge to edge.
+
+    J at x′ is its section.
+    """
     ordinary, blurred = plots.figure_1()
     x, u = curve(ordinary, "membership")
-    np.testing.assert_allclose(u, np.clip(np.minimum((x - 2.0) / 3.0, (8.0 - x) / 3.0), 0.0, 1.0), atol=1e-15)
+    np.testing.assert_allclose(
+        u, np.clip(np.minimum((x - 2.0) / 3.0, (8.0 - x) / 3.0), 0.0, 1.0), atol=1e-15
+    )
     corners = band(blurred, "footprint of uncertainty")
-    lefts, peaks, rights = np.meshgrid(np.linspace(1.0, 3.0, 5), np.linspace(4.5, 5.5, 11), np.linspace(7.3, 8.7, 5))
+    lefts, peaks, rights = np.meshgrid(
+        np.linspace(1.0, 3.0, 5), np.linspace(4.5, 5.5, 11), np.linspace(7.3, 8.7, 5)
+    )
     for point in np.unique(corners[:, 0])[5:-5:10]:
-        grades = np.clip(np.minimum((point - lefts) / (peaks - lefts), (rights - point) / (rights - peaks)), 0.0, 1.0)
-        # Peaks are 0.1 apart, and between two of them a triangle reaches 0.05 times a slope of at most 0.56 higher.
+        grades = np.clip(
+            np.minimum((point - lefts) / (peaks - lefts), (rights - point) / (rights - peaks)),
+            0.0,
+            1.0,
+        )
+        # Peaks are 0.1 apart, and between two of them a triangle reaches 0.05 times a slope of at
+        # most 0.56 higher.
         np.testing.assert_allclose([grades.min(), grades.max()], edges(corners, point), atol=0.03)
         low, high = edges(corners, point)
         assert low - 1e-12 <= grades.min() <= grades.max() <= high + 1e-12
     place, ends = curve(blurred, "$J_{x'}$")
     assert place.tolist() == [4.0, 4.0]
-    np.testing.assert_allclose(ends, edges(corners, 4.0), atol=4e-3)  # half a step of 0.016 times a slope of 0.4
+    # half a step of 0.016 times a slope of 0.4
+    np.testing.assert_allclose(ends, edges(corners, 4.0), atol=4e-3)
 
 
 def test_figure_2_shows_secondary_grades() -> None:
@@ -123,7 +164,9 @@ def test_figure_2_shows_secondary_grades() -> None:
     # The set of the figure, written out again.
     principal = np.exp(-0.5 * ((x - 5.0) / 1.4) ** 2)
     spread = 0.02 + 0.10 * np.abs(x - 5.0) / 1.4 * principal
-    np.testing.assert_allclose(grades, np.exp(-0.5 * ((u[:, None] - principal) / spread) ** 2), atol=1e-9)
+    np.testing.assert_allclose(
+        grades, np.exp(-0.5 * ((u[:, None] - principal) / spread) ** 2), atol=1e-9
+    )
     np.testing.assert_allclose(curve(panel, "principal"), [x, principal], atol=1e-12)
     np.testing.assert_allclose([u[0], u[-1]], [0.0, 1.0], atol=1e-15)
     assert image.get_clim() == (0.0, 1.0)
@@ -131,7 +174,10 @@ def test_figure_2_shows_secondary_grades() -> None:
 
 
 def test_figure_3_shows_what_gaussians_of_uncertain_parameters_cover() -> None:
-    """Lower and upper edge are the extremes over many means, or standard deviations, from the interval of the uncertain one."""
+    """Lower and upper edge are the extremes over many means.
+
+    Or over many standard deviations, from the interval of the uncertain one.
+    """
     for panel, curves in zip(
         plots.figure_3(),
         (
@@ -143,32 +189,48 @@ def test_figure_3_shows_what_gaussians_of_uncertain_parameters_cover() -> None:
         corners = band(panel, "footprint of uncertainty")
         for x in np.unique(corners[:, 0])[10:-10:25]:
             grades = curves(x)
-            # 801 means are 0.002 apart, over which a Gaussian changes by less than 1e-6 at its top, where they fall between two.
+            # 801 means are 0.002 apart, over which a Gaussian changes by less than 1e-6 at its top,
+            # where they fall between two.
             np.testing.assert_allclose(edges(corners, x), [min(grades), max(grades)], atol=1e-6)
     assert panel.get_title(loc="left") == "Uncertain standard deviation"
 
 
 def test_figure_4_shows_union_and_intersection() -> None:
-    """Principal curves of convex normal sets under minimum and maximum are those of the principal curves."""
+    """Principal curves under minimum and maximum are those of the principal curves.
+
+    For convex normal sets.
+    """
     sets, union, intersection = plots.figure_4()
     x, first = curve(sets, "first")
     _, second = curve(sets, "second")
-    # The secondary of a Gaussian cut at 0 or 1 has its peak there, so its principal curve stays as it is.
+    # The secondary of a Gaussian cut at 0 or 1 has its peak there, so its principal curve stays as
+    # it is.
     np.testing.assert_allclose(curve(union, "union"), [x, np.maximum(first, second)], atol=1e-9)
-    np.testing.assert_allclose(curve(intersection, "intersection"), [x, np.minimum(first, second)], atol=1e-9)
+    np.testing.assert_allclose(
+        curve(intersection, "intersection"), [x, np.minimum(first, second)], atol=1e-9
+    )
     grades: Any = intersection.images[0].get_array()
     assert grades.max() > 0.9
-    assert [panel.get_title(loc="left") for panel in (union, intersection)] == ["Union", "Intersection"]
+    assert [panel.get_title(loc="left") for panel in (union, intersection)] == [
+        "Union",
+        "Intersection",
+    ]
 
 
 def test_figure_5_shows_join_and_meet() -> None:
-    """Against the extension principle on a grid of 1001 memberships; 1e-3 is a step of the grid times the greatest slope, 10."""
+    """Against the extension principle on a grid of 1001 memberships.
+
+    1e-3 is a step of the grid times the greatest slope, 10.
+    """
     numbers, join, meet = plots.figure_5()
     v = np.linspace(0.0, 1.0, 1001)
     f = np.exp(-0.5 * ((v - 0.42) / 0.15) ** 2)
     g = np.clip(np.minimum((v - 0.25) / 0.35, (0.7 - v) / 0.1), 0.0, 1.0)
     grades = np.minimum(f[:, None], g)
-    for panel, name, image in ((join, "join", np.maximum(v[:, None], v)), (meet, "meet", np.minimum(v[:, None], v))):
+    for panel, name, image in (
+        (join, "join", np.maximum(v[:, None], v)),
+        (meet, "meet", np.minimum(v[:, None], v)),
+    ):
         theta, drawn = curve(panel, name)
         for point in (0.3, 0.42, 0.5, 0.6, 0.65, 0.69):
             expected = grades[np.isclose(image, point, atol=1e-9)].max()
@@ -178,20 +240,32 @@ def test_figure_5_shows_join_and_meet() -> None:
 
 
 def test_join_and_meet_of_discrete_sets_are_stems() -> None:
-    """By hand: maxima and minima of the four pairs, each with the smaller of both grades, and of equal ones the best."""
-    _, join, meet = plots.figure_of_join_and_meet(SampledSet([0.2, 0.6], [0.5, 1.0]), SampledSet([0.4, 0.6], [1.0, 0.3]))
-    for panel, points, grades in ((join, [0.4, 0.6], [0.5, 1.0]), (meet, [0.2, 0.4, 0.6], [0.5, 1.0, 0.3])):
+    """By hand: maxima and minima of the four pairs.
+
+    Each has the smaller of both grades, and of equal ones the best counts.
+    """
+    _, join, meet = plots.figure_of_join_and_meet(
+        SampledSet([0.2, 0.6], [0.5, 1.0]), SampledSet([0.4, 0.6], [1.0, 0.3])
+    )
+    for panel, points, grades in (
+        (join, [0.4, 0.6], [0.5, 1.0]),
+        (meet, [0.2, 0.4, 0.6], [0.5, 1.0, 0.3]),
+    ):
         theta, drawn = (np.asarray(values, dtype=float) for values in panel.lines[1].get_data())
         np.testing.assert_array_equal([theta, drawn], [points, grades])
         assert panel.lines[1].get_linestyle() == "None"
-        np.testing.assert_array_equal(panel.lines[0].get_ydata(), [end for grade in grades for end in (0.0, grade, np.nan)])
+        np.testing.assert_array_equal(
+            panel.lines[0].get_ydata(), [end for grade in grades for end in (0.0, grade, np.nan)]
+        )
 
 
 def test_sets_of_every_type_share_axes() -> None:
     shapes = {
         "triangle": Triangular(0.0, 1.0, 2.0),
         "shoulder": Trapezoidal(2.0, 4.0, np.inf, np.inf),
-        "footprint": IntervalType2Set(lower=Triangular(1.0, 2.0, 3.0, height=0.5), upper=Triangular(0.0, 2.0, 4.0)),
+        "footprint": IntervalType2Set(
+            lower=Triangular(1.0, 2.0, 3.0, height=0.5), upper=Triangular(0.0, 2.0, 4.0)
+        ),
         "fuzzy": FUZZY,
         "discrete": SampledSet([0.5, 1.5], [0.4, 1.0]),
         "point": Singleton(3.0),
@@ -201,7 +275,8 @@ def test_sets_of_every_type_share_axes() -> None:
     np.testing.assert_allclose(u, np.clip(1.0 - np.abs(x - 1.0), 0.0, 1.0), atol=1e-15)
     left, right = panel.get_xlim()
     assert left < 0.0
-    # The Gaussian falls to the visibility of 0.003 at 3.4 standard deviations; a landmark is there at 4.
+    # The Gaussian falls to the visibility of 0.003 at 3.4 standard deviations; a landmark is there
+    # at 4.
     assert 8.2 < right < 9.4
     assert edges(band(panel, "footprint"), 2.0) == (0.5, 1.0)
     legend = panel.get_legend()
@@ -226,10 +301,14 @@ def test_secondaries_are_vertical_slices() -> None:
     (panel,) = plots.figure_of_secondaries(FUZZY, [4.0, 6.5])
     for x in (4.0, 6.5):
         u, grades = curve(panel, f"x = {x:g}")
-        np.testing.assert_allclose(grades, np.exp(-0.5 * ((u - np.exp(-0.5 * (x - 5.0) ** 2)) / 0.1) ** 2), atol=1e-12)
+        np.testing.assert_allclose(
+            grades, np.exp(-0.5 * ((u - np.exp(-0.5 * (x - 5.0) ** 2)) / 0.1) ** 2), atol=1e-12
+        )
     (panel,) = plots.figure_of_secondaries(GaussianUncertainSigma(mean=0.0, sigma=(1.0, 2.0)), 1.0)
     u, grades = curve(panel, "x = 1")
-    np.testing.assert_allclose(u[grades == 1.0][[0, -1]], [np.exp(-0.5), np.exp(-0.125)], atol=1e-15)
+    np.testing.assert_allclose(
+        u[grades == 1.0][[0, -1]], [np.exp(-0.5), np.exp(-0.125)], atol=1e-15
+    )
     (panel,) = plots.figure_of_secondaries(TRIANGLES, [3.0])
     np.testing.assert_array_equal(curve(panel, "x = 3"), [[0.0, 0.0], [0.0, 1.0]])
     assert (panel.get_xlabel(), panel.get_ylabel()) == ("membership u", "secondary grade")
@@ -248,11 +327,17 @@ def test_a_set_in_space_stands_over_its_footprint(drawn: list[Array]) -> None:
     # Walls at the α-cut of 0.01 go down to the floor.
     assert (np.isclose(over[:, 2], expected, atol=1e-9) | (over[:, 2] == 0.0)).all()
     assert over[:, 2].max() > 0.97
-    assert (panel.get_xlabel(), panel.get_ylabel(), panel.get_zlabel()) == ("x", "membership u", "secondary grade")
+    assert (panel.get_xlabel(), panel.get_ylabel(), panel.get_zlabel()) == (
+        "x",
+        "membership u",
+        "secondary grade",
+    )
 
 
 def test_type_reduced_sets_show_ends_grades_and_crisp_values() -> None:
-    planes = TypeReducedPlanes(np.array([0.5, 1.0]), np.array([[1.0, 4.0], [2.0, 3.5]]), np.array(2.6))
+    planes = TypeReducedPlanes(
+        np.array([0.5, 1.0]), np.array([[1.0, 4.0], [2.0, 3.5]]), np.array(2.6)
+    )
     points = TypeReducedPoints(SampledSet([5.0, 6.0, 8.0], [0.5, 1.0, 0.5]), 6.25)
     reduced: dict[str, plots.Reduced] = {
         "interval": [1.0, 3.0],
@@ -264,12 +349,20 @@ def test_type_reduced_sets_show_ends_grades_and_crisp_values() -> None:
         "points": points,
     }
     (panel,) = plots.figure_of_type_reduced(reduced)
-    np.testing.assert_array_equal(curve(panel, "interval"), [[1.0, 1.0, 3.0, 3.0], [0.0, 1.0, 1.0, 0.0]])
+    np.testing.assert_array_equal(
+        curve(panel, "interval"), [[1.0, 1.0, 3.0, 3.0], [0.0, 1.0, 1.0, 0.0]]
+    )
     np.testing.assert_array_equal(curve(panel, "number")[0], [1.5, 1.5, 2.5, 2.5])
     y, grades = curve(panel, "Gaussian")
     np.testing.assert_allclose(grades, np.exp(-0.5 * ((y - 4.0) / 0.5) ** 2), atol=1e-15)
-    np.testing.assert_array_equal(curve(panel, "planes"), [[1, 1, 2, 2, 3.5, 3.5, 4, 4], [0, 0.5, 0.5, 1, 1, 0.5, 0.5, 0]])
-    crisp = [line.get_xdata()[0] for line in panel.lines if line.get_linestyle() == "--"]  # type: ignore[index]
+    np.testing.assert_array_equal(
+        curve(panel, "planes"), [[1, 1, 2, 2, 3.5, 3.5, 4, 4], [0, 0.5, 0.5, 1, 1, 0.5, 0.5, 0]]
+    )
+    crisp = [
+        line.get_xdata()[0]  # type: ignore[index]
+        for line in panel.lines
+        if line.get_linestyle() == "--"
+    ]
     # The centroid of a triangle is the mean of its corners; of samples, the weighted mean.
     np.testing.assert_allclose(crisp, [2.0, 2.0, 4.0, 2.6, 2.0, 4.0 / 3.0, 6.25], rtol=1e-12)
     stems: Any = next(one for one in panel.collections if one.get_label() == "points")
@@ -304,7 +397,9 @@ def test_response_shows_output_and_bounds() -> None:
 
 
 def test_response_has_no_line_where_no_rule_fires_and_no_band_without_uncertainty() -> None:
-    system = Type1System([[Triangular(0.0, 1.0, 2.0), Triangular(3.0, 4.0, 5.0)]], [[0], [1]], [[1.0], [7.0]])
+    system = Type1System(
+        [[Triangular(0.0, 1.0, 2.0), Triangular(3.0, 4.0, 5.0)]], [[0], [1]], [[1.0], [7.0]]
+    )
     (panel,) = plots.figure_of_response(system, domain=(0.0, 5.0))
     x, y = curve(panel, "output")
     np.testing.assert_array_equal(np.isnan(y), (x <= 0.0) | ((x >= 2.0) & (x <= 3.0)) | (x >= 5.0))
@@ -320,7 +415,11 @@ def test_bounds_of_the_gaussian_corollary_are_one_standard_deviation() -> None:
     (panel,) = plots.figure_of_response(system)
     x, y = curve(panel, "output")
     mean, sigma = system.type_reduced([x[200]])[0]
-    np.testing.assert_allclose([y[200], *edges(band(panel, "type-reduced set"), x[200])], [mean, mean - sigma, mean + sigma], rtol=1e-12)
+    np.testing.assert_allclose(
+        [y[200], *edges(band(panel, "type-reduced set"), x[200])],
+        [mean, mean - sigma, mean + sigma],
+        rtol=1e-12,
+    )
 
 
 def test_rule_surface_lies_between_its_bounds(drawn: list[Array]) -> None:
@@ -329,11 +428,17 @@ def test_rule_surface_lies_between_its_bounds(drawn: list[Array]) -> None:
     X = np.moveaxis(surface[:2], 0, -1)
     np.testing.assert_array_equal([X[0, 0], X[-1, -1]], [[-1.0, -0.5], [1.0, 0.5]])
     np.testing.assert_allclose(surface[2], SYSTEM(X)[..., 0], rtol=1e-14)
-    np.testing.assert_array_equal(np.stack([lower[2], upper[2]], axis=-1), SYSTEM.type_reduced(X)[..., 0, :])
+    np.testing.assert_array_equal(
+        np.stack([lower[2], upper[2]], axis=-1), SYSTEM.type_reduced(X)[..., 0, :]
+    )
     assert (lower[2] < surface[2]).all()
     assert (surface[2] < upper[2]).all()
     assert [one.get_label() for one in panel.collections[1:]] == ["lower bound", "upper bound"]
-    assert (panel.get_xlabel(), panel.get_ylabel(), panel.get_zlabel()) == ("a [m]", "b [m]", "force [N]")
+    assert (panel.get_xlabel(), panel.get_ylabel(), panel.get_zlabel()) == (
+        "a [m]",
+        "b [m]",
+        "force [N]",
+    )
 
 
 def test_rule_surface_of_a_constant_type_1_system(drawn: list[Array]) -> None:
@@ -389,9 +494,22 @@ def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(name: str, the
         boxes = []
         for axes in figure.axes:
             legend = axes.get_legend()
-            labels = [axes.xaxis.label, axes.yaxis.label, *([axes.zaxis.label] if hasattr(axes, "zaxis") else [])]
-            texts = [*axes.texts, *labels, axes._left_title, *(legend.get_texts() if legend else [])]
-            boxes += [(text.get_text(), text.get_window_extent(renderer)) for text in texts if text.get_text()]
+            labels = [
+                axes.xaxis.label,
+                axes.yaxis.label,
+                *([axes.zaxis.label] if hasattr(axes, "zaxis") else []),
+            ]
+            texts = [
+                *axes.texts,
+                *labels,
+                axes._left_title,
+                *(legend.get_texts() if legend else []),
+            ]
+            boxes += [
+                (text.get_text(), text.get_window_extent(renderer))
+                for text in texts
+                if text.get_text()
+            ]
         assert len(boxes) >= 2
         for text, box in boxes:
             assert box.x0 > figure.bbox.x0 - 1, text
@@ -400,7 +518,12 @@ def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(name: str, the
             assert box.y1 < figure.bbox.y1 + 1, text
         for n, (text, box) in enumerate(boxes):
             for other, other_box in boxes[:n]:
-                apart = box.x0 > other_box.x1 - 1 or other_box.x0 > box.x1 - 1 or box.y0 > other_box.y1 - 1 or other_box.y0 > box.y1 - 1
+                apart = (
+                    box.x0 > other_box.x1 - 1
+                    or other_box.x0 > box.x1 - 1
+                    or box.y0 > other_box.y1 - 1
+                    or other_box.y0 > box.y1 - 1
+                )
                 assert apart, f"{text} lies on {other}"
         # Light text on dark ground, or the other way round: most of the picture is ground.
         ground = np.median(np.asarray(canvas.buffer_rgba())[..., :3])
@@ -409,5 +532,8 @@ def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(name: str, the
 
 def test_drawing_leaves_pyplot_alone() -> None:
     """In a fresh process, because another test may have imported pyplot."""
-    program = "import sys; from fuzzy2.plots import figure_2; figure_2(); sys.exit('matplotlib.pyplot' in sys.modules)"
+    program = (
+        "import sys; from fuzzy2.plots import figure_2; figure_2(); sys.exit('matplotlib.pyplot' "
+        "in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0

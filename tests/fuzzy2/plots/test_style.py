@@ -1,4 +1,7 @@
-"""The style of the figures: contrast by the WCAG formula, color vision by Machado's matrices, settings restored."""
+"""The style of the figures.
+
+Contrast by the WCAG formula, color vision by Machado's matrices, settings restored.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +17,31 @@ from numpy.typing import NDArray
 
 from fuzzy2.plots.style import CYCLES, GROUNDS, parameters, style
 
-# Machado, Oliveira and Fernandes, "A Physiologically-based Model for Simulation of Color Vision Deficiency", IEEE TVCG 15(6),
-# 2009, table of severity 1.0; they act on linear RGB.
+# Machado, Oliveira and Fernandes, "A Physiologically-based Model for Simulation of Color Vision
+# Deficiency", IEEE TVCG 15(6), 2009, table of severity 1.0; they act on linear RGB.
 VISION = {
     "normal": np.eye(3),
-    "protanopia": np.array([[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]]),
-    "deuteranopia": np.array([[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]]),
-    "tritanopia": np.array([[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]]),
+    "protanopia": np.array(
+        [
+            [0.152286, 1.052583, -0.204868],
+            [0.114503, 0.786281, 0.099216],
+            [-0.003882, -0.048116, 1.051998],
+        ]
+    ),
+    "deuteranopia": np.array(
+        [
+            [0.367322, 0.860646, -0.227968],
+            [0.280085, 0.672501, 0.047413],
+            [-0.011820, 0.042940, 0.968881],
+        ]
+    ),
+    "tritanopia": np.array(
+        [
+            [1.255528, -0.076749, -0.178779],
+            [-0.078411, 0.930809, 0.147602],
+            [0.004733, 0.691367, 0.303900],
+        ]
+    ),
 }
 
 
@@ -40,7 +61,13 @@ def contrast(first: str, second: str) -> float:
 
 def lab(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
     """CIELAB of linear sRGB under D65."""
-    matrix = np.array([[0.4124564, 0.3575761, 0.1804375], [0.2126729, 0.7151522, 0.0721750], [0.0193339, 0.1191920, 0.9503041]])
+    matrix = np.array(
+        [
+            [0.4124564, 0.3575761, 0.1804375],
+            [0.2126729, 0.7151522, 0.0721750],
+            [0.0193339, 0.1191920, 0.9503041],
+        ]
+    )
     ratios = matrix @ np.clip(rgb, 0.0, 1.0) / (matrix @ np.ones(3))
     f = np.where(ratios > (6 / 29) ** 3, np.cbrt(ratios), ratios / (3 * (6 / 29) ** 2) + 4 / 29)
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
@@ -49,7 +76,10 @@ def lab(rgb: NDArray[np.float64]) -> NDArray[np.float64]:
 @pytest.mark.parametrize("theme", list(CYCLES))
 @pytest.mark.parametrize("vision", list(VISION))
 def test_neighboring_colors_are_told_apart_by_every_kind_of_vision(theme: str, vision: str) -> None:
-    """CIE76 distance: 2.3 is just noticeable, 10 at a glance; the first four colors against each other, the rest against neighbors."""
+    """CIE76 distance: 2.3 is just noticeable, 10 at a glance.
+
+    The first four colors against each other, the rest against neighbors.
+    """
     colors = {color: lab(VISION[vision] @ linear(color)) for color in CYCLES[theme]}
     pairs = set(combinations(CYCLES[theme][:4], 2)) | set(pairwise(CYCLES[theme]))
     for first, second in pairs:
@@ -58,7 +88,10 @@ def test_neighboring_colors_are_told_apart_by_every_kind_of_vision(theme: str, v
 
 @pytest.mark.parametrize("theme", list(CYCLES))
 def test_text_and_lines_stand_out_from_the_background(theme: str) -> None:
-    """WCAG 2.2: 4.5 for text; 3 for graphics, which the first three colors of the cycle keep and the rest come near (2)."""
+    """WCAG 2.2: 4.5 for text, 3 for graphics.
+
+    The first three colors of the cycle keep the latter, and the rest come near (2).
+    """
     background, text, muted, grid = GROUNDS[theme]
     assert contrast(text, background) > 7.0
     assert contrast(muted, background) > 4.5

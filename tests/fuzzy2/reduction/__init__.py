@@ -1,0 +1,1 @@
+"""Tests of fuzzy2.reduction, one file per module."""

@@ -1,4 +1,7 @@
-"""Approximate generalized centroid: against eq. 1.85 in fuzzy numbers, exact reduction, errata numbers, and where it is exact."""
+"""Approximate generalized centroid.
+
+Against eq. 1.85 in fuzzy numbers, exact reduction, errata numbers, and where it is exact.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +16,12 @@ from hypothesis.extra.numpy import arrays
 
 from fuzzy2.errors import ApproximationWarning, InvalidValue, NotApplicable, UnknownName
 from fuzzy2.numbers import FuzzyNumber, GaussianNumber, IntervalNumber
-from fuzzy2.reduction.approximate import VALIDITY_LIMIT, ApproximateReduction, approximate_centroid, approximate_generalized_centroid
+from fuzzy2.reduction.approximate import (
+    VALIDITY_LIMIT,
+    ApproximateReduction,
+    approximate_centroid,
+    approximate_generalized_centroid,
+)
 from fuzzy2.reduction.interval import generalized_centroid
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean
 from fuzzy2.sets.shapes import Gaussian, Triangular
@@ -23,7 +31,9 @@ Number = IntervalNumber | GaussianNumber
 rng = np.random.default_rng(7)
 
 
-def random_numbers(kind: str, shape: tuple[int, ...], width: float, seed: int = 0) -> tuple[Number, Number]:
+def random_numbers(
+    kind: str, shape: tuple[int, ...], width: float, seed: int = 0
+) -> tuple[Number, Number]:
     source = np.random.default_rng(seed)
     c, s = source.normal(size=shape), source.uniform(0.0, 0.4, shape)
     h = source.uniform(0.3, 1.0, shape)
@@ -34,7 +44,10 @@ def random_numbers(kind: str, shape: tuple[int, ...], width: float, seed: int = 
 
 
 def by_equation_1_85(Z: Number, W: Number) -> Number:
-    """Theorem 1.6 literally, in the algebra of fuzzy numbers (Theorems 1.4 and 1.5), which the reduction itself does not use."""
+    """Theorem 1.6 literally, in the algebra of fuzzy numbers (Theorems 1.4 and 1.5).
+
+    The reduction itself does not use it.
+    """
     c, h = Z.defuzzify(), W.defuzzify()
     total = h.sum(axis=-1, keepdims=True)
     xi = (h * c).sum(axis=-1, keepdims=True) / total
@@ -55,7 +68,10 @@ def test_is_theorem_1_6_in_the_algebra_of_fuzzy_numbers(kind: str, shape: tuple[
 
 @pytest.mark.parametrize("kind", ["interval", "min"])
 def test_alpha_cuts_agree_with_the_closed_forms(kind: str) -> None:
-    """The cuts of both are affine in one width, so that arithmetic on them is the same up to rounding at levels that are held."""
+    """The cuts of both are affine in one width.
+
+    So arithmetic on them is the same up to rounding at levels that are held.
+    """
     Z, W = random_numbers(kind, (4, 6), 0.2)
     by_cuts = approximate_generalized_centroid(FuzzyNumber.of(Z), FuzzyNumber.of(W)).value
     closed = approximate_generalized_centroid(Z, W).value
@@ -66,15 +82,24 @@ def test_alpha_cuts_agree_with_the_closed_forms(kind: str) -> None:
 def test_validity_measures() -> None:
     """Eq. 1.88 and 1.104 with k = 1, eq. 1.109 with k = 2; cuts count half their support."""
     h, delta = np.array([0.5, 0.3, 0.2]), np.array([0.02, 0.03, 0.05])
-    assert approximate_generalized_centroid([1.0, 2.0, 3.0], IntervalNumber(h, delta)).validity == pytest.approx(0.1, abs=1e-15)
-    assert approximate_generalized_centroid([1.0, 2.0, 3.0], GaussianNumber(h, delta)).validity == pytest.approx(0.2, abs=1e-15)
+    assert approximate_generalized_centroid(
+        [1.0, 2.0, 3.0], IntervalNumber(h, delta)
+    ).validity == pytest.approx(0.1, abs=1e-15)
+    assert approximate_generalized_centroid(
+        [1.0, 2.0, 3.0], GaussianNumber(h, delta)
+    ).validity == pytest.approx(0.2, abs=1e-15)
     cuts = FuzzyNumber.of(IntervalNumber(h, delta))
-    assert approximate_generalized_centroid([1.0, 2.0, 3.0], cuts).validity == pytest.approx(0.1, abs=1e-15)
+    assert approximate_generalized_centroid([1.0, 2.0, 3.0], cuts).validity == pytest.approx(
+        0.1, abs=1e-15
+    )
 
 
 @pytest.mark.parametrize("norm", NORMS)
 def test_exact_where_weights_are_crisp(norm: str) -> None:
-    """Eq. 1.102: the weighted sum of fuzzy points is exact, so it must agree with the algebra; validity is 0."""
+    """Eq. 1.102: the weighted sum of fuzzy points is exact, so it must agree with the algebra.
+
+    Validity is 0.
+    """
     Z = GaussianNumber(rng.normal(size=(3, 5)), rng.uniform(0.1, 2.0, (3, 5)), norm)
     h = rng.uniform(0.1, 1.0, 5)
     found = approximate_generalized_centroid(Z, h, norm)
@@ -89,18 +114,29 @@ def test_interval_points_with_crisp_weights_reduce_exactly() -> None:
     Z = IntervalNumber(rng.normal(size=8), rng.uniform(0.1, 2.0, 8))
     h = rng.uniform(0.1, 1.0, 8)
     found = approximate_generalized_centroid(Z, h)
-    np.testing.assert_allclose(found.value.interval(1.0), generalized_centroid(Z.interval(), np.stack([h, h], axis=-1)), atol=1e-14)
+    np.testing.assert_allclose(
+        found.value.interval(1.0),
+        generalized_centroid(Z.interval(), np.stack([h, h], axis=-1)),
+        atol=1e-14,
+    )
 
 
 def test_two_crisp_operands_make_an_interval_without_width() -> None:
     found = approximate_generalized_centroid([1.0, 3.0], [1.0, 3.0])
     assert isinstance(found.value, IntervalNumber)
-    assert (float(found.value.center), float(found.value.spread), float(found.validity)) == (2.5, 0.0, 0.0)
+    assert (float(found.value.center), float(found.value.spread), float(found.validity)) == (
+        2.5,
+        0.0,
+        0.0,
+    )
 
 
 @pytest.mark.parametrize("kind", ["interval", "product", "min"])
 def test_one_rule_gives_the_consequent(kind: str) -> None:
-    """Eq. 1.77 and 1.82: of one rule the output is its consequent, whatever the weight; a crisp consequent gives a point."""
+    """Eq. 1.77 and 1.82: of one rule the output is its consequent, whatever the weight.
+
+    A crisp consequent gives a point.
+    """
     Z, W = random_numbers(kind, (4, 1), 0.5)
     found = approximate_generalized_centroid(Z, W).value
     np.testing.assert_allclose(found.interval(0.6), Z[..., 0].interval(0.6), atol=1e-15)
@@ -109,7 +145,10 @@ def test_one_rule_gives_the_consequent(kind: str) -> None:
 
 
 def test_error_against_exact_reduction_is_of_second_order() -> None:
-    """A tenth of the uncertainty leaves a hundredth of the error; 60 to 160 allows for the next order."""
+    """A tenth of the uncertainty leaves a hundredth of the error.
+
+    60 to 160 allows for the next order.
+    """
     errors = []
     for width in (0.1, 0.01):
         Z, W = random_numbers("interval", (50, 9), width, seed=3)
@@ -121,15 +160,22 @@ def test_error_against_exact_reduction_is_of_second_order() -> None:
 
 
 def test_published_standard_deviation_of_eq_1_108() -> None:
-    """The misprint of eq. 1.108 multiplies the two squares: it gives nothing near what the theorem, or enumeration, gives."""
-    Z, W = GaussianNumber([1.0, 2.0, 3.0], [0.2, 0.3, 0.1]), GaussianNumber([0.5, 0.8, 0.4], [0.01, 0.02, 0.01])
+    """The misprint of eq. 1.108 multiplies the two squares.
+
+    It gives nothing near what the theorem, or enumeration, gives.
+    """
+    Z, W = (
+        GaussianNumber([1.0, 2.0, 3.0], [0.2, 0.3, 0.1]),
+        GaussianNumber([0.5, 0.8, 0.4], [0.01, 0.02, 0.01]),
+    )
     h, m, sigma, delta = W.mean, Z.mean, Z.sigma, W.sigma
     varsigma = float((h * m).sum() / h.sum())
     printed = np.sqrt(((h * sigma) ** 2 * (m - varsigma) ** 2 * delta**2).sum()) / h.sum()
     found = float(approximate_generalized_centroid(Z, W).value.sigma)
     assert found > 20.0 * printed
-    # Under the product the cut at exp(-1/2) is the range of the average over the ball of one standard deviation; from any direction
-    # the steps to the direction of its gradient converge, for it is almost linear there.
+    # Under the product the cut at exp(-1/2) is the range of the average over the ball of one
+    # standard deviation; from any direction the steps to the direction of its gradient converge,
+    # for it is almost linear there.
     ends = []
     for sign in (-1.0, 1.0):
         direction = np.zeros(6)
@@ -139,23 +185,36 @@ def test_published_standard_deviation_of_eq_1_108() -> None:
             gradient = sign * np.concatenate([sigma * w, delta * (z - y)]) / w.sum()
             direction = gradient / np.linalg.norm(gradient)
         ends.append(y)
-    # The ends differ from the first order by terms of the second; half their distance by terms of the third, 1e-4 here.
+    # The ends differ from the first order by terms of the second; half their distance by terms of
+    # the third, 1e-4 here.
     assert found == pytest.approx(0.5 * (ends[1] - ends[0]), abs=1e-4)
 
 
 def test_no_factor_k_in_eq_1_108() -> None:
-    """Under the minimum the α-cut is the exact interval reduction of the α-cuts: the spread must match it without a factor k."""
-    Z, W = GaussianNumber([1.0, 2.0, 3.5], [0.2, 0.3, 0.1], "min"), GaussianNumber([0.5, 0.8, 0.4], [0.002, 0.004, 0.002], "min")
+    """Under the minimum the α-cut is the exact interval reduction of the α-cuts.
+
+    The spread must match it without a factor k.
+    """
+    Z, W = (
+        GaussianNumber([1.0, 2.0, 3.5], [0.2, 0.3, 0.1], "min"),
+        GaussianNumber([0.5, 0.8, 0.4], [0.002, 0.004, 0.002], "min"),
+    )
     found = approximate_generalized_centroid(Z, W)
     alpha = np.exp(-0.5)  # one standard deviation
     exact = generalized_centroid(Z.interval(alpha), W.interval(alpha))
-    # What is left out is at most 2 max s (sum of Δ) / (sum of h) (eq. 1.97 corrected), plus terms of the second order in Δ.
-    np.testing.assert_allclose(found.value.interval(alpha), exact, atol=2.0 * 0.3 * 0.008 / 1.7 + 1e-4)
+    # What is left out is at most 2 max s (sum of Δ) / (sum of h) (eq. 1.97 corrected), plus terms
+    # of the second order in Δ.
+    np.testing.assert_allclose(
+        found.value.interval(alpha), exact, atol=2.0 * 0.3 * 0.008 / 1.7 + 1e-4
+    )
     assert abs(2.0 * float(found.value.sigma) - 0.5 * float(np.diff(exact)[0])) > 0.1
 
 
 def test_centroid_of_a_gaussian_with_uncertain_mean_of_the_errata() -> None:
-    """Eq. 1.106 where its condition fails: validity .70 and [4.041, 5.959] where [3.907, 6.093] is exact. Three digits are given."""
+    """Eq. 1.106 where its condition fails.
+
+    Validity .70 and [4.041, 5.959] where [3.907, 6.093] is exact. Three digits are given.
+    """
     x = np.linspace(0.0, 10.0, 101)
     footprint = GaussianUncertainMean(mean=(4.0, 6.0), sigma=1.0).footprint(x)
     W = IntervalNumber(footprint.mean(axis=-1), 0.5 * np.diff(footprint)[..., 0])
@@ -177,20 +236,28 @@ def test_centroid_of_a_gaussian_type_2_set_uses_the_minimum() -> None:
         assert found.value.t_norm == "min"
         varsigma = (x * m).sum() / m.sum()
         assert float(found.value.mean) == pytest.approx(varsigma, abs=1e-14)
-        assert float(found.value.sigma) == pytest.approx((np.abs(x - varsigma) * sigma).sum() / m.sum(), abs=1e-14)
+        assert float(found.value.sigma) == pytest.approx(
+            (np.abs(x - varsigma) * sigma).sum() / m.sum(), abs=1e-14
+        )
         assert float(found.validity) == pytest.approx(2.0 * sigma.sum() / m.sum(), abs=1e-14)
 
 
 def test_centroid_under_the_product_collapses() -> None:
-    """Errata: .0375, .0119, .0038 for 11, 101 and 1001 points under the product; under the minimum the width stays."""
+    """Errata: .0375, .0119, .0038 for 11, 101 and 1001 points under the product.
+
+    Under the minimum the width stays.
+    """
     widths: dict[str, list[float]] = {"product": [], "min": []}
     for count in (11, 101, 1001):
         x = np.linspace(0.0, 10.0, count)
         principal = Gaussian(5.0, 1.0)(x)
         for norm in NORMS:
             weights = GaussianNumber(principal, 0.1 * principal)
-            widths[norm].append(float(approximate_generalized_centroid(x, weights, norm).value.sigma))
-    np.testing.assert_allclose(widths["product"], [0.0375, 0.0119, 0.0038], atol=5e-5)  # half a unit of the last digit
+            widths[norm].append(
+                float(approximate_generalized_centroid(x, weights, norm).value.sigma)
+            )
+    # half a unit of the last digit
+    np.testing.assert_allclose(widths["product"], [0.0375, 0.0119, 0.0038], atol=5e-5)
     # The sums have converged to their integrals but for the coarsest grid: 2 (0.1) / sqrt(2 pi).
     np.testing.assert_allclose(widths["min"], 0.2 / np.sqrt(2.0 * np.pi), rtol=0.1)
 
@@ -201,7 +268,9 @@ def test_defuzzified_output_does_not_see_the_uncertainty() -> None:
     type1 = (Z.defuzzify() * W.defuzzify()).sum(axis=-1) / W.defuzzify().sum(axis=-1)
     for width in (0.01, 0.1, 1.0):
         Z, W = random_numbers("product", (6, 9), width)
-        np.testing.assert_allclose(approximate_generalized_centroid(Z, W).value.defuzzify(), type1, atol=1e-13)
+        np.testing.assert_allclose(
+            approximate_generalized_centroid(Z, W).value.defuzzify(), type1, atol=1e-13
+        )
 
 
 @given(
@@ -211,19 +280,36 @@ def test_defuzzified_output_does_not_see_the_uncertainty() -> None:
     offset=st.floats(-1e3, 1e3),
 )
 @settings(max_examples=200, deadline=None)
-def test_follows_scale_and_offset_of_the_output(c: np.ndarray, h: np.ndarray, scale: float, offset: float) -> None:
-    """An affine change of the points is the same change of the result, up to rounding at the offset."""
-    for W in (IntervalNumber(h, 0.1 * h), GaussianNumber(h, 0.1 * h), GaussianNumber(h, 0.1 * h, "min")):
+def test_follows_scale_and_offset_of_the_output(
+    c: np.ndarray, h: np.ndarray, scale: float, offset: float
+) -> None:
+    """An affine change of the points is that of the result, up to rounding at the offset."""
+    for W in (
+        IntervalNumber(h, 0.1 * h),
+        GaussianNumber(h, 0.1 * h),
+        GaussianNumber(h, 0.1 * h, "min"),
+    ):
         base = approximate_generalized_centroid(c, W).value
         moved = approximate_generalized_centroid(scale * (c + offset), W).value
         tolerance = 1e-14 * scale * (1.0 + abs(offset))
-        np.testing.assert_allclose(moved.interval(0.5), scale * (base.interval(0.5) + offset), rtol=0.0, atol=4.0 * tolerance)
+        np.testing.assert_allclose(
+            moved.interval(0.5),
+            scale * (base.interval(0.5) + offset),
+            rtol=0.0,
+            atol=4.0 * tolerance,
+        )
 
 
-@given(h=arrays(float, 4, elements=st.floats(0.05, 1.0)), share=arrays(float, 4, elements=st.floats(0.0, 0.2)))
+@given(
+    h=arrays(float, 4, elements=st.floats(0.05, 1.0)),
+    share=arrays(float, 4, elements=st.floats(0.0, 0.2)),
+)
 @settings(max_examples=200, deadline=None)
 def test_error_is_bounded_by_the_validity(h: np.ndarray, share: np.ndarray) -> None:
-    """Crisp points: what eq. 1.91 leaves out is at most v²/(1 - v) of the range of the points, v the validity."""
+    """Crisp points: what eq. 1.91 leaves out is at most v²/(1 - v) of the range of the points.
+
+    Here v is the validity.
+    """
     c = np.array([-1.0, 0.2, 0.4, 1.0])
     W = IntervalNumber(h, share * h)
     found = approximate_generalized_centroid(c, W)
@@ -252,17 +338,26 @@ def test_arbitrary_convex_sets_as_points_and_weights() -> None:
 
 
 def test_numbers_of_different_kinds_meet_in_alpha_cuts() -> None:
-    found = approximate_generalized_centroid(IntervalNumber([1.0, 2.0], 0.1), GaussianNumber([0.5, 0.5], 0.01), "min")
+    found = approximate_generalized_centroid(
+        IntervalNumber([1.0, 2.0], 0.1), GaussianNumber([0.5, 0.5], 0.01), "min"
+    )
     assert isinstance(found.value, FuzzyNumber)
     np.testing.assert_allclose(found.value.interval(1.0), [1.4, 1.6], atol=1e-12)
     with pytest.raises(NotApplicable, match="minimum"):
-        approximate_generalized_centroid(IntervalNumber([1.0, 2.0], 0.1), GaussianNumber([0.5, 0.5], 0.01), "product")
+        approximate_generalized_centroid(
+            IntervalNumber([1.0, 2.0], 0.1), GaussianNumber([0.5, 0.5], 0.01), "product"
+        )
     with pytest.raises(NotApplicable):
-        approximate_generalized_centroid(IntervalNumber([1.0, 2.0], 0.1), GaussianNumber([0.5, 0.5], 0.01))
+        approximate_generalized_centroid(
+            IntervalNumber([1.0, 2.0], 0.1), GaussianNumber([0.5, 0.5], 0.01)
+        )
 
 
 def test_no_rule_fires_is_nan() -> None:
-    for W in (IntervalNumber([[0.0, 0.0], [0.5, 0.5]], 0.0), GaussianNumber([[0.0, 0.0], [0.5, 0.5]], 0.1)):
+    for W in (
+        IntervalNumber([[0.0, 0.0], [0.5, 0.5]], 0.0),
+        GaussianNumber([[0.0, 0.0], [0.5, 0.5]], 0.1),
+    ):
         found: ApproximateReduction = approximate_generalized_centroid([1.0, 2.0], W)
         np.testing.assert_array_equal(np.isnan(found.value.defuzzify()), [True, False])
         np.testing.assert_array_equal(np.isnan(found.validity), [True, False])
@@ -274,7 +369,10 @@ def test_the_t_norm_given_counts() -> None:
     Z, W = GaussianNumber([1.0, 2.0], 0.1, "min"), GaussianNumber([0.5, 0.4], 0.01, "product")
     with pytest.raises(NotApplicable, match="say which one counts"):
         approximate_generalized_centroid(Z, W)
-    narrow, wide = (float(approximate_generalized_centroid(Z, W, norm).value.sigma) for norm in ("product", "min"))
+    narrow, wide = (
+        float(approximate_generalized_centroid(Z, W, norm).value.sigma)
+        for norm in ("product", "min")
+    )
     assert narrow < wide
 
 
@@ -283,7 +381,11 @@ def test_the_t_norm_given_counts() -> None:
     [
         ([1.0, 2.0, 3.0], IntervalNumber([1.0, 1.0], 0.1), "as many points as weights"),
         ([1.0, np.nan], IntervalNumber([1.0, 1.0], 0.1), "Z must be finite"),
-        ([1.0, 2.0], IntervalNumber([1.0, -1.0], 0.1), "W must be finite, with centers of at least 0"),
+        (
+            [1.0, 2.0],
+            IntervalNumber([1.0, -1.0], 0.1),
+            "W must be finite, with centers of at least 0",
+        ),
         ([1.0, 2.0], IntervalNumber([1.0, np.inf], 0.1), "W must be finite"),
         (1.0, IntervalNumber([1.0], 0.1), "at least one number"),
         ([], IntervalNumber([], []), "at least one number"),
@@ -306,6 +408,8 @@ def test_the_warning_carries_its_values() -> None:
         warnings.simplefilter("error")
         rough = approximate_generalized_centroid([1.0, 2.0], IntervalNumber([0.5, 0.5], 0.4))
     assert rough.validity > VALIDITY_LIMIT
-    warning = pickle.loads(pickle.dumps(ApproximationWarning("a system", float(rough.validity), VALIDITY_LIMIT)))
+    warning = pickle.loads(
+        pickle.dumps(ApproximationWarning("a system", float(rough.validity), VALIDITY_LIMIT))
+    )
     assert (warning.what, warning.validity, warning.limit) == ("a system", pytest.approx(0.8), 0.1)
     assert "a system has a validity measure of 0.8, above 0.1" in str(warning)

@@ -1,4 +1,7 @@
-"""Defuzzifiers against closed forms and published systems, and the thesis's caution about the height of type-reduced sets."""
+"""Defuzzifiers against closed forms and published systems.
+
+And the thesis's caution about the height of type-reduced sets.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
-from fuzzy2.reduction.defuzzification import METHODS, bisector, defuzzify, defuzzify_samples, height, largest_of_maxima, mean_of_maxima
+from fuzzy2.reduction.defuzzification import (
+    METHODS,
+    bisector,
+    defuzzify,
+    defuzzify_samples,
+    height,
+    largest_of_maxima,
+    mean_of_maxima,
+)
 from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.general_type2 import SampledType2Set
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
@@ -32,17 +43,39 @@ TRAPEZOID = Trapezoidal(0.0, 1.0, 2.0, 4.0, 0.5)
         ("bisector", Triangular(0.0, 0.2, 1.0), 1.0 - math.sqrt(0.4)),
         ("bisector", Gaussian(3.0, 0.1), 3.0),
         ("bisector", Bell(3.0, 0.1, 1.0), 3.0),  # it has an area, but no centroid
-        ("bisector", SampledSet([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 1.0, 0.0, 0.0, 1.0, 0.0]), 2.5),
-        ("mean_of_maxima", SampledSet([0.0, 1.0, 2.0, 6.0, 8.0], [1.0, 1.0, 0.0, 1.0, 1.0]), (0.5 * 1 + 7.0 * 2) / 3),
+        (
+            "bisector",
+            SampledSet([0.0, 1.0, 2.0, 3.0, 4.0, 5.0], [0.0, 1.0, 0.0, 0.0, 1.0, 0.0]),
+            2.5,
+        ),
+        (
+            "mean_of_maxima",
+            SampledSet([0.0, 1.0, 2.0, 6.0, 8.0], [1.0, 1.0, 0.0, 1.0, 1.0]),
+            (0.5 * 1 + 7.0 * 2) / 3,
+        ),
         ("mean_of_maxima", SampledSet([0.0, 1.0, 3.0, 5.0], [1.0, 0.0, 1.0, 0.0]), 1.5),
-        ("mean_of_maxima", FunctionalSet(lambda x: np.where((x <= 1.0) | (x >= 3.0), 1.0, 0.0), 0.0, 4.0, (1.0, 3.0)), 2.0),
+        (
+            "mean_of_maxima",
+            FunctionalSet(
+                lambda x: np.where((x <= 1.0) | (x >= 3.0), 1.0, 0.0), 0.0, 4.0, (1.0, 3.0)
+            ),
+            2.0,
+        ),
         *[(method, Singleton(2.5), 2.5) for method in METHODS],
-        *[(method, Interval(0.0, 1.0), 0.5) for method in ("centroid", "bisector", "height", "mean_of_maxima")],
+        *[
+            (method, Interval(0.0, 1.0), 0.5)
+            for method in ("centroid", "bisector", "height", "mean_of_maxima")
+        ],
     ],
 )
 def test_continuous_sets_in_closed_form(method: str, fuzzy_set: Type1Set, expected: float) -> None:
-    """By hand; the bisector is sought where the membership vanishes, to the square root of rounding."""
-    assert defuzzify(fuzzy_set, method) == pytest.approx(expected, abs=1e-8 if method == "bisector" else 1e-12)
+    """By hand, to the square root of rounding.
+
+    The bisector is sought where the membership vanishes.
+    """
+    assert defuzzify(fuzzy_set, method) == pytest.approx(
+        expected, abs=1e-8 if method == "bisector" else 1e-12
+    )
 
 
 @settings(max_examples=60, deadline=None)
@@ -54,22 +87,47 @@ def test_the_bisector_halves_the_area(corners: list[int]) -> None:
     a, b, c, d = sorted(corners)
     fuzzy_set = Trapezoidal(a, b, c, d)
     point = bisector(fuzzy_set)
-    sides = [quad(fuzzy_set, low, high, points=(b, c), limit=200)[0] for low, high in ((a, point), (point, d))]
+    sides = [
+        quad(fuzzy_set, low, high, points=(b, c), limit=200)[0]
+        for low, high in ((a, point), (point, d))
+    ]
     assert sides[0] == pytest.approx(sides[1], rel=1e-9)
 
 
 @settings(max_examples=100)
-@given(grades=st.lists(st.floats(0.0, 1.0), min_size=1, max_size=12), shift=st.floats(-100.0, 100.0), data=st.data())
-def test_samples_move_and_mirror_with_their_points(grades: list[float], shift: float, data: st.DataObject) -> None:
+@given(
+    grades=st.lists(st.floats(0.0, 1.0), min_size=1, max_size=12),
+    shift=st.floats(-100.0, 100.0),
+    data=st.data(),
+)
+def test_samples_move_and_mirror_with_their_points(
+    grades: list[float], shift: float, data: st.DataObject
+) -> None:
     """All defuzzifiers are equivariant; 1e-9 for the rounding of shifted points."""
     points = np.array(
-        sorted(data.draw(st.lists(st.integers(-50, 50), min_size=len(grades), max_size=len(grades), unique=True))), dtype=float
+        sorted(
+            data.draw(
+                st.lists(
+                    st.integers(-50, 50), min_size=len(grades), max_size=len(grades), unique=True
+                )
+            )
+        ),
+        dtype=float,
     )
-    mirrored = {"smallest_of_maxima": "largest_of_maxima", "largest_of_maxima": "smallest_of_maxima"}
+    mirrored = {
+        "smallest_of_maxima": "largest_of_maxima",
+        "largest_of_maxima": "smallest_of_maxima",
+    }
     for method in METHODS:
         found = defuzzify_samples(points, grades, method)
-        np.testing.assert_allclose(defuzzify_samples(points + shift, grades, method), found + shift, atol=1e-9)
-        np.testing.assert_allclose(defuzzify_samples(-points[::-1], grades[::-1], mirrored.get(method, method)), -found, atol=1e-9)
+        np.testing.assert_allclose(
+            defuzzify_samples(points + shift, grades, method), found + shift, atol=1e-9
+        )
+        np.testing.assert_allclose(
+            defuzzify_samples(-points[::-1], grades[::-1], mirrored.get(method, method)),
+            -found,
+            atol=1e-9,
+        )
         if max(grades) > 0.0:
             assert points[0] - 1e-9 <= found <= points[-1] + 1e-9
         else:
@@ -79,7 +137,12 @@ def test_samples_move_and_mirror_with_their_points(grades: list[float], shift: f
 def test_samples_by_hand_in_any_shape() -> None:
     """Two sets, one without membership and one with NaN: 1.69 for the centroid."""
     points = [0.0, 1.0, 3.0, 4.0]
-    grades = np.array([[[0.2, 0.8, 0.8, 0.2], [0.0, 1.0, 1.0, 1.0]], [[0.0, 0.0, 0.0, 0.0], [0.5, math.nan, 0.5, 0.5]]])
+    grades = np.array(
+        [
+            [[0.2, 0.8, 0.8, 0.2], [0.0, 1.0, 1.0, 1.0]],
+            [[0.0, 0.0, 0.0, 0.0], [0.5, math.nan, 0.5, 0.5]],
+        ]
+    )
     expected = {
         "centroid": (2.0, 8.0 / 3.0),
         "bisector": (2.0, 3.0),
@@ -99,14 +162,28 @@ def test_tiny_grades_keep_their_digits() -> None:
     assert defuzzify_samples([0.0, 1.0], [1e-310, 3e-310]) == pytest.approx(0.75, rel=1e-10)
 
 
-@pytest.mark.parametrize(("service", "food", "published"), [(2.0, 1.0, 7.0169), (7.0, 8.0, 20.3414)])
+@pytest.mark.parametrize(
+    ("service", "food", "published"), [(2.0, 1.0, 7.0169), (7.0, 8.0, 20.3414)]
+)
 def test_the_tip_of_mathworks(service: float, food: float, published: float) -> None:
-    """MathWorks, documentation of evalfis (readfis('tipper')): minimum and maximum, centroid on 101 points; printed to 5e-5."""
+    """MathWorks, documentation of evalfis (readfis('tipper')).
+
+    Minimum and maximum, centroid on 101 points; printed to 5e-5.
+    """
     poor, good, excellent = (Gaussian(center, 1.5)(service) for center in (0.0, 5.0, 10.0))
-    rancid, delicious = Trapezoidal(-2.0, 0.0, 1.0, 3.0)(food), Trapezoidal(7.0, 9.0, 10.0, 12.0)(food)
+    rancid, delicious = (
+        Trapezoidal(-2.0, 0.0, 1.0, 3.0)(food),
+        Trapezoidal(7.0, 9.0, 10.0, 12.0)(food),
+    )
     tip = np.linspace(0.0, 30.0, 101)
-    cheap, average, generous = (Triangular(*corners)(tip) for corners in ((0, 5, 10), (10, 15, 20), (20, 25, 30)))
-    fired = [np.minimum(max(poor, rancid), cheap), np.minimum(good, average), np.minimum(max(excellent, delicious), generous)]
+    cheap, average, generous = (
+        Triangular(*corners)(tip) for corners in ((0, 5, 10), (10, 15, 20), (20, 25, 30))
+    )
+    fired = [
+        np.minimum(max(poor, rancid), cheap),
+        np.minimum(good, average),
+        np.minimum(max(excellent, delicious), generous),
+    ]
     assert defuzzify_samples(tip, np.max(fired, axis=0)) == pytest.approx(published, abs=5e-5)
 
 
@@ -121,25 +198,45 @@ def test_height_weighs_the_peaks_of_the_output_sets_of_rules() -> None:
 
 
 def type_reduced(fuzzy_set: SampledType2Set) -> SampledSet:
-    """Centroids of all embedded sets, each with the smallest of its secondary grades (eq. 1.70, minimum t-norm)."""
+    """Centroids of all embedded sets (eq. 1.70, minimum t-norm).
+
+    Each has the smallest of its secondary grades.
+    """
     embedded = [one for one in fuzzy_set.embedded_sets() if one.memberships.any()]
-    return SampledSet([np.average(one.points, weights=one.memberships) for one in embedded], [one.grades.min() for one in embedded])
+    return SampledSet(
+        [np.average(one.points, weights=one.memberships) for one in embedded],
+        [one.grades.min() for one in embedded],
+    )
 
 
 def blurred(below: float, above: float) -> SampledType2Set:
-    """Return a principal set with triangular secondaries that reach ``below`` and ``above`` it, the more the farther to the right."""
+    """Return a principal set with triangular secondaries.
+
+    They reach ``below`` and ``above`` it, the more the farther to the right.
+    """
     points, principal = np.arange(5.0), np.array([0.2, 0.6, 0.8, 0.5, 0.3])
     slices = []
     for x, membership in zip(points, principal, strict=True):
         ends = membership - below * x, membership + above * x
         slices.append(
-            SampledSet([ends[0], 0.5 * (ends[0] + membership), membership, 0.5 * (membership + ends[1]), ends[1]], [0.1, 0.5, 1, 0.5, 0.1])
+            SampledSet(
+                [
+                    ends[0],
+                    0.5 * (ends[0] + membership),
+                    membership,
+                    0.5 * (membership + ends[1]),
+                    ends[1],
+                ],
+                [0.1, 0.5, 1, 0.5, 0.1],
+            )
         )
     return SampledType2Set(points, slices)
 
 
 def test_height_of_a_type_reduced_set_throws_all_uncertainty_away() -> None:
-    """The thesis's caution: the point of membership 1 is the type-1 centroid, whatever the secondaries; the centroid defuzzifier sees them.
+    """The thesis's caution: the point of membership 1 is the type-1 centroid.
+
+    It is so whatever the secondaries; the centroid defuzzifier sees them.
 
     1e-12: both are averages of five points.
     """
@@ -150,7 +247,9 @@ def test_height_of_a_type_reduced_set_throws_all_uncertainty_away() -> None:
         reduced = type_reduced(blurred(below, above))
         assert len(reduced) > 50
         for method in ("height", "smallest_of_maxima", "mean_of_maxima", "largest_of_maxima"):
-            assert defuzzify_samples(reduced.points, reduced.grades, method) == pytest.approx(type1_output, rel=1e-12)
+            assert defuzzify_samples(reduced.points, reduced.grades, method) == pytest.approx(
+                type1_output, rel=1e-12
+            )
         outputs.append(float(defuzzify_samples(reduced.points, reduced.grades)))
     # More membership to the right moves the centroid to the right, and less of it to the left.
     assert outputs[1] > outputs[0] > type1_output > outputs[3]
@@ -173,8 +272,17 @@ def test_maxima_without_an_end_have_no_mean() -> None:
 
 
 def test_an_unknown_name_is_refused_and_the_known_ones_are_listed() -> None:
-    for call in (lambda: defuzzify(TRAPEZOID, "mom"), lambda: defuzzify_samples([0.0], [1.0], "mom")):
-        with pytest.raises(UnknownName, match="unknown defuzzifier 'mom'; known are centroid, bisector, height, smallest_of_maxima"):
+    for call in (
+        lambda: defuzzify(TRAPEZOID, "mom"),
+        lambda: defuzzify_samples([0.0], [1.0], "mom"),
+    ):
+        with pytest.raises(
+            UnknownName,
+            match=(
+                "unknown defuzzifier 'mom'; known are centroid, bisector, height, "
+                "smallest_of_maxima"
+            ),
+        ):
             call()
 
 

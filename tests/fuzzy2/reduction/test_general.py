@@ -1,4 +1,7 @@
-"""Reduction of general type-2 sets: alpha-planes against enumeration, both against what is known in closed form, and what is refused."""
+"""Reduction of general type-2 sets.
+
+Alpha-planes against enumeration, both against what is known in closed form, and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ ALPHAS = np.array([0.2, 0.4, 0.6, 0.8, 1.0])
 
 
 def enumerated(Z: list[SampledSet], W: list[SampledSet], t_norm: str) -> dict[float, float]:
-    """Eq. 1.84 as it is written: every combination, one after another, greatest grade of each average to 10 digits."""
+    """Eq. 1.84 as it is written.
+
+    Every combination, one after another, greatest grade of each average to 10 digits.
+    """
     combine = min if t_norm == "min" else lambda a, b: a * b
     best: dict[float, float] = {}
     pairs = [list(zip(item.points, item.grades, strict=True)) for item in (*Z, *W)]
@@ -54,73 +60,112 @@ weights = st.sampled_from([0.0, 0.1, 0.3, 0.5, 0.8, 1.0])
 
 
 def discrete(points: st.SearchStrategy[float]) -> st.SearchStrategy[SampledSet]:
-    pairs = st.lists(st.tuples(points, grades), min_size=1, max_size=3, unique_by=lambda pair: pair[0])
-    return pairs.map(lambda chosen: SampledSet([point for point, _ in chosen], [grade for _, grade in chosen]))
+    pairs = st.lists(
+        st.tuples(points, grades), min_size=1, max_size=3, unique_by=lambda pair: pair[0]
+    )
+    return pairs.map(
+        lambda chosen: SampledSet([point for point, _ in chosen], [grade for _, grade in chosen])
+    )
 
 
 @given(
     st.integers(1, 3).flatmap(
         lambda n: st.tuples(
-            st.lists(discrete(st.sampled_from([-2.0, -0.5, 0.0, 1.0, 3.0])), min_size=n, max_size=n),
+            st.lists(
+                discrete(st.sampled_from([-2.0, -0.5, 0.0, 1.0, 3.0])), min_size=n, max_size=n
+            ),
             st.lists(discrete(weights), min_size=n, max_size=n),
         )
     ),
     st.sampled_from(["min", "product"]),
 )
 @settings(max_examples=200, deadline=None)
-def test_enumeration_is_equation_1_84_term_by_term(sets: tuple[list[SampledSet], list[SampledSet]], t_norm: str) -> None:
+def test_enumeration_is_equation_1_84_term_by_term(
+    sets: tuple[list[SampledSet], list[SampledSet]], t_norm: str
+) -> None:
     expected = enumerated(*sets, t_norm)
     if not expected:
         with pytest.raises(NotApplicable, match="weight"):
             exhaustive_generalized_centroid(*sets, t_norm)
         return
     found = exhaustive_generalized_centroid(*sets, t_norm)
-    np.testing.assert_allclose(found.set.points, sorted(expected), atol=1e-9)  # the oracle rounds to 1e-10
-    np.testing.assert_allclose(found.set.grades, [expected[y] for y in sorted(expected)], atol=1e-15)
-    assert found.crisp == pytest.approx(float(defuzzify_samples(found.set.points, found.set.grades)), abs=1e-12)
+    # the oracle rounds to 1e-10
+    np.testing.assert_allclose(found.set.points, sorted(expected), atol=1e-9)
+    np.testing.assert_allclose(
+        found.set.grades, [expected[y] for y in sorted(expected)], atol=1e-15
+    )
+    assert found.crisp == pytest.approx(
+        float(defuzzify_samples(found.set.points, found.set.grades)), abs=1e-12
+    )
 
 
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
 def test_scale_of_the_output(scale: float) -> None:
     """Sets of tiny outputs do not melt into one point."""
     W = [SampledSet([0.2, 0.5], [1.0, 0.5]), SampledSet([0.4, 0.9], [0.5, 1.0])]
-    base, scaled = (exhaustive_generalized_centroid([1.0 * factor, 2.0 * factor], W) for factor in (1.0, scale))
+    base, scaled = (
+        exhaustive_generalized_centroid([1.0 * factor, 2.0 * factor], W) for factor in (1.0, scale)
+    )
     assert len(base.set) == 4
     np.testing.assert_allclose(scaled.set.points, scale * base.set.points, rtol=1e-14)
     assert scaled.crisp == pytest.approx(scale * base.crisp, rel=1e-14)
 
 
 def test_one_rule_fires() -> None:
-    """Eq. 1.77: of one rule the height reducer gives a point, of grade 1; eq. 1.82: center of sets gives its centroid."""
-    firing, centroid_set = SampledSet([0.2, 0.5, 0.7], [0.4, 1.0, 0.3]), SampledSet([1.0, 2.0, 4.0], [0.5, 1.0, 0.7])
+    """Eq. 1.77: of one rule the height reducer gives a point, of grade 1.
+
+    Eq. 1.82: center of sets gives its centroid.
+    """
+    firing, centroid_set = (
+        SampledSet([0.2, 0.5, 0.7], [0.4, 1.0, 0.3]),
+        SampledSet([1.0, 2.0, 4.0], [0.5, 1.0, 0.7]),
+    )
     for t_norm in ("min", "product"):
         height = exhaustive_generalized_centroid([3.0], [firing], t_norm)
-        np.testing.assert_allclose([height.set.points, height.set.grades], [[3.0], [1.0]], atol=1e-15)
+        np.testing.assert_allclose(
+            [height.set.points, height.set.grades], [[3.0], [1.0]], atol=1e-15
+        )
         # A rule that does not fire does not matter.
-        for Z, W in (([centroid_set], [firing]), ([centroid_set, 9.0], [firing, SampledSet([0.0], [1.0])])):
+        for Z, W in (
+            ([centroid_set], [firing]),
+            ([centroid_set, 9.0], [firing, SampledSet([0.0], [1.0])]),
+        ):
             found = exhaustive_generalized_centroid(Z, W, t_norm).set
             np.testing.assert_allclose(found.points, centroid_set.points, rtol=1e-15)
             np.testing.assert_array_equal(found.grades, centroid_set.grades)
-    planes = alpha_plane_reduction([0.5, 1.0], [[1.0, 4.0], [8.0, 9.0]], [[[0.2, 0.7], [0.0, 0.0]], [[0.5, 0.5], [0.0, 0.0]]])
+    planes = alpha_plane_reduction(
+        [0.5, 1.0], [[1.0, 4.0], [8.0, 9.0]], [[[0.2, 0.7], [0.0, 0.0]], [[0.5, 0.5], [0.0, 0.0]]]
+    )
     np.testing.assert_array_equal(planes.intervals, [[1.0, 4.0], [1.0, 4.0]])
 
 
 def test_symmetric_consequents_make_center_of_sets_the_height_reducer() -> None:
-    """Text after eq. 1.78: with convex, normal, symmetric type-1 consequents, the centroids are the points of maximum membership."""
+    """Text after eq. 1.78: centroids are the points of maximum membership.
+
+    Consequents are convex, normal, symmetric type-1 sets.
+    """
     consequents = [Triangular(0.0, 1.0, 2.0), Gaussian(2.5, 0.4), Triangular(3.0, 4.5, 6.0)]
     by_centroid = np.array([item.centroid() for item in consequents])
     by_height = np.array([item.maxima[0] for item in consequents])
     firing = np.array([[[0.1, 0.4], [0.3, 0.9], [0.2, 0.6]], [[0.2, 0.3], [0.5, 0.7], [0.4, 0.5]]])
-    found, expected = (alpha_plane_reduction([0.5, 1.0], z, firing) for z in (by_centroid, by_height))
+    found, expected = (
+        alpha_plane_reduction([0.5, 1.0], z, firing) for z in (by_centroid, by_height)
+    )
     np.testing.assert_allclose(found.intervals, expected.intervals, atol=1e-12)
 
 
 def test_planes_agree_with_enumeration_of_continuous_sets() -> None:
-    """Under the minimum the cut of the type-reduced set is the reduction of the cuts (the reason why alpha-planes are exact).
+    """Under the minimum the cut of the type-reduced set is the reduction of the cuts.
 
-    Triangles sampled at 31 points have the ends of these four cuts among the samples, and the extreme averages take ends of cuts only.
+    That is why alpha-planes are exact.
+
+    Triangles sampled at 31 points have the ends of these four cuts among the samples, and the
+    extreme averages take ends of cuts only.
     """
-    Z, W = [Triangular(0.0, 1.0, 2.0), Triangular(2.0, 3.0, 4.0)], [Triangular(0.1, 0.3, 0.5), Triangular(0.4, 0.6, 0.8)]
+    Z, W = (
+        [Triangular(0.0, 1.0, 2.0), Triangular(2.0, 3.0, 4.0)],
+        [Triangular(0.1, 0.3, 0.5), Triangular(0.4, 0.6, 0.8)],
+    )
     sampled = exhaustive_generalized_centroid(Z, W, samples=31)
     alphas = np.array([0.2, 0.4, 0.6, 0.8])
     z = np.array([[item.alpha_cut(alpha) for item in Z] for alpha in alphas])
@@ -132,9 +177,15 @@ def test_planes_agree_with_enumeration_of_continuous_sets() -> None:
 
 
 def test_centroid_by_planes_against_enumeration() -> None:
-    """A discrete-membership set whose slices hold the ends of their own cuts at every level: enumeration must reach the same ends."""
+    """A discrete-membership set whose slices hold the ends of their own cuts at every level.
+
+    Enumeration must reach the same ends.
+    """
     x = np.array([1.0, 2.0, 4.0])
-    lefts, rights = np.array([[0.1, 0.3, 0.0], [0.2, 0.5, 0.1]]), np.array([[0.5, 0.9, 0.4], [0.3, 0.8, 0.2]])
+    lefts, rights = (
+        np.array([[0.1, 0.3, 0.0], [0.2, 0.5, 0.1]]),
+        np.array([[0.5, 0.9, 0.4], [0.3, 0.8, 0.2]]),
+    )
     slices = [
         SampledSet([*lefts[:, i], *rights[:, i]], [0.5, 1.0, 0.5, 1.0]) for i in range(3)
     ]  # convex: grade 1 within the interval of grade 1/2
@@ -154,17 +205,28 @@ def test_planes_are_one_exact_reduction_per_level(method: str) -> None:
     for alpha, interval in zip(ALPHAS, found.intervals, strict=True):
         reach = 0.1 * np.sqrt(-2.0 * np.log(alpha))
         m = Gaussian(2.0, 0.8)(x)
-        np.testing.assert_allclose(interval, centroid(x, np.maximum(m - reach, 0.0), np.minimum(m + reach, 1.0)), atol=1e-13)
+        np.testing.assert_allclose(
+            interval,
+            centroid(x, np.maximum(m - reach, 0.0), np.minimum(m + reach, 1.0)),
+            atol=1e-13,
+        )
     assert (np.diff(found.intervals[:, 0]) >= 0.0).all()
     assert (np.diff(found.intervals[:, 1]) <= 0.0).all()
 
 
 def test_gaussian_set_by_planes_and_by_the_corollary() -> None:
-    """Narrow secondaries: the cuts are those of the Gaussian of eq. 1.112-1.113, but for terms of the second order in the validity."""
+    """Narrow secondaries: the cuts are those of the Gaussian of eq. 1.112-1.113.
+
+    But for terms of the second order in the validity.
+    """
     x, sigma = np.linspace(0.0, 4.0, 41), 0.002
-    fuzzy_set = GaussianType2Set(Gaussian(2.2, 0.8), lambda points: sigma * Gaussian(2.2, 0.8)(points))
+    fuzzy_set = GaussianType2Set(
+        Gaussian(2.2, 0.8), lambda points: sigma * Gaussian(2.2, 0.8)(points)
+    )
     exact = alpha_plane_centroid(fuzzy_set, x, ALPHAS)
-    found = approximate_centroid(x, GaussianNumber(fuzzy_set.principal(x), fuzzy_set.spread(x), "min"))
+    found = approximate_centroid(
+        x, GaussianNumber(fuzzy_set.principal(x), fuzzy_set.spread(x), "min")
+    )
     assert found.validity == pytest.approx(2.0 * sigma, abs=1e-15)
     cuts = np.stack([found.value.interval(alpha) for alpha in ALPHAS])
     # (1.8 sigma)² of the range at the lowest level; the cut there is 4e-3 wide.
@@ -185,7 +247,9 @@ def test_batches_and_layers_of_points() -> None:
         assert found.crisp.shape == (4, 3)
         for i, j in np.ndindex(4, 3):
             for k in range(2):
-                expected = generalized_centroid(points[k] if points.ndim == 3 else points, w[i, j, k])
+                expected = generalized_centroid(
+                    points[k] if points.ndim == 3 else points, w[i, j, k]
+                )
                 np.testing.assert_allclose(found.intervals[i, j, k], expected, atol=1e-14)
             single = alpha_plane_reduction([0.5, 1.0], points, w[i, j])
             np.testing.assert_allclose(found.crisp[i, j], single.crisp, atol=1e-14)
@@ -199,16 +263,31 @@ def test_as_many_points_as_two_crisp_ones() -> None:
 
 def test_crisp_value_is_the_average_weighted_by_level() -> None:
     intervals = np.array([[1.0, 5.0], [2.0, 3.0]])
-    assert alpha_plane_defuzzify([0.5, 1.0], intervals) == pytest.approx((0.5 * 3.0 + 1.0 * 2.5) / 1.5, abs=1e-15)
-    np.testing.assert_allclose(alpha_plane_defuzzify([0.5, 1.0], np.stack([intervals, intervals + 1.0])), [8.0 / 3.0, 11.0 / 3.0])
+    assert alpha_plane_defuzzify([0.5, 1.0], intervals) == pytest.approx(
+        (0.5 * 3.0 + 1.0 * 2.5) / 1.5, abs=1e-15
+    )
+    np.testing.assert_allclose(
+        alpha_plane_defuzzify([0.5, 1.0], np.stack([intervals, intervals + 1.0])),
+        [8.0 / 3.0, 11.0 / 3.0],
+    )
     with pytest.raises(InvalidValue, match="one cut for each level"):
         alpha_plane_defuzzify([0.5, 1.0], intervals[:1])
 
 
 def test_sees_the_uncertainty_that_the_corollary_does_not() -> None:
-    """Errata on eq. 1.107: an asymmetric system moves with its uncertainty; the corollary's mean does not."""
+    """Errata on eq. 1.107: an asymmetric system moves with its uncertainty.
+
+    The corollary's mean does not.
+    """
     x = np.array([0.0, 1.0, 4.0])
-    crisp = [float(alpha_plane_centroid(GaussianType2Set(SampledSet(x, [1.0, 0.5, 0.1]), s), x, ALPHAS).crisp) for s in (0.0, 0.05, 0.2)]
+    crisp = [
+        float(
+            alpha_plane_centroid(
+                GaussianType2Set(SampledSet(x, [1.0, 0.5, 0.1]), s), x, ALPHAS
+            ).crisp
+        )
+        for s in (0.0, 0.05, 0.2)
+    ]
     assert crisp[0] == pytest.approx((0.5 + 0.4) / 1.6, abs=1e-14)
     assert crisp[0] < crisp[1] - 1e-3 < crisp[2] - 1e-2
 
@@ -216,7 +295,9 @@ def test_sees_the_uncertainty_that_the_corollary_does_not() -> None:
 def test_one_zslice_is_the_interval_set() -> None:
     fuzzy_set, x = GaussianUncertainMean(mean=(1.8, 2.2), sigma=0.7), np.linspace(0.0, 4.0, 81)
     found = alpha_plane_centroid(ZSlices((1.0,), (fuzzy_set,)), x, [1.0])
-    np.testing.assert_array_equal(found.intervals[0], centroid(x, fuzzy_set.lower(x), fuzzy_set.upper(x)))
+    np.testing.assert_array_equal(
+        found.intervals[0], centroid(x, fuzzy_set.lower(x), fuzzy_set.upper(x))
+    )
 
 
 def test_nothing_has_weight() -> None:
@@ -263,14 +344,20 @@ def test_refuses_to_enumerate_too_much() -> None:
 
 
 def test_products_of_continuous_secondary_grades_are_refused() -> None:
-    """The reason, first: under the product the result depends on the samples. Intervals have grades of 1 only, so they may."""
+    """The reason, first: under the product the result depends on the samples.
+
+    Intervals have grades of 1 only, so they may.
+    """
     W = [Triangular(0.2, 0.5, 0.8), Triangular(0.3, 0.6, 0.9)]
     with pytest.raises(NotApplicable, match="depends on the grid"):
         exhaustive_generalized_centroid([1.0, 2.0], W, "product", samples=5)
     with pytest.raises(NotApplicable, match="how many samples"):
         exhaustive_generalized_centroid([1.0, 2.0], W)
     intervals = [Interval(0.2, 0.4), Interval(0.5, 0.9)]
-    by_norm = [exhaustive_generalized_centroid([1.0, 2.0], intervals, norm, samples=5).set for norm in ("min", "product")]
+    by_norm = [
+        exhaustive_generalized_centroid([1.0, 2.0], intervals, norm, samples=5).set
+        for norm in ("min", "product")
+    ]
     assert by_norm[0] == by_norm[1]
     expected = generalized_centroid([[1.0], [2.0]] @ np.ones((1, 2)), [[0.2, 0.4], [0.5, 0.9]])
     np.testing.assert_allclose(by_norm[0].support, expected, atol=1e-14)
@@ -280,7 +367,10 @@ def test_products_of_continuous_secondary_grades_are_refused() -> None:
 
 def test_crisp_numbers_and_singletons_are_discrete_sets() -> None:
     found = exhaustive_generalized_centroid([1.0, Singleton(2.0)], [Singleton(0.5), 0.25])
-    assert (found.set.points.tolist(), found.crisp) == (pytest.approx([4.0 / 3.0]), pytest.approx(4.0 / 3.0))
+    assert (found.set.points.tolist(), found.crisp) == (
+        pytest.approx([4.0 / 3.0]),
+        pytest.approx(4.0 / 3.0),
+    )
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,7 @@
-"""Exact type reduction against enumeration of all switch points, at any scale, and the approximations against their equations."""
+"""Exact type reduction against enumeration of all switch points.
+
+At any scale, and the approximations against their equations.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +14,23 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, UnknownName
-from fuzzy2.reduction.interval import METHODS, begian_melek_mendel, centroid, generalized_centroid, nie_tan, wu_mendel_bounds
+from fuzzy2.reduction.interval import (
+    METHODS,
+    begian_melek_mendel,
+    centroid,
+    generalized_centroid,
+    nie_tan,
+    wu_mendel_bounds,
+)
 
 Array = NDArray[np.float64]
 
 
 def enumerate_switch_points(z: Array, w: Array) -> tuple[float, float]:
-    """All switch points of both ends, with exactly rounded sums; NaN where no weight can be positive."""
+    """All switch points of both ends, with exactly rounded sums.
+
+    NaN where no weight can be positive.
+    """
     ends = []
     for end, best in ((0, min), (1, max)):
         order = np.argsort(z[:, end], kind="stable")
@@ -40,7 +53,8 @@ def random_case(rng: np.random.Generator) -> tuple[Array, Array]:
         z = np.round(z)  # equal points
     if rng.random() < 0.2:
         z = z + 100.0  # far from zero
-    z = z[:, np.newaxis] + [0.0, 1.0] * (rng.random((n, 1)) * (rng.random() < 0.5))  # interval points in half of the cases
+    # interval points in half of the cases
+    z = z[:, np.newaxis] + [0.0, 1.0] * (rng.random((n, 1)) * (rng.random() < 0.5))
     z = z * 10.0 ** int(rng.integers(-9, 10))
     w = np.sort(rng.random((n, 2)), axis=1)
     if rng.random() < 0.4:
@@ -48,7 +62,8 @@ def random_case(rng: np.random.Generator) -> tuple[Array, Array]:
     if rng.random() < 0.3:
         w[rng.random(n) < 0.4] = 0.0  # rules that do not fire
     if rng.random() < 0.3:
-        w *= 10.0 ** rng.integers(-200, 1, size=(n, 1))  # weights that outweigh others by more than a float's digits
+        # weights that outweigh others by more than a float's digits
+        w *= 10.0 ** rng.integers(-200, 1, size=(n, 1))
     if rng.random() < 0.1:
         w[:, 0] = w[:, 1]  # no uncertainty
     return z, w
@@ -61,7 +76,9 @@ def test_every_method_agrees_with_enumeration(method: str) -> None:
     for _ in range(3000):
         z, w = random_case(rng)
         found, expected = generalized_centroid(z, w, method), enumerate_switch_points(z, w)
-        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-12 * max(float(np.abs(z).max()), 1e-300))
+        np.testing.assert_allclose(
+            found, expected, rtol=0.0, atol=1e-12 * max(float(np.abs(z).max()), 1e-300)
+        )
 
 
 @given(
@@ -69,8 +86,13 @@ def test_every_method_agrees_with_enumeration(method: str) -> None:
     seed=st.integers(0, 2**32 - 1),
 )
 @settings(max_examples=300)
-def test_interval_lies_between_the_extremes_and_does_not_depend_on_order(z: list[float], seed: int) -> None:
-    """1e-12 of the largest point, as for every method: an end near 0 between large points is a difference of large sums."""
+def test_interval_lies_between_the_extremes_and_does_not_depend_on_order(
+    z: list[float], seed: int
+) -> None:
+    """1e-12 of the largest point, as for every method.
+
+    An end near 0 between large points is a difference of large sums.
+    """
     rng = np.random.default_rng(seed)
     points = np.array(z)
     w = np.sort(rng.random((len(z), 2)), axis=1)
@@ -78,29 +100,50 @@ def test_interval_lies_between_the_extremes_and_does_not_depend_on_order(z: list
     assert points.min() - 1e-9 <= left <= right + 1e-9 <= points.max() + 2e-9
     order = rng.permutation(len(z))
     tolerance = 1e-12 * max(float(np.abs(points).max()), 1e-300)
-    np.testing.assert_allclose(generalized_centroid(points[order], w[order]), [left, right], rtol=0.0, atol=tolerance)
+    np.testing.assert_allclose(
+        generalized_centroid(points[order], w[order]), [left, right], rtol=0.0, atol=tolerance
+    )
 
 
-@given(scale=st.sampled_from([1e-9, 1e-6, 1.0, 1e6, 1e9]), shift=st.floats(-10.0, 10.0), seed=st.integers(0, 1000))
+@given(
+    scale=st.sampled_from([1e-9, 1e-6, 1.0, 1e6, 1e9]),
+    shift=st.floats(-10.0, 10.0),
+    seed=st.integers(0, 1000),
+)
 def test_affine_in_the_points(scale: float, shift: float, seed: int) -> None:
-    """Scaling and shifting the points scales and shifts the interval; 1e-12 of the size of the numbers."""
+    """Scaling and shifting the points scales and shifts the interval.
+
+    To 1e-12 of the size of the numbers.
+    """
     z, w = random_case(np.random.default_rng(seed))
     z = z / max(np.abs(z).max(), 1e-300)
     base, moved = generalized_centroid(z, w), generalized_centroid(scale * (z + shift), w)
-    np.testing.assert_allclose(moved, scale * (base + shift), atol=1e-12 * scale * (1.0 + abs(shift)), rtol=0.0)
+    np.testing.assert_allclose(
+        moved, scale * (base + shift), atol=1e-12 * scale * (1.0 + abs(shift)), rtol=0.0
+    )
 
 
 def test_a_weight_that_outweighs_all_others_does_not_hide_the_switch_point() -> None:
-    """The middle point has all the weight that a float sees, but its lower weight is 0, so the left end can do without it."""
-    z, w = np.array([0.0, 1.0, 2.0, 3.0]), np.array([[0.0, 1e-120], [0.0, 1e-17], [0.0, 1e-60], [1e-130, 1e-90]])
+    """The middle point has all the weight that a float sees.
+
+    But its lower weight is 0, so the left end can do without it.
+    """
+    z, w = (
+        np.array([0.0, 1.0, 2.0, 3.0]),
+        np.array([[0.0, 1e-120], [0.0, 1e-17], [0.0, 1e-60], [1e-130, 1e-90]]),
+    )
     for method in METHODS:
         np.testing.assert_allclose(generalized_centroid(z, w, method), [0.0, 3.0], atol=1e-9)
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_one_rule_two_equal_rules_and_no_rule(method: str) -> None:
-    np.testing.assert_array_equal(generalized_centroid([[2.0, 3.0]], [[0.0, 0.5]], method), [2.0, 3.0])
-    np.testing.assert_array_equal(generalized_centroid([5.0, 5.0], [[0.1, 0.5], [0.2, 0.3]], method), [5.0, 5.0])
+    np.testing.assert_array_equal(
+        generalized_centroid([[2.0, 3.0]], [[0.0, 0.5]], method), [2.0, 3.0]
+    )
+    np.testing.assert_array_equal(
+        generalized_centroid([5.0, 5.0], [[0.1, 0.5], [0.2, 0.3]], method), [5.0, 5.0]
+    )
     assert np.isnan(generalized_centroid([1.0, 2.0], np.zeros((2, 2)), method)).all()
 
 
@@ -111,14 +154,19 @@ def test_batches_equal_single_calls(method: str) -> None:
     together = generalized_centroid(z, w, method)
     assert together.shape == (3, 4, 2)
     for index in np.ndindex(3, 4):
-        np.testing.assert_array_equal(together[index], generalized_centroid(z[index], w[index], method))
+        np.testing.assert_array_equal(
+            together[index], generalized_centroid(z[index], w[index], method)
+        )
     shared = generalized_centroid(z[0, 0], w, method)
     np.testing.assert_array_equal(shared[1, 2], generalized_centroid(z[0, 0], w[1, 2], method))
 
 
 @pytest.mark.parametrize("count", [100, 100_000])
 def test_centroid_of_a_large_grid(count: int) -> None:
-    """Closed form for a constant footprint on [0, 1]: sqrt(h)/(1 + sqrt(h)); the grid's error is 1/N."""
+    """Closed form for a constant footprint on [0, 1]: sqrt(h)/(1 + sqrt(h)).
+
+    The grid's error is 1/N.
+    """
     x = np.linspace(0.0, 1.0, count)
     for method in METHODS:
         left, right = centroid(x, np.full(count, 0.25), np.ones(count), method)

@@ -1,0 +1,1 @@
+"""Tests of fuzzy2.sets, one file per module."""

@@ -1,4 +1,8 @@
-"""General type-2 sets: slices and planes against their definitions and each other, embedded sets counted and listed, what is refused."""
+"""General type-2 sets.
+
+Slices and planes against their definitions and each other, embedded sets counted and listed, what
+is refused.
+"""
 
 from __future__ import annotations
 
@@ -16,14 +20,26 @@ from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets import general_type2
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import FunctionalType2Set, GeneralType2Set, SampledType2Set, Staircase, ZSlices
-from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma, IntervalType2Set
+from fuzzy2.sets.general_type2 import (
+    FunctionalType2Set,
+    GeneralType2Set,
+    SampledType2Set,
+    Staircase,
+    ZSlices,
+)
+from fuzzy2.sets.interval_type2 import (
+    GaussianUncertainMean,
+    GaussianUncertainSigma,
+    IntervalType2Set,
+)
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton
 
 BLURRED = GaussianType2Set(principal=Gaussian(mean=0.0, sigma=1.0), sigma=0.1, domain=(-4.0, 4.0))
-PROPORTIONAL = GaussianType2Set(principal=Gaussian(0.0, 1.0), sigma=lambda x: 0.2 * np.exp(-0.5 * x**2), domain=(-6.0, 6.0))
+PROPORTIONAL = GaussianType2Set(
+    principal=Gaussian(0.0, 1.0), sigma=lambda x: 0.2 * np.exp(-0.5 * x**2), domain=(-6.0, 6.0)
+)
 
 
 def triangle_at(x: float) -> Triangular:
@@ -32,10 +48,16 @@ def triangle_at(x: float) -> Triangular:
 
 
 TRIANGLES = FunctionalType2Set(function=triangle_at, left=-3.0, right=3.0, knots=(0.0,))
-SLICED = ZSlices((0.5, 1.0), (GaussianUncertainSigma(5.0, (0.5, 1.5)), GaussianUncertainSigma(5.0, (0.8, 1.2))))
+SLICED = ZSlices(
+    (0.5, 1.0), (GaussianUncertainSigma(5.0, (0.5, 1.5)), GaussianUncertainSigma(5.0, (0.8, 1.2)))
+)
 DISCRETE = SampledType2Set(
     [2.0, 0.0, 1.0],
-    [SampledSet([0.0, 0.5], [1.0, 0.4]), SampledSet([0.2, 0.4, 0.6], [0.5, 1.0, 0.5]), SampledSet([0.8, 1.0], [0.7, 1.0])],
+    [
+        SampledSet([0.0, 0.5], [1.0, 0.4]),
+        SampledSet([0.2, 0.4, 0.6], [0.5, 1.0, 0.5]),
+        SampledSet([0.8, 1.0], [0.7, 1.0]),
+    ],
 )
 SETS: dict[str, GeneralType2Set] = {
     "gaussian": BLURRED,
@@ -44,13 +66,18 @@ SETS: dict[str, GeneralType2Set] = {
     "functional": TRIANGLES,
     "zslices": SLICED,
     "sampled": DISCRETE,
-    "partially discrete": SampledType2Set([0.0, 1.0], [Triangular(0.1, 0.2, 0.5), Truncated(Gaussian(0.7, 0.1), 0.0, 1.0)]),
+    "partially discrete": SampledType2Set(
+        [0.0, 1.0], [Triangular(0.1, 0.2, 0.5), Truncated(Gaussian(0.7, 0.1), 0.0, 1.0)]
+    ),
 }
 
 
 @pytest.mark.parametrize("name", SETS)
 def test_planes_slices_and_grades_say_the_same(name: str) -> None:
-    """Three ways to the same set; 1e-9 is the bisection's accuracy, 1e-5 that of the levels between two continuous slices."""
+    """Three ways to the same set.
+
+    1e-9 is the bisection's accuracy, 1e-5 that of the levels between two continuous slices.
+    """
     fuzzy_set, accuracy = SETS[name], 1e-5 if name == "partially discrete" else 1e-9
     for x in (0.0, 0.3, 1.0, 4.5):
         vertical_slice = fuzzy_set.secondary(x)
@@ -59,13 +86,17 @@ def test_planes_slices_and_grades_say_the_same(name: str) -> None:
         for alpha in (0.2, 0.5, 1.0):
             plane = fuzzy_set.alpha_plane(alpha)
             if alpha <= vertical_slice.height:
-                np.testing.assert_allclose(plane.footprint(x), vertical_slice.alpha_cut(alpha), atol=accuracy)
+                np.testing.assert_allclose(
+                    plane.footprint(x), vertical_slice.alpha_cut(alpha), atol=accuracy
+                )
             else:
                 assert (plane.footprint(x) == 0.0).all()
         u = np.linspace(0.0, 1.0, 21)
         np.testing.assert_allclose(fuzzy_set.secondary_grade(x, u), vertical_slice(u), atol=1e-12)
         if fuzzy_set.support[0] <= x <= fuzzy_set.support[1]:
-            assert fuzzy_set.principal(x) == pytest.approx(0.5 * sum(vertical_slice.maxima), abs=1e-9)
+            assert fuzzy_set.principal(x) == pytest.approx(
+                0.5 * sum(vertical_slice.maxima), abs=1e-9
+            )
 
 
 @pytest.mark.parametrize("name", SETS)
@@ -73,7 +104,13 @@ def test_shapes_and_nan(name: str) -> None:
     fuzzy_set = SETS[name]
     points = np.array([[0.1, np.nan, 1.5], [0.0, 5.0, -2.0]])
     plane = fuzzy_set.alpha_plane(0.5)
-    for membership in (fuzzy_set.lower, fuzzy_set.upper, fuzzy_set.principal, plane.lower, plane.upper):
+    for membership in (
+        fuzzy_set.lower,
+        fuzzy_set.upper,
+        fuzzy_set.principal,
+        plane.lower,
+        plane.upper,
+    ):
         grades = membership(points)
         assert grades.shape == points.shape
         assert (np.isnan(grades) == np.isnan(points)).all()
@@ -109,8 +146,12 @@ def test_the_footprint_of_gaussian_slices_is_the_whole_unit_interval() -> None:
 
 
 def test_sigma_may_vary_and_a_bad_one_is_refused_where_it_is_evaluated() -> None:
-    np.testing.assert_allclose(PROPORTIONAL.spread([0.0, 1.0]), [0.2, 0.2 * math.exp(-0.5)], rtol=1e-15)
-    assert PROPORTIONAL.secondary(1.0) == Truncated(Gaussian(math.exp(-0.5), float(PROPORTIONAL.spread(1.0))), 0.0, 1.0)
+    np.testing.assert_allclose(
+        PROPORTIONAL.spread([0.0, 1.0]), [0.2, 0.2 * math.exp(-0.5)], rtol=1e-15
+    )
+    assert PROPORTIONAL.secondary(1.0) == Truncated(
+        Gaussian(math.exp(-0.5), float(PROPORTIONAL.spread(1.0))), 0.0, 1.0
+    )
     for bad in (lambda x: -0.1 + 0.0 * x, lambda x: np.nan + x):
         with pytest.raises(InvalidValue, match="sigma must be finite numbers of at least 0"):
             GaussianType2Set(Gaussian(0.0, 1.0), bad).upper(0.0)
@@ -118,13 +159,18 @@ def test_sigma_may_vary_and_a_bad_one_is_refused_where_it_is_evaluated() -> None
 
 @pytest.mark.parametrize("alpha", [0.05, 0.5, 0.9, 1.0])
 def test_centroids_of_gaussian_planes_against_enumeration(alpha: float) -> None:
-    """Trapezoidal rule on 20 001 points with all switch points: 1e-3 is its step; at alpha = 1 the plane is the principal set."""
+    """Trapezoidal rule on 20 001 points with all switch points.
+
+    1e-3 is its step; at alpha = 1 the plane is the principal set.
+    """
     plane = PROPORTIONAL.alpha_plane(alpha)
     left, right = plane.centroid()
     x = np.linspace(-6.0, 6.0, 20_001)
     lower, upper = plane.lower(x), plane.upper(x)
     weight = np.append(0.0, np.cumsum(upper)) + np.append(np.cumsum(lower[::-1])[::-1], 0.0)
-    moment = np.append(0.0, np.cumsum(upper * x)) + np.append(np.cumsum((lower * x)[::-1])[::-1], 0.0)
+    moment = np.append(0.0, np.cumsum(upper * x)) + np.append(
+        np.cumsum((lower * x)[::-1])[::-1], 0.0
+    )
     assert left == pytest.approx((moment / weight).min(), abs=1e-6)
     assert right == pytest.approx(-left, abs=1e-10)
     if alpha == 1.0:
@@ -148,17 +194,30 @@ def test_planes_are_nested_and_make_zslices(name: str) -> None:
         if name != "sampled":
             assert (true - stairs < 0.25 + 1e-9).all()
         np.testing.assert_array_equal(stairs, sliced.secondary(x)(u))
-    np.testing.assert_allclose(sliced.alpha_plane(0.3).footprint(0.4), fuzzy_set.alpha_plane(0.5).footprint(0.4), atol=1e-12)
+    np.testing.assert_allclose(
+        sliced.alpha_plane(0.3).footprint(0.4),
+        fuzzy_set.alpha_plane(0.5).footprint(0.4),
+        atol=1e-12,
+    )
     assert sliced.support == fuzzy_set.support
 
 
 def test_wagner_and_hagras_slices_are_found_again() -> None:
-    """Wagner and Hagras, IEEE TFS 18(4) 2010, slices 1/3 and 1: centroids [3.8656, 6.3953] and 5.3343."""
+    """Wagner and Hagras, IEEE TFS 18(4) 2010, slices 1/3 and 1.
+
+    Centroids [3.8656, 6.3953] and 5.3343.
+    """
     x = np.arange(11.0)
     top = [0, 0, 0, 0.33, 0.67, 1, 0.75, 0.5, 0.25, 0, 0]
-    low, high = [0, 0, 0, 0, 0, 1, 0.33, 0, 0, 0, 0], [0, 0.2, 0.4, 0.6, 0.8, 1, 0.8, 0.6, 0.4, 0.2, 0]
-    # The published slices are not nested at x = 5 to 8, up to 0.08 of grade: the outer one is widened to hold the inner.
-    outer = IntervalType2Set(SampledSet(x, np.minimum(low, top)), SampledSet(x, np.maximum(high, top)))
+    low, high = (
+        [0, 0, 0, 0, 0, 1, 0.33, 0, 0, 0, 0],
+        [0, 0.2, 0.4, 0.6, 0.8, 1, 0.8, 0.6, 0.4, 0.2, 0],
+    )
+    # The published slices are not nested at x = 5 to 8, up to 0.08 of grade: the outer one is
+    # widened to hold the inner.
+    outer = IntervalType2Set(
+        SampledSet(x, np.minimum(low, top)), SampledSet(x, np.maximum(high, top))
+    )
     inner = IntervalType2Set(SampledSet(x, top), SampledSet(x, top))
     sliced = ZSlices((1.0 / 3.0, 1.0), (outer, inner))
     np.testing.assert_array_equal(sliced.alpha_plane(1.0).lower(x), top)
@@ -167,15 +226,26 @@ def test_wagner_and_hagras_slices_are_found_again() -> None:
     # The published slice itself, over all switch points.
     published = IntervalType2Set(SampledSet(x, low), SampledSet(x, high))
     before = np.tri(12, 11, -1, dtype=bool)
-    left = [np.average(x, weights=weights) for weights in np.where(before, published.upper(x), published.lower(x))]
-    right = [np.average(x, weights=weights) for weights in np.where(before, published.lower(x), published.upper(x))]
-    np.testing.assert_allclose([min(left), max(right)], [3.8656126482213438, 6.395256916996047], atol=1e-9)
+    left = [
+        np.average(x, weights=weights)
+        for weights in np.where(before, published.upper(x), published.lower(x))
+    ]
+    right = [
+        np.average(x, weights=weights)
+        for weights in np.where(before, published.lower(x), published.upper(x))
+    ]
+    np.testing.assert_allclose(
+        [min(left), max(right)], [3.8656126482213438, 6.395256916996047], atol=1e-9
+    )
     assert np.average(x, weights=sliced.principal(x)) == pytest.approx(5.334285714285714, abs=1e-9)
     assert (sliced.zslices([0.2]).alpha_plane(0.9).footprint(x) == 0.0).all()
 
 
 def test_embedded_sets_are_counted_as_mendel_and_john_count_them() -> None:
-    """Mendel and John, Type-2 fuzzy sets made simple, IEEE TFS 10(2) 2002, Example 2: M = (5, 5, 2, 5, 5) gives 1250."""
+    """Mendel and John, Type-2 fuzzy sets made simple, IEEE TFS 10(2) 2002, Example 2.
+
+    M = (5, 5, 2, 5, 5) gives 1250.
+    """
     slices = [SampledSet(np.linspace(0.0, 1.0, m), np.ones(m)) for m in (5, 5, 2, 5, 5)]
     fuzzy_set = SampledType2Set(range(5), slices)
     assert fuzzy_set.embedded_count() == 1250
@@ -188,16 +258,22 @@ def test_embedded_sets_are_all_choices_of_one_membership_at_every_point() -> Non
     assert DISCRETE.is_discrete()
     assert DISCRETE.embedded_count() == 12
     found = list(DISCRETE.embedded_sets())
-    choices = itertools.product([(0.2, 0.5), (0.4, 1.0), (0.6, 0.5)], [(0.8, 0.7), (1.0, 1.0)], [(0.0, 1.0), (0.5, 0.4)])
+    choices = itertools.product(
+        [(0.2, 0.5), (0.4, 1.0), (0.6, 0.5)], [(0.8, 0.7), (1.0, 1.0)], [(0.0, 1.0), (0.5, 0.4)]
+    )
     for one, choice in zip(found, choices, strict=True):
         np.testing.assert_array_equal(one.points, [0.0, 1.0, 2.0])
         np.testing.assert_array_equal(np.column_stack([one.memberships, one.grades]), choice)
         assert one.type1 == SampledSet(one.points, one.memberships)
-        np.testing.assert_allclose(one.grades, DISCRETE.secondary_grade(one.points, one.memberships))
+        np.testing.assert_allclose(
+            one.grades, DISCRETE.secondary_grade(one.points, one.memberships)
+        )
 
 
 def test_huge_counts_are_exact_and_the_list_is_lazy() -> None:
-    fuzzy_set = SampledType2Set(range(100), [SampledSet(np.linspace(0.0, 1.0, 10), np.ones(10))] * 100)
+    fuzzy_set = SampledType2Set(
+        range(100), [SampledSet(np.linspace(0.0, 1.0, 10), np.ones(10))] * 100
+    )
     assert fuzzy_set.embedded_count() == 10**100
     assert (next(fuzzy_set.embedded_sets()).memberships == 0.0).all()
 
@@ -217,19 +293,29 @@ def test_samples_have_the_grades_of_the_set_and_stay_normal_with_it(name: str) -
     assert sampled.is_discrete()
     for x, vertical_slice in zip(points, sampled.slices, strict=True):
         assert isinstance(vertical_slice, SampledSet)
-        np.testing.assert_allclose(vertical_slice.grades, SETS[name].secondary_grade(x, vertical_slice.points), atol=1e-12)
+        np.testing.assert_allclose(
+            vertical_slice.grades, SETS[name].secondary_grade(x, vertical_slice.points), atol=1e-12
+        )
         assert vertical_slice.height == pytest.approx(SETS[name].secondary(x).height, abs=1e-9)
         assert (vertical_slice.grades > 0.0).all()
 
 
 def test_between_two_points_cuts_are_interpolated() -> None:
     """Halfway between triangles lies the triangle of mean corners, exactly; a jump stays a jump."""
-    fuzzy_set = SampledType2Set([0.0, 1.0], [SampledSet([0.0, 0.2, 0.4], [0.0, 1.0, 0.0]), SampledSet([0.4, 0.5, 1.0], [0.0, 1.0, 0.0])])
+    fuzzy_set = SampledType2Set(
+        [0.0, 1.0],
+        [
+            SampledSet([0.0, 0.2, 0.4], [0.0, 1.0, 0.0]),
+            SampledSet([0.4, 0.5, 1.0], [0.0, 1.0, 0.0]),
+        ],
+    )
     halfway, expected = fuzzy_set.secondary(0.5), Triangular(0.2, 0.35, 0.7)
     u = np.linspace(0.0, 1.0, 101)
     np.testing.assert_allclose(halfway(u), expected(u), atol=1e-12)
     assert halfway.is_normal()
-    np.testing.assert_allclose(fuzzy_set.alpha_plane(0.5).footprint(0.5), expected.alpha_cut(0.5), atol=1e-12)
+    np.testing.assert_allclose(
+        fuzzy_set.alpha_plane(0.5).footprint(0.5), expected.alpha_cut(0.5), atol=1e-12
+    )
     assert fuzzy_set.secondary(-0.1) == fuzzy_set.secondary(1.1) == Singleton(0.0)
     continuous = SampledType2Set([0.0, 1.0], [Triangular(0.0, 0.2, 0.4), Triangular(0.4, 0.5, 1.0)])
     np.testing.assert_allclose(continuous.secondary(0.5)(u), expected(u), atol=1e-12)
@@ -271,7 +357,9 @@ class Unreached(Sigmoid):
 
 
 def test_type_1_and_interval_planes_make_zslices() -> None:
-    mixed = ZSlices((0.4, 1.0), (GaussianUncertainMean((4.0, 6.0), 1.0), GaussianUncertainMean((5.0, 5.0), 1.0)))
+    mixed = ZSlices(
+        (0.4, 1.0), (GaussianUncertainMean((4.0, 6.0), 1.0), GaussianUncertainMean((5.0, 5.0), 1.0))
+    )
     assert mixed.secondary(5.0) == Staircase((0.4, 1.0), (math.exp(-0.5), 1.0), (1.0, 1.0))
     crisp = ZSlices((1.0,), (Gaussian(0.0, 1.0),))
     assert crisp.secondary_grade(0.0, 1.0) == 1.0
@@ -281,17 +369,25 @@ def test_type_1_and_interval_planes_make_zslices() -> None:
 def test_a_staircase_steps_at_the_ends_of_its_intervals() -> None:
     stairs = Staircase((0.25, 1.0), (0.1, 0.4), (0.9, 0.5))
     np.testing.assert_array_equal(
-        stairs([0.05, 0.1, 0.39, 0.4, 0.5, 0.51, 0.9, 0.95, np.nan]), [0, 0.25, 0.25, 1, 1, 0.25, 0.25, 0, np.nan]
+        stairs([0.05, 0.1, 0.39, 0.4, 0.5, 0.51, 0.9, 0.95, np.nan]),
+        [0, 0.25, 0.25, 1, 1, 0.25, 0.25, 0, np.nan],
     )
-    np.testing.assert_array_equal(stairs.alpha_cut([0.1, 0.25, 0.26, 1.0]), [[0.1, 0.1, 0.4, 0.4], [0.9, 0.9, 0.5, 0.5]])
+    np.testing.assert_array_equal(
+        stairs.alpha_cut([0.1, 0.25, 0.26, 1.0]), [[0.1, 0.1, 0.4, 0.4], [0.9, 0.9, 0.5, 0.5]]
+    )
     assert stairs.core == (0.4, 0.5)
     # Area 0.25 (0.9 - 0.1) + 0.75 (0.5 - 0.4), by hand.
     assert stairs.centroid() == pytest.approx((0.2 * 0.5 + 0.075 * 0.45) / 0.275, rel=1e-9)
 
 
-@pytest.mark.parametrize("fuzzy_set", [BLURRED, SLICED, DISCRETE, SLICED.secondary(5.5), SETS["partially discrete"]])
+@pytest.mark.parametrize(
+    "fuzzy_set", [BLURRED, SLICED, DISCRETE, SLICED.secondary(5.5), SETS["partially discrete"]]
+)
 def test_repr_rebuilds_the_set_and_equal_sets_hash_alike(fuzzy_set: object) -> None:
-    copy = eval(repr(fuzzy_set), {name: getattr(fuzzy2, name) for name in fuzzy2.__all__} | vars(general_type2))
+    copy = eval(
+        repr(fuzzy_set),
+        {name: getattr(fuzzy2, name) for name in fuzzy2.__all__} | vars(general_type2),
+    )
     assert copy == fuzzy_set
     assert hash(copy) == hash(fuzzy_set)
     with pytest.raises(AttributeError):
@@ -306,10 +402,22 @@ def test_planes_outside_of_the_grades_are_refused(alpha: float) -> None:
 
 
 def test_planes_that_are_not_nested_are_refused_and_the_error_says_where() -> None:
-    with pytest.raises(InvalidValue, match=r"planes\[0\]\.lower must be at most planes\[1\]\.lower everywhere, but at x = "):
-        ZSlices((0.5, 1.0), (GaussianUncertainSigma(5.0, (0.8, 1.5)), GaussianUncertainSigma(5.0, (0.5, 1.2))))
-    with pytest.raises(InvalidValue, match=r"planes\[1\]\.upper must be at most planes\[0\]\.upper everywhere, but at x = "):
-        ZSlices((0.5, 1.0), (GaussianUncertainSigma(5.0, (0.5, 1.1)), GaussianUncertainSigma(5.0, (0.8, 1.2))))
+    with pytest.raises(
+        InvalidValue,
+        match=r"planes\[0\]\.lower must be at most planes\[1\]\.lower everywhere, but at x = ",
+    ):
+        ZSlices(
+            (0.5, 1.0),
+            (GaussianUncertainSigma(5.0, (0.8, 1.5)), GaussianUncertainSigma(5.0, (0.5, 1.2))),
+        )
+    with pytest.raises(
+        InvalidValue,
+        match=r"planes\[1\]\.upper must be at most planes\[0\]\.upper everywhere, but at x = ",
+    ):
+        ZSlices(
+            (0.5, 1.0),
+            (GaussianUncertainSigma(5.0, (0.5, 1.1)), GaussianUncertainSigma(5.0, (0.8, 1.2))),
+        )
 
 
 @pytest.mark.parametrize(
@@ -350,12 +458,25 @@ def test_bad_parameters_are_refused(make: Callable[[], object]) -> None:
 
 @settings(max_examples=100, deadline=None)
 @given(data=st.data())
-def test_interpolated_slices_of_random_trapezoids_agree_with_their_planes(data: st.DataObject) -> None:
-    """Two ways to interpolate: cuts of the built slice, and interpolated cuts; 1e-9 where an edge is steep."""
+def test_interpolated_slices_of_random_trapezoids_agree_with_their_planes(
+    data: st.DataObject,
+) -> None:
+    """Two ways to interpolate: cuts of the built slice, and interpolated cuts.
+
+    1e-9 where an edge is steep.
+    """
     slices = []
     for _ in range(2):
-        corners = sorted(data.draw(st.lists(st.integers(0, 100), min_size=4, max_size=4, unique=True)))
-        slices.append(Trapezoidal(*(corner / 100.0 for corner in corners)).sample(np.array(corners) / 100.0))
+        corners = sorted(
+            data.draw(st.lists(st.integers(0, 100), min_size=4, max_size=4, unique=True))
+        )
+        slices.append(
+            Trapezoidal(*(corner / 100.0 for corner in corners)).sample(np.array(corners) / 100.0)
+        )
     fuzzy_set = SampledType2Set([0.0, 1.0], slices)
     x, alpha = data.draw(st.floats(0.01, 0.99)), data.draw(st.floats(0.05, 1.0))
-    np.testing.assert_allclose(fuzzy_set.secondary(x).alpha_cut(alpha), fuzzy_set.alpha_plane(alpha).footprint(x), atol=1e-9)
+    np.testing.assert_allclose(
+        fuzzy_set.secondary(x).alpha_cut(alpha),
+        fuzzy_set.alpha_plane(alpha).footprint(x),
+        atol=1e-9,
+    )

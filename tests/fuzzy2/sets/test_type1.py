@@ -1,4 +1,8 @@
-"""Type-1 sets: memberships against their definitions, cuts against memberships, centroids against closed forms, and what is refused."""
+"""Type-1 sets.
+
+Memberships against their definitions, cuts against memberships, centroids against closed forms, and
+what is refused.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,14 @@ import fuzzy2
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.derived import Complement, FunctionalSet, Truncated
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, PiShaped, Sigmoid, SigmoidDifference, SigmoidProduct, TwoSidedGaussian
+from fuzzy2.sets.smooth_shapes import (
+    Bell,
+    PiShaped,
+    Sigmoid,
+    SigmoidDifference,
+    SigmoidProduct,
+    TwoSidedGaussian,
+)
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 
 
@@ -77,8 +88,13 @@ def parametric_sets(draw: st.DrawFn) -> Type1Set:
                 PiShaped(-math.inf, -math.inf, c, d),
                 PiShaped(a, b, math.inf, math.inf),
                 TwoSidedGaussian((b, c), (width, draw(widths))),
-                TwoSidedGaussian((center + 2.0 * width, center), (width, draw(st.floats(0.5, 5.0)) * width)),
-                SigmoidProduct((center, center + draw(st.floats(-2.0, 9.0)) * width), (2.0 / width, -draw(st.floats(0.5, 5.0)) / width)),
+                TwoSidedGaussian(
+                    (center + 2.0 * width, center), (width, draw(st.floats(0.5, 5.0)) * width)
+                ),
+                SigmoidProduct(
+                    (center, center + draw(st.floats(-2.0, 9.0)) * width),
+                    (2.0 / width, -draw(st.floats(0.5, 5.0)) / width),
+                ),
                 SigmoidProduct((center, center + width), (1.0 / width, 2.0 / width)),
                 Complement(Sigmoid(center, -1.0 / width)),
                 Complement(PiShaped(a, b, math.inf, math.inf)),
@@ -90,30 +106,80 @@ def parametric_sets(draw: st.DrawFn) -> Type1Set:
 @pytest.mark.parametrize(
     ("fuzzy_set", "points", "grades"),
     [
-        (Gaussian(1.0, 2.0, 0.5), [1.0, 3.0, -1.0], [0.5, 0.5 * math.exp(-0.5), 0.5 * math.exp(-0.5)]),
-        (Triangular(0.0, 1.0, 3.0), [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0], [0.0, 0.0, 0.5, 1.0, 0.5, 0.0, 0.0]),
-        (Trapezoidal(0.0, 1.0, 2.0, 4.0, 0.5), [0.5, 1.0, 1.5, 2.0, 3.0, 5.0], [0.25, 0.5, 0.5, 0.5, 0.25, 0.0]),
+        (
+            Gaussian(1.0, 2.0, 0.5),
+            [1.0, 3.0, -1.0],
+            [0.5, 0.5 * math.exp(-0.5), 0.5 * math.exp(-0.5)],
+        ),
+        (
+            Triangular(0.0, 1.0, 3.0),
+            [-1.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0],
+            [0.0, 0.0, 0.5, 1.0, 0.5, 0.0, 0.0],
+        ),
+        (
+            Trapezoidal(0.0, 1.0, 2.0, 4.0, 0.5),
+            [0.5, 1.0, 1.5, 2.0, 3.0, 5.0],
+            [0.25, 0.5, 0.5, 0.5, 0.25, 0.0],
+        ),
         (Trapezoidal(0.0, 0.0, 2.0, 2.0), [-1e-9, 0.0, 2.0, 2.0 + 1e-9], [0.0, 1.0, 1.0, 0.0]),
-        (Trapezoidal(-math.inf, -math.inf, 0.0, 1.0), [-math.inf, -1e300, 0.0, 0.5, math.inf], [1.0, 1.0, 1.0, 0.5, 0.0]),
+        (
+            Trapezoidal(-math.inf, -math.inf, 0.0, 1.0),
+            [-math.inf, -1e300, 0.0, 0.5, math.inf],
+            [1.0, 1.0, 1.0, 0.5, 0.0],
+        ),
         (Bell(1.0, 2.0, 3.0), [1.0, 3.0, -1.0, 5.0], [1.0, 0.5, 0.5, 1.0 / 65.0]),
-        (Sigmoid(1.0, 2.0), [1.0, 2.0, 0.0, 1e4, -1e4], [0.5, 1 / (1 + math.exp(-2)), 1 / (1 + math.exp(2)), 1.0, 0.0]),
+        (
+            Sigmoid(1.0, 2.0),
+            [1.0, 2.0, 0.0, 1e4, -1e4],
+            [0.5, 1 / (1 + math.exp(-2)), 1 / (1 + math.exp(2)), 1.0, 0.0],
+        ),
         (Singleton(2.0), [2.0, np.nextafter(2.0, 3.0)], [1.0, 0.0]),
         (Interval(0.0, 1.0), [0.0, 1.0, -0.1, 1.1], [1.0, 1.0, 0.0, 0.0]),
         (SampledSet([0.0, 2.0], [0.2, 1.0]), [-0.1, 0.0, 1.0, 2.0, 2.1], [0.0, 0.2, 0.6, 1.0, 0.0]),
-        (Truncated(Gaussian(0.0, 1.0), 0.0, 1.0), [-0.1, 0.0, 1.0, 1.1], [0.0, 1.0, math.exp(-0.5), 0.0]),
+        (
+            Truncated(Gaussian(0.0, 1.0), 0.0, 1.0),
+            [-0.1, 0.0, 1.0, 1.1],
+            [0.0, 1.0, math.exp(-0.5), 0.0],
+        ),
         (FunctionalSet(parabola, -1.0, 0.5), [0.0, 0.5, 0.6], [1.0, 0.75, 0.0]),
         (PiShaped(0.0, 0.0, 2.0, 2.0), [-1e-9, 0.0, 2.0, 2.0 + 1e-9], [0.0, 1.0, 1.0, 0.0]),
-        (PiShaped(0.0, 4.0, 4.0, 8.0, 0.5), [1.0, 2.0, 3.0, 4.0, 7.0], [0.0625, 0.25, 0.4375, 0.5, 0.0625]),
-        (TwoSidedGaussian((1.0, 2.0), (1.0, 3.0)), [0.0, 1.0, 1.5, 2.0, 5.0], [math.exp(-0.5), 1.0, 1.0, 1.0, math.exp(-0.5)]),
-        (TwoSidedGaussian((9.0, 2.0), (math.inf, 3.0)), [-math.inf, 2.0, 5.0, math.inf], [1.0, 1.0, math.exp(-0.5), 0.0]),
-        (SigmoidDifference((0.0, 1.0), (2.0, 2.0)), [0.0, 0.5], [0.5 - 1 / (1 + math.exp(2)), math.tanh(0.5)]),
+        (
+            PiShaped(0.0, 4.0, 4.0, 8.0, 0.5),
+            [1.0, 2.0, 3.0, 4.0, 7.0],
+            [0.0625, 0.25, 0.4375, 0.5, 0.0625],
+        ),
+        (
+            TwoSidedGaussian((1.0, 2.0), (1.0, 3.0)),
+            [0.0, 1.0, 1.5, 2.0, 5.0],
+            [math.exp(-0.5), 1.0, 1.0, 1.0, math.exp(-0.5)],
+        ),
+        (
+            TwoSidedGaussian((9.0, 2.0), (math.inf, 3.0)),
+            [-math.inf, 2.0, 5.0, math.inf],
+            [1.0, 1.0, math.exp(-0.5), 0.0],
+        ),
+        (
+            SigmoidDifference((0.0, 1.0), (2.0, 2.0)),
+            [0.0, 0.5],
+            [0.5 - 1 / (1 + math.exp(2)), math.tanh(0.5)],
+        ),
         # The difference keeps its digits where both sigmoids are 1 but for rounding.
-        (SigmoidDifference((0.0, 1.0), (2.0, 2.0)), [50.0, -50.0], [math.exp(-98) - math.exp(-100), math.exp(-100) - math.exp(-102)]),
-        (SigmoidProduct((0.0, 0.0), (2.0, -2.0)), [0.0, 1.0, 1e4], [0.25, 1 / (1 + math.exp(2)) / (1 + math.exp(-2)), 0.0]),
+        (
+            SigmoidDifference((0.0, 1.0), (2.0, 2.0)),
+            [50.0, -50.0],
+            [math.exp(-98) - math.exp(-100), math.exp(-100) - math.exp(-102)],
+        ),
+        (
+            SigmoidProduct((0.0, 0.0), (2.0, -2.0)),
+            [0.0, 1.0, 1e4],
+            [0.25, 1 / (1 + math.exp(2)) / (1 + math.exp(-2)), 0.0],
+        ),
         (Complement(Triangular(0.0, 1.0, 3.0, 0.5)), [-1.0, 0.5, 1.0, 3.0], [1.0, 0.75, 0.5, 1.0]),
     ],
 )
-def test_memberships_are_those_of_the_definition(fuzzy_set: Type1Set, points: list[float], grades: list[float]) -> None:
+def test_memberships_are_those_of_the_definition(
+    fuzzy_set: Type1Set, points: list[float], grades: list[float]
+) -> None:
     """By hand; 1e-15 is the rounding of one formula."""
     np.testing.assert_allclose(fuzzy_set(points), grades, rtol=1e-14, atol=1e-15)
 
@@ -135,7 +201,11 @@ def test_points_of_any_shape_give_grades_of_that_shape_and_nan_stays(name: str) 
 @pytest.mark.parametrize("name", ANALYTIC)
 def test_repr_rebuilds_the_set_and_equal_sets_hash_alike(name: str) -> None:
     fuzzy_set = ANALYTIC[name]
-    copy = eval(repr(fuzzy_set), {name: getattr(fuzzy2, name) for name in fuzzy2.__all__} | {"Truncated": Truncated, "inf": math.inf})
+    copy = eval(
+        repr(fuzzy_set),
+        {name: getattr(fuzzy2, name) for name in fuzzy2.__all__}
+        | {"Truncated": Truncated, "inf": math.inf},
+    )
     assert copy == fuzzy_set
     assert hash(copy) == hash(fuzzy_set)
     assert copy != Singleton(99.0)
@@ -146,13 +216,22 @@ def test_sets_are_frozen_and_type_2_sets_without_uncertainty(name: str) -> None:
     fuzzy_set = SETS[name]
     with pytest.raises(AttributeError):
         fuzzy_set.support = (0.0, 1.0)  # type: ignore[misc]
-    assert fuzzy_set.lower is fuzzy_set.upper is fuzzy_set.principal is fuzzy_set.alpha_plane(0.5) is fuzzy_set
+    assert (
+        fuzzy_set.lower
+        is fuzzy_set.upper
+        is fuzzy_set.principal
+        is fuzzy_set.alpha_plane(0.5)
+        is fuzzy_set
+    )
     assert fuzzy_set.secondary(0.25) == Singleton(float(fuzzy_set(0.25)))
 
 
 @pytest.mark.parametrize("name", [name for name in SETS if SETS[name].maxima])
 def test_height_maxima_core_and_support_agree_with_the_membership(name: str) -> None:
-    """Between the ends of the maxima nothing is higher; 1e-9 for the functional set, whose maximum is searched."""
+    """Between the ends of the maxima nothing is higher.
+
+    1e-9 for the functional set, whose maximum is searched.
+    """
     fuzzy_set = SETS[name]
     first, last = fuzzy_set.maxima
     grid = np.linspace(-5.0, 5.0, 20_001)
@@ -178,8 +257,13 @@ def test_a_sigmoid_approaches_1_but_is_not_normal() -> None:
 
 @settings(max_examples=300)
 @given(fuzzy_set=parametric_sets(), share=st.floats(0.01, 0.99))
-def test_the_ends_of_a_cut_have_its_grade_and_what_is_outside_is_lower(fuzzy_set: Type1Set, share: float) -> None:
-    """Membership at the ends, and just inside and outside; 1e-6 of the set's width moves away from rounding."""
+def test_the_ends_of_a_cut_have_its_grade_and_what_is_outside_is_lower(
+    fuzzy_set: Type1Set, share: float
+) -> None:
+    """Membership at the ends, and just inside and outside.
+
+    1e-6 of the set's width moves away from rounding.
+    """
     alpha = share * fuzzy_set.height
     left, right = fuzzy_set.alpha_cut(alpha)
     assert left <= right
@@ -188,7 +272,11 @@ def test_the_ends_of_a_cut_have_its_grade_and_what_is_outside_is_lower(fuzzy_set
     for end, outward in ((left, -1.0), (right, 1.0)):
         if np.isfinite(end):
             nudge = 1e-9 * scale
-            assert fuzzy_set(end - outward * min(nudge, 0.5 * (right - left))) >= alpha * (1.0 - 1e-3) - 1e-6 or right - left < nudge
+            assert (
+                fuzzy_set(end - outward * min(nudge, 0.5 * (right - left)))
+                >= alpha * (1.0 - 1e-3) - 1e-6
+                or right - left < nudge
+            )
             assert fuzzy_set(end + outward * nudge) <= alpha * (1.0 + 1e-3) + 1e-6
 
 
@@ -206,7 +294,8 @@ def test_cuts_of_the_functional_set_are_found_by_bisection() -> None:
     """sqrt(1 - alpha) in closed form; the bisection ends at neighboring floats."""
     alphas = np.array([0.1, 0.5, 0.99, 1.0])
     left, right = SETS["functional"].alpha_cut(alphas)
-    np.testing.assert_allclose(right, np.sqrt(1.0 - alphas), atol=1e-7)  # at 1 the membership is flat: sqrt(eps)
+    # at 1 the membership is flat: sqrt(eps)
+    np.testing.assert_allclose(right, np.sqrt(1.0 - alphas), atol=1e-7)
     np.testing.assert_allclose(right[:3], np.sqrt(1.0 - alphas[:3]), rtol=1e-13)
     np.testing.assert_allclose(left, -right, atol=1e-7)
 
@@ -224,21 +313,35 @@ def test_cuts_of_the_functional_set_are_found_by_bisection() -> None:
         (PiShaped(0.0, 2.0, 3.0, 7.0), (17 / 48 * 4.0 + 2.5 + 2.0 * 7.0 - 17 / 48 * 16.0) / 4.0),
         (
             TwoSidedGaussian((0.0, 1.0), (2.0, 3.0)),
-            (-4.0 + 0.5 + math.sqrt(math.pi / 2.0) * 3.0 + 9.0) / (math.sqrt(math.pi / 2.0) * 5.0 + 1.0),
+            (-4.0 + 0.5 + math.sqrt(math.pi / 2.0) * 3.0 + 9.0)
+            / (math.sqrt(math.pi / 2.0) * 5.0 + 1.0),
         ),
         (SigmoidDifference((2.0, 7.0), (5.0, 5.0)), 4.5),
-        # A sigmoid of slope s that rises at c instead of 0 moves the moment by c^2 / 2 + pi^2 / (6 s^2).
-        (SigmoidDifference((0.0, 20.0), (5.0, 3.0)), (200.0 + math.pi**2 / 6.0 * (1.0 / 9.0 - 1.0 / 25.0)) / 20.0),
+        # A sigmoid of slope s that rises at c instead of 0 moves the moment by c^2 / 2 + pi^2 / (6
+        # s^2).
+        (
+            SigmoidDifference((0.0, 20.0), (5.0, 3.0)),
+            (200.0 + math.pi**2 / 6.0 * (1.0 / 9.0 - 1.0 / 25.0)) / 20.0,
+        ),
         (SigmoidProduct((-3.0, 3.0), (2.0, -2.0)), 0.0),
         (Interval(-1.0, 2.0), 0.5),
         (Interval(3.0, 3.0), 3.0),
         (Singleton(4.0), 4.0),
         (SampledSet([0.0, 1.0, 3.0], [0.0, 1.0, 0.0]), 4.0 / 3.0),
         (SampledSet([7.0], [0.4]), 7.0),
-        (Truncated(Gaussian(0.0, 1.0), 0.0, 1.0), (1.0 - math.exp(-0.5)) / (math.sqrt(math.pi / 2.0) * math.erf(math.sqrt(0.5)))),
-        (FunctionalSet(lambda x: np.where(x < 0.1234, 0.2, 1.0), 0.0, 1.0), (0.1 * 0.1234**2 + 0.5 * (1 - 0.1234**2)) / (1 - 0.8 * 0.1234)),
+        (
+            Truncated(Gaussian(0.0, 1.0), 0.0, 1.0),
+            (1.0 - math.exp(-0.5)) / (math.sqrt(math.pi / 2.0) * math.erf(math.sqrt(0.5))),
+        ),
+        (
+            FunctionalSet(lambda x: np.where(x < 0.1234, 0.2, 1.0), 0.0, 1.0),
+            (0.1 * 0.1234**2 + 0.5 * (1 - 0.1234**2)) / (1 - 0.8 * 0.1234),
+        ),
         # A jump at 0, where floats are so dense that halving would never end.
-        (FunctionalSet(lambda x: np.where(x < 0.0, 0.2, 1.0), -1.0, 1.7), (0.5 * 1.7**2 - 0.1) / 1.9),
+        (
+            FunctionalSet(lambda x: np.where(x < 0.0, 0.2, 1.0), -1.0, 1.7),
+            (0.5 * 1.7**2 - 0.1) / 1.9,
+        ),
     ],
 )
 def test_centroids_on_the_continuous_domain(fuzzy_set: Type1Set, expected: float) -> None:
@@ -249,12 +352,16 @@ def test_centroids_on_the_continuous_domain(fuzzy_set: Type1Set, expected: float
 @pytest.mark.parametrize("scale", [1e-9, 1.0, 1e9])
 def test_centroids_scale_with_the_points(scale: float) -> None:
     corners = np.array([0.0, 0.7, 1.0, 3.0]) * scale
-    assert Trapezoidal(*corners).centroid() / scale == pytest.approx(Trapezoidal(0.0, 0.7, 1.0, 3.0).centroid(), rel=1e-14)
+    assert Trapezoidal(*corners).centroid() / scale == pytest.approx(
+        Trapezoidal(0.0, 0.7, 1.0, 3.0).centroid(), rel=1e-14
+    )
 
 
 @settings(max_examples=100)
 @given(points=st.lists(st.integers(0, 1000), min_size=2, max_size=20, unique=True), data=st.data())
-def test_the_centroid_of_samples_is_that_of_straight_lines_between_them(points: list[int], data: st.DataObject) -> None:
+def test_the_centroid_of_samples_is_that_of_straight_lines_between_them(
+    points: list[int], data: st.DataObject
+) -> None:
     """Areas and moments of trapezoids by formula; 1e-12 for sums over at most 20 of them."""
     grades = np.array(data.draw(st.lists(heights, min_size=len(points), max_size=len(points))))
     x, u = np.array(sorted(points), dtype=float), grades
@@ -317,7 +424,8 @@ def test_a_set_with_two_peaks_is_not_convex_and_has_no_cuts() -> None:
     one_wave = Truncated(waves, 0.5, 2.0)
     assert one_wave.is_convex()
     assert one_wave.height == pytest.approx(1.0, abs=1e-12)
-    np.testing.assert_allclose(one_wave.alpha_cut(0.5), (math.pi / 4.0, 2.0), atol=1e-4)  # as sampled
+    # as sampled
+    np.testing.assert_allclose(one_wave.alpha_cut(0.5), (math.pi / 4.0, 2.0), atol=1e-4)
 
 
 def test_the_support_of_samples_reaches_to_the_next_zero() -> None:
@@ -339,7 +447,9 @@ def test_a_truncated_set_keeps_what_is_left_of_its_maximum() -> None:
     assert falling.maxima == (0.0, 0.0)
     assert falling.core is None
     np.testing.assert_allclose(
-        falling.alpha_cut([0.3, falling.height]), [[0.0, 0.0], [math.sqrt(-2 * math.log(0.3)) - 1.0, 0.0]], atol=1e-9
+        falling.alpha_cut([0.3, falling.height]),
+        [[0.0, 0.0], [math.sqrt(-2 * math.log(0.3)) - 1.0, 0.0]],
+        atol=1e-9,
     )
     assert Truncated(Interval(0.0, 5.0), 1.0, 2.0).maxima == (1.0, 2.0)
 
@@ -363,7 +473,10 @@ def test_kernel_rows(fuzzy_set: Type1Set, row: tuple[float, ...]) -> None:
     assert fuzzy_set.kernel_row() == row
 
 
-@pytest.mark.parametrize("name", ["bell", "rising sigmoid", "singleton", "sampled", "functional", "truncated", "pi", "not z"])
+@pytest.mark.parametrize(
+    "name",
+    ["bell", "rising sigmoid", "singleton", "sampled", "functional", "truncated", "pi", "not z"],
+)
 def test_sets_that_only_python_can_evaluate_have_no_kernel_row(name: str) -> None:
     assert SETS[name].kernel_row() is None
 
@@ -440,20 +553,33 @@ def test_points_that_are_not_real_numbers_are_refused(points: object) -> None:
 
 @settings(max_examples=100)
 @given(center=st.floats(-10.0, 10.0), sigma=widths, level=st.floats(-6.0, 6.0))
-def test_moments_up_to_a_point_are_those_of_the_normal_distribution(center: float, sigma: float, level: float) -> None:
+def test_moments_up_to_a_point_are_those_of_the_normal_distribution(
+    center: float, sigma: float, level: float
+) -> None:
     """Area by the error function and moment by the density; 1e-13 of the whole area."""
     moments = Gaussian(center, sigma).moments(origin=center)
     area, moment = moments.up_to(center + level * sigma)
     whole = math.sqrt(2.0 * math.pi) * sigma
-    assert area == pytest.approx(0.5 * whole * math.erfc(-level / math.sqrt(2.0)), rel=1e-11, abs=1e-13 * whole)
-    assert moment == pytest.approx(-(sigma**2) * math.exp(-0.5 * level**2), rel=1e-11, abs=1e-12 * sigma**2)
-    assert np.add(moments.beyond(center + level * sigma), (area, moment)) == pytest.approx(moments.total, abs=1e-12 * max(whole, sigma**2))
+    assert area == pytest.approx(
+        0.5 * whole * math.erfc(-level / math.sqrt(2.0)), rel=1e-11, abs=1e-13 * whole
+    )
+    assert moment == pytest.approx(
+        -(sigma**2) * math.exp(-0.5 * level**2), rel=1e-11, abs=1e-12 * sigma**2
+    )
+    assert np.add(moments.beyond(center + level * sigma), (area, moment)) == pytest.approx(
+        moments.total, abs=1e-12 * max(whole, sigma**2)
+    )
 
 
 def test_areas_far_out_on_a_tail_keep_their_digits() -> None:
-    """erfc(20 / sqrt 2) is 5.5e-89 and must not drown in the area of the rest; 1e-11 allows for the points' own rounding."""
+    """erfc(20 / sqrt 2) is 5.5e-89 and must not drown in the area of the rest.
+
+    1e-11 allows for the points' own rounding.
+    """
     area, _ = Gaussian(0.0, 1.0).moments(origin=0.0).beyond(20.0)
-    assert area == pytest.approx(math.sqrt(0.5 * math.pi) * math.erfc(20.0 / math.sqrt(2.0)), rel=1e-11)
+    assert area == pytest.approx(
+        math.sqrt(0.5 * math.pi) * math.erfc(20.0 / math.sqrt(2.0)), rel=1e-11
+    )
 
 
 @given(fuzzy_set=parametric_sets(), x=finite)
@@ -462,8 +588,9 @@ def test_grades_are_between_0_and_the_height(fuzzy_set: Type1Set, x: float) -> N
     assert 0.0 <= fuzzy_set(x) <= fuzzy_set.height
 
 
-# Parameters are those of the examples in MathWorks' documentation of each function (smf [1 8], zmf [3 7], pimf [1 4 5 10], gauss2mf with
-# [2 4 1 8], [2 5 1 8] and so on, dsigmf [5 2 5 7], psigmf [2 3 -5 8]), and the references are its formulas, piece by piece.
+# Parameters are those of the examples in MathWorks' documentation of each function (smf [1 8], zmf
+# [3 7], pimf [1 4 5 10], gauss2mf with [2 4 1 8], [2 5 1 8] and so on, dsigmf [5 2 5 7], psigmf [2
+# 3 -5 8]), and the references are its formulas, piece by piece.
 def documented_s(x: float, a: float, b: float) -> float:
     if x <= a:
         return 0.0
@@ -497,24 +624,48 @@ def documented_sig(x: float, a: float, c: float) -> float:
         (PiShaped(1.0, 4.0, 5.0, 10.0), lambda x: documented_s(x, 1, 4) * documented_z(x, 5, 10)),
         (TwoSidedGaussian((4.0, 8.0), (2.0, 1.0)), lambda x: documented_gauss2(x, 2, 4, 1, 8)),
         (TwoSidedGaussian((8.0, 4.0), (2.0, 1.0)), lambda x: documented_gauss2(x, 2, 8, 1, 4)),
-        (SigmoidDifference((2.0, 7.0), (5.0, 5.0)), lambda x: documented_sig(x, 5, 2) - documented_sig(x, 5, 7)),
-        (SigmoidProduct((3.0, 8.0), (2.0, -5.0)), lambda x: documented_sig(x, 2, 3) * documented_sig(x, -5, 8)),
+        (
+            SigmoidDifference((2.0, 7.0), (5.0, 5.0)),
+            lambda x: documented_sig(x, 5, 2) - documented_sig(x, 5, 7),
+        ),
+        (
+            SigmoidProduct((3.0, 8.0), (2.0, -5.0)),
+            lambda x: documented_sig(x, 2, 3) * documented_sig(x, -5, 8),
+        ),
     ],
 )
-def test_memberships_are_those_of_the_toolbox_formulas(fuzzy_set: Type1Set, documented: Callable[[float], float]) -> None:
+def test_memberships_are_those_of_the_toolbox_formulas(
+    fuzzy_set: Type1Set, documented: Callable[[float], float]
+) -> None:
     """On the 101 points of the documentation's plots; 1e-15 is the rounding of the differences."""
     x = np.linspace(0.0, 10.0, 101)
-    np.testing.assert_allclose(fuzzy_set(x), [documented(point) for point in x], rtol=1e-13, atol=1e-15)
+    np.testing.assert_allclose(
+        fuzzy_set(x), [documented(point) for point in x], rtol=1e-13, atol=1e-15
+    )
 
 
-SMOOTH = ["pi", "low s", "z", "two-sided gaussian", "crossed gaussian", "gaussian shoulder", "sigmoid difference", "sigmoid product"]
+SMOOTH = [
+    "pi",
+    "low s",
+    "z",
+    "two-sided gaussian",
+    "crossed gaussian",
+    "gaussian shoulder",
+    "sigmoid difference",
+    "sigmoid product",
+]
 
 
 @pytest.mark.parametrize("name", [*SMOOTH, "rising sigmoid product", "not z", "not rising sigmoid"])
 def test_derivatives_of_smooth_sets_are_those_of_differences(name: str) -> None:
-    """Central differences of step 1e-6: rounding 1e-10, truncation 1e-12 of third derivatives, and 5e-6 next to a jump of the second."""
+    """Central differences of step 1e-6.
+
+    Rounding 1e-10, truncation 1e-12 of third derivatives, and 5e-6 next to a jump of the second.
+    """
     fuzzy_set, x, h = SETS[name], np.linspace(-4.0, 4.0, 999), 1e-6
-    np.testing.assert_allclose(fuzzy_set.derivative(x), (fuzzy_set(x + h) - fuzzy_set(x - h)) / (2 * h), atol=1e-5)
+    np.testing.assert_allclose(
+        fuzzy_set.derivative(x), (fuzzy_set(x + h) - fuzzy_set(x - h)) / (2 * h), atol=1e-5
+    )
     assert np.isnan(fuzzy_set.derivative(np.nan))
 
 
@@ -533,7 +684,10 @@ def test_the_height_of_a_two_sided_gaussian_whose_means_cross() -> None:
 
 
 def test_the_maximum_of_a_symmetric_difference_of_sigmoids() -> None:
-    """tanh(s (c2 - c1) / 4), midway; the place of a flat maximum is known to the square root of its height's rounding."""
+    """tanh(s (c2 - c1) / 4), midway.
+
+    The place of a flat maximum is known to the square root of its height's rounding.
+    """
     bump = SigmoidDifference(center=(2.0, 3.0), slope=(5.0, 5.0))
     assert bump.height == pytest.approx(math.tanh(1.25), rel=1e-15)
     assert bump.maxima == pytest.approx((2.5, 2.5), abs=1e-5)
@@ -566,12 +720,22 @@ def test_where_complements_are_highest(
 ) -> None:
     found = Complement(whole)
     assert (found.height, found.maxima, found.support) == (height, maxima, support)
-    np.testing.assert_array_equal(found(np.linspace(-3.0, 3.0, 61)), 1.0 - whole(np.linspace(-3.0, 3.0, 61)))
+    np.testing.assert_array_equal(
+        found(np.linspace(-3.0, 3.0, 61)), 1.0 - whole(np.linspace(-3.0, 3.0, 61))
+    )
 
 
-@pytest.mark.parametrize("whole", [Interval(0.0, 2.0), Singleton(1.0), Triangular(0.0, 0.0, 2.0), Trapezoidal(0.0, 0.0, 2.0, 2.0)])
+@pytest.mark.parametrize(
+    "whole",
+    [
+        Interval(0.0, 2.0),
+        Singleton(1.0),
+        Triangular(0.0, 0.0, 2.0),
+        Trapezoidal(0.0, 0.0, 2.0, 2.0),
+    ],
+)
 def test_landmarks_of_a_complement_reach_beyond_the_jumps_of_the_set(whole: Type1Set) -> None:
-    """Something of the complement is between them, or the range of a variable with it would be empty."""
+    """Something of the complement is between them, or the range of a variable would be empty."""
     found = Complement(whole)
     assert found(found.landmarks[[0, -1]]).tolist() == [1.0, 1.0]
 
@@ -581,7 +745,9 @@ def test_only_complements_of_shoulders_are_convex() -> None:
     assert not Complement(Triangular(0.0, 1.0, 2.0)).is_convex()
     shoulder = Complement(PiShaped(-math.inf, -math.inf, 0.0, 2.0, height=0.8))
     assert shoulder.is_convex()
-    np.testing.assert_array_equal(shoulder.alpha_cut([0.1, 0.6, 1.0]), [[-math.inf, 1.0, 2.0], [math.inf] * 3])
+    np.testing.assert_array_equal(
+        shoulder.alpha_cut([0.1, 0.6, 1.0]), [[-math.inf, 1.0, 2.0], [math.inf] * 3]
+    )
     twice = Complement(Complement(Gaussian(0.0, 1.0)))
     assert twice.is_convex()
     assert twice.height == 1.0

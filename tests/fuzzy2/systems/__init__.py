@@ -1,0 +1,1 @@
+"""Tests of fuzzy2.systems, one file per module."""

@@ -1,4 +1,7 @@
-"""Rules as text: what is read is compared with tables written by hand, and with what hypothesis made the text from."""
+"""Rules as text.
+
+What is read is compared with tables written by hand, and with what hypothesis made the text from.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +11,15 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzy2.errors import InvalidRule, InvalidValue
-from fuzzy2.systems.rules import KEYWORDS, Rule, format_rules, make_rules, nearest_name, parse_rule, parse_rules
+from fuzzy2.systems.rules import (
+    KEYWORDS,
+    Rule,
+    format_rules,
+    make_rules,
+    nearest_name,
+    parse_rule,
+    parse_rules,
+)
 
 INPUTS = {"x1": ["Low", "Medium", "High"], "x2": ["Low", "High"]}
 OUTPUTS = {"y": ["Small", "Large"]}
@@ -67,7 +78,10 @@ def test_names_that_are_no_words_stand_in_quotes() -> None:
         ("IF x1 is Low THEN y is Small and y is Large", "mentions 'y' twice after THEN"),
         ("IF x1 is Lwo THEN y is Small", "did you mean 'Low'? (known terms: Low, Medium, High)"),
         ("IF x1 is low THEN y is Small", "input 'x1' has no term 'low'; did you mean 'Low'?"),
-        ("IF x3 is Low THEN y is Small", "there is no input 'x3'; did you mean 'x1'? (known inputs: x1, x2)"),
+        (
+            "IF x3 is Low THEN y is Small",
+            "there is no input 'x3'; did you mean 'x1'? (known inputs: x1, x2)",
+        ),
         ("IF qqq is Low THEN y is Small", "there is no input 'qqq' (known inputs: x1, x2)"),
         ("IF x1 is Low THEN y is Smal", "output 'y' has no term 'Smal'; did you mean 'Small'?"),
         ("IF x1 is Low THEN x2 is High", "uses the input 'x2' as an output; the outputs are y"),
@@ -107,7 +121,9 @@ def test_a_rule_object_must_say_something() -> None:
 def test_tables_that_are_none() -> None:
     with pytest.raises(InvalidValue, match=r"antecedents must be whole numbers of shape \(R, 2\)"):
         make_rules([[0.5, 1.0]], [[0]], INPUTS, OUTPUTS)
-    with pytest.raises(InvalidValue, match=r"antecedents must be numbers of terms from -1, below \[3, 2\]"):
+    with pytest.raises(
+        InvalidValue, match=r"antecedents must be numbers of terms from -1, below \[3, 2\]"
+    ):
         make_rules([[0, 2]], [[0]], INPUTS, OUTPUTS)
     with pytest.raises(InvalidValue, match="consequents must be numbers of terms from 0"):
         make_rules([[0, 1]], [[-1]], INPUTS, OUTPUTS)
@@ -123,35 +139,58 @@ def test_the_nearest_name_ignores_case_first() -> None:
     assert nearest_name("zzz", ["Low", "High"]) is None
 
 
-names = st.text(st.characters(exclude_categories=("Cs",)), max_size=6).filter(lambda name: name.splitlines() in ([name], []))
+names = st.text(st.characters(exclude_categories=("Cs",)), max_size=6).filter(
+    lambda name: name.splitlines() in ([name], [])
+)
 names = names | st.sampled_from([*KEYWORDS, "IF", "Then", 'a"b', "a b", "\\", '"', "#x"])
 
 
 @st.composite
-def rule_bases(draw: st.DrawFn) -> tuple[np.ndarray, np.ndarray, dict[str, list[str]], dict[str, list[str]]]:
+def rule_bases(
+    draw: st.DrawFn,
+) -> tuple[np.ndarray, np.ndarray, dict[str, list[str]], dict[str, list[str]]]:
     variables = draw(st.lists(names, min_size=2, max_size=5, unique=True))
-    terms = {variable: draw(st.lists(names, min_size=1, max_size=4, unique=True)) for variable in variables}
+    terms = {
+        variable: draw(st.lists(names, min_size=1, max_size=4, unique=True))
+        for variable in variables
+    }
     p = draw(st.integers(1, len(variables) - 1))
-    inputs, outputs = ({name: terms[name] for name in side} for side in (variables[:p], variables[p:]))
+    inputs, outputs = (
+        {name: terms[name] for name in side} for side in (variables[:p], variables[p:])
+    )
     rows = draw(st.integers(1, 5))
     sizes, output_sizes = ([len(side[name]) for name in side] for side in (inputs, outputs))
-    antecedents = np.array([[draw(st.integers(-1, size - 1)) for size in sizes] for _ in range(rows)])
+    antecedents = np.array(
+        [[draw(st.integers(-1, size - 1)) for size in sizes] for _ in range(rows)]
+    )
     antecedents[(antecedents < 0).all(axis=1), 0] = 0
-    consequents = np.array([[draw(st.integers(0, size - 1)) for size in output_sizes] for _ in range(rows)])
+    consequents = np.array(
+        [[draw(st.integers(0, size - 1)) for size in output_sizes] for _ in range(rows)]
+    )
     return antecedents, consequents, inputs, outputs
 
 
 @given(rule_bases())
-def test_formatting_and_parsing_are_inverse(rule_base: tuple[np.ndarray, np.ndarray, dict[str, list[str]], dict[str, list[str]]]) -> None:
+def test_formatting_and_parsing_are_inverse(
+    rule_base: tuple[np.ndarray, np.ndarray, dict[str, list[str]], dict[str, list[str]]],
+) -> None:
     antecedents, consequents, inputs, outputs = rule_base
     text = format_rules(antecedents, consequents, inputs, outputs)
     found = parse_rules(text, inputs, outputs)
     np.testing.assert_array_equal(found[0], antecedents)
     np.testing.assert_array_equal(found[1], consequents)
-    assert parse_rules(make_rules(*found, inputs, outputs), inputs, outputs)[0].tolist() == antecedents.tolist()
+    assert (
+        parse_rules(make_rules(*found, inputs, outputs), inputs, outputs)[0].tolist()
+        == antecedents.tolist()
+    )
 
 
-@given(st.text(max_size=40) | st.lists(st.sampled_from(["IF", "x1", "is", "Low", "and", "THEN", "y", "Small", '"', "not"])).map(" ".join))
+@given(
+    st.text(max_size=40)
+    | st.lists(
+        st.sampled_from(["IF", "x1", "is", "Low", "and", "THEN", "y", "Small", '"', "not"])
+    ).map(" ".join)
+)
 def test_any_text_is_a_rule_or_an_invalid_rule(text: str) -> None:
     try:
         rule = parse_rule(text)

@@ -1,0 +1,1 @@
+"""Tests of psp3.cli, one file per module."""

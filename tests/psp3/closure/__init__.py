@@ -1,0 +1,1 @@
+"""Tests of psp3.closure, one file per module."""

@@ -1,0 +1,1 @@
+"""Tests of psp3.collisions, one file per module."""

@@ -1,4 +1,7 @@
-"""Which pairs of links are looked at: the rule, by what joins the bodies, and what an SRDF excludes."""
+"""Which pairs of links are looked at.
+
+The rule, by what joins the bodies, and what an SRDF excludes.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,10 @@ from tests.helpers import four_bar_closed_with_3d, four_bar_closed_with_6d
 
 ROBOT = psp3.load()
 LINKS = ["base", *(f"{name}{leg}" for leg in (1, 2, 3) for name in ("nut", "ball_lambda", "star"))]
-JOINTS = [0, *(ROBOT.model.getJointId(f"{name}{leg}") for leg in (1, 2, 3) for name in ("a", "lambda", "b"))]
+JOINTS = [
+    0,
+    *(ROBOT.model.getJointId(f"{name}{leg}") for leg in (1, 2, 3) for name in ("a", "lambda", "b")),
+]
 
 
 def named(pairs: list[tuple[int, int]]) -> set[frozenset[str]]:
@@ -24,12 +30,18 @@ def named(pairs: list[tuple[int, int]]) -> set[frozenset[str]]:
 
 
 def test_pairs_of_the_3_psp() -> None:
-    """By the words of the rule: the three thirds of the star are one body, which slides in every ball joint; nuts slide on the base."""
+    """By the words of the rule: the three thirds of the star are one body.
+
+    It slides in every ball joint; nuts slide on the base.
+    """
     pairs, exclusions = pairs_to_check(ROBOT, LINKS, JOINTS)
     star = {f"star{leg}" for leg in (1, 2, 3)}
     touching = set()
     for leg in (1, 2, 3):
-        touching |= {frozenset(("base", f"nut{leg}")), *(frozenset((f"ball_lambda{leg}", third)) for third in star)}
+        touching |= {
+            frozenset(("base", f"nut{leg}")),
+            *(frozenset((f"ball_lambda{leg}", third)) for third in star),
+        }
     touching |= {frozenset(pair) for pair in combinations(star, 2)}
     everything = {frozenset(pair) for pair in combinations(LINKS, 2)}
     assert named(pairs) == everything - touching
@@ -44,14 +56,24 @@ def test_the_true_limits_are_looked_at() -> None:
     """The bushing in the frame of its own nut, and the arms beside the columns."""
     pairs, _ = pairs_to_check(ROBOT, LINKS, JOINTS)
     for leg in (1, 2, 3):
-        assert {frozenset((f"nut{leg}", f"ball_lambda{leg}")), frozenset(("base", f"star{leg}"))} <= named(pairs)
+        assert {
+            frozenset((f"nut{leg}", f"ball_lambda{leg}")),
+            frozenset(("base", f"star{leg}")),
+        } <= named(pairs)
 
 
 @pytest.mark.parametrize(
-    ("build", "reason"), [(four_bar_closed_with_3d, "joined at a point by a loop"), (four_bar_closed_with_6d, "one rigid body")]
+    ("build", "reason"),
+    [
+        (four_bar_closed_with_3d, "joined at a point by a loop"),
+        (four_bar_closed_with_6d, "one rigid body"),
+    ],
 )
 def test_what_a_loop_joins(build: object, reason: str) -> None:
-    """Coupler (joint 2) and the last body of the other side; the base and the coupler, which nothing joins, are looked at."""
+    """Coupler (joint 2) and the last body of the other side.
+
+    The base and the coupler, which nothing joins, are looked at.
+    """
     parts = build()  # type: ignore[operator]
     robot = psp3.ClosedLoopRobot(parts.model, parts.constraint_models, parts.actuated, parts.q0)
     last = robot.model.njoints - 1
@@ -73,17 +95,25 @@ def test_excluded_pairs_are_left_out_with_their_reason(tmp_path: Path) -> None:
         '<disable_collisions link1="star2" link2="base"/></robot>'
     )
     excluded = excluded_by_srdf(srdf)
-    assert excluded == [Exclusion("base", "star1", "Never"), Exclusion("star2", "base", "excluded by the SRDF")]
+    assert excluded == [
+        Exclusion("base", "star1", "Never"),
+        Exclusion("star2", "base", "excluded by the SRDF"),
+    ]
     without, _ = pairs_to_check(ROBOT, LINKS, JOINTS)
     pairs, exclusions = pairs_to_check(ROBOT, LINKS, JOINTS, excluded)
-    assert named(without) - named(pairs) == {frozenset(("base", "star1")), frozenset(("base", "star2"))}
+    assert named(without) - named(pairs) == {
+        frozenset(("base", "star1")),
+        frozenset(("base", "star2")),
+    }
     assert set(excluded) <= set(exclusions)
 
 
 def test_the_srdf_of_the_package_is_read_as_pinocchio_reads_it() -> None:
     """Pinocchio removes the same pairs; at present there is none to remove."""
     srdf = Path(psp3.__file__).parent / "urdf" / "psp3.srdf"
-    geometry = pin.buildGeomFromUrdf(ROBOT.model, str(srdf.with_suffix(".urdf")), pin.GeometryType.COLLISION)
+    geometry = pin.buildGeomFromUrdf(
+        ROBOT.model, str(srdf.with_suffix(".urdf")), pin.GeometryType.COLLISION
+    )
     geometry.addAllCollisionPairs()
     before = len(geometry.collisionPairs)
     pin.removeCollisionPairs(ROBOT.model, geometry, str(srdf))

@@ -1,4 +1,8 @@
-"""Regulators: the Riccati equations, the poles and costs they promise on the robot itself, and that nothing costs less."""
+"""Regulators.
+
+The Riccati equations, the poles and costs they promise on the robot itself, and that nothing costs
+less.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +58,11 @@ def star() -> psp3.PSP3:
 
 
 def weights(robot: ClosedLoopRobot) -> tuple[Array, Array]:
-    """Return Q and R: errors of 0.01 (m or rad) and 0.1 per second, and what accelerates a joint by 2 per second², are equally bad."""
+    """Return Q and R.
+
+    Errors of 0.01 (m or rad) and 0.1 per second, and what accelerates a joint by 2 per second², are
+    equally bad.
+    """
     n, masses = len(robot.actuated), np.diag(robot.mass_matrix(robot.reference))
     return np.diag(1.0 / np.repeat([0.01, 0.1], n) ** 2), np.diag(1.0 / (2.0 * masses) ** 2)
 
@@ -63,8 +71,18 @@ def at_rest(positions: Array) -> Motion:
     return Motion(positions, np.zeros_like(positions), np.zeros_like(positions), np.zeros(3))
 
 
-def run(robot: ClosedLoopRobot, controller: Any, desired: Motion, deviation: Array, steps: int, plant: RungeKutta) -> tuple[Array, Array]:
-    """Return deviations from a desired rest, (steps + 1, 2n), and forces beside those of the rest, (steps, n); forces are held."""
+def run(
+    robot: ClosedLoopRobot,
+    controller: Any,
+    desired: Motion,
+    deviation: Array,
+    steps: int,
+    plant: RungeKutta,
+) -> tuple[Array, Array]:
+    """Return deviations from a desired rest, (steps + 1, 2n), and forces, (steps, n).
+
+    Forces are held, and beside those of the rest.
+    """
     n = len(robot.actuated)
     state = np.concatenate([desired.heights, desired.speeds]) + deviation
     rest = np.concatenate([desired.heights, desired.speeds])
@@ -91,8 +109,10 @@ def residual(system: LinearSystem, regulator: Regulator, Q: Array, R: Array) -> 
 
 
 @pytest.mark.parametrize("period", [None, 0.002, 0.05])
-def test_riccati_equation_holds_and_the_loop_is_stable(robot: ClosedLoopRobot, period: float | None) -> None:
-    """1e-9 of the cost matrix: SciPy's solvers lose some digits to the condition of their pencils."""
+def test_riccati_equation_holds_and_the_loop_is_stable(
+    robot: ClosedLoopRobot, period: float | None
+) -> None:
+    """1e-9 of the cost matrix: SciPy's solvers lose digits to the condition of their pencils."""
     Q, R = weights(robot)
     system = linearize(robot, robot.reference)
     system = system if period is None else discretize(system, period)
@@ -106,7 +126,10 @@ def test_riccati_equation_holds_and_the_loop_is_stable(robot: ClosedLoopRobot, p
 
 
 def test_double_integrator_has_the_gains_of_the_textbook() -> None:
-    r"""Of a unit mass with weights q on x and 1 on u: K = (√q, √2 q^¼), so the damping ratio is 1/√2 whatever q; 1e-12."""
+    r"""Of a unit mass with weights q on x and 1 on u.
+
+    K = (√q, √2 q^¼), so the damping ratio is 1/√2 whatever q; 1e-12.
+    """
     system = LinearSystem(np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]))
     for q in (0.01, 1.0, 1e4):
         found = lqr(system, np.diag([q, 0.0]), np.eye(1))
@@ -115,7 +138,10 @@ def test_double_integrator_has_the_gains_of_the_textbook() -> None:
 
 
 def test_short_periods_approach_the_continuous_regulator(star: psp3.PSP3) -> None:
-    """The sampled gain differs by a term of first order in the period: extrapolated from 1 and 0.5 ms, 1e-4 of the gain is left."""
+    """The sampled gain differs by a term of first order in the period.
+
+    Extrapolated from 1 and 0.5 ms, 1e-4 of the gain is left.
+    """
     Q, R = weights(star)
     system = linearize(star, [0.02, -0.03, 0.05])
     coarse, fine = (lqr(discretize(system, period), Q, R).K for period in (1e-3, 5e-4))
@@ -135,7 +161,10 @@ EIGHTHS = st.integers(-8, 8).map(lambda k: k / 8.0)
     period=st.sampled_from([None, 0.1]),
 )
 def test_every_other_gain_costs_more(A: Array, B: Array, off: Array, period: float | None) -> None:
-    """Of any system that the input reaches: cost of other stable gains from Lyapunov's equation, which knows nothing of Riccati's."""
+    """Of any system that the input reaches.
+
+    Cost of other stable gains from Lyapunov's equation, which knows nothing of Riccati's.
+    """
     system = LinearSystem(A, 4.0 * np.eye(3) + B)
     system = system if period is None else discretize(system, period)
     best = lqr(system, np.eye(3), np.eye(3))
@@ -144,7 +173,11 @@ def test_every_other_gain_costs_more(A: Array, B: Array, off: Array, period: flo
     poles = np.linalg.eigvals(closed)
     assume(poles.real.max() < -1e-3 if period is None else np.abs(poles).max() < 0.999)
     weight = np.eye(3) + K.T @ K
-    cost = solve_continuous_lyapunov(closed.T, -weight) if period is None else solve_discrete_lyapunov(closed.T, weight)
+    cost = (
+        solve_continuous_lyapunov(closed.T, -weight)
+        if period is None
+        else solve_discrete_lyapunov(closed.T, weight)
+    )
     assert np.linalg.eigvalsh(cost - best.P).min() > -1e-9 * np.abs(cost).max()
 
 
@@ -152,7 +185,10 @@ def test_every_other_gain_costs_more(A: Array, B: Array, off: Array, period: flo
 
 
 def test_poles_are_those_of_the_simulated_loop(robot: ClosedLoopRobot) -> None:
-    """Slope of one period of the nonlinear robot under the controller, by differences; what was promised to 1e-8."""
+    """Slope of one period of the nonlinear robot under the controller, by differences.
+
+    What was promised to 1e-8.
+    """
     Q, R = weights(robot)
     controller = LinearQuadraticRegulator(robot, Q, R, PERIOD)
     desired = at_rest(robot.reference)
@@ -161,14 +197,30 @@ def test_poles_are_those_of_the_simulated_loop(robot: ClosedLoopRobot) -> None:
     def after(deviation: Array) -> Array:
         return run(robot, controller, desired, deviation, 1, RungeKutta(robot, steps=4))[0][-1]
 
-    closed = np.stack([derivative(lambda t, u=unit: after(t * u), 2e-3) for unit in np.eye(m)], axis=-1)
+    closed = np.stack(
+        [derivative(lambda t, u=unit: after(t * u), 2e-3) for unit in np.eye(m)], axis=-1
+    )
     system, regulator = controller.system, controller.regulator
-    assert_allclose(closed, system.A - system.B @ regulator.K, rtol=0, atol=1e-8 * max(1.0, np.abs(closed).max()))
-    assert_allclose(np.sort(np.abs(np.linalg.eigvals(closed))), np.sort(np.abs(regulator.poles)), rtol=0, atol=1e-7)
+    assert_allclose(
+        closed,
+        system.A - system.B @ regulator.K,
+        rtol=0,
+        atol=1e-8 * max(1.0, np.abs(closed).max()),
+    )
+    assert_allclose(
+        np.sort(np.abs(np.linalg.eigvals(closed))),
+        np.sort(np.abs(regulator.poles)),
+        rtol=0,
+        atol=1e-7,
+    )
 
 
-def test_simulated_cost_is_the_promised_one_and_other_gains_cost_more(robot: ClosedLoopRobot) -> None:
-    """From 1e-5 (m, rad, and per second), until all has died out to 1e-8 of the cost. 1e-4: the robot is linear up to its deviation.
+def test_simulated_cost_is_the_promised_one_and_other_gains_cost_more(
+    robot: ClosedLoopRobot,
+) -> None:
+    """From 1e-5 (m, rad, and per second), until all has died out to 1e-8 of the cost.
+
+    1e-4: the robot is linear up to its deviation.
 
     Gains that are off by up to a tenth cost more, and what Lyapunov's equation says of them.
     """
@@ -179,44 +231,67 @@ def test_simulated_cost_is_the_promised_one_and_other_gains_cost_more(robot: Clo
     steps = int(np.log(1e-4) / np.log(np.abs(controller.regulator.poles).max())) + 1
 
     def cost() -> float:
-        states, forces = run(robot, controller, at_rest(robot.reference), deviation, steps, RungeKutta(robot))
-        return float(np.einsum("ki,ij,kj->", states, Q, states) + np.einsum("ki,ij,kj->", forces, R, forces))
+        states, forces = run(
+            robot, controller, at_rest(robot.reference), deviation, steps, RungeKutta(robot)
+        )
+        return float(
+            np.einsum("ki,ij,kj->", states, Q, states) + np.einsum("ki,ij,kj->", forces, R, forces)
+        )
 
     best, promised = cost(), deviation @ controller.regulator.P @ deviation
     assert_allclose(best, promised, rtol=1e-4)
     A, B = controller.system.A, controller.system.B
     gains = controller.regulator.K * rng.uniform(0.9, 1.1, controller.regulator.K.shape)
     controller.regulator = controller.regulator._replace(K=gains)
-    by_lyapunov = deviation @ solve_discrete_lyapunov((A - B @ gains).T, Q + gains.T @ R @ gains) @ deviation
+    by_lyapunov = (
+        deviation @ solve_discrete_lyapunov((A - B @ gains).T, Q + gains.T @ R @ gains) @ deviation
+    )
     found = cost()
     assert found > best
     assert_allclose(found, by_lyapunov, rtol=1e-4)
 
 
 def test_the_forces_are_those_of_the_motion_and_of_the_gain(star: psp3.PSP3) -> None:
-    """On the trajectory the feed-forward alone, off it −K times the deviation more; Pinocchio's forces, 1e-9."""
+    """On the trajectory the feed-forward alone, off it −K times the deviation more.
+
+    Pinocchio's forces, 1e-9.
+    """
     Q, R = weights(star)
     desired, tree = Helix(robot=star)(0.3), star.dynamics("pinocchio")
     controller = LinearQuadraticRegulator(star, Q, R)
     controller.reset()
-    forces = tree.inverse_dynamics(desired.heights, desired.speeds, desired.accelerations)  # type: ignore[attr-defined]
-    assert_allclose(controller.torque(0.3, desired.heights, desired.speeds, desired), forces, rtol=1e-9)
+    forces = tree.inverse_dynamics(  # type: ignore[attr-defined]
+        desired.heights, desired.speeds, desired.accelerations
+    )
+    assert_allclose(
+        controller.torque(0.3, desired.heights, desired.speeds, desired), forces, rtol=1e-9
+    )
     off = 1e-3 * np.arange(1.0, 7.0)
     found = controller.torque(0.3, desired.heights + off[:3], desired.speeds + off[3:], desired)
     assert_allclose(found - forces, -controller.regulator.K @ off, rtol=1e-9)
     elsewhere = LinearQuadraticRegulator(star, Q, R, positions=[0.05, -0.05, 0.0])
-    assert np.abs(elsewhere.regulator.K - controller.regulator.K).max() > 1e-3 * np.abs(controller.regulator.K).max()
+    assert (
+        np.abs(elsewhere.regulator.K - controller.regulator.K).max()
+        > 1e-3 * np.abs(controller.regulator.K).max()
+    )
 
 
 # Along a trajectory
 
 
 def test_recursion_finds_the_least_cost_of_all_forces_at_once() -> None:
-    """Five periods of a random changing system: the cost as one quadratic form in all inputs, minimized by solving; 1e-10."""
+    """Five periods of a random changing system.
+
+    The cost as one quadratic form in all inputs, minimized by solving; 1e-10.
+    """
     rng = np.random.default_rng(42)
     N, m, n = 5, 4, 2
     A, B = rng.normal(size=(N, m, m)), rng.normal(size=(N, m, n))
-    Q, R, terminal = np.diag([1.0, 2.0, 0.0, 1.0]), np.array([[2.0, 0.3], [0.3, 1.0]]), np.diag([3.0, 1.0, 1.0, 0.0])
+    Q, R, terminal = (
+        np.diag([1.0, 2.0, 0.0, 1.0]),
+        np.array([[2.0, 0.3], [0.3, 1.0]]),
+        np.diag([3.0, 1.0, 1.0, 0.0]),
+    )
     found = time_varying_lqr(LinearSystem(A, B, 0.1), Q, R, terminal)
     assert found.K.shape == (N, n, m)
     assert found.P.shape == (N + 1, m, m)
@@ -236,22 +311,44 @@ def test_recursion_finds_the_least_cost_of_all_forces_at_once() -> None:
     assert_allclose(-found.K[0], inputs[:n], rtol=0, atol=1e-10 * np.abs(inputs).max())
 
 
-def test_far_from_the_end_of_a_constant_system_the_gains_are_those_of_going_on_forever(star: psp3.PSP3) -> None:
-    """From a terminal weight of zero 1500 periods before the end, and at every period from the default one; 1e-9."""
+def test_far_from_the_end_of_a_constant_system_the_gains_are_those_of_going_on_forever(
+    star: psp3.PSP3,
+) -> None:
+    """From a terminal weight of zero 1500 periods before the end.
+
+    And at every period from the default one; 1e-9.
+    """
     Q, R = weights(star)
     system = discretize(linearize(star, star.reference), PERIOD)
     steady = lqr(system, Q, R)
-    constant = LinearSystem(np.repeat(system.A[np.newaxis], 1500, axis=0), np.repeat(system.B[np.newaxis], 1500, axis=0), PERIOD)
-    assert_allclose(time_varying_lqr(constant, Q, R, np.zeros((6, 6))).K[0], steady.K, rtol=0, atol=1e-9 * np.abs(steady.K).max())
+    constant = LinearSystem(
+        np.repeat(system.A[np.newaxis], 1500, axis=0),
+        np.repeat(system.B[np.newaxis], 1500, axis=0),
+        PERIOD,
+    )
+    assert_allclose(
+        time_varying_lqr(constant, Q, R, np.zeros((6, 6))).K[0],
+        steady.K,
+        rtol=0,
+        atol=1e-9 * np.abs(steady.K).max(),
+    )
     whole = time_varying_lqr(constant, Q, R)
-    assert_allclose(whole.K, np.broadcast_to(steady.K, whole.K.shape), rtol=0, atol=1e-9 * np.abs(steady.K).max())
+    assert_allclose(
+        whole.K,
+        np.broadcast_to(steady.K, whole.K.shape),
+        rtol=0,
+        atol=1e-9 * np.abs(steady.K).max(),
+    )
     assert_allclose(whole.P[0], steady.P, rtol=0, atol=1e-9 * np.abs(steady.P).max())
 
 
 def test_time_varying_regulator_brings_the_robot_onto_the_helix(star: psp3.PSP3) -> None:
-    """Released 5 mm off a helix and at rest: of the speed it lacks, 63 mm/s, and the 5 mm less than 0.2 mm is left after 1.5 s.
+    """Released 5 mm off a helix and at rest.
 
-    That is by how much a force that is held for 4 ms lags behind; it is double with double the period.
+    Of the speed it lacks, 63 mm/s, and the 5 mm less than 0.2 mm is left after 1.5 s.
+
+    That is by how much a force that is held for 4 ms lags behind; it is double with double the
+    period.
     """
     Q, R = weights(star)
     helix = Helix(robot=star)
@@ -268,7 +365,9 @@ def test_time_varying_regulator_brings_the_robot_onto_the_helix(star: psp3.PSP3)
 
 
 def test_gains_along_a_trajectory_are_those_of_its_samples(star: psp3.PSP3) -> None:
-    """Of every period from its start on, and after the end the last ones; against a system that is put together here.
+    """Of every period from its start on, and after the end the last ones.
+
+    Against a system that is put together here.
 
     In floating-point numbers 0.6/0.1 is less than 6, and 0.3/0.1 less than 3.
     """
@@ -288,10 +387,13 @@ def test_gains_along_a_trajectory_are_those_of_its_samples(star: psp3.PSP3) -> N
 
 
 @pytest.mark.parametrize("name", ["psp3", "five_bar"])
-def test_deviation_from_a_trajectory_costs_what_was_promised_and_less_than_with_the_gains_of_one_pose(name: str) -> None:
-    """Cost of a small deviation, from runs to both sides of a wide, fast helix and of a fast swing of the cranks; 0.5 %.
+def test_deviation_from_a_trajectory_costs_less_than_with_the_gains_of_one_pose(name: str) -> None:
+    """Cost of a small deviation, to 0.5 %.
 
-    A is constant for a period in the regulator's model, and forces that are held lag behind those of the trajectory.
+    From runs to both sides of a wide, fast helix and of a fast swing of the cranks.
+
+    A is constant for a period in the regulator's model, and forces that are held lag behind those
+    of the trajectory.
     """
     robot = psp3.load(name)
     Q, R = weights(robot)
@@ -300,7 +402,9 @@ def test_deviation_from_a_trajectory_costs_what_was_promised_and_less_than_with_
     if name == "psp3":
         trajectory = Helix(radius=0.022, period=0.7, robot=robot)
     else:
-        trajectory = PointToPoint(robot.reference, robot.reference + np.array([0.5, 0.3]), duration, robot=robot)
+        trajectory = PointToPoint(
+            robot.reference, robot.reference + np.array([0.5, 0.3]), duration, robot=robot
+        )
     varying = TimeVaryingLinearQuadraticRegulator(robot, trajectory, duration, Q, R, period)
     fixed = LinearQuadraticRegulator(robot, Q, R, period)
     deviation = 1e-5 * np.concatenate([np.linspace(-2.0, 2.0, n), np.linspace(30.0, -10.0, n)])
@@ -309,14 +413,23 @@ def test_deviation_from_a_trajectory_costs_what_was_promised_and_less_than_with_
     def cost(controller: Any) -> float:
         runs = [
             psp3.simulate(
-                robot, controller, trajectory, duration, period,
-                initial_heights=start.heights + sign * deviation[:n], initial_speeds=start.speeds + sign * deviation[n:],
+                robot,
+                controller,
+                trajectory,
+                duration,
+                period,
+                initial_heights=start.heights + sign * deviation[:n],
+                initial_speeds=start.speeds + sign * deviation[n:],
             )
             for sign in (1.0, -1.0)
-        ]  # fmt: skip
-        states = 0.5 * np.hstack([runs[0].heights - runs[1].heights, runs[0].speeds - runs[1].speeds])
+        ]
+        states = 0.5 * np.hstack(
+            [runs[0].heights - runs[1].heights, runs[0].speeds - runs[1].speeds]
+        )
         forces = 0.5 * (runs[0].torque - runs[1].torque)
-        return float(np.einsum("ki,ij,kj->", states, Q, states) + np.einsum("ki,ij,kj->", forces, R, forces))
+        return float(
+            np.einsum("ki,ij,kj->", states, Q, states) + np.einsum("ki,ij,kj->", forces, R, forces)
+        )
 
     best = cost(varying)
     assert_allclose(best, deviation @ varying.regulator.P[0] @ deviation, rtol=0.005)
@@ -333,8 +446,14 @@ def test_leading_dimensions_are_kept(star: psp3.PSP3) -> None:
         system = linearize(star, heights)
         system = system if period is None else discretize(system, period)
         whole = lqr(system, Q, R)
-        assert (whole.K.shape, whole.P.shape, whole.poles.shape) == ((2, 3, 3, 6), (2, 3, 6, 6), (2, 3, 6))
-        assert_array_equal(whole.K[1, 2], lqr(LinearSystem(system.A[1, 2], system.B[1, 2], period), Q, R).K)
+        assert (whole.K.shape, whole.P.shape, whole.poles.shape) == (
+            (2, 3, 3, 6),
+            (2, 3, 6, 6),
+            (2, 3, 6),
+        )
+        assert_array_equal(
+            whole.K[1, 2], lqr(LinearSystem(system.A[1, 2], system.B[1, 2], period), Q, R).K
+        )
 
 
 INTEGRATOR = LinearSystem(np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]))
@@ -355,7 +474,9 @@ BAD_WEIGHTS = [
 
 @pytest.mark.parametrize("system", [INTEGRATOR, SAMPLED], ids=["continuous", "sampled"])
 @pytest.mark.parametrize(("Q", "R", "error", "message"), BAD_WEIGHTS)
-def test_weights_that_are_none_are_refused(system: LinearSystem, Q: Any, R: Any, error: type[Exception], message: str) -> None:
+def test_weights_that_are_none_are_refused(
+    system: LinearSystem, Q: Any, R: Any, error: type[Exception], message: str
+) -> None:
     with pytest.raises(error, match=message):
         lqr(system, Q, R)
 
@@ -363,12 +484,16 @@ def test_weights_that_are_none_are_refused(system: LinearSystem, Q: Any, R: Any,
 @pytest.mark.parametrize(
     ("A", "B", "Q"),
     [
-        (np.diag([1.0, -1.0]), np.array([[0.0], [1.0]]), np.eye(2)),  # the input does not reach what grows
-        (np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]), np.diag([0.0, 1.0])),  # Q does not see where it drifts
+        # the input does not reach what grows
+        (np.diag([1.0, -1.0]), np.array([[0.0], [1.0]]), np.eye(2)),
+        # Q does not see where it drifts
+        (np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]), np.diag([0.0, 1.0])),
     ],
 )
 @pytest.mark.parametrize("period", [None, 0.1])
-def test_what_cannot_be_made_stable_is_refused(A: Array, B: Array, Q: Array, period: float | None) -> None:
+def test_what_cannot_be_made_stable_is_refused(
+    A: Array, B: Array, Q: Array, period: float | None
+) -> None:
     system = LinearSystem(A, B) if period is None else discretize(LinearSystem(A, B), period)
     with pytest.raises(NoStabilizingSolution, match="no regulator") as caught:
         lqr(system, Q, np.eye(1))
@@ -382,14 +507,22 @@ def test_recursion_refuses_what_is_not_a_sampled_system_of_some_periods() -> Non
     with pytest.raises(InvalidArray):
         time_varying_lqr(SAMPLED, np.eye(2), np.eye(1))
     with pytest.raises(InvalidArray):
-        time_varying_lqr(LinearSystem(np.zeros((0, 2, 2)), np.zeros((0, 2, 1)), 0.1), np.eye(2), np.eye(1))
+        time_varying_lqr(
+            LinearSystem(np.zeros((0, 2, 2)), np.zeros((0, 2, 1)), 0.1), np.eye(2), np.eye(1)
+        )
     with pytest.raises(InvalidValue, match="terminal"):
         time_varying_lqr(one, np.eye(2), np.eye(1), -np.eye(2))
 
 
 def test_controllers_refuse_what_is_malformed(star: psp3.PSP3) -> None:
     Q, R = weights(star)
-    for arguments in ((np.eye(3), R), (Q, np.eye(2)), (Q, R, 0.0), (Q, R, 0.002, [0.0, np.nan, 0.0]), (Q, R, 0.002, np.zeros(2))):
+    for arguments in (
+        (np.eye(3), R),
+        (Q, np.eye(2)),
+        (Q, R, 0.0),
+        (Q, R, 0.002, [0.0, np.nan, 0.0]),
+        (Q, R, 0.002, np.zeros(2)),
+    ):
         with pytest.raises((InvalidArray, InvalidValue)):
             LinearQuadraticRegulator(star, *arguments)
     for duration, period in ((0.0, 0.002), (np.nan, 0.002), (1.0, -1.0)):

@@ -1,0 +1,1 @@
+"""Tests of psp3.description, one file per module."""

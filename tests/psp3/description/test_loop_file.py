@@ -24,7 +24,9 @@ def written(directory: Path, text: str) -> Path:
 
 def test_reads_pairs_kinds_and_motors(tmp_path: Path) -> None:
     """toolbox-parallel-robots writes kinds in both cases."""
-    assert read_loops(written(tmp_path, GOOD)) == Loops((("A", "B"), ("A", "C")), ("6d", "3d"), ("x", "y"))
+    assert read_loops(written(tmp_path, GOOD)) == Loops(
+        (("A", "B"), ("A", "C")), ("6d", "3d"), ("x", "y")
+    )
 
 
 def test_reads_a_path_given_as_text(tmp_path: Path) -> None:
@@ -32,13 +34,18 @@ def test_reads_a_path_given_as_text(tmp_path: Path) -> None:
 
 
 def test_a_robot_without_loops_has_empty_lists(tmp_path: Path) -> None:
-    assert read_loops(written(tmp_path, "closed_loop: []\ntype: []\nname_mot: [x]\n")) == Loops((), (), ("x",))
+    assert read_loops(written(tmp_path, "closed_loop: []\ntype: []\nname_mot: [x]\n")) == Loops(
+        (), (), ("x",)
+    )
 
 
 def test_reads_what_replaces_joints(tmp_path: Path) -> None:
-    """In either case; the keys of toolbox-parallel-robots may be empty lists, and may be left out."""
+    """In either case; keys of toolbox-parallel-robots may be empty lists, or left out."""
     text = GOOD + "joint_name: [ball, cross]\njoint_type: [spherical, UJOINT_ZY]\n"
-    assert read_loops(written(tmp_path, text)).replaced == (("ball", "SPHERICAL"), ("cross", "UJOINT_ZY"))
+    assert read_loops(written(tmp_path, text)).replaced == (
+        ("ball", "SPHERICAL"),
+        ("cross", "UJOINT_ZY"),
+    )
     assert read_loops(written(tmp_path, GOOD + "joint_name: []\njoint_type: []\n")).replaced == ()
     assert read_loops(written(tmp_path, GOOD)).replaced == ()
 
@@ -61,26 +68,49 @@ def test_keys_of_other_tools_are_left_alone(tmp_path: Path) -> None:
         ("closed_loop: [[A, 5]]\ntype: ['6d']\nname_mot: [x]\n", "list of names"),
         ("closed_loop: [[A, B, C]]\ntype: ['6d']\nname_mot: [x]\n", "joins two frames"),
         ("closed_loop: [[A]]\ntype: ['6d']\nname_mot: [x]\n", "joins two frames"),
-        ("closed_loop: [[A, B]]\ntype: ['6d', '6d']\nname_mot: [x]\n", "for each of the 1 closed loops"),
+        (
+            "closed_loop: [[A, B]]\ntype: ['6d', '6d']\nname_mot: [x]\n",
+            "for each of the 1 closed loops",
+        ),
         ("closed_loop: [[A, B]]\ntype: []\nname_mot: [x]\n", "for each of the 1 closed loops"),
         ("closed_loop: [[A, B]]\ntype: ['2d']\nname_mot: [x]\n", "'6d' or '3d'"),
         ("closed_loop: [[A, B]]\ntype: 6d\nname_mot: [x]\n", "'type' must hold a list of names"),
-        ("closed_loop: [[A, B]]\ntype: ['6d']\nname_mot: x\n", "'name_mot' must hold a list of names"),
-        ("closed_loop: [[A, B]]\ntype: ['6d']\nname_mot: [1]\n", "'name_mot' must hold a list of names"),
+        (
+            "closed_loop: [[A, B]]\ntype: ['6d']\nname_mot: x\n",
+            "'name_mot' must hold a list of names",
+        ),
+        (
+            "closed_loop: [[A, B]]\ntype: ['6d']\nname_mot: [1]\n",
+            "'name_mot' must hold a list of names",
+        ),
         ("!!python/object/apply:os.getcwd []\n", "cannot be read as YAML"),
         ("closed_loop: [[A, A]]\ntype: ['6d']\nname_mot: [x]\n", "joins a frame with itself"),
         ("closed_loop: []\ntype: []\nname_mot: [x, y, x]\n", "name_mot names a joint twice: x"),
-        (GOOD + "joint_name: [a, a]\njoint_type: [FIXED, FIXED]\n", "joint_name names a joint twice: a"),
+        (
+            GOOD + "joint_name: [a, a]\njoint_type: [FIXED, FIXED]\n",
+            "joint_name names a joint twice: a",
+        ),
         (GOOD + "joint_name: [a]\n", "'joint_type' must give a type for each of the 1 joints"),
         (GOOD + "joint_type: [FIXED]\n", "'joint_type' must give a type for each of the 0 joints"),
         (GOOD + "joint_name: a\njoint_type: [FIXED]\n", "'joint_name' must hold a list of names"),
         (GOOD + "joint_name: [a]\njoint_type:\n", "'joint_type' must hold a list of names"),
-        (GOOD + "joint_name: [a]\njoint_type: [UNIVERSAL]\n", "'UNIVERSAL' for joint 'a' is unknown; known are SPHERICAL, UJOINT_XY"),
-        (GOOD + "joint_name: [x]\njoint_type: [SPHERICAL]\n", "'x' is actuated (name_mot) and cannot be replaced by SPHERICAL"),
-        (GOOD + "joint_name: [y]\njoint_type: [FIXED]\n", "'y' is actuated (name_mot) and cannot be replaced by FIXED"),
+        (
+            GOOD + "joint_name: [a]\njoint_type: [UNIVERSAL]\n",
+            "'UNIVERSAL' for joint 'a' is unknown; known are SPHERICAL, UJOINT_XY",
+        ),
+        (
+            GOOD + "joint_name: [x]\njoint_type: [SPHERICAL]\n",
+            "'x' is actuated (name_mot) and cannot be replaced by SPHERICAL",
+        ),
+        (
+            GOOD + "joint_name: [y]\njoint_type: [FIXED]\n",
+            "'y' is actuated (name_mot) and cannot be replaced by FIXED",
+        ),
     ],
 )
-def test_malformed_files_are_refused_with_path_and_reason(tmp_path: Path, text: str, reason: str) -> None:
+def test_malformed_files_are_refused_with_path_and_reason(
+    tmp_path: Path, text: str, reason: str
+) -> None:
     """The last file would run code with an unsafe YAML loader."""
     path = written(tmp_path, text)
     with pytest.raises(InvalidRobotFile) as caught:
@@ -115,12 +145,23 @@ def test_the_robots_own_file_names_its_two_loops_and_three_motors(tree: pin.Mode
 
 
 def test_constraint_models_join_the_frames_where_they_sit_on_their_bodies(tree: pin.Model) -> None:
-    """The frames tip and star2_center sit away from their joints; equality, because placements are copied."""
-    (model,) = constraint_models(tree, Loops((("tip", "star2_center"),), ("3d",), ("a1",)), "x.yaml")
+    """The frames tip and star2_center sit away from their joints.
+
+    Equality, because placements are copied.
+    """
+    (model,) = constraint_models(
+        tree, Loops((("tip", "star2_center"),), ("3d",), ("a1",)), "x.yaml"
+    )
     assert model.type == pin.ContactType.CONTACT_3D
     assert (model.joint1_id, model.joint2_id) == (tree.getJointId("b1"), tree.getJointId("b2"))
-    np.testing.assert_array_equal(model.joint1_placement.homogeneous, tree.frames[tree.getFrameId("tip")].placement.homogeneous)
-    np.testing.assert_array_equal(model.joint2_placement.homogeneous, tree.frames[tree.getFrameId("star2_center")].placement.homogeneous)
+    np.testing.assert_array_equal(
+        model.joint1_placement.homogeneous,
+        tree.frames[tree.getFrameId("tip")].placement.homogeneous,
+    )
+    np.testing.assert_array_equal(
+        model.joint2_placement.homogeneous,
+        tree.frames[tree.getFrameId("star2_center")].placement.homogeneous,
+    )
 
 
 @pytest.mark.parametrize(
@@ -138,7 +179,9 @@ def test_constraint_models_join_the_frames_where_they_sit_on_their_bodies(tree: 
         (Loops((("star1_center", "tip"),), ("6d",), ("a1",)), "both frames are on the same body"),
     ],
 )
-def test_names_that_are_not_in_the_model_are_refused(tree: pin.Model, loops: Loops, reason: str) -> None:
+def test_names_that_are_not_in_the_model_are_refused(
+    tree: pin.Model, loops: Loops, reason: str
+) -> None:
     with pytest.raises(InvalidRobotFile) as caught:
         constraint_models(tree, loops, "some.yaml")
     assert caught.value.path == Path("some.yaml")
@@ -167,6 +210,8 @@ def test_a_joint_and_its_link_may_have_the_same_name() -> None:
 
 def test_two_frames_of_one_name_in_different_places_are_refused(tree: pin.Model) -> None:
     model = tree.copy()
-    model.addFrame(pin.Frame("tip", model.getJointId("b2"), pin.SE3.Identity(), pin.FrameType.SENSOR))
+    model.addFrame(
+        pin.Frame("tip", model.getJointId("b2"), pin.SE3.Identity(), pin.FrameType.SENSOR)
+    )
     with pytest.raises(InvalidRobotFile, match="several frames 'tip'"):
         constraint_models(model, Loops((("tip", "star3_center"),), ("3d",), ("a1",)), "some.yaml")

@@ -1,4 +1,7 @@
-"""Robots from MJCF files: what is read, what is drawn, and what is refused. Against MuJoCo: tests/cross/test_mjcf_files.py."""
+"""Robots from MJCF files: what is read, what is drawn, and what is refused.
+
+Against MuJoCo: tests/cross/test_mjcf_files.py.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +25,8 @@ GOOD = f"""<mujoco model="four_bar">
   <default><joint damping="0.1"/><default class="thin"><geom type="capsule"/></default></default>
   <worldbody>
     <body name="crank" pos="0 0 0.1"><joint name="crank" range="-3 3"/>{INERTIA}
-      <body name="coupler" pos="0.2 0 0"><joint name="coupler"/>{INERTIA}<site name="tip" pos="0.35 0 0.01"/></body>
+      <body name="coupler" pos="0.2 0 0">\
+<joint name="coupler"/>{INERTIA}<site name="tip" pos="0.35 0 0.01"/></body>
     </body>
     <body name="rocker" pos="0.45 0 0.1"><joint name="rocker"/>{INERTIA}
       <body name="end" pos="0.4 0 0.01"><joint name="pin"/>{INERTIA}<site name="top"/></body>
@@ -45,12 +49,25 @@ def by_hand() -> ClosedLoopRobot:
     model = pin.Model()
     model.gravity = pin.Motion(np.array([1.0, -7.0, -3.0]), np.zeros(3))
     parent = 0
-    for name, position in (("crank", [0, 0, 0.1]), ("coupler", [0.2, 0, 0]), ("rocker", [0.45, 0, 0.1]), ("pin", [0.4, 0, 0.01])):
+    for name, position in (
+        ("crank", [0, 0, 0.1]),
+        ("coupler", [0.2, 0, 0]),
+        ("rocker", [0.45, 0, 0.1]),
+        ("pin", [0.4, 0, 0.01]),
+    ):
         parent = 0 if name == "rocker" else parent
-        parent = model.addJoint(parent, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array(position, dtype=float)), name)
-        model.appendBodyToJoint(parent, pin.Inertia(2.0, np.array([0.1, 0.02, -0.03]), np.diag([0.02, 0.03, 0.04])), pin.SE3.Identity())
+        parent = model.addJoint(
+            parent, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array(position, dtype=float)), name
+        )
+        model.appendBodyToJoint(
+            parent,
+            pin.Inertia(2.0, np.array([0.1, 0.02, -0.03]), np.diag([0.02, 0.03, 0.04])),
+            pin.SE3.Identity(),
+        )
     tip = pin.SE3(np.eye(3), np.array([0.35, 0.0, 0.01]))
-    loop = pin.RigidConstraintModel(pin.ContactType.CONTACT_6D, model, 2, tip, 4, pin.SE3.Identity(), pin.ReferenceFrame.LOCAL)
+    loop = pin.RigidConstraintModel(
+        pin.ContactType.CONTACT_6D, model, 2, tip, 4, pin.SE3.Identity(), pin.ReferenceFrame.LOCAL
+    )
     return ClosedLoopRobot(model, [loop], ["crank"], [1.0, -0.6, 1.2, -0.8])
 
 
@@ -68,13 +85,20 @@ def test_a_robot_is_that_of_a_tree_built_by_hand(tmp_path: Path) -> None:
     assert (parts.model.lowerPositionLimit[0], parts.model.upperPositionLimit[0]) == (-3.0, 3.0)
     found, expected = ClosedLoopRobot(*parts), by_hand()
     for angle in ([0.7], [1.0], [1.4]):
-        for ours, theirs in zip(found.equation_of_motion(angle, [2.0]), expected.equation_of_motion(angle, [2.0]), strict=True):
+        for ours, theirs in zip(
+            found.equation_of_motion(angle, [2.0]),
+            expected.equation_of_motion(angle, [2.0]),
+            strict=True,
+        ):
             assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)
 
 
 def test_actuated_joints_are_those_of_the_file_or_of_the_caller(tmp_path: Path) -> None:
     """Two servos on one joint are one actuated joint; the order is that of the file."""
-    servos = '<actuator><position joint="pin"/><velocity joint="pin"/><general jointinparent="crank"/></actuator>'
+    servos = (
+        '<actuator><position joint="pin"/><velocity joint="pin"/><general '
+        'jointinparent="crank"/></actuator>'
+    )
     text = GOOD.replace('<actuator><motor joint="crank"/></actuator>', servos)
     assert read(tmp_path, text).actuated == ("pin", "crank")
     assert read(tmp_path, text, ["rocker"]).actuated == ("rocker",)
@@ -96,21 +120,34 @@ def test_unnamed_bodies_and_joints_get_names(tmp_path: Path) -> None:
 
 
 def test_shapes_are_drawn_where_they_are(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """Primitives, meshes and colors, on bodies with and without joints and on the world; not planes, nor what is for collisions only."""
+    """Primitives, meshes and colors, on bodies with and without joints and on the world.
+
+    Not planes, nor what is for collisions only.
+    """
     (tmp_path / "assets").mkdir()
     (tmp_path / "assets" / "arm.stl").write_text(STL)
     text = f"""<mujoco model="m"><compiler meshdir="assets" angle="radian"/>
-      <asset><material name="red" rgba="1 0 0 1"/><mesh name="arm" file="arm.stl" scale="2 2 2"/><mesh file="lost.stl"/></asset>
+      <asset><material name="red" rgba="1 0 0 1"/><mesh name="arm" file="arm.stl" scale="2 2 2"/>\
+<mesh file="lost.stl"/></asset>
       <worldbody><geom type="plane" size="1 1 1"/><geom type="box" size="0.1 0.2 0.3" pos="1 2 3"/>
         <body name="a" pos="1 0 0"><geom type="sphere" size="0.5" material="red"/>
           <body name="b" pos="0 1 0"><joint name="j" pos="0.1 0 0"/>{INERTIA}
-            <geom type="mesh" mesh="arm" pos="0 0 1" rgba="0 1 0 1" material="red"/><geom type="mesh" mesh="lost"/>
-            <geom type="cylinder" size="0.1" fromto="0 0 0 0 0 2"/><geom size="3" group="3"/></body></body></worldbody></mujoco>"""
+            <geom type="mesh" mesh="arm" pos="0 0 1" rgba="0 1 0 1" material="red"/>\
+<geom type="mesh" mesh="lost"/>
+            <geom type="cylinder" size="0.1" fromto="0 0 0 0 0 2"/><geom size="3" group="3"/>\
+</body></body></worldbody></mujoco>"""
     parts = read(tmp_path, text, [])
     shapes = list(parts.visual_model.geometryObjects)
-    assert [type(shape.geometry).__name__ for shape in shapes] == ["Box", "Sphere", "BVHModelOBBRSS", "Cylinder"]
+    assert [type(shape.geometry).__name__ for shape in shapes] == [
+        "Box",
+        "Sphere",
+        "BVHModelOBBRSS",
+        "Cylinder",
+    ]
     data, placed = parts.model.createData(), parts.visual_model.createData()
-    pin.updateGeometryPlacements(parts.model, data, parts.visual_model, placed, pin.neutral(parts.model))
+    pin.updateGeometryPlacements(
+        parts.model, data, parts.visual_model, placed, pin.neutral(parts.model)
+    )
     centers = [place.translation for place in placed.oMg]
     assert_allclose(centers, [[1, 2, 3], [1, 0, 0], [1, 1, 1], [1, 1, 1]], rtol=0, atol=1e-15)
     assert_array_equal(shapes[1].meshColor, [1, 0, 0, 1])
@@ -126,75 +163,191 @@ BAD = [
     ("<mujoco model", "<robot model", "cannot be read as XML"),
     ("</mujoco>", "", "cannot be read as XML"),
     ("<worldbody>", "<world>", "cannot be read as XML"),
-    ('<compiler angle="radian"/>', '<compiler coordinate="global"/>', "<compiler coordinate='global'> is not read; let MuJoCo write"),
+    (
+        '<compiler angle="radian"/>',
+        '<compiler coordinate="global"/>',
+        "<compiler coordinate='global'> is not read; let MuJoCo write",
+    ),
     ('<compiler angle="radian"/>', '<compiler settotalmass="3"/>', "settotalmass"),
-    ('<compiler angle="radian"/>', '<compiler eulerseq="xy"/>', "eulerseq must be three of the letters"),
-    ('<compiler angle="radian"/>', '<compiler eulerseq="xyw"/>', "eulerseq must be three of the letters"),
-    ('<compiler angle="radian"/>', '<compiler boundmass="nan"/>', "boundmass must be 1 finite number"),
-    ('<compiler angle="radian"/>', '<compiler balanceinertia="maybe"/>', "balanceinertia must be true or false"),
+    (
+        '<compiler angle="radian"/>',
+        '<compiler eulerseq="xy"/>',
+        "eulerseq must be three of the letters",
+    ),
+    (
+        '<compiler angle="radian"/>',
+        '<compiler eulerseq="xyw"/>',
+        "eulerseq must be three of the letters",
+    ),
+    (
+        '<compiler angle="radian"/>',
+        '<compiler boundmass="nan"/>',
+        "boundmass must be 1 finite number",
+    ),
+    (
+        '<compiler angle="radian"/>',
+        '<compiler balanceinertia="maybe"/>',
+        "balanceinertia must be true or false",
+    ),
     ('<compiler angle="radian"/>', '<include file="no.xml"/>', "no such file"),
     ('<compiler angle="radian"/>', '<include file="robot.xml"/>', "robot.xml is included twice"),
     ("1 -7 -3", "1 -7", "<option>: gravity must be 3 finite numbers"),
     ("1 -7 -3", "1 nan -3", "<option>: gravity must be 3 finite numbers"),
     ('<default class="thin">', "<default>", "a nested class needs a name of its own, got None"),
-    ('<default class="thin">', '<default class="main">', "a nested class needs a name of its own, got 'main'"),
+    (
+        '<default class="thin">',
+        '<default class="main">',
+        "a nested class needs a name of its own, got 'main'",
+    ),
     # Bodies
     ('<body name="end"', '<body name="crank"', "there are two bodies 'crank'"),
     ('<body name="end"', '<body name="world"', "there are two bodies 'world'"),
     ('<body name="end"', '<body name="end" mocap="true"', "moved from outside (mocap)"),
-    ('pos="0.4 0 0.01"', 'pos="0.4 nan 0.01"', "<body name='end'>: pos must be 3 finite numbers, got '0.4 nan 0.01'"),
+    (
+        'pos="0.4 0 0.01"',
+        'pos="0.4 nan 0.01"',
+        "<body name='end'>: pos must be 3 finite numbers, got '0.4 nan 0.01'",
+    ),
     ('pos="0.4 0 0.01"', 'pos="0.4 0.01"', "pos must be 3 finite numbers"),
     ('pos="0.4 0 0.01"', 'quat="0 0 0 0"', "quat '0 0 0 0' gives no direction"),
     ('pos="0.4 0 0.01"', 'quat="1 0 0"', "quat must be 4 finite numbers"),
     ('pos="0.4 0 0.01"', 'euler="0 0 inf"', "euler must be 3 finite numbers"),
     ('pos="0.4 0 0.01"', 'xyaxes="1 0 0 2 0 0"', "gives no direction"),
-    ('pos="0.4 0 0.01"', 'quat="1 0 0 0" euler="0 0 0"', "<body name='end'> has several orientations: quat, euler"),
-    ('<site name="top"/>', "<frame/>", "<frame> in body 'end' is not read; let MuJoCo write the model out (mj_saveLastXML)"),
+    (
+        'pos="0.4 0 0.01"',
+        'quat="1 0 0 0" euler="0 0 0"',
+        "<body name='end'> has several orientations: quat, euler",
+    ),
+    (
+        '<site name="top"/>',
+        "<frame/>",
+        "<frame> in body 'end' is not read; let MuJoCo write the model out (mj_saveLastXML)",
+    ),
     ('<site name="top"/>', "<flexcomp/>", "<flexcomp> in body 'end' is not read"),
     ('<site name="top"/>', '<site name="tip"/>', "there are two sites 'tip'"),
-    ('<site name="top"/>', '<site name="top" fromto="0 0 0 0 0 0"/>', "the two ends in fromto are the same point"),
+    (
+        '<site name="top"/>',
+        '<site name="top" fromto="0 0 0 0 0 0"/>',
+        "the two ends in fromto are the same point",
+    ),
     ('<site name="top"/>', '<site name="top" class="fat"/>', "there is no default class 'fat'"),
     # Inertias
     (' mass="2"', "", "<body name='crank'>: <inertial> needs a mass"),
     (' mass="2"', ' mass="-2"', "<body name='crank'>: the mass -2 is negative"),
     (' mass="2"', ' mass="nan"', "mass must be 1 finite number, got 'nan'"),
-    ('diaginertia="0.02 0.03 0.04"', "", "<body name='crank'>: <inertial> needs either diaginertia or fullinertia"),
-    ('diaginertia="0.02 0.03 0.04"', 'diaginertia="0.02 0.03"', "diaginertia must be 3 finite numbers"),
-    ('diaginertia="0.02 0.03 0.04"', 'diaginertia="0.02 -0.03 0.04"', "a principal moment of inertia is negative, -0.03"),
-    ('diaginertia="0.02 0.03 0.04"', 'fullinertia="1 1 1 2 0 0"', "a principal moment of inertia is negative, -1"),
-    (INERTIA, '<geom type="mesh" mesh="m"/>', "the inertia of a mesh is not computed here; give the body an <inertial>"),
-    (INERTIA, '<geom type="box" size="1 1 1" shellinertia="true"/>', "the inertia of a box is not computed here"),
+    (
+        'diaginertia="0.02 0.03 0.04"',
+        "",
+        "<body name='crank'>: <inertial> needs either diaginertia or fullinertia",
+    ),
+    (
+        'diaginertia="0.02 0.03 0.04"',
+        'diaginertia="0.02 0.03"',
+        "diaginertia must be 3 finite numbers",
+    ),
+    (
+        'diaginertia="0.02 0.03 0.04"',
+        'diaginertia="0.02 -0.03 0.04"',
+        "a principal moment of inertia is negative, -0.03",
+    ),
+    (
+        'diaginertia="0.02 0.03 0.04"',
+        'fullinertia="1 1 1 2 0 0"',
+        "a principal moment of inertia is negative, -1",
+    ),
+    (
+        INERTIA,
+        '<geom type="mesh" mesh="m"/>',
+        "the inertia of a mesh is not computed here; give the body an <inertial>",
+    ),
+    (
+        INERTIA,
+        '<geom type="box" size="1 1 1" shellinertia="true"/>',
+        "the inertia of a box is not computed here",
+    ),
     (INERTIA, '<geom type="box" size="1 1"/>', "a box needs 3 positive sizes, got '1 1'"),
     (INERTIA, '<geom type="sphere" size="-1"/>', "a sphere needs 1 positive sizes"),
     (INERTIA, '<geom type="sphere" size="nan"/>', "size must be 1 or 2 or 3 finite numbers"),
-    (INERTIA, '<geom type="sphere" size="1" fromto="0 0 0 0 0 1"/>', "a sphere cannot be given by its ends"),
+    (
+        INERTIA,
+        '<geom type="sphere" size="1" fromto="0 0 0 0 0 1"/>',
+        "a sphere cannot be given by its ends",
+    ),
     (INERTIA, '<geom type="sphere" size="1" mass="-1"/>', "negative mass or density"),
     (INERTIA, '<geom type="sphere" size="1" density="-1"/>', "negative mass or density"),
     (INERTIA, '<geom type="blob" size="1"/>', "blob"),
     # Joints
     ('<joint name="pin"/>', '<joint name="rocker"/>', "there are two joints 'rocker'"),
-    ('<joint name="pin"/>', '<joint name="pin" type="screw"/>', "type 'screw' is unknown; known are hinge, slide, ball and free"),
-    ('<joint name="pin"/>', '<joint name="pin" axis="0 0 0"/>', "<joint name='pin'>: the axis is zero"),
+    (
+        '<joint name="pin"/>',
+        '<joint name="pin" type="screw"/>',
+        "type 'screw' is unknown; known are hinge, slide, ball and free",
+    ),
+    (
+        '<joint name="pin"/>',
+        '<joint name="pin" axis="0 0 0"/>',
+        "<joint name='pin'>: the axis is zero",
+    ),
     ('<joint name="pin"/>', '<joint name="pin" axis="0 nan 1"/>', "axis must be 3 finite numbers"),
-    ('<joint name="pin"/>', '<joint name="pin" range="1 -1"/>', "range must be two numbers, the smaller one first, got '1 -1'"),
+    (
+        '<joint name="pin"/>',
+        '<joint name="pin" range="1 -1"/>',
+        "range must be two numbers, the smaller one first, got '1 -1'",
+    ),
     ('<joint name="pin"/>', '<joint name="pin" limited="true"/>', "range must be two numbers"),
-    ('<joint name="pin"/>', '<joint name="pin" limited="maybe"/>', "limited must be true, false or auto"),
+    (
+        '<joint name="pin"/>',
+        '<joint name="pin" limited="maybe"/>',
+        "limited must be true, false or auto",
+    ),
     ('<joint name="pin"/>', '<joint name="pin" damping="nan"/>', "damping must be 1 finite number"),
     ('<joint name="pin"/>', '<joint name="pin" class="fat"/>', "there is no default class 'fat'"),
-    ('<joint name="pin"/>', "<freejoint/>", "a free joint must be the only one of a body right in the <worldbody>"),
-    ('<joint name="rocker"/>', '<joint name="rocker"/><joint type="free"/>', "a free joint must be the only one"),
+    (
+        '<joint name="pin"/>',
+        "<freejoint/>",
+        "a free joint must be the only one of a body right in the <worldbody>",
+    ),
+    (
+        '<joint name="rocker"/>',
+        '<joint name="rocker"/><joint type="free"/>',
+        "a free joint must be the only one",
+    ),
     ("<worldbody>", "<worldbody><joint/>", "<joint> is in the <worldbody>, which cannot move"),
     # Loops
     ('site1="tip"', 'site1="tap"', "equality: <weld name='loop'>: site1 'tap' is not in the file"),
     ('site1="tip"', "", "equality: <weld name='loop'>: site1 None is not in the file"),
-    ('site1="tip" site2="top"', 'body1="hand" body2="end"', "body1 'hand' is not in the file; its bodies are world, crank, coupler"),
+    (
+        'site1="tip" site2="top"',
+        'body1="hand" body2="end"',
+        "body1 'hand' is not in the file; its bodies are world, crank, coupler",
+    ),
     ('site1="tip" site2="top"', 'body1="crank" body2="hand"', "body2 'hand' is not in the file"),
     ('site1="tip" site2="top"', 'body2="end"', "body1 '' is not in the file"),
-    ('site1="tip" site2="top"', 'body1="end" body2="end"', "joins 'end' and 'end', which do not move against each other"),
-    ('site1="tip" site2="top"', 'body1="crank" body2="end" relpose="1 2 3"', "relpose must be 7 finite numbers"),
-    ('site1="tip" site2="top"', 'body1="crank" body2="end" relpose="1 2 3 nan 0 0 0"', "relpose must be 7 finite numbers"),
-    ('weld name="loop" site1="tip" site2="top"', 'connect body1="crank" body2="end"', "lacks anchor"),
-    ('weld name="loop" site1="tip" site2="top"', 'connect body1="crank" body2="end" anchor="0 nan 0"', "anchor must be 3 finite numbers"),
+    (
+        'site1="tip" site2="top"',
+        'body1="end" body2="end"',
+        "joins 'end' and 'end', which do not move against each other",
+    ),
+    (
+        'site1="tip" site2="top"',
+        'body1="crank" body2="end" relpose="1 2 3"',
+        "relpose must be 7 finite numbers",
+    ),
+    (
+        'site1="tip" site2="top"',
+        'body1="crank" body2="end" relpose="1 2 3 nan 0 0 0"',
+        "relpose must be 7 finite numbers",
+    ),
+    (
+        'weld name="loop" site1="tip" site2="top"',
+        'connect body1="crank" body2="end"',
+        "lacks anchor",
+    ),
+    (
+        'weld name="loop" site1="tip" site2="top"',
+        'connect body1="crank" body2="end" anchor="0 nan 0"',
+        "anchor must be 3 finite numbers",
+    ),
     (
         'weld name="loop" site1="tip" site2="top"',
         'joint joint1="pin" joint2="crank"',
@@ -202,9 +355,21 @@ BAD = [
     ),
     ('weld name="loop"', 'weld name="loop" active="perhaps"', "active must be true or false"),
     # Motors and poses
-    ('<motor joint="crank"/>', "", "has no <actuator> that drives a joint; say which joints are actuated (actuated=[...])"),
-    ('<motor joint="crank"/>', '<motor joint="knob"/>', "drives joint 'knob', which is not in the file"),
-    ('<motor joint="crank"/>', '<motor name="m" tendon="t"/>', "actuator: <motor name='m'> drives no joint"),
+    (
+        '<motor joint="crank"/>',
+        "",
+        "has no <actuator> that drives a joint; say which joints are actuated (actuated=[...])",
+    ),
+    (
+        '<motor joint="crank"/>',
+        '<motor joint="knob"/>',
+        "drives joint 'knob', which is not in the file",
+    ),
+    (
+        '<motor joint="crank"/>',
+        '<motor name="m" tendon="t"/>',
+        "actuator: <motor name='m'> drives no joint",
+    ),
     ("1 -0.6 1.2 -0.8", "1 -0.6 1.2", "<key name='home'>: qpos must hold 4 numbers, got 3"),
     ("1 -0.6 1.2 -0.8", "1 -0.6 nan -0.8", "qpos must be finite numbers"),
 ]
@@ -225,8 +390,14 @@ def test_what_is_wrong_is_said(tmp_path: Path, old: str, new: str, reason: str) 
         ("", "cannot be read as XML"),
         ("<robot/>", "must be <mujoco>, not <robot>"),
         ("<mujoco/>", "has no <body> in its <worldbody>"),
-        ("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>", "has no <body> in its <worldbody>"),
-        ("<mujoco><worldbody><frame><body/></frame></worldbody></mujoco>", "has no <body> in its <worldbody>"),
+        (
+            "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>",
+            "has no <body> in its <worldbody>",
+        ),
+        (
+            "<mujoco><worldbody><frame><body/></frame></worldbody></mujoco>",
+            "has no <body> in its <worldbody>",
+        ),
     ],
 )
 def test_files_without_a_robot_are_refused(tmp_path: Path, text: str, reason: str) -> None:
@@ -248,25 +419,36 @@ def test_a_missing_file_is_refused(tmp_path: Path) -> None:
         (["universe"], "no joint 'universe'"),
     ],
 )
-def test_actuated_joints_of_the_caller_must_exist(tmp_path: Path, actuated: list[str], reason: str) -> None:
+def test_actuated_joints_of_the_caller_must_exist(
+    tmp_path: Path, actuated: list[str], reason: str
+) -> None:
     with pytest.raises(InvalidRobotFile) as caught:
         read(tmp_path, GOOD, actuated)
     assert reason in caught.value.reason
 
 
 def test_a_motor_on_a_ball_joint_is_refused(tmp_path: Path) -> None:
-    text = GOOD.replace('<joint name="pin"/>', '<joint name="pin" type="ball"/>').replace('motor joint="crank"', 'motor joint="pin"')
-    with pytest.raises(InvalidRobotFile, match="actuator: joint 'pin' has 3 degrees of freedom in 4 coordinates"):
+    text = GOOD.replace('<joint name="pin"/>', '<joint name="pin" type="ball"/>').replace(
+        'motor joint="crank"', 'motor joint="pin"'
+    )
+    with pytest.raises(
+        InvalidRobotFile, match="actuator: joint 'pin' has 3 degrees of freedom in 4 coordinates"
+    ):
         read(tmp_path, text.replace("1.2 -0.8", "1.2 1 0 0 0"))
 
 
 def test_a_key_frame_with_a_quaternion_of_zeros_is_refused(tmp_path: Path) -> None:
-    text = GOOD.replace('<joint name="pin"/>', '<joint name="pin" type="ball"/>').replace("1.2 -0.8", "1.2 0 0 0 0")
+    text = GOOD.replace('<joint name="pin"/>', '<joint name="pin" type="ball"/>').replace(
+        "1.2 -0.8", "1.2 0 0 0 0"
+    )
     with pytest.raises(InvalidRobotFile, match="gives joint 'pin' a quaternion of zeros"):
         read(tmp_path, text)
 
 
 def test_a_loop_between_bodies_that_pinocchio_alone_would_not_read_is_read(tmp_path: Path) -> None:
-    """Its own parser reads the first body of the world only, and dies of a weld by sites of another one."""
+    """Its own parser reads the first body of the world only.
+
+    It dies of a weld by sites of another one.
+    """
     parts = read(tmp_path, GOOD)
     assert [(loop.joint1_id, loop.joint2_id) for loop in parts.constraint_models] == [(2, 4)]

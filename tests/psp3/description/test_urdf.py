@@ -1,4 +1,7 @@
-"""Robots from their files: trees with and without limits and meshes, reference poses, replaced joints, and what is refused."""
+"""Robots from their files.
+
+Trees with and without limits and meshes, reference poses, replaced joints, and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -17,22 +20,36 @@ from psp3.errors import InvalidRobotFile, MobilityMismatch
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 STL = (
-    "solid s\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n   vertex 0 1 0\n  endloop\n endfacet\n"
-    " facet normal 0 1 0\n  outer loop\n   vertex 0 0 0\n   vertex 0 0 1\n   vertex 1 0 0\n  endloop\n endfacet\nendsolid s\n"
+    "solid s\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n"
+    "   vertex 0 1 0\n  endloop\n endfacet\n"
+    " facet normal 0 1 0\n  outer loop\n   vertex 0 0 0\n   vertex 0 0 1\n   vertex 1 0 0\n"
+    "  endloop\n endfacet\nendsolid s\n"
 )
 
 
 def link(name: str, *visuals: str) -> str:
     shapes = "".join(f"<visual><geometry>{visual}</geometry></visual>" for visual in visuals)
     inertia = "<inertia ixx='0.02' ixy='0' ixz='0' iyy='0.03' iyz='0' izz='0.04'/>"
-    return f"<link name='{name}'><inertial><origin xyz='0.1 0.02 -0.03'/><mass value='2'/>{inertia}</inertial>{shapes}</link>"
+    return (
+        f"<link name='{name}'><inertial><origin xyz='0.1 0.02 -0.03'/><mass "
+        f"value='2'/>{inertia}</inertial>{shapes}</link>"
+    )
 
 
-def joint(name: str, parent: str, child: str, kind: str = "revolute", xyz: str = "0 0 0", axis: str = "0 0 1", limit: str = "") -> str:
+def joint(
+    name: str,
+    parent: str,
+    child: str,
+    kind: str = "revolute",
+    xyz: str = "0 0 0",
+    axis: str = "0 0 1",
+    limit: str = "",
+) -> str:
     limit = limit or "lower='-3' upper='3'"
     return (
-        f"<joint name='{name}' type='{kind}'><origin xyz='{xyz}'/><parent link='{parent}'/><child link='{child}'/><axis xyz='{axis}'/>"
-        f"<limit {limit} effort='7' velocity='5'/></joint>"
+        f"<joint name='{name}' type='{kind}'><origin xyz='{xyz}'/><parent "
+        f"link='{parent}'/><child link='{child}'/><axis xyz='{axis}'/><limit {limit} effort='7' "
+        "velocity='5'/></joint>"
     )
 
 
@@ -45,8 +62,13 @@ def written(path: Path, *parts: str) -> Path:
 # Limits
 
 
-def test_joints_without_lower_and_upper_limits_have_none(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """To the letter both would be 0, and the joint could not move. One limit alone leaves the other at 0, as the format says."""
+def test_joints_without_lower_and_upper_limits_have_none(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """To the letter both would be 0, and the joint could not move.
+
+    One limit alone leaves the other at 0, as the format says.
+    """
     links = [link(name) for name in "abcde"]
     joints = [
         joint("free", "a", "b", limit=" "),
@@ -63,7 +85,9 @@ def test_joints_without_lower_and_upper_limits_have_none(tmp_path: Path, caplog:
     ]
 
 
-def test_many_joints_without_limits_are_not_all_listed(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_many_joints_without_limits_are_not_all_listed(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     joints = [joint(f"j{k}", f"l{k}", f"l{k + 1}", limit=" ") for k in range(6)]
     read_tree(written(tmp_path / "r.urdf", *(link(f"l{k}") for k in range(7)), *joints))
     assert "unlimited: j0, j1, j2 and 3 more" in caplog.text
@@ -72,7 +96,9 @@ def test_many_joints_without_limits_are_not_all_listed(tmp_path: Path, caplog: p
 # Meshes
 
 
-def test_meshes_are_found_as_their_package_or_relative_to_the_file(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_meshes_are_found_as_their_package_or_relative_to_the_file(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     """In the layout that most packages have; from another directory than the file's."""
     package = tmp_path / "some_robot"
     (package / "meshes").mkdir(parents=True)
@@ -80,21 +106,47 @@ def test_meshes_are_found_as_their_package_or_relative_to_the_file(tmp_path: Pat
     (package / "urdf").mkdir()
     (package / "urdf" / "arm.stl").write_text(STL)
     absolute = (package / "meshes" / "arm.stl").as_posix()
-    names = ["package://some_robot/meshes/arm.stl", "package://meshes/arm.stl", "../meshes/arm.stl", "package:///arm.stl", absolute]
-    model, shapes = read_tree(written(package / "urdf" / "r.urdf", link("a", *(f"<mesh filename='{name}'/>" for name in names))))
+    names = [
+        "package://some_robot/meshes/arm.stl",
+        "package://meshes/arm.stl",
+        "../meshes/arm.stl",
+        "package:///arm.stl",
+        absolute,
+    ]
+    model, shapes = read_tree(
+        written(
+            package / "urdf" / "r.urdf",
+            link("a", *(f"<mesh filename='{name}'/>" for name in names)),
+        )
+    )
     assert model.nq == 0
-    assert [Path(shape.meshPath).name for shape in shapes.geometryObjects] == ["arm.stl"] * len(names)
+    assert [Path(shape.meshPath).name for shape in shapes.geometryObjects] == ["arm.stl"] * len(
+        names
+    )
     assert not caplog.records
 
 
-def test_meshes_that_cannot_be_read_are_not_drawn_and_the_rest_is(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
-    """Missing in three ways, and broken: the model and all other shapes are there, and a warning for each file."""
+def test_meshes_that_cannot_be_read_are_not_drawn_and_the_rest_is(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Missing in three ways, and broken.
+
+    The model and all other shapes are there, and a warning for each file.
+    """
     (tmp_path / "good.stl").write_text(STL)
     (tmp_path / "broken.stl").write_text("solid nothing")
     box, sphere = "<box size='1 1 1'/>", "<sphere radius='1'/>"
-    bad = [f"<mesh filename='{name}'/>" for name in ("package://no_robot/a.stl", "file:///no/a.stl", "a.stl", "broken.stl")]
+    bad = [
+        f"<mesh filename='{name}'/>"
+        for name in ("package://no_robot/a.stl", "file:///no/a.stl", "a.stl", "broken.stl")
+    ]
     good = "<mesh filename='good.stl' scale='2 2 2'/>"
-    path = written(tmp_path / "r.urdf", link("a", box, *bad, good), link("b", bad[0], sphere), joint("j", "a", "b"))
+    path = written(
+        tmp_path / "r.urdf",
+        link("a", box, *bad, good),
+        link("b", bad[0], sphere),
+        joint("j", "a", "b"),
+    )
     model, shapes = read_tree(path)
     assert model.njoints == 2
     assert [(shape.parentJoint, Path(shape.meshPath).name) for shape in shapes.geometryObjects] == [
@@ -110,7 +162,12 @@ def test_meshes_that_cannot_be_read_are_not_drawn_and_the_rest_is(tmp_path: Path
 
 def test_meshes_change_nothing_about_the_motion(tmp_path: Path) -> None:
     bare = written(tmp_path / "bare.urdf", link("a"), link("b"), joint("j", "a", "b"))
-    drawn = written(tmp_path / "drawn.urdf", link("a", "<mesh filename='no.stl'/>"), link("b"), joint("j", "a", "b"))
+    drawn = written(
+        tmp_path / "drawn.urdf",
+        link("a", "<mesh filename='no.stl'/>"),
+        link("b"),
+        joint("j", "a", "b"),
+    )
     assert read_tree(bare)[0] == read_tree(drawn)[0]
 
 
@@ -132,8 +189,13 @@ def two_joints(tmp_path: Path) -> pin.Model:
 
 def test_poses_by_name(tmp_path: Path, two_joints: pin.Model) -> None:
     """A joint of unlimited angle is given by its angle."""
-    states = "<group_state name='home' group='g'><joint name='wheel' value='0.5'/><joint name='slide' value='-0.2'/></group_state>"
-    poses = reference_poses(two_joints, written(tmp_path / "r.srdf", states, "<group_state name='other' group='g'/>"))
+    states = (
+        "<group_state name='home' group='g'><joint name='wheel' value='0.5'/><joint name='slide' "
+        "value='-0.2'/></group_state>"
+    )
+    poses = reference_poses(
+        two_joints, written(tmp_path / "r.srdf", states, "<group_state name='other' group='g'/>")
+    )
     assert set(poses) == {"home", "other"}
     assert_allclose(poses["home"], [np.cos(0.5), np.sin(0.5), -0.2], rtol=0, atol=1e-15)
     assert_array_equal(poses["other"], [1.0, 0.0, 0.0])
@@ -143,27 +205,58 @@ def test_poses_by_name(tmp_path: Path, two_joints: pin.Model) -> None:
 def test_poses_are_those_of_the_file_read_last(tmp_path: Path, two_joints: pin.Model) -> None:
     """Pinocchio's own reader keeps a pose that it has by the same name."""
     for position in (0.1, 0.3):
-        state = f"<group_state name='home' group='g'><joint name='slide' value='{position}'/></group_state>"
-        assert reference_poses(two_joints, written(tmp_path / "r.srdf", state))["home"][2] == position
+        state = (
+            "<group_state name='home' group='g'><joint name='slide' "
+            f"value='{position}'/></group_state>"
+        )
+        assert (
+            reference_poses(two_joints, written(tmp_path / "r.srdf", state))["home"][2] == position
+        )
         assert two_joints.referenceConfigurations["home"][2] == position
 
 
 @pytest.mark.parametrize(
     ("states", "reason"),
     [
-        ("<group_state name='home'><joint name='slide' value='nan'/></group_state>", "value must be 1 finite number, got 'nan'"),
-        ("<group_state name='home'><joint name='slide' value='1 2'/></group_state>", "value must be 1 finite number"),
-        ("<group_state name='home'><joint name='wheel' value='1 0'/></group_state>", "value must be 1 finite number"),
-        ("<group_state name='home'><joint name='slide' value='up'/></group_state>", "value must be 1 finite number"),
-        ("<group_state name='home'><joint name='slide'/></group_state>", "<joint name='slide'> has no value"),
+        (
+            "<group_state name='home'><joint name='slide' value='nan'/></group_state>",
+            "value must be 1 finite number, got 'nan'",
+        ),
+        (
+            "<group_state name='home'><joint name='slide' value='1 2'/></group_state>",
+            "value must be 1 finite number",
+        ),
+        (
+            "<group_state name='home'><joint name='wheel' value='1 0'/></group_state>",
+            "value must be 1 finite number",
+        ),
+        (
+            "<group_state name='home'><joint name='slide' value='up'/></group_state>",
+            "value must be 1 finite number",
+        ),
+        (
+            "<group_state name='home'><joint name='slide'/></group_state>",
+            "<joint name='slide'> has no value",
+        ),
         ("<group_state name='home'><joint value='1'/></group_state>", "a <joint> has no name"),
-        ("<group_state name='home'><joint name='elbow' value='1'/></group_state>", "the robot has no joint 'elbow'"),
-        ("<group_state name='home'><joint name='universe' value='1'/></group_state>", "the robot has no joint 'universe'"),
+        (
+            "<group_state name='home'><joint name='elbow' value='1'/></group_state>",
+            "the robot has no joint 'elbow'",
+        ),
+        (
+            "<group_state name='home'><joint name='universe' value='1'/></group_state>",
+            "the robot has no joint 'universe'",
+        ),
         ("<group_state/>", "a <group_state> has no name"),
-        ("<group_state name='home'/><group_state name='home'/>", "two of <group_state name='home'>"),
+        (
+            "<group_state name='home'/><group_state name='home'/>",
+            "two of <group_state name='home'>",
+        ),
     ],
 )
-def test_poses_that_pinocchio_would_pass_over_are_refused(tmp_path: Path, two_joints: pin.Model, states: str, reason: str) -> None:
+def test_poses_that_pinocchio_would_pass_over_are_refused(
+    tmp_path: Path, two_joints: pin.Model, states: str, reason: str
+) -> None:
     path = written(tmp_path / "r.srdf", states)
     with pytest.raises(InvalidRobotFile) as caught:
         reference_poses(two_joints, path)
@@ -184,12 +277,18 @@ def test_a_ball_joint_needs_a_unit_quaternion(tmp_path: Path) -> None:
 # Whole robots
 
 
-LOOPS = "closed_loop: [[end, other]]\ntype: ['{kind}']\nname_mot: [crank]\njoint_name: [{names}]\njoint_type: [{kinds}]\n"
+LOOPS = (
+    "closed_loop: [[end, other]]\ntype: ['{kind}']\nname_mot: [crank]\njoint_name: [{names}]\n"
+    "joint_type: [{kinds}]\n"
+)
 HINGES = {"crank": "0 0 0", "coupler": "0.2 0 0", "rocker": "0.45 0 0"}
 
 
 def four_bar(directory: Path, *, hinge: str, crank: str = "revolute") -> Path:
-    """Write a planar four-bar linkage in the plane z = 0, closed at ``end`` and ``other``, with a fourth hinge of a kind in it or fixed."""
+    """Write a planar four-bar linkage in the plane z = 0.
+
+    Closed at ``end`` and ``other``, with a fourth hinge of a kind in it or fixed.
+    """
     names = ("base", "one", "two", "three", "end", "other")
     joints = [
         joint("crank", "base", "one", crank, HINGES["crank"]),
@@ -204,11 +303,16 @@ def four_bar(directory: Path, *, hinge: str, crank: str = "revolute") -> Path:
 
 def loop_file(directory: Path, kind: str = "6d", **replaced: str) -> Path:
     path = directory / "loops.yaml"
-    path.write_text(LOOPS.format(kind=kind, names=", ".join(replaced), kinds=", ".join(replaced.values())))
+    path.write_text(
+        LOOPS.format(kind=kind, names=", ".join(replaced), kinds=", ".join(replaced.values()))
+    )
     return path
 
 
-HOME = "<group_state name='home' group='g'><joint name='crank' value='1.0'/><joint name='coupler' value='-0.6'/>"
+HOME = (
+    "<group_state name='home' group='g'><joint name='crank' value='1.0'/><joint name='coupler' "
+    "value='-0.6'/>"
+)
 
 
 def home(directory: Path, tip: bool = True) -> Path:
@@ -229,7 +333,8 @@ def test_a_robot_has_what_its_files_say(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "replaced",
     [
-        # Each leaves the linkage one degree of freedom and no play: what else the joint could do, the weld holds.
+        # Each leaves the linkage one degree of freedom and no play: what else the joint could do,
+        # the weld holds.
         {"tip": "SPHERICAL"},
         {"tip": "UJOINT_ZY"},
         {"tip": "UJOINT_XZ"},
@@ -240,7 +345,10 @@ def test_a_robot_has_what_its_files_say(tmp_path: Path) -> None:
 def test_a_planar_linkage_moves_the_same_with_a_ball_or_universal_joint_in_place_of_a_hinge(
     tmp_path: Path, replaced: dict[str, str]
 ) -> None:
-    """Mass, Coriolis and gravity terms of the linkage as written; 1e-10 relative, as the loops are closed to 1e-13."""
+    """Mass, Coriolis and gravity terms of the linkage as written.
+
+    1e-10 relative, as the loops are closed to 1e-13.
+    """
     urdf = four_bar(tmp_path, hinge="revolute")
     expected = ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path), home(tmp_path)))
     parts = read_robot(urdf, loop_file(tmp_path, **replaced))
@@ -256,19 +364,36 @@ def test_a_planar_linkage_moves_the_same_with_a_ball_or_universal_joint_in_place
     found = ClosedLoopRobot(*parts._replace(q0=start))
     angles = np.array([[1.0], [1.3], [0.8]])
     speeds = np.array([[0.7], [-1.0], [2.0]])
-    for ours, theirs in zip(found.equation_of_motion(angles, speeds), expected.equation_of_motion(angles, speeds), strict=True):
+    for ours, theirs in zip(
+        found.equation_of_motion(angles, speeds),
+        expected.equation_of_motion(angles, speeds),
+        strict=True,
+    ):
         assert_allclose(ours, theirs, rtol=1e-10, atol=1e-10)
 
 
 def test_a_hinge_that_is_fixed_leaves_a_linkage_that_a_point_closes(tmp_path: Path) -> None:
-    """The usual repair of a hinge that is there twice: FIXED, and the loop closed in position only."""
+    """The usual repair of a hinge that is there twice.
+
+    FIXED, and the loop closed in position only.
+    """
     urdf = four_bar(tmp_path, hinge="revolute")
     expected = ClosedLoopRobot(
-        *read_robot(four_bar(tmp_path / "fixed", hinge="fixed"), loop_file(tmp_path, "3d"), home(tmp_path, tip=False))
+        *read_robot(
+            four_bar(tmp_path / "fixed", hinge="fixed"),
+            loop_file(tmp_path, "3d"),
+            home(tmp_path, tip=False),
+        )
     )
-    found = ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path, "3d", tip="FIXED"), home(tmp_path, tip=False)))
+    found = ClosedLoopRobot(
+        *read_robot(urdf, loop_file(tmp_path, "3d", tip="FIXED"), home(tmp_path, tip=False))
+    )
     assert list(found.model.names)[1:] == ["crank", "coupler", "rocker"]
-    for ours, theirs in zip(found.equation_of_motion([1.3], [2.0]), expected.equation_of_motion([1.3], [2.0]), strict=True):
+    for ours, theirs in zip(
+        found.equation_of_motion([1.3], [2.0]),
+        expected.equation_of_motion([1.3], [2.0]),
+        strict=True,
+    ):
         assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)
 
 
@@ -276,7 +401,10 @@ def test_a_hinge_that_is_fixed_leaves_a_linkage_that_a_point_closes(tmp_path: Pa
 
 
 def closed_with_two_hinges(directory: Path) -> Path:
-    """Write the linkage with the hinge that closes it at both ends of the loop, so that what is between the two can spin."""
+    """Write the linkage with the hinge that closes it at both ends of the loop.
+
+    So what is between the two can spin.
+    """
     names = ("base", "one", "two", "three", "end", "other")
     joints = [
         joint("crank", "base", "one", xyz=HINGES["crank"]),
@@ -289,7 +417,9 @@ def closed_with_two_hinges(directory: Path) -> Path:
 
 
 def test_a_hinge_that_is_there_twice_is_named_and_can_be_fixed(tmp_path: Path) -> None:
-    """Fixed in the loop file, either of the two leaves the motion of the linkage with one; 1e-10 relative.
+    """Fixed in the loop file, either of the two leaves the motion of the linkage with one.
+
+    1e-10 relative.
 
     The masses of the links at the end, which are the same, change hands with the hinge.
     """
@@ -298,15 +428,27 @@ def test_a_hinge_that_is_there_twice_is_named_and_can_be_fixed(tmp_path: Path) -
         ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path), home(tmp_path)))
     assert set(caught.value.mobility.free_joints) == {"tip", "top"}
     assert caught.value.mobility.under_actuation == 1
-    whole = ClosedLoopRobot(*read_robot(four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path), home(tmp_path)))
+    whole = ClosedLoopRobot(
+        *read_robot(four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path), home(tmp_path))
+    )
     fixed = ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path, top="FIXED"), home(tmp_path)))
-    for ours, theirs in zip(fixed.equation_of_motion([1.3], [2.0]), whole.equation_of_motion([1.3], [2.0]), strict=True):
+    for ours, theirs in zip(
+        fixed.equation_of_motion([1.3], [2.0]), whole.equation_of_motion([1.3], [2.0]), strict=True
+    ):
         assert_allclose(ours, theirs, rtol=1e-10, atol=1e-10)
-    assert ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path, tip="FIXED"))).mobility.degrees_of_freedom == 1
+    assert (
+        ClosedLoopRobot(
+            *read_robot(urdf, loop_file(tmp_path, tip="FIXED"))
+        ).mobility.degrees_of_freedom
+        == 1
+    )
 
 
 def rod_between_two_balls(directory: Path) -> Path:
-    """Write crank, rod and rocker on crossed axes; the rod stands on the crank, and a hinge stands for its ball joint there."""
+    """Write crank, rod and rocker on crossed axes.
+
+    The rod stands on the crank, and a hinge stands for its ball joint there.
+    """
     joints = [
         joint("crank", "base", "one"),
         joint("foot", "one", "rod", xyz="0.1 0 0"),
@@ -314,14 +456,24 @@ def rod_between_two_balls(directory: Path) -> Path:
         joint("end", "rod", "rod_end", "fixed", "0.35 0 0"),
         joint("top", "two", "rocker_end", "fixed", "0 0 0.25"),
     ]
-    return written(directory / "rod.urdf", *map(link, ("base", "one", "rod", "two", "rod_end", "rocker_end")), *joints)
+    return written(
+        directory / "rod.urdf",
+        *map(link, ("base", "one", "rod", "two", "rod_end", "rocker_end")),
+        *joints,
+    )
 
 
-ROD = "closed_loop: [[rod_end, rocker_end]]\ntype: ['3d']\nname_mot: [crank]\njoint_name: [foot]\njoint_type: [{}]\n"
+ROD = (
+    "closed_loop: [[rod_end, rocker_end]]\ntype: ['3d']\nname_mot: [crank]\njoint_name: [foot]\n"
+    "joint_type: [{}]\n"
+)
 
 
 def test_a_rod_between_two_ball_joints_spins_and_a_universal_joint_holds_it(tmp_path: Path) -> None:
-    """The rod lies along x of the frame at its foot: a universal joint about the two other axes leaves it no spin."""
+    """The rod lies along x of the frame at its foot.
+
+    A universal joint about the two other axes leaves it no spin.
+    """
     urdf, loops = rod_between_two_balls(tmp_path), tmp_path / "rod.yaml"
     loops.write_text(ROD.format("SPHERICAL"))
     with pytest.raises(MobilityMismatch, match="2 degrees of freedom") as caught:
@@ -334,17 +486,31 @@ def test_a_rod_between_two_ball_joints_spins_and_a_universal_joint_holds_it(tmp_
     data = robot.model.createData()
     for row in q:
         pin.framesForwardKinematics(robot.model, data, row)
-        ends = [data.oMf[robot.model.getFrameId(name)].translation for name in ("rod_end", "rocker_end")]
+        ends = [
+            data.oMf[robot.model.getFrameId(name)].translation for name in ("rod_end", "rocker_end")
+        ]
         assert_allclose(ends[0], ends[1], rtol=0, atol=1e-12)
 
 
 def test_a_continuous_motor_drives_an_angle_without_limits(tmp_path: Path) -> None:
-    """The same robot as with a revolute one, and again after two turns of the crank; 1e-10 relative, as the loop is closed to 1e-13."""
+    """The same robot as with a revolute one, and again after two turns of the crank.
+
+    1e-10 relative, as the loop is closed to 1e-13.
+    """
     angles = np.array([[1.0], [1.0 + 4.0 * np.pi]])
-    parts = read_robot(four_bar(tmp_path, hinge="revolute", crank="continuous"), loop_file(tmp_path), home(tmp_path))
-    expected = ClosedLoopRobot(*read_robot(four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path), home(tmp_path)))
+    parts = read_robot(
+        four_bar(tmp_path, hinge="revolute", crank="continuous"),
+        loop_file(tmp_path),
+        home(tmp_path),
+    )
+    expected = ClosedLoopRobot(
+        *read_robot(four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path), home(tmp_path))
+    )
     index = parts.model.joints[parts.model.getJointId("crank")].idx_q
-    assert (parts.model.lowerPositionLimit[index], parts.model.upperPositionLimit[index]) == (-np.inf, np.inf)
+    assert (parts.model.lowerPositionLimit[index], parts.model.upperPositionLimit[index]) == (
+        -np.inf,
+        np.inf,
+    )
     mass = ClosedLoopRobot(*parts).mass_matrix(angles)
     assert_allclose(mass, expected.mass_matrix([[1.0], [1.0]]), rtol=1e-10)
 
@@ -368,7 +534,10 @@ def test_the_file_at_fault_is_named(tmp_path: Path) -> None:
         with pytest.raises(InvalidRobotFile) as caught:
             read_robot(**(files | {which: missing}))
         assert caught.value.path == missing
-    for bad, reason in (({"elbow": "FIXED"}, "no joint 'elbow'"), ({"top": "FIXED"}, "no joint 'top'")):
+    for bad, reason in (
+        ({"elbow": "FIXED"}, "no joint 'elbow'"),
+        ({"top": "FIXED"}, "no joint 'top'"),
+    ):
         with pytest.raises(InvalidRobotFile, match=reason) as caught:
             read_robot(urdf, loop_file(tmp_path, **bad))
         assert caught.value.path == loops

@@ -1,4 +1,7 @@
-"""URDFs that say something wrong are refused with what and where; Pinocchio's parser would take most of these."""
+"""URDFs that say something wrong are refused with what and where.
+
+Pinocchio's parser would take most of these.
+"""
 
 from __future__ import annotations
 
@@ -41,7 +44,11 @@ def test_our_own_files_pass(path: Path) -> None:
 @pytest.mark.parametrize(
     ("old", "new", "reason"),
     [
-        ("<mass value='2'/>", "<mass value='nan'/>", "<link name='arm'>: <mass>: value must be 1 finite number, got 'nan'"),
+        (
+            "<mass value='2'/>",
+            "<mass value='nan'/>",
+            "<link name='arm'>: <mass>: value must be 1 finite number, got 'nan'",
+        ),
         ("<mass value='2'/>", "<mass value='inf'/>", "finite"),
         ("<mass value='2'/>", "<mass value='2 kg'/>", "'2 kg'"),
         ("<mass value='2'/>", "<mass/>", "<mass> lacks value"),
@@ -64,16 +71,36 @@ def test_our_own_files_pass(path: Path) -> None:
         ("lower='-1'", "lower='2'", "its lower limit is above its upper one"),
         ("lower='-1'", "lower='nan'", "lower must be 1 finite number"),
         ("effort='5'", "", "<limit> lacks effort"),
-        ("<limit lower='-1' upper='1' effort='5' velocity='3'/>", "", "a revolute joint needs a <limit>"),
+        (
+            "<limit lower='-1' upper='1' effort='5' velocity='3'/>",
+            "",
+            "a revolute joint needs a <limit>",
+        ),
         ("<limit", "<mimic joint='k'/><limit", "follows another joint (<mimic>)"),
-        ("<parent link='base'/>", "<parent link='bass'/>", "its parent link 'bass' is not in the file"),
+        (
+            "<parent link='base'/>",
+            "<parent link='bass'/>",
+            "its parent link 'bass' is not in the file",
+        ),
         ("<child link='arm'/>", "<child link='leg'/>", "its child link 'leg' is not in the file"),
         ("<child link='arm'/>", "", "its child link '' is not in the file"),
-        ("<link name='base'/>", "<link name='base'/><link name='base'/>", "there are two of <link name='base'>"),
+        (
+            "<link name='base'/>",
+            "<link name='base'/><link name='base'/>",
+            "there are two of <link name='base'>",
+        ),
         ("<link name='base'/>", "<link name='base'/><link/>", "a <link> has no name"),
-        ("<link name='base'/>", "<link name='base'/><link name='stray'/>", "2 have none: base, stray"),
+        (
+            "<link name='base'/>",
+            "<link name='base'/><link name='stray'/>",
+            "2 have none: base, stray",
+        ),
         ("</robot>", f"{JOINT}</robot>", "there are two of <joint name='j'>"),
-        ("</robot>", JOINT.replace("'j'", "'k'") + "</robot>", "link 'arm' is the child of two joints"),
+        (
+            "</robot>",
+            JOINT.replace("'j'", "'k'") + "</robot>",
+            "link 'arm' is the child of two joints",
+        ),
         ("<robot name='r'>", "<robot>", "the <robot> has no name"),
     ],
 )
@@ -89,7 +116,10 @@ def test_links_in_a_circle_are_refused(tmp_path: Path) -> None:
     """With a root beside the circle, and without one."""
 
     def fixed(parent: str, child: str) -> str:
-        return f"<joint name='{child}' type='fixed'><parent link='{parent}'/><child link='{child}'/></joint>"
+        return (
+            f"<joint name='{child}' type='fixed'><parent link='{parent}'/><child "
+            f"link='{child}'/></joint>"
+        )
 
     circle = f"<link name='a'/><link name='b'/>{fixed('a', 'b')}{fixed('b', 'a')}"
     with pytest.raises(InvalidRobotFile, match="hangs on links that are children of each other"):

@@ -31,7 +31,9 @@ def test_reads_the_outermost_element(tmp_path: Path) -> None:
         (b"<mujoco/>", "must be <robot>, not <mujoco>"),
     ],
 )
-def test_files_that_are_no_xml_or_of_another_kind_are_refused(tmp_path: Path, content: bytes, reason: str) -> None:
+def test_files_that_are_no_xml_or_of_another_kind_are_refused(
+    tmp_path: Path, content: bytes, reason: str
+) -> None:
     path = tmp_path / "a.xml"
     path.write_bytes(content)
     with pytest.raises(InvalidRobotFile, match=reason) as caught:

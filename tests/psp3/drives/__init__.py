@@ -1,0 +1,1 @@
+"""Tests of psp3.drives, one file per module."""

@@ -1,4 +1,7 @@
-"""Drives: motor and joint do the same work, and what makes no sense is refused. How they move is tested with the plants."""
+"""Drives: motor and joint do the same work, and what makes no sense is refused.
+
+How they move is tested with the plants.
+"""
 
 from __future__ import annotations
 
@@ -12,13 +15,18 @@ from psp3.errors import InvalidArray, InvalidValue
 
 
 def test_motor_and_joint_do_the_same_work() -> None:
-    """A screw of 10 mm per revolution: power and kinetic energy on both sides, at a nut speed of 0.3 m/s; 1e-15 relative is rounding."""
+    """A screw of 10 mm per revolution.
+
+    Power and kinetic energy on both sides, at a nut speed of 0.3 m/s; 1e-15 relative is rounding.
+    """
     drive = Drive(motor_inertia=2e-4, lead=0.010)
     force, speed = np.array([[90.0, -30.0, 0.0]]), 0.3
     motor_speed = 2.0 * np.pi * speed / 0.010
     np.testing.assert_allclose(drive.motor_torque(force) * motor_speed, force * speed, rtol=1e-15)
     np.testing.assert_allclose(drive.force(drive.motor_torque(force)), force, rtol=1e-15)
-    assert 0.5 * drive.reflected_inertia * speed**2 == pytest.approx(0.5 * 2e-4 * motor_speed**2, rel=1e-15)
+    assert 0.5 * drive.reflected_inertia * speed**2 == pytest.approx(
+        0.5 * 2e-4 * motor_speed**2, rel=1e-15
+    )
 
 
 def test_of_a_revolute_joint_the_lead_is_the_gear_ratio() -> None:
@@ -50,7 +58,12 @@ def test_numbers_that_make_no_sense_are_refused(name: str, value: Any) -> None:
 
 @pytest.mark.parametrize(
     "build",
-    [lambda: Drive(lead=0.0), lambda: Drive(motor_inertia=1e-4), lambda: Drive(5.0).motor_torque(1.0), lambda: Drive(5.0).force([1.0])],
+    [
+        lambda: Drive(lead=0.0),
+        lambda: Drive(motor_inertia=1e-4),
+        lambda: Drive(5.0).motor_torque(1.0),
+        lambda: Drive(5.0).force([1.0]),
+    ],
 )
 def test_a_motor_needs_a_lead(build: Any) -> None:
     with pytest.raises(InvalidValue, match="lead"):

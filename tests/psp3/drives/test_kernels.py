@@ -1,4 +1,7 @@
-"""Stick and slip: Gauss's principle against its conditions written out, brute force, and a solver of smooth problems."""
+"""Stick and slip.
+
+Gauss's principle against its conditions written out, brute force, and a solver of smooth problems.
+"""
 
 from __future__ import annotations
 
@@ -14,15 +17,25 @@ from psp3.drives import kernels
 
 
 def problem(seed: int, joints: int) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Mass, forces, drives and speeds of a random state in which about half of the joints rest, and some have no friction."""
+    """Mass, forces, drives and speeds of a random state.
+
+    About half of the joints rest, and some have no friction.
+    """
     rng = np.random.default_rng(seed)
     root = rng.normal(size=(joints, joints))
     drives = np.zeros((joints, 3))
     drives[:, kernels.DRY] = rng.uniform(0.0, 2.0, joints) * (rng.random(joints) < 0.8)
-    return root @ root.T + 0.3 * np.eye(joints), 2.0 * rng.normal(size=joints), drives, rng.normal(size=joints) * (rng.random(joints) < 0.5)
+    return (
+        root @ root.T + 0.3 * np.eye(joints),
+        2.0 * rng.normal(size=joints),
+        drives,
+        rng.normal(size=joints) * (rng.random(joints) < 0.5),
+    )
 
 
-def chosen(mass: np.ndarray, net: np.ndarray, drives: np.ndarray, speeds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def chosen(
+    mass: np.ndarray, net: np.ndarray, drives: np.ndarray, speeds: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
     slip, acceleration = np.zeros(len(net)), np.empty(len(net))
     if kernels.slip_of(drives, speeds, slip):
         kernels.choose_slip(mass, net, drives, speeds, slip)
@@ -33,7 +46,10 @@ def chosen(mass: np.ndarray, net: np.ndarray, drives: np.ndarray, speeds: np.nda
 @settings(max_examples=300, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), joints=st.integers(1, 8))
 def test_accelerations_obey_the_law_of_dry_friction(seed: int, joints: int) -> None:
-    """The friction that is left, net − M a, is in F Sgn of the speed, and at rest of the acceleration; 1e-10 is rounding of M a."""
+    """The friction that is left, net − M a, is in F Sgn of the speed.
+
+    At rest of the acceleration; 1e-10 is rounding of M a.
+    """
     mass, net, drives, speeds = problem(seed, joints)
     slip, acceleration = chosen(mass, net, drives, speeds)
     friction, dry = net - mass @ acceleration, drives[:, kernels.DRY]
@@ -49,26 +65,40 @@ def test_accelerations_obey_the_law_of_dry_friction(seed: int, joints: int) -> N
 
 @pytest.mark.parametrize("seed", range(40))
 def test_the_choice_is_the_only_one(seed: int) -> None:
-    """Of all combinations of stick and slip of four joints that obey the law, all have the same accelerations, those of the kernel."""
+    """All lawful combinations of stick and slip have the kernel's accelerations.
+
+    Of four joints, all that obey the law.
+    """
     mass, net, drives, speeds = problem(seed, 4)
     found = []
     for slips in itertools.product((-1.0, 0.0, 1.0), repeat=4):
         slip, dry = np.array(slips), drives[:, kernels.DRY]
         moving = np.flatnonzero(slip)
         acceleration = np.zeros(4)
-        acceleration[moving] = np.linalg.solve(mass[np.ix_(moving, moving)], (net - dry * slip)[moving])
+        acceleration[moving] = np.linalg.solve(
+            mass[np.ix_(moving, moving)], (net - dry * slip)[moving]
+        )
         friction = net - mass @ acceleration
         held = (slip == 0.0) & (speeds == 0.0) & (np.abs(friction) <= dry)
-        sliding = (slip * speeds > 0.0) | ((speeds == 0.0) & (slip * acceleration > 0.0)) | ((dry == 0.0) & (slip == 1.0))
+        sliding = (
+            (slip * speeds > 0.0)
+            | ((speeds == 0.0) & (slip * acceleration > 0.0))
+            | ((dry == 0.0) & (slip == 1.0))
+        )
         if (held | sliding).all():
             found.append(acceleration)
     assert found
-    np.testing.assert_allclose(found, np.tile(chosen(mass, net, drives, speeds)[1], (len(found), 1)), rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        found, np.tile(chosen(mass, net, drives, speeds)[1], (len(found), 1)), rtol=0.0, atol=1e-12
+    )
 
 
 @pytest.mark.parametrize("seed", range(10))
 def test_it_is_the_least_constraint(seed: int) -> None:
-    """SciPy's L-BFGS-B on the same convex problem, with x split in two parts that are not negative; it stops at about 1e-6."""
+    """SciPy's L-BFGS-B on the same convex problem, with x split in two parts that are not negative.
+
+    It stops at about 1e-6.
+    """
     mass, net, drives, speeds = problem(seed, 5)
     dry = drives[:, kernels.DRY]
     at_rest = speeds == 0.0
@@ -81,12 +111,23 @@ def test_it_is_the_least_constraint(seed: int) -> None:
         value = 0.5 * x @ mass @ x - linear @ x + penalty @ (parts[:5] + parts[5:])
         return float(value), np.concatenate([slope + penalty, -slope + penalty])
 
-    best = minimize(cost, np.zeros(10), jac=True, bounds=[(0.0, None)] * 10, options={"ftol": 1e-16, "gtol": 1e-10, "maxiter": 5000})
-    np.testing.assert_allclose(chosen(mass, net, drives, speeds)[1], best.x[:5] - best.x[5:], rtol=0.0, atol=1e-5)
+    best = minimize(
+        cost,
+        np.zeros(10),
+        jac=True,
+        bounds=[(0.0, None)] * 10,
+        options={"ftol": 1e-16, "gtol": 1e-10, "maxiter": 5000},
+    )
+    np.testing.assert_allclose(
+        chosen(mass, net, drives, speeds)[1], best.x[:5] - best.x[5:], rtol=0.0, atol=1e-5
+    )
 
 
 def test_many_joints_take_no_longer_than_needed() -> None:
-    """Forty coupled joints at rest: 3 to the 40th combinations, and the law holds for the one found."""
+    """Forty coupled joints at rest.
+
+    3 to the 40th combinations, and the law holds for the one found.
+    """
     rng = np.random.default_rng(1)
     root = rng.normal(size=(40, 40))
     mass, net = root @ root.T / 40.0 + np.eye(40), 3.0 * rng.normal(size=40)

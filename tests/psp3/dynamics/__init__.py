@@ -1,0 +1,1 @@
+"""Tests of psp3.dynamics, one file per module."""

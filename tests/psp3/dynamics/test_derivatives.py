@@ -1,4 +1,8 @@
-"""Analytic derivatives against a complex step where a closed form takes one, against differences everywhere, and against what must hold."""
+"""Analytic derivatives.
+
+Against a complex step where a closed form takes one, against differences everywhere, and against
+what must hold.
+"""
 
 from __future__ import annotations
 
@@ -26,20 +30,29 @@ COMPLEX_STEP = 1e-30
 
 
 def complex_step(function: Callable[[Array], Array], x: Array) -> Array:
-    """Return the derivative of a function (n,) -> (m,) of analytic operations, as (m, n), to rounding."""
-    return np.stack([np.imag(function(x + 1j * COMPLEX_STEP * unit)) / COMPLEX_STEP for unit in np.eye(x.size)], axis=-1)
+    """Return the derivative (m, n) of an analytic function (n,) -> (m,), to rounding."""
+    return np.stack(
+        [np.imag(function(x + 1j * COMPLEX_STEP * unit)) / COMPLEX_STEP for unit in np.eye(x.size)],
+        axis=-1,
+    )
 
 
 def differences(function: Callable[[Array], Array], x: Array, step: float) -> Array:
     """Return the derivative of a function (n,) -> (m,) by eighth-order differences, as (m, n)."""
-    return np.stack([derivative(lambda t, u=unit: function(x + t * u), step) for unit in np.eye(x.size)], axis=-1)
+    return np.stack(
+        [derivative(lambda t, u=unit: function(x + t * u), step) for unit in np.eye(x.size)],
+        axis=-1,
+    )
 
 
 # Robots of every kind of joint and closure
 
 
 def ball_in_a_loop() -> SimpleNamespace:
-    """Return a loop, closed as a whole, in which a ball joint of four coordinates and three speeds comes before the motor's joint."""
+    """Return a loop, closed as a whole with a ball joint before the motor's.
+
+    A ball joint has four coordinates and three speeds.
+    """
     joints = [
         (0, pin.JointModelSpherical(), np.zeros(3)),
         (1, pin.JointModelRX(), np.array([0.2, 0.0, 0.0])),
@@ -54,17 +67,42 @@ def ball_in_a_loop() -> SimpleNamespace:
 
 def free_platform() -> SimpleNamespace:
     """Return a free body, in seven coordinates, held by an arm of six motors."""
-    arm = [pin.JointModelRZ(), pin.JointModelRY(), pin.JointModelPX(), pin.JointModelRX(), pin.JointModelRY(), pin.JointModelRX()]
+    arm = [
+        pin.JointModelRZ(),
+        pin.JointModelRY(),
+        pin.JointModelPX(),
+        pin.JointModelRX(),
+        pin.JointModelRY(),
+        pin.JointModelRX(),
+    ]
     joints: list[tuple[int, Any, Array]] = [(0, pin.JointModelFreeFlyer(), np.zeros(3))]
-    joints += [(k if k > 1 else 0, joint, np.array([0.1, 0.05 * k, 0.1])) for k, joint in enumerate(arm, start=1)]
+    joints += [
+        (k if k > 1 else 0, joint, np.array([0.1, 0.05 * k, 0.1]))
+        for k, joint in enumerate(arm, start=1)
+    ]
     q0 = [0.3, 0.2, 0.5, 0.1, 0.2, -0.1, np.sqrt(0.94), 0.3, 0.4, 0.1, 0.5, -0.3, 0.2]
-    return _robot(joints, (1, 7, pin.ContactType.CONTACT_6D), q0, ("j2", "j3", "j4", "j5", "j6", "j7"))
+    return _robot(
+        joints, (1, 7, pin.ContactType.CONTACT_6D), q0, ("j2", "j3", "j4", "j5", "j6", "j7")
+    )
 
 
 def held_at_the_base(kind: Any, base_first: bool) -> SimpleNamespace:
-    """Return an arm of seven joints whose end is held, at a point or as a whole, by the base itself."""
-    axes = [pin.JointModelRZ(), pin.JointModelRY(), pin.JointModelPX(), pin.JointModelRX(), pin.JointModelRY(), pin.JointModelRX()]
-    joints = [(k, joint, np.array([0.1, 0.05 * k, 0.1])) for k, joint in enumerate([*axes, pin.JointModelRZ()])]
+    """Return an arm of seven joints whose end is held by the base itself.
+
+    At a point or as a whole.
+    """
+    axes = [
+        pin.JointModelRZ(),
+        pin.JointModelRY(),
+        pin.JointModelPX(),
+        pin.JointModelRX(),
+        pin.JointModelRY(),
+        pin.JointModelRX(),
+    ]
+    joints = [
+        (k, joint, np.array([0.1, 0.05 * k, 0.1]))
+        for k, joint in enumerate([*axes, pin.JointModelRZ()])
+    ]
     actuated = ("j1", "j5", "j6", "j7") if kind == pin.ContactType.CONTACT_3D else ("j4",)
     robot = _robot(joints, (7, 1, kind), [0.3, 0.4, 0.1, 0.5, -0.3, 0.2, 0.1], actuated)
     data = robot.model.createData()
@@ -77,7 +115,9 @@ def held_at_the_base(kind: Any, base_first: bool) -> SimpleNamespace:
     sides = [(7, loop.joint1_placement), (0, fixed)]
     first, second = reversed(sides) if base_first else sides
     robot.constraint_models = pin.StdVec_RigidConstraintModel()
-    robot.constraint_models.append(pin.RigidConstraintModel(kind, robot.model, *first, *second, pin.ReferenceFrame.LOCAL))
+    robot.constraint_models.append(
+        pin.RigidConstraintModel(kind, robot.model, *first, *second, pin.ReferenceFrame.LOCAL)
+    )
     return robot
 
 
@@ -87,7 +127,9 @@ def build(parts: SimpleNamespace) -> ClosedLoopRobot:
 
 def arm_without_loops() -> ClosedLoopRobot:
     model = pin.buildSampleModelManipulator()
-    return ClosedLoopRobot(model, [], list(model.names)[1:], np.array([0.3, -0.4, 0.5, 0.6, -0.7, 0.8]))
+    return ClosedLoopRobot(
+        model, [], list(model.names)[1:], np.array([0.3, -0.4, 0.5, 0.6, -0.7, 0.8])
+    )
 
 
 def geared(parts: SimpleNamespace) -> ClosedLoopRobot:
@@ -96,12 +138,21 @@ def geared(parts: SimpleNamespace) -> ClosedLoopRobot:
 
 
 BUILDERS: dict[str, Callable[[], ClosedLoopRobot]] = {
-    **{builder.__name__: (lambda builder=builder: build(builder())) for builder in ROBOTS_WITH_LOOPS},
+    **{
+        builder.__name__: (lambda builder=builder: build(builder()))
+        for builder in ROBOTS_WITH_LOOPS
+    },
     "ball in a loop": lambda: build(ball_in_a_loop()),
     "free platform": lambda: build(free_platform()),
     **{
-        f"{kind.name}, {order}": (lambda kind=kind, base_first=order == "base first": build(held_at_the_base(kind, base_first)))
-        for kind, order in itertools.product((pin.ContactType.CONTACT_3D, pin.ContactType.CONTACT_6D), ("base first", "base second"))
+        f"{kind.name}, {order}": (
+            lambda kind=kind, base_first=order == "base first": build(
+                held_at_the_base(kind, base_first)
+            )
+        )
+        for kind, order in itertools.product(
+            (pin.ContactType.CONTACT_3D, pin.ContactType.CONTACT_6D), ("base first", "base second")
+        )
     },
     "rotors": lambda: geared(ROBOTS_WITH_LOOPS[2]()),
     "arm without loops": arm_without_loops,
@@ -115,19 +166,27 @@ def robot(request: pytest.FixtureRequest) -> ClosedLoopRobot:
     return BUILDERS[request.param]()
 
 
-def states(robot: ClosedLoopRobot, count: int, reach: float = 0.05) -> list[tuple[Array, Array, Array]]:
+def states(
+    robot: ClosedLoopRobot, count: int, reach: float = 0.05
+) -> list[tuple[Array, Array, Array]]:
     """Positions near the reference pose, speeds and accelerations (or forces) of the order of 1."""
     rng, n = np.random.default_rng(11), len(robot.actuated)
-    return [(robot.reference + rng.uniform(-reach, reach, n), *rng.normal(size=(2, n))) for _ in range(count)]
+    return [
+        (robot.reference + rng.uniform(-reach, reach, n), *rng.normal(size=(2, n)))
+        for _ in range(count)
+    ]
 
 
 # Against differences
 
 
 def test_derivatives_of_inverse_dynamics_are_its_differences(robot: ClosedLoopRobot) -> None:
-    """Every kind of joint and closure; 1e-9 of the largest entry, of which eighth-order differences leave at most a tenth.
+    """Every kind of joint and closure.
 
-    Forces are linear in the accelerations and quadratic in the speeds, so there large steps have no error but rounding.
+    1e-9 of the largest entry, of which eighth-order differences leave at most a tenth.
+
+    Forces are linear in the accelerations and quadratic in the speeds, so there large steps have no
+    error but rounding.
     """
     for a, v, w in states(robot, 2):
         found = inverse_dynamics_derivatives(robot, a, v, w)
@@ -141,7 +200,10 @@ def test_derivatives_of_inverse_dynamics_are_its_differences(robot: ClosedLoopRo
 
 
 def test_derivatives_of_forward_dynamics_are_its_differences(robot: ClosedLoopRobot) -> None:
-    """Of Pinocchio's constraintDynamics, or of the 3-PSP's closed form; 1e-8 of the largest entry: proximal steps are not exact."""
+    """Of Pinocchio's constraintDynamics, or of the 3-PSP's closed form.
+
+    1e-8 of the largest entry: proximal steps are not exact.
+    """
     for a, v, f in states(robot, 2):
         found = forward_dynamics_derivatives(robot, a, v, f)
         expected = (
@@ -157,32 +219,59 @@ def test_derivatives_of_forward_dynamics_are_its_differences(robot: ClosedLoopRo
 
 
 class FiveBar:
-    """A planar five-bar linkage written out by hand, in operations that complex numbers pass through unharmed.
+    """A planar five-bar linkage written out by hand.
 
-    Two cranks of 0.3 m at (0, 0) and (0.25, 0), two rods of 0.5 m between their ends and the point where the rods meet. Of every
-    link the mass, the center of mass along and across it, and the moment of inertia about the center of mass.
+    In operations that complex numbers pass through unharmed.
+
+    Two cranks of 0.3 m at (0, 0) and (0.25, 0), two rods of 0.5 m between their ends and the point
+    where the rods meet. Of every link the mass, the center of mass along and across it, and the
+    moment of inertia about the center of mass.
     """
 
     base, crank, rod, gravity = np.array([0.25, 0.0]), 0.3, 0.5, np.array([-1.5, -9.0])
-    links = ((1.1, 0.14, 0.01, 0.011), (0.9, 0.16, -0.02, 0.012), (0.8, 0.22, 0.015, 0.021), (0.7, 0.27, -0.012, 0.023))
+    links = (
+        (1.1, 0.14, 0.01, 0.011),
+        (0.9, 0.16, -0.02, 0.012),
+        (0.8, 0.22, 0.015, 0.021),
+        (0.7, 0.27, -0.012, 0.023),
+    )
 
     def robot(self) -> ClosedLoopRobot:
-        """Return the same linkage as a tree whose rods meet in a point: one closure equation of three is redundant."""
+        """Return the same linkage as a tree whose rods meet in a point.
+
+        One closure equation of three is redundant.
+        """
         model = pin.Model()
         model.gravity = pin.Motion(np.array([*self.gravity, 0.0]), np.zeros(3))
         # Chain by chain: Pinocchio's matrices are silently wrong in trees that are not numbered so.
-        for link, parent, x in ((0, 0, 0.0), (2, 1, self.crank), (1, 0, self.base[0]), (3, 3, self.crank)):
-            joint = model.addJoint(parent, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array([x, 0.0, 0.0])), f"j{link + 1}")
+        for link, parent, x in (
+            (0, 0, 0.0),
+            (2, 1, self.crank),
+            (1, 0, self.base[0]),
+            (3, 3, self.crank),
+        ):
+            joint = model.addJoint(
+                parent,
+                pin.JointModelRZ(),
+                pin.SE3(np.eye(3), np.array([x, 0.0, 0.0])),
+                f"j{link + 1}",
+            )
             mass, along, across, inertia = self.links[link]
             body = pin.Inertia(mass, np.array([along, across, 0.0]), np.diag([0.01, 0.01, inertia]))
             model.appendBodyToJoint(joint, body, pin.SE3.Identity())
         end = pin.SE3(np.eye(3), np.array([self.rod, 0.0, 0.0]))
         loops = pin.StdVec_RigidConstraintModel()
-        loops.append(pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 2, end, 4, end, pin.ReferenceFrame.LOCAL))
+        loops.append(
+            pin.RigidConstraintModel(
+                pin.ContactType.CONTACT_3D, model, 2, end, 4, end, pin.ReferenceFrame.LOCAL
+            )
+        )
         cranks = np.array([2.2, 0.9])
         first, second = (self._rods(cranks)[k] for k in (0, 1))
         rods = np.array([np.arctan2(first[1], first[0]), np.arctan2(second[1], second[0])]) - cranks
-        return ClosedLoopRobot(model, loops, ("j1", "j2"), np.stack([cranks, rods], axis=-1).ravel())
+        return ClosedLoopRobot(
+            model, loops, ("j1", "j2"), np.stack([cranks, rods], axis=-1).ravel()
+        )
 
     def _rods(self, angles: Array) -> tuple[Array, Array]:
         """Directions of the two rods when they meet above."""
@@ -210,7 +299,10 @@ class FiveBar:
             return np.concatenate([of_cranks, np.linalg.solve(matrix, gap)])
 
         def centers(of_links: Array, squares: Array) -> list[Array]:
-            """Velocities of the four centers of mass; accelerations, if given the squares of the angular velocities."""
+            """Velocities of the four centers of mass.
+
+            Accelerations, if given the squares of the angular velocities.
+            """
 
             def swing(link: int, arm: Array) -> Array:
                 return of_links[link] * across(arm) - squares[link] * arm
@@ -223,15 +315,22 @@ class FiveBar:
             return [carried[link] + swing(link, arm) for link, arm in enumerate(arms)]
 
         omega = rates(speeds)
-        # Toward the base, what turning alone pulls the point where the rods meet, along one way and along the other.
-        pulls = [omega[k] ** 2 * self.crank * cranks[k] + omega[k + 2] ** 2 * self.rod * rods[k] for k in (0, 1)]
-        alpha = rates(accelerations) + np.concatenate([np.zeros(2), np.linalg.solve(matrix, pulls[0] - pulls[1])])
+        # Toward the base, what turning alone pulls the point where the rods meet, along one way and
+        # along the other.
+        pulls = [
+            omega[k] ** 2 * self.crank * cranks[k] + omega[k + 2] ** 2 * self.rod * rods[k]
+            for k in (0, 1)
+        ]
+        alpha = rates(accelerations) + np.concatenate(
+            [np.zeros(2), np.linalg.solve(matrix, pulls[0] - pulls[1])]
+        )
         moved = centers(alpha, omega**2)
         torques = []
         for virtual in map(rates, np.eye(2)):
             paths = centers(virtual, np.zeros(4))
             work = [
-                mass * np.sum((moved[link] - self.gravity) * paths[link]) + inertia * alpha[link] * virtual[link]
+                mass * np.sum((moved[link] - self.gravity) * paths[link])
+                + inertia * alpha[link] * virtual[link]
                 for link, (mass, _, _, inertia) in enumerate(self.links)
             ]
             torques.append(sum(work))
@@ -239,11 +338,19 @@ class FiveBar:
 
 
 def test_derivatives_of_a_five_bar_are_the_complex_step_of_its_closed_form() -> None:
-    """Written out by hand and differentiated without any error; 1e-12 of the largest entry is what the closure's rounding leaves."""
+    """Written out by hand and differentiated without any error.
+
+    1e-12 of the largest entry is what the closure's rounding leaves.
+    """
     by_hand = FiveBar()
     robot = by_hand.robot()
     for a, v, w in states(robot, 10, reach=0.3):
-        assert_allclose(robot.inverse_dynamics(a, v, w), by_hand.inverse_dynamics(a, v, w), rtol=1e-11, atol=1e-11)
+        assert_allclose(
+            robot.inverse_dynamics(a, v, w),
+            by_hand.inverse_dynamics(a, v, w),
+            rtol=1e-11,
+            atol=1e-11,
+        )
         found = inverse_dynamics_derivatives(robot, a, v, w)
         expected = (
             complex_step(lambda x: by_hand.inverse_dynamics(x, v, w), a),  # noqa: B023
@@ -255,7 +362,10 @@ def test_derivatives_of_a_five_bar_are_the_complex_step_of_its_closed_form() -> 
 
 
 def complex_closed_form() -> Any:
-    """Return the closed form's own source, not compiled and with the functions of complex numbers."""
+    """Return the closed form's own source.
+
+    Not compiled and with the functions of complex numbers.
+    """
     source = Path(str(closed_form.__file__)).read_text(encoding="utf-8")
     for old, new in (
         ("import math\n", "import cmath as math\n"),
@@ -271,9 +381,12 @@ def complex_closed_form() -> Any:
 
 
 def test_derivatives_of_the_3_psp_are_the_complex_step_of_its_closed_form() -> None:
-    """Pinocchio's tree and loops against formulas that know neither, differentiated without error; 1e-10 of the largest entry.
+    """Pinocchio's tree and loops against formulas that know neither, differentiated without error.
 
-    Tilts up to 48 degrees, where the loops' condition number of 1e3 leaves rounding errors of 1e-12.
+    1e-10 of the largest entry.
+
+    Tilts up to 48 degrees, where the loops' condition number of 1e3 leaves rounding errors of
+    1e-12.
     """
     module, robot = complex_closed_form(), psp3.load("psp3")
     p = robot.parameters.as_array()
@@ -301,34 +414,57 @@ def test_derivatives_of_the_3_psp_are_the_complex_step_of_its_closed_form() -> N
 
 
 def test_forward_and_inverse_derivatives_undo_each_other(robot: ClosedLoopRobot) -> None:
-    """Along any change of state and force the inverse dynamics of the changed acceleration is the changed force; 1e-9."""
+    """The inverse dynamics of the changed acceleration is the changed force.
+
+    Along any change of state and force; 1e-9.
+    """
     (a, v, f), n = states(robot, 1)[0], len(robot.actuated)
     w = robot.forward_dynamics(a, v, f)
-    inverse, forward = inverse_dynamics_derivatives(robot, a, v, w), forward_dynamics_derivatives(robot, a, v, f)
+    inverse, forward = (
+        inverse_dynamics_derivatives(robot, a, v, w),
+        forward_dynamics_derivatives(robot, a, v, f),
+    )
     assert_allclose(inverse.by_accelerations @ forward.by_forces, np.eye(n), rtol=0, atol=1e-9)
     for by_state, of_forces in zip(forward[:2], inverse[:2], strict=True):
-        assert_allclose(inverse.by_accelerations @ by_state + of_forces, 0.0, rtol=0, atol=1e-9 * max(1.0, np.abs(of_forces).max()))
+        assert_allclose(
+            inverse.by_accelerations @ by_state + of_forces,
+            0.0,
+            rtol=0,
+            atol=1e-9 * max(1.0, np.abs(of_forces).max()),
+        )
 
 
 def test_mass_matrix_and_slope_of_gravity_are_symmetric(robot: ClosedLoopRobot) -> None:
-    """At rest the derivative by positions is the second derivative of the potential energy; speeds do not matter to first order."""
+    """At rest the derivative by positions is the second derivative of the potential energy.
+
+    Speeds do not matter to first order.
+    """
     (a, _, _) = states(robot, 1)[0]
     rest = np.zeros(len(robot.actuated))
     by_positions, by_speeds, mass = inverse_dynamics_derivatives(robot, a, rest, rest)
-    assert_allclose(by_positions, by_positions.T, rtol=0, atol=1e-11 * max(1.0, np.abs(by_positions).max()))
+    assert_allclose(
+        by_positions, by_positions.T, rtol=0, atol=1e-11 * max(1.0, np.abs(by_positions).max())
+    )
     assert_array_equal(by_speeds, np.zeros_like(by_speeds))
     assert_allclose(mass, robot.mass_matrix(a), rtol=0, atol=1e-11 * np.abs(mass).max())
 
 
 def test_lifting_the_3_psp_changes_no_force() -> None:
-    """Forces depend on differences of heights and of speeds alone, so rows of both derivatives add up to zero; 1e-11 of the entries."""
+    """Forces depend on differences of heights and of speeds alone.
+
+    So rows of both derivatives add up to zero; 1e-11 of the entries.
+    """
     robot = psp3.load("psp3")
     rng = np.random.default_rng(13)
     heights, speeds = random_states(rng, 20)
-    by_positions, by_speeds, mass = inverse_dynamics_derivatives(robot, heights, speeds, rng.normal(size=heights.shape))
+    by_positions, by_speeds, mass = inverse_dynamics_derivatives(
+        robot, heights, speeds, rng.normal(size=heights.shape)
+    )
     for matrix in (by_positions, by_speeds):
         assert np.abs(matrix.sum(axis=-1)).max() < 1e-11 * np.abs(matrix).max()
-    assert_allclose(mass.sum(axis=(-2, -1)), sum(inertia.mass for inertia in robot.model.inertias), rtol=1e-12)
+    assert_allclose(
+        mass.sum(axis=(-2, -1)), sum(inertia.mass for inertia in robot.model.inertias), rtol=1e-12
+    )
 
 
 # Shapes and what is refused
@@ -348,15 +484,21 @@ def test_batches_are_loops_of_singles(function: Callable[..., tuple[Array, Array
     whole = function(robot, positions, speeds, third)
     assert [matrix.shape for matrix in whole] == [(2, 3, 2, 2)] * 3
     for index in np.ndindex(2, 3):
-        for one, part in zip(whole, function(robot, positions[index], speeds[index[1]], third), strict=True):
+        for one, part in zip(
+            whole, function(robot, positions[index], speeds[index[1]], third), strict=True
+        ):
             assert_array_equal(one[index], part)
-    assert [matrix.shape for matrix in function(robot, np.zeros((2, 0, 2)), np.zeros(2), third)] == [(2, 0, 2, 2)] * 3
+    assert [
+        matrix.shape for matrix in function(robot, np.zeros((2, 0, 2)), np.zeros(2), third)
+    ] == [(2, 0, 2, 2)] * 3
 
 
 @pytest.mark.parametrize("bad", [[np.nan, 0.0, 0.0], [0.0, 0.0], 1.0, None, "abc"])
 @pytest.mark.parametrize("position", [0, 1, 2])
 @pytest.mark.parametrize("function", [inverse_dynamics_derivatives, forward_dynamics_derivatives])
-def test_arguments_that_are_not_finite_rows_are_refused(star: psp3.PSP3, function: Callable[..., Any], position: int, bad: Any) -> None:
+def test_arguments_that_are_not_finite_rows_are_refused(
+    star: psp3.PSP3, function: Callable[..., Any], position: int, bad: Any
+) -> None:
     arguments: list[Any] = [np.zeros(3)] * 3
     arguments[position] = bad
     with pytest.raises(InvalidArray):

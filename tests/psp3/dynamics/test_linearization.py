@@ -1,4 +1,7 @@
-"""Linearizations against the motion of the robot itself, and sampled systems against their algebra."""
+"""Linearizations against the motion of the robot itself.
+
+And sampled systems against their algebra.
+"""
 
 from __future__ import annotations
 
@@ -33,12 +36,18 @@ def linkage() -> ClosedLoopRobot:
 
 def slopes(function: Any, x: Array, step: float) -> Array:
     """Return the derivative of a function of x by eighth-order differences, as columns."""
-    return np.stack([derivative(lambda t, u=unit: function(x + t * u), step) for unit in np.eye(x.size)], axis=-1)
+    return np.stack(
+        [derivative(lambda t, u=unit: function(x + t * u), step) for unit in np.eye(x.size)],
+        axis=-1,
+    )
 
 
 @pytest.mark.parametrize("name", ["psp3", "spatial linkage"])
 def test_linear_system_is_the_slope_of_the_equation_of_state(star: psp3.PSP3, name: str) -> None:
-    """Of x' = (speeds, forward dynamics) at a moving state, by differences; 1e-8 of the largest entry."""
+    """Of x' = (speeds, forward dynamics) at a moving state, by differences.
+
+    1e-8 of the largest entry.
+    """
     robot = star if name == "psp3" else linkage()
     n = len(robot.actuated)
     rng = np.random.default_rng(31)
@@ -46,7 +55,9 @@ def test_linear_system_is_the_slope_of_the_equation_of_state(star: psp3.PSP3, na
     v, w = rng.normal(size=(2, n))
     u, x = robot.inverse_dynamics(a, v, w), np.concatenate([a, v])
     found = linearize(robot, a, v, w)
-    by_state = slopes(lambda x: np.concatenate([x[n:], robot.forward_dynamics(x[:n], x[n:], u)]), x, 2e-3)
+    by_state = slopes(
+        lambda x: np.concatenate([x[n:], robot.forward_dynamics(x[:n], x[n:], u)]), x, 2e-3
+    )
     by_input = slopes(lambda u: np.concatenate([v, robot.forward_dynamics(a, v, u)]), u, 0.1)
     assert_allclose(found.A, by_state, rtol=0, atol=1e-8 * np.abs(by_state).max())
     assert_allclose(found.B, by_input, rtol=0, atol=1e-8 * np.abs(by_input).max())
@@ -54,7 +65,10 @@ def test_linear_system_is_the_slope_of_the_equation_of_state(star: psp3.PSP3, na
 
 
 def test_sampled_system_is_the_slope_of_the_motion_over_a_period(star: psp3.PSP3) -> None:
-    """About a pose at rest nothing is approximated, however long the period: state after 0.1 s by DOP853, by differences; 1e-8."""
+    """About a pose at rest nothing is approximated, however long the period.
+
+    State after 0.1 s by DOP853, by differences; 1e-8.
+    """
     a, plant = np.array([0.02, -0.03, 0.05]), DormandPrince(star, 1e-13)
     weight = star.gravity(a)
 
@@ -72,20 +86,27 @@ def test_sampled_system_is_the_slope_of_the_motion_over_a_period(star: psp3.PSP3
 def test_a_small_deviation_from_a_trajectory_obeys_the_sampled_systems(star: psp3.PSP3) -> None:
     """One second along the helix, with forces and linearizations from the middle of every period.
 
-    A and B are constant for a period, so the error falls as the period squared: 3.5 to 4.5 times as it is halved. What is left when
-    that is extrapolated is of fourth order, 6e-6 of the deviation; the bar is 1e-5.
+    A and B are constant for a period, so the error falls as the period squared: 3.5 to 4.5 times as
+    it is halved. What is left when that is extrapolated is of fourth order, 6e-6 of the deviation;
+    the bar is 1e-5.
     """
     trajectory, small = Helix(robot=star), 1e-5 * np.array([1.0, -2.0, 0.5, 3.0, 1.0, -2.0])
     errors = []
     for period in (0.04, 0.02):
         motion = trajectory(period * (np.arange(round(1.0 / period)) + 0.5))
-        systems = discretize(linearize(star, motion.heights, motion.speeds, motion.accelerations), period)
+        systems = discretize(
+            linearize(star, motion.heights, motion.speeds, motion.accelerations), period
+        )
         plants = DormandPrince(star, 1e-13), DormandPrince(star, 1e-13)
         start = trajectory(0.0)
         for plant, sign in zip(plants, (1.0, -1.0), strict=True):
             plant.start(start.heights + sign * small[:3], start.speeds + sign * small[3:])
         predicted = small
-        for A, held in zip(systems.A, star.inverse_dynamics(motion.heights, motion.speeds, motion.accelerations), strict=True):
+        for A, held in zip(
+            systems.A,
+            star.inverse_dynamics(motion.heights, motion.speeds, motion.accelerations),
+            strict=True,
+        ):
             ahead, behind = (np.concatenate(plant.advance(held, period)) for plant in plants)
             predicted = A @ predicted
         errors.append((0.5 * (ahead - behind) - predicted) / np.linalg.norm(predicted))
@@ -94,11 +115,16 @@ def test_a_small_deviation_from_a_trajectory_obeys_the_sampled_systems(star: psp
 
 
 def test_lifting_the_3_psp_is_a_double_integrator(star: psp3.PSP3) -> None:
-    """A common speed of all nuts stays as it is, and a force of the total mass on each accelerates all alike; 1e-12."""
+    """A common speed of all nuts stays as it is.
+
+    A force of the total mass on each accelerates all alike; 1e-12.
+    """
     system = linearize(star, [0.02, -0.03, 0.05], [0.1, 0.3, -0.2], [1.0, -1.0, 2.0])
     ones, mass = np.ones(3), star.mass_matrix([0.02, -0.03, 0.05])
     assert_allclose(system.A @ np.concatenate([ones, 0 * ones]), 0.0, atol=1e-12)
-    assert_allclose(system.A @ np.concatenate([0 * ones, ones]), np.concatenate([ones, 0 * ones]), atol=1e-12)
+    assert_allclose(
+        system.A @ np.concatenate([0 * ones, ones]), np.concatenate([ones, 0 * ones]), atol=1e-12
+    )
     assert_allclose(system.B @ mass @ ones, np.concatenate([0 * ones, ones]), atol=1e-12)
 
 
@@ -113,8 +139,8 @@ TALL = arrays(float, (3, 2), elements=st.floats(-3.0, 3.0))
 def test_two_periods_are_one_after_the_other(A: Array, B: Array, period: float) -> None:
     """A(2T) = A(T)², B(2T) = A(T) B(T) + B(T); 1e-11 of the square of the entries.
 
-    SciPy's matrix exponential is off by up to 1e-12 of its largest entry for matrices of norm 4, compared with a Taylor series in
-    extended precision.
+    SciPy's matrix exponential is off by up to 1e-12 of its largest entry for matrices of norm 4,
+    compared with a Taylor series in extended precision.
     """
     once, twice = (discretize(LinearSystem(A, B), times * period) for times in (1, 2))
     size = max(1.0, np.abs(once.A).max()) * max(1.0, np.abs(once.A).max(), np.abs(once.B).max())
@@ -131,9 +157,18 @@ def test_sampling_is_integration() -> None:
         *((found.A[:, k], unit, np.zeros(2)) for k, unit in enumerate(np.eye(4))),
         *((found.B[:, k], np.zeros(4), unit) for k, unit in enumerate(np.eye(2))),
     ):
-        solution = solve_ivp(lambda _, x, u=u: A @ x + B @ u, (0.0, 0.3), start, method="DOP853", rtol=1e-12, atol=1e-12)
+        solution = solve_ivp(
+            lambda _, x, u=u: A @ x + B @ u,
+            (0.0, 0.3),
+            start,
+            method="DOP853",
+            rtol=1e-12,
+            atol=1e-12,
+        )
         assert_allclose(column, solution.y[:, -1], rtol=0, atol=1e-10)
-    mass = discretize(LinearSystem(np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [0.5]])), 0.1)
+    mass = discretize(
+        LinearSystem(np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [0.5]])), 0.1
+    )
     assert_allclose(mass.A, [[1.0, 0.1], [0.0, 1.0]], rtol=1e-15)
     assert_allclose(mass.B, [[0.0025], [0.05]], rtol=1e-14)
     assert mass.period == 0.1
@@ -153,7 +188,11 @@ def test_leading_dimensions_are_kept(star: psp3.PSP3) -> None:
 
 
 def test_at_rest_is_the_default(star: psp3.PSP3) -> None:
-    for one, other in zip(linearize(star, np.zeros(3)), linearize(star, np.zeros(3), np.zeros(3), np.zeros(3)), strict=True):
+    for one, other in zip(
+        linearize(star, np.zeros(3)),
+        linearize(star, np.zeros(3), np.zeros(3), np.zeros(3)),
+        strict=True,
+    ):
         assert_array_equal(one, other)
 
 

@@ -1,4 +1,7 @@
-"""The thesis's natural orthogonal complement: every quantity against its definition, on the 3-PSP and on other robots with loops."""
+"""The thesis's natural orthogonal complement.
+
+Every quantity against its definition, on the 3-PSP and on other robots with loops.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +14,26 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.errors import InconsistentVelocity, InvalidArray, OpenLoops, PSP3Error, SingularConfiguration
-from tests.helpers import ROBOTS_WITH_LOOPS, Array, cross_matrix, derivative, random_states, relative_error
+from psp3.errors import (
+    InconsistentVelocity,
+    InvalidArray,
+    OpenLoops,
+    PSP3Error,
+    SingularConfiguration,
+)
+from tests.helpers import (
+    ROBOTS_WITH_LOOPS,
+    Array,
+    cross_matrix,
+    derivative,
+    random_states,
+    relative_error,
+)
 
 STEP = 5e-3
-"""Eighth-order differences with this step [m, rad] are right to about 1e-10 here; the bar for every derivative is 1e-7."""
+"""Eighth-order differences with this step [m, rad] are right to about 1e-10 here; the bar for every
+derivative is 1e-7.
+"""
 
 
 class Case:
@@ -32,7 +50,9 @@ class Case:
         # Not closed at all: every joint is off by up to 0.1 m or rad.
         self.off = self.q + rng.uniform(-0.1, 0.1, size=self.q.shape)
         self.v_off = np.einsum("nij,nj->ni", self.noc.L(self.off), self.speeds)
-        self.actuated = [self.model.joints[self.model.getJointId(name)].idx_v for name in robot.actuated]
+        self.actuated = [
+            self.model.joints[self.model.getJointId(name)].idx_v for name in robot.actuated
+        ]
         self.dependent = np.setdiff1d(np.arange(self.model.nv), self.actuated)
 
 
@@ -44,8 +64,14 @@ def star_case(parameters: str = "default", count: int = 10) -> Case:
 def loop_case(builder: Any) -> Case:
     parts = builder()
     robot = psp3.ClosedLoopRobot(parts.model, parts.constraint_models, parts.actuated, parts.q0)
-    home = [robot.q0[robot.model.joints[robot.model.getJointId(name)].idx_q] for name in robot.actuated]
-    return Case(robot, np.array(home) + np.random.default_rng(2).uniform(-0.15, 0.15, size=(10, len(home))), 3)
+    home = [
+        robot.q0[robot.model.joints[robot.model.getJointId(name)].idx_q] for name in robot.actuated
+    ]
+    return Case(
+        robot,
+        np.array(home) + np.random.default_rng(2).uniform(-0.15, 0.15, size=(10, len(home))),
+        3,
+    )
 
 
 @pytest.fixture(scope="module")
@@ -53,13 +79,20 @@ def star() -> Case:
     return star_case()
 
 
-@pytest.fixture(scope="module", params=[star_case, *ROBOTS_WITH_LOOPS], ids=["3-PSP", *(builder.__name__ for builder in ROBOTS_WITH_LOOPS)])
+@pytest.fixture(
+    scope="module",
+    params=[star_case, *ROBOTS_WITH_LOOPS],
+    ids=["3-PSP", *(builder.__name__ for builder in ROBOTS_WITH_LOOPS)],
+)
 def case(request: pytest.FixtureRequest) -> Case:
     return star_case() if request.param is star_case else loop_case(request.param)
 
 
 def tree_velocities(model: pin.Model, q: Array, v: Array) -> tuple[Array, Array, Array]:
-    """Rotations, angular velocities and velocities of the centers of mass in world axes, from Pinocchio's recursion over the bodies."""
+    """Rotations, angular velocities and velocities of the centers of mass.
+
+    In world axes, from Pinocchio's recursion over the bodies.
+    """
     data = model.createData()
     pin.forwardKinematics(model, data, q, v)
     rotations, angular, linear = [], [], []
@@ -67,7 +100,9 @@ def tree_velocities(model: pin.Model, q: Array, v: Array) -> tuple[Array, Array,
         rotation, twist = data.oMi[joint].rotation, data.v[joint]
         rotations.append(rotation)
         angular.append(rotation @ twist.angular)
-        linear.append(rotation @ (twist.linear + np.cross(twist.angular, model.inertias[joint].lever)))
+        linear.append(
+            rotation @ (twist.linear + np.cross(twist.angular, model.inertias[joint].lever))
+        )
     return np.array(rotations), np.array(angular), np.array(linear)
 
 
@@ -89,7 +124,9 @@ def test_constraint_is_the_logarithm_of_the_relative_placement(star: Case) -> No
     data = star.model.createData()
     for q, found in zip(star.off, star.noc.constraint(star.off), strict=True):
         pin.framesForwardKinematics(star.model, data, q)
-        first, second, third = (data.oMf[star.model.getFrameId(f"star{leg}_center")] for leg in (1, 2, 3))
+        first, second, third = (
+            data.oMf[star.model.getFrameId(f"star{leg}_center")] for leg in (1, 2, 3)
+        )
         expected = [pin.log6(first.actInv(other)).vector for other in (second, third)]
         assert_allclose(found, np.concatenate(expected), rtol=0, atol=1e-14)
 
@@ -103,7 +140,9 @@ def test_constraint_of_a_3d_loop_is_the_distance_of_its_points() -> None:
         pin.forwardKinematics(case.model, data, q)
         first = data.oMi[loop.joint1_id] * loop.joint1_placement
         second = data.oMi[loop.joint2_id] * loop.joint2_placement
-        assert_allclose(found, first.rotation.T @ (second.translation - first.translation), rtol=0, atol=1e-15)
+        assert_allclose(
+            found, first.rotation.T @ (second.translation - first.translation), rtol=0, atol=1e-15
+        )
 
 
 @pytest.mark.parametrize("closed", [True, False], ids=["closed", "open"])
@@ -138,17 +177,30 @@ def test_constraint_jacobian_is_minus_pinocchios_at_closure_only(star: Case) -> 
 
 
 def test_velocities_of_l_keep_the_loops_closed(case: Case) -> None:
-    """Phi L = 0 and the actuated rows are the unit matrix, on and off closure for square closures; 1e-12 relative."""
+    """Phi L = 0 and the actuated rows are the unit matrix, on and off closure for square closures.
+
+    1e-12 relative.
+    """
     for q in (case.q, case.off) if case.model.nv == 15 else (case.q,):
         complement, jacobian = case.noc.L(q), case.noc.constraint_jacobian(q)
-        assert np.abs(jacobian @ complement).max() < 1e-12 * np.abs(jacobian).max() * np.abs(complement).max()
-        assert_array_equal(complement[:, case.actuated], np.broadcast_to(np.eye(len(case.actuated)), (len(q), *[len(case.actuated)] * 2)))
+        assert (
+            np.abs(jacobian @ complement).max()
+            < 1e-12 * np.abs(jacobian).max() * np.abs(complement).max()
+        )
+        assert_array_equal(
+            complement[:, case.actuated],
+            np.broadcast_to(np.eye(len(case.actuated)), (len(q), *[len(case.actuated)] * 2)),
+        )
 
 
 def test_l_is_the_derivative_of_the_closed_configuration(case: Case) -> None:
     for k, unit in enumerate(np.eye(len(case.actuated))):
-        column = derivative(lambda t, unit=unit: case.robot.configuration(case.positions + t * unit), STEP)
-        assert_allclose(case.noc.L(case.q)[..., k], column, rtol=0, atol=1e-8 * np.abs(column).max())
+        column = derivative(
+            lambda t, unit=unit: case.robot.configuration(case.positions + t * unit), STEP
+        )
+        assert_allclose(
+            case.noc.L(case.q)[..., k], column, rtol=0, atol=1e-8 * np.abs(column).max()
+        )
 
 
 def test_rates_are_the_derivatives_along_the_motion(case: Case) -> None:
@@ -157,25 +209,35 @@ def test_rates_are_the_derivatives_along_the_motion(case: Case) -> None:
         function = getattr(case.noc, name)
         expected = derivative(lambda t, function=function: function(case.q + t * case.v), 2e-3)
         found = getattr(case.noc, f"{name}_dot")(case.q, case.v)
-        assert_allclose(found, expected, rtol=0, atol=1e-7 * max(1.0, np.abs(expected).max()), err_msg=name)
+        assert_allclose(
+            found, expected, rtol=0, atol=1e-7 * max(1.0, np.abs(expected).max()), err_msg=name
+        )
         assert np.abs(expected).max() > 1e-3
 
 
 def test_rates_are_the_derivatives_off_closure_too() -> None:
-    """For velocities that leave the opening as it is. Closures of full rank only: redundant ones have no L off closure."""
+    """For velocities that leave the opening as it is.
+
+    Closures of full rank only: redundant ones have no L off closure.
+    """
     for case in (star_case(), loop_case(ROBOTS_WITH_LOOPS[2])):
         for name in ("L", "K", "T"):
             function = getattr(case.noc, name)
             expected = derivative(lambda t, f=function, c=case: f(c.off + t * c.v_off), 1e-3)
             found = getattr(case.noc, f"{name}_dot")(case.off, case.v_off)
-            assert_allclose(found, expected, rtol=0, atol=1e-7 * max(1.0, np.abs(expected).max()), err_msg=name)
+            assert_allclose(
+                found, expected, rtol=0, atol=1e-7 * max(1.0, np.abs(expected).max()), err_msg=name
+            )
 
 
 # Twists: K, T, Omega, M_total, w_g
 
 
 def test_k_gives_the_twists_of_all_bodies(case: Case) -> None:
-    """[omega; v] at the center of mass in world axes, for any joint velocity; Pinocchio's body recursion, 1e-12."""
+    """[omega; v] at the center of mass in world axes, for any joint velocity.
+
+    Pinocchio's body recursion, 1e-12.
+    """
     q, v = case.off[0], np.random.default_rng(4).normal(size=case.model.nv)
     _, angular, linear = tree_velocities(case.model, q, v)
     found = (case.noc.K(q) @ v).reshape(-1, 6)
@@ -184,12 +246,21 @@ def test_k_gives_the_twists_of_all_bodies(case: Case) -> None:
 
 
 def test_k_has_the_joint_axes_as_columns(star: Case) -> None:
-    """Eq. 3.29 as it should be printed: [e_j; e_j x r_j] for a revolute joint, [0; e_j] for a prismatic one, 0 off the path."""
+    """Eq. 3.29 as it should be printed.
+
+    [e_j; e_j x r_j] for a revolute joint, [0; e_j] for a prismatic one, 0 off the path.
+    """
     q = star.q[0]
     data = star.model.createData()
     pin.forwardKinematics(star.model, data, q)
     found = star.noc.K(q).reshape(15, 6, 15)
-    local = {"a": [0, 0, 1], "phi": [0, 1, 0], "theta": [1, 0, 0], "lambda": [0, 0, 1], "b": [-1, 0, 0]}
+    local = {
+        "a": [0, 0, 1],
+        "phi": [0, 1, 0],
+        "theta": [1, 0, 0],
+        "lambda": [0, 0, 1],
+        "b": [-1, 0, 0],
+    }
     for body in range(1, 16):
         center = data.oMi[body].act(star.model.inertias[body].lever)
         path = list(star.model.supports[body])
@@ -201,9 +272,13 @@ def test_k_has_the_joint_axes_as_columns(star: Case) -> None:
                 column = (
                     np.concatenate([np.zeros(3), axis])
                     if name[0] in "ab"
-                    else np.concatenate([axis, np.cross(axis, center - data.oMi[joint].translation)])
+                    else np.concatenate(
+                        [axis, np.cross(axis, center - data.oMi[joint].translation)]
+                    )
                 )
-            assert_allclose(found[body - 1, :, star.model.joints[joint].idx_v], column, rtol=0, atol=1e-15)
+            assert_allclose(
+                found[body - 1, :, star.model.joints[joint].idx_v], column, rtol=0, atol=1e-15
+            )
 
 
 def test_t_is_k_times_l(case: Case) -> None:
@@ -219,7 +294,9 @@ def test_omega_holds_the_angular_velocities(case: Case) -> None:
     expected = np.zeros((6 * len(angular), 6 * len(angular)))
     for i, rate in enumerate(angular):
         expected[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = cross_matrix(rate)
-    assert_allclose(case.noc.Omega(q, v), expected, rtol=0, atol=1e-12 * max(1.0, np.abs(expected).max()))
+    assert_allclose(
+        case.noc.Omega(q, v), expected, rtol=0, atol=1e-12 * max(1.0, np.abs(expected).max())
+    )
 
 
 def test_m_total_holds_the_bodies_inertias_in_world_axes(case: Case) -> None:
@@ -245,13 +322,19 @@ def test_weights_act_at_the_centers_of_mass(star: Case) -> None:
     """[0; m g] with g pointing down, 26.496 kg in sum; 1e-14 is rounding."""
     wrenches = star.noc.w_g().reshape(15, 6)
     assert_array_equal(wrenches[:, :5], 0.0)
-    assert_allclose(wrenches[:, 5], [-9.81 * star.model.inertias[joint].mass for joint in range(1, 16)], rtol=1e-15)
+    assert_allclose(
+        wrenches[:, 5],
+        [-9.81 * star.model.inertias[joint].mass for joint in range(1, 16)],
+        rtol=1e-15,
+    )
     assert_allclose(wrenches[:, 5].sum(), -9.81 * 26.496, rtol=1e-14)
 
 
 @pytest.mark.parametrize("parameters", tuple(psp3.PARAMETER_SETS))
 def test_merging_the_thirds_of_the_star_gives_the_thesis_with_13_bodies(parameters: str) -> None:
-    """Where the loops are closed the three thirds move as one body, so T, M_total, Omega and w_g of 13 bodies give the same M, C, G.
+    """Where the loops are closed the three thirds move as one body.
+
+    So T, M_total, Omega and w_g of 13 bodies give the same M, C, G.
 
     1e-12 relative; the twists of the thirds agree to 1e-12.
     """
@@ -267,12 +350,16 @@ def test_merging_the_thirds_of_the_star_gives_the_thesis_with_13_bodies(paramete
         assert_allclose(twists[1], twists[0], rtol=0, atol=1e-12)
         assert_allclose(twists[2], twists[0], rtol=0, atol=1e-12)
         merged = total[np.ix_(rows, rows)]
-        merged[np.ix_(star_rows, star_rows)] = sum(total[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] for i in thirds)
+        merged[np.ix_(star_rows, star_rows)] = sum(
+            total[6 * i : 6 * i + 6, 6 * i : 6 * i + 6] for i in thirds
+        )
         # One rigid star with the inertia of the parameters, turned with it.
         rotation = case.robot.forward_kinematics(q[case.actuated]).rotation
         inertia = rotation @ np.diag(case.robot.parameters.star_inertia) @ rotation.T
         assert_allclose(merged[np.ix_(star_rows[:3], star_rows[:3])], inertia, rtol=0, atol=1e-13)
-        assert_allclose(merged[np.ix_(star_rows[3:], star_rows[3:])], 1.758 * np.eye(3), rtol=0, atol=1e-15)
+        assert_allclose(
+            merged[np.ix_(star_rows[3:], star_rows[3:])], 1.758 * np.eye(3), rtol=0, atol=1e-15
+        )
         weights = noc.w_g()[rows]
         weights[star_rows] = sum(noc.w_g()[6 * i : 6 * i + 6] for i in thirds)
         assert len(rows) == 6 * 13
@@ -291,7 +378,8 @@ def test_merging_the_thirds_of_the_star_gives_the_thesis_with_13_bodies(paramete
 def test_equation_of_motion_equals_constraint_dynamics(case: Case) -> None:
     """M a + C v + G = tau for Pinocchio's accelerations under random forces.
 
-    The settings are the ones that hold for redundant closures too. C is not unique here, C v is. 1e-9 of the forces.
+    The settings are the ones that hold for redundant closures too. C is not unique here, C v is.
+    1e-9 of the forces.
     """
     rng = np.random.default_rng(6)
     settings = pin.ProximalSettings(1e-13, 1e-13, 1e-6, 100)
@@ -305,40 +393,68 @@ def test_equation_of_motion_equals_constraint_dynamics(case: Case) -> None:
         tau = np.zeros(case.model.nv)
         tau[case.actuated] = forces
         pin.initConstraintDynamics(case.model, data, constraints, constraint_data)
-        joint_accelerations = pin.constraintDynamics(case.model, data, q, v, tau, constraints, constraint_data, settings)
+        joint_accelerations = pin.constraintDynamics(
+            case.model, data, q, v, tau, constraints, constraint_data, settings
+        )
         accelerations = joint_accelerations[case.actuated]
         noc = case.noc
-        found = noc.mass_matrix(q) @ accelerations + noc.coriolis_matrix(q, v) @ speeds + noc.gravity(q)
+        found = (
+            noc.mass_matrix(q) @ accelerations + noc.coriolis_matrix(q, v) @ speeds + noc.gravity(q)
+        )
         assert_allclose(found, forces, rtol=0, atol=1e-9 * np.abs(forces).max())
-        assert_allclose(noc.inverse_dynamics(q, v, accelerations), forces, rtol=0, atol=1e-9 * np.abs(forces).max())
+        assert_allclose(
+            noc.inverse_dynamics(q, v, accelerations),
+            forces,
+            rtol=0,
+            atol=1e-9 * np.abs(forces).max(),
+        )
 
 
 def test_equation_of_motion_equals_projected_rnea(case: Case) -> None:
-    """L' RNEA(q, v, L a + L_dot s), with Pinocchio's recursion instead of twists of free bodies; 1e-11 relative."""
+    """L' RNEA(q, v, L a + L_dot s), with Pinocchio's recursion instead of twists of free bodies.
+
+    1e-11 relative.
+    """
     data = case.model.createData()
     rng = np.random.default_rng(7)
     for q, v, speeds in zip(case.q, case.v, case.speeds, strict=True):
         accelerations = rng.normal(size=len(case.actuated))
         complement, rate = case.noc.L(q), case.noc.L_dot(q, v)
-        expected = complement.T @ pin.rnea(case.model, data, q, v, complement @ accelerations + rate @ speeds)
-        assert_allclose(case.noc.inverse_dynamics(q, v, accelerations), expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+        expected = complement.T @ pin.rnea(
+            case.model, data, q, v, complement @ accelerations + rate @ speeds
+        )
+        assert_allclose(
+            case.noc.inverse_dynamics(q, v, accelerations),
+            expected,
+            rtol=0,
+            atol=1e-11 * np.abs(expected).max(),
+        )
         mass = pin.crba(case.model, data, q)
         mass = np.triu(mass) + np.triu(mass, 1).T
-        assert_allclose(case.noc.mass_matrix(q), complement.T @ mass @ complement, rtol=1e-11, atol=1e-11)
+        assert_allclose(
+            case.noc.mass_matrix(q), complement.T @ mass @ complement, rtol=1e-11, atol=1e-11
+        )
         gravity = complement.T @ pin.computeGeneralizedGravity(case.model, data, q)
         assert_allclose(case.noc.gravity(q), gravity, rtol=0, atol=1e-11 * np.abs(gravity).max())
 
 
 def test_rate_of_the_mass_matrix_minus_twice_c_is_skew(case: Case) -> None:
     """Of any C of the form T'M(dT/dt) + T'Omega M T; rate of M by differences, 1e-8 relative."""
-    rate = derivative(lambda t: case.noc.mass_matrix(case.robot.configuration(case.positions + t * case.speeds)), 2e-3)
+    rate = derivative(
+        lambda t: case.noc.mass_matrix(case.robot.configuration(case.positions + t * case.speeds)),
+        2e-3,
+    )
     difference = rate - 2.0 * case.noc.coriolis_matrix(case.q, case.v)
     assert np.abs(difference + difference.swapaxes(-1, -2)).max() < 1e-8 * np.abs(rate).max()
 
 
 def test_model_for_controllers_takes_positions_and_speeds(case: Case) -> None:
     found = case.noc.equation_of_motion(case.positions, case.speeds)
-    expected = (case.noc.mass_matrix(case.q), case.noc.coriolis_matrix(case.q, case.v), case.noc.gravity(case.q))
+    expected = (
+        case.noc.mass_matrix(case.q),
+        case.noc.coriolis_matrix(case.q, case.v),
+        case.noc.gravity(case.q),
+    )
     for one, other in zip(found, expected, strict=True):
         assert_allclose(one, other, rtol=0, atol=1e-13 * np.abs(other).max())
 
@@ -374,16 +490,26 @@ def test_batches_are_loops_of_singles(star: Case, method: str, shape: tuple[int,
     result = function(q, v) if with_velocity else function(q)
     assert result.shape == (*shape, *tail)
     for index in np.ndindex(*shape):
-        assert_array_equal(result[index], function(q[index], v[index]) if with_velocity else function(q[index]))
+        assert_array_equal(
+            result[index], function(q[index], v[index]) if with_velocity else function(q[index])
+        )
 
 
 def test_an_empty_batch_keeps_its_shape(star: Case) -> None:
     empty = np.zeros((2, 0, 15))
     for method, (with_velocity, tail) in SHAPES.items():
         function = getattr(star.noc, method)
-        assert (function(empty, empty) if with_velocity else function(empty)).shape == (2, 0, *tail), method
+        assert (function(empty, empty) if with_velocity else function(empty)).shape == (
+            2,
+            0,
+            *tail,
+        ), method
     assert star.noc.inverse_dynamics(empty, empty, np.zeros(3)).shape == (2, 0, 3)
-    assert [part.shape for part in star.noc.equation_of_motion(np.zeros((0, 3)), np.zeros(3))] == [(0, 3, 3), (0, 3, 3), (0, 3)]
+    assert [part.shape for part in star.noc.equation_of_motion(np.zeros((0, 3)), np.zeros(3))] == [
+        (0, 3, 3),
+        (0, 3, 3),
+        (0, 3),
+    ]
 
 
 def test_one_configuration_goes_with_many_velocities(star: Case) -> None:
@@ -399,7 +525,10 @@ def test_one_configuration_goes_with_many_velocities(star: Case) -> None:
 
 
 def gimbal(robot: psp3.PSP3) -> Array:
-    """Return a configuration with a ball joint at 90 degrees, its outer axes in line; no closed one exists, so it is built by hand."""
+    """Return a configuration with a ball joint at 90 degrees, its outer axes in line.
+
+    No closed one exists, so it is built by hand.
+    """
     q = np.array(robot.configuration([0.0, 0.05, 0.1]))
     q[robot.model.joints[robot.model.getJointId("theta2")].idx_q] = 0.5 * np.pi
     return q
@@ -445,7 +574,12 @@ def test_a_tiny_or_huge_velocity_of_the_right_kind_is_taken(star: Case) -> None:
     q, v = star.q[0], star.v[0]
     expected = star.noc.coriolis_matrix(q, v)
     for size in (1e-12, 1e6):
-        assert_allclose(star.noc.coriolis_matrix(q, size * v) / size, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+        assert_allclose(
+            star.noc.coriolis_matrix(q, size * v) / size,
+            expected,
+            rtol=0,
+            atol=1e-12 * np.abs(expected).max(),
+        )
 
 
 @pytest.mark.parametrize("method", ["mass_matrix", "gravity"])
@@ -465,9 +599,20 @@ def test_velocity_dynamics_with_open_loops_is_refused(star: Case) -> None:
         star.noc.inverse_dynamics(q, star.v_off[0], np.zeros(3))
 
 
-@pytest.mark.parametrize("bad", [np.zeros(3), np.full(15, np.nan), np.zeros((15, 1)), 1.0, None, "home"])
+@pytest.mark.parametrize(
+    "bad", [np.zeros(3), np.full(15, np.nan), np.zeros((15, 1)), 1.0, None, "home"]
+)
 def test_malformed_vectors_are_refused_by_name(star: Case, bad: Any) -> None:
-    for method in ("constraint", "constraint_jacobian", "L", "K", "T", "M_total", "mass_matrix", "gravity"):
+    for method in (
+        "constraint",
+        "constraint_jacobian",
+        "L",
+        "K",
+        "T",
+        "M_total",
+        "mass_matrix",
+        "gravity",
+    ):
         with pytest.raises(InvalidArray, match="q must be"):
             getattr(star.noc, method)(bad)
     for method in ("L_dot", "K_dot", "T_dot", "Omega", "coriolis_matrix"):
@@ -496,20 +641,33 @@ def test_speeds_for_a_controllers_model_are_checked(star: Case) -> None:
 
 def test_too_few_actuated_joints_are_refused(star: Case) -> None:
     """Two of three screws do not determine the robot."""
-    robot = SimpleNamespace(model=star.model, constraint_models=star.robot.constraint_models, actuated=("a1", "a2"))
+    robot = SimpleNamespace(
+        model=star.model, constraint_models=star.robot.constraint_models, actuated=("a1", "a2")
+    )
     with pytest.raises(PSP3Error):
         psp3.NaturalOrthogonalComplement(robot).L(star.q[0])
 
 
 def test_too_many_actuated_joints_are_refused(star: Case) -> None:
-    """Three screws and a slider cannot be driven independently: with four columns, L would open the loops without a word."""
-    robot = SimpleNamespace(model=star.model, constraint_models=star.robot.constraint_models, actuated=("a1", "a2", "a3", "b1"))
+    """Three screws and a slider cannot be driven independently.
+
+    With four columns, L would open the loops without a word.
+    """
+    robot = SimpleNamespace(
+        model=star.model,
+        constraint_models=star.robot.constraint_models,
+        actuated=("a1", "a2", "a3", "b1"),
+    )
     with pytest.raises(PSP3Error):
         psp3.NaturalOrthogonalComplement(robot).mass_matrix(star.q[0])
 
 
 def test_unknown_actuated_joint_is_refused(star: Case) -> None:
-    robot = SimpleNamespace(model=star.model, constraint_models=star.robot.constraint_models, actuated=("a1", "a2", "a4"))
+    robot = SimpleNamespace(
+        model=star.model,
+        constraint_models=star.robot.constraint_models,
+        actuated=("a1", "a2", "a4"),
+    )
     with pytest.raises(PSP3Error, match="a4"):
         psp3.NaturalOrthogonalComplement(robot)
 

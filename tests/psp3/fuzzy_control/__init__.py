@@ -1,0 +1,1 @@
+"""Tests of psp3.fuzzy_control, one file per module."""

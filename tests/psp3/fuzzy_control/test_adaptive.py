@@ -1,4 +1,8 @@
-"""The adaptive controller, against batch least squares over a whole run, the trained controller, and robots that it does not know."""
+"""The adaptive controller.
+
+Against batch least squares over a whole run, the trained controller, and robots that it does not
+know.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +18,12 @@ import psp3
 from fuzzy2.learning.adaptation_kernels import settle, solve
 from psp3.errors import InvalidArray, InvalidValue, NotTrained
 from psp3.fuzzy_control import adaptive_kernels as kernels
-from psp3.fuzzy_control.adaptive import LEAST_SHARE_OF_MASS, UPDATE_PERIOD, AdaptiveFuzzyComputedTorque, trained_rules
+from psp3.fuzzy_control.adaptive import (
+    LEAST_SHARE_OF_MASS,
+    UPDATE_PERIOD,
+    AdaptiveFuzzyComputedTorque,
+    trained_rules,
+)
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import Record, differences, pack, record, unpack
 from psp3.simulation import Result, simulate
@@ -34,7 +43,9 @@ def robot() -> PSP3:
 @cache
 def loaded(payload: float) -> PSP3:
     parameters = robot().parameters
-    return psp3.load("psp3", parameters=dataclasses.replace(parameters, star_mass=parameters.star_mass + payload))
+    return psp3.load(
+        "psp3", parameters=dataclasses.replace(parameters, star_mass=parameters.star_mass + payload)
+    )
 
 
 @cache
@@ -45,7 +56,9 @@ def recorded() -> Record:
 @cache
 def trained(kind: str = "t1", **options: Any) -> FuzzyComputedTorque:
     variation = 0.1 if kind == "it2" else None
-    return FuzzyComputedTorque(kind, robot(), mean_variation=variation, **options).learn(recorded(), rng=np.random.default_rng(0))
+    return FuzzyComputedTorque(kind, robot(), mean_variation=variation, **options).learn(
+        recorded(), rng=np.random.default_rng(0)
+    )
 
 
 @cache
@@ -68,10 +81,13 @@ def memory_after(controller: AdaptiveFuzzyComputedTorque, result: Result) -> ker
 
 @pytest.mark.parametrize("memory", [0.3, 2.0])
 def test_what_is_learned_is_batch_least_squares_over_the_run(memory: float) -> None:
-    """By singular values of the filtered rows of all periods, weighted with their age, and those of the prior.
+    """By singular values of the filtered rows of all periods, and the prior's.
 
-    The basis functions come from the system's firing, the filter is a sum over all earlier rows, and everything is taken at the middle
-    of its period. 1e-7 kg and N: numbers of 100, a prior of 1e-4, and squares of both in the one that is solved recursively.
+    Rows are weighted with their age.
+
+    The basis functions come from the system's firing, the filter is a sum over all earlier rows,
+    and everything is taken at the middle of its period. 1e-7 kg and N: numbers of 100, a prior of
+    1e-4, and squares of both in the one that is solved recursively.
     """
     base = trained("t1")
     controller = AdaptiveFuzzyComputedTorque(base, memory=memory)
@@ -83,7 +99,9 @@ def test_what_is_learned_is_batch_least_squares_over_the_run(memory: float) -> N
     phi = firing / firing.sum(axis=1, keepdims=True)
     consequents = np.asarray(base.system_.consequents)
     M, C, G = unpack(phi @ consequents)
-    missed = result.torque[:-1] - np.einsum("nij,nj->ni", M, rise) - np.einsum("nij,nj->ni", C, v) - G
+    missed = (
+        result.torque[:-1] - np.einsum("nij,nj->ni", M, rise) - np.einsum("nij,nj->ni", C, v) - G
+    )
     # Outputs that adapt: M's upper triangle, then G; entry (i, j) of M is number a (5 - a) / 2 + b.
     factors = np.zeros((count, 3, 9))
     for i in range(3):
@@ -99,7 +117,10 @@ def test_what_is_learned_is_batch_least_squares_over_the_run(memory: float) -> N
     last = 10 * (count // round(UPDATE_PERIOD / PERIOD))
     weights = np.sqrt(PERIOD * np.exp(-PERIOD / memory) ** np.arange(last - 1, -1, -1))
     matrix = np.concatenate(
-        [(weights[:, np.newaxis, np.newaxis] * rows[:last]).reshape(3 * last, -1), np.diag(np.sqrt(controller.rules.prior))]
+        [
+            (weights[:, np.newaxis, np.newaxis] * rows[:last]).reshape(3 * last, -1),
+            np.diag(np.sqrt(controller.rules.prior)),
+        ]
     )
     right = np.concatenate([(weights[:, np.newaxis] * missed[:last]).ravel(), np.zeros(9 * 16)])
     expected = np.linalg.lstsq(matrix, right, rcond=None)[0].reshape(9, 16)
@@ -110,10 +131,15 @@ def test_what_is_learned_is_batch_least_squares_over_the_run(memory: float) -> N
 
 
 def test_no_acceleration_is_needed_to_know_the_mean_of_a_period() -> None:
-    """With the exact M, C and G at the middle of a period the torque comes out to the second order: a period half as long, a quarter."""
+    """With the exact M, C and G at the middle of a period the torque comes out to the second order.
+
+    A period half as long, a quarter.
+    """
     errors = []
     for period in (PERIOD, 0.5 * PERIOD):
-        result = simulate(robot(), psp3.ComputedTorque(robot()), Helix(period=0.5, robot=robot()), 0.5, period)
+        result = simulate(
+            robot(), psp3.ComputedTorque(robot()), Helix(period=0.5, robot=robot()), 0.5, period
+        )
         a, v = (0.5 * (x[1:] + x[:-1]) for x in (result.heights, result.speeds))
         torque = robot().inverse_dynamics(a, v, np.diff(result.speeds, axis=0) / period)
         errors.append(np.abs(torque - result.torque[:-1]).max())
@@ -123,7 +149,9 @@ def test_no_acceleration_is_needed_to_know_the_mean_of_a_period() -> None:
 
 @pytest.mark.parametrize("kind", ["t1", "it2"])
 def test_a_payload_is_learned(kind: str) -> None:
-    """It leaves less than a fifth of the squared error in four seconds, and G rises by the weight, a third of it on each screw.
+    """It leaves less than a fifth of the squared error in four seconds.
+
+    G rises by the weight, a third of it on each screw.
 
     Within 1 N of 6.5 N: what the rules cannot say of the pose is in there, too.
     """
@@ -132,26 +160,39 @@ def test_a_payload_is_learned(kind: str) -> None:
     controller = AdaptiveFuzzyComputedTorque(trained(kind))
     memory_after(controller, adapted)
     late = slice(-500, None)
-    inputs = np.clip(differences(adapted.heights[late], adapted.speeds[late]), *trained(kind).ranges_)
-    system = type(trained(kind).system_)(trained(kind).system_.inputs, trained(kind).system_.rules, controller.consequents)
+    inputs = np.clip(
+        differences(adapted.heights[late], adapted.speeds[late]), *trained(kind).ranges_
+    )
+    system = type(trained(kind).system_)(
+        trained(kind).system_.inputs, trained(kind).system_.rules, controller.consequents
+    )
     rise = (system(inputs) - trained(kind).system_(inputs))[:, 15:].mean(axis=0)
     np.testing.assert_allclose(rise, 2.0 * 9.81 / 3.0, atol=1.0)
 
 
 def test_without_mismatch_it_does_no_harm() -> None:
-    assert sum_of_squared_errors(run("t1", 0.0, True)) < 1.05 * sum_of_squared_errors(run("t1", 0.0, False))
+    assert sum_of_squared_errors(run("t1", 0.0, True)) < 1.05 * sum_of_squared_errors(
+        run("t1", 0.0, False)
+    )
 
 
 @pytest.mark.parametrize("kind", ["t1", "it2"])
 def test_with_boundless_trust_it_is_the_trained_controller(kind: str) -> None:
-    """1e-9 N: torques are sums of the same numbers in another order, and the trust is a million times the squares of a run."""
+    """1e-9 N: torques are sums of the same numbers in another order.
+
+    The trust is a million times the squares of a run.
+    """
     controller, base = AdaptiveFuzzyComputedTorque(trained(kind), trust=1e12), trained(kind)
     result = run(kind, 2.0, False)
     for k in range(0, len(result.t), 37):
         now = Motion(*(array[k] for array in result.desired))
         torque = controller.torque(result.t[k], result.heights[k], result.speeds[k], now)
-        np.testing.assert_allclose(torque, base.torque(0.0, result.heights[k], result.speeds[k], now), rtol=0.0, atol=1e-9)
-        np.testing.assert_allclose(controller.torque_interval, base.torque_interval, rtol=0.0, atol=1e-9)
+        np.testing.assert_allclose(
+            torque, base.torque(0.0, result.heights[k], result.speeds[k], now), rtol=0.0, atol=1e-9
+        )
+        np.testing.assert_allclose(
+            controller.torque_interval, base.torque_interval, rtol=0.0, atol=1e-9
+        )
         assert controller.covered == base.covered
         assert not controller.fell_back
 
@@ -171,7 +212,10 @@ def test_the_torque_is_the_middle_of_its_interval() -> None:
 
 
 def test_consequents_stay_in_reach_whatever_comes_in() -> None:
-    """Heights and speeds that jump at random, which no forces explain; M stays above its share of the trained one without falling back."""
+    """Heights and speeds that jump at random, which no forces explain.
+
+    M stays above its share of the trained one without falling back.
+    """
     controller = AdaptiveFuzzyComputedTorque(trained("t1"), reach=0.3)
     rng = np.random.default_rng(0)
     desired = Motion(np.zeros(3), np.zeros(3), np.zeros(3), np.zeros(3))
@@ -179,7 +223,9 @@ def test_consequents_stay_in_reach_whatever_comes_in() -> None:
     consequents = np.asarray(trained("t1").system_.consequents)
     was_at_reach = False
     for k in range(600):
-        torque = controller.torque(PERIOD * k, rng.normal(0.0, 0.05, 3), rng.normal(0.0, 0.3, 3), desired)
+        torque = controller.torque(
+            PERIOD * k, rng.normal(0.0, 0.05, 3), rng.normal(0.0, 0.3, 3), desired
+        )
         assert np.isfinite(torque).all()
         moved = (controller.consequents - consequents).T[[0, 1, 2, 3, 4, 5, 15, 16, 17]]
         assert (np.abs(moved) <= bounds + 1e-12).all()
@@ -201,7 +247,9 @@ def test_a_mass_matrix_that_is_too_small_gives_way_to_the_trained_rules() -> Non
     desired = Motion(a, v, np.ones(3), a)
     torque = controller.torque(0.0, a, v, desired)
     assert controller.fell_back
-    np.testing.assert_allclose(torque, trained("it2").torque(0.0, a, v, desired), rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(
+        torque, trained("it2").torque(0.0, a, v, desired), rtol=0.0, atol=1e-9
+    )
     controller.reset()
     controller._memory.consequents[:6] *= 0.3
     controller.torque(0.0, a, v, desired)
@@ -209,21 +257,38 @@ def test_a_mass_matrix_that_is_too_small_gives_way_to_the_trained_rules() -> Non
 
 
 def test_at_rest_nothing_winds_up() -> None:
-    """Eight seconds in one pose under a wrong weight: its forces are learned, and all of M stays near what was trained.
+    """Eight seconds in one pose under a wrong weight.
 
-    And nothing goes on to grow: eight seconds later, four times the memory, all is where it was, but for 2 % of what the way there taught.
+    Its forces are learned, and all of M stays near what was trained.
+
+    And nothing goes on to grow: eight seconds later, four times the memory, all is where it was,
+    but for 2 % of what the way there taught.
     """
     controller = AdaptiveFuzzyComputedTorque(trained("t1", kp=100.0, kv=20.0))
-    desired = Motion(*(np.asarray(x, dtype=float) for x in ([0.0, 0.05, -0.05], [0.0] * 3, [0.0] * 3, [0.0] * 3)))
+    desired = Motion(
+        *(np.asarray(x, dtype=float) for x in ([0.0, 0.05, -0.05], [0.0] * 3, [0.0] * 3, [0.0] * 3))
+    )
     plant = loaded(2.0).parameters.as_array()
-    state, wanted = np.concatenate([desired.heights, np.zeros(3)]), np.tile(np.concatenate(desired[:3]), (4001, 1))
+    state, wanted = (
+        np.concatenate([desired.heights, np.zeros(3)]),
+        np.tile(np.concatenate(desired[:3]), (4001, 1)),
+    )
     samples = np.empty((4001, 6 + 11))
     seen = []
     for part in range(2):
         loops.adaptive_run(
-            controller.settings, controller.rules, controller._memory, plant, np.zeros((3, 3)), wanted, state, 8.0 * part, PERIOD,
-            np.empty((0, 6)), samples,
-        )  # fmt: skip
+            controller.settings,
+            controller.rules,
+            controller._memory,
+            plant,
+            np.zeros((3, 3)),
+            wanted,
+            state,
+            8.0 * part,
+            PERIOD,
+            np.empty((0, 6)),
+            samples,
+        )
         seen.append(controller.consequents)
     np.testing.assert_allclose(state[:3], desired.heights, atol=1e-5)
     np.testing.assert_allclose(seen[1], seen[0], atol=0.02 * 0.2)
@@ -232,7 +297,10 @@ def test_at_rest_nothing_winds_up() -> None:
 
 
 def test_noise_of_measurement_disturbs_little() -> None:
-    """10 µm and 1 mm/s, white: in a period that is an acceleration of 0.7 m/s², 6 N on a screw. The torque it makes is a tenth of that."""
+    """10 µm and 1 mm/s, white: in a period that is an acceleration of 0.7 m/s², 6 N on a screw.
+
+    The torque it makes is a tenth of that.
+    """
     controller = AdaptiveFuzzyComputedTorque(trained("t1"))
     t = PERIOD * np.arange(3001)
     motion = Helix(robot=robot())(t)
@@ -243,30 +311,54 @@ def test_noise_of_measurement_disturbs_little() -> None:
         controller.reset()
         samples, state = np.empty((len(t), 17)), np.concatenate([motion.heights[0], np.zeros(3)])
         done = loops.adaptive_run(
-            controller.settings, controller.rules, controller._memory, loaded(2.0).parameters.as_array(), np.zeros((3, 3)), desired,
-            state, 0.0, PERIOD, measured, samples,
-        )  # fmt: skip
+            controller.settings,
+            controller.rules,
+            controller._memory,
+            loaded(2.0).parameters.as_array(),
+            np.zeros((3, 3)),
+            desired,
+            state,
+            0.0,
+            PERIOD,
+            measured,
+            samples,
+        )
         assert done == len(t)
         runs.append(samples[1000:, 6:9])
     assert np.sqrt(np.mean((runs[1] - runs[0]) ** 2)) < 0.6
 
 
 def test_the_least_squares_within_the_box_are_the_ones_that_are_found() -> None:
-    """By SciPy's bounded solver; coordinate descent stops where no sweep moves anything, 1e-9 for the condition of the problem."""
+    """By SciPy's bounded solver.
+
+    Coordinate descent stops where no sweep moves anything, 1e-9 for the condition of the problem.
+    """
     optimize = pytest.importorskip("scipy.optimize")
     rng = np.random.default_rng(0)
     for _ in range(10):
-        rows, targets, prior = rng.normal(size=(20, 8)), 3.0 * rng.normal(size=20), rng.uniform(0.1, 1.0, 8)
+        rows, targets, prior = (
+            rng.normal(size=(20, 8)),
+            3.0 * rng.normal(size=20),
+            rng.uniform(0.1, 1.0, 8),
+        )
         bound = rng.uniform(0.1, 1.0, 8)
         matrix = np.concatenate([rows, np.diag(np.sqrt(prior))])
-        expected = optimize.lsq_linear(matrix, np.concatenate([targets, np.zeros(8)]), (-bound, bound), method="bvls", tol=1e-14).x
+        expected = optimize.lsq_linear(
+            matrix,
+            np.concatenate([targets, np.zeros(8)]),
+            (-bound, bound),
+            method="bvls",
+            tol=1e-14,
+        ).x
         out, whole = np.zeros(8), np.empty((8, 8))
         information, right = np.triu(rows.T @ rows), rows.T @ targets
         settle(information, right, prior, -bound, bound, 10_000, whole, np.empty(8), out)
         np.testing.assert_allclose(out, expected, atol=1e-9)
         assert (np.abs(out) == bound).any()
         assert solve(information, right, prior, whole, out)
-        np.testing.assert_allclose(out, np.linalg.solve(rows.T @ rows + np.diag(prior), right), atol=1e-12)
+        np.testing.assert_allclose(
+            out, np.linalg.solve(rows.T @ rows + np.diag(prior), right), atol=1e-12
+        )
 
 
 # The protocol of controllers
@@ -277,16 +369,29 @@ def test_the_compiled_run_is_the_simulation(kind: str) -> None:
     """To the last bit: the same kernels in the same order."""
     result = run(kind, 2.0, True)
     controller = AdaptiveFuzzyComputedTorque(trained(kind))
-    desired = np.concatenate([result.desired.heights, result.desired.speeds, result.desired.accelerations], axis=1)
+    desired = np.concatenate(
+        [result.desired.heights, result.desired.speeds, result.desired.accelerations], axis=1
+    )
     samples, state = np.empty((len(result.t), 17)), np.concatenate([result.heights[0], np.zeros(3)])
     done = loops.adaptive_run(
-        controller.settings, controller.rules, controller._memory, loaded(2.0).parameters.as_array(), np.zeros((3, 3)), desired, state,
-        0.0, PERIOD, np.empty((0, 6)), samples,
-    )  # fmt: skip
+        controller.settings,
+        controller.rules,
+        controller._memory,
+        loaded(2.0).parameters.as_array(),
+        np.zeros((3, 3)),
+        desired,
+        state,
+        0.0,
+        PERIOD,
+        np.empty((0, 6)),
+        samples,
+    )
     assert done == len(result.t)
     np.testing.assert_array_equal(samples[:, 0:3], result.heights)
     np.testing.assert_array_equal(samples[:, 6:9], result.torque)
-    np.testing.assert_array_equal(samples[:, 9:15].reshape(-1, 2, 3).swapaxes(1, 2), result.torque_interval)
+    np.testing.assert_array_equal(
+        samples[:, 9:15].reshape(-1, 2, 3).swapaxes(1, 2), result.torque_interval
+    )
     np.testing.assert_array_equal(samples[:, 15] > 0.0, result.covered)
 
 
@@ -297,7 +402,9 @@ def test_reset_forgets_everything() -> None:
     controller.reset()
     np.testing.assert_array_equal(controller.consequents, trained("t1").system_.consequents)
     assert np.isnan(controller.torque_interval).all()
-    np.testing.assert_array_equal(trained_rules(trained("t1"), 1.0, 0.5).trained[:, 0].T, trained("t1").system_.consequents)
+    np.testing.assert_array_equal(
+        trained_rules(trained("t1"), 1.0, 0.5).trained[:, 0].T, trained("t1").system_.consequents
+    )
 
 
 def test_a_call_at_the_same_time_learns_nothing() -> None:
@@ -322,7 +429,9 @@ def test_a_call_at_the_same_time_learns_nothing() -> None:
         (1.0, "abc", [0.0, 0.0, 0.0]),
     ],
 )
-def test_what_is_no_state_is_refused_and_nothing_learned_from(t: float, heights: Any, speeds: Any) -> None:
+def test_what_is_no_state_is_refused_and_nothing_learned_from(
+    t: float, heights: Any, speeds: Any
+) -> None:
     controller = AdaptiveFuzzyComputedTorque(trained("t1"))
     good = Motion(*(np.zeros(3) for _ in range(4)))
     controller.torque(0.0, np.zeros(3), np.zeros(3), good)
@@ -330,7 +439,9 @@ def test_what_is_no_state_is_refused_and_nothing_learned_from(t: float, heights:
     with pytest.raises((InvalidValue, InvalidArray)):
         controller.torque(t, heights, speeds, good)
     with pytest.raises(InvalidArray):
-        controller.torque(1.0, np.zeros(3), np.zeros(3), good._replace(accelerations=np.full(3, math.nan)))
+        controller.torque(
+            1.0, np.zeros(3), np.zeros(3), good._replace(accelerations=np.full(3, math.nan))
+        )
     for array, old in zip(controller._memory, before, strict=True):
         np.testing.assert_array_equal(array, old)
 
@@ -354,8 +465,14 @@ def test_parameters_that_cannot_be_meant_are_refused(options: dict[str, float], 
 def test_controllers_that_cannot_adapt_are_refused() -> None:
     with pytest.raises(NotTrained):
         AdaptiveFuzzyComputedTorque(FuzzyComputedTorque("t1", robot()))
-    for other in (FuzzyComputedTorque("gt2", robot()), FuzzyComputedTorque("t1", robot(), outside="crisp"), psp3.ComputedTorque(robot())):
+    for other in (
+        FuzzyComputedTorque("gt2", robot()),
+        FuzzyComputedTorque("t1", robot(), outside="crisp"),
+        psp3.ComputedTorque(robot()),
+    ):
         with pytest.raises(InvalidValue, match='"t1" or "it2" with outside="clamp"'):
             AdaptiveFuzzyComputedTorque(other)  # type: ignore[arg-type]
     assert pack(*unpack(trained("t1").fallback_)).shape == (18,)
-    assert repr(AdaptiveFuzzyComputedTorque(trained("t1"))).endswith("16 rules), memory=2, trust=0.0001, reach=0.5, lag=0.05)")
+    assert repr(AdaptiveFuzzyComputedTorque(trained("t1"))).endswith(
+        "16 rules), memory=2, trust=0.0001, reach=0.5, lag=0.05)"
+    )

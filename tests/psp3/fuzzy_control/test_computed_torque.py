@@ -1,4 +1,7 @@
-"""The fuzzy controller against fuzzy arithmetic, the crisp controller, other kinds, and files that were tampered with."""
+"""The fuzzy controller.
+
+Against fuzzy arithmetic, the crisp controller, other kinds, and files that were tampered with.
+"""
 
 from __future__ import annotations
 
@@ -61,7 +64,9 @@ def trained(recorded: Record) -> dict[str, FuzzyComputedTorque]:
 def learned(recorded: Record, seed: int = 3, **options: Any) -> FuzzyComputedTorque:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", fuzzy2.ApproximationWarning)
-        return FuzzyComputedTorque(robot=ROBOT, **{"snr_db": 15.0} | options).learn(recorded, rng=np.random.default_rng(seed))
+        return FuzzyComputedTorque(robot=ROBOT, **{"snr_db": 15.0} | options).learn(
+            recorded, rng=np.random.default_rng(seed)
+        )
 
 
 def states(count: int, seed: int = 0) -> list[tuple[np.ndarray, np.ndarray, Motion]]:
@@ -77,20 +82,29 @@ def states(count: int, seed: int = 0) -> list[tuple[np.ndarray, np.ndarray, Moti
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_defuzzifying_first_equals_defuzzifying_last(trained: dict[str, FuzzyComputedTorque], name: str) -> None:
-    """Fuzzy arithmetic in NumPy on the systems' own type-reduced outputs; 1e-12 relative to the largest screw force."""
+def test_defuzzifying_first_equals_defuzzifying_last(
+    trained: dict[str, FuzzyComputedTorque], name: str
+) -> None:
+    """Fuzzy arithmetic in NumPy on the systems' own type-reduced outputs.
+
+    1e-12 relative to the largest screw force.
+    """
     controller = trained[name]
     for heights, speeds, desired in states(200):
         fast = controller.torque(0.0, heights, speeds, desired)
         number = controller.torque_number(heights, speeds, desired)
-        np.testing.assert_allclose(fast, controller.defuzzify(number), rtol=0.0, atol=1e-12 * np.abs(fast).max())
+        np.testing.assert_allclose(
+            fast, controller.defuzzify(number), rtol=0.0, atol=1e-12 * np.abs(fast).max()
+        )
         assert not controller.fell_back
         if isinstance(number, fuzzy2.GaussianNumber):
             expected = np.stack([number.mean, number.sigma], axis=-1)
         else:
             planes = number if number.ndim == 2 else number.reshape(1, 3)
             expected = planes[0].interval()
-        np.testing.assert_allclose(controller.torque_interval, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+        np.testing.assert_allclose(
+            controller.torque_interval, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max()
+        )
         if name in ("it2", "gt2"):
             assert (controller.torque_interval[:, 0] <= fast).all()
             assert (fast <= controller.torque_interval[:, 1]).all()
@@ -104,7 +118,12 @@ def test_defuzzifying_first_equals_defuzzifying_last(trained: dict[str, FuzzyCom
     st.floats(0.0, 10.4),
 )
 def test_both_ways_agree_at_any_state(
-    trained: dict[str, FuzzyComputedTorque], name: str, heights: list[float], speeds: list[float], accelerations: list[float], t: float
+    trained: dict[str, FuzzyComputedTorque],
+    name: str,
+    heights: list[float],
+    speeds: list[float],
+    accelerations: list[float],
+    t: float,
 ) -> None:
     """Terms of up to 1e3 N cancel in the torque, so 1e-12 is relative to the sum of their sizes."""
     controller = trained[name]
@@ -118,24 +137,43 @@ def test_both_ways_agree_at_any_state(
     assert (np.abs(fast - (M @ servo + C @ speeds + G)) <= 1e-12 * scale).all()
 
 
-def test_spreads_of_the_torque_are_sums_of_absolute_spreads(trained: dict[str, FuzzyComputedTorque]) -> None:
-    """Theorem 1.4 written out with the lowest and highest torque that any M, C and G within their intervals give (interval type-2)."""
+def test_spreads_of_the_torque_are_sums_of_absolute_spreads(
+    trained: dict[str, FuzzyComputedTorque],
+) -> None:
+    """Theorem 1.4 written out with the lowest and highest torque.
+
+    Those that any M, C and G within their intervals give (interval type-2).
+    """
     controller = trained["it2"]
     heights, speeds, desired = states(1, seed=4)[0]
     controller.torque(0.0, heights, speeds, desired)
     servo = desired.accelerations + desired.speeds - speeds + 10.0 * (desired.heights - heights)
-    M, C, G = (number.interval() for number in controller.estimated_numbers(heights, speeds))  # type: ignore[call-arg]
-    lowest = (np.sort(M * servo[:, np.newaxis]).sum(axis=1) + np.sort(C * speeds[:, np.newaxis]).sum(axis=1) + G)[:, 0]
-    highest = (np.sort(M * servo[:, np.newaxis]).sum(axis=1) + np.sort(C * speeds[:, np.newaxis]).sum(axis=1) + G)[:, 1]
-    np.testing.assert_allclose(controller.torque_interval, np.stack([lowest, highest], axis=-1), rtol=1e-12)
+    M, C, G = (
+        number.interval()  # type: ignore[call-arg]
+        for number in controller.estimated_numbers(heights, speeds)
+    )
+    lowest = (
+        np.sort(M * servo[:, np.newaxis]).sum(axis=1)
+        + np.sort(C * speeds[:, np.newaxis]).sum(axis=1)
+        + G
+    )[:, 0]
+    highest = (
+        np.sort(M * servo[:, np.newaxis]).sum(axis=1)
+        + np.sort(C * speeds[:, np.newaxis]).sum(axis=1)
+        + G
+    )[:, 1]
+    np.testing.assert_allclose(
+        controller.torque_interval, np.stack([lowest, highest], axis=-1), rtol=1e-12
+    )
     assert (highest - lowest > 1.0).all()
 
 
 def test_numbers_of_other_shapes_must_be_defuzzified_last() -> None:
     """A mass that is the triangle (0, 0, 1), times a servo of 1, plus gravity within [0, 1].
 
-    The cut of their sum at level α is [0, 2 − α], so its centroid is ∫(2 − α)²dα / 2∫(2 − α)dα = (7/3)/3 = 7/9, and 1/3 + 1/2 = 5/6
-    if each is defuzzified first. Ends of cuts are linear in the level, where the quadrature is exact: 1e-12.
+    The cut of their sum at level α is [0, 2 − α], so its centroid is ∫(2 − α)²dα / 2∫(2 − α)dα =
+    (7/3)/3 = 7/9, and 1/3 + 1/2 = 5/6 if each is defuzzified first. Ends of cuts are linear in the
+    level, where the quadrature is exact: 1e-12.
     """
     mass = fuzzy2.FuzzyNumber.of(fuzzy2.Triangular(0.0, 0.0, 1.0))
     gravity = fuzzy2.FuzzyNumber.of(fuzzy2.IntervalNumber(0.5, 0.5))
@@ -167,8 +205,13 @@ def test_the_corollary_warns_where_it_is_far_from_exact(recorded: Record) -> Non
         FuzzyComputedTorque("gt2", ROBOT, mean_variation=0.34, reduction="gaussian").learn(recorded)
 
 
-def test_product_grades_add_variances(trained: dict[str, FuzzyComputedTorque], tmp_path: Path) -> None:
-    """Under product secondary grades Theorem 1.5 adds squares; written out here from the deviations of M, C and G."""
+def test_product_grades_add_variances(
+    trained: dict[str, FuzzyComputedTorque], tmp_path: Path
+) -> None:
+    """Under product secondary grades Theorem 1.5 adds squares.
+
+    Written out here from the deviations of M, C and G.
+    """
     content = json.loads(trained["corollary"].save(tmp_path / "controller.json").read_text())
     content["system"]["grade_t_norm"] = "product"
     (tmp_path / "controller.json").write_text(json.dumps(content))
@@ -176,15 +219,28 @@ def test_product_grades_add_variances(trained: dict[str, FuzzyComputedTorque], t
     for heights, speeds, desired in states(20):
         torque = controller.torque(0.0, heights, speeds, desired)
         servo = desired.accelerations + desired.speeds - speeds + 10.0 * (desired.heights - heights)
-        M, C, G = (number.sigma for number in controller.estimated_numbers(heights, speeds))  # type: ignore[union-attr]
+        M, C, G = (
+            number.sigma  # type: ignore[union-attr]
+            for number in controller.estimated_numbers(heights, speeds)
+        )
         expected = np.sqrt((M**2) @ servo**2 + (C**2) @ speeds**2 + G**2)
         np.testing.assert_allclose(controller.torque_interval[:, 1], expected, rtol=1e-12)
-        np.testing.assert_allclose(torque, trained["t1"].torque(0.0, heights, speeds, desired), rtol=1e-11)
-        assert (expected < trained["corollary"].torque_number(heights, speeds, desired).sigma).all()  # type: ignore[union-attr]
+        np.testing.assert_allclose(
+            torque, trained["t1"].torque(0.0, heights, speeds, desired), rtol=1e-11
+        )
+        assert (
+            expected
+            < trained["corollary"]
+            .torque_number(heights, speeds, desired)  # type: ignore[union-attr]
+            .sigma
+        ).all()
 
 
 def test_without_noise_all_kinds_are_the_same_controller(recorded: Record) -> None:
-    """Whole closed loops at an infinite signal-to-noise ratio, where the mean variation is zero: 1e-12 relative."""
+    """Whole closed loops at an infinite signal-to-noise ratio, where the mean variation is zero.
+
+    1e-12 relative.
+    """
     runs = {}
     for name, options in KINDS.items():
         controller = learned(recorded, snr_db=math.inf, **options)
@@ -199,7 +255,9 @@ def test_without_noise_all_kinds_are_the_same_controller(recorded: Record) -> No
 
 def test_with_noise_type_2_is_another_controller(trained: dict[str, FuzzyComputedTorque]) -> None:
     heights, speeds, desired = states(1)[0]
-    t1, it2, gt2 = (trained[name].torque(0.0, heights, speeds, desired) for name in ("t1", "it2", "gt2"))
+    t1, it2, gt2 = (
+        trained[name].torque(0.0, heights, speeds, desired) for name in ("t1", "it2", "gt2")
+    )
     assert min(np.abs(t1 - it2).max(), np.abs(it2 - gt2).max(), np.abs(t1 - gt2).max()) > 0.1
 
 
@@ -207,15 +265,23 @@ def test_with_noise_type_2_is_another_controller(trained: dict[str, FuzzyCompute
 
 
 def test_estimates_are_those_of_the_training_path(recorded: Record) -> None:
-    """Relative root mean square over the 10.4 s of the training run, no noise, learner "ridge", per element of M and G.
+    """Relative root mean square over the 10.4 s of the training run.
 
-    The bar is 2 % for M and G as matrices. The off-diagonal elements of M are a hundredth of the diagonal ones: 4 to 6 % of
-    themselves is 0.05 % of M. C is 0.1 to 0.3 kg/s, times speeds of 0.1 m/s nothing to the torque of 87 N, and is 20 % off.
+    No noise, learner "ridge", per element of M and G.
+
+    The bar is 2 % for M and G as matrices. The off-diagonal elements of M are a hundredth of the
+    diagonal ones: 4 to 6 % of themselves is 0.05 % of M. C is 0.1 to 0.3 kg/s, times speeds of 0.1
+    m/s nothing to the torque of 87 N, and is 20 % off.
     """
     controller = learned(recorded, kind="t1", snr_db=math.inf, learner="ridge")
     error = pack(*controller.estimate(recorded.heights, recorded.speeds)) - recorded.outputs
-    relative = dict(zip(OUTPUT_NAMES, np.sqrt(np.mean(error**2, axis=0)) / recorded.rms, strict=True))
-    M, C, G = (np.sqrt((found**2).sum() / (exact**2).sum()) for found, exact in zip(unpack(error), unpack(recorded.outputs), strict=True))
+    relative = dict(
+        zip(OUTPUT_NAMES, np.sqrt(np.mean(error**2, axis=0)) / recorded.rms, strict=True)
+    )
+    M, C, G = (
+        np.sqrt((found**2).sum() / (exact**2).sum())
+        for found, exact in zip(unpack(error), unpack(recorded.outputs), strict=True)
+    )
     assert M < 0.004
     assert G < 0.002
     assert C < 0.25
@@ -231,7 +297,10 @@ def test_m_is_exactly_symmetric(trained: dict[str, FuzzyComputedTorque]) -> None
 
 
 def test_noise_is_that_of_the_definition(recorded: Record) -> None:
-    """Rules of "strongest" are samples: what noise does to them is exactly the generator's numbers times rms · 10^(−S/20)."""
+    """Rules of "strongest" are samples.
+
+    What noise does to them is exactly the generator's numbers times rms · 10^(−S/20).
+    """
     clean = learned(recorded, kind="t1", snr_db=math.inf).system_.consequents
     samples = recorded.outputs[recorded.sample(209)]
     source = [int(np.flatnonzero((samples == rule).all(axis=1))[0]) for rule in clean]
@@ -239,34 +308,53 @@ def test_noise_is_that_of_the_definition(recorded: Record) -> None:
     for snr in (20.0, 10.0, 0.0):
         noisy = learned(recorded, seed=11, kind="t1", snr_db=snr).system_.consequents
         power = np.mean(recorded.outputs**2, axis=0)
-        np.testing.assert_array_equal(noisy, samples[source] + np.sqrt(power) * 10.0 ** (-snr / 20.0) * draws[source])
+        np.testing.assert_array_equal(
+            noisy, samples[source] + np.sqrt(power) * 10.0 ** (-snr / 20.0) * draws[source]
+        )
 
 
 def test_noise_has_the_ratio_that_is_asked_for(recorded: Record) -> None:
-    """Over 5201 samples with one rule each the power ratio is 15 dB within 4·4.34·√(2/5201) = 0.34 dB (four deviations of χ²)."""
+    """Over 5201 samples with one rule each the power ratio is 15 dB within 0.34 dB.
+
+    That is 4·4.34·√(2/5201), four deviations of χ².
+    """
     noise: list[np.ndarray] = []
 
     class Listening(np.random.Generator):
-        def standard_normal(self, *arguments: Any, **options: Any) -> np.ndarray:  # type: ignore[override]
+        def standard_normal(  # type: ignore[override]
+            self, *arguments: Any, **options: Any
+        ) -> np.ndarray:
             noise.append(super().standard_normal(*arguments, **options))
             return noise[-1]
 
-    FuzzyComputedTorque("t1", ROBOT, snr_db=15.0, learner="average").learn(recorded, 5201, Listening(np.random.PCG64(0)))
+    FuzzyComputedTorque("t1", ROBOT, snr_db=15.0, learner="average").learn(
+        recorded, 5201, Listening(np.random.PCG64(0))
+    )
     amplitude = recorded.rms * 10.0 ** (-15.0 / 20.0)
-    ratio = 10.0 * np.log10((recorded.outputs**2).mean(axis=0) / ((noise[0] * amplitude) ** 2).mean(axis=0))
+    ratio = 10.0 * np.log10(
+        (recorded.outputs**2).mean(axis=0) / ((noise[0] * amplitude) ** 2).mean(axis=0)
+    )
     np.testing.assert_allclose(ratio, 15.0, atol=0.34)
 
 
 def test_noise_is_new_unless_a_generator_is_given(recorded: Record) -> None:
-    first, second = (FuzzyComputedTorque("t1", ROBOT, snr_db=20.0).learn(recorded) for _ in range(2))
+    first, second = (
+        FuzzyComputedTorque("t1", ROBOT, snr_db=20.0).learn(recorded) for _ in range(2)
+    )
     assert not np.array_equal(first.system_.consequents, second.system_.consequents)
     clean = FuzzyComputedTorque("t1", ROBOT).learn(recorded, rng=np.random.default_rng(0))
-    np.testing.assert_array_equal(clean.system_.consequents, FuzzyComputedTorque("t1", ROBOT).learn(recorded).system_.consequents)
+    np.testing.assert_array_equal(
+        clean.system_.consequents,
+        FuzzyComputedTorque("t1", ROBOT).learn(recorded).system_.consequents,
+    )
 
 
 @pytest.mark.parametrize("snr", [math.inf, 40.0, 15.0, -10.0])
 def test_the_mean_variation_follows_the_ratio(recorded: Record, snr: float) -> None:
-    """Formula of the rule: 0.4 / (1 + 10^((S − 30)/20)); type-1 has none. The terms' means reach that far."""
+    """Formula of the rule: 0.4 / (1 + 10^((S − 30)/20)); type-1 has none.
+
+    The terms' means reach that far.
+    """
     expected = 0.4 / (1.0 + 10.0 ** ((snr - 30.0) / 20.0))
     controller = FuzzyComputedTorque("it2", ROBOT, snr_db=snr)
     assert controller.mean_variation == pytest.approx(expected, rel=1e-14)
@@ -277,11 +365,15 @@ def test_the_mean_variation_follows_the_ratio(recorded: Record, snr: float) -> N
     assert term.mean[1] - term.mean[0] == pytest.approx(0.2 * span, rel=1e-12)
 
 
-def test_ranges_and_average_are_those_of_the_samples(trained: dict[str, FuzzyComputedTorque], recorded: Record) -> None:
+def test_ranges_and_average_are_those_of_the_samples(
+    trained: dict[str, FuzzyComputedTorque], recorded: Record
+) -> None:
     inputs = recorded.inputs[recorded.sample(209)]
     for controller in trained.values():
         np.testing.assert_array_equal(controller.ranges_, [inputs.min(axis=0), inputs.max(axis=0)])
-        np.testing.assert_allclose(controller.fallback_, sum(controller.system_.consequents) / 16, rtol=1e-14)
+        np.testing.assert_allclose(
+            controller.fallback_, sum(controller.system_.consequents) / 16, rtol=1e-14
+        )
         assert controller.system_.input_names == ("Δq12", "Δq13", "Δq̇12", "Δq̇13")
         assert controller.system_.output_names == OUTPUT_NAMES
 
@@ -293,33 +385,53 @@ def test_wider_terms_have_the_same_rules(recorded: Record, options: dict[str, An
     np.testing.assert_array_equal(after.ranges_, before.ranges_)
     for old, new in zip(before.system_.inputs, after.system_.inputs, strict=True):
         for one, other in zip(old, new, strict=True):
-            first, second = (term.principal if isinstance(term, fuzzy2.GaussianType2Set) else term for term in (one, other))
+            first, second = (
+                term.principal if isinstance(term, fuzzy2.GaussianType2Set) else term
+                for term in (one, other)
+            )
             assert (second.mean, second.sigma) == (first.mean, 2.0 * first.sigma)
 
 
 @pytest.mark.parametrize("kind", ["t1", "it2", "gt2"])
 def test_terms_that_leave_the_path_uncovered_are_refused(recorded: Record, kind: str) -> None:
-    """At the least width that is taken every estimate on the samples is finite; the greatest firing is 0.5^(4/width²) at the worst."""
-    with pytest.raises(InvalidValue, match="term_width must be great enough for a rule to fire everywhere"):
+    """At the least width that is taken every estimate on the samples is finite.
+
+    The greatest firing is 0.5^(4/width²) at the worst.
+    """
+    with pytest.raises(
+        InvalidValue, match="term_width must be great enough for a rule to fire everywhere"
+    ):
         learned(recorded, kind=kind, term_width=0.001)
     narrow = learned(recorded, kind=kind, term_width=0.1, snr_db=math.inf)
     chosen = recorded.sample(209)
-    assert all(np.isfinite(part).all() for part in narrow.estimate(recorded.heights[chosen], recorded.speeds[chosen]))
+    assert all(
+        np.isfinite(part).all()
+        for part in narrow.estimate(recorded.heights[chosen], recorded.speeds[chosen])
+    )
 
 
 def test_terms_without_end_give_the_average_over_the_rules(recorded: Record) -> None:
-    """With terms a thousand ranges wide all rules fire alike; 1e-4 is more than what is left of their difference, 1e-5."""
+    """With terms a thousand ranges wide all rules fire alike.
+
+    1e-4 is more than what is left of their difference, 1e-5.
+    """
     controller = learned(recorded, kind="t1", term_width=1e3)
     outputs = np.asarray(controller.system_(recorded.inputs[::50]))
-    np.testing.assert_allclose(outputs, np.broadcast_to(controller.fallback_, outputs.shape), rtol=1e-4, atol=1e-4)
+    np.testing.assert_allclose(
+        outputs, np.broadcast_to(controller.fallback_, outputs.shape), rtol=1e-4, atol=1e-4
+    )
 
 
 def test_fit_tracks_records_and_learns(recorded: Record) -> None:
     fitted = FuzzyComputedTorque("t1", ROBOT).fit(HELIX)
-    np.testing.assert_array_equal(fitted.controller, learned(recorded, kind="t1", snr_db=math.inf).controller)
+    np.testing.assert_array_equal(
+        fitted.controller, learned(recorded, kind="t1", snr_db=math.inf).controller
+    )
     # The recording servo has the gains of the controller.
     stiff = FuzzyComputedTorque("t1", ROBOT, kp=100.0, kv=20.0).fit(HELIX, 2.0, samples=50)
-    again = FuzzyComputedTorque("t1", ROBOT, kp=100.0, kv=20.0).learn(record(ROBOT, HELIX, 2.0, kp=100.0, kv=20.0), 50)
+    again = FuzzyComputedTorque("t1", ROBOT, kp=100.0, kv=20.0).learn(
+        record(ROBOT, HELIX, 2.0, kp=100.0, kv=20.0), 50
+    )
     np.testing.assert_array_equal(stiff.controller, again.controller)
 
 
@@ -334,21 +446,45 @@ def test_threads_can_learn_at_the_same_time(recorded: Record) -> None:
 
 
 def test_outside_inputs_are_clamped(trained: dict[str, FuzzyComputedTorque]) -> None:
-    """The same M, C and G as at the nearest inputs within; those are realized by moving nuts 2 and 3."""
+    """The same M, C and G as at the nearest inputs within.
+
+    Those are realized by moving nuts 2 and 3.
+    """
     for controller in trained.values():
         least, greatest = controller.ranges_
         for heights, speeds, desired in states(100, seed=6):
             torque = controller.torque(0.0, heights, speeds, desired)
-            x = np.array([heights[0] - heights[1], heights[0] - heights[2], speeds[0] - speeds[1], speeds[0] - speeds[2]])
+            x = np.array(
+                [
+                    heights[0] - heights[1],
+                    heights[0] - heights[2],
+                    speeds[0] - speeds[1],
+                    speeds[0] - speeds[2],
+                ]
+            )
             assert controller.covered == bool(((least <= x) & (x <= greatest)).all())
             near = np.minimum(np.maximum(x, least), greatest)
             a = np.array([heights[0], heights[0] - near[0], heights[0] - near[1]])
             v = np.array([speeds[0], speeds[0] - near[2], speeds[0] - near[3]])
             M, C, G = unpack(controller.system_(near))
-            expected = M @ (desired.accelerations + desired.speeds - speeds + 10.0 * (desired.heights - heights)) + C @ speeds + G
-            np.testing.assert_allclose(torque, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
+            expected = (
+                M
+                @ (
+                    desired.accelerations
+                    + desired.speeds
+                    - speeds
+                    + 10.0 * (desired.heights - heights)
+                )
+                + C @ speeds
+                + G
+            )
+            np.testing.assert_allclose(
+                torque, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max()
+            )
             # Differences of the moved nuts are the ends of the range but for rounding.
-            np.testing.assert_allclose(unpack(controller.system_(near))[0], controller.estimate(a, v)[0], rtol=1e-12)
+            np.testing.assert_allclose(
+                unpack(controller.system_(near))[0], controller.estimate(a, v)[0], rtol=1e-12
+            )
 
 
 def test_outside_the_crisp_model_takes_over(recorded: Record) -> None:
@@ -362,7 +498,9 @@ def test_outside_the_crisp_model_takes_over(recorded: Record) -> None:
         expected = (clamping if controller.covered else exact).torque(0.0, heights, speeds, desired)
         np.testing.assert_allclose(torque, expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
         if not controller.covered:
-            np.testing.assert_array_equal(controller.torque_interval, np.stack([torque, torque], axis=-1))
+            np.testing.assert_array_equal(
+                controller.torque_interval, np.stack([torque, torque], axis=-1)
+            )
     assert seen == {True, False}
 
 
@@ -373,7 +511,9 @@ def test_at_no_pose_the_crisp_model_says_so_and_the_clamped_one_goes_on(recorded
     assert np.isfinite(learned(recorded).torque(*state)).all()
 
 
-def spoiled(controller: FuzzyComputedTorque, change: Callable[[np.ndarray], None]) -> FuzzyComputedTorque:
+def spoiled(
+    controller: FuzzyComputedTorque, change: Callable[[np.ndarray], None]
+) -> FuzzyComputedTorque:
     """Return the controller with other consequents."""
     other = copy.copy(controller)
     consequents = np.array(controller.system_.consequents)
@@ -384,13 +524,20 @@ def spoiled(controller: FuzzyComputedTorque, change: Callable[[np.ndarray], None
         options = {"reduction": system.reduction, "levels": system.levels}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", fuzzy2.ApproximationWarning)
-        other._take(type(system)(system.inputs, system.rules, consequents, **options), controller.ranges_)
+        other._take(
+            type(system)(system.inputs, system.rules, consequents, **options), controller.ranges_
+        )
     return other
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_an_estimate_without_a_mass_matrix_falls_back_on_the_average(recorded: Record, name: str) -> None:
-    """One rule says that M is −40 kg; where it fires most, M is not positive definite, and the average of the rules still is."""
+def test_an_estimate_without_a_mass_matrix_falls_back_on_the_average(
+    recorded: Record, name: str
+) -> None:
+    """One rule says that M is −40 kg.
+
+    Where it fires most, M is not positive definite, and the average of the rules still is.
+    """
     controller = learned(recorded, snr_db=math.inf, mean_variation=0.1, **KINDS[name])
 
     def negative(consequents: np.ndarray) -> None:
@@ -398,7 +545,10 @@ def test_an_estimate_without_a_mass_matrix_falls_back_on_the_average(recorded: R
 
     controller = spoiled(controller, negative)
     corner = controller.ranges_[0]
-    heights, speeds = np.array([0.0, -corner[0], -corner[1]]), np.array([0.0, -corner[2], -corner[3]])
+    heights, speeds = (
+        np.array([0.0, -corner[0], -corner[1]]),
+        np.array([0.0, -corner[2], -corner[3]]),
+    )
     desired = HELIX(0.3)
     assert np.linalg.eigvalsh(controller.estimate(heights, speeds)[0])[0] < 0.0
     torque = controller.torque(0.0, heights, speeds, desired)
@@ -411,7 +561,9 @@ def test_an_estimate_without_a_mass_matrix_falls_back_on_the_average(recorded: R
     np.testing.assert_array_equal(interval[:, 1], np.zeros(3) if name == "corollary" else torque)
     # Away from that rule nothing falls back.
     far = controller.ranges_[1]
-    controller.torque(0.0, np.array([0.0, -far[0], -far[1]]), np.array([0.0, -far[2], -far[3]]), desired)
+    controller.torque(
+        0.0, np.array([0.0, -far[0], -far[1]]), np.array([0.0, -far[2], -far[3]]), desired
+    )
     assert not controller.fell_back
 
 
@@ -419,7 +571,10 @@ def test_an_estimate_without_a_mass_matrix_falls_back_on_the_average(recorded: R
 def test_what_counts_as_positive_definite_is_what_the_eigenvalues_say(
     trained: dict[str, FuzzyComputedTorque], entries: list[float]
 ) -> None:
-    """One matrix in all 16 rules; matrices within rounding, 1e-9, of a zero eigenvalue may go either way."""
+    """One matrix in all 16 rules.
+
+    Matrices within rounding, 1e-9, of a zero eigenvalue may go either way.
+    """
     consequents = np.tile([*entries, *np.zeros(12)], (16, 1))
     least = np.linalg.eigvalsh(unpack(consequents[0])[0])[0]
     if abs(least) < 1e-9:
@@ -427,18 +582,30 @@ def test_what_counts_as_positive_definite_is_what_the_eigenvalues_say(
     controller = copy.copy(trained["t1"])
     if least < 0.0:
         with pytest.raises(UnusableEstimate):
-            controller._take(type(controller.system_)(controller.system_.inputs, controller.system_.rules, consequents), controller.ranges_)
+            controller._take(
+                type(controller.system_)(
+                    controller.system_.inputs, controller.system_.rules, consequents
+                ),
+                controller.ranges_,
+            )
         # With an average that is usable, the rules themselves decide.
         controller = copy.copy(trained["t1"])
         table = np.array(controller.controller)
-        system = type(controller.system_)(controller.system_.inputs, controller.system_.rules, consequents)
+        system = type(controller.system_)(
+            controller.system_.inputs, controller.system_.rules, consequents
+        )
         assert system.table is not None
         table[-system.table.size :] = system.table
         controller._controller = table
         controller.torque(0.0, np.zeros(3), np.zeros(3), HELIX(0.0))
         assert controller.fell_back
     else:
-        controller._take(type(controller.system_)(controller.system_.inputs, controller.system_.rules, consequents), controller.ranges_)
+        controller._take(
+            type(controller.system_)(
+                controller.system_.inputs, controller.system_.rules, consequents
+            ),
+            controller.ranges_,
+        )
         controller.torque(0.0, np.zeros(3), np.zeros(3), HELIX(0.0))
         assert not controller.fell_back
 
@@ -456,7 +623,10 @@ def test_an_estimate_that_is_not_finite_falls_back(recorded: Record, value: floa
 
 
 def test_without_a_usable_average_there_is_no_controller(recorded: Record) -> None:
-    """At −20 dB the noise is ten times the signal, and with it the average of 16 rules still 2.5 times."""
+    """At −20 dB the noise is ten times the signal.
+
+    With it the average of 16 rules is still 2.5 times.
+    """
     with pytest.raises(UnusableEstimate, match="not positive definite") as caught:
         learned(recorded, seed=0, snr_db=-20.0, kind="t1")
     assert np.linalg.eigvalsh(caught.value.mass)[0] <= 0.0
@@ -485,11 +655,15 @@ def test_a_controller_that_has_not_learned_says_so(tmp_path: Path) -> None:
     a, v, desired = np.zeros(3), np.zeros(3), HELIX(0.0)
     number = fuzzy2.IntervalNumber(np.zeros(3), np.zeros(3))
     for call in (
-        lambda: controller.torque(0.0, a, v, desired), lambda: controller.estimate(a, v), lambda: controller.estimated_numbers(a, v),
-        lambda: controller.torque_number(a, v, desired), lambda: controller.defuzzify(number),
-        lambda: controller.save(tmp_path / "file.json"), lambda: controller.controller,
+        lambda: controller.torque(0.0, a, v, desired),
+        lambda: controller.estimate(a, v),
+        lambda: controller.estimated_numbers(a, v),
+        lambda: controller.torque_number(a, v, desired),
+        lambda: controller.defuzzify(number),
+        lambda: controller.save(tmp_path / "file.json"),
+        lambda: controller.controller,
         lambda: psp3.simulate(ROBOT, controller, HELIX, 1.0),
-    ):  # fmt: skip
+    ):
         with pytest.raises(NotTrained, match="fit"):
             call()
     assert list(tmp_path.iterdir()) == []
@@ -498,7 +672,9 @@ def test_a_controller_that_has_not_learned_says_so(tmp_path: Path) -> None:
     assert "not trained" in repr(controller)
 
 
-def test_what_the_last_call_said_is_forgotten_by_reset_and_kept_over_errors(recorded: Record) -> None:
+def test_what_the_last_call_said_is_forgotten_by_reset_and_kept_over_errors(
+    recorded: Record,
+) -> None:
     controller = learned(recorded)
     first = controller.torque(0.0, *states(1)[0])
     kept, interval = first.copy(), controller.torque_interval
@@ -518,61 +694,129 @@ def test_rows_of_every_form_are_taken(trained: dict[str, FuzzyComputedTorque]) -
     frozen = heights.copy()
     frozen.setflags(write=False)
     wide = np.repeat(heights, 2)
-    for row in (heights.tolist(), tuple(heights), frozen, wide[::2], heights.astype(">f8"), np.asfortranarray(heights)):
-        np.testing.assert_array_equal(controller.torque(0.0, row, speeds.tolist(), desired), expected)
-        np.testing.assert_array_equal(controller.torque(0.0, heights, speeds, desired._replace(speeds=desired.speeds.tolist())), expected)
-    whole = controller.torque(0.0, [0, 0, 0], np.zeros(3, dtype=int), desired)  # type: ignore[arg-type]
+    for row in (
+        heights.tolist(),
+        tuple(heights),
+        frozen,
+        wide[::2],
+        heights.astype(">f8"),
+        np.asfortranarray(heights),
+    ):
+        np.testing.assert_array_equal(
+            controller.torque(0.0, row, speeds.tolist(), desired), expected
+        )
+        np.testing.assert_array_equal(
+            controller.torque(
+                0.0, heights, speeds, desired._replace(speeds=desired.speeds.tolist())
+            ),
+            expected,
+        )
+    whole = controller.torque(
+        0.0,
+        [0, 0, 0],  # type: ignore[arg-type]
+        np.zeros(3, dtype=int),
+        desired,
+    )
     np.testing.assert_array_equal(whole, controller.torque(0.0, np.zeros(3), np.zeros(3), desired))
 
 
-BAD_ROWS = [np.full(3, np.nan), [0.0, np.inf, 0.0], np.zeros(2), np.zeros((1, 3)), np.zeros((3, 1)), 0.1, None, "abc", np.zeros(3) + 1j]
+BAD_ROWS = [
+    np.full(3, np.nan),
+    [0.0, np.inf, 0.0],
+    np.zeros(2),
+    np.zeros((1, 3)),
+    np.zeros((3, 1)),
+    0.1,
+    None,
+    "abc",
+    np.zeros(3) + 1j,
+]
 
 
 @pytest.mark.parametrize("bad", BAD_ROWS, ids=str)
 @pytest.mark.parametrize("place", range(5))
-def test_other_rows_are_refused_by_name(trained: dict[str, FuzzyComputedTorque], bad: Any, place: int) -> None:
+def test_other_rows_are_refused_by_name(
+    trained: dict[str, FuzzyComputedTorque], bad: Any, place: int
+) -> None:
     rows: list[Any] = [np.zeros(3) for _ in range(5)]
     rows[place] = bad
     desired = Motion(rows[2], rows[3], rows[4], np.zeros(3))
-    name = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")[place]
-    for call in (lambda: trained["it2"].torque(0.0, rows[0], rows[1], desired), lambda: trained["it2"].torque_number(*rows[:2], desired)):
+    name = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")[
+        place
+    ]
+    for call in (
+        lambda: trained["it2"].torque(0.0, rows[0], rows[1], desired),
+        lambda: trained["it2"].torque_number(*rows[:2], desired),
+    ):
         with pytest.raises(InvalidArray, match=f"^{name} must be"):
             call()
 
 
 def test_forces_that_overflow_end_a_simulation_as_such(recorded: Record) -> None:
     with pytest.raises(InvalidTorque, match="FuzzyComputedTorque"):
-        psp3.simulate(ROBOT, learned(recorded, kp=1e308, kv=1e308), HELIX, 1.0, initial_heights=[0.1, 0.0, 0.0])
+        psp3.simulate(
+            ROBOT,
+            learned(recorded, kp=1e308, kv=1e308),
+            HELIX,
+            1.0,
+            initial_heights=[0.1, 0.0, 0.0],
+        )
 
 
 @pytest.mark.parametrize(
     ("options", "error"),
     [
-        ({"kind": "t2"}, UnknownName), ({"kind": None}, UnknownName), ({"learner": "Strongest"}, UnknownName),
-        ({"reduction": "km"}, UnknownName), ({"outside": "ignore"}, UnknownName), ({"kp": -1.0}, InvalidValue),
-        ({"kp": "10"}, InvalidValue), ({"kv": None}, InvalidValue), ({"kv": math.inf}, InvalidValue), ({"kp": True}, InvalidValue),
-        ({"n_terms": 0}, InvalidValue), ({"n_terms": 2.0}, InvalidValue), ({"n_terms": "2"}, InvalidValue),
-        ({"levels": 0}, InvalidValue), ({"levels": True}, InvalidValue), ({"snr_db": math.nan}, InvalidValue),
-        ({"snr_db": -math.inf}, InvalidValue), ({"snr_db": "15"}, InvalidValue), ({"snr_db": True}, InvalidValue),
-        ({"snr_db": -1e4}, InvalidValue), ({"snr_db": [15.0]}, InvalidValue), ({"mean_variation": -0.1}, InvalidValue),
-        ({"mean_variation": math.nan}, InvalidValue), ({"mean_variation": math.inf}, InvalidValue),
-        ({"mean_variation": "0.3"}, InvalidValue), ({"robot": "psp3"}, InvalidValue),
+        ({"kind": "t2"}, UnknownName),
+        ({"kind": None}, UnknownName),
+        ({"learner": "Strongest"}, UnknownName),
+        ({"reduction": "km"}, UnknownName),
+        ({"outside": "ignore"}, UnknownName),
+        ({"kp": -1.0}, InvalidValue),
+        ({"kp": "10"}, InvalidValue),
+        ({"kv": None}, InvalidValue),
+        ({"kv": math.inf}, InvalidValue),
+        ({"kp": True}, InvalidValue),
+        ({"n_terms": 0}, InvalidValue),
+        ({"n_terms": 2.0}, InvalidValue),
+        ({"n_terms": "2"}, InvalidValue),
+        ({"levels": 0}, InvalidValue),
+        ({"levels": True}, InvalidValue),
+        ({"snr_db": math.nan}, InvalidValue),
+        ({"snr_db": -math.inf}, InvalidValue),
+        ({"snr_db": "15"}, InvalidValue),
+        ({"snr_db": True}, InvalidValue),
+        ({"snr_db": -1e4}, InvalidValue),
+        ({"snr_db": [15.0]}, InvalidValue),
+        ({"mean_variation": -0.1}, InvalidValue),
+        ({"mean_variation": math.nan}, InvalidValue),
+        ({"mean_variation": math.inf}, InvalidValue),
+        ({"mean_variation": "0.3"}, InvalidValue),
+        ({"robot": "psp3"}, InvalidValue),
     ],
-)  # fmt: skip
-def test_other_parameters_are_refused_at_once(options: dict[str, Any], error: type[Exception]) -> None:
+)
+def test_other_parameters_are_refused_at_once(
+    options: dict[str, Any], error: type[Exception]
+) -> None:
     with pytest.raises(error) as caught:
         FuzzyComputedTorque(**{"robot": ROBOT} | options)
     assert isinstance(caught.value, psp3.PSP3Error)
 
 
 def test_huge_and_tiny_parameters_are_taken(recorded: Record) -> None:
-    for options in ({"mean_variation": 1e300}, {"kp": 1e-300, "kv": 0.0}, {"snr_db": np.float32(15.0)}, {"snr_db": 10**6}):
+    for options in (
+        {"mean_variation": 1e300},
+        {"kp": 1e-300, "kv": 0.0},
+        {"snr_db": np.float32(15.0)},
+        {"snr_db": 10**6},
+    ):
         assert np.isfinite(learned(recorded, **options).torque(0.0, *states(1)[0])).all()
     assert np.isfinite(learned(recorded, kind="gt2", levels=200).torque(0.0, *states(1)[0])).all()
 
 
 def test_rules_that_no_sample_supports_are_named_by_the_inputs(recorded: Record) -> None:
-    with pytest.raises(UnsupportedRule, match=r"Δq12 is \w+ and Δq13 is \w+ and Δq̇12 is \w+ and Δq̇13 is"):
+    with pytest.raises(
+        UnsupportedRule, match=r"Δq12 is \w+ and Δq13 is \w+ and Δq̇12 is \w+ and Δq̇13 is"
+    ):
         FuzzyComputedTorque("t1", ROBOT, n_terms=3).learn(recorded)
     # The strict learner fills such cells from their neighbors.
     strict = FuzzyComputedTorque("t1", ROBOT, n_terms=3, learner="strict").learn(recorded)
@@ -594,8 +838,13 @@ def test_a_path_on_which_the_star_does_not_tilt_cannot_be_learned() -> None:
 
 
 def test_a_path_that_was_not_learned_is_not_covered(recorded: Record) -> None:
-    """A level circle at twice the speed leaves the range of the speeds; the result says at which samples."""
-    result = psp3.simulate(ROBOT, learned(recorded, snr_db=math.inf), Circle(period=1.0, robot=ROBOT), 2.0)
+    """A level circle at twice the speed leaves the range of the speeds.
+
+    The result says at which samples.
+    """
+    result = psp3.simulate(
+        ROBOT, learned(recorded, snr_db=math.inf), Circle(period=1.0, robot=ROBOT), 2.0
+    )
     assert result.covered is not None
     assert not result.covered[500:].all()
 
@@ -604,13 +853,26 @@ def test_a_path_that_was_not_learned_is_not_covered(recorded: Record) -> None:
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_controllers_come_back_from_a_file_bit_for_bit(trained: dict[str, FuzzyComputedTorque], name: str, tmp_path: Path) -> None:
+def test_controllers_come_back_from_a_file_bit_for_bit(
+    trained: dict[str, FuzzyComputedTorque], name: str, tmp_path: Path
+) -> None:
     controller = trained[name]
     path = controller.save(tmp_path / "controller.json")
     for robot in (None, ROBOT):
         again = FuzzyComputedTorque.load(path, robot)
         np.testing.assert_array_equal(again.controller, controller.controller)
-        for attribute in ("kind", "kp", "kv", "n_terms", "learner", "snr_db", "mean_variation", "outside", "reduction", "levels"):
+        for attribute in (
+            "kind",
+            "kp",
+            "kv",
+            "n_terms",
+            "learner",
+            "snr_db",
+            "mean_variation",
+            "outside",
+            "reduction",
+            "levels",
+        ):
             assert getattr(again, attribute) == getattr(controller, attribute)
         assert again.robot.parameters == ROBOT.parameters
         for state in states(5):
@@ -622,13 +884,23 @@ def test_controllers_come_back_from_a_file_bit_for_bit(trained: dict[str, FuzzyC
 
 
 def test_gains_options_and_infinity_come_back(recorded: Record, tmp_path: Path) -> None:
-    controller = learned(recorded, kind="t1", kp=3.5, kv=0.25, snr_db=math.inf, outside="crisp", learner="ridge")
+    controller = learned(
+        recorded, kind="t1", kp=3.5, kv=0.25, snr_db=math.inf, outside="crisp", learner="ridge"
+    )
     again = FuzzyComputedTorque.load(controller.save(tmp_path / "controller.json"))
-    assert (again.kp, again.kv, again.snr_db, again.outside, again.learner) == (3.5, 0.25, math.inf, "crisp", "ridge")
+    assert (again.kp, again.kv, again.snr_db, again.outside, again.learner) == (
+        3.5,
+        0.25,
+        math.inf,
+        "crisp",
+        "ridge",
+    )
     np.testing.assert_array_equal(again.controller, controller.controller)
 
 
-def test_controllers_for_another_robot_are_refused(trained: dict[str, FuzzyComputedTorque], tmp_path: Path) -> None:
+def test_controllers_for_another_robot_are_refused(
+    trained: dict[str, FuzzyComputedTorque], tmp_path: Path
+) -> None:
     path = trained["it2"].save(tmp_path / "controller.json")
     with pytest.raises(InvalidControllerFile, match=r"star_mass 1\.758 \(yours 2\.0\)"):
         FuzzyComputedTorque.load(path, psp3.load("psp3", Parameters(star_mass=2.0)))
@@ -639,7 +911,9 @@ def test_controllers_for_another_robot_are_refused(trained: dict[str, FuzzyCompu
 
 
 @pytest.fixture(scope="module")
-def content(trained: dict[str, FuzzyComputedTorque], tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+def content(
+    trained: dict[str, FuzzyComputedTorque], tmp_path_factory: pytest.TempPathFactory
+) -> dict[str, Any]:
     path = trained["it2"].save(tmp_path_factory.mktemp("files") / "controller.json")
     loaded: dict[str, Any] = json.loads(path.read_text())
     return loaded
@@ -669,11 +943,23 @@ def changed(document: Any, place: tuple[Any, ...], value: Any = None, drop: bool
     return spoiled
 
 
-OPTIONAL = {"input_ranges", "output_ranges", "term_names", "t_norm", "t_conorm", "type_reduction", "method", "fuzzifier", "resolution",
-            "consequent_names"}  # fmt: skip
+OPTIONAL = {
+    "input_ranges",
+    "output_ranges",
+    "term_names",
+    "t_norm",
+    "t_conorm",
+    "type_reduction",
+    "method",
+    "fuzzifier",
+    "resolution",
+    "consequent_names",
+}
 
 
-def test_without_any_of_its_parts_a_file_is_refused(content: dict[str, Any], tmp_path: Path) -> None:
+def test_without_any_of_its_parts_a_file_is_refused(
+    content: dict[str, Any], tmp_path: Path
+) -> None:
     """But for what the fuzzy system's own constructor has a default for."""
     path = tmp_path / "controller.json"
     for place in places(content):
@@ -688,8 +974,10 @@ WRONG: list[Any] = [None, "nonsense", [], {}, -1.0, math.nan, True, 10**400]
 
 
 @pytest.mark.parametrize("value", WRONG, ids=lambda value: str(value)[:10])
-def test_values_of_other_kinds_are_refused_or_harmless(content: dict[str, Any], tmp_path: Path, value: Any) -> None:
-    """Nothing but InvalidControllerFile is ever raised, and whatever is loaded has finite torques."""
+def test_values_of_other_kinds_are_refused_or_harmless(
+    content: dict[str, Any], tmp_path: Path, value: Any
+) -> None:
+    """Only InvalidControllerFile is ever raised, and whatever is loaded has finite torques."""
     path = tmp_path / "controller.json"
     refused = set()
     for place in places(content):
@@ -728,12 +1016,34 @@ def swap(content: dict[str, Any], what: str) -> dict[str, Any]:
         (lambda c: {**c, "ranges": [row[:3] for row in c["ranges"]]}, "ranges"),
         (lambda c: {**c, "ranges": [[-math.inf] * 4, [math.inf] * 4]}, "ranges"),
         (lambda c: {**c, "robot": {**c["robot"], "wheels": 4}}, "wheels"),
-        (lambda c: {**c, "system": {**c["system"], "t_norm": "lukasiewicz"}}, "compiled loop cannot"),
-        (lambda c: {**c, "system": {**c["system"], "consequents": (-np.array(c["system"]["consequents"])).tolist()}}, "positive definite"),
-        (lambda c: {**c, "system": {**c["system"], "consequents": np.array(c["system"]["consequents"])[..., None].repeat(2, 2).tolist()}},
-         "number for each rule"),
+        (
+            lambda c: {**c, "system": {**c["system"], "t_norm": "lukasiewicz"}},
+            "compiled loop cannot",
+        ),
+        (
+            lambda c: {
+                **c,
+                "system": {
+                    **c["system"],
+                    "consequents": (-np.array(c["system"]["consequents"])).tolist(),
+                },
+            },
+            "positive definite",
+        ),
+        (
+            lambda c: {
+                **c,
+                "system": {
+                    **c["system"],
+                    "consequents": np.array(c["system"]["consequents"])[..., None]
+                    .repeat(2, 2)
+                    .tolist(),
+                },
+            },
+            "number for each rule",
+        ),
     ],
-)  # fmt: skip
+)
 def test_files_that_do_not_fit_are_refused(
     content: dict[str, Any], tmp_path: Path, change: Callable[[dict[str, Any]], Any], message: str
 ) -> None:

@@ -1,4 +1,7 @@
-"""Compiled runs against the same loops in Python: the simulation with the Python controllers, and loops with noise written out here."""
+"""Compiled runs against the same loops in Python.
+
+The simulation with the Python controllers, and loops with noise written out here.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +48,9 @@ def trained(recorded: Record) -> dict[str, FuzzyComputedTorque]:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", fuzzy2.ApproximationWarning)
         return {
-            name: FuzzyComputedTorque(robot=ROBOT, snr_db=20.0, learner="average", **options).learn(recorded, rng=np.random.default_rng(5))
+            name: FuzzyComputedTorque(robot=ROBOT, snr_db=20.0, learner="average", **options).learn(
+                recorded, rng=np.random.default_rng(5)
+            )
             for name, options in KINDS.items()
         }
 
@@ -65,12 +70,19 @@ def compiled_run(
     desired = trajectory(0.002 * np.arange(steps + 1))
     samples = np.full((steps + 1, 11), np.nan)
     done = loops.run(
-        controller, ROBOT.parameters.as_array(), (plant or ROBOT.parameters).as_array(),
+        controller,
+        ROBOT.parameters.as_array(),
+        (plant or ROBOT.parameters).as_array(),
         drive_table(drive, 3)[: 0 if drive == NO_DRIVE else 3],
         np.concatenate([desired.heights, desired.speeds, desired.accelerations], axis=1),
-        np.concatenate([desired.heights[0], np.zeros(3)]), 0.002, resolution, delay,
-        np.empty((0, 6)) if measured is None else measured, np.empty((0, 18)) if added is None else added, samples,
-    )  # fmt: skip
+        np.concatenate([desired.heights[0], np.zeros(3)]),
+        0.002,
+        resolution,
+        delay,
+        np.empty((0, 6)) if measured is None else measured,
+        np.empty((0, 18)) if added is None else added,
+        samples,
+    )
     return done, samples
 
 
@@ -85,7 +97,10 @@ def python_loop(
     measured: np.ndarray | None = None,
     plant: Parameters | None = None,
 ) -> np.ndarray:
-    """Return heights, speeds and torque (N, 9) of a loop written with the Python plant; the controller sees what is measured."""
+    """Return heights, speeds and torque (N, 9) of a loop written with the Python plant.
+
+    The controller sees what is measured.
+    """
     desired = trajectory(0.002 * np.arange(steps + 1))
     robot = RungeKutta(psp3.load("psp3", plant) if plant else ROBOT)
     state = (desired.heights[0].copy(), np.zeros(3))
@@ -93,7 +108,9 @@ def python_loop(
     rows = []
     for k in range(steps + 1):
         noise = np.zeros(6) if measured is None else measured[k]
-        forces = torque(k, state[0] + noise[:3], state[1] + noise[3:], Motion(*(array[k] for array in desired)))
+        forces = torque(
+            k, state[0] + noise[:3], state[1] + noise[3:], Motion(*(array[k] for array in desired))
+        )
         rows.append(np.concatenate([*state, forces]))
         advanced = robot.advance(forces, 0.002)
         assert advanced is not None
@@ -122,8 +139,13 @@ def test_pd_is_bit_for_bit_that_of_the_simulation() -> None:
         (kernels.COMPUTED_TORQUE, (250.0, 30.0), psp3.ComputedTorque(ROBOT, 250.0, 30.0)),
     ],
 )
-def test_classical_controllers_are_those_of_the_simulation(kind: int, gains: tuple[float, float], controller: Any) -> None:
-    """Products of matrices are summed in another order: ulps of 100 N, which the loops damp; 1e-12 relative."""
+def test_classical_controllers_are_those_of_the_simulation(
+    kind: int, gains: tuple[float, float], controller: Any
+) -> None:
+    """Products of matrices are summed in another order.
+
+    Ulps of 100 N, which the loops damp; 1e-12 relative.
+    """
     done, samples = compiled_run(classical(kind, *gains), HELIX, 1000)
     expected = psp3.simulate(ROBOT, controller, HELIX, 2.0)
     assert done == 1001
@@ -133,7 +155,10 @@ def test_classical_controllers_are_those_of_the_simulation(kind: int, gains: tup
 
 
 def test_feed_forward_is_that_of_the_simulation_until_a_nut_leaves_its_screw() -> None:
-    """There the simulation ends, and the compiled run goes on until the pose is none; the open loop is unstable, so 1e-9 m."""
+    """There the simulation ends, and the compiled run goes on until the pose is none.
+
+    The open loop is unstable, so 1e-9 m.
+    """
     with pytest.raises(SimulationDiverged, match="ran off its screw") as caught:
         psp3.simulate(ROBOT, psp3.FeedForward(ROBOT), HELIX, 10.0)
     expected = caught.value.result
@@ -156,7 +181,11 @@ def test_fuzzy_controllers_are_bit_for_bit_those_of_the_simulation(
     assert done == 1001
     assert expected.covered is not None
     assert expected.fell_back is not None
-    for columns, array in ((slice(3), expected.heights), (slice(3, 6), expected.speeds), (slice(6, 9), expected.torque)):
+    for columns, array in (
+        (slice(3), expected.heights),
+        (slice(3, 6), expected.speeds),
+        (slice(6, 9), expected.torque),
+    ):
         np.testing.assert_array_equal(samples[:, columns], array)
     np.testing.assert_array_equal(samples[:, 9], expected.covered)
     np.testing.assert_array_equal(samples[:, 10], expected.fell_back)
@@ -170,7 +199,12 @@ def test_what_a_fuzzy_controller_says_of_itself_is_in_the_result_and_its_file(
     result = psp3.simulate(ROBOT, controller, FAST, 0.5)
     loaded = psp3.load_result(result.save(tmp_path / "run.npz"))
     for k in (0, 100, 250):
-        controller.torque(0.0, result.heights[k], result.speeds[k], Motion(*(array[k] for array in result.desired)))
+        controller.torque(
+            0.0,
+            result.heights[k],
+            result.speeds[k],
+            Motion(*(array[k] for array in result.desired)),
+        )
         assert result.torque_interval is not None
         np.testing.assert_array_equal(result.torque_interval[k], controller.torque_interval)
         assert (result.torque_interval[k, :, 0] < result.torque[k]).all()
@@ -178,15 +212,23 @@ def test_what_a_fuzzy_controller_says_of_itself_is_in_the_result_and_its_file(
     for name in ("covered", "fell_back", "torque_interval"):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(result, name))
         assert getattr(loaded, name).dtype == getattr(result, name).dtype
-    plain = psp3.load_result(psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.1).save(tmp_path / "plain.npz"))
+    plain = psp3.load_result(
+        psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.1).save(tmp_path / "plain.npz")
+    )
     assert (plain.covered, plain.fell_back, plain.torque_interval) == (None, None, None)
 
 
-def test_a_file_with_flags_of_another_shape_is_refused(trained: dict[str, FuzzyComputedTorque], tmp_path: Path) -> None:
+def test_a_file_with_flags_of_another_shape_is_refused(
+    trained: dict[str, FuzzyComputedTorque], tmp_path: Path
+) -> None:
     path = psp3.simulate(ROBOT, trained["t1"], HELIX, 0.1).save(tmp_path / "run.npz")
     with np.load(path) as archive:
         arrays = dict(archive)
-    for name, array in (("covered", np.ones(51)), ("fell_back", np.ones(50, bool)), ("torque_interval", np.ones((51, 2, 3)))):
+    for name, array in (
+        ("covered", np.ones(51)),
+        ("fell_back", np.ones(50, bool)),
+        ("torque_interval", np.ones((51, 2, 3))),
+    ):
         np.savez(path, **{**arrays, name: array})
         with pytest.raises(psp3.errors.InvalidResultFile, match=name):
             psp3.load_result(path)
@@ -216,8 +258,13 @@ PYTHON: dict[int, Any] = {
 
 @pytest.mark.parametrize("kind", PYTHON)
 def test_measurement_noise_is_seen_by_classical_controllers(kind: int) -> None:
-    """The open loop sees nothing of it. 1e-11 relative: rounding by the order of sums, carried through 300 stiff steps."""
-    expected = python_loop(lambda k, a, v, desired: PYTHON[kind].torque(0.0, a, v, desired), HELIX, 300, MEASURED)
+    """The open loop sees nothing of it.
+
+    1e-11 relative: rounding by the order of sums, carried through 300 stiff steps.
+    """
+    expected = python_loop(
+        lambda k, a, v, desired: PYTHON[kind].torque(0.0, a, v, desired), HELIX, 300, MEASURED
+    )
     done, samples = compiled_run(classical(kind, 1000.0, 100.0), HELIX, 300, MEASURED)
     assert done == 301
     np.testing.assert_allclose(samples[:, 6:9], expected[:, 6:], rtol=1e-11)
@@ -227,22 +274,31 @@ def test_measurement_noise_is_seen_by_classical_controllers(kind: int) -> None:
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_measurement_noise_is_seen_by_fuzzy_controllers(trained: dict[str, FuzzyComputedTorque], name: str) -> None:
+def test_measurement_noise_is_seen_by_fuzzy_controllers(
+    trained: dict[str, FuzzyComputedTorque], name: str
+) -> None:
     """By servo and estimator, bit for bit as if the Python controller saw it."""
     controller = trained[name]
-    expected = python_loop(lambda k, a, v, desired: controller.torque(0.0, a, v, desired), HELIX, 300, MEASURED)
+    expected = python_loop(
+        lambda k, a, v, desired: controller.torque(0.0, a, v, desired), HELIX, 300, MEASURED
+    )
     samples = compiled_run(controller.controller, HELIX, 300, MEASURED)[1]
     np.testing.assert_array_equal(samples[:, :9], expected)
 
 
 @pytest.mark.parametrize("kind", PYTHON)
 def test_online_noise_is_added_to_the_models_of_classical_controllers(kind: int) -> None:
-    """The equations of chapter 4 with Pinocchio's M, C and G plus noise; 1e-8 relative, for the two models agree to 1e-9."""
+    """The equations of chapter 4 with Pinocchio's M, C and G plus noise.
+
+    1e-8 relative, for the two models agree to 1e-9.
+    """
     pinocchio = ROBOT.dynamics("pinocchio")
 
     def torque(k: int, a: np.ndarray, v: np.ndarray, desired: Motion) -> np.ndarray:
         open_loop = kind == kernels.FEED_FORWARD
-        exact = pinocchio.equation_of_motion(*((desired.heights, desired.speeds) if open_loop else (a, v)))
+        exact = pinocchio.equation_of_motion(
+            *((desired.heights, desired.speeds) if open_loop else (a, v))
+        )
         M, C, G = (one + other for one, other in zip(exact, unpack(ADDED[k]), strict=True))
         feedback = 1000.0 * (desired.heights - a) + 100.0 * (desired.speeds - v)
         if kind == kernels.PD:
@@ -264,9 +320,12 @@ def test_online_noise_is_added_to_the_models_of_classical_controllers(kind: int)
 def test_online_noise_is_added_to_the_estimates_of_fuzzy_controllers(
     trained: dict[str, FuzzyComputedTorque], name: str, size: float
 ) -> None:
-    """Estimates plus noise, or their average where that has no mass matrix by its eigenvalues: with 7.5 kg of noise that happens.
+    """Estimates plus noise, or their average where that has no mass matrix by its eigenvalues.
 
-    1e-9 relative: rounding of the estimates by 1e-16, carried through 300 steps of a loop without much damping.
+    With 7.5 kg of noise that happens.
+
+    1e-9 relative: rounding of the estimates by 1e-16, carried through 300 steps of a loop without
+    much damping.
     """
     controller = trained[name]
     fallbacks = []
@@ -292,8 +351,13 @@ def test_online_noise_is_added_to_the_estimates_of_fuzzy_controllers(
 
 
 @pytest.mark.parametrize("name", KINDS)
-def test_online_noise_moves_the_torques_interval_and_leaves_its_width(trained: dict[str, FuzzyComputedTorque], name: str) -> None:
-    """Noise is crisp: it moves both ends by as much as the torque, and no spread; 1e-10 N is rounding of 1e2 N."""
+def test_online_noise_moves_the_torques_interval_and_leaves_its_width(
+    trained: dict[str, FuzzyComputedTorque], name: str
+) -> None:
+    """Noise is crisp: it moves both ends by as much as the torque, and no spread.
+
+    1e-10 N is rounding of 1e2 N.
+    """
     table, p, t = trained[name].controller, ROBOT.parameters.as_array(), 1.3
     desired = HELIX(t)
     wanted = np.concatenate([desired.heights, desired.speeds, desired.accelerations])
@@ -304,19 +368,28 @@ def test_online_noise_moves_the_torques_interval_and_leaves_its_width(trained: d
     moved = M @ desired.accelerations + C @ desired.speeds + G
     np.testing.assert_allclose(noisy[:3] - without[:3], moved, rtol=0.0, atol=1e-10)
     np.testing.assert_allclose(noisy[3:6] - without[3:6], moved, rtol=0.0, atol=1e-10)
-    np.testing.assert_allclose(noisy[6:9] - without[6:9], 0.0 if name == "corollary" else moved, rtol=0.0, atol=1e-10)
+    np.testing.assert_allclose(
+        noisy[6:9] - without[6:9], 0.0 if name == "corollary" else moved, rtol=0.0, atol=1e-10
+    )
     assert np.abs(moved).min() > 0.1
 
 
 @pytest.mark.parametrize("name", ["it2", "crisp outside"])
-def test_a_plant_that_the_controller_does_not_know(trained: dict[str, FuzzyComputedTorque], name: str) -> None:
+def test_a_plant_that_the_controller_does_not_know(
+    trained: dict[str, FuzzyComputedTorque], name: str
+) -> None:
     """A star of 5 kg; the controller goes on believing in 1.758 kg."""
     heavy = Parameters(star_mass=5.0)
     controller = trained[name]
-    expected = python_loop(lambda k, a, v, desired: controller.torque(0.0, a, v, desired), HELIX, 300, plant=heavy)
+    expected = python_loop(
+        lambda k, a, v, desired: controller.torque(0.0, a, v, desired), HELIX, 300, plant=heavy
+    )
     samples = compiled_run(controller.controller, HELIX, 300, plant=heavy)[1]
     np.testing.assert_array_equal(samples[:, :9], expected)
-    assert np.abs(samples[:, :3] - compiled_run(controller.controller, HELIX, 300)[1][:, :3]).max() > 0.01
+    assert (
+        np.abs(samples[:, :3] - compiled_run(controller.controller, HELIX, 300)[1][:, :3]).max()
+        > 0.01
+    )
 
 
 # With drives, encoders and delays: the simulation
@@ -330,16 +403,28 @@ REALISTIC: dict[str, dict[str, Any]] = {
 }
 
 
-def realistic(controller: Any, drive: Drive = NO_DRIVE, resolution: float = 0.0, delay: int = 0) -> psp3.Result:
+def realistic(
+    controller: Any, drive: Drive = NO_DRIVE, resolution: float = 0.0, delay: int = 0
+) -> psp3.Result:
     plant = RungeKutta(ROBOT, drive=drive)
-    return psp3.simulate(ROBOT, controller, HELIX, 2.0, plant=plant, encoder_resolution=resolution, delay=delay)
+    return psp3.simulate(
+        ROBOT, controller, HELIX, 2.0, plant=plant, encoder_resolution=resolution, delay=delay
+    )
 
 
 @pytest.mark.parametrize("what", REALISTIC)
-def test_a_realistic_plant_is_bit_for_bit_that_of_the_simulation(trained: dict[str, FuzzyComputedTorque], what: str) -> None:
-    """PD and an interval type-2 controller, whose Python steps are those of the compiled run to the last bit."""
+def test_a_realistic_plant_is_bit_for_bit_that_of_the_simulation(
+    trained: dict[str, FuzzyComputedTorque], what: str
+) -> None:
+    """PD and an interval type-2 controller.
+
+    Its Python steps are those of the compiled run to the last bit.
+    """
     plain = compiled_run(trained["it2"].controller, HELIX, 1000)[1]
-    for table, controller in ((classical(kernels.PD, 1000.0, 100.0), psp3.PD()), (trained["it2"].controller, trained["it2"])):
+    for table, controller in (
+        (classical(kernels.PD, 1000.0, 100.0), psp3.PD()),
+        (trained["it2"].controller, trained["it2"]),
+    ):
         expected = realistic(controller, **REALISTIC[what])
         done, samples = compiled_run(table, HELIX, 1000, **REALISTIC[what])
         assert done == 1001
@@ -353,12 +438,17 @@ def test_a_realistic_plant_is_bit_for_bit_that_of_the_simulation(trained: dict[s
 
 @pytest.mark.parametrize("what", REALISTIC)
 def test_computed_torque_on_a_realistic_plant_is_that_of_the_simulation(what: str) -> None:
-    """Products of matrices are summed in another order, and encoders' speeds divide rounding by 2 ms where it tips a count.
+    """Products of matrices are summed in another order.
 
-    With counts that happens in some sample or other, so there the first 20 ms are compared; the rest to 1e-11.
+    Encoders' speeds divide rounding by 2 ms where it tips a count.
+
+    With counts that happens in some sample or other, so there the first 20 ms are compared; the
+    rest to 1e-11.
     """
     expected = realistic(psp3.ComputedTorque(ROBOT, 250.0, 30.0), **REALISTIC[what])
-    samples = compiled_run(classical(kernels.COMPUTED_TORQUE, 250.0, 30.0), HELIX, 1000, **REALISTIC[what])[1]
+    samples = compiled_run(
+        classical(kernels.COMPUTED_TORQUE, 250.0, 30.0), HELIX, 1000, **REALISTIC[what]
+    )[1]
     last = 10 if "resolution" in REALISTIC[what] else 1001
     np.testing.assert_allclose(samples[:last, :3], expected.heights[:last], rtol=0.0, atol=1e-11)
     np.testing.assert_allclose(samples[:last, 6:9], expected.torque[:last], rtol=1e-9)
@@ -374,7 +464,9 @@ def test_measurement_noise_comes_before_the_counting() -> None:
         return psp3.PD().torque(0.0, seen[-1], speeds, desired)
 
     expected = python_loop(torque, HELIX, 300, MEASURED)
-    samples = compiled_run(classical(kernels.PD, 1000.0, 100.0), HELIX, 300, MEASURED, resolution=1e-4)[1]
+    samples = compiled_run(
+        classical(kernels.PD, 1000.0, 100.0), HELIX, 300, MEASURED, resolution=1e-4
+    )[1]
     np.testing.assert_array_equal(samples[:, :9], expected)
 
 
@@ -387,7 +479,10 @@ def test_a_delay_beyond_the_end_holds_the_first_force() -> None:
 
 
 def test_a_run_ends_where_the_robot_leaves_its_poses() -> None:
-    """A gain of 1e8 N/m makes forces of 1e4 N of a tenth of a millimeter, and the loop unstable at this period."""
+    """A gain of 1e8 N/m makes forces of 1e4 N of a tenth of a millimeter.
+
+    The loop is unstable at this period.
+    """
     done, samples = compiled_run(classical(kernels.PD, 1e8, 0.0), HELIX, 100, MEASURED)
     assert 1 <= done < 101
     assert np.isfinite(samples[:done]).all()
@@ -395,7 +490,10 @@ def test_a_run_ends_where_the_robot_leaves_its_poses() -> None:
 
 
 def test_a_run_ends_where_the_force_is_not_finite() -> None:
-    """A measurement that is no pose of the machine leaves the exact model without an answer; the sample does not count."""
+    """A measurement that is no pose of the machine leaves the exact model without an answer.
+
+    The sample does not count.
+    """
     measured = np.zeros((101, 6))
     measured[40, 1:3] = 1.0, -1.0
     done, samples = compiled_run(classical(kernels.COMPUTED_TORQUE), HELIX, 100, measured)

@@ -21,13 +21,18 @@ def times(count: int) -> np.ndarray:
 
 
 def test_width_of_a_torque_is_the_sum_over_the_screws() -> None:
-    interval = np.array([[[1.0, 2.0], [-1.0, 3.0], [5.0, 5.0]], [[0.0, 0.5], [0.0, 0.0], [0.0, 0.25]]])
+    interval = np.array(
+        [[[1.0, 2.0], [-1.0, 3.0], [5.0, 5.0]], [[0.0, 0.5], [0.0, 0.0], [0.0, 0.25]]]
+    )
     np.testing.assert_array_equal(torque_width(interval), [5.0, 0.75])
     assert torque_width(interval[0]) == 5.0
 
 
 def test_the_filter_answers_a_step_as_the_closed_form_does() -> None:
-    """For a signal held over each period the recursion is exact, whatever the period: 1 - exp(-t/T), to rounding."""
+    """For a signal held over each period the recursion is exact, whatever the period.
+
+    1 - exp(-t/T), to rounding.
+    """
     signal = np.ones(400)
     signal[0] = 0.0
     t = np.cumsum(np.random.default_rng(0).uniform(0.001, 0.02, 400))
@@ -51,7 +56,10 @@ def test_alarms_are_those_of_a_loop_online_and_afterwards(
     for k, value in enumerate(signal):
         if k > 0:
             level += (1.0 - math.exp(-PERIOD / time_constant)) * (value - level)
-        if abs(level - threshold) < 1e-12 or abs(level - threshold + hysteresis * abs(threshold)) < 1e-12:
+        if (
+            abs(level - threshold) < 1e-12
+            or abs(level - threshold + hysteresis * abs(threshold)) < 1e-12
+        ):
             return  # rounding would decide
         alarm = level > threshold - (hysteresis * abs(threshold) if alarm else 0.0)
         expected.append(alarm)
@@ -62,7 +70,10 @@ def test_alarms_are_those_of_a_loop_online_and_afterwards(
 
 
 def test_an_alarm_does_not_flutter() -> None:
-    """A signal that swings by 4 % about the threshold raises one alarm, and without hysteresis one in every swing."""
+    """A signal that swings by 4 % about the threshold raises one alarm.
+
+    Without hysteresis it raises one in every swing.
+    """
     t = times(2000)
     signal = 1.0 + 0.04 * np.sin(40.0 * t)
     alarms = {}
@@ -81,7 +92,9 @@ def test_the_threshold_leaves_the_stated_share_of_the_training_below() -> None:
     assert np.mean(levels <= monitor.threshold_) == pytest.approx(0.99, abs=1.0 / 5000.0)
     alarms = np.concatenate([monitor.watch(*run) for run in runs])
     assert alarms.mean() == pytest.approx(0.01, abs=1.0 / 5000.0)
-    assert Monitor(1.0).learn(runs).threshold_ == max(Monitor(1.0).filtered(*run).max() for run in runs)
+    assert Monitor(1.0).learn(runs).threshold_ == max(
+        Monitor(1.0).filtered(*run).max() for run in runs
+    )
 
 
 def test_asking_before_learning_is_an_error() -> None:
@@ -117,7 +130,15 @@ def test_signals_that_are_no_rows_of_numbers_are_refused(t: Any, signal: Any) ->
 def test_values_that_do_not_go_on_are_refused_and_forgotten() -> None:
     monitor = Monitor().learn([([0.0], [1.0])])
     assert not monitor.update(0.0, 0.5)
-    for t, value in ((0.0, 0.5), (-1.0, 0.5), (math.nan, 0.5), (math.inf, 0.5), (1.0, math.nan), (1.0, math.inf), (1.0, "high")):
+    for t, value in (
+        (0.0, 0.5),
+        (-1.0, 0.5),
+        (math.nan, 0.5),
+        (math.inf, 0.5),
+        (1.0, math.nan),
+        (1.0, math.inf),
+        (1.0, "high"),
+    ):
         with pytest.raises(InvalidValue):
             monitor.update(t, value)  # type: ignore[arg-type]
     assert monitor.update(1.0, 2.0)
@@ -127,14 +148,23 @@ def test_values_that_do_not_go_on_are_refused_and_forgotten() -> None:
 
 @pytest.mark.parametrize(
     "options",
-    [{"quantile": 0.0}, {"quantile": 1.1}, {"quantile": math.nan}, {"hysteresis": -0.1}, {"hysteresis": 1.0}, {"time_constant": 0.0}],
+    [
+        {"quantile": 0.0},
+        {"quantile": 1.1},
+        {"quantile": math.nan},
+        {"hysteresis": -0.1},
+        {"hysteresis": 1.0},
+        {"time_constant": 0.0},
+    ],
 )
 def test_parameters_that_cannot_be_meant_are_refused(options: dict[str, float]) -> None:
     with pytest.raises(InvalidValue):
         Monitor(**options)
 
 
-@pytest.mark.parametrize("interval", [[1.0, 2.0], [[2.0, 1.0]], [[1.0, math.nan]], [[1.0, 2.0, 3.0]], 1.0, "ab"])
+@pytest.mark.parametrize(
+    "interval", [[1.0, 2.0], [[2.0, 1.0]], [[1.0, math.nan]], [[1.0, 2.0, 3.0]], 1.0, "ab"]
+)
 def test_what_is_no_interval_has_no_width(interval: Any) -> None:
     with pytest.raises(InvalidArray):
         torque_width(interval)

@@ -10,7 +10,15 @@ from hypothesis.extra.numpy import arrays
 
 import psp3
 from psp3.errors import InvalidArray, InvalidValue
-from psp3.fuzzy_control.records import INPUT_NAMES, OUTPUT_NAMES, Record, differences, pack, record, unpack
+from psp3.fuzzy_control.records import (
+    INPUT_NAMES,
+    OUTPUT_NAMES,
+    Record,
+    differences,
+    pack,
+    record,
+    unpack,
+)
 from psp3.trajectories import Helix, Hold, Line
 from tests.helpers import random_states
 
@@ -25,7 +33,13 @@ def helix() -> Record:
 def made_up(inputs: np.ndarray) -> Record:
     """Return a record of given inputs; nothing else of it matters for the choice of samples."""
     count = len(inputs)
-    return Record(np.arange(count) * 0.002, np.zeros((count, 3)), np.zeros((count, 3)), inputs, np.ones((count, 18)))
+    return Record(
+        np.arange(count) * 0.002,
+        np.zeros((count, 3)),
+        np.zeros((count, 3)),
+        inputs,
+        np.ones((count, 18)),
+    )
 
 
 def test_differences_by_hand() -> None:
@@ -35,16 +49,24 @@ def test_differences_by_hand() -> None:
     assert differences(np.zeros((4, 5, 3)), np.zeros((4, 5, 3))).shape == (4, 5, 4)
 
 
-@pytest.mark.parametrize(("heights", "speeds"), [([0.0, 1.0], [0.0, 0.0, 0.0]), ([0.0] * 3, [0.0, np.nan, 0.0]), ("abc", [0.0] * 3)])
-def test_differences_refuse_what_is_not_three_finite_numbers(heights: object, speeds: object) -> None:
+@pytest.mark.parametrize(
+    ("heights", "speeds"),
+    [([0.0, 1.0], [0.0, 0.0, 0.0]), ([0.0] * 3, [0.0, np.nan, 0.0]), ("abc", [0.0] * 3)],
+)
+def test_differences_refuse_what_is_not_three_finite_numbers(
+    heights: object, speeds: object
+) -> None:
     with pytest.raises(InvalidArray):
         differences(heights, speeds)  # type: ignore[arg-type]
 
 
 def test_four_differences_decide_the_dynamics() -> None:
-    """Heights are 0.4 m, speeds 1 m/s: lifting all by 0.3 m and 2 m/s rounds differences by 1e-16 of these, and 1e-12 covers that.
+    """Heights are 0.4 m, speeds 1 m/s.
 
-    Pinocchio's model, which knows nothing of differences, says the same to 1e-9, the bar between the two models.
+    Lifting all by 0.3 m and 2 m/s rounds differences by 1e-16 of these, and 1e-12 covers that.
+
+    Pinocchio's model, which knows nothing of differences, says the same to 1e-9, the bar between
+    the two models.
     """
     rng = np.random.default_rng(0)
     heights, speeds = random_states(rng, 200, largest_difference=0.15)
@@ -53,13 +75,17 @@ def test_four_differences_decide_the_dynamics() -> None:
     np.testing.assert_allclose(after, before, rtol=0.0, atol=1e-12 * np.abs(before).max())
     pinocchio = ROBOT.dynamics("pinocchio")
     for a, v, expected in zip(heights[:3], speeds[:3], after, strict=False):
-        np.testing.assert_allclose(pack(*pinocchio.equation_of_motion(a, v)), expected, rtol=1e-9, atol=1e-9)
+        np.testing.assert_allclose(
+            pack(*pinocchio.equation_of_motion(a, v)), expected, rtol=1e-9, atol=1e-9
+        )
 
 
 def test_packing_is_in_the_order_of_the_names() -> None:
     M, C, G = ROBOT.equation_of_motion([0.1, 0.0, -0.05], [1.0, -2.0, 0.5])
     elements = {"M": M, "C": C, "G": G}
-    expected = [elements[name[0]][tuple(int(index) - 1 for index in name[1:])] for name in OUTPUT_NAMES]
+    expected = [
+        elements[name[0]][tuple(int(index) - 1 for index in name[1:])] for name in OUTPUT_NAMES
+    ]
     np.testing.assert_array_equal(pack(M, C, G), expected)
     assert len(OUTPUT_NAMES) == 18
 
@@ -72,19 +98,29 @@ def test_unpacking_makes_m_symmetric_and_packing_undoes_it(outputs: np.ndarray) 
 
 
 def test_the_record_is_the_crisp_run(helix: Record) -> None:
-    """The run itself, and M, C and G of Pinocchio at a few of its samples to 1e-9, the bar between the two models."""
+    """The run itself.
+
+    And M, C and G of Pinocchio at a few of its samples to 1e-9, the bar between the two models.
+    """
     run = psp3.simulate(ROBOT, psp3.ComputedTorque(ROBOT), Helix(robot=ROBOT), 10.4)
     for name in ("t", "heights", "speeds"):
         np.testing.assert_array_equal(getattr(helix, name), getattr(run, name))
     pinocchio = ROBOT.dynamics("pinocchio")
     for k in (0, 700, 5200):
         np.testing.assert_allclose(
-            helix.outputs[k], pack(*pinocchio.equation_of_motion(run.heights[k], run.speeds[k])), rtol=1e-9, atol=1e-9
+            helix.outputs[k],
+            pack(*pinocchio.equation_of_motion(run.heights[k], run.speeds[k])),
+            rtol=1e-9,
+            atol=1e-9,
         )
         a, v = run.heights[k], run.speeds[k]
-        np.testing.assert_array_equal(helix.inputs[k], [a[0] - a[1], a[0] - a[2], v[0] - v[1], v[0] - v[2]])
+        np.testing.assert_array_equal(
+            helix.inputs[k], [a[0] - a[1], a[0] - a[2], v[0] - v[1], v[0] - v[2]]
+        )
     assert helix.inputs.shape == (5201, 4)
-    np.testing.assert_allclose(helix.rms, [np.sqrt(sum(column**2) / 5201) for column in helix.outputs.T], rtol=1e-12)
+    np.testing.assert_allclose(
+        helix.rms, [np.sqrt(sum(column**2) / 5201) for column in helix.outputs.T], rtol=1e-12
+    )
 
 
 def test_gains_of_the_recording_matter() -> None:
@@ -102,7 +138,10 @@ def farthest_points(inputs: np.ndarray, count: int) -> list[int]:
     from_middle = [sum((share - 0.5) ** 2 for share in row) for row in shares]
     chosen = [from_middle.index(max(from_middle))]
     while len(chosen) < count:
-        holes = [min(sum((a - b) ** 2 for a, b in zip(row, shares[k], strict=True)) for k in chosen) for row in shares]
+        holes = [
+            min(sum((a - b) ** 2 for a, b in zip(row, shares[k], strict=True)) for k in chosen)
+            for row in shares
+        ]
         chosen.append(holes.index(max(holes)))
     return chosen
 
@@ -123,15 +162,24 @@ def largest_hole(inputs: np.ndarray, chosen: np.ndarray) -> float:
 
 
 def test_samples_cover_the_record_evenly(helix: Record) -> None:
-    """No point of the record is as far from a sample as with samples chosen at random or one in 25: less than half of it."""
+    """No point of the record is as far from a sample as with samples chosen at random or one in 25.
+
+    Less than half of it.
+    """
     hole = largest_hole(helix.inputs, helix.sample(209))
     rng = np.random.default_rng(1)
-    assert all(hole < 0.5 * largest_hole(helix.inputs, rng.choice(5201, 209, replace=False)) for _ in range(5))
+    assert all(
+        hole < 0.5 * largest_hole(helix.inputs, rng.choice(5201, 209, replace=False))
+        for _ in range(5)
+    )
     assert hole < 0.5 * largest_hole(helix.inputs, np.arange(209) * 25)
 
 
 def test_more_samples_go_on_from_fewer_and_reach_the_ends_of_the_ranges(helix: Record) -> None:
-    """Each input's own extremes lie within the largest hole of a sample, a few hundredths of the range."""
+    """Each input's own extremes lie within the largest hole of a sample.
+
+    That is a few hundredths of the range.
+    """
     few, many = helix.sample(50), helix.sample(209)
     assert set(few.tolist()) <= set(many.tolist())
     span = np.ptp(helix.inputs, axis=0)
@@ -148,7 +196,9 @@ def test_samples_can_be_spoiled_without_spoiling_the_next(helix: Record) -> None
     assert len(set(helix.sample(20).tolist())) == 20
 
 
-@pytest.mark.parametrize("count", [1, 0, -3, 5202, 10**9, 2.5, 209.0, True, "209", None, np.nan, np.inf, [3]])
+@pytest.mark.parametrize(
+    "count", [1, 0, -3, 5202, 10**9, 2.5, 209.0, True, "209", None, np.nan, np.inf, [3]]
+)
 def test_other_counts_are_refused(helix: Record, count: object) -> None:
     with pytest.raises(InvalidValue, match="whole number from 2 to 5201"):
         helix.sample(count)  # type: ignore[arg-type]
@@ -156,11 +206,17 @@ def test_other_counts_are_refused(helix: Record, count: object) -> None:
 
 def test_the_whole_record_can_be_taken() -> None:
     inputs = np.random.default_rng(3).normal(size=(30, 4))
-    np.testing.assert_array_equal(made_up(inputs).sample(np.int64(30)), np.arange(30))  # type: ignore[arg-type]
+    np.testing.assert_array_equal(
+        made_up(inputs).sample(np.int64(30)),  # type: ignore[arg-type]
+        np.arange(30),
+    )
 
 
 def test_a_record_in_which_an_input_rests_is_refused() -> None:
-    """Rising on its axis the star never tilts, so all four differences are rounding, 1e-17 m, and not exactly 0."""
+    """Rising on its axis the star never tilts.
+
+    So all four differences are rounding, 1e-17 m, and not exactly 0.
+    """
     rising = record(ROBOT, Helix(radius=0.0, robot=ROBOT), 1.0)
     assert 0.0 < np.abs(rising.inputs).max() < 1e-12
     for still in (rising, record(ROBOT, Hold(robot=ROBOT), 1.0)):

@@ -1,0 +1,1 @@
+"""Tests of psp3.identification, one file per module."""

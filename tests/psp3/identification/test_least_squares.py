@@ -1,4 +1,7 @@
-"""Identification: unbiased, with standard errors that mean what they say, from noisy simulated measurements."""
+"""Identification: unbiased, with standard errors that mean what they say.
+
+From noisy simulated measurements.
+"""
 
 from __future__ import annotations
 
@@ -29,14 +32,26 @@ def base() -> BaseParameters:
 
 @pytest.fixture(scope="module")
 def motion(base: BaseParameters) -> FourierSeries:
-    return exciting_motion(base, 1.0, 10.0, [-0.1] * 3, [0.1] * 3, period=PERIOD, harmonics=HARMONICS, draws=5, steps=4)
+    return exciting_motion(
+        base, 1.0, 10.0, [-0.1] * 3, [0.1] * 3, period=PERIOD, harmonics=HARMONICS, draws=5, steps=4
+    )
 
 
-def measured(base: BaseParameters, motion: FourierSeries, t: Array, position_noise: float, force_noise: Array, seed: int) -> Identified:
+def measured(
+    base: BaseParameters,
+    motion: FourierSeries,
+    t: Array,
+    position_noise: float,
+    force_noise: Array,
+    seed: int,
+) -> Identified:
     rng = np.random.default_rng(seed)
     joints = motion.joints(t)
     forces = base.unknowns.robot.inverse_dynamics(*joints)
-    noisy = joints[0] + position_noise * rng.normal(size=forces.shape), forces + force_noise * rng.normal(size=forces.shape)
+    noisy = (
+        joints[0] + position_noise * rng.normal(size=forces.shape),
+        forces + force_noise * rng.normal(size=forces.shape),
+    )
     return identify(base, t, *noisy, PERIOD, HARMONICS)
 
 
@@ -49,9 +64,16 @@ def test_without_noise_it_finds_what_is_there(base: BaseParameters, motion: Four
     assert found.degrees_of_freedom == 3 * COUNT - len(base.columns)
 
 
-def test_a_robot_of_which_nothing_is_believed_rightly(base: BaseParameters, motion: FourierSeries) -> None:
+def test_a_robot_of_which_nothing_is_believed_rightly(
+    base: BaseParameters, motion: FourierSeries
+) -> None:
     """Measured is another robot than the believed one, by the closed form: its numbers come out."""
-    other = psp3.load("psp3", parameters=replace(psp3.Parameters(), star_mass=4.0, nut_mass=9.5, star_inertia=(0.1, 0.09, 0.15)))
+    other = psp3.load(
+        "psp3",
+        parameters=replace(
+            psp3.Parameters(), star_mass=4.0, nut_mass=9.5, star_inertia=(0.1, 0.09, 0.15)
+        ),
+    )
     joints = motion.joints(TIMES)
     found = identify(base, TIMES, joints[0], other.inverse_dynamics(*joints), PERIOD, HARMONICS)
     np.testing.assert_allclose(found.values, [9.5 + 3.0 * 0.357, 4.0, 0.1, 0.09, 0.15], rtol=1e-9)
@@ -59,19 +81,31 @@ def test_a_robot_of_which_nothing_is_believed_rightly(base: BaseParameters, moti
 
 @pytest.fixture(scope="module")
 def repeated(base: BaseParameters, motion: FourierSeries) -> list[Identified]:
-    """Both noises matter: errors in position make a third to a half of the variances, forces of unlike quality the rest."""
-    return [measured(base, motion, TIMES, 2e-4, np.array([0.03, 0.06, 0.12]), seed) for seed in range(60)]
+    """Both noises matter.
+
+    Errors in position make a third to a half of the variances, forces of unlike quality the rest.
+    """
+    return [
+        measured(base, motion, TIMES, 2e-4, np.array([0.03, 0.06, 0.12]), seed)
+        for seed in range(60)
+    ]
 
 
 def test_estimates_are_unbiased(base: BaseParameters, repeated: list[Identified]) -> None:
-    """The mean of 60 seeds is within three standard errors of the mean, for each of five parameters."""
+    """The mean of 60 seeds is within three standard errors of the mean.
+
+    For each of five parameters.
+    """
     values = np.array([found.values for found in repeated])
     error = values.std(axis=0, ddof=1) / np.sqrt(len(values))
     assert (np.abs(values.mean(axis=0) - base.believed) < 3.0 * error).all()
 
 
 def test_standard_errors_are_those_of_many_seeds(repeated: list[Identified]) -> None:
-    """A standard deviation of 60 is uncertain by 1/sqrt(120), 9 %; 30 % is three of these. So it is for the correlations."""
+    """A standard deviation of 60 is uncertain by 1/sqrt(120), 9 %; 30 % is three of these.
+
+    So it is for the correlations.
+    """
     values = np.array([found.values for found in repeated])
     stated = np.mean([found.covariance for found in repeated], axis=0)
     np.testing.assert_allclose(values.std(axis=0, ddof=1), np.sqrt(np.diag(stated)), rtol=0.3)
@@ -79,8 +113,13 @@ def test_standard_errors_are_those_of_many_seeds(repeated: list[Identified]) -> 
     np.testing.assert_allclose(np.corrcoef(values.T), stated / np.outer(scale, scale), atol=0.4)
 
 
-def test_noise_of_positions_is_in_the_standard_errors(base: BaseParameters, motion: FourierSeries, repeated: list[Identified]) -> None:
-    """Forces alone would explain much less than what many seeds show: the second term of the covariance is needed."""
+def test_noise_of_positions_is_in_the_standard_errors(
+    base: BaseParameters, motion: FourierSeries, repeated: list[Identified]
+) -> None:
+    """Forces alone would explain much less than what many seeds show.
+
+    The second term of the covariance is needed.
+    """
     noise = np.array([0.03, 0.06, 0.12])
     columns, _ = base.forces_of(*motion.joints(TIMES))
     weighted = (columns / noise[:, None]).reshape(-1, columns.shape[-1])
@@ -89,27 +128,48 @@ def test_noise_of_positions_is_in_the_standard_errors(base: BaseParameters, moti
     assert (spread > 1.3 * of_forces).any()
 
 
-def test_intervals_hold_the_truth_as_often_as_they_say(base: BaseParameters, repeated: list[Identified]) -> None:
-    """60 seeds of five intervals: if those of a seed were all alike, the share would be uncertain by 2.8 %; three of these are allowed."""
-    inside = [(found.intervals[:, 0] <= base.believed) & (base.believed <= found.intervals[:, 1]) for found in repeated]
+def test_intervals_hold_the_truth_as_often_as_they_say(
+    base: BaseParameters, repeated: list[Identified]
+) -> None:
+    """60 seeds of five intervals.
+
+    If those of a seed were all alike, the share would be uncertain by 2.8 %; three of these are
+    allowed.
+    """
+    inside = [
+        (found.intervals[:, 0] <= base.believed) & (base.believed <= found.intervals[:, 1])
+        for found in repeated
+    ]
     assert abs(np.mean(inside) - 0.95) < 3.0 * np.sqrt(0.95 * 0.05 / 60)
 
 
 def test_noise_is_found_joint_by_joint(repeated: list[Identified]) -> None:
-    """Positions to 2 % by 60 seeds of 23 degrees of freedom. What positions do to forces is added to their noise, so it is no less."""
-    np.testing.assert_allclose(np.sqrt(np.mean([found.position_noise**2 for found in repeated], axis=0)), 2e-4, rtol=0.06)
+    """Positions to 2 % by 60 seeds of 23 degrees of freedom.
+
+    What positions do to forces is added to their noise, so it is no less.
+    """
+    np.testing.assert_allclose(
+        np.sqrt(np.mean([found.position_noise**2 for found in repeated], axis=0)), 2e-4, rtol=0.06
+    )
     forces = np.sqrt(np.mean([found.force_noise**2 for found in repeated], axis=0))
     assert (forces > 0.95 * np.array([0.03, 0.06, 0.12])).all()
     assert (forces < 1.5 * np.array([0.03, 0.06, 0.12])).all()
 
 
-def test_least_squares_are_unbiased_and_cover_over_2000_seeds(base: BaseParameters, motion: FourierSeries) -> None:
-    """Exact positions and 2000 seeds: a mean within 3.5 standard errors, and 95 % to 2 %: four times 0.5 %."""
+def test_least_squares_are_unbiased_and_cover_over_2000_seeds(
+    base: BaseParameters, motion: FourierSeries
+) -> None:
+    """Exact positions and 2000 seeds: a mean within 3.5 standard errors.
+
+    And intervals that hold 95 % to 2 %, four times 0.5 %.
+    """
     columns, _ = base.forces_of(*motion.joints(TIMES))
     noise, rng = np.array([0.3, 0.6, 1.2]), np.random.default_rng(0)
     z = []
     for _ in range(2000):
-        values, information, _, _ = _weighted_least_squares(columns, columns @ base.believed + noise * rng.normal(size=(COUNT, 3)))
+        values, information, _, _ = _weighted_least_squares(
+            columns, columns @ base.believed + noise * rng.normal(size=(COUNT, 3))
+        )
         z.append((values - base.believed) / np.sqrt(np.diag(np.linalg.inv(information))))
     assert (np.abs(np.mean(z, axis=0)) < 3.5 / np.sqrt(2000)).all()
     coverage = np.mean(np.abs(z) < 1.988, axis=0)  # Student, 85 degrees of freedom
@@ -117,39 +177,69 @@ def test_least_squares_are_unbiased_and_cover_over_2000_seeds(base: BaseParamete
 
 
 def test_weights_beat_equal_weights(base: BaseParameters, motion: FourierSeries) -> None:
-    """Forces of very unlike quality: the errors of 200 seeds are smaller than those of plain least squares, for every parameter."""
+    """Forces of very unlike quality.
+
+    The errors of 200 seeds are smaller than those of plain least squares, for every parameter.
+    """
     columns, _ = base.forces_of(*motion.joints(TIMES))
     noise, rng = np.array([0.05, 0.5, 5.0]), np.random.default_rng(1)
     weighted, plain = [], []
     for _ in range(200):
         forces = columns @ base.believed + noise * rng.normal(size=(COUNT, 3))
         weighted.append(_weighted_least_squares(columns, forces)[0])
-        plain.append(np.linalg.lstsq(columns.reshape(-1, columns.shape[-1]), forces.ravel(), rcond=None)[0])
+        plain.append(
+            np.linalg.lstsq(columns.reshape(-1, columns.shape[-1]), forces.ravel(), rcond=None)[0]
+        )
     assert (np.std(weighted, axis=0) < 0.8 * np.std(plain, axis=0)).all()
 
 
-def test_errors_fall_with_the_root_of_the_number_of_samples(base: BaseParameters, motion: FourierSeries) -> None:
-    """Four and sixteen times the samples: errors of 300 seeds fall by 2 and 4, each uncertain by 4 %; so do standard errors."""
+def test_errors_fall_with_the_root_of_the_number_of_samples(
+    base: BaseParameters, motion: FourierSeries
+) -> None:
+    """Four and sixteen times the samples.
+
+    Errors of 300 seeds fall by 2 and 4, each uncertain by 4 %; so do standard errors.
+    """
     rng, errors, stated = np.random.default_rng(2), [], []
     for count in (30, 120, 480):
         columns, _ = base.forces_of(*motion.joints(np.arange(count) * PERIOD / count))
         exact = columns @ base.believed
-        fits = [_weighted_least_squares(columns, exact + 0.5 * rng.normal(size=exact.shape))[:2] for _ in range(300)]
+        fits = [
+            _weighted_least_squares(columns, exact + 0.5 * rng.normal(size=exact.shape))[:2]
+            for _ in range(300)
+        ]
         errors.append(np.std([values for values, _ in fits], axis=0))
-        stated.append(np.mean([np.sqrt(np.diag(np.linalg.inv(information))) for _, information in fits], axis=0))
+        stated.append(
+            np.mean(
+                [np.sqrt(np.diag(np.linalg.inv(information))) for _, information in fits], axis=0
+            )
+        )
     for sizes in (errors, stated):
         np.testing.assert_allclose(sizes[0] / sizes[1], 2.0, rtol=0.2)
         np.testing.assert_allclose(sizes[0] / sizes[2], 4.0, rtol=0.2)
 
 
-def test_a_simulated_robot_under_control_is_identified(base: BaseParameters, motion: FourierSeries) -> None:
-    """All of it: computed torque that believes in another star tracks the motion; positions and applied forces are read with noise.
+def test_a_simulated_robot_under_control_is_identified(
+    base: BaseParameters, motion: FourierSeries
+) -> None:
+    """All of it: computed torque that believes in another star tracks the motion.
 
-    Each estimate is within four of its standard errors. Tracking is bad, so the motion has harmonics that were not asked for. Without
-    ``held`` forces and accelerations are a millisecond apart.
+    Positions and applied forces are read with noise.
+
+    Each estimate is within four of its standard errors. Tracking is bad, so the motion has
+    harmonics that were not asked for. Without ``held`` forces and accelerations are a millisecond
+    apart.
     """
-    real = psp3.load("psp3", parameters=replace(psp3.Parameters(), star_mass=3.0, star_inertia=(0.08, 0.08, 0.15)))
-    run = psp3.simulate(real, psp3.ComputedTorque(base.unknowns.robot, kp=400.0, kv=40.0), motion, duration=2.0 * PERIOD)
+    real = psp3.load(
+        "psp3",
+        parameters=replace(psp3.Parameters(), star_mass=3.0, star_inertia=(0.08, 0.08, 0.15)),
+    )
+    run = psp3.simulate(
+        real,
+        psp3.ComputedTorque(base.unknowns.robot, kp=400.0, kv=40.0),
+        motion,
+        duration=2.0 * PERIOD,
+    )
     # The second period, in which the start is forgotten; every 20th sample.
     part = slice(int(PERIOD / 0.002), int(2.0 * PERIOD / 0.002), 20)
     rng = np.random.default_rng(3)
@@ -173,10 +263,23 @@ def test_held_forces_belong_to_the_middle(base: BaseParameters, motion: FourierS
 
 
 def test_a_five_bar_is_identified_in_full() -> None:
-    """Another robot, all eleven combinations, both noises: each within four standard errors, and bodies that can exist."""
+    """Another robot, all eleven combinations, both noises.
+
+    Each within four standard errors, and bodies that can exist.
+    """
     robot = psp3.load("five_bar")
     base = base_parameters(all_parameters(robot))
-    motion = exciting_motion(base, 3.0, 20.0, [-1.2, 0.0], [0.0, 1.2], period=PERIOD, harmonics=HARMONICS, draws=5, steps=3)
+    motion = exciting_motion(
+        base,
+        3.0,
+        20.0,
+        [-1.2, 0.0],
+        [0.0, 1.2],
+        period=PERIOD,
+        harmonics=HARMONICS,
+        draws=5,
+        steps=3,
+    )
     t = np.arange(80) * PERIOD / 80
     found = measured(base, motion, t, 1e-4, np.full(2, 0.01), 4)
     assert (np.abs(found.values - base.believed) < 4.0 * found.standard_errors).all()
@@ -185,12 +288,17 @@ def test_a_five_bar_is_identified_in_full() -> None:
 
 
 def test_bodies_that_cannot_exist_are_reported(base: BaseParameters, motion: FourierSeries) -> None:
-    """Forces of a star of negative mass: the estimate is right about them, and says what is wrong."""
+    """Forces of a star of negative mass.
+
+    The estimate is right about them, and says what is wrong.
+    """
     columns, _ = base.forces_of(*motion.joints(TIMES))
     values = base.believed.copy()
     values[1] = -1.0
     _, known = base.forces_of(*motion.joints(TIMES))
-    found = identify(base, TIMES, motion.joints(TIMES)[0], columns @ values + known, PERIOD, HARMONICS)
+    found = identify(
+        base, TIMES, motion.joints(TIMES)[0], columns @ values + known, PERIOD, HARMONICS
+    )
     flaws = {body.joint: body.flaws for body in found.bodies}
     assert "negative mass" in flaws["b1"]
     assert flaws["phi1"] == ()
@@ -223,7 +331,14 @@ def test_a_motion_that_tells_too_little_is_refused(base: BaseParameters) -> None
         ({"harmonics": 15}, PoorExcitation),
     ],
 )
-def test_bad_measurements_are_refused(base: BaseParameters, change: dict[str, object], error: type[Exception]) -> None:
-    arguments: dict[str, object] = {"t": TIMES, "positions": np.zeros((30, 3)), "forces": np.zeros((30, 3)), "period": PERIOD}
+def test_bad_measurements_are_refused(
+    base: BaseParameters, change: dict[str, object], error: type[Exception]
+) -> None:
+    arguments: dict[str, object] = {
+        "t": TIMES,
+        "positions": np.zeros((30, 3)),
+        "forces": np.zeros((30, 3)),
+        "period": PERIOD,
+    }
     with pytest.raises(error):
         identify(base, **(arguments | change))  # type: ignore[arg-type]

@@ -1,4 +1,7 @@
-"""Which standard parameters a body can have, against clouds of mass points, which can exist, and by their definition."""
+"""Which standard parameters a body can have.
+
+Against clouds of mass points, which can exist, and by their definition.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +36,10 @@ def flaws_of(parameters: Array) -> tuple[str, ...]:
 @settings(max_examples=100, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), count=st.integers(1, 8))
 def test_clouds_of_points_can_exist(seed: int, count: int) -> None:
-    """Points, rods and plates are on the border of what can, and rounding must not push them over."""
+    """Points, rods and plates are just possible, and rounding must not push them over.
+
+    They are on the border of what can exist.
+    """
     rng = np.random.default_rng(seed)
     parameters = cloud(rng.uniform(0.1, 5.0, count), rng.uniform(-1.0, 1.0, (count, 3)))
     assert flaws_of(parameters) == ()
@@ -43,22 +49,41 @@ def test_clouds_of_points_can_exist(seed: int, count: int) -> None:
 @settings(max_examples=200, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1))
 def test_flaws_are_what_the_pseudo_inertia_says(seed: int) -> None:
-    """Two criteria by different routes: principal moments about the center, and the eigenvalues of one matrix. Borderline cases aside."""
+    """Two criteria by different routes.
+
+    Principal moments about the center, and the eigenvalues of one matrix. Borderline cases aside.
+    """
     rng = np.random.default_rng(seed)
-    parameters = cloud(rng.uniform(0.1, 1.0, 6), rng.uniform(-1.0, 1.0, (6, 3))) + rng.normal(size=10) * 10.0 ** rng.uniform(-3.0, 0.5)
+    parameters = cloud(rng.uniform(0.1, 1.0, 6), rng.uniform(-1.0, 1.0, (6, 3))) + rng.normal(
+        size=10
+    ) * 10.0 ** rng.uniform(-3.0, 0.5)
     least = float(np.linalg.eigvalsh(pseudo_inertia(parameters)).min())
     if abs(least) > 1e-9 and abs(parameters[0]) > 1e-3:
         assert bool(flaws_of(parameters)) == (least < 0.0)
 
 
 def test_a_body_is_described_about_its_center_of_mass() -> None:
-    """A plate by the textbook: moments m/12 (b², a², a² + b²), shifted by Steiner's theorem and found again. 1e-14 is rounding."""
+    """A plate by the textbook: moments m/12 (b², a², a² + b²).
+
+    Shifted by Steiner's theorem and found again. 1e-14 is rounding.
+    """
     mass, a, b, center = 3.0, 0.4, 0.2, np.array([0.3, -0.1, 0.5])
     about_center = mass / 12.0 * np.array([b * b, a * a, a * a + b * b])
-    inertia = np.diag(about_center) + mass * (center @ center * np.eye(3) - np.outer(center, center))
-    parameters = np.array([
-        mass, *(mass * center), inertia[0, 0], inertia[0, 1], inertia[1, 1], inertia[0, 2], inertia[1, 2], inertia[2, 2]
-    ])  # fmt: skip
+    inertia = np.diag(about_center) + mass * (
+        center @ center * np.eye(3) - np.outer(center, center)
+    )
+    parameters = np.array(
+        [
+            mass,
+            *(mass * center),
+            inertia[0, 0],
+            inertia[0, 1],
+            inertia[1, 1],
+            inertia[0, 2],
+            inertia[1, 2],
+            inertia[2, 2],
+        ]
+    )
     whole = np.concatenate([parameters, standard_parameters(ROBOT)[10:]])
     body = bodies(ROBOT, whole)[0]
     assert body.physical
@@ -73,7 +98,10 @@ def test_a_body_is_described_about_its_center_of_mass() -> None:
     [
         ([-1.0, 0, 0, 0, 1, 0, 1, 0, 0, 1], "negative mass"),
         ([1.0, 0, 0, 0, -0.1, 0, 1, 0, 0, 1], "negative moment of inertia"),
-        ([7.175, 0, 0, 0, 0.003, 0, 0.39, 0, 0, 0.3294], "a moment of inertia greater than the sum of the other two"),
+        (
+            [7.175, 0, 0, 0, 0.003, 0, 0.39, 0, 0, 0.3294],
+            "a moment of inertia greater than the sum of the other two",
+        ),
         # All is well about the joint, but not about the center of mass.
         ([1.0, 2.0, 0, 0, 1, 0, 1, 0, 0, 1], "negative moment of inertia"),
         ([0.0, 0.1, 0, 0, 0, 0, 0, 0, 0, 0], "no mass, but moments"),
@@ -96,7 +124,9 @@ def test_shipped_robots_can_exist(name: str) -> None:
 
 def test_only_the_nuts_of_the_3_psp_cannot() -> None:
     robot = psp3.load("psp3")
-    assert [body.joint for body in bodies(robot, standard_parameters(robot)) if not body.physical] == ["a1", "a2", "a3"]
+    assert [
+        body.joint for body in bodies(robot, standard_parameters(robot)) if not body.physical
+    ] == ["a1", "a2", "a3"]
 
 
 @pytest.mark.parametrize("bad", [np.zeros(39), np.full(40, np.nan), "text"])

@@ -9,7 +9,12 @@ import pytest
 import psp3
 from psp3.description.parts import ROBOTS
 from psp3.errors import InvalidArray
-from psp3.identification.regressor import PARAMETERS_OF_A_BODY, parameter_names, regressor, standard_parameters
+from psp3.identification.regressor import (
+    PARAMETERS_OF_A_BODY,
+    parameter_names,
+    regressor,
+    standard_parameters,
+)
 from tests.helpers import Array
 from tests.robot_samplers import random_poses
 
@@ -22,17 +27,25 @@ def random_motions(name: str, count: int, seed: int = 0) -> tuple[Array, Array, 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_times_the_parameters_is_the_inverse_dynamics(name: str) -> None:
-    """Independent route: RNEA, and the closed form of the 3-PSP. 1e-10 of the largest force, which is some hundred ulps."""
+    """Independent route: RNEA, and the closed form of the 3-PSP.
+
+    To 1e-10 of the largest force, which is some hundred ulps.
+    """
     robot = psp3.load(name)
     motion = random_motions(name, 20)
     forces = regressor(robot, *motion) @ standard_parameters(robot)
     expected = robot.inverse_dynamics(*motion)
-    np.testing.assert_allclose(forces, expected, rtol=0.0, atol=1e-10 * max(1.0, float(np.abs(expected).max())))
+    np.testing.assert_allclose(
+        forces, expected, rtol=0.0, atol=1e-10 * max(1.0, float(np.abs(expected).max()))
+    )
 
 
 @pytest.mark.parametrize("name", ["five_bar", "tricept"])
 def test_each_column_is_the_force_that_its_parameter_makes(name: str) -> None:
-    """Brute force: one parameter of one body is changed in a copy of the model. The copy's RNEA shares no regressor."""
+    """Brute force: one parameter of one body is changed in a copy of the model.
+
+    The copy's RNEA shares no regressor.
+    """
     robot = psp3.load(name)
     motion = random_motions(name, 3)
     columns = regressor(robot, *motion)
@@ -48,7 +61,9 @@ def test_each_column_is_the_force_that_its_parameter_makes(name: str) -> None:
         model.inertias[body] = pin.Inertia.FromDynamicParameters(changed)
         other = psp3.ClosedLoopRobot(model, robot.constraint_models, robot.actuated, robot.q0)
         difference = (other.inverse_dynamics(*motion) - before) / step
-        np.testing.assert_allclose(columns[..., index], difference, atol=1e-10 * max(1.0, float(np.abs(before).max())))
+        np.testing.assert_allclose(
+            columns[..., index], difference, atol=1e-10 * max(1.0, float(np.abs(before).max()))
+        )
 
 
 def test_names_follow_the_joints_and_the_order_of_pinocchio() -> None:
@@ -61,17 +76,23 @@ def test_names_follow_the_joints_and_the_order_of_pinocchio() -> None:
     p = robot.parameters
     assert known["m(a2)"] == p.nut_mass
     assert known["m(theta3)"] == p.ball_mass
-    # The star's third is a body at the end of the arm: its inertia about the slider's origin is in star axes about the center otherwise.
+    # The star's third is a body at the end of the arm: its inertia about the slider's origin is in
+    # star axes about the center otherwise.
     center = robot.model.frames[robot.model.getFrameId("star1_center")].placement.translation
     assert known["mx(b1)"] == pytest.approx(p.star_mass / 3.0 * center[0], abs=1e-15)
     for name, index in (("Ixx(phi1)", 0), ("Iyy(phi1)", 1), ("Izz(phi1)", 2)):
-        assert known[name] == [p.ball_transverse_inertia, p.ball_axial_inertia, p.ball_transverse_inertia][index]
+        assert (
+            known[name]
+            == [p.ball_transverse_inertia, p.ball_axial_inertia, p.ball_transverse_inertia][index]
+        )
 
 
 def test_shapes_broadcast() -> None:
     robot = psp3.load("five_bar")
     motion = random_motions("five_bar", 6)
-    whole = regressor(robot, motion[0].reshape(2, 3, 2), motion[1].reshape(2, 3, 2), motion[2].reshape(2, 3, 2))
+    whole = regressor(
+        robot, motion[0].reshape(2, 3, 2), motion[1].reshape(2, 3, 2), motion[2].reshape(2, 3, 2)
+    )
     assert whole.shape == (2, 3, 2, 40)
     np.testing.assert_array_equal(whole[1, 2], regressor(robot, *(part[5] for part in motion)))
     still = regressor(robot, motion[0], np.zeros(2), np.zeros(2))

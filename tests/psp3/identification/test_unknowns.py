@@ -1,4 +1,7 @@
-"""Unknowns: all parameters, equal bodies once, the numbers of Table 3.1, and those that are taken as known."""
+"""Unknowns.
+
+All parameters, equal bodies once, the numbers of Table 3.1, and those that are taken as known.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +17,9 @@ from psp3.identification.unknowns import all_parameters, equal_bodies
 from psp3.thesis.table_3_1 import numbers_of_table_3_1
 from tests.robot_samplers import random_poses
 
-LEGS = [tuple(f"{joint}{leg}" for leg in (1, 2, 3)) for joint in ("a", "phi", "theta", "lambda", "b")]
+LEGS = [
+    tuple(f"{joint}{leg}" for leg in (1, 2, 3)) for joint in ("a", "phi", "theta", "lambda", "b")
+]
 
 
 @pytest.mark.parametrize("name", ["psp3", "five_bar", "delta"])
@@ -29,11 +34,16 @@ def test_all_parameters_expand_to_those_of_the_model(name: str) -> None:
 
 
 def test_legs_of_the_3_psp_are_equal() -> None:
-    """In the joints' own axes all three legs have the same numbers: 50 unknowns are as good as 150. 1e-15 is rounding of the mean."""
+    """In the joints' own axes all three legs have the same numbers: 50 unknowns are as good as 150.
+
+    1e-15 is rounding of the mean.
+    """
     robot = psp3.load("psp3")
     unknowns = equal_bodies(robot, LEGS)
     assert len(unknowns.names) == 50
-    np.testing.assert_allclose(unknowns.expand(unknowns.believed), standard_parameters(robot), atol=1e-15)
+    np.testing.assert_allclose(
+        unknowns.expand(unknowns.believed), standard_parameters(robot), atol=1e-15
+    )
 
 
 def test_an_inertia_across_the_star_breaks_the_equality_of_legs() -> None:
@@ -45,20 +55,32 @@ def test_an_inertia_across_the_star_breaks_the_equality_of_legs() -> None:
 
 @pytest.mark.parametrize("parameters", ["default", "table_3_1", "table_5_1"])
 def test_numbers_of_table_3_1_give_the_inverse_dynamics(parameters: str) -> None:
-    """Against the closed form, which knows nothing of standard parameters. 1e-10 of forces of some 100 N."""
+    """Against the closed form, which knows nothing of standard parameters.
+
+    1e-10 of forces of some 100 N.
+    """
     robot = psp3.load("psp3", parameters=parameters)
     rng = np.random.default_rng(0)
     positions = random_poses("psp3", 10, rng)
     speeds, accelerations = rng.normal(size=(2, 10, 3))
     unknowns = numbers_of_table_3_1(robot)
     columns, known = unknowns.forces_of(positions, speeds, accelerations)
-    np.testing.assert_allclose(columns @ unknowns.believed, robot.inverse_dynamics(positions, speeds, accelerations), atol=1e-10)
+    np.testing.assert_allclose(
+        columns @ unknowns.believed,
+        robot.inverse_dynamics(positions, speeds, accelerations),
+        atol=1e-10,
+    )
     assert not known.any()
-    np.testing.assert_allclose(unknowns.expand(unknowns.believed), standard_parameters(robot), atol=1e-14)
+    np.testing.assert_allclose(
+        unknowns.expand(unknowns.believed), standard_parameters(robot), atol=1e-14
+    )
 
 
 def test_numbers_of_table_3_1_are_linear_over_any_distance() -> None:
-    """A robot with all numbers drawn anew, against the closed form of that robot. 1e-9 of forces of some 1000 N."""
+    """A robot with all numbers drawn anew, against the closed form of that robot.
+
+    1e-9 of forces of some 1000 N.
+    """
     robot, rng = psp3.load("psp3"), np.random.default_rng(2)
     unknowns = numbers_of_table_3_1(robot)
     drawn = dict(zip(unknowns.names, rng.uniform(0.5, 5.0, len(unknowns.names)), strict=True))
@@ -66,15 +88,28 @@ def test_numbers_of_table_3_1_are_linear_over_any_distance() -> None:
         "psp3",
         parameters=replace(
             robot.parameters,
-            **{name: drawn[name] for name in ("nut_mass", "ball_mass", "star_mass", "ball_axial_inertia", "ball_transverse_inertia")},
+            **{
+                name: drawn[name]
+                for name in (
+                    "nut_mass",
+                    "ball_mass",
+                    "star_mass",
+                    "ball_axial_inertia",
+                    "ball_transverse_inertia",
+                )
+            },
             nut_inertia=tuple(drawn[f"nut_inertia_{axis}"] for axis in "xyz"),
             star_inertia=tuple(drawn[f"star_inertia_{axis}"] for axis in "xyz"),
         ),
     )
     positions = random_poses("psp3", 10, rng)
     speeds, accelerations = rng.normal(size=(2, 10, 3))
-    forces = unknowns.forces_of(positions, speeds, accelerations)[0] @ np.array(list(drawn.values()))
-    np.testing.assert_allclose(forces, other.inverse_dynamics(positions, speeds, accelerations), atol=1e-9)
+    forces = unknowns.forces_of(positions, speeds, accelerations)[0] @ np.array(
+        list(drawn.values())
+    )
+    np.testing.assert_allclose(
+        forces, other.inverse_dynamics(positions, speeds, accelerations), atol=1e-9
+    )
 
 
 def test_what_is_known_moves_to_the_other_side() -> None:
@@ -87,7 +122,9 @@ def test_what_is_known_moves_to_the_other_side() -> None:
     motion = random_poses("psp3", 5, rng), rng.normal(size=(5, 3)), rng.normal(size=(5, 3))
     columns, known = fewer.forces_of(*motion)
     assert np.abs(known).min() > 10.0
-    np.testing.assert_allclose(columns @ fewer.believed + known, robot.inverse_dynamics(*motion), atol=1e-11)
+    np.testing.assert_allclose(
+        columns @ fewer.believed + known, robot.inverse_dynamics(*motion), atol=1e-11
+    )
     np.testing.assert_allclose(fewer.expand(fewer.believed), standard_parameters(robot), atol=1e-14)
 
 

@@ -1,0 +1,1 @@
+"""Tests of psp3.kinematics, one file per module."""

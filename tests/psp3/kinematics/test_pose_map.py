@@ -1,4 +1,7 @@
-"""Files of maps: what is written comes back bit for bit, and what is damaged is refused with the reason."""
+"""Files of maps.
+
+What is written comes back bit for bit, and what is damaged is refused with the reason.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +39,9 @@ def saved(poses: KinematicMap, tmp_path: Path) -> Path:
 def test_round_trip(poses: KinematicMap, saved: Path) -> None:
     """Every field, and every number to the last bit; NaN where there was NaN."""
     again = KinematicMap.load(saved)
-    assert {Status.UNREACHABLE, Status.BEYOND_LIMIT, Status.USABLE} <= set(poses.status.ravel().tolist())
+    assert {Status.UNREACHABLE, Status.BEYOND_LIMIT, Status.USABLE} <= set(
+        poses.status.ravel().tolist()
+    )
     for field in fields(KinematicMap):
         if field.name in ("grid", "measures") or isinstance(getattr(poses, field.name), np.ndarray):
             continue
@@ -53,7 +58,11 @@ def test_infinite_numbers_survive(poses: KinematicMap, tmp_path: Path) -> None:
     """Without limits margins are infinite, and so is the condition in a singularity."""
     condition = poses.measures.condition.copy()
     condition[poses.reachable] = np.inf
-    endless = replace(poses, margin=np.where(poses.reachable, np.inf, np.nan), measures=poses.measures._replace(condition=condition))
+    endless = replace(
+        poses,
+        margin=np.where(poses.reachable, np.inf, np.nan),
+        measures=poses.measures._replace(condition=condition),
+    )
     again = KinematicMap.load(endless.save(tmp_path / "map.json"))
     np.testing.assert_array_equal(again.margin, endless.margin)
     np.testing.assert_array_equal(again.measures.condition, condition)
@@ -152,7 +161,9 @@ def at(*keys: Any) -> Callable[[dict[str, Any], Any], None]:
         (at("arrays", "mobility", 40), "many", "mobility 'many'"),
     ],
 )
-def test_damage_is_found_and_named(change: Callable[[Any, Any], None], value: Any, match: str, saved: Path) -> None:
+def test_damage_is_found_and_named(
+    change: Callable[[Any, Any], None], value: Any, match: str, saved: Path
+) -> None:
     content = json.loads(saved.read_text(encoding="utf-8"))
     change(content, value)
     saved.write_text(json.dumps(content), encoding="utf-8")
@@ -163,7 +174,9 @@ def test_damage_is_found_and_named(change: Callable[[Any, Any], None], value: An
 
 
 @pytest.mark.parametrize("name", ["margin", "position", "configuration", "actuation"])
-def test_values_are_there_exactly_where_poses_are(name: str, poses: KinematicMap, saved: Path) -> None:
+def test_values_are_there_exactly_where_poses_are(
+    name: str, poses: KinematicMap, saved: Path
+) -> None:
     """A number at a pose that is unreachable, and none at one that is reachable."""
     width = poses.arrays()[name].size // poses.status.size
     reached = np.flatnonzero(poses.reachable.ravel())[0]
@@ -173,7 +186,9 @@ def test_values_are_there_exactly_where_poses_are(name: str, poses: KinematicMap
         content["arrays"][name][place * width] = value
         other = saved.with_name("other.json")
         other.write_text(json.dumps(content), encoding="utf-8")
-        with pytest.raises(InvalidMapFile, match=f"has {name} where there is no pose, or none where there is one"):
+        with pytest.raises(
+            InvalidMapFile, match=f"has {name} where there is no pose, or none where there is one"
+        ):
             KinematicMap.load(other)
 
 
@@ -211,14 +226,27 @@ def test_cut_short_anywhere(saved: Path) -> None:
 
 
 VALUES = st.one_of(
-    st.none(), st.booleans(), st.integers(), st.floats(allow_nan=False, allow_infinity=False), st.text(max_size=5), st.just([]), st.just({})
+    st.none(),
+    st.booleans(),
+    st.integers(),
+    st.floats(allow_nan=False, allow_infinity=False),
+    st.text(max_size=5),
+    st.just([]),
+    st.just({}),
 )
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
 @given(data=st.data())
-def test_any_damage_is_refused_or_harmless(data: st.DataObject, poses: KinematicMap, tmp_path_factory: pytest.TempPathFactory) -> None:
-    """Some entry anywhere becomes something else: the result is a map again, or the one error, never another one."""
+def test_any_damage_is_refused_or_harmless(
+    data: st.DataObject, poses: KinematicMap, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    """Some entry anywhere becomes something else.
+
+    The result is a map again, or the one error, never another one.
+    """
     path = poses.save(tmp_path_factory.getbasetemp() / "fuzzed.json")
     content = copy.deepcopy(json.loads(path.read_text(encoding="utf-8")))
     place: Any = content
@@ -243,5 +271,11 @@ def test_arrays_of_another_shape_are_no_map(poses: KinematicMap) -> None:
         replace(poses, margin=poses.margin[:-1])
     with pytest.raises(InvalidArray, match="actuation"):
         replace(
-            poses, measures=Measures(*(np.zeros(3) if name == "actuation" else values for name, values in poses.measures._asdict().items()))
+            poses,
+            measures=Measures(
+                *(
+                    np.zeros(3) if name == "actuation" else values
+                    for name, values in poses.measures._asdict().items()
+                )
+            ),
         )

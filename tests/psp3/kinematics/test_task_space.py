@@ -20,27 +20,45 @@ from tests.helpers import Array, derivative, random_states
 ROBOT = psp3.load()
 
 
-def swing(robot: psp3.ClosedLoopRobot, seed: int = 0) -> Callable[[float], tuple[Array, Array, Array]]:
-    """Return a smooth motion of the actuated joints near the reference pose: positions, speeds, accelerations at a time."""
+def swing(
+    robot: psp3.ClosedLoopRobot, seed: int = 0
+) -> Callable[[float], tuple[Array, Array, Array]]:
+    """Return a smooth motion of the actuated joints near the reference pose.
+
+    Positions, speeds, accelerations at a time.
+    """
     rng = np.random.default_rng(seed)
-    size, rate, phase = (rng.uniform(low, high, len(robot.actuated)) for low, high in ((0.02, 0.06), (2.0, 4.0), (0.0, 6.0)))
+    size, rate, phase = (
+        rng.uniform(low, high, len(robot.actuated))
+        for low, high in ((0.02, 0.06), (2.0, 4.0), (0.0, 6.0))
+    )
 
     def motion(t: float) -> tuple[Array, Array, Array]:
         angle = rate * t + phase
-        return robot.reference + size * np.sin(angle), size * rate * np.cos(angle), -size * rate**2 * np.sin(angle)
+        return (
+            robot.reference + size * np.sin(angle),
+            size * rate * np.cos(angle),
+            -size * rate**2 * np.sin(angle),
+        )
 
     return motion
 
 
 def turning(placements: Callable[[float], Array], step: float) -> Array:
-    """Angular velocity at time 0, in base axes, from differences of a rotation: the skew part of dR/dt R'."""
+    """Angular velocity at time 0, in base axes, from differences of a rotation.
+
+    The skew part of dR/dt R'.
+    """
     spin = derivative(lambda t: placements(t)[:3, :3], step) @ placements(0.0)[:3, :3].T
     return np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
 
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_velocity_is_the_rate_of_the_placement(name: str) -> None:
-    """Eighth-order differences: 1e-11 of rounding in closed loops (1e-13 m over a step of 0.02 s); 1e-9 is asked for."""
+    """Eighth-order differences: 1e-11 of rounding in closed loops (1e-13 m over a step of 0.02 s).
+
+    1e-9 is asked for.
+    """
     robot = psp3.load(name)
     motion = swing(robot)
 
@@ -56,7 +74,10 @@ def test_velocity_is_the_rate_of_the_placement(name: str) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_acceleration_is_the_rate_of_the_velocity(name: str) -> None:
-    """Differences of the velocities that the test before has checked; 1e-8 of accelerations of about 1."""
+    """Differences of the velocities that the test before has checked.
+
+    1e-8 of accelerations of about 1.
+    """
     robot = psp3.load(name)
     motion = swing(robot, 1)
     rate = derivative(lambda t: frame_motion(robot, *motion(t)).velocity, 0.02)
@@ -66,23 +87,35 @@ def test_acceleration_is_the_rate_of_the_velocity(name: str) -> None:
 
 
 def test_acceleration_is_classical() -> None:
-    """Second differences of positions from the closed form, so without any velocity of ours; 1e-6: rounding over the step squared."""
+    """Second differences of positions from the closed form, so without any velocity of ours.
+
+    1e-6: rounding over the step squared.
+    """
     motion = swing(ROBOT, 2)
 
     def tip(t: float) -> Array:
         return ROBOT.forward_kinematics(motion(t)[0]).tip
 
     found = frame_motion(ROBOT, *motion(0.0)).acceleration[:3]
-    assert_allclose(found, derivative(lambda t: derivative(lambda s: tip(t + s), 0.02), 0.02), atol=1e-9)
+    assert_allclose(
+        found, derivative(lambda t: derivative(lambda s: tip(t + s), 0.02), 0.02), atol=1e-9
+    )
 
 
 def test_tip_of_the_3_psp_is_that_of_the_closed_form() -> None:
-    """Forward by Pinocchio, back by the compiled kernel: 1e-9 of speeds of about 1, at poses up to 48 degrees of tilt, fold or not."""
+    """Forward by Pinocchio, back by the compiled kernel.
+
+    1e-9 of speeds of about 1, at poses up to 48 degrees of tilt, fold or not.
+    """
     heights, speeds = random_states(np.random.default_rng(0), 50)
     heights -= heights.mean(axis=1, keepdims=True)
     accelerations = np.random.default_rng(1).normal(size=(50, 3))
     motion = frame_motion(ROBOT, heights, speeds, accelerations)
-    assert_allclose(motion.velocity[:, :3], np.einsum("nij,nj->ni", ROBOT.tip_jacobian(heights), speeds), atol=1e-11)
+    assert_allclose(
+        motion.velocity[:, :3],
+        np.einsum("nij,nj->ni", ROBOT.tip_jacobian(heights), speeds),
+        atol=1e-11,
+    )
     back = ROBOT.rates_of_tip(heights, motion.velocity[:, :3], motion.acceleration[:, :3])
     # The way back divides by the determinant of the Jacobian.
     condition = np.linalg.cond(ROBOT.tip_jacobian(heights)).max()
@@ -95,7 +128,9 @@ def test_tip_of_the_delta_is_that_of_three_spheres() -> None:
     robot, closed = psp3.load("delta"), Delta()
     motion = swing(robot, 3)
     found = frame_motion(robot, *motion(0.0))
-    assert_allclose(found.velocity[:3], derivative(lambda t: closed.forward(motion(t)[0]), 0.02), atol=1e-9)
+    assert_allclose(
+        found.velocity[:3], derivative(lambda t: closed.forward(motion(t)[0]), 0.02), atol=1e-9
+    )
     twice = derivative(lambda t: derivative(lambda s: closed.forward(motion(t + s)[0]), 0.02), 0.02)
     assert_allclose(found.acceleration[:3], twice, atol=1e-8)
     # The platform of a Delta does not turn.
@@ -107,8 +142,14 @@ def test_shapes(shape: tuple[int, ...]) -> None:
     """Leading dimensions as given, broadcast against each other."""
     heights = np.zeros((*shape, 3))
     motion = frame_motion(ROBOT, heights, np.ones(3), np.zeros(3))
-    assert (motion.placement.shape, motion.velocity.shape, motion.acceleration.shape) == ((*shape, 4, 4), (*shape, 6), (*shape, 6))
-    assert_allclose(motion.velocity, np.broadcast_to([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (*shape, 6)), atol=1e-13)
+    assert (motion.placement.shape, motion.velocity.shape, motion.acceleration.shape) == (
+        (*shape, 4, 4),
+        (*shape, 6),
+        (*shape, 6),
+    )
+    assert_allclose(
+        motion.velocity, np.broadcast_to([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], (*shape, 6)), atol=1e-13
+    )
     point = point_motion(heights, np.ones(3))
     assert (point.placement.shape, point.velocity.shape) == ((*shape, 4, 4), (*shape, 6))
 
@@ -122,7 +163,10 @@ def test_a_point_does_not_turn() -> None:
 
 
 def test_state_has_the_rows_of_the_task() -> None:
-    """J speeds is the velocity, and drift the acceleration at constant speeds, in the order that is asked for."""
+    """J speeds is the velocity, and drift the acceleration at constant speeds.
+
+    In the order that is asked for.
+    """
     robot = psp3.load("gough_stewart")
     positions, speeds, _ = swing(robot)(0.0)
     state = TaskSpace(robot, "tip", ("rz", "x")).state(positions, speeds)
@@ -134,16 +178,25 @@ def test_state_has_the_rows_of_the_task() -> None:
 
 
 @pytest.mark.parametrize("task", [("x", "y", "z"), ("z", "x"), ("y", "rx")])
-def test_jacobian_of_the_3_psp_does_not_depend_on_the_way_it_is_found(task: tuple[str, ...]) -> None:
+def test_jacobian_of_the_3_psp_does_not_depend_on_the_way_it_is_found(
+    task: tuple[str, ...],
+) -> None:
     """Positions of the tip have a closed form, angles go through the tree; 1e-11."""
     heights, _ = random_states(np.random.default_rng(3), 5)
     rows = [("x", "y", "z", "rx", "ry", "rz").index(name) for name in task]
     for row in heights:
-        assert_allclose(TaskSpace(ROBOT, "tip", task).jacobian(row), ROBOT.frame_jacobian(row, "tip")[rows], atol=1e-11)
+        assert_allclose(
+            TaskSpace(ROBOT, "tip", task).jacobian(row),
+            ROBOT.frame_jacobian(row, "tip")[rows],
+            atol=1e-11,
+        )
 
 
 def test_error_is_a_distance_and_the_turn_that_is_left() -> None:
-    """SciPy's rotation vectors; applied to the actual orientation the turn gives the desired one. To 1e-12."""
+    """SciPy's rotation vectors; applied to the actual orientation the turn gives the desired one.
+
+    To 1e-12.
+    """
     space = TaskSpace(ROBOT, "tip", ("x", "y", "z", "rx", "ry", "rz"))
     rng = np.random.default_rng(0)
     for _ in range(20):
@@ -154,14 +207,23 @@ def test_error_is_a_distance_and_the_turn_that_is_left() -> None:
         error = space.error(desired, actual)
         assert_allclose(error[:3], desired[:3, 3] - actual[:3, 3])
         assert_allclose(error[3:], (turns[0] * turns[1].inv()).as_rotvec(), atol=1e-12)
-        assert_allclose(Rotation.from_rotvec(error[3:]).as_matrix() @ actual[:3, :3], desired[:3, :3], atol=1e-12)
+        assert_allclose(
+            Rotation.from_rotvec(error[3:]).as_matrix() @ actual[:3, :3],
+            desired[:3, :3],
+            atol=1e-12,
+        )
 
 
 # What is refused
 
 
 @pytest.mark.parametrize(
-    "arguments", [([0.0, 0.0], [0.0] * 3, [0.0] * 3), ([0.0] * 3, [np.nan] * 3, [0.0] * 3), ([0.0] * 3, [0.0] * 3, "x")]
+    "arguments",
+    [
+        ([0.0, 0.0], [0.0] * 3, [0.0] * 3),
+        ([0.0] * 3, [np.nan] * 3, [0.0] * 3),
+        ([0.0] * 3, [0.0] * 3, "x"),
+    ],
 )
 def test_bad_motions_are_refused(arguments: tuple[object, ...]) -> None:
     with pytest.raises(InvalidArray):

@@ -1,4 +1,7 @@
-"""Maps, borders and rays of any robot against closed-form inverse kinematics and areas; files against damage."""
+"""Maps, borders and rays of any robot against closed-form inverse kinematics and areas.
+
+Files against damage.
+"""
 
 from __future__ import annotations
 
@@ -50,8 +53,13 @@ def test_five_bar_reaches_what_both_legs_reach(plane: KinematicMap) -> None:
     assert_array_equal(plane.reachable, ((distances > HOLE) & (distances < REACH)).all(axis=-1))
 
 
-def test_positions_and_joints_of_the_map_are_those_of_the_closed_form(five_bar: Workspace, plane: KinematicMap) -> None:
-    """The working mode of home everywhere, so up to full turns around the shafts. Newton's 1e-13 near the border."""
+def test_positions_and_joints_of_the_map_are_those_of_the_closed_form(
+    five_bar: Workspace, plane: KinematicMap
+) -> None:
+    """The working mode of home everywhere, so up to full turns around the shafts.
+
+    Newton's 1e-13 near the border.
+    """
     reached = plane.reachable
     assert_allclose(plane.position[reached][:, [0, 2]], nodes(plane)[reached], atol=1e-12)
     cranks = plane.configuration[reached][:, five_bar.analysis.robot.actuated_q]
@@ -61,12 +69,19 @@ def test_positions_and_joints_of_the_map_are_those_of_the_closed_form(five_bar: 
 
 
 def test_status_of_the_five_bar(five_bar: Workspace, plane: KinematicMap) -> None:
-    """Limits of cranks and elbows, and the side of the line through the elbows, by the closed form; below the shafts, away from turns."""
+    """Limits of cranks and elbows, and the side of the line through the elbows, by the closed form.
+
+    Below the shafts, away from turns.
+    """
     geometry, points = FiveBar(), nodes(plane)
     below = plane.reachable & (points[..., 1] < -0.09)
     positions = geometry.inverse(points[below])
     bends = np.pi - np.arccos(
-        (geometry.crank**2 + geometry.rod**2 - np.linalg.norm(points[below][:, np.newaxis] - geometry.shafts, axis=-1) ** 2)
+        (
+            geometry.crank**2
+            + geometry.rod**2
+            - np.linalg.norm(points[below][:, np.newaxis] - geometry.shafts, axis=-1) ** 2
+        )
         / (2.0 * geometry.crank * geometry.rod)
     )
     within = (np.abs(positions) <= 1.5).all(axis=1) & (bends <= 2.6).all(axis=1)
@@ -77,22 +92,39 @@ def test_status_of_the_five_bar(five_bar: Workspace, plane: KinematicMap) -> Non
 
 
 def test_area_of_the_five_bar_is_that_of_the_rings(rings: Boundary) -> None:
-    """Lens of two circles less two holes, to 0.3 % for straight chords of up to 52 mm; points of it to a thousandth of edges of 38 mm."""
+    """Lens of two circles less two holes, to 0.3 % for straight chords of up to 52 mm.
+
+    Points of it to a thousandth of edges of 38 mm.
+    """
     spacing = float(np.ptp(FiveBar().shafts[:, 0]))
-    lens = 2.0 * REACH**2 * np.arccos(spacing / (2.0 * REACH)) - 0.5 * spacing * np.sqrt(4.0 * REACH**2 - spacing**2)
+    lens = 2.0 * REACH**2 * np.arccos(spacing / (2.0 * REACH)) - 0.5 * spacing * np.sqrt(
+        4.0 * REACH**2 - spacing**2
+    )
     expected = lens - 2.0 * np.pi * HOLE**2
     assert_allclose(rings.area, expected, rtol=3e-3)
     distances = np.linalg.norm(rings.segments[..., np.newaxis, :] - FiveBar().shafts, axis=-1)
-    assert_allclose(np.minimum(np.abs(distances - REACH), np.abs(distances - HOLE)).min(axis=-1), 0.0, atol=5e-5)
+    assert_allclose(
+        np.minimum(np.abs(distances - REACH), np.abs(distances - HOLE)).min(axis=-1), 0.0, atol=5e-5
+    )
 
 
-def test_usable_region_ends_at_a_limit_or_a_singularity(five_bar: Workspace, plane: KinematicMap, rings: Boundary) -> None:
-    """Every point of the border is at a limit of the closed form's angles, or its measure is the least allowed; to 30 µm."""
+def test_usable_region_ends_at_a_limit_or_a_singularity(
+    five_bar: Workspace, plane: KinematicMap, rings: Boundary
+) -> None:
+    """Every point of the border is at a limit of the closed form's angles.
+
+    Or its measure is the least allowed; to 30 µm.
+    """
     border = five_bar.boundary(plane)
     assert border.area < rings.area
     points = border.segments[:, 0]
     positions = np.mod(FiveBar().inverse(points) + np.pi, 2.0 * np.pi) - np.pi
-    q = np.array([five_bar_configuration(five_bar.analysis.robot, *row, point) for row, point in zip(positions, points, strict=True)])
+    q = np.array(
+        [
+            five_bar_configuration(five_bar.analysis.robot, *row, point)
+            for row, point in zip(positions, points, strict=True)
+        ]
+    )
     measures = five_bar.analysis.measures(q)
     bends = np.abs(np.mod(q[:, five_bar.analysis.robot.dependent_v] + np.pi, 2.0 * np.pi) - np.pi)
     limits = np.minimum(np.abs(1.5 - np.abs(positions)), np.abs(2.6 - bends)).min(axis=1)
@@ -102,8 +134,13 @@ def test_usable_region_ends_at_a_limit_or_a_singularity(five_bar: Workspace, pla
     assert (singular < 1e-3).any()
 
 
-def five_bar_configuration(robot: ClosedLoopRobot, first: float, second: float, tip: Array) -> Array:
-    """Angles of cranks and rods by the directions of their links; a link that hangs has the angle 0."""
+def five_bar_configuration(
+    robot: ClosedLoopRobot, first: float, second: float, tip: Array
+) -> Array:
+    """Angles of cranks and rods by the directions of their links.
+
+    A link that hangs has the angle 0.
+    """
     rods = tip - FiveBar().elbows([first, second])
     directions = np.arctan2(-rods[:, 0], -rods[:, 1])
     q = np.empty(4)
@@ -114,7 +151,10 @@ def five_bar_configuration(robot: ClosedLoopRobot, first: float, second: float, 
 
 
 def test_three_rrr_is_cut_by_its_singularity() -> None:
-    """At a turn of -32° the determinant of the closed form changes its sign within reach: across it poses are reached, and not usable."""
+    """At a turn of -32° the determinant of the closed form changes its sign within reach.
+
+    Across it poses are reached, and not usable.
+    """
     geometry, angle = PlanarThreeRRR(), np.radians(-32.0)
     space = Workspace(psp3.load("planar_3rrr"), "tip", ("x", "y", "rz"), singular_below=0.0)
     axis = np.linspace(-0.12, 0.12, 21)
@@ -135,7 +175,9 @@ def test_three_rrr_is_cut_by_its_singularity() -> None:
 
 
 def test_usable_poses_hang_together(plane: KinematicMap) -> None:
-    """Above the shafts the five-bar's angles are within limits again, on the side of home after two singularities: cut off all the same.
+    """Above the shafts the five-bar's angles are within limits again.
+
+    On the side of home after two singularities, so cut off all the same.
 
     Flooded by hand from the node nearest to home.
     """
@@ -156,7 +198,10 @@ def test_usable_poses_hang_together(plane: KinematicMap) -> None:
 
 
 def test_margins_are_those_of_the_joints_one_by_one() -> None:
-    """Platform leaning both ways: legs in meters, hinges in meters of arc, of joints found by their names."""
+    """Platform leaning both ways.
+
+    Legs in meters, hinges in meters of arc, of joints found by their names.
+    """
     robot = psp3.load("gough_stewart")
     space = Workspace(robot, "tip", TASK_COORDINATES, length=0.25)
     poses = space.map({"rx": np.linspace(-0.4, 0.4, 5), "ry": np.linspace(-0.4, 0.4, 5)})
@@ -166,9 +211,16 @@ def test_margins_are_those_of_the_joints_one_by_one() -> None:
         for name in list(robot.model.names)[1:]:
             at = robot.model.joints[robot.model.getJointId(name)].idx_q
             value, lower, upper = (
-                vector[at] for vector in (poses.configuration[index], robot.model.lowerPositionLimit, robot.model.upperPositionLimit)
+                vector[at]
+                for vector in (
+                    poses.configuration[index],
+                    robot.model.lowerPositionLimit,
+                    robot.model.upperPositionLimit,
+                )
             )
-            margins.append(min(value - lower, upper - value) * (1.0 if name.endswith("length") else 0.25))
+            margins.append(
+                min(value - lower, upper - value) * (1.0 if name.endswith("length") else 0.25)
+            )
         assert_allclose(poses.margin[index], min(margins), rtol=1e-12)
         assert (poses.status[index] == Status.BEYOND_LIMIT) == (min(margins) < 0.0)
 
@@ -177,26 +229,43 @@ def test_margins_are_those_of_the_joints_one_by_one() -> None:
 
 
 def test_five_bar_over_its_cranks() -> None:
-    """The elbows may be no farther apart than two rods; the tip is on the side of home, as the intersection of two circles has it."""
+    """The elbows may be no farther apart than two rods.
+
+    The tip is on the side of home, as the intersection of two circles has it.
+    """
     geometry, robot = FiveBar(), psp3.load("five_bar")
     space = Workspace(robot, "tip", ("x", "z"), over="actuators")
     around_home = np.linspace(-0.9, 0.9, 27)
-    poses = space.map({name: value + around_home for name, value in zip(robot.actuated, robot.reference, strict=True)})
+    poses = space.map(
+        {
+            name: value + around_home
+            for name, value in zip(robot.actuated, robot.reference, strict=True)
+        }
+    )
     positions = nodes(poses)
     elbows = geometry.elbows(positions)
     apart = np.linalg.norm(elbows[..., 0, :] - elbows[..., 1, :], axis=-1)
     assert_array_equal(poses.reachable, apart < 2.0 * geometry.rod)
     reached = poses.reachable
-    assert_allclose(poses.position[reached][:, [0, 2]], geometry.forward(positions[reached]), atol=1e-7)
-    assert_allclose(poses.configuration[reached][:, robot.actuated_q], positions[reached], atol=1e-15)
+    assert_allclose(
+        poses.position[reached][:, [0, 2]], geometry.forward(positions[reached]), atol=1e-7
+    )
+    assert_allclose(
+        poses.configuration[reached][:, robot.actuated_q], positions[reached], atol=1e-15
+    )
     # Cranks of leg 1 or 2 in line with their rods: the tip's Jacobian changes its sign.
-    flips = poses.measures.orientation[reached] * np.sign(np.linalg.det(geometry.jacobian(positions[reached])))
+    flips = poses.measures.orientation[reached] * np.sign(
+        np.linalg.det(geometry.jacobian(positions[reached]))
+    )
     assert_array_equal(flips, flips[0])
     assert {Status.USABLE, Status.APART} <= set(poses.status[reached].tolist())
 
 
 def test_3_psp_over_its_nuts_is_its_closed_form() -> None:
-    """The generic route against psp3's own kinematics, on three coordinates at once. 1e-11: Newton's method."""
+    """The generic route against psp3's own kinematics, on three coordinates at once.
+
+    1e-11: Newton's method.
+    """
     robot = psp3.load("psp3")
     space = Workspace(robot, "tip", ("x", "y", "z"), over="actuators")
     axis = np.linspace(-0.1, 0.1, 5)
@@ -204,7 +273,9 @@ def test_3_psp_over_its_nuts_is_its_closed_form() -> None:
     assert poses.status.shape == (5, 5, 5)
     assert poses.reachable.all()
     assert_allclose(poses.position, robot.forward_kinematics(nodes(poses)).tip, atol=1e-11)
-    assert_allclose(poses.measures.condition, np.linalg.cond(robot.tip_jacobian(nodes(poses))), rtol=1e-7)
+    assert_allclose(
+        poses.measures.condition, np.linalg.cond(robot.tip_jacobian(nodes(poses))), rtol=1e-7
+    )
     determinant = np.linalg.det(robot.tip_jacobian(nodes(poses)))
     assert_allclose(poses.measures.manipulability, np.abs(determinant), rtol=1e-9)
 
@@ -214,18 +285,31 @@ def test_3_psp_over_its_nuts_is_its_closed_form() -> None:
 
 def without_limits(robot: ClosedLoopRobot) -> ClosedLoopRobot:
     model = robot.model.copy()
-    model.lowerPositionLimit, model.upperPositionLimit = np.full(model.nq, -np.inf), np.full(model.nq, np.inf)
+    model.lowerPositionLimit, model.upperPositionLimit = (
+        np.full(model.nq, -np.inf),
+        np.full(model.nq, np.inf),
+    )
     return ClosedLoopRobot(model, robot.constraint_models, robot.actuated, robot.q0)
 
 
-def ends(five_bar: Workspace, direction: dict[str, float], singular_below: float = 0.0, over: str = "task") -> tuple[float, str]:
+def ends(
+    five_bar: Workspace,
+    direction: dict[str, float],
+    singular_below: float = 0.0,
+    over: str = "task",
+) -> tuple[float, str]:
     robot = without_limits(five_bar.analysis.robot)
-    reach = Workspace(robot, "tip", ("x", "z"), over, singular_below=singular_below).distance(direction, 1.5)
+    reach = Workspace(robot, "tip", ("x", "z"), over, singular_below=singular_below).distance(
+        direction, 1.5
+    )
     return reach.distance, reach.ends
 
 
 def test_rays_of_the_five_bar(five_bar: Workspace) -> None:
-    """From home down until both legs are stretched; up until the rods are in line; cranks apart until they are. Closed form, 1e-10."""
+    """From home down until both legs are stretched; up until the rods are in line.
+
+    Cranks apart until they are. Closed form, 1e-10.
+    """
     depth = -float(FiveBar().forward(five_bar.analysis.robot.reference)[1])
     found, why = ends(five_bar, {"z": -1.0})
     assert_allclose(found, np.sqrt(REACH**2 - 0.01) - depth, atol=1e-10)
@@ -234,27 +318,36 @@ def test_rays_of_the_five_bar(five_bar: Workspace) -> None:
     found, why = ends(five_bar, {"z": 1.0})
     assert_allclose(found, depth - FiveBar().crank * np.cos(swing), atol=1e-10)
     assert why == "actuation"
-    directions = dict(zip(five_bar.analysis.robot.actuated, FiveBar().outward.tolist(), strict=True))
+    directions = dict(
+        zip(five_bar.analysis.robot.actuated, FiveBar().outward.tolist(), strict=True)
+    )
     found, why = ends(five_bar, directions, over="actuators")
     assert_allclose(found, swing - 0.6, atol=1e-10)
     assert why == "actuation"
     # With its limits the robot is stopped on the way up, where its elbows are bent by 2.6 rad.
     reach = five_bar.distance({"z": 1.0}, 1.5)
     assert (reach.ends, reach.joint[4:]) == ("limit", "_elbow")
-    assert_allclose(np.abs(reach.configuration[five_bar.analysis.robot.dependent_v]), 2.6, atol=1e-9)
+    assert_allclose(
+        np.abs(reach.configuration[five_bar.analysis.robot.dependent_v]), 2.6, atol=1e-9
+    )
 
 
 def test_a_ray_ends_sooner_if_it_has_to_stay_away_from_singularities(five_bar: Workspace) -> None:
     """Where the measure falls to what was asked for, and half a direction is twice as far."""
     near, far = ends(five_bar, {"z": -1.0}, singular_below=0.1)[0], ends(five_bar, {"z": -1.0})[0]
     assert near < far
-    reach = Workspace(five_bar.analysis.robot, "tip", ("x", "z"), singular_below=0.1).distance({"z": -0.5}, 3.0)
+    reach = Workspace(five_bar.analysis.robot, "tip", ("x", "z"), singular_below=0.1).distance(
+        {"z": -0.5}, 3.0
+    )
     assert_allclose(reach.distance, 2.0 * near, rtol=1e-9)
     assert_allclose(five_bar.analysis.measures(reach.configuration).end_effector, 0.1, rtol=1e-6)
 
 
 def test_a_ray_ends_at_the_limit_of_a_joint() -> None:
-    """The Gough-Stewart platform is lifted until its legs are 0.95 m long, all at once; by symmetry any of them is right."""
+    """The Gough-Stewart platform is lifted until its legs are 0.95 m long, all at once.
+
+    By symmetry any of them is right.
+    """
     robot = psp3.load("gough_stewart")
     reach = Workspace(robot, "tip", TASK_COORDINATES).distance({"z": 1.0}, 1.0)
     flat = GoughStewart().feet - GoughStewart().corners
@@ -265,18 +358,28 @@ def test_a_ray_ends_at_the_limit_of_a_joint() -> None:
 
 
 def test_tip_of_the_3_psp_reaches_the_closed_forms_border() -> None:
-    """sqrt(h² + d²/4) - d/2 = 23.9 mm toward screw 1, and the closed form's border elsewhere, by following the robot until it ends."""
+    """sqrt(h² + d²/4) - d/2 = 23.9 mm toward screw 1, and the closed form's border elsewhere.
+
+    By following the robot until it ends.
+    """
     robot = psp3.load("psp3")
     space = Workspace(robot, "tip", ("x", "y", "z"), singular_below=0.0)
     for azimuth in (0.0, 0.4, np.pi / 3.0, 2.5):
         reach = space.distance({"x": float(np.cos(azimuth)), "y": float(np.sin(azimuth))}, 0.1)
         assert_allclose(reach.distance, robot.tip_reach(azimuth), atol=1e-10)
         assert reach.ends == "end_effector"
-    assert_allclose(space.distance({"x": 1.0}, 0.1).distance, np.sqrt(0.070**2 + 0.181**2 / 4.0) - 0.181 / 2.0, atol=1e-10)
+    assert_allclose(
+        space.distance({"x": 1.0}, 0.1).distance,
+        np.sqrt(0.070**2 + 0.181**2 / 4.0) - 0.181 / 2.0,
+        atol=1e-10,
+    )
 
 
 def test_delta_ends_where_its_platform_can_turn() -> None:
-    """Where the normals of the three parallelograms come to lie in a plane, by the closed form: a singularity of constraint, to 1e-6."""
+    """Where the normals of the three parallelograms come to lie in a plane, by the closed form.
+
+    A singularity of constraint, to 1e-6.
+    """
     robot = without_limits(psp3.load("delta"))
     start = robot.frame_placement(robot.reference, "tip")[:3, 3]
     way = np.array([-0.165, 0.286, -0.126]) - start
@@ -298,7 +401,9 @@ def test_a_ray_that_nothing_ends_goes_as_far_as_it_may(five_bar: Workspace) -> N
     assert_allclose(five_bar.analysis.positions(reach.configuration)[0], 0.01, atol=1e-12)
 
 
-def test_a_ray_that_starts_beyond_a_limit_has_no_length(five_bar: Workspace, plane: KinematicMap) -> None:
+def test_a_ray_that_starts_beyond_a_limit_has_no_length(
+    five_bar: Workspace, plane: KinematicMap
+) -> None:
     x, z = nodes(plane)[plane.status == Status.BEYOND_LIMIT][0]
     reach = five_bar.distance({"x": 1.0}, 0.1, start={"x": float(x), "z": float(z)})
     assert (reach.distance, reach.ends) == (0.0, "limit")
@@ -312,8 +417,14 @@ def arm() -> ClosedLoopRobot:
     """Two links in the plane, 0.5 m and 0.3 m."""
     model = pin.Model()
     first = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "shoulder")
-    second = model.addJoint(first, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array([0.5, 0.0, 0.0])), "elbow")
-    model.addFrame(pin.Frame("hand", second, 0, pin.SE3(np.eye(3), np.array([0.3, 0.0, 0.0])), pin.FrameType.OP_FRAME))
+    second = model.addJoint(
+        first, pin.JointModelRZ(), pin.SE3(np.eye(3), np.array([0.5, 0.0, 0.0])), "elbow"
+    )
+    model.addFrame(
+        pin.Frame(
+            "hand", second, 0, pin.SE3(np.eye(3), np.array([0.3, 0.0, 0.0])), pin.FrameType.OP_FRAME
+        )
+    )
     return ClosedLoopRobot(model, [], ("shoulder", "elbow"), [0.3, 1.2])
 
 
@@ -335,26 +446,43 @@ def rings(five_bar: Workspace, plane: KinematicMap) -> Boundary:
 
 
 def test_arm_reaches_a_ring(ring: tuple[Workspace, KinematicMap], circles: Boundary) -> None:
-    """Radii 0.2 and 0.8 m, to a thousandth of edges of 58 mm; without limits the margin is infinite. Straight chords cost 0.3 % of area."""
+    """Radii 0.2 and 0.8 m, to a thousandth of edges of 58 mm.
+
+    Without limits the margin is infinite. Straight chords cost 0.3 % of area.
+    """
     _, poses = ring
     assert_allclose(circles.area, np.pi * (0.8**2 - 0.2**2), rtol=3e-3)
     radii = np.linalg.norm(circles.segments, axis=-1)
     assert_allclose(np.minimum(np.abs(radii - 0.8), np.abs(radii - 0.2)), 0.0, atol=6e-5)
     assert (poses.margin[poses.reachable] == np.inf).all()
-    assert set(poses.status.ravel().tolist()) <= {Status.UNREACHABLE, Status.SINGULAR, Status.USABLE}
+    assert set(poses.status.ravel().tolist()) <= {
+        Status.UNREACHABLE,
+        Status.SINGULAR,
+        Status.USABLE,
+    }
 
 
 def test_distance_from_the_border_is_that_from_the_circles(circles: Boundary) -> None:
     """To the sagitta of chords of up to 82 mm: 1.1 mm on the outer, 4.2 mm on the inner circle."""
     points = np.random.default_rng(7).uniform(-0.5, 0.5, size=(4, 50, 2))
     radii = np.linalg.norm(points, axis=-1)
-    assert_allclose(circles.distance(points), np.minimum(np.abs(radii - 0.8), np.abs(radii - 0.2)), atol=4.2e-3)
+    assert_allclose(
+        circles.distance(points), np.minimum(np.abs(radii - 0.8), np.abs(radii - 0.2)), atol=4.2e-3
+    )
 
 
 def test_distance_from_a_segment_by_brute_force() -> None:
-    border = Boundary(np.array([[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [1.0, 2.0]], [[3.0, 3.0], [3.0, 3.0]]]), 0.0)
+    border = Boundary(
+        np.array([[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [1.0, 2.0]], [[3.0, 3.0], [3.0, 3.0]]]),
+        0.0,
+    )
     points = np.random.default_rng(8).uniform(-1.0, 4.0, size=(30, 2))
-    dense = np.concatenate([start + np.linspace(0.0, 1.0, 4001)[:, np.newaxis] * (end - start) for start, end in border.segments])
+    dense = np.concatenate(
+        [
+            start + np.linspace(0.0, 1.0, 4001)[:, np.newaxis] * (end - start)
+            for start, end in border.segments
+        ]
+    )
     expected = np.linalg.norm(points[:, np.newaxis] - dense, axis=-1).min(axis=1)
     assert_allclose(border.distance(points), expected, atol=1e-6)
     assert Boundary(np.zeros((0, 2, 2)), 0.0).distance([0.0, 0.0]) == np.inf
@@ -391,11 +519,16 @@ def test_reaching_a_node_does_not_depend_on_the_grids_density(five_bar: Workspac
     fine = five_bar.map({"x": np.linspace(-0.3, 0.3, 13), "z": np.linspace(-0.4, -0.1, 13)})
     assert_array_equal(coarse.status, fine.status[::4, ::4])
     reached = coarse.reachable
-    assert_allclose(coarse.configuration[reached], fine.configuration[::4, ::4][reached], atol=1e-10)
+    assert_allclose(
+        coarse.configuration[reached], fine.configuration[::4, ::4][reached], atol=1e-10
+    )
 
 
 def test_singular_poses_lie_along_the_closed_forms_locus() -> None:
-    """Cranks of the five-bar swung together: the lowest measure of the end effector is where the closed form's determinant vanishes."""
+    """Cranks of the five-bar swung together.
+
+    The lowest measure of the end effector is where the closed form's determinant vanishes.
+    """
     geometry, robot = FiveBar(), psp3.load("five_bar")
     space = Workspace(robot, "tip", ("x", "z"), over="actuators")
     first = np.linspace(-1.0, 1.4, 49)
@@ -441,21 +574,41 @@ def test_singular_poses_lie_along_the_closed_forms_locus() -> None:
         (lambda space: space.distance({"x": 1.0}, 0.0), InvalidValue, "farthest"),
         (lambda space: space.distance({"x": 1.0}, 1.0, start={"x": np.nan}), InvalidValue, "start"),
         (lambda space: space.distance({"x": 1.0}, 1.0, start={"z": -2.0}), ClosureFailed, "-2"),
-        (lambda space: Workspace(space.analysis.robot, "tip", ("x", "z"), over="moon"), UnknownName, "moon"),
+        (
+            lambda space: Workspace(space.analysis.robot, "tip", ("x", "z"), over="moon"),
+            UnknownName,
+            "moon",
+        ),
         (lambda space: Workspace(space.analysis.robot, "moon", ("x", "z")), UnknownName, "moon"),
         (lambda space: Workspace(space.analysis.robot, "tip", ("x",)), InvalidValue, "as many"),
-        (lambda space: Workspace(space.analysis.robot, "tip", ("x", "z"), singular_below=-0.1), InvalidValue, "singular_below"),
-        (lambda space: Workspace(space.analysis.robot, "tip", ("x", "z"), length=0.0), InvalidValue, "length"),
-        (lambda space: Boundary(np.zeros((1, 2, 2)), 0.0).distance([np.nan, 0.0]), InvalidArray, "nan"),
+        (
+            lambda space: Workspace(space.analysis.robot, "tip", ("x", "z"), singular_below=-0.1),
+            InvalidValue,
+            "singular_below",
+        ),
+        (
+            lambda space: Workspace(space.analysis.robot, "tip", ("x", "z"), length=0.0),
+            InvalidValue,
+            "length",
+        ),
+        (
+            lambda space: Boundary(np.zeros((1, 2, 2)), 0.0).distance([np.nan, 0.0]),
+            InvalidArray,
+            "nan",
+        ),
     ],
 )
-def test_bad_input_is_refused(call: Callable[[Any], object], error: type[Exception], match: str, five_bar: Workspace) -> None:
+def test_bad_input_is_refused(
+    call: Callable[[Any], object], error: type[Exception], match: str, five_bar: Workspace
+) -> None:
     with pytest.raises(error, match=match):
         call(five_bar)
 
 
 @pytest.mark.parametrize("at_least", [Status.UNREACHABLE, 7, "usable", None])
-def test_borders_of_nothing_are_refused(at_least: Any, five_bar: Workspace, plane: KinematicMap) -> None:
+def test_borders_of_nothing_are_refused(
+    at_least: Any, five_bar: Workspace, plane: KinematicMap
+) -> None:
     with pytest.raises(InvalidValue, match="at_least"):
         five_bar.boundary(plane, at_least)
 

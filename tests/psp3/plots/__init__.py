@@ -1,0 +1,1 @@
+"""Tests of psp3.plots, one file per module."""

@@ -16,29 +16,52 @@ NAMES = ("ctc", "t1")
 
 
 def comparison() -> Comparison:
-    """Return made-up runs: two payloads on two paths with exact and noisy records; a run in eight diverged."""
-    cases = tuple(Case(payload, path, snr) for payload in (0.0, 2.0) for path in ("helix", "line") for snr in (math.inf, 20.0))
+    """Return made-up runs: two payloads on two paths with exact and noisy records.
+
+    A run in eight diverged.
+    """
+    cases = tuple(
+        Case(payload, path, snr)
+        for payload in (0.0, 2.0)
+        for path in ("helix", "line")
+        for snr in (math.inf, 20.0)
+    )
     rng = np.random.default_rng(0)
     lost = Outcome(math.nan, math.nan, math.nan, True)
-    return Comparison(cases, NAMES, {
-        (case, name): (*(Outcome(*rng.uniform(0.01, 0.1, 3), False) for _ in range(7)), lost) for case in cases for name in NAMES
-    })  # fmt: skip
+    return Comparison(
+        cases,
+        NAMES,
+        {
+            (case, name): (*(Outcome(*rng.uniform(0.01, 0.1, 3), False) for _ in range(7)), lost)
+            for case in cases
+            for name in NAMES
+        },
+    )
 
 
 def test_panels_show_the_means_with_their_intervals() -> None:
     found = comparison()
     panels = figure_of_mismatch(found)
     titles = [panel.get_title() for panel in panels]
-    assert titles == [f"{path}, {records}" for records in ("exact records", "records of 20 dB") for path in ("helix", "line")]
+    assert titles == [
+        f"{path}, {records}"
+        for records in ("exact records", "records of 20 dB")
+        for path in ("helix", "line")
+    ]
     assert panels[0].get_ylabel() == "settled error [mm]"
     assert panels[1].get_ylabel() == ""
     assert panels[2].get_xlabel() == "payload [kg]"
     assert [label.get_text() for label in panels[3].get_xticklabels()] == ["0", "2"]
-    for panel, (snr, path) in zip(panels, [(snr, path) for snr in (math.inf, 20.0) for path in ("helix", "line")], strict=True):
+    for panel, (snr, path) in zip(
+        panels, [(snr, path) for snr in (math.inf, 20.0) for path in ("helix", "line")], strict=True
+    ):
         assert panel.get_yscale() == "log"
         for name, bar in zip(NAMES, panel.containers, strict=True):
             assert bar.get_label() == name
-            values = [1e3 * np.nanmean(found.values(Case(payload, path, snr), name, "settled")) for payload in (0.0, 2.0)]
+            values = [
+                1e3 * np.nanmean(found.values(Case(payload, path, snr), name, "settled"))
+                for payload in (0.0, 2.0)
+            ]
             np.testing.assert_allclose(bar.lines[0].get_ydata(), values)
             for segment, value in zip(bar.lines[2][0].get_segments(), values, strict=True):
                 low, high = segment[:, 1]

@@ -1,4 +1,7 @@
-"""Figures of workspaces: what is drawn is what the map holds, with units; lines lie where the closed form says."""
+"""Figures of workspaces: what is drawn is what the map holds, with units.
+
+Lines lie where the closed form says.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +46,9 @@ def plane(space: Workspace) -> KinematicMap:
 @pytest.fixture(scope="module")
 def cranks() -> KinematicMap:
     space = Workspace(psp3.load("five_bar"), "tip", ("x", "z"), over="actuators")
-    return space.map({name: value + np.linspace(-1.0, 1.0, 33) for name, value in space.reference.items()})
+    return space.map(
+        {name: value + np.linspace(-1.0, 1.0, 33) for name, value in space.reference.items()}
+    )
 
 
 def drawn(panels: tuple[Any, ...]) -> Any:
@@ -58,7 +63,9 @@ def lines(panel: Any, dashes: str) -> Array:
     vertices = [
         path.vertices
         for contour in panel.collections
-        if isinstance(contour, QuadContourSet) and not contour.filled and contour.linestyles == [dashes]
+        if isinstance(contour, QuadContourSet)
+        and not contour.filled
+        and contour.linestyles == [dashes]
         for path in contour.get_paths()
         if len(path.vertices)
     ]
@@ -69,7 +76,14 @@ def test_six_panels_with_units(plane: KinematicMap) -> None:
     panels = figure_of_map(plane)
     figure = drawn(panels)
     titles = [panel.get_title(loc="left") for panel in panels]
-    assert titles == ["Poses", "Actuation", "End effector", "Joint margin [mm]", "Condition", "Manipulability"]
+    assert titles == [
+        "Poses",
+        "Actuation",
+        "End effector",
+        "Joint margin [mm]",
+        "Condition",
+        "Manipulability",
+    ]
     assert panels[3].get_xlabel() == "tip x [mm]"
     assert panels[0].get_ylabel() == "tip z [mm]"
     assert_allclose(panels[0].get_xlim(), (-300.0, 300.0))
@@ -88,7 +102,10 @@ def test_statuses_are_drawn_where_they_are(plane: KinematicMap) -> None:
 
 
 def test_line_of_the_actuation_singularity(plane: KinematicMap) -> None:
-    """The solid line is where the rods of the closed form are in line. Nodes are 25 mm apart, which turns rods of 280 mm by 0.09."""
+    """The solid line is where the rods of the closed form are in line.
+
+    Nodes are 25 mm apart, which turns rods of 280 mm by 0.09.
+    """
     panel = figure_of_map(plane)[1]
     points = 1e-3 * lines(panel, "solid")
     assert len(points) > 12
@@ -103,7 +120,10 @@ def test_line_of_the_actuation_singularity(plane: KinematicMap) -> None:
 
 
 def test_lines_over_the_cranks(cranks: KinematicMap) -> None:
-    """The dashed line is where the closed form's Jacobian is singular, the dotted one where a joint is at its limit: 1.5 or 2.6 rad."""
+    """The dashed line is where the closed form's Jacobian is singular.
+
+    The dotted one is where a joint is at its limit, 1.5 or 2.6 rad.
+    """
     panels = figure_of_map(cranks)
     assert panels[3].get_xlabel() == "leg1 shoulder [degrees]"
     angles, geometry = np.radians(lines(panels[2], "dashed")), FiveBar()
@@ -115,7 +135,9 @@ def test_lines_over_the_cranks(cranks: KinematicMap) -> None:
     elbows = geometry.elbows(angles)
     with np.errstate(invalid="ignore"):
         reach = np.linalg.norm(geometry.forward(angles)[:, np.newaxis] - geometry.shafts, axis=-1)
-        bends = np.pi - np.arccos((geometry.crank**2 + geometry.rod**2 - reach**2) / (2.0 * geometry.crank * geometry.rod))
+        bends = np.pi - np.arccos(
+            (geometry.crank**2 + geometry.rod**2 - reach**2) / (2.0 * geometry.crank * geometry.rod)
+        )
     limits = np.minimum(np.abs(1.5 - np.abs(angles)), np.abs(2.6 - bends)).min(axis=1)
     assert len(elbows) > 20
     assert np.nanmax(limits) < 0.01
@@ -160,7 +182,9 @@ def test_cloud_of_a_planar_robot_is_flat(plane: KinematicMap) -> None:
     expected = 1e3 * plane.position[plane.reachable][:, [0, 2]]
     assert_allclose(np.sort(points, axis=0), np.sort(expected, axis=0))
     names = [text.get_text() for text in panel.get_legend().get_texts()]
-    assert names == [STATUS_NAMES[Status(status)] for status in np.unique(plane.status[plane.reachable])]
+    assert names == [
+        STATUS_NAMES[Status(status)] for status in np.unique(plane.status[plane.reachable])
+    ]
 
 
 def test_cloud_in_space() -> None:

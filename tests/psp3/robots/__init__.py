@@ -1,0 +1,1 @@
+"""Tests of psp3.robots, one file per module."""

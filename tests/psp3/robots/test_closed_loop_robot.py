@@ -1,4 +1,7 @@
-"""The Pinocchio path on any tree with loops: closing them, projected dynamics, and what is refused."""
+"""The Pinocchio path on any tree with loops.
+
+Closing them, projected dynamics, and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -38,7 +41,9 @@ def build(parts: SimpleNamespace) -> ClosedLoopRobot:
 
 def nearby(robot: ClosedLoopRobot, rng: np.random.Generator, count: int) -> Array:
     """Actuated positions within 0.15 (rad, m) of the reference pose."""
-    home = [robot.q0[robot.model.joints[robot.model.getJointId(name)].idx_q] for name in robot.actuated]
+    home = [
+        robot.q0[robot.model.joints[robot.model.getJointId(name)].idx_q] for name in robot.actuated
+    ]
     return np.array(home) + rng.uniform(-0.15, 0.15, size=(count, len(home)))
 
 
@@ -47,8 +52,14 @@ def residual(robot: ClosedLoopRobot, q: Array) -> Array:
     data = robot.model.createData()
     pin.forwardKinematics(robot.model, data, q)
     (loop,) = robot.constraint_models
-    relative = (data.oMi[loop.joint1_id] * loop.joint1_placement).actInv(data.oMi[loop.joint2_id] * loop.joint2_placement)
-    return np.asarray(pin.log6(relative).vector if loop.type == pin.ContactType.CONTACT_6D else relative.translation)
+    relative = (data.oMi[loop.joint1_id] * loop.joint1_placement).actInv(
+        data.oMi[loop.joint2_id] * loop.joint2_placement
+    )
+    return np.asarray(
+        pin.log6(relative).vector
+        if loop.type == pin.ContactType.CONTACT_6D
+        else relative.translation
+    )
 
 
 @pytest.fixture(scope="module", params=ROBOTS_WITH_LOOPS, ids=lambda builder: builder.__name__)
@@ -66,16 +77,24 @@ def star() -> psp3.PSP3:
 
 @pytest.mark.parametrize("leg", [0, 1, 2])
 def test_a_joint_beyond_its_limits_is_named(star: psp3.PSP3, leg: int) -> None:
-    """The slider of the leg that is lifted too far, 1e-9 m from the closed form's arm: Newton's method ends near rounding."""
+    """The slider of the leg that is lifted too far, 1e-9 m from the closed form's arm.
+
+    Newton's method ends near rounding.
+    """
     heights = 1.2 * np.eye(3)[leg]
     with pytest.raises(JointLimitExceeded) as caught:
         build(star).configuration(heights)
     assert caught.value.joint == f"b{leg + 1}"
-    assert_allclose(caught.value.position, star.forward_kinematics(heights).arms[leg], rtol=0.0, atol=1e-9)
+    assert_allclose(
+        caught.value.position, star.forward_kinematics(heights).arms[leg], rtol=0.0, atol=1e-9
+    )
 
 
 def test_configuration_closes_the_loops_at_the_given_positions(robot: ClosedLoopRobot) -> None:
-    """1e-13: Newton's method runs until the residual stops falling; actuated joints stand exactly where they were put."""
+    """1e-13: Newton's method runs until the residual stops falling.
+
+    Actuated joints stand exactly where they were put.
+    """
     positions = nearby(robot, np.random.default_rng(0), 20)
     q = robot.configuration(positions)
     assert q.shape == (20, robot.model.nq)
@@ -96,7 +115,10 @@ def test_reference_pose_need_only_nearly_close_the_loops() -> None:
 
 
 def test_continuation_keeps_to_the_assembly_mode() -> None:
-    """A crank turned all the way round, degree by degree or at once: the rocker never flips to its mirror image. 1e-11 rad."""
+    """A crank turned all the way round, degree by degree or at once.
+
+    The rocker never flips to its mirror image. 1e-11 rad.
+    """
     robot = build(ROBOTS_WITH_LOOPS[0]())
     crank = robot.q0[:1]
     q = robot.configuration(crank)
@@ -108,18 +130,39 @@ def test_continuation_keeps_to_the_assembly_mode() -> None:
 
 
 def test_far_poses_are_reached_from_home_without_wrapping_an_angle(star: psp3.PSP3) -> None:
-    """Heights 0.6 m apart (tilts to 66 degrees): Newton's method finds the closed form's angles, not those plus 2 pi. 1e-10."""
-    heights = [[0.0, 0.35, -0.35], [-0.6, 0.0, 0.0], [0.6, 0.0, 0.0], [0.0, 0.6, 0.0], [0.3, -0.3, 0.3], [5.0, 5.1, 4.9]]
-    assert_allclose(star.dynamics("pinocchio").configuration(heights), star.configuration(heights), rtol=0, atol=1e-10)
+    """Heights 0.6 m apart (tilts to 66 degrees).
+
+    Newton's method finds the closed form's angles, not those plus 2 pi. 1e-10.
+    """
+    heights = [
+        [0.0, 0.35, -0.35],
+        [-0.6, 0.0, 0.0],
+        [0.6, 0.0, 0.0],
+        [0.0, 0.6, 0.0],
+        [0.3, -0.3, 0.3],
+        [5.0, 5.1, 4.9],
+    ]
+    assert_allclose(
+        star.dynamics("pinocchio").configuration(heights),
+        star.configuration(heights),
+        rtol=0,
+        atol=1e-10,
+    )
 
 
 def test_positions_beyond_the_workspace_are_refused() -> None:
-    """Coupler and rocker end up in one line at a crank angle of 134 degrees, by the law of cosines: no farther, but up to 1e-3 rad."""
+    """Coupler and rocker end up in one line at a crank angle of 134 degrees, by the law of cosines.
+
+    No farther, but up to 1e-3 rad.
+    """
     parts = ROBOTS_WITH_LOOPS[1]()
     robot = build(parts)
     (loop,) = parts.constraint_models
     crank, ground = 0.2, 0.45
-    stretched = sum(np.hypot(*placement.translation[:2]) for placement in (loop.joint1_placement, loop.joint2_placement))
+    stretched = sum(
+        np.hypot(*placement.translation[:2])
+        for placement in (loop.joint1_placement, loop.joint2_placement)
+    )
     dead_point = np.arccos((crank**2 + ground**2 - stretched**2) / (2.0 * crank * ground))
     assert np.abs(residual(robot, robot.configuration([dead_point - 1e-3]))).max() < 1e-13
     with pytest.raises(ClosureFailed) as caught:
@@ -143,37 +186,65 @@ def test_a_reference_pose_that_cannot_be_closed_is_refused() -> None:
 
 
 def test_velocity_keeps_the_loops_closed(robot: ClosedLoopRobot) -> None:
-    """Derivative of the configuration along the actuated joints' motion, by eighth-order differences: 1e-8."""
+    """Derivative of the configuration along the actuated joints' motion.
+
+    By eighth-order differences, to 1e-8.
+    """
     rng = np.random.default_rng(2)
     positions = nearby(robot, rng, 3)
     speeds = rng.normal(size=positions.shape)
     expected = derivative(lambda t: robot.configuration(positions + t * speeds), 5e-3)
-    assert_allclose(robot.velocity(positions, speeds), expected, rtol=0, atol=1e-8 * np.abs(expected).max())
+    assert_allclose(
+        robot.velocity(positions, speeds), expected, rtol=0, atol=1e-8 * np.abs(expected).max()
+    )
 
 
-def test_mass_matrix_is_that_of_the_kinetic_energy_and_gravity_the_slope_of_the_potential_energy(robot: ClosedLoopRobot) -> None:
-    """Energies from sums over the bodies: 2 T(v) = v'Mv at three speeds, G by differences; 1e-8 relative."""
+def test_mass_matrix_is_that_of_the_kinetic_energy_and_gravity_the_slope_of_the_potential_energy(
+    robot: ClosedLoopRobot,
+) -> None:
+    """Energies from sums over the bodies: 2 T(v) = v'Mv at three speeds, G by differences.
+
+    1e-8 relative.
+    """
     rng = np.random.default_rng(3)
     positions = nearby(robot, rng, 5)
     mass, gravity = robot.mass_matrix(positions), robot.gravity(positions)
     for _ in range(3):
         speeds = rng.normal(size=positions.shape)
-        assert_allclose(robot.kinetic_energy(positions, speeds), 0.5 * np.einsum("ni,nij,nj->n", speeds, mass, speeds), rtol=1e-11)
+        assert_allclose(
+            robot.kinetic_energy(positions, speeds),
+            0.5 * np.einsum("ni,nij,nj->n", speeds, mass, speeds),
+            rtol=1e-11,
+        )
     for k, unit in enumerate(np.eye(len(robot.actuated))):
         slope = derivative(lambda t, unit=unit: robot.potential_energy(positions + t * unit), 5e-3)
         assert_allclose(gravity[:, k], slope, rtol=0, atol=1e-8 * np.abs(gravity).max())
 
 
 def test_coriolis_matrix_is_that_of_the_christoffel_symbols(robot: ClosedLoopRobot) -> None:
-    """C_ij = 1/2 sum_k (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) v_k with differences of M; 1e-7 relative."""
+    """C_ij = 1/2 sum_k (dM_ij/dq_k + dM_ik/dq_j - dM_jk/dq_i) v_k.
+
+    With differences of M; 1e-7 relative.
+    """
     rng = np.random.default_rng(4)
     positions = nearby(robot, rng, 4)
     speeds = rng.normal(size=positions.shape)
     n = len(robot.actuated)
-    slopes = np.stack([derivative(lambda t, u=unit: robot.mass_matrix(positions + t * u), 5e-3) for unit in np.eye(n)], axis=-1)
+    slopes = np.stack(
+        [
+            derivative(lambda t, u=unit: robot.mass_matrix(positions + t * u), 5e-3)
+            for unit in np.eye(n)
+        ],
+        axis=-1,
+    )
     symbols = 0.5 * (slopes + slopes.swapaxes(-1, -2) - np.moveaxis(slopes, -1, 1))
     expected = np.einsum("nijk,nk->nij", symbols, speeds)
-    assert_allclose(robot.coriolis_matrix(positions, speeds), expected, rtol=0, atol=1e-7 * np.abs(expected).max())
+    assert_allclose(
+        robot.coriolis_matrix(positions, speeds),
+        expected,
+        rtol=0,
+        atol=1e-7 * np.abs(expected).max(),
+    )
 
 
 def test_inverse_dynamics_is_the_equation_of_motion(robot: ClosedLoopRobot) -> None:
@@ -182,24 +253,39 @@ def test_inverse_dynamics_is_the_equation_of_motion(robot: ClosedLoopRobot) -> N
     positions = nearby(robot, rng, 10)
     speeds, accelerations = rng.normal(size=(2, *positions.shape))
     mass, coriolis, gravity = robot.equation_of_motion(positions, speeds)
-    expected = np.einsum("nij,nj->ni", mass, accelerations) + np.einsum("nij,nj->ni", coriolis, speeds) + gravity
-    assert_allclose(robot.inverse_dynamics(positions, speeds, accelerations), expected, rtol=0, atol=1e-11 * np.abs(expected).max())
+    expected = (
+        np.einsum("nij,nj->ni", mass, accelerations)
+        + np.einsum("nij,nj->ni", coriolis, speeds)
+        + gravity
+    )
+    assert_allclose(
+        robot.inverse_dynamics(positions, speeds, accelerations),
+        expected,
+        rtol=0,
+        atol=1e-11 * np.abs(expected).max(),
+    )
 
 
 def test_forward_dynamics_is_undone_by_inverse_dynamics(robot: ClosedLoopRobot) -> None:
     """Pinocchio's constraintDynamics on one side, projected RNEA on the other.
 
-    1e-8 relative for redundant closures too, where the proximal iteration replaces the exact solution.
+    1e-8 relative for redundant closures too, where the proximal iteration replaces the exact
+    solution.
     """
     rng = np.random.default_rng(6)
     positions = nearby(robot, rng, 10)
     speeds, forces = rng.normal(size=(2, *positions.shape))
     accelerations = robot.forward_dynamics(positions, speeds, forces)
-    assert_allclose(robot.inverse_dynamics(positions, speeds, accelerations), forces, rtol=0, atol=1e-8)
+    assert_allclose(
+        robot.inverse_dynamics(positions, speeds, accelerations), forces, rtol=0, atol=1e-8
+    )
 
 
 def test_constrained_accelerations_keep_the_loops_closed(robot: ClosedLoopRobot) -> None:
-    """Second derivative of the closure along the motion vanishes, by differences along q + v t + a t²/2; 1e-6 of the accelerations."""
+    """Second derivative of the closure along the motion vanishes.
+
+    By differences along q + v t + a t²/2; 1e-6 of the accelerations.
+    """
     rng = np.random.default_rng(7)
     (positions,) = nearby(robot, rng, 1)
     speeds, forces = rng.normal(size=(2, len(robot.actuated)))
@@ -216,7 +302,10 @@ def test_constrained_accelerations_keep_the_loops_closed(robot: ClosedLoopRobot)
 
 def test_coriolis_matrix_at_rest_is_zero(robot: ClosedLoopRobot) -> None:
     n = len(robot.actuated)
-    assert_array_equal(robot.coriolis_matrix(nearby(robot, np.random.default_rng(8), 1), np.zeros((1, n))), np.zeros((1, n, n)))
+    assert_array_equal(
+        robot.coriolis_matrix(nearby(robot, np.random.default_rng(8), 1), np.zeros((1, n))),
+        np.zeros((1, n, n)),
+    )
 
 
 def test_frame_jacobian_is_the_derivative_of_the_frame(star: psp3.PSP3) -> None:
@@ -234,7 +323,9 @@ def test_frame_jacobian_is_the_derivative_of_the_frame(star: psp3.PSP3) -> None:
     rotation = placement(heights).rotation
     for k, unit in enumerate(np.eye(3)):
         linear = derivative(lambda t, u=unit: placement(heights + t * u).translation, 5e-3)
-        angular = derivative(lambda t, u=unit: pin.log3(placement(heights + t * u).rotation @ rotation.T), 5e-3)
+        angular = derivative(
+            lambda t, u=unit: pin.log3(placement(heights + t * u).rotation @ rotation.T), 5e-3
+        )
         assert_allclose(jacobian[:, k], np.concatenate([linear, angular]), rtol=0, atol=1e-8)
 
 
@@ -249,7 +340,9 @@ def test_a_robot_without_loops_is_plain_crba_and_rnea() -> None:
     mass = np.triu(mass) + np.triu(mass, 1).T
     assert_allclose(robot.mass_matrix(q), mass, rtol=0, atol=1e-12 * np.abs(mass).max())
     forces = pin.rnea(model, data, q, v, a)
-    assert_allclose(robot.inverse_dynamics(q, v, a), forces, rtol=0, atol=1e-12 * np.abs(forces).max())
+    assert_allclose(
+        robot.inverse_dynamics(q, v, a), forces, rtol=0, atol=1e-12 * np.abs(forces).max()
+    )
     assert_allclose(robot.forward_dynamics(q, v, forces), a, rtol=0, atol=1e-10)
     assert_array_equal(robot.configuration(q), q)
 
@@ -287,7 +380,10 @@ SHAPES = {
 def test_leading_dimensions_are_kept(star: psp3.PSP3, shape: tuple[int, ...]) -> None:
     tree = star.dynamics("pinocchio")
     for method, (count, tail) in SHAPES.items():
-        assert np.shape(getattr(tree, method)(*[np.zeros((*shape, 3))] * count)) == (*shape, *tail), method
+        assert np.shape(getattr(tree, method)(*[np.zeros((*shape, 3))] * count)) == (
+            *shape,
+            *tail,
+        ), method
     assert tree.frame_jacobian(np.zeros((*shape, 3)), "tip").shape == (*shape, 6, 3)
 
 
@@ -302,7 +398,9 @@ def test_an_empty_batch_keeps_its_shape(star: psp3.PSP3) -> None:
 
 
 @pytest.mark.parametrize("actuated", [("a1", "a2"), ("a1",), (), ("a1", "a2", "a3", "b1")])
-def test_actuated_joints_that_do_not_match_the_mobility_are_refused(star: psp3.PSP3, actuated: tuple[str, ...]) -> None:
+def test_actuated_joints_that_do_not_match_the_mobility_are_refused(
+    star: psp3.PSP3, actuated: tuple[str, ...]
+) -> None:
     with pytest.raises(MobilityMismatch, match="3 degrees of freedom") as caught:
         ClosedLoopRobot(star.model, star.constraint_models, actuated, star.q0)
     assert caught.value.mobility.degrees_of_freedom == 3
@@ -310,7 +408,10 @@ def test_actuated_joints_that_do_not_match_the_mobility_are_refused(star: psp3.P
 
 
 def test_mobility_counts_independent_closures_only() -> None:
-    """The planar four-bar closed with 6D has 4 joints, 6 closure equations and one degree of freedom."""
+    """The planar four-bar closed with 6D has 4 joints, 6 equations, 1 degree of freedom.
+
+    The equations are those of the closure.
+    """
     parts = ROBOTS_WITH_LOOPS[0]()
     with pytest.raises(MobilityMismatch) as caught:
         ClosedLoopRobot(parts.model, parts.constraint_models, ("j1", "j3"), parts.q0)
@@ -323,7 +424,10 @@ def test_a_name_that_is_no_joint_is_refused(star: psp3.PSP3) -> None:
 
 
 def test_joints_that_do_not_determine_the_others_are_refused(star: psp3.PSP3) -> None:
-    """Right in number, wrong in kind: the same joint twice. At home also two nuts and their tilt toward each other."""
+    """Right in number, wrong in kind: the same joint twice.
+
+    At home also two nuts and their tilt toward each other.
+    """
     with pytest.raises(PSP3Error):
         ClosedLoopRobot(star.model, star.constraint_models, ("a1", "a2", "a2"), star.q0)
 
@@ -341,13 +445,25 @@ def test_a_malformed_guess_is_refused(star: psp3.PSP3, guess: Array) -> None:
 
 
 def test_joints_in_an_order_that_pinocchio_gets_wrong_are_refused() -> None:
-    """The tree fork a-b, a-c-d with d added after another root's child: ``crba`` is wrong there, by itself, and says nothing."""
+    """The tree fork a-b, a-c-d with d added after another root's child.
+
+    ``crba`` is wrong there, by itself, and says nothing.
+    """
 
     def tree(order: tuple[str, ...]) -> pin.Model:
         model, parents = pin.Model(), {"a": "universe", "b": "a", "c": "universe", "d": "b"}
         for name in order:
-            joint = model.addJoint(model.getJointId(parents[name]), pin.JointModelRX(), pin.SE3(np.eye(3), np.array([0.0, 0.3, 0.1])), name)
-            model.appendBodyToJoint(joint, pin.Inertia(1.0, np.array([0.0, 0.2, 0.0]), 0.1 * np.eye(3)), pin.SE3.Identity())
+            joint = model.addJoint(
+                model.getJointId(parents[name]),
+                pin.JointModelRX(),
+                pin.SE3(np.eye(3), np.array([0.0, 0.3, 0.1])),
+                name,
+            )
+            model.appendBodyToJoint(
+                joint,
+                pin.Inertia(1.0, np.array([0.0, 0.2, 0.0]), 0.1 * np.eye(3)),
+                pin.SE3.Identity(),
+            )
         return model
 
     def kinetic_energy_error(model: pin.Model) -> float:
@@ -371,9 +487,16 @@ def test_unknown_frame_is_refused(star: psp3.PSP3) -> None:
     assert caught.value.name == "elbow"
 
 
-@pytest.mark.parametrize("bad", [[np.nan, 0, 0], [0, np.inf, 0], [0, 0], np.zeros((3, 1)), 1.0, None, "abc"])
-@pytest.mark.parametrize(("method", "count"), [("configuration", 1), ("mass_matrix", 1), ("coriolis_matrix", 2), ("forward_dynamics", 3)])
-def test_arguments_that_are_not_finite_rows_are_refused(star: psp3.PSP3, method: str, count: int, bad: Any) -> None:
+@pytest.mark.parametrize(
+    "bad", [[np.nan, 0, 0], [0, np.inf, 0], [0, 0], np.zeros((3, 1)), 1.0, None, "abc"]
+)
+@pytest.mark.parametrize(
+    ("method", "count"),
+    [("configuration", 1), ("mass_matrix", 1), ("coriolis_matrix", 2), ("forward_dynamics", 3)],
+)
+def test_arguments_that_are_not_finite_rows_are_refused(
+    star: psp3.PSP3, method: str, count: int, bad: Any
+) -> None:
     """In every position."""
     tree = star.dynamics("pinocchio")
     for position in range(count):
@@ -410,12 +533,16 @@ def test_missing_files_are_refused_by_path(tmp_path: Path, which: str) -> None:
         ('name="a2"', 'name="nut2_slide"', "a2"),
     ],
 )
-def test_a_urdf_without_a_frame_or_joint_that_the_loop_file_names_is_refused(tmp_path: Path, old: str, new: str, missing: str) -> None:
+def test_a_urdf_without_a_frame_or_joint_that_the_loop_file_names_is_refused(
+    tmp_path: Path, old: str, new: str, missing: str
+) -> None:
     text = URDF.read_text()
     assert old in text
     if "star3_center" in old:
         # A link has its name in two places.
-        text = text.replace('name="star3_center"', 'name="hub3"').replace('link="star3_center"', 'link="hub3"')
+        text = text.replace('name="star3_center"', 'name="hub3"').replace(
+            'link="star3_center"', 'link="hub3"'
+        )
     urdf = tmp_path / "renamed.urdf"
     urdf.write_text(text.replace(old, new))
     with pytest.raises(InvalidRobotFile, match=missing) as caught:
@@ -432,7 +559,9 @@ def test_a_loop_file_with_too_few_motors_is_refused(tmp_path: Path) -> None:
 
 def test_a_loop_file_with_a_loop_less_is_refused(tmp_path: Path) -> None:
     loops = tmp_path / "one.yaml"
-    loops.write_text("closed_loop: [[star1_center, star2_center]]\ntype: ['6d']\nname_mot: [a1, a2, a3]\n")
+    loops.write_text(
+        "closed_loop: [[star1_center, star2_center]]\ntype: ['6d']\nname_mot: [a1, a2, a3]\n"
+    )
     with pytest.raises(MobilityMismatch) as caught:
         ClosedLoopRobot.from_urdf(URDF, loops, SRDF)
     assert caught.value.mobility.degrees_of_freedom == 9
@@ -455,7 +584,10 @@ def test_srdf_that_cannot_be_read_is_refused(tmp_path: Path, text: str) -> None:
 
 
 def test_an_srdf_without_home_is_refused(tmp_path: Path) -> None:
-    """The caller named a file of poses; starting from neutral without a word would hide that the one it needs is missing."""
+    """The caller named a file of poses.
+
+    Starting from neutral without a word would hide that the one it needs is missing.
+    """
     srdf = tmp_path / "other.srdf"
     srdf.write_text(SRDF.read_text().replace('name="home"', 'name="park"'))
     with pytest.raises(InvalidRobotFile, match="home"):

@@ -1,0 +1,1 @@
+"""Tests of psp3.simulation, one file per module."""

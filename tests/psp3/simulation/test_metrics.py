@@ -7,12 +7,20 @@ import pytest
 
 from psp3.errors import InvalidValue
 from psp3.simulation import Result
-from psp3.simulation.metrics import integral_of_squared_error, largest_tip_error, rms_error, sum_of_squared_errors
+from psp3.simulation.metrics import (
+    integral_of_squared_error,
+    largest_tip_error,
+    rms_error,
+    sum_of_squared_errors,
+)
 from psp3.trajectories import Motion
 
 
 def made_up() -> Result:
-    """Return a run with an error of (t, 2t, −2t), so that its square is 9 t²; a tip that is 3 t away."""
+    """Return a run with an error of (t, 2t, −2t), so that its square is 9 t².
+
+    A tip that is 3 t away.
+    """
     t = np.arange(0.0, 1.0 + 1e-9, 0.01)
     zero = np.zeros((t.size, 3))
     error = t[:, np.newaxis] * [1.0, 2.0, -2.0]

@@ -1,4 +1,7 @@
-"""MuJoCo as a plant: what comes from MuJoCo, what ends a simulation, what is refused. How near it is to ours: tests/cross."""
+"""MuJoCo as a plant: what comes from MuJoCo, what ends a simulation, what is refused.
+
+How near it is to ours: tests/cross.
+"""
 
 from __future__ import annotations
 
@@ -26,12 +29,19 @@ def moved(plant: Any, forces: Any, periods: int, start: Any = TILTED) -> np.ndar
     """Return heights and speeds, (periods, 6), under constant forces from rest."""
     plant.start(np.array(start), np.zeros(3))
     # A plant may hand out its own state, which changes.
-    return np.array([np.concatenate(plant.advance(np.array(forces, dtype=float), 0.002)) for _ in range(periods)])
+    return np.array(
+        [
+            np.concatenate(plant.advance(np.array(forces, dtype=float), 0.002))
+            for _ in range(periods)
+        ]
+    )
 
 
 def test_without_mujoco_the_error_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "mujoco", None)
-    with pytest.raises(MissingPackage, match=r"mujoco cannot be imported.*pip install 'psp3\[mujoco\]'") as caught:
+    with pytest.raises(
+        MissingPackage, match=r"mujoco cannot be imported.*pip install 'psp3\[mujoco\]'"
+    ) as caught:
         MuJoCo(ROBOT)
     assert caught.value.extra == "mujoco"
 
@@ -45,7 +55,10 @@ def test_the_module_does_not_import_mujoco() -> None:
 
 
 def test_the_weight_is_in_balance() -> None:
-    """Under G nothing moves, but for what the closures give way until they carry: 1e-7 m/s, which is less than 1e-4 g for a step."""
+    """Under G nothing moves, but for what the closures give way until they carry.
+
+    1e-7 m/s, which is less than 1e-4 g for a step.
+    """
     states = moved(MuJoCo(ROBOT), ROBOT.gravity(TILTED), 500)
     assert_allclose(states[-1, :3], TILTED, rtol=0.0, atol=5e-7)
 
@@ -72,7 +85,10 @@ def test_loops_stay_closed() -> None:
 
 
 def test_motors_give_what_they_can_and_no_more() -> None:
-    """The limit as an argument: as our plant with forces that are cut off, to 1e-5 m and m/s, what closures give way at 10 m/s²."""
+    """The limit as an argument: as our plant with forces that are cut off.
+
+    To 1e-5 m and m/s, which is what closures give way at 10 m/s².
+    """
     wanted, cut = np.array([500.0, -30.0, 95.0]), np.array([90.0, -30.0, 90.0])
     limited = moved(MuJoCo(ROBOT, torque_limit=90.0), wanted, 50)
     assert_allclose(limited, moved(RungeKutta(ROBOT), cut, 50), rtol=0.0, atol=1e-5)
@@ -93,9 +109,12 @@ def test_by_default_motors_have_the_effort_limit_of_the_model() -> None:
 
 @pytest.mark.parametrize("step", [1, 4])
 def test_stops_stop(step: int) -> None:
-    """Pushed up at 0.1 m, nuts come to rest there; how far they are in at most is a step's way at their speed, 1 m/s.
+    """Pushed up at 0.1 m, nuts come to rest there.
 
-    At rest the stop gives way by the excess force over its stiffness, which is that of a spring of two steps: some 1e-6 m.
+    How far they are in at most is a step's way at their speed, 1 m/s.
+
+    At rest the stop gives way by the excess force over its stiffness, which is that of a spring of
+    two steps: some 1e-6 m.
     """
     plant = MuJoCo(ROBOT, step, limits=([-0.1] * 3, [0.1] * 3))
     states = moved(plant, ROBOT.gravity(np.zeros(3)) + 40.0, 500, start=np.zeros(3))
@@ -106,9 +125,14 @@ def test_stops_stop(step: int) -> None:
 
 
 def test_a_simulation_with_stops_inside_the_stroke_runs_through() -> None:
-    """PD without gravity compensation sags by 87 mm; a stop holds it at 50 mm, and our plant, which has none, goes down further."""
+    """PD without gravity compensation sags by 87 mm.
+
+    A stop holds it at 50 mm, and our plant, which has none, goes down further.
+    """
     hold = psp3.trajectories.Hold(robot=ROBOT)
-    stopped = psp3.simulate(ROBOT, psp3.PD(), hold, 3.0, plant=MuJoCo(ROBOT, limits=([-0.05] * 3, [0.4] * 3)))
+    stopped = psp3.simulate(
+        ROBOT, psp3.PD(), hold, 3.0, plant=MuJoCo(ROBOT, limits=([-0.05] * 3, [0.4] * 3))
+    )
     free = psp3.simulate(ROBOT, psp3.PD(), hold, 3.0)
     assert_allclose(stopped.heights[-1], -0.05, rtol=0.0, atol=1e-4)
     assert_allclose(free.heights[-1], -0.0866, rtol=0.0, atol=2e-3)
@@ -139,7 +163,7 @@ def test_a_state_that_mujoco_finds_bad_is_none_and_nothing_is_printed(
 
 
 def test_a_torn_loop_is_none() -> None:
-    """Closures nearly switched off, and one nut pulled up: its third of the star leaves the others."""
+    """Closures nearly off, and one nut pulled up: its third of the star leaves the others."""
     plant = MuJoCo(ROBOT)
     plant.start(TILTED, np.zeros(3))
     plant.model.eq_solimp[:] = 1e-4

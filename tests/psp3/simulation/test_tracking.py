@@ -44,8 +44,11 @@ class Recording:
     def torque(self, t: float, heights: np.ndarray, speeds: np.ndarray, desired: Motion) -> object:
         """Write the arguments down and spoil them."""
         self.calls.append((t, heights.copy(), speeds.copy(), desired))
-        heights[:] = speeds[:] = np.nan  # what a controller does to its arguments must change nothing
-        return self.torque_given if t >= self.bad_from or self.bad_from == np.inf else np.full(3, 87.0)
+        # what a controller does to its arguments must change nothing
+        heights[:] = speeds[:] = np.nan
+        return (
+            self.torque_given if t >= self.bad_from or self.bad_from == np.inf else np.full(3, 87.0)
+        )
 
 
 def test_zero_order_hold_by_hand() -> None:
@@ -72,7 +75,10 @@ def test_zero_order_hold_by_hand() -> None:
 
 
 def test_thesis_comparison_lands_where_the_design_says() -> None:
-    """PD 4.66 and CTC 0.0185 at one sample per 0.05 s were found by an independent simulation; 1 % covers their rounding."""
+    """PD 4.66 and CTC 0.0185 at one sample per 0.05 s were found by an independent simulation.
+
+    1 % covers their rounding.
+    """
     from psp3.simulation.metrics import integral_of_squared_error, sum_of_squared_errors
 
     pd = psp3.simulate(ROBOT, psp3.PD(), HELIX, 10.4)
@@ -86,12 +92,15 @@ def test_thesis_comparison_lands_where_the_design_says() -> None:
 def test_computed_torque_started_on_the_path_has_no_error_but_that_of_the_hold() -> None:
     """The held torque lags by half a period.
 
-    That is an acceleration error of jerk · T/2. The helix turns at 3.14 rad/s, the servo's
-    natural frequency is 3.16: the error is that over kv · 3.14, 0.5 mm at 2 ms, and proportional to the period.
+    That is an acceleration error of jerk · T/2. The helix turns at 3.14 rad/s, the servo's natural
+    frequency is 3.16: the error is that over kv · 3.14, 0.5 mm at 2 ms, and proportional to the
+    period.
     """
     errors = []
     for period in (0.002, 0.0002):
-        result = psp3.simulate(ROBOT, psp3.ComputedTorque(ROBOT), HELIX, 2.0, period, initial_speeds=HELIX(0.0).speeds)
+        result = psp3.simulate(
+            ROBOT, psp3.ComputedTorque(ROBOT), HELIX, 2.0, period, initial_speeds=HELIX(0.0).speeds
+        )
         errors.append(np.abs(result.desired.heights - result.heights).max())
     assert errors[0] < 7e-4
     assert errors[1] < 0.105 * errors[0]
@@ -107,23 +116,36 @@ def test_ten_point_four_seconds_are_five_thousand_two_hundred_periods() -> None:
 def test_energy_is_kept_through_the_simulation_loop() -> None:
     """Without gravity and forces the energy is kept.
 
-    Relative speeds below 0.1 m/s, RK4 at 1 ms: kinetic energy of the relative motion drifts by
-    less than 1e-9 of itself in 2 s. A held torque cannot carry a weight that changes, so gravity is off.
+    Relative speeds below 0.1 m/s, RK4 at 1 ms: kinetic energy of the relative motion drifts by less
+    than 1e-9 of itself in 2 s. A held torque cannot carry a weight that changes, so gravity is off.
     """
     weightless = psp3.load("psp3", psp3.Parameters(gravity=0.0))
     result = psp3.simulate(
-        weightless, Recording(np.zeros(3)), Hold(robot=weightless), 2.0, 0.001,
-        initial_heights=[0.02, -0.03, 0.05], initial_speeds=[0.06, -0.05, -0.01],
-    )  # fmt: skip
+        weightless,
+        Recording(np.zeros(3)),
+        Hold(robot=weightless),
+        2.0,
+        0.001,
+        initial_heights=[0.02, -0.03, 0.05],
+        initial_speeds=[0.06, -0.05, -0.01],
+    )
     energy = weightless.kinetic_energy(result.heights, result.speeds)
-    mean = (result.speeds[0] @ weightless.mass_matrix(result.heights[0]).sum(axis=0)) / weightless.parameters.total_mass
+    mean = (
+        result.speeds[0] @ weightless.mass_matrix(result.heights[0]).sum(axis=0)
+    ) / weightless.parameters.total_mass
     relative = energy[0] - 0.5 * weightless.parameters.total_mass * mean**2
     assert np.abs(energy - energy[0]).max() < 1e-9 * relative
     assert np.ptp(result.heights @ [1.0, -1.0, 0.0]) > 0.05
 
 
 def test_torque_limit_clips_what_the_plant_gets() -> None:
-    result = psp3.simulate(ROBOT, Recording((300.0, -300.0, 86.0)), Hold(robot=ROBOT), 0.01, torque_limit=[100.0, 90.0, 50.0])
+    result = psp3.simulate(
+        ROBOT,
+        Recording((300.0, -300.0, 86.0)),
+        Hold(robot=ROBOT),
+        0.01,
+        torque_limit=[100.0, 90.0, 50.0],
+    )
     np.testing.assert_array_equal(result.torque, np.tile([100.0, -90.0, 50.0], (6, 1)))
 
 
@@ -137,7 +159,9 @@ def test_divergence_carries_state_torque_and_what_was_simulated() -> None:
     assert error.result.t[-1] == pytest.approx(error.time - 0.002)
     # Free flight under constant force, until the stroke ends: x = (F/m − g) t²/2.
     acceleration = 1500.0 / ROBOT.parameters.total_mass - 9.81
-    np.testing.assert_allclose(error.result.heights[:, 0], 0.5 * acceleration * error.result.t**2, atol=1e-12)
+    np.testing.assert_allclose(
+        error.result.heights[:, 0], 0.5 * acceleration * error.result.t**2, atol=1e-12
+    )
     assert error.time == pytest.approx(np.sqrt(0.8 / acceleration), abs=0.002)
 
 
@@ -147,7 +171,10 @@ def test_an_impossible_pose_ends_the_simulation() -> None:
     assert caught.value.result.t.size == 1
 
 
-@pytest.mark.parametrize("torque", [(np.nan, 0.0, 0.0), (np.inf, -np.inf, 0.0), (1.0, 2.0), "none", None, [[1.0, 2.0, 3.0]]])
+@pytest.mark.parametrize(
+    "torque",
+    [(np.nan, 0.0, 0.0), (np.inf, -np.inf, 0.0), (1.0, 2.0), "none", None, [[1.0, 2.0, 3.0]]],
+)
 def test_a_torque_that_is_not_three_finite_numbers_stops_the_run(torque: object) -> None:
     with pytest.raises(InvalidTorque, match="Recording") as caught:
         psp3.simulate(ROBOT, Recording(torque, bad_from=0.0199), Hold(robot=ROBOT), 1.0)
@@ -182,7 +209,9 @@ def test_a_torque_that_is_not_three_finite_numbers_stops_the_run(torque: object)
         ({"trajectory": Helix(rise=1.0, robot=ROBOT)}, StrokeExceeded),
     ],
 )
-def test_bad_arguments_are_refused_before_the_first_step(arguments: dict[str, object], error: type[Exception]) -> None:
+def test_bad_arguments_are_refused_before_the_first_step(
+    arguments: dict[str, object], error: type[Exception]
+) -> None:
     controller = Recording()
     given = {"trajectory": HELIX, "duration": 1.0} | arguments
     with pytest.raises(error) as caught:
@@ -209,9 +238,19 @@ class Noting(RungeKutta):
 
 
 def test_encoders_count_and_their_speeds_are_differences() -> None:
-    """Counts of 5 µm: what is seen is a whole number of them, next to the truth; speeds in steps of 2.5 mm/s, half a period late."""
+    """Counts of 5 µm: what is seen is a whole number of them, next to the truth.
+
+    Speeds in steps of 2.5 mm/s, half a period late.
+    """
     controller = Recording()
-    result = psp3.simulate(ROBOT, controller, Hold(robot=ROBOT), 0.2, initial_speeds=[0.1, -0.05, 0.02], encoder_resolution=5e-6)
+    result = psp3.simulate(
+        ROBOT,
+        controller,
+        Hold(robot=ROBOT),
+        0.2,
+        initial_speeds=[0.1, -0.05, 0.02],
+        encoder_resolution=5e-6,
+    )
     seen = np.array([call[1] for call in controller.calls])
     speeds = np.array([call[2] for call in controller.calls])
     np.testing.assert_allclose(seen / 5e-6, np.round(result.heights / 5e-6), rtol=0.0, atol=1e-9)
@@ -219,24 +258,47 @@ def test_encoders_count_and_their_speeds_are_differences() -> None:
     np.testing.assert_array_equal(speeds[0], 0.0)
     np.testing.assert_array_equal(speeds[1:], np.diff(seen, axis=0) / 0.002)
     # The speed in the middle of a period, within a count.
-    np.testing.assert_allclose(speeds[1:], 0.5 * (result.speeds[1:] + result.speeds[:-1]), rtol=0.0, atol=2.5e-3 * (1.0 + 1e-6))
+    np.testing.assert_allclose(
+        speeds[1:],
+        0.5 * (result.speeds[1:] + result.speeds[:-1]),
+        rtol=0.0,
+        atol=2.5e-3 * (1.0 + 1e-6),
+    )
 
 
 def test_every_joint_can_have_its_own_encoder() -> None:
     """And a perfect one sees what it sees without any."""
     controller = Recording()
     resolution = [0.0, 1e-3, 1e-5]
-    result = psp3.simulate(ROBOT, controller, HELIX, 0.1, encoder_resolution=resolution, initial_speeds=[0.05, 0.05, 0.05])
+    result = psp3.simulate(
+        ROBOT,
+        controller,
+        HELIX,
+        0.1,
+        encoder_resolution=resolution,
+        initial_speeds=[0.05, 0.05, 0.05],
+    )
     seen, speeds = (np.array([call[k] for call in controller.calls]) for k in (1, 2))
     np.testing.assert_array_equal(seen[:, 0], result.heights[:, 0])
     np.testing.assert_array_equal(speeds[:, 0], result.speeds[:, 0])
-    np.testing.assert_allclose(seen[:, 1:] / resolution[1:], np.round(result.heights[:, 1:] / resolution[1:]), rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(
+        seen[:, 1:] / resolution[1:],
+        np.round(result.heights[:, 1:] / resolution[1:]),
+        rtol=0.0,
+        atol=1e-9,
+    )
 
 
 def test_fine_encoders_are_perfect_ones_but_for_their_late_speeds() -> None:
-    """Of 1e-13 m; a controller that uses no speeds cannot tell: 1e-9 m are 1e-13 m, fed back over 0.5 s."""
+    """Of 1e-13 m; a controller that uses no speeds cannot tell.
+
+    1e-9 m are 1e-13 m, fed back over 0.5 s.
+    """
     controller = psp3.PD(3000.0, 0.0)
-    perfect, fine = (psp3.simulate(ROBOT, controller, HELIX, 0.5, encoder_resolution=resolution) for resolution in (0.0, 1e-13))
+    perfect, fine = (
+        psp3.simulate(ROBOT, controller, HELIX, 0.5, encoder_resolution=resolution)
+        for resolution in (0.0, 1e-13)
+    )
     np.testing.assert_allclose(fine.heights, perfect.heights, rtol=0.0, atol=1e-9)
     assert np.abs(fine.heights - perfect.heights).max() > 0.0
 
@@ -246,11 +308,15 @@ def test_forces_come_late_and_the_first_one_acts_until_then(delay: int) -> None:
     """The plant gets what was asked for some periods ago, limited; the result says so."""
 
     class Ramp(Recording):
-        def torque(self, t: float, heights: np.ndarray, speeds: np.ndarray, desired: Motion) -> np.ndarray:
+        def torque(
+            self, t: float, heights: np.ndarray, speeds: np.ndarray, desired: Motion
+        ) -> np.ndarray:
             return np.array([86.0, 87.0, 88.0]) + 10.0 * t
 
     plant = Noting(ROBOT)
-    result = psp3.simulate(ROBOT, Ramp(), Hold(robot=ROBOT), 0.2, delay=delay, torque_limit=87.5, plant=plant)
+    result = psp3.simulate(
+        ROBOT, Ramp(), Hold(robot=ROBOT), 0.2, delay=delay, torque_limit=87.5, plant=plant
+    )
     late = np.maximum(0.002 * (np.arange(101) - delay), 0.0)
     expected = np.minimum(np.array([86.0, 87.0, 88.0]) + 10.0 * late[:, None], 87.5)
     np.testing.assert_allclose(result.torque, expected, rtol=1e-14)
@@ -258,30 +324,47 @@ def test_forces_come_late_and_the_first_one_acts_until_then(delay: int) -> None:
 
 
 def test_a_delayed_loop_is_the_sampled_system_with_one_more_state() -> None:
-    """All nuts together under PD are a mass: a linear recursion, written out, with the force of the period before.
+    """All nuts together under PD are a mass.
 
-    x+ = x + T v + T²/2 a, v+ = v + T a, a = f/m − g; the recursion and the plant round differently, 1e-12 m.
+    A linear recursion, written out, with the force of the period before.
+
+    x+ = x + T v + T²/2 a, v+ = v + T a, a = f/m − g; the recursion and the plant round differently,
+    1e-12 m.
     """
     kp, kv, T, mass = 3000.0, 150.0, 0.01, ROBOT.parameters.total_mass
     hold = Hold(robot=ROBOT)
-    result = psp3.simulate(ROBOT, psp3.PD(kp, kv), hold, 2.0, T, initial_heights=[0.05] * 3, delay=1)
+    result = psp3.simulate(
+        ROBOT, psp3.PD(kp, kv), hold, 2.0, T, initial_heights=[0.05] * 3, delay=1
+    )
     x, v, last, rows = 0.05, 0.0, None, []
     for _ in range(201):
         rows.append([x, v])
         asked = -3.0 * (kp * x + kv * v)
         acceleration = (asked if last is None else last) / mass - 9.81
         x, v, last = x + T * v + 0.5 * T**2 * acceleration, v + T * acceleration, asked
-    np.testing.assert_allclose(result.heights, np.tile(np.array(rows)[:, :1], 3), rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(result.speeds, np.tile(np.array(rows)[:, 1:], 3), rtol=0.0, atol=1e-11)
+    np.testing.assert_allclose(
+        result.heights, np.tile(np.array(rows)[:, :1], 3), rtol=0.0, atol=1e-12
+    )
+    np.testing.assert_allclose(
+        result.speeds, np.tile(np.array(rows)[:, 1:], 3), rtol=0.0, atol=1e-11
+    )
 
 
 def test_motor_torques_are_a_limit_and_a_result() -> None:
-    """A motor of 0.15 N m at a lead of 10 mm is a force of 94 N, which the start of this motion takes."""
+    """A motor of 0.15 N m at a lead of 10 mm is a force of 94 N.
+
+    The start of this motion takes that.
+    """
     drive = Drive(motor_inertia=1e-5, lead=0.010)
     result = psp3.simulate(
-        ROBOT, psp3.GravityCompensatedPD(ROBOT), HELIX, 0.2, initial_heights=HELIX(0.0).heights - 0.02,
-        torque_limit=drive.force(0.15), plant=RungeKutta(ROBOT, drive=drive),
-    )  # fmt: skip
+        ROBOT,
+        psp3.GravityCompensatedPD(ROBOT),
+        HELIX,
+        0.2,
+        initial_heights=HELIX(0.0).heights - 0.02,
+        torque_limit=drive.force(0.15),
+        plant=RungeKutta(ROBOT, drive=drive),
+    )
     torque = drive.motor_torque(result.torque)
     assert torque.max() == pytest.approx(0.15, rel=1e-14)
     np.testing.assert_allclose(torque * 2.0 * np.pi / 0.010, result.torque, rtol=1e-14)
@@ -292,11 +375,13 @@ def test_motor_torques_are_a_limit_and_a_result() -> None:
 
 @pytest.mark.parametrize("name", ["five_bar", "gough_stewart"])
 def test_any_robot_is_simulated(name: str, tmp_path: Path) -> None:
-    """Computed torque started on the path, from rest to rest in 0.2 s, of which the first half is simulated.
+    """Computed torque started on the path.
 
-    The force held for T = 1 ms is wrong by an acceleration of jerk · T/2, which a servo turns into an error of that over kp; the
-    quintic's jerk is at most 60 · way/(0.2 s)³. Twice that, as it is not constant. The tip is the frame, and the file is that of any
-    result.
+    From rest to rest in 0.2 s, of which the first half is simulated.
+
+    The force held for T = 1 ms is wrong by an acceleration of jerk · T/2, which a servo turns into
+    an error of that over kp; the quintic's jerk is at most 60 · way/(0.2 s)³. Twice that, as it is
+    not constant. The tip is the frame, and the file is that of any result.
     """
     robot = psp3.load(name)
     n, way = len(robot.actuated), 0.03
@@ -305,7 +390,9 @@ def test_any_robot_is_simulated(name: str, tmp_path: Path) -> None:
     assert result.positions.shape == result.speeds.shape == result.torque.shape == (101, n)
     error = np.abs(result.positions - result.desired.positions).max()
     assert 0.0 < error < 2.0 * 60.0 * way / 0.2**3 * 0.0005 / 2500.0
-    np.testing.assert_allclose(result.tip, robot.frame_placement(result.positions, "tip")[:, :3, 3], rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        result.tip, robot.frame_placement(result.positions, "tip")[:, :3, 3], rtol=0.0, atol=1e-12
+    )
     loaded = psp3.load_result(result.save(tmp_path / "run.npz"))
     for field in ("t", "heights", "speeds", "torque", "tip"):
         np.testing.assert_array_equal(getattr(loaded, field), getattr(result, field))
@@ -313,16 +400,24 @@ def test_any_robot_is_simulated(name: str, tmp_path: Path) -> None:
 
 
 def test_a_robot_without_a_tip_has_none() -> None:
-    """A crank that swings freely, against the tree under constraint forces: 1e-9 rad; its energy is kept to 1e-10."""
+    """A crank that swings freely, against the tree under constraint forces: 1e-9 rad.
+
+    Its energy is kept to 1e-10.
+    """
     loop = four_bar_closed_with_3d()
     robot = psp3.ClosedLoopRobot(loop.model, loop.constraint_models, loop.actuated, loop.q0)
     hold = Hold(robot=robot)
     np.testing.assert_array_equal(hold(0.0).positions, robot.reference)
-    results = [psp3.simulate(robot, Recording(np.zeros(1)), hold, 0.2, plant=plant) for plant in (None, ConstraintDynamics(robot))]
+    results = [
+        psp3.simulate(robot, Recording(np.zeros(1)), hold, 0.2, plant=plant)
+        for plant in (None, ConstraintDynamics(robot))
+    ]
     np.testing.assert_allclose(results[0].positions, results[1].positions, rtol=0.0, atol=1e-9)
     assert np.isnan(results[0].tip).all()
     assert np.isnan(results[0].desired.tip).all()
-    energy = robot.kinetic_energy(results[0].positions, results[0].speeds) + robot.potential_energy(results[0].positions)
+    energy = robot.kinetic_energy(results[0].positions, results[0].speeds) + robot.potential_energy(
+        results[0].positions
+    )
     assert np.ptp(energy) < 1e-10
     assert np.ptp(results[0].positions) > 0.1
 
@@ -340,7 +435,12 @@ def test_any_robot_stops_where_its_joints_end_and_where_its_loops_cannot_close()
     with pytest.raises(InvalidTorque, match="2 finite forces"):
         psp3.simulate(robot, Recording((1.0, 1.0, 1.0)), hold, 1.0)
     with pytest.raises(StrokeExceeded):
-        psp3.simulate(robot, Recording((1.0, 1.0)), PointToPoint(robot.reference, [-1.6, 0.6], 1.0, robot), 1.0)
+        psp3.simulate(
+            robot,
+            Recording((1.0, 1.0)),
+            PointToPoint(robot.reference, [-1.6, 0.6], 1.0, robot),
+            1.0,
+        )
     with pytest.raises(ClosureFailed):
         psp3.simulate(robot, Recording((1.0, 1.0)), hold, 1.0, initial_heights=[-2.5, 2.5])
 
@@ -391,7 +491,14 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     np.savez(path, format=np.array("psp3-result-2"), t=np.zeros(3))
     with pytest.raises(InvalidResultFile, match="must hold"):
         psp3.load_result(path)
-    names = ["t", "heights", "speeds", "torque", "tip", *(f"desired_{name}" for name in Motion._fields)]
+    names = [
+        "t",
+        "heights",
+        "speeds",
+        "torque",
+        "tip",
+        *(f"desired_{name}" for name in Motion._fields),
+    ]
     np.savez(path, format=np.array("psp3-result-2"), **{name: np.zeros(3) for name in names})
     with pytest.raises(InvalidResultFile, match="shape"):
         psp3.load_result(path)

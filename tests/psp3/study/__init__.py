@@ -1,0 +1,1 @@
+"""Tests of psp3.study, one file per module."""

@@ -1,4 +1,7 @@
-"""Studies on a dask cluster of real worker processes: the same table, whatever happens to workers and scheduler."""
+"""Studies on a dask cluster of real worker processes.
+
+The same table, whatever happens to workers and scheduler.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +29,9 @@ from tests.study_helpers import QUICK, count_rows, invented, slow
 ROOT = Path(__file__).parents[3]
 
 if importlib.util.find_spec("distributed") is None and not os.environ.get("CI"):
-    pytest.skip("distributed is not installed (pip install 'psp3[cluster]')", allow_module_level=True)
+    pytest.skip(
+        "distributed is not installed (pip install 'psp3[cluster]')", allow_module_level=True
+    )
 
 import distributed  # noqa: E402 (only where it is)
 
@@ -35,9 +40,18 @@ WORKERS = 3
 
 @pytest.fixture(scope="module")
 def workers() -> Iterator[Any]:
-    """Three worker processes of one thread, each watched by a nanny that starts another one if it dies."""
+    """Three worker processes of one thread.
+
+    Each is watched by a nanny that starts another one if it dies.
+    """
     make: Any = distributed.LocalCluster
-    with make(n_workers=WORKERS, threads_per_worker=1, processes=True, dashboard_address=":0", silence_logs=50) as started:
+    with make(
+        n_workers=WORKERS,
+        threads_per_worker=1,
+        processes=True,
+        dashboard_address=":0",
+        silence_logs=50,
+    ) as started:
         yield started
 
 
@@ -48,14 +62,22 @@ def path(tmp_path: Path) -> Path:
 
 
 def signed(run: Run) -> dict[str, float]:
-    """Do a real run, say who did it in place of the effort, and take so long that a worker can be killed in the middle."""
+    """Do a real run and say who did it.
+
+    That takes the place of the effort. It takes so long that a worker can be killed in the middle.
+    """
     metrics = execute(run) | {"effort": float(os.getpid())}
     time.sleep(0.1)
     return metrics
 
 
-def test_table_is_that_of_threads_here_even_if_a_worker_is_killed(workers: Any, path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Real runs, compared bit for bit. Every worker has two at hand when one of them is killed that has done some already."""
+def test_table_is_that_of_threads_here_even_if_a_worker_is_killed(
+    workers: Any, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Real runs, compared bit for bit.
+
+    Every worker has two at hand when one of them is killed that has done some already.
+    """
     monkeypatch.setattr(study, "execute", signed)
     runs = grid(**QUICK, seed=range(10))
     victims: list[int] = []
@@ -73,7 +95,9 @@ def test_table_is_that_of_threads_here_even_if_a_worker_is_killed(workers: Any, 
     rows = there.rows()
     processes = [int(row.pop("effort")) for row in rows]
     assert 0 < processes.count(victims[0]) < len(rows) // 2
-    assert repr(rows) == repr([{name: value for name, value in row.items() if name != "effort"} for row in here.rows()])
+    assert repr(rows) == repr(
+        [{name: value for name, value in row.items() if name != "effort"} for row in here.rows()]
+    )
 
 
 def fail_for_one_seed(run: Run) -> dict[str, float]:
@@ -82,19 +106,25 @@ def fail_for_one_seed(run: Run) -> dict[str, float]:
     return invented(run)
 
 
-def test_failed_run_is_named_and_the_others_are_kept(workers: Any, path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_run_is_named_and_the_others_are_kept(
+    workers: Any, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(study, "execute", fail_for_one_seed)
     with pytest.raises(RunsFailed, match=r"seed=2.* failed: ZeroDivisionError: no way"):
         Study(path, grid(snr_db=20.0, seed=range(8))).run(scheduler=workers.scheduler_address)
     assert [row["seed"] for row in Study(path).rows()] == [0, 1, 3, 4, 5, 6, 7]
 
 
-def test_two_studies_at_a_time_on_one_cluster(workers: Any, path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_two_studies_at_a_time_on_one_cluster(
+    workers: Any, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Equal calls are not one to dask, so neither study ends with the results of the other one."""
     monkeypatch.setattr(study, "execute", slow)
     other = path.with_name("other.sqlite")
     runs = grid(snr_db=20.0, seed=range(9))
-    thread = threading.Thread(target=lambda: Study(other, runs).run(scheduler=workers.scheduler_address))
+    thread = threading.Thread(
+        target=lambda: Study(other, runs).run(scheduler=workers.scheduler_address)
+    )
     thread.start()
     Study(path, runs).run(scheduler=workers.scheduler_address)
     thread.join()
@@ -121,7 +151,16 @@ def free_port() -> int:
 
 
 @pytest.mark.parametrize(
-    "address", ["", "somewhere", "tcp://127.0.0.1", "tcp://:8786", "tcp://127.0.0.1:port", "tcp://127.0.0.1:99999", "http://a:1"]
+    "address",
+    [
+        "",
+        "somewhere",
+        "tcp://127.0.0.1",
+        "tcp://:8786",
+        "tcp://127.0.0.1:port",
+        "tcp://127.0.0.1:99999",
+        "http://a:1",
+    ],
 )
 def test_what_is_no_address(address: str) -> None:
     assert "scheduler must be an address such as tcp://host:8786" in refusal(address, InvalidValue)
@@ -142,7 +181,9 @@ def test_what_listens_is_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
     """A web server, to which dask's own client would wait for ever."""
     monkeypatch.setattr(cluster, "PATIENCE", 1.0)
     monkeypatch.setattr(http.server.BaseHTTPRequestHandler, "log_message", lambda *_: None)
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), http.server.BaseHTTPRequestHandler) as server:
+    with http.server.ThreadingHTTPServer(
+        ("127.0.0.1", 0), http.server.BaseHTTPRequestHandler
+    ) as server:
         thread = threading.Thread(target=server.serve_forever)
         thread.start()
         try:
@@ -155,8 +196,12 @@ def test_what_listens_is_no_scheduler(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_scheduler_without_workers(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(cluster, "PATIENCE", 1.0)
     make: Any = distributed.LocalCluster
-    with make(n_workers=0, processes=False, dashboard_address=":0", silence_logs=50, protocol="tcp://") as empty:
-        assert f"has no workers; start some with: dask worker {empty.scheduler_address}" in refusal(empty.scheduler_address)
+    with make(
+        n_workers=0, processes=False, dashboard_address=":0", silence_logs=50, protocol="tcp://"
+    ) as empty:
+        assert f"has no workers; start some with: dask worker {empty.scheduler_address}" in refusal(
+            empty.scheduler_address
+        )
 
 
 def test_workers_with_another_version(workers: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -170,18 +215,25 @@ def test_workers_and_scheduler_exclude_each_other(path: Path) -> None:
         Study(path, grid()).run(workers=2, scheduler="tcp://127.0.0.1:8786")
 
 
-def test_lost_scheduler_ends_the_study_with_what_was_done(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_lost_scheduler_ends_the_study_with_what_was_done(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """A scheduler with its worker in one process, which is killed."""
     monkeypatch.setattr(study, "execute", slow)
     code = """
 import distributed, time
-with distributed.LocalCluster(n_workers=1, threads_per_worker=2, processes=False, protocol="tcp://", dashboard_address=":0") as cluster:
+with distributed.LocalCluster(n_workers=1, threads_per_worker=2, processes=False, \
+protocol="tcp://", dashboard_address=":0") as cluster:
     print(cluster.scheduler_address, flush=True)
     time.sleep(60)
 """
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     with subprocess.Popen(
-        [sys.executable, "-c", code], env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True
+        [sys.executable, "-c", code],
+        env=environment,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
     ) as server:
         assert server.stdout is not None
         address = server.stdout.readline().strip()

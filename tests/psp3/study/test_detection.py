@@ -1,4 +1,7 @@
-"""Detection: the path by differences, runs against the simulation, signals by their formulas, and what came out."""
+"""Detection.
+
+The path by differences, runs against the simulation, signals by their formulas, and what came out.
+"""
 
 from __future__ import annotations
 
@@ -44,12 +47,19 @@ def found() -> dict[str, Detection]:
 
 
 def test_the_path_is_smooth_and_goes_where_it_is_said_to_go() -> None:
-    """Speeds and accelerations by differences of eighth order: 1e-9 of numbers of order 1, with steps that resolve a second."""
+    """Speeds and accelerations by differences of eighth order.
+
+    1e-9 of numbers of order 1, with steps that resolve a second.
+    """
     path = DepartingHelix(0.01, 2.5, 0.4, 0.022, 2.0, psp3.load("psp3"))
     for t in (1.0, EVENT + 0.1, EVENT + 0.5, EVENT + 0.93, EVENT + 3.0):
         point, velocity, acceleration = path._path(np.array(t))
-        np.testing.assert_allclose(velocity, derivative(lambda s, t=t: path._path(np.array(t + s))[0], 2e-3), atol=1e-9)
-        np.testing.assert_allclose(acceleration, derivative(lambda s, t=t: path._path(np.array(t + s))[1], 2e-3), atol=1e-8)
+        np.testing.assert_allclose(
+            velocity, derivative(lambda s, t=t: path._path(np.array(t + s))[0], 2e-3), atol=1e-9
+        )
+        np.testing.assert_allclose(
+            acceleration, derivative(lambda s, t=t: path._path(np.array(t + s))[1], 2e-3), atol=1e-8
+        )
         if t <= EVENT:
             assert np.hypot(*point[:2]) == pytest.approx(0.01)
             assert np.hypot(*velocity[:2]) == pytest.approx(0.01 * 2.0 * np.pi / 2.5)
@@ -70,7 +80,9 @@ class Recorder:
     def reset(self) -> None:
         """Forget nothing."""
 
-    def torque(self, t: float, heights: np.ndarray, speeds: np.ndarray, desired: Motion) -> np.ndarray:
+    def torque(
+        self, t: float, heights: np.ndarray, speeds: np.ndarray, desired: Motion
+    ) -> np.ndarray:
         """Do as the controller does."""
         return self.wanted.torque(t, heights, speeds, desired)
 
@@ -80,15 +92,31 @@ class Recorder:
         return self.wanted.torque_interval
 
 
-def test_a_watched_run_is_the_simulation_before_and_after_the_event(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without noise of measurement. The payload rides on the star from the event on: 1e-9 m and N for sums in another order."""
+def test_a_watched_run_is_the_simulation_before_and_after_the_event(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without noise of measurement.
+
+    The payload rides on the star from the event on: 1e-9 m and N for sums in another order.
+    """
     monkeypatch.setattr(detection, "MEASUREMENT_NOISE", (0.0, 0.0))
     run = watch_run(controller(), 5, payload=2.0, seed=3)
     rng, robot = np.random.default_rng([5, 3]), psp3.load("psp3")
-    radius, period, phase = rng.uniform(0.007, 0.012), rng.uniform(2.0, 3.0), rng.uniform(0.0, 2.0 * np.pi)
+    radius, period, phase = (
+        rng.uniform(0.007, 0.012),
+        rng.uniform(2.0, 3.0),
+        rng.uniform(0.0, 2.0 * np.pi),
+    )
     path = DepartingHelix(radius, period, phase, radius, 1.0, robot)
     np.testing.assert_array_equal(run.desired, path(run.t).heights)
-    before = simulate(robot, Recorder(controller()), path, 1.0, initial_heights=run.heights[0], initial_speeds=run.speeds[0])
+    before = simulate(
+        robot,
+        Recorder(controller()),
+        path,
+        1.0,
+        initial_heights=run.heights[0],
+        initial_speeds=run.speeds[0],
+    )
     np.testing.assert_allclose(run.heights[:501], before.heights, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(run.torque[:501], before.torque, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(run.interval[:501], before.torque_interval, rtol=0.0, atol=1e-9)
@@ -97,15 +125,29 @@ def test_a_watched_run_is_the_simulation_before_and_after_the_event(monkeypatch:
         def __call__(self, t: np.ndarray) -> Motion:
             return path(np.asarray(t) + EVENT)
 
-    loaded = psp3.load("psp3", parameters=dataclasses.replace(robot.parameters, star_mass=robot.parameters.star_mass + 2.0))
+    loaded = psp3.load(
+        "psp3",
+        parameters=dataclasses.replace(
+            robot.parameters, star_mass=robot.parameters.star_mass + 2.0
+        ),
+    )
     k = round(EVENT / PERIOD)
-    after = simulate(loaded, controller(), Later(), 1.0, initial_heights=run.heights[k], initial_speeds=run.speeds[k])  # type: ignore[arg-type]
+    after = simulate(
+        loaded,
+        controller(),
+        Later(),
+        1.0,
+        initial_heights=run.heights[k],
+        initial_speeds=run.speeds[k],
+    )  # type: ignore[arg-type]
     np.testing.assert_allclose(run.heights[k : k + 501], after.heights, rtol=0.0, atol=1e-9)
     np.testing.assert_allclose(run.torque[k : k + 501], after.torque, rtol=0.0, atol=1e-9)
 
 
 def test_signals_are_what_they_are_said_to_be() -> None:
-    """One sample at a time, from the controller itself; of the residual the size: a third of the weight on each screw, 11.3 N in all.
+    """One sample at a time, from the controller itself.
+
+    Of the residual the size: a third of the weight on each screw, 11.3 N in all.
 
     Within 1 N: the rules explain the robot without payload to 0.5 N.
     """
@@ -117,23 +159,35 @@ def test_signals_are_what_they_are_said_to_be() -> None:
         x = np.array([a[0] - a[1], a[0] - a[2], v[0] - v[1], v[0] - v[2]])
         controller().torque(0.0, a, v, Motion(a, v, np.zeros(3), a))
         assert (signals["range"][k] == 0.0) == controller().covered
-        assert signals["range"][k] == pytest.approx(max(0.0, *((low - x) / (high - low)), *((x - high) / (high - low))))
-        assert signals["firing"][k] == pytest.approx(1.0 - max(upper for _, upper in controller().system_.firing(x)))
+        assert signals["range"][k] == pytest.approx(
+            max(0.0, *((low - x) / (high - low)), *((x - high) / (high - low)))
+        )
+        assert signals["firing"][k] == pytest.approx(
+            1.0 - max(upper for _, upper in controller().system_.firing(x))
+        )
         assert signals["error"][k] == pytest.approx(math.dist(run.desired[k], a))
-        assert signals["interval"][k] == pytest.approx(float((run.interval[k, :, 1] - run.interval[k, :, 0]).sum()))
+        assert signals["interval"][k] == pytest.approx(
+            float((run.interval[k, :, 1] - run.interval[k, :, 0]).sum())
+        )
     late = run.t > EVENT + 1.0
-    assert signals["residual"][late].mean() == pytest.approx(math.sqrt(3.0) * 2.0 * 9.81 / 3.0, abs=1.0)
+    assert signals["residual"][late].mean() == pytest.approx(
+        math.sqrt(3.0) * 2.0 * 9.81 / 3.0, abs=1.0
+    )
     assert signals["residual"][~late & (run.t < EVENT)].max() < 1.0
 
 
 def test_the_interval_does_not_tell_that_the_robot_left_what_was_learned() -> None:
-    """What was found, with four seeds: farther out the interval is no wider, while the range tells every time."""
+    """What was found, with four seeds.
+
+    Farther out the interval is no wider, while the range tells every time.
+    """
     interval, reach = found()["interval"], found()["range"]
     assert interval.excess["wider"] < 1.05
     assert interval.detected["wider"].value <= 0.5
     assert reach.detected["wider"].value == 1.0
     assert reach.delay["wider"].value < 0.6
-    # With a payload the robot stays inside: the range is silent, and the residual tells within a hundredth of a second or so.
+    # With a payload the robot stays inside: the range is silent, and the residual tells within a
+    # hundredth of a second or so.
     assert reach.detected["2 kg"].value == 0.0
     assert found()["residual"].detected["2 kg"].value == 1.0
     assert found()["residual"].delay["2 kg"].value < 0.05
@@ -144,9 +198,12 @@ def test_the_interval_does_not_tell_that_the_robot_left_what_was_learned() -> No
 
 
 def test_why_the_interval_does_not_grow_outside() -> None:
-    """It is at most as wide as the consequents differ, and nearly that in the middle of the region; beyond its edge it is narrower.
+    """It is at most as wide as the consequents differ, and nearly that in the middle of the region.
 
-    Gravity, which makes up most of it, unclamped, in all directions from the middle; means over 500 directions.
+    Beyond its edge it is narrower.
+
+    Gravity, which makes up most of it, unclamped, in all directions from the middle; means over 500
+    directions.
     """
     system, (low, high) = controller().system_, controller().ranges_
     hull = np.ptp(np.asarray(system.consequents)[:, 15:], axis=0).sum()
@@ -164,7 +221,9 @@ def test_why_the_interval_does_not_grow_outside() -> None:
 
 def test_the_result_does_not_depend_on_threads_and_the_monitor_is_the_given_one() -> None:
     one, other = (detect(2, payloads=(), workers=workers) for workers in (1, 3))
-    assert [(x.signal, x.threshold, x.excess) for x in one] == [(x.signal, x.threshold, x.excess) for x in other]
+    assert [(x.signal, x.threshold, x.excess) for x in one] == [
+        (x.signal, x.threshold, x.excess) for x in other
+    ]
     greatest = detect(2, payloads=(), monitor=Monitor(1.0))
     for x, y in zip(one, greatest, strict=True):
         assert x.threshold <= y.threshold
@@ -173,8 +232,14 @@ def test_the_result_does_not_depend_on_threads_and_the_monitor_is_the_given_one(
 
 def test_a_table_says_what_was_found() -> None:
     share, never = Estimate(0.25, 0.125, 0.5, 8), Estimate(math.nan, math.nan, math.nan, 0)
-    one = Detection("range", 0.0123456, share, {"wider": Estimate(1.0, 0.7, 1.0, 8), "2 kg": Estimate(0.0, 0.0, 0.3, 8)},
-                    {"wider": Estimate(0.4, 0.3, 0.5, 8), "2 kg": never}, {"wider": 3.0, "2 kg": 0.0})  # fmt: skip
+    one = Detection(
+        "range",
+        0.0123456,
+        share,
+        {"wider": Estimate(1.0, 0.7, 1.0, 8), "2 kg": Estimate(0.0, 0.0, 0.3, 8)},
+        {"wider": Estimate(0.4, 0.3, 0.5, 8), "2 kg": never},
+        {"wider": 3.0, "2 kg": 0.0},
+    )
     assert markdown([one]).splitlines() == [
         "| signal | threshold | false alarms | wider | 2 kg |",
         "|---|---|---|---|---|",
@@ -203,6 +268,8 @@ def test_a_false_alarm_that_goes_on_is_no_detection() -> None:
         ({"workers": 0}, InvalidValue),
     ],
 )
-def test_what_cannot_be_measured_is_refused(options: dict[str, Any], error: type[Exception]) -> None:
+def test_what_cannot_be_measured_is_refused(
+    options: dict[str, Any], error: type[Exception]
+) -> None:
     with pytest.raises(error):
         detect(**({"seeds": 2} | options))

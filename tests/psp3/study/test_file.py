@@ -1,4 +1,7 @@
-"""The file of a study: what goes in comes out, what is committed stays, and what does not belong is refused."""
+"""The file of a study.
+
+What goes in comes out, what is committed stays, and what does not belong is refused.
+"""
 
 from __future__ import annotations
 
@@ -32,12 +35,20 @@ from tests.study_helpers import (
     start,
 )
 
-RUNS = [Run(controller=controller, snr_db=snr, seed=seed) for controller in ("t1", "it2") for snr in (20.0, math.inf) for seed in range(3)]
+RUNS = [
+    Run(controller=controller, snr_db=snr, seed=seed)
+    for controller in ("t1", "it2")
+    for snr in (20.0, math.inf)
+    for seed in range(3)
+]
 
 
 @pytest.fixture
 def path(tmp_path: Path) -> Path:
-    """Name a file that does not exist yet, with characters that mean something in the addresses that SQLite takes."""
+    """Name a file that does not exist yet.
+
+    It has characters that mean something in the addresses that SQLite takes.
+    """
     return tmp_path / "study of 100% ?a=b#c.sqlite"
 
 
@@ -60,10 +71,18 @@ def change(path: Path, *statements: str) -> None:
 # What goes in comes out
 
 
-@settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(values=st.lists(st.floats(), min_size=len(METRICS), max_size=len(METRICS)), snr=st.floats(allow_nan=False))
+@settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(
+    values=st.lists(st.floats(), min_size=len(METRICS), max_size=len(METRICS)),
+    snr=st.floats(allow_nan=False),
+)
 def test_numbers_come_back_bit_for_bit(tmp_path: Path, values: list[float], snr: float) -> None:
-    """Infinite, tiny and NaN included. Every NaN is one NaN, and SQLite writes zero without its sign; all else by its bits."""
+    """Infinite, tiny and NaN included.
+
+    Every NaN is one NaN, and SQLite writes zero without its sign; all else by its bits.
+    """
     path = tmp_path / "numbers.sqlite"
     path.unlink(missing_ok=True)
     run = Run(snr_db=snr, mean_variation=0.1)
@@ -78,7 +97,9 @@ def test_numbers_come_back_bit_for_bit(tmp_path: Path, values: list[float], snr:
 def test_fields_come_back_in_their_types_and_none_as_none(path: Path) -> None:
     run = Run(controller="pd", snr_db=20, seed=7)
     (row,) = fill(path, [run]).rows().values()
-    assert {name: (type(row[name]), row[name]) for name in contents(run)} == {n: (type(v), v) for n, v in contents(run).items()}
+    assert {name: (type(row[name]), row[name]) for name in contents(run)} == {
+        n: (type(v), v) for n, v in contents(run).items()
+    }
     assert row["mean_variation"] is None
     assert type(row["snr_db"]) is float
     assert type(row["seed"]) is int
@@ -87,7 +108,14 @@ def test_fields_come_back_in_their_types_and_none_as_none(path: Path) -> None:
 def test_key_is_the_content_of_a_run() -> None:
     assert key(Run(snr_db=20)) == key(Run(snr_db=20.0))
     assert key(Run(payload=-0.0)) == key(Run(payload=0.0))
-    runs = [Run(), Run("t1"), Run(seed=1), Run(mean_variation=0.0), Run(snr_db=20.0), Run(snr_db=math.nextafter(20.0, 21.0))]
+    runs = [
+        Run(),
+        Run("t1"),
+        Run(seed=1),
+        Run(mean_variation=0.0),
+        Run(snr_db=20.0),
+        Run(snr_db=math.nextafter(20.0, 21.0)),
+    ]
     assert len({key(run) for run in runs}) == len(runs)
 
 
@@ -109,13 +137,21 @@ def test_table_does_not_depend_on_the_order_in_which_runs_end(path: Path, tmp_pa
 
 def test_rows_come_in_the_order_of_their_fields_as_numbers(path: Path) -> None:
     """Not in that of their texts, in which 10 comes before 9."""
-    runs = [Run(controller, snr_db=snr, seed=seed) for controller in ("ctc", "it2") for snr in (9.0, 10.0, 100.0) for seed in (2, 10)]
+    runs = [
+        Run(controller, snr_db=snr, seed=seed)
+        for controller in ("ctc", "it2")
+        for snr in (9.0, 10.0, 100.0)
+        for seed in (2, 10)
+    ]
     rows = fill(path, runs[::-1]).rows()
     assert list(rows) == [key(run) for run in runs]
 
 
 def test_results_that_come_together_are_committed_together(path: Path) -> None:
-    """The second result of the batch lacks a metric, so the first one must not be in the file either."""
+    """The second result of the batch lacks a metric.
+
+    So the first one must not be in the file either.
+    """
     with StudyFile(path, SHARED).adding() as additions:
         additions.add([(RUNS[0], invented(RUNS[0]))])
         with pytest.raises(KeyError):
@@ -125,7 +161,10 @@ def test_results_that_come_together_are_committed_together(path: Path) -> None:
 
 
 def test_interrupts_around_a_transaction_do_no_harm(path: Path) -> None:
-    """Ctrl-C can come between any two lines: after a transaction has begun, and after it was committed but not yet noted."""
+    """Ctrl-C can come between any two lines.
+
+    After a transaction has begun, and after it was committed but not yet noted.
+    """
     batch = [(run, invented(run)) for run in RUNS]
     with StudyFile(path, SHARED).adding() as additions:
         additions._connection.execute("BEGIN IMMEDIATE")
@@ -153,10 +192,14 @@ def test_no_file_and_no_results_yet(path: Path) -> None:
     path.touch()
     with pytest.raises(InvalidStudyFile, match="no results yet"):
         StudyFile(path).rows()
-    assert len(fill(path).rows()) == len(RUNS), "an empty file is what a study leaves that was killed at once"
+    assert len(fill(path).rows()) == len(RUNS), (
+        "an empty file is what a study leaves that was killed at once"
+    )
 
 
-@pytest.mark.parametrize("content", [b"controller,reading\n", b"SQLite format 3\x00" + bytes(200), os.urandom(5000)])
+@pytest.mark.parametrize(
+    "content", [b"controller,reading\n", b"SQLite format 3\x00" + bytes(200), os.urandom(5000)]
+)
 def test_what_is_no_database_is_refused_and_left_alone(path: Path, content: bytes) -> None:
     path.write_bytes(content)
     with pytest.raises(InvalidStudyFile, match="not the file of a study") as refusal:
@@ -204,7 +247,10 @@ def test_study_of_other_duration_is_refused(path: Path) -> None:
 
 
 def test_file_without_results_binds_nobody(path: Path) -> None:
-    """A study that found no scheduler leaves one: the next study, of another duration, makes it its own."""
+    """A study that found no scheduler leaves one.
+
+    The next study, of another duration, makes it its own.
+    """
     with StudyFile(path, {"duration": 5.0}).adding():
         pass
     fill(path)
@@ -213,7 +259,9 @@ def test_file_without_results_binds_nobody(path: Path) -> None:
         StudyFile(path, {"duration": 5.0})
 
 
-def test_results_of_another_version_can_be_read_but_not_extended(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_results_of_another_version_can_be_read_but_not_extended(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     file = fill(path)
     made_by = psp3.__version__
     monkeypatch.setattr("psp3.version.__version__", "99.0")
@@ -275,7 +323,10 @@ def test_directory_marked_read_only(path: Path) -> None:
 
 @contextmanager
 def full_disk(monkeypatch: pytest.MonkeyPatch, pages: int) -> Iterator[None]:
-    """Let databases grow to so many pages and no further; SQLite then says what it says when the disk is full."""
+    """Let databases grow to so many pages and no further.
+
+    SQLite then says what it says when the disk is full.
+    """
     connect: Any = sqlite3.connect
 
     def limited(*arguments: Any, **options: Any) -> Any:
@@ -288,9 +339,14 @@ def full_disk(monkeypatch: pytest.MonkeyPatch, pages: int) -> Iterator[None]:
         yield
 
 
-def test_full_disk_keeps_what_was_committed_and_goes_on_when_there_is_room(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_full_disk_keeps_what_was_committed_and_goes_on_when_there_is_room(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     runs = [Run(seed=seed) for seed in range(200)]
-    with full_disk(monkeypatch, 8), pytest.raises(StudyFileNotWritable, match="disk is full") as refusal:
+    with (
+        full_disk(monkeypatch, 8),
+        pytest.raises(StudyFileNotWritable, match="disk is full") as refusal,
+    ):
         fill(path, runs, one_by_one=True)
     kept = refusal.value.kept
     assert 0 < kept < len(runs)
@@ -301,7 +357,9 @@ def test_full_disk_keeps_what_was_committed_and_goes_on_when_there_is_room(path:
     assert len(StudyFile(path).rows()) == len(runs)
 
 
-def test_disk_that_is_full_from_the_start_is_found_out_before_any_work(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_disk_that_is_full_from_the_start_is_found_out_before_any_work(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     with full_disk(monkeypatch, 2):
         assert refused(path).reason == "the disk is full"
     assert len(fill(path).rows()) == len(RUNS)
@@ -321,7 +379,10 @@ def test_file_size_limit_of_the_system_is_as_good_as_a_full_disk(path: Path) -> 
 
 
 def test_killed_within_a_transaction(path: Path) -> None:
-    """What was committed is there, what was not is gone, the lock is free and the lock's file is no obstacle."""
+    """What was committed is there, what was not is gone.
+
+    The lock is free and the lock's file is no obstacle.
+    """
     child = start(die_within_a_transaction, path)
     child.join(60.0)
     assert child.exitcode == -signal.SIGKILL
@@ -348,7 +409,10 @@ def test_second_study_is_refused_while_the_first_one_writes(path: Path) -> None:
         link = path.with_name("link.sqlite")
         link.symlink_to(path)
         for name in (path, link):
-            with pytest.raises(StudyInUse, match=f"process {os.getpid()} on ") as refusal, StudyFile(name, SHARED).adding():
+            with (
+                pytest.raises(StudyInUse, match=f"process {os.getpid()} on ") as refusal,
+                StudyFile(name, SHARED).adding(),
+            ):
                 pass
             assert refusal.value.path == path.resolve()
         additions.add([(RUNS[0], invented(RUNS[0]))])
@@ -360,7 +424,10 @@ def test_lock_is_held_across_processes_and_ends_with_its_holder(path: Path) -> N
     ours, theirs = PROCESSES.Pipe()
     child = start(hold_the_lock, path, theirs)
     assert ours.poll(60.0)
-    with pytest.raises(StudyInUse, match=f"process {child.pid} on "), StudyFile(path, SHARED).adding():
+    with (
+        pytest.raises(StudyInUse, match=f"process {child.pid} on "),
+        StudyFile(path, SHARED).adding(),
+    ):
         pass
     child.kill()
     child.join()
@@ -373,7 +440,9 @@ def test_lock_is_free_after_an_error(path: Path) -> None:
     fill(path)
 
 
-def test_foreign_writer_is_waited_for_and_then_reported(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_foreign_writer_is_waited_for_and_then_reported(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Somebody who edits the file by hand, say."""
     file = fill(path)
     monkeypatch.setattr(study_file, "PATIENCE", 0.05)

@@ -1,4 +1,7 @@
-"""How long steps take, on a clock that is ours: what is counted, what is not, and which percentile is which."""
+"""How long steps take, on a clock that is ours.
+
+What is counted, what is not, and which percentile is which.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +14,14 @@ from psp3.errors import InvalidValue
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import Record, record
 from psp3.loading import load
-from psp3.study.latency import WARM_UP, Latency, controllers_of_table_6_2, measure_latencies, step_times, summarize
+from psp3.study.latency import (
+    WARM_UP,
+    Latency,
+    controllers_of_table_6_2,
+    measure_latencies,
+    step_times,
+    summarize,
+)
 from psp3.trajectories import Helix, Motion
 
 
@@ -27,7 +37,10 @@ class Stopwatch:
 
 
 class Slow:
-    """A controller whose k-th counted call takes k microseconds, and those before the count a second."""
+    """A controller whose k-th counted call takes k microseconds.
+
+    Those before the count take a second.
+    """
 
     def __init__(self, clock: Stopwatch, counted: int) -> None:
         self.clock, self.counted = clock, counted
@@ -69,7 +82,10 @@ def test_counted_are_the_calls_after_the_warm_up_each_with_its_state(count: int)
 
 
 def test_percentiles_are_times_that_were_measured() -> None:
-    """By nearest rank, counted by hand: of 1 to 1000 the 500th, 990th, 999th and 1000th, in whatever order they come."""
+    """By nearest rank, counted by hand.
+
+    Of 1 to 1000 the 500th, 990th, 999th and 1000th, in whatever order they come.
+    """
     times = np.random.default_rng(0).permutation(np.arange(1.0, 1001.0))
     assert summarize(times) == Latency(1000, 500.0, 990.0, 999.0, 1000.0)
     assert summarize(np.array([7.0])) == Latency(1, 7.0, 7.0, 7.0, 7.0)
@@ -89,7 +105,15 @@ def recorded() -> Record:
 def test_controllers_are_those_of_the_table(recorded: Record) -> None:
     robot = load("psp3")
     controllers = controllers_of_table_6_2(robot, recorded)
-    assert list(controllers) == ["PD", "CTC, noc", "CTC, pinocchio", "CTC, closed_form", "t1", "it2", "gt2"]
+    assert list(controllers) == [
+        "PD",
+        "CTC, noc",
+        "CTC, pinocchio",
+        "CTC, closed_form",
+        "t1",
+        "it2",
+        "gt2",
+    ]
     assert isinstance(controllers["PD"], PD)
     models = set()
     for name in ("noc", "pinocchio", "closed_form"):
@@ -112,6 +136,10 @@ def test_states_are_spread_over_the_whole_run(recorded: Record) -> None:
     assert found["slow"].worst == pytest.approx(5e-6)
     middle = (len(recorded.t) - 1) // 2
     counted = controller.calls[-5:]
-    assert (counted[0][0], counted[2][0], counted[4][0]) == (0.0, recorded.t[middle], recorded.t[-1])
+    assert (counted[0][0], counted[2][0], counted[4][0]) == (
+        0.0,
+        recorded.t[middle],
+        recorded.t[-1],
+    )
     np.testing.assert_array_equal(counted[4][1], recorded.heights[-1])
     np.testing.assert_array_equal(counted[4][3].tip, desired.tip[-1])

@@ -1,4 +1,7 @@
-"""The comparison on robots that are not what controllers believe: its loops against the simulation, its pairs, and who wins."""
+"""The comparison on robots that are not what controllers believe.
+
+Its loops against the simulation, its pairs, and who wins.
+"""
 
 from __future__ import annotations
 
@@ -44,7 +47,12 @@ class WithIntegral:
         self.times.append(t)
         self.errors.append(desired.heights - heights)
         integral = np.trapezoid(self.errors, self.times, axis=0)
-        servo = desired.accelerations + self.kv * (desired.speeds - speeds) + self.kp * self.errors[-1] + self.ki * integral
+        servo = (
+            desired.accelerations
+            + self.kv * (desired.speeds - speeds)
+            + self.kp * self.errors[-1]
+            + self.ki * integral
+        )
         return np.asarray(self.model.inverse_dynamics(heights, speeds, servo))
 
 
@@ -58,7 +66,12 @@ def controller(name: str, snr_db: float, seed: int) -> Controller:
     if name.startswith("lqr"):
         force = 10.0 if name == "lqr-stiff" else 1.0
         return LinearQuadraticRegulator(robot, np.diag([1e4] * 3 + [1e2] * 3), np.eye(3) / force**2)
-    base = FuzzyComputedTorque(name.removeprefix("adaptive-"), robot, snr_db=snr_db, mean_variation=float(psp3_variation(snr_db)))
+    base = FuzzyComputedTorque(
+        name.removeprefix("adaptive-"),
+        robot,
+        snr_db=snr_db,
+        mean_variation=float(psp3_variation(snr_db)),
+    )
     base.fit(TRAJECTORIES["helix"](robot), rng=np.random.default_rng([seed, 0]))
     return AdaptiveFuzzyComputedTorque(base) if name.startswith("adaptive") else base
 
@@ -71,19 +84,35 @@ def psp3_variation(snr_db: float) -> float:
 @cache
 def simulated(case: Case, name: str, seed: int, duration: float) -> Result:
     believed = psp3.load("psp3")
-    parameters = mismatched(believed.parameters, 0.05, case.payload, np.random.default_rng([seed, 1]))
+    parameters = mismatched(
+        believed.parameters, 0.05, case.payload, np.random.default_rng([seed, 1])
+    )
     plant = RungeKutta(psp3.load("psp3", parameters=parameters), drive=case.drive)
-    return simulate(believed, controller(name, case.snr_db, seed), TRAJECTORIES[case.trajectory](believed), duration, plant=plant)
+    return simulate(
+        believed,
+        controller(name, case.snr_db, seed),
+        TRAJECTORIES[case.trajectory](believed),
+        duration,
+        plant=plant,
+    )
 
 
 @pytest.mark.parametrize("name", CONTROLLERS)
 @pytest.mark.parametrize(
-    "case", [Case(2.0, "waypoints", 20.0), Case(1.0, drive=Drive(coulomb_friction=3.0, viscous_friction=5.0))], ids=["noisy", "driven"]
+    "case",
+    [
+        Case(2.0, "waypoints", 20.0),
+        Case(1.0, drive=Drive(coulomb_friction=3.0, viscous_friction=5.0)),
+    ],
+    ids=["noisy", "driven"],
 )
-def test_runs_are_those_of_the_simulation(name: str, case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_runs_are_those_of_the_simulation(
+    name: str, case: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Without noise of measurement, which the simulation does not have.
 
-    1e-9 m: sums of the torque have another order, which feedback does not amplify; dry friction, which jumps, is the reason for 1e-7.
+    1e-9 m: sums of the torque have another order, which feedback does not amplify; dry friction,
+    which jumps, is the reason for 1e-7.
     """
     monkeypatch.setattr(mismatch, "MEASUREMENT_NOISE", (0.0, 0.0))
     samples = simulate_run(case, name, 3, 0.5)
@@ -94,12 +123,17 @@ def test_runs_are_those_of_the_simulation(name: str, case: Case, monkeypatch: py
     outcome = run(case, name, 3, 0.5)
     assert outcome.error == pytest.approx(sum_of_squared_errors(result), rel=1e-4)
     error = result.desired.heights - result.heights
-    assert outcome.settled == pytest.approx(math.sqrt((error[125:] ** 2).sum(axis=1).mean()), rel=1e-4)
+    assert outcome.settled == pytest.approx(
+        math.sqrt((error[125:] ** 2).sum(axis=1).mean()), rel=1e-4
+    )
     assert outcome.effort == pytest.approx((result.torque**2).sum(axis=1).mean(), rel=1e-4)
 
 
 def test_runs_of_one_seed_see_the_same_noise_and_others_do_not() -> None:
-    """White noise on speeds goes through kv M = 9.3 N s/m: torques of two runs of one seed are the same, those of two seeds are not."""
+    """White noise on speeds goes through kv M = 9.3 N s/m.
+
+    Torques of two runs of one seed are the same, those of two seeds are not.
+    """
     case = Case(1.0)
     first, again, other = (simulate_run(case, "ctc", seed, 0.1) for seed in (0, 0, 1))
     np.testing.assert_array_equal(first, again)
@@ -108,14 +142,22 @@ def test_runs_of_one_seed_see_the_same_noise_and_others_do_not() -> None:
     assert np.abs(without[:, 6:] - first[:, 6:]).max() > 1e-3
 
 
-def test_a_comparison_does_not_depend_on_threads_and_does_what_does_not_differ_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_comparison_does_not_depend_on_threads_and_does_what_does_not_differ_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     done: list[tuple[Case, str, int]] = []
 
     def counted(case: Case, name: str, seed: int, duration: float) -> Outcome:
         done.append((case, name, seed))
         return run(case, name, seed, duration)
 
-    options: dict[str, Any] = {"payloads": (2.0,), "trajectories": ("helix",), "snrs_db": (math.inf, 20.0), "seeds": 2, "duration": 0.2}
+    options: dict[str, Any] = {
+        "payloads": (2.0,),
+        "trajectories": ("helix",),
+        "snrs_db": (math.inf, 20.0),
+        "seeds": 2,
+        "duration": 0.2,
+    }
     names = ("ctc", "t1")
     one = compare(**options, controllers=names, workers=1)
     monkeypatch.setattr(mismatch, "run", counted)
@@ -129,7 +171,10 @@ def test_a_comparison_does_not_depend_on_threads_and_does_what_does_not_differ_o
 
 
 def test_adaptive_type_1_wins_under_a_payload_and_its_interval_says_so() -> None:
-    """Three seeds of five seconds: the settled error is less than half of every other one's, and type-2 comes second."""
+    """Three seeds of five seconds.
+
+    The settled error is less than half of every other one's, and type-2 comes second.
+    """
     found = compare((2.0,), ("helix",), (math.inf,), 3, duration=5.0)
     (case,) = found.cases
     assert found.best(case, "settled") == ("adaptive-t1",)
@@ -151,7 +196,10 @@ def outcome(settled: float, diverged: bool = False) -> Outcome:
 
 
 def test_best_are_the_least_and_those_not_shown_to_be_worse() -> None:
-    """Made-up runs: in pairs, a controller that is always 10 % worse is worse, however much the seeds differ."""
+    """Made-up runs: in pairs what is always 10 % worse is worse.
+
+    However much the seeds differ.
+    """
     case = Case(1.0)
     seeds = [1.0, 5.0, 2.0, 8.0]
     worse, alike = [1.1 * x for x in seeds], [1.3, 4.8, 1.9, 8.3]
@@ -169,19 +217,27 @@ def test_best_are_the_least_and_those_not_shown_to_be_worse() -> None:
     header, rule, line = found.markdown(scale=1.0).splitlines()
     assert header == "| kg | path | records | ctc | lqr | t1 | it2 |"
     assert rule == "|---" * 7 + "|"
-    assert line == f"| 1 | helix | exact | **4** | 4.4 | **{np.mean(alike):.3g}** | 0.1, 1 diverged |"
+    assert (
+        line == f"| 1 | helix | exact | **4** | 4.4 | **{np.mean(alike):.3g}** | 0.1, 1 diverged |"
+    )
     header, _, line = found.ratios([("lqr", "ctc"), ("t1", "ctc")]).splitlines()
     assert header == "| kg | path | records | lqr / ctc | t1 / ctc |"
     ratio = found.ratio(case, "t1", "ctc", "settled")
     # A ratio that is the same in every pair has an interval without width.
-    assert line == f"| 1 | helix | exact | 1.1 (1.1 to 1.1) | {ratio.value:.3g} ({ratio.low:.3g} to {ratio.high:.3g}) |"
+    assert line == (
+        f"| 1 | helix | exact | 1.1 (1.1 to 1.1) | {ratio.value:.3g} ({ratio.low:.3g} to "
+        f"{ratio.high:.3g}) |"
+    )
     assert ratio.low < 1.0 < ratio.high
     lost = Comparison((case,), ("it2",), {(case, "it2"): table[case, "it2"]})
     assert lost.best(case) == ()
 
 
 def test_a_run_that_diverges_says_so() -> None:
-    """With 20 kg more than it believes, the integral's loop is unstable: the robot leaves its poses after some seconds."""
+    """With 20 kg more than it believes, the integral's loop is unstable.
+
+    The robot leaves its poses after some seconds.
+    """
     lost = run(Case(20.0), "ctc-integral", 0)
     assert lost.diverged
     assert math.isnan(lost.error)

@@ -1,4 +1,7 @@
-"""Runs of the study: what decides them, that nothing else does, and their metrics against definitions written out here."""
+"""Runs of the study.
+
+What decides them, that nothing else does, and their metrics against definitions written out here.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +31,16 @@ from psp3.fuzzy_control.records import record
 from psp3.simulation import metrics
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.study import run as runs
-from psp3.study.run import CONTROLLERS, METRICS, READINGS, TRAJECTORIES, Run, execute, mismatched, simulate_run
+from psp3.study.run import (
+    CONTROLLERS,
+    METRICS,
+    READINGS,
+    TRAJECTORIES,
+    Run,
+    execute,
+    mismatched,
+    simulate_run,
+)
 from psp3.three_psp.parameters import PARAMETER_SETS
 from psp3.trajectories import Helix
 
@@ -39,7 +51,9 @@ pytestmark = pytest.mark.filterwarnings("ignore:the Gaussian corollary:fuzzy2.Ap
 
 def same(one: dict[str, float], other: dict[str, float]) -> bool:
     """Tell whether metrics are the same, bit for bit, NaN being equal to NaN."""
-    return list(one) == list(other) and np.array_equal(list(one.values()), list(other.values()), equal_nan=True)
+    return list(one) == list(other) and np.array_equal(
+        list(one.values()), list(other.values()), equal_nan=True
+    )
 
 
 # What a run is
@@ -48,11 +62,21 @@ def same(one: dict[str, float], other: dict[str, float]) -> bool:
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"controller": "PD"}, {"controller": None}, {"controller": ["it2"]}, {"controller": psp3.PD()}, {"reading": "parameter"},
-        {"trajectory": "spiral"}, {"trajectory": HELIX}, {"trajectory": np.zeros(3)}, {"learner": "best"}, {"reduction": "km"},
-        {"outside": "ignore"}, {"parameters": "table_9"}, {"parameters": ROBOT.parameters},
+        {"controller": "PD"},
+        {"controller": None},
+        {"controller": ["it2"]},
+        {"controller": psp3.PD()},
+        {"reading": "parameter"},
+        {"trajectory": "spiral"},
+        {"trajectory": HELIX},
+        {"trajectory": np.zeros(3)},
+        {"learner": "best"},
+        {"reduction": "km"},
+        {"outside": "ignore"},
+        {"parameters": "table_9"},
+        {"parameters": ROBOT.parameters},
     ],
-)  # fmt: skip
+)
 def test_unknown_names_are_refused_and_the_known_ones_listed(wrong: dict[str, Any]) -> None:
     with pytest.raises(UnknownName, match="known are") as caught:
         Run(**wrong).check()
@@ -64,22 +88,75 @@ def test_unknown_names_are_refused_and_the_known_ones_listed(wrong: dict[str, An
 @pytest.mark.parametrize(
     "wrong",
     [
-        {"snr_db": math.nan}, {"snr_db": -math.inf}, {"snr_db": "15"}, {"snr_db": None}, {"snr_db": True}, {"snr_db": [15.0]},
-        {"snr_db": 15 + 0j}, {"snr_db": -1e4}, {"snr_db": -40.0, "reading": "plant"},
-        {"seed": -1}, {"seed": 1.0}, {"seed": True}, {"seed": "1"}, {"seed": None}, {"seed": np.bool_(True)}, {"seed": np.float64(1.0)},
-        {"samples": 0}, {"samples": 1}, {"samples": 209.0}, {"n_terms": 0}, {"n_terms": 2.5}, {"n_terms": "2"}, {"levels": 0},
-        {"levels": False}, {"mean_variation": -0.1}, {"mean_variation": math.nan}, {"mean_variation": math.inf},
-        {"mean_variation": "0.3"}, {"mean_variation": True}, {"payload": 1.0}, {"payload": -1.0, "reading": "plant"},
-        {"payload": math.inf, "reading": "plant"}, {"payload": None}, {"payload": "1"}, {"payload": math.nan},
-        {"coulomb_friction": 1.0}, {"coulomb_friction": -1.0, "reading": "plant"}, {"viscous_friction": math.nan, "reading": "plant"},
-        {"viscous_friction": 1.0, "reading": "online"}, {"motor_inertia": "1e-4", "lead": 0.01}, {"motor_inertia": 1e-4, "lead": 0.01},
-        {"encoder_resolution": 1e-6}, {"encoder_resolution": -1e-6, "reading": "plant"}, {"delay": 1}, {"delay": 0.5, "reading": "plant"},
-        {"delay": -1, "reading": "plant"}, {"delay": True, "reading": "plant"}, {"lead": 0.0}, {"lead": "10 mm"},
-        {"duration": 0.0}, {"duration": -1.0}, {"duration": math.nan}, {"duration": math.inf}, {"duration": 0.001}, {"duration": "10"},
-        {"duration": None}, {"duration": True}, {"duration": 1e300}, {"period": 0.0}, {"period": -0.002}, {"period": math.nan},
-        {"period": "0.002"}, {"period": 1e-300}, {"period": 1e-9}, {"period": 0.003}, {"period": 0.1}, {"period": 0.05000001},
+        {"snr_db": math.nan},
+        {"snr_db": -math.inf},
+        {"snr_db": "15"},
+        {"snr_db": None},
+        {"snr_db": True},
+        {"snr_db": [15.0]},
+        {"snr_db": 15 + 0j},
+        {"snr_db": -1e4},
+        {"snr_db": -40.0, "reading": "plant"},
+        {"seed": -1},
+        {"seed": 1.0},
+        {"seed": True},
+        {"seed": "1"},
+        {"seed": None},
+        {"seed": np.bool_(True)},
+        {"seed": np.float64(1.0)},
+        {"samples": 0},
+        {"samples": 1},
+        {"samples": 209.0},
+        {"n_terms": 0},
+        {"n_terms": 2.5},
+        {"n_terms": "2"},
+        {"levels": 0},
+        {"levels": False},
+        {"mean_variation": -0.1},
+        {"mean_variation": math.nan},
+        {"mean_variation": math.inf},
+        {"mean_variation": "0.3"},
+        {"mean_variation": True},
+        {"payload": 1.0},
+        {"payload": -1.0, "reading": "plant"},
+        {"payload": math.inf, "reading": "plant"},
+        {"payload": None},
+        {"payload": "1"},
+        {"payload": math.nan},
+        {"coulomb_friction": 1.0},
+        {"coulomb_friction": -1.0, "reading": "plant"},
+        {"viscous_friction": math.nan, "reading": "plant"},
+        {"viscous_friction": 1.0, "reading": "online"},
+        {"motor_inertia": "1e-4", "lead": 0.01},
+        {"motor_inertia": 1e-4, "lead": 0.01},
+        {"encoder_resolution": 1e-6},
+        {"encoder_resolution": -1e-6, "reading": "plant"},
+        {"delay": 1},
+        {"delay": 0.5, "reading": "plant"},
+        {"delay": -1, "reading": "plant"},
+        {"delay": True, "reading": "plant"},
+        {"lead": 0.0},
+        {"lead": "10 mm"},
+        {"duration": 0.0},
+        {"duration": -1.0},
+        {"duration": math.nan},
+        {"duration": math.inf},
+        {"duration": 0.001},
+        {"duration": "10"},
+        {"duration": None},
+        {"duration": True},
+        {"duration": 1e300},
+        {"period": 0.0},
+        {"period": -0.002},
+        {"period": math.nan},
+        {"period": "0.002"},
+        {"period": 1e-300},
+        {"period": 1e-9},
+        {"period": 0.003},
+        {"period": 0.1},
+        {"period": 0.05000001},
     ],
-)  # fmt: skip
+)
 def test_numbers_outside_of_what_they_can_be_are_refused(wrong: dict[str, Any]) -> None:
     run = Run("it2", **wrong)
     for call in (run.check, lambda: execute(run)):
@@ -98,7 +175,9 @@ def test_a_motor_with_inertia_needs_a_lead() -> None:
 
 
 @pytest.mark.parametrize("kind", ["t1", "it2", "gt2"])
-def test_terms_too_narrow_for_the_path_are_refused_unless_they_vary_over_all_of_it(kind: str) -> None:
+def test_terms_too_narrow_for_the_path_are_refused_unless_they_vary_over_all_of_it(
+    kind: str,
+) -> None:
     with pytest.raises(InvalidValue, match="term_width"):
         Run(kind, term_width=0.001).check()
     Run("it2", term_width=0.001, mean_variation=1.0).check()
@@ -125,20 +204,35 @@ def test_every_value_that_is_offered_is_taken() -> None:
     for name in PARAMETER_SETS:
         assert execute(Run("t1", parameters=name, duration=0.1))["diverged"] == 0.0
     for period in (0.05, 0.01, 0.002, 0.0005):
-        assert execute(Run("ctc", period=period, duration=0.1))["end_time"] == pytest.approx(0.1, rel=1e-12)
+        assert execute(Run("ctc", period=period, duration=0.1))["end_time"] == pytest.approx(
+            0.1, rel=1e-12
+        )
     assert execute(Run("pd", duration=0.002))["end_time"] == 0.002
 
 
 def test_numbers_of_numpy_make_the_same_run() -> None:
-    """Grids are made of them. They would count as other types in a table of results, and compile everything anew."""
-    plain = Run("it2", snr_db=15.0, seed=3, samples=100, mean_variation=0.25, lead=0.5, duration=0.5)
+    """Grids are made of them.
+
+    They would count as other types in a table of results, and compile everything anew.
+    """
+    plain = Run(
+        "it2", snr_db=15.0, seed=3, samples=100, mean_variation=0.25, lead=0.5, duration=0.5
+    )
     grid = Run(
-        "it2", snr_db=np.float32(15.0), seed=np.int64(3), samples=np.uint8(100), mean_variation=np.float16(0.25),
-        lead=np.float32(0.5), duration=np.float64(0.5),
-    )  # type: ignore[arg-type]  # fmt: skip
+        "it2",
+        snr_db=np.float32(15.0),
+        seed=np.int64(3),
+        samples=np.uint8(100),
+        mean_variation=np.float16(0.25),
+        lead=np.float32(0.5),
+        duration=np.float64(0.5),
+    )  # type: ignore[arg-type]
     assert plain == grid
     assert {type(value) for value in asdict(grid).values()} == {str, int, float}
-    assert str(grid) == "Run(controller='it2', snr_db=15.0, seed=3, mean_variation=0.25, samples=100, lead=0.5, duration=0.5)"
+    assert str(grid) == (
+        "Run(controller='it2', snr_db=15.0, seed=3, mean_variation=0.25, samples=100, "
+        "lead=0.5, duration=0.5)"
+    )
     assert same(execute(plain), execute(grid))
 
 
@@ -180,7 +274,10 @@ def a_run() -> st.SearchStrategy[Run]:
 @settings(max_examples=150)
 @given(a_run())
 def test_a_run_and_its_canonical_form_have_the_same_metrics(run: Run) -> None:
-    """Bit for bit; the canonical form of a canonical form is itself, and it is a run like any other."""
+    """Bit for bit; the canonical form of a canonical form is itself.
+
+    It is a run like any other.
+    """
     if run.reading != "plant":
         run = replace(run, **dict.fromkeys(runs.OF_PLANT, 0))
     canonical = run.canonical()
@@ -202,8 +299,12 @@ def test_what_cannot_matter_is_dropped_and_nothing_else() -> None:
     assert Run("feed-forward", "measurement", **noisy).canonical() == Run("feed-forward")
     assert Run("pd-gravity", "online", **noisy).canonical() == Run("pd-gravity", "online", 15.0, 4)
     assert Run("ctc", "measurement", **noisy).canonical() == Run("ctc", "measurement", 15.0, 4)
-    assert Run("t1", **noisy).canonical() == Run("t1", snr_db=15.0, seed=4, learner="ridge", mean_variation=0.0)
-    assert Run("it2", snr_db=15.0).canonical().mean_variation == float(fuzzy2.mean_variation_from_snr(15.0))
+    assert Run("t1", **noisy).canonical() == Run(
+        "t1", snr_db=15.0, seed=4, learner="ridge", mean_variation=0.0
+    )
+    assert Run("it2", snr_db=15.0).canonical().mean_variation == float(
+        fuzzy2.mean_variation_from_snr(15.0)
+    )
     assert Run("gt2", **noisy).canonical().levels == 3
     assert Run("gt2", "measurement", seed=9).canonical() == Run("gt2", mean_variation=0.0)
     assert Run("ctc", "plant", payload=1.0, seed=9).canonical() == Run("ctc", "plant", payload=1.0)
@@ -226,12 +327,19 @@ def expected() -> list[dict[str, float]]:
 
 def test_runs_are_the_same_every_time_and_in_every_thread(expected: list[dict[str, float]]) -> None:
     with ThreadPoolExecutor(4) as pool:
-        for found in (map(execute, SOME[::-1]), pool.map(execute, SOME[::-1]), pool.map(execute, SOME[::-1])):
+        for found in (
+            map(execute, SOME[::-1]),
+            pool.map(execute, SOME[::-1]),
+            pool.map(execute, SOME[::-1]),
+        ):
             assert all(same(one, other) for one, other in zip(found, expected[::-1], strict=True))
 
 
 def in_a_new_process(runs: list[Run], **environment: str) -> list[dict[str, float]]:
-    """Execute runs in threads that start at once, with nothing warm: each may be the first to load, to record and to compile."""
+    """Execute runs in threads that start at once, with nothing warm.
+
+    Each may be the first to load, to record and to compile.
+    """
     program = (
         "import sys, json, threading\n"
         "from concurrent.futures import ThreadPoolExecutor\n"
@@ -240,19 +348,40 @@ def in_a_new_process(runs: list[Run], **environment: str) -> list[dict[str, floa
         "with ThreadPoolExecutor(4) as pool:\n"
         "    print(json.dumps(list(pool.map(execute, runs))))\n"
     )
-    text, command = json.dumps([asdict(run) for run in runs]), [sys.executable, "-W", "error", "-c", program]
-    done = subprocess.run(command, input=text, capture_output=True, text=True, check=True, env={**os.environ, **environment})
+    text, command = (
+        json.dumps([asdict(run) for run in runs]),
+        [sys.executable, "-W", "error", "-c", program],
+    )
+    done = subprocess.run(
+        command,
+        input=text,
+        capture_output=True,
+        text=True,
+        check=True,
+        env={**os.environ, **environment},
+    )
     found: list[dict[str, float]] = json.loads(done.stdout)
     return found
 
 
-def test_runs_are_the_same_in_a_new_process_whose_threads_start_at_once(expected: list[dict[str, float]]) -> None:
-    assert all(same(one, other) for one, other in zip(in_a_new_process(SOME), expected, strict=True))
+def test_runs_are_the_same_in_a_new_process_whose_threads_start_at_once(
+    expected: list[dict[str, float]],
+) -> None:
+    assert all(
+        same(one, other) for one, other in zip(in_a_new_process(SOME), expected, strict=True)
+    )
 
 
 def test_runs_agree_with_those_of_another_processor() -> None:
-    """An old processor's linear algebra sums in another order, where OpenBLAS is used: whole runs agree to 1e-9, the promised bar."""
-    some = [Run(kind, snr_db=10.0, seed=1, learner=learner) for kind in ("t1", "it2", "gt2") for learner in ("strongest", "ridge")]
+    """An old processor's linear algebra sums in another order, where OpenBLAS is used.
+
+    Whole runs agree to 1e-9, the promised bar.
+    """
+    some = [
+        Run(kind, snr_db=10.0, seed=1, learner=learner)
+        for kind in ("t1", "it2", "gt2")
+        for learner in ("strongest", "ridge")
+    ]
     for run, found in zip(some, in_a_new_process(some, OPENBLAS_CORETYPE="Nehalem"), strict=True):
         assert found == pytest.approx(execute(run), rel=1e-9, nan_ok=True)
 
@@ -277,8 +406,14 @@ def test_what_a_result_holds_cannot_spoil_later_runs() -> None:
 
 
 def test_noise_of_a_seed_is_the_same_at_every_ratio_but_for_its_size() -> None:
-    """Forces without feedback of the noise: one step of PD with noisy measurements. 1e-9: differences of 100 N in 1e-2 N."""
-    forces = {snr: simulate_run(Run("pd", "measurement", snr, 5, duration=0.002)).result.torque[0] for snr in (math.inf, 60.0, 40.0, 20.0)}
+    """Forces without feedback of the noise: one step of PD with noisy measurements.
+
+    1e-9: differences of 100 N in 1e-2 N.
+    """
+    forces = {
+        snr: simulate_run(Run("pd", "measurement", snr, 5, duration=0.002)).result.torque[0]
+        for snr in (math.inf, 60.0, 40.0, 20.0)
+    }
     small, middle, large = (forces[snr] - forces[math.inf] for snr in (60.0, 40.0, 20.0))
     np.testing.assert_allclose(middle, 10.0 * small, rtol=1e-9)
     np.testing.assert_allclose(large, 100.0 * small, rtol=1e-9)
@@ -286,14 +421,21 @@ def test_noise_of_a_seed_is_the_same_at_every_ratio_but_for_its_size() -> None:
 
 
 def test_the_noise_of_the_readings_is_what_the_table_says() -> None:
-    """Forces of one sample written out with the generator's numbers; 1e-9 relative, for feedback multiplies rounding by 1000."""
+    """Forces of one sample written out with the generator's numbers.
+
+    1e-9 relative, for feedback multiplies rounding by 1000.
+    """
     recorded, start = record(ROBOT, HELIX), HELIX(0.0)
     ratio = 10.0 ** (-20.0 / 20.0)
     draws = np.random.default_rng([5, 1]).standard_normal((2, 6))[0]
-    powers = np.concatenate([np.mean(recorded.heights**2, axis=0), np.mean(recorded.speeds**2, axis=0)])
+    powers = np.concatenate(
+        [np.mean(recorded.heights**2, axis=0), np.mean(recorded.speeds**2, axis=0)]
+    )
     error = np.sqrt(powers) * ratio * draws
     measured = simulate_run(Run("pd", "measurement", 20.0, 5, duration=0.002)).result.torque[0]
-    np.testing.assert_allclose(measured, 1000.0 * -error[:3] + 100.0 * (start.speeds - error[3:]), rtol=1e-9)
+    np.testing.assert_allclose(
+        measured, 1000.0 * -error[:3] + 100.0 * (start.speeds - error[3:]), rtol=1e-9
+    )
 
     draws = np.random.default_rng([5, 1]).standard_normal((2, 18))[0]
     M, _, G = ROBOT.equation_of_motion(start.heights, np.zeros(3))
@@ -302,25 +444,38 @@ def test_the_noise_of_the_readings_is_what_the_table_says() -> None:
     upper = np.zeros((3, 3))
     upper[np.triu_indices(3)] = noise[:6]
     servo = start.accelerations + start.speeds
-    np.testing.assert_allclose(online, (M + upper + np.triu(upper, 1).T) @ servo + G + noise[15:], rtol=1e-9)
+    np.testing.assert_allclose(
+        online, (M + upper + np.triu(upper, 1).T) @ servo + G + noise[15:], rtol=1e-9
+    )
 
     # The rules' noise is that of the other stream, so that both can be paired.
-    controller = runs.trained(Run("t1", "parameters", 20.0, 5), ROBOT, np.random.default_rng([5, 0]))
+    controller = runs.trained(
+        Run("t1", "parameters", 20.0, 5), ROBOT, np.random.default_rng([5, 0])
+    )
     samples = recorded.outputs[recorded.sample(209)]
     clean = runs.trained(Run("t1"), ROBOT, np.random.default_rng(0)).system_.consequents
     source = [int(np.flatnonzero((samples == rule).all(axis=1))[0]) for rule in clean]
     draws = np.random.default_rng([5, 0]).standard_normal((209, 18))
-    np.testing.assert_allclose(controller.system_.consequents, (samples + ratio * recorded.rms * draws)[source], rtol=1e-14)
+    np.testing.assert_allclose(
+        controller.system_.consequents, (samples + ratio * recorded.rms * draws)[source], rtol=1e-14
+    )
 
 
 @pytest.mark.parametrize("reading", ["measurement", "online", "plant"])
-def test_other_readings_leave_the_rules_alone_and_widen_the_terms_all_the_same(reading: str) -> None:
+def test_other_readings_leave_the_rules_alone_and_widen_the_terms_all_the_same(
+    reading: str,
+) -> None:
     run = Run("it2", reading, 15.0, 4)
     controller = runs.trained(run, ROBOT, np.random.default_rng([4, 0]))
     clean = runs.trained(Run("it2"), ROBOT, np.random.default_rng(0))
     np.testing.assert_array_equal(controller.system_.consequents, clean.system_.consequents)
     assert controller.mean_variation == fuzzy2.mean_variation_from_snr(15.0)
-    assert runs.trained(replace(run, mean_variation=0.1), ROBOT, np.random.default_rng(0)).mean_variation == 0.1
+    assert (
+        runs.trained(
+            replace(run, mean_variation=0.1), ROBOT, np.random.default_rng(0)
+        ).mean_variation
+        == 0.1
+    )
 
 
 def test_mismatched_parameters() -> None:
@@ -330,7 +485,9 @@ def test_mismatched_parameters() -> None:
     assert mismatched(nominal, 0.0, 2.5, rng) == replace(nominal, star_mass=nominal.star_mass + 2.5)
     changed = [mismatched(nominal, 0.1, 0.0, np.random.default_rng(seed)) for seed in range(400)]
     names = ("nut_mass", "ball_mass", "ball_axial_inertia", "ball_transverse_inertia")
-    logarithms = np.log([[getattr(one, name) / getattr(nominal, name) for name in names] for one in changed])
+    logarithms = np.log(
+        [[getattr(one, name) / getattr(nominal, name) for name in names] for one in changed]
+    )
     inertias = np.log([np.divide(one.star_inertia, nominal.star_inertia) for one in changed])
     # 400 draws: the mean within 4 · 0.1/20, the deviation within 15 %, four standard errors each.
     for sample in (*logarithms.T, *inertias.T):
@@ -340,11 +497,15 @@ def test_mismatched_parameters() -> None:
     assert np.mean([one.star_mass for one in changed]) == pytest.approx(
         nominal.star_mass * np.exp(0.005) + 0.5 * np.sqrt(2 / np.pi), abs=0.07
     )
-    assert {(one.screw_radius, one.tool_length, one.gravity) for one in changed} == {(0.181, 0.07, 9.81)}
+    assert {(one.screw_radius, one.tool_length, one.gravity) for one in changed} == {
+        (0.181, 0.07, 9.81)
+    }
 
 
 def test_the_plant_is_the_mismatched_one() -> None:
-    """The same run with Python's plant and the parameters drawn from the run's stream; the controller keeps the nominal model.
+    """The same run with Python's plant and the parameters drawn from the run's stream.
+
+    The controller keeps the nominal model.
 
     1e-12 m: products of matrices are summed in another order.
     """
@@ -352,23 +513,36 @@ def test_the_plant_is_the_mismatched_one() -> None:
     real = mismatched(ROBOT.parameters, 0.1, 1.0, np.random.default_rng([3, 1]))
     plant = RungeKutta(psp3.load("psp3", real))
     expected = psp3.simulate(ROBOT, psp3.ComputedTorque(ROBOT), HELIX, 0.5, plant=plant)
-    np.testing.assert_allclose(simulate_run(run).result.heights, expected.heights, rtol=0.0, atol=1e-12)
+    np.testing.assert_allclose(
+        simulate_run(run).result.heights, expected.heights, rtol=0.0, atol=1e-12
+    )
     heavy = execute(Run("pd-gravity", "plant", payload=3.0, duration=5.0))
-    # At rest the payload sags kp-fold: 3 kg · g / 3 screws / 1000 N/m = 9.81 mm, and the helix's own errors add up to 6 mm.
+    # At rest the payload sags kp-fold: 3 kg · g / 3 screws / 1000 N/m = 9.81 mm, and the helix's
+    # own errors add up to 6 mm.
     assert 0.009 < heavy["rms_error_1"] < 0.013
 
 
 REALISTIC: dict[str, Any] = {
-    "coulomb_friction": 10.0, "viscous_friction": 5.0, "motor_inertia": 1e-5, "lead": 0.010, "encoder_resolution": 5e-6, "delay": 1,
-}  # fmt: skip
+    "coulomb_friction": 10.0,
+    "viscous_friction": 5.0,
+    "motor_inertia": 1e-5,
+    "lead": 0.010,
+    "encoder_resolution": 5e-6,
+    "delay": 1,
+}
 
 
 def test_friction_motor_encoder_and_delay_are_those_of_the_simulation() -> None:
-    """All at once, with the payload and parameters drawn from the run's stream; bit for bit, since PD multiplies no matrices."""
+    """All at once, with the payload and parameters drawn from the run's stream.
+
+    Bit for bit, since PD multiplies no matrices.
+    """
     run = Run("pd", "plant", 20.0, 3, payload=1.0, duration=1.0, **REALISTIC)
     real = psp3.load("psp3", mismatched(ROBOT.parameters, 0.1, 1.0, np.random.default_rng([3, 1])))
     plant = RungeKutta(real, drive=Drive(10.0, 5.0, 1e-5, 0.010))
-    expected = psp3.simulate(ROBOT, psp3.PD(), HELIX, 1.0, plant=plant, encoder_resolution=5e-6, delay=1)
+    expected = psp3.simulate(
+        ROBOT, psp3.PD(), HELIX, 1.0, plant=plant, encoder_resolution=5e-6, delay=1
+    )
     found = simulate_run(run).result
     for name in ("heights", "speeds", "torque", "tip"):
         np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
@@ -395,11 +569,20 @@ NOISY = Run("pd-gravity", "online", -20.0, 7, duration=0.1)
 
 @pytest.mark.parametrize(
     "run",
-    [Run("pd"), Run("ctc", trajectory="waypoints"), Run("it2", snr_db=15.0, seed=2, duration=3.0), Run("t1", period=0.01), NOISY],
+    [
+        Run("pd"),
+        Run("ctc", trajectory="waypoints"),
+        Run("it2", snr_db=15.0, seed=2, duration=3.0),
+        Run("t1", period=0.01),
+        NOISY,
+    ],
     ids=str,
 )
 def test_metrics_are_their_definitions(run: Run) -> None:
-    """Sums written out; 1e-12 relative is their rounding. The functions of ``psp3.simulation.metrics`` say the same of the same result."""
+    """Sums written out; 1e-12 relative is their rounding.
+
+    The functions of ``psp3.simulation.metrics`` say the same of the same result.
+    """
     result = simulate_run(run).result
     found = execute(run)
     assert tuple(found) == METRICS
@@ -419,15 +602,22 @@ def test_metrics_are_their_definitions(run: Run) -> None:
         "largest_tip_error": max(math.hypot(*row) for row in tip_error),
         "effort": integral(forces),
         "largest_torque": max(abs(force) for row in result.torque for force in row),
-        "fallbacks": 0.0, "left_stroke": 0.0, "diverged": 0.0, "end_time": run.duration,
-    }  # fmt: skip
+        "fallbacks": 0.0,
+        "left_stroke": 0.0,
+        "diverged": 0.0,
+        "end_time": run.duration,
+    }
     for k in range(3):
         expected[f"rms_error_{k + 1}"] = math.sqrt(sum(e**2 for e in error[:, k]) / (steps + 1))
         expected[f"largest_error_{k + 1}"] = max(abs(e) for e in error[:, k])
     for name, value in expected.items():
         assert found[name] == pytest.approx(value, rel=1e-12), name
-    assert metrics.sum_of_squared_errors(result) == pytest.approx(found["sum_of_squared_errors"], rel=1e-12)
-    assert metrics.integral_of_squared_error(result) == pytest.approx(found["integral_of_squared_error"], rel=1e-12)
+    assert metrics.sum_of_squared_errors(result) == pytest.approx(
+        found["sum_of_squared_errors"], rel=1e-12
+    )
+    assert metrics.integral_of_squared_error(result) == pytest.approx(
+        found["integral_of_squared_error"], rel=1e-12
+    )
     assert metrics.largest_tip_error(result) == pytest.approx(found["largest_tip_error"], rel=1e-12)
     root_of_squares = math.sqrt(sum(found[f"rms_error_{k}"] ** 2 for k in (1, 2, 3)))
     assert metrics.rms_error(result) == pytest.approx(root_of_squares, rel=1e-12)
@@ -440,7 +630,9 @@ def test_coverage_is_the_share_of_steps_inside_the_trained_range() -> None:
     result, found = simulate_run(run).result, execute(run)
     least, greatest = runs.trained(run, ROBOT, np.random.default_rng(0)).ranges_
     a, v = result.heights, result.speeds
-    inputs = np.stack([a[:, 0] - a[:, 1], a[:, 0] - a[:, 2], v[:, 0] - v[:, 1], v[:, 0] - v[:, 2]], axis=1)
+    inputs = np.stack(
+        [a[:, 0] - a[:, 1], a[:, 0] - a[:, 2], v[:, 0] - v[:, 1], v[:, 0] - v[:, 2]], axis=1
+    )
     inside = ((least <= inputs) & (inputs <= greatest)).all(axis=1)
     assert found["coverage"] == inside.mean()
     assert 0.0 < found["coverage"] < 1.0
@@ -448,18 +640,27 @@ def test_coverage_is_the_share_of_steps_inside_the_trained_range() -> None:
     assert execute(Run("ctc", trajectory="fast-helix", duration=2.0))["coverage"] == 1.0
 
 
-@pytest.mark.parametrize(("name", "controller"), [("pd", psp3.PD()), ("ctc", psp3.ComputedTorque(ROBOT))])
+@pytest.mark.parametrize(
+    ("name", "controller"), [("pd", psp3.PD()), ("ctc", psp3.ComputedTorque(ROBOT))]
+)
 def test_runs_are_those_of_the_simulation(name: str, controller: Any) -> None:
     """Over all 10.4 s; 1e-9 relative in the error leaves room for the order of sums."""
     expected = psp3.simulate(ROBOT, controller, HELIX, 10.4)
     found = execute(Run(name))
-    assert found["sum_of_squared_errors"] == pytest.approx(metrics.sum_of_squared_errors(expected), rel=1e-9)
-    assert found["integral_of_squared_error"] == pytest.approx(metrics.integral_of_squared_error(expected), rel=1e-9)
+    assert found["sum_of_squared_errors"] == pytest.approx(
+        metrics.sum_of_squared_errors(expected), rel=1e-9
+    )
+    assert found["integral_of_squared_error"] == pytest.approx(
+        metrics.integral_of_squared_error(expected), rel=1e-9
+    )
     assert found["end_time"] == expected.t[-1]
 
 
 def test_open_loop_diverges_and_says_so() -> None:
-    """It leaves its screws first, on which the run goes on, and then the poses that the robot can take."""
+    """It leaves its screws first, and then the poses that the robot can take.
+
+    Off the screws the run goes on.
+    """
     found = execute(Run("feed-forward"))
     assert found["diverged"] == found["left_stroke"] == 1.0
     assert 1.0 < found["end_time"] < 10.4
@@ -471,14 +672,22 @@ def test_open_loop_diverges_and_says_so() -> None:
 
 
 def test_leaving_the_stroke_is_noted_and_does_not_end_a_run() -> None:
-    """PD sags by a third of the weight over 1000 N/m: 0.12 m with a payload of 10 kg, and 0.58 m, beyond the screws, with 150 kg."""
-    light, heavy = (execute(Run("pd", "plant", payload=payload, duration=5.0)) for payload in (10.0, 150.0))
+    """PD sags by a third of the weight over 1000 N/m.
+
+    0.12 m with a payload of 10 kg, and 0.58 m, beyond the screws, with 150 kg.
+    """
+    light, heavy = (
+        execute(Run("pd", "plant", payload=payload, duration=5.0)) for payload in (10.0, 150.0)
+    )
     assert (light["left_stroke"], light["diverged"]) == (0.0, 0.0)
     assert (heavy["left_stroke"], heavy["diverged"], heavy["end_time"]) == (1.0, 0.0, 5.0)
 
 
 def test_a_run_without_a_single_sample_has_no_metrics() -> None:
-    """The very first measurement, off by meters, is no pose: no force, no sample, and no warning of an empty mean."""
+    """The very first measurement, off by meters, is no pose.
+
+    No force, no sample, and no warning of an empty mean.
+    """
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         for seed in range(5):
@@ -523,12 +732,18 @@ def test_without_noise_the_kinds_agree() -> None:
 def paired() -> dict[str, list[float]]:
     """Return the sums of squared errors of six seeds at 15 dB, rules by averages."""
     return {
-        kind: [execute(Run(kind, snr_db=15.0, seed=seed, learner="average"))["sum_of_squared_errors"] for seed in range(6)]
+        kind: [
+            execute(Run(kind, snr_db=15.0, seed=seed, learner="average"))["sum_of_squared_errors"]
+            for seed in range(6)
+        ]
         for kind in ("t1", "it2", "gt2")
     }
 
 
 @pytest.mark.parametrize("kind", ["it2", "gt2"])
 def test_type_2_is_better_under_noisy_records(paired: dict[str, list[float]], kind: str) -> None:
-    """The published picture: a mean error of about half or less. Seeds are fixed, so this cannot fail by chance."""
+    """The published picture: a mean error of about half or less.
+
+    Seeds are fixed, so this cannot fail by chance.
+    """
     assert np.mean(paired[kind]) < 0.75 * np.mean(paired["t1"])

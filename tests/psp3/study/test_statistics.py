@@ -1,4 +1,7 @@
-"""Estimates with intervals: against formulas, known laws, and how often the intervals hold the truth."""
+"""Estimates with intervals.
+
+Against formulas, known laws, and how often the intervals hold the truth.
+"""
 
 from __future__ import annotations
 
@@ -13,16 +16,31 @@ import pytest
 from psp3 import statistics
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 from psp3.study.run import METRICS, Run
-from psp3.study.statistics import Estimate, compare, mean, median, paired_difference, ratio_of_means, share, summarize
+from psp3.study.statistics import (
+    Estimate,
+    compare,
+    mean,
+    median,
+    paired_difference,
+    ratio_of_means,
+    share,
+    summarize,
+)
 
 SKEWED = np.random.default_rng(7).lognormal(size=30)
 RELATED = 0.5 * SKEWED * np.random.default_rng(8).lognormal(sigma=0.3, size=30)
 
 
 def rows_of(run: Run, errors: dict[int, float]) -> list[dict[str, Any]]:
-    """Results with these sums of squared errors by seed; NaN for a run that diverged, whose effort is nonetheless there."""
+    """Results with these sums of squared errors by seed.
+
+    NaN for a run that diverged, whose effort is nonetheless there.
+    """
     return [
-        asdict(run) | {"seed": seed} | dict.fromkeys(METRICS, 1.0) | {"sum_of_squared_errors": error, "diverged": float(math.isnan(error))}
+        asdict(run)
+        | {"seed": seed}
+        | dict.fromkeys(METRICS, 1.0)
+        | {"sum_of_squared_errors": error, "diverged": float(math.isnan(error))}
         for seed, error in errors.items()
     ]
 
@@ -36,13 +54,21 @@ def test_values_are_those_of_numpy() -> None:
     assert median(SKEWED).value == np.median(SKEWED)
     assert paired_difference(RELATED, SKEWED).value == (RELATED - SKEWED).mean()
     assert ratio_of_means(RELATED, SKEWED).value == RELATED.mean() / SKEWED.mean()
-    for estimate in (mean(SKEWED), median(SKEWED), paired_difference(RELATED, SKEWED), ratio_of_means(RELATED, SKEWED)):
+    for estimate in (
+        mean(SKEWED),
+        median(SKEWED),
+        paired_difference(RELATED, SKEWED),
+        ratio_of_means(RELATED, SKEWED),
+    ):
         assert estimate.low < estimate.value < estimate.high
         assert estimate.count == 30
 
 
 def test_interval_of_a_normal_mean_is_nearly_students() -> None:
-    """200 normal numbers: Student's interval holds exactly; bootstrap and 9999 resamples differ from it by a few percent of its width."""
+    """200 normal numbers: Student's interval holds exactly.
+
+    Bootstrap and 9999 resamples differ from it by a few percent of its width.
+    """
     values = np.random.default_rng(3).normal(5.0, 2.0, size=200)
     half = 1.972 * values.std(ddof=1) / math.sqrt(200)
     estimate = mean(values)
@@ -63,9 +89,12 @@ def test_interval_of_a_normal_mean_is_nearly_students() -> None:
 def test_intervals_hold_the_truth_as_often_as_they_say(
     estimator: Callable[[Any, Any], Estimate], truth: float, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """300 sets of 30 seeds of skewed errors, type-2 being type-1 times a lognormal factor, all true values by formula.
+    """300 sets of 30 seeds of skewed errors.
 
-    95 % intervals hold it in 285 sets, give or take 4 by chance; bootstrap of so few skewed numbers is known to be a little short.
+    Type-2 is type-1 times a lognormal factor, and all true values are by formula.
+
+    95 % intervals hold it in 285 sets, give or take 4 by chance; bootstrap of so few skewed numbers
+    is known to be a little short.
     """
     monkeypatch.setattr(statistics, "RESAMPLES", 999)
     rng, hits = np.random.default_rng(5), 0
@@ -78,7 +107,10 @@ def test_intervals_hold_the_truth_as_often_as_they_say(
 
 
 def test_pairs_make_a_difference_sharper() -> None:
-    """What the pairing is for: the interval is far narrower than the spread of the two controllers over seeds would make it."""
+    """What the pairing is for: a narrow interval.
+
+    The spread of the two controllers over seeds would make it far wider.
+    """
     paired = paired_difference(RELATED, SKEWED)
     scrambled = paired_difference(np.random.default_rng(1).permutation(RELATED), SKEWED)
     assert paired.value == pytest.approx(scrambled.value)
@@ -88,21 +120,31 @@ def test_pairs_make_a_difference_sharper() -> None:
 def test_shares_have_wilsons_interval() -> None:
     """Against the formula, z = 1.959964."""
     for happened, count in ((0, 30), (1, 30), (15, 30), (30, 30), (3, 7)):
-        estimate, p, z = share([1] * happened + [0] * (count - happened)), happened / count, 1.959963984540054
+        estimate, p, z = (
+            share([1] * happened + [0] * (count - happened)),
+            happened / count,
+            1.959963984540054,
+        )
         middle, scale = p + z * z / (2 * count), 1.0 + z * z / count
         half = z * math.sqrt(p * (1.0 - p) / count + z * z / (4 * count * count))
         assert (estimate.value, estimate.count) == (p, count)
         assert estimate.low == pytest.approx((middle - half) / scale, abs=1e-12)
         assert estimate.high == pytest.approx((middle + half) / scale, abs=1e-12)
-    assert share([0] * 30).high > 0.1, "thirty seeds without a divergence do not prove that there is none"
+    assert share([0] * 30).high > 0.1, (
+        "thirty seeds without a divergence do not prove that there is none"
+    )
 
 
 def test_numbers_that_are_not_finite_are_left_out_and_not_counted() -> None:
     some = [1.0, math.nan, 2.0, math.inf, 4.0]
     assert mean(some) == mean([1.0, 2.0, 4.0])
     assert median(some) == median([1.0, 2.0, 4.0])
-    assert paired_difference(some, [0.5, 1.0, math.nan, 1.0, 1.5]) == paired_difference([1.0, 4.0], [0.5, 1.5])
-    assert ratio_of_means([1.0, 2.0, math.nan], [2.0, 4.0, 1e9]) == ratio_of_means([1.0, 2.0], [2.0, 4.0])
+    assert paired_difference(some, [0.5, 1.0, math.nan, 1.0, 1.5]) == paired_difference(
+        [1.0, 4.0], [0.5, 1.5]
+    )
+    assert ratio_of_means([1.0, 2.0, math.nan], [2.0, 4.0, 1e9]) == ratio_of_means(
+        [1.0, 2.0], [2.0, 4.0]
+    )
 
 
 @pytest.mark.parametrize("estimator", [mean, median])
@@ -161,7 +203,11 @@ def test_rows_of_different_length_and_events_that_are_none() -> None:
 
 def test_summary_groups_by_all_but_the_seed() -> None:
     one, other = Run("t1", snr_db=20.0), Run("t1", snr_db=10.0)
-    rows = rows_of(one, {0: 1.0, 1: 3.0}) + rows_of(other, {0: 5.0, 1: math.nan, 2: 6.0}) + rows_of(one, {2: 8.0})
+    rows = (
+        rows_of(one, {0: 1.0, 1: 3.0})
+        + rows_of(other, {0: 5.0, 1: math.nan, 2: 6.0})
+        + rows_of(one, {2: 8.0})
+    )
     first, second = summarize(rows)
     assert (first.run, second.run) == (one, other)
     assert first.mean == mean([1.0, 3.0, 8.0])
@@ -173,7 +219,9 @@ def test_summary_groups_by_all_but_the_seed() -> None:
 
 
 def test_what_a_run_measured_before_it_diverged_does_not_count() -> None:
-    (summary,) = summarize(rows_of(Run("t1", snr_db=20.0), {0: 1.0, 1: math.nan, 2: 2.0}), metric="effort")
+    (summary,) = summarize(
+        rows_of(Run("t1", snr_db=20.0), {0: 1.0, 1: math.nan, 2: 2.0}), metric="effort"
+    )
     assert summary.mean.count == 2
 
 
@@ -198,7 +246,9 @@ def test_comparison_pairs_seeds_under_the_same_setting() -> None:
 
 
 def test_comparison_with_a_controller_that_does_not_depend_on_the_seed() -> None:
-    rows = rows_of(Run("t1", snr_db=20.0).canonical(), {0: 1.0, 1: 2.0}) + rows_of(Run("ctc").canonical(), {0: 0.5})
+    rows = rows_of(Run("t1", snr_db=20.0).canonical(), {0: 1.0, 1: 2.0}) + rows_of(
+        Run("ctc").canonical(), {0: 0.5}
+    )
     (comparison,) = compare(rows, "t1", "ctc")
     assert comparison.difference == paired_difference([1.0, 2.0], [0.5, 0.5])
 

@@ -1,4 +1,7 @@
-"""Studies: every run once, whatever stops them and whoever works on them, and the same table at the end."""
+"""Studies.
+
+Every run once, whatever stops them and whoever works on them, and the same table at the end.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +59,10 @@ def done(path: Path, runs: tuple[Run, ...], **options: Any) -> list[dict[str, An
 
 
 def same(rows: list[dict[str, Any]]) -> str:
-    """Return text that is the same for rows that are the same bit for bit; NaN does not equal itself."""
+    """Return text that is the same for rows that are the same bit for bit.
+
+    NaN does not equal itself.
+    """
     return repr(rows)
 
 
@@ -66,7 +72,10 @@ def same(rows: list[dict[str, Any]]) -> str:
 def test_grid_is_the_product_with_seeds_slowest() -> None:
     runs = grid(controller=["t1", "it2"], snr_db=(20, 10), seed=range(2), trajectory="circle")
     assert [(run.seed, run.controller, run.snr_db) for run in runs] == [
-        (seed, controller, snr) for seed in (0, 1) for controller in ("t1", "it2") for snr in (20.0, 10.0)
+        (seed, controller, snr)
+        for seed in (0, 1)
+        for controller in ("t1", "it2")
+        for snr in (20.0, 10.0)
     ]
     assert {run.trajectory for run in runs} == {"circle"}
     assert grid() == (Run(),)
@@ -88,10 +97,16 @@ def test_grid_takes_arrays_and_None() -> None:
         ({"seed": None}, InvalidValue, "seed must be an integer"),
         ({"snr_db": "20"}, InvalidValue, "snr_db must be a number, got '20'"),
         ({"controller": 1}, InvalidValue, "controller must be a text"),
-        ({"controllers": "t1"}, UnknownName, "unknown field of a run 'controllers'; known are controller"),
+        (
+            {"controllers": "t1"},
+            UnknownName,
+            "unknown field of a run 'controllers'; known are controller",
+        ),
     ],
 )
-def test_grid_refuses_what_no_run_can_have(values: dict[str, Any], error: type[Exception], words: str) -> None:
+def test_grid_refuses_what_no_run_can_have(
+    values: dict[str, Any], error: type[Exception], words: str
+) -> None:
     with pytest.raises(error, match=words):
         grid(**values)
 
@@ -109,11 +124,16 @@ def test_grid_refuses_what_no_run_can_have(values: dict[str, Any], error: type[E
         (grid(trajectory="spiral"), "unknown trajectory"),
         (grid(seed=-1), "seed"),
         (grid(seed=2**63), r"seed must be less than 2\*\*63"),
-        (grid(duration=(1.0, 2.0)), "duration must be the same in all runs of a study.* others have 1.0, got 2.0"),
+        (
+            grid(duration=(1.0, 2.0)),
+            "duration must be the same in all runs of a study.* others have 1.0, got 2.0",
+        ),
         (grid(duration=math.inf), "duration must be finite"),
     ],
 )
-def test_nonsense_is_refused_before_there_is_a_file(path: Path, runs: tuple[Run, ...], words: str) -> None:
+def test_nonsense_is_refused_before_there_is_a_file(
+    path: Path, runs: tuple[Run, ...], words: str
+) -> None:
     with pytest.raises((InvalidValue, UnknownName), match=words):
         Study(path, runs)
     assert not path.exists()
@@ -126,7 +146,9 @@ def test_number_of_workers_is_a_positive_integer(path: Path, workers: Any) -> No
     assert not path.exists()
 
 
-def test_files_that_cannot_be_written_are_refused_before_any_work(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_that_cannot_be_written_are_refused_before_any_work(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(study, "execute", lambda run: pytest.fail("work began"))
     with pytest.raises(StudyFileNotWritable, match="no directory"):
         Study(path.parent / "nowhere" / path.name, grid()).run()
@@ -171,9 +193,14 @@ def test_rows_are_those_of_single_runs(path: Path) -> None:
 
 
 def test_number_of_workers_changes_nothing(path: Path) -> None:
-    """One, two and four threads, bit for bit; all the readings, because each draws its noise elsewhere."""
+    """One, two and four threads, bit for bit.
+
+    All the readings, because each draws its noise elsewhere.
+    """
     runs = grid(**QUICK, seed=range(3), reading=("parameters", "measurement", "online", "plant"))
-    tables = [same(done(path.with_suffix(f".{workers}"), runs, workers=workers)) for workers in (1, 2, 4)]
+    tables = [
+        same(done(path.with_suffix(f".{workers}"), runs, workers=workers)) for workers in (1, 2, 4)
+    ]
     assert tables[0] == tables[1] == tables[2]
     assert "nan" not in tables[0]
 
@@ -191,7 +218,11 @@ with ThreadPoolExecutor(4) as threads:
     print(len(list(threads.map(run, ["t1", "it2", "it2", "gt2"]))))
 """
     done = subprocess.run(
-        [sys.executable, "-c", code], env={**os.environ, "PYTHONPATH": str(ROOT)}, capture_output=True, text=True, timeout=120
+        [sys.executable, "-c", code],
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert done.stdout == "4\n", done.stderr
 
@@ -204,7 +235,9 @@ def test_what_does_not_depend_on_the_seed_is_run_once(path: Path, no_simulation:
     assert whole.run() == len(whole.runs or ()) == 3 + 30
 
 
-def test_finished_study_does_nothing_and_one_with_more_seeds_only_those(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_finished_study_does_nothing_and_one_with_more_seeds_only_those(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     calls: list[int] = []
 
     def counted(run: Run) -> dict[str, float]:
@@ -212,7 +245,10 @@ def test_finished_study_does_nothing_and_one_with_more_seeds_only_those(path: Pa
         return invented(run)
 
     monkeypatch.setattr(study, "execute", counted)
-    few, many = Study(path, grid(snr_db=20.0, seed=range(3))), Study(path, grid(snr_db=20.0, seed=range(5)))
+    few, many = (
+        Study(path, grid(snr_db=20.0, seed=range(3))),
+        Study(path, grid(snr_db=20.0, seed=range(5))),
+    )
     assert (few.run(), few.run(), many.run()) == (3, 0, 2)
     assert sorted(calls) == [0, 1, 2, 3, 4]
     fresh = path.with_name("fresh.sqlite")
@@ -223,7 +259,9 @@ def test_finished_study_does_nothing_and_one_with_more_seeds_only_those(path: Pa
 
 def test_other_runs_can_be_added_to_a_file(path: Path, no_simulation: None) -> None:
     done(path, grid(controller="t1", snr_db=20.0, seed=range(3)))
-    assert len(done(path, grid(controller="it2", trajectory="line", snr_db=20.0, seed=range(3)))) == 3
+    assert (
+        len(done(path, grid(controller="it2", trajectory="line", snr_db=20.0, seed=range(3)))) == 3
+    )
     assert len(Study(path).rows()) == 6
 
 
@@ -243,8 +281,18 @@ def test_rows_are_selected_by_fields(path: Path, no_simulation: None) -> None:
 
 def test_export_can_be_read_back_exactly(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     awkward = [math.nan, math.inf, -math.inf, 0.1, 1e-310, 1 / 3]
-    monkeypatch.setattr(study, "execute", lambda run: {name: awkward[(run.seed + k) % len(awkward)] for k, name in enumerate(METRICS)})
-    rows = done(path, grid(controller="pd", reading="measurement", snr_db=20.0, seed=range(6)) + grid(controller="t1"))
+    monkeypatch.setattr(
+        study,
+        "execute",
+        lambda run: {
+            name: awkward[(run.seed + k) % len(awkward)] for k, name in enumerate(METRICS)
+        },
+    )
+    rows = done(
+        path,
+        grid(controller="pd", reading="measurement", snr_db=20.0, seed=range(6))
+        + grid(controller="t1"),
+    )
     table = path.with_suffix(".csv")
     assert Study(path).export(table) == table
     with table.open(encoding="utf-8", newline="") as file:
@@ -254,7 +302,9 @@ def test_export_can_be_read_back_exactly(path: Path, monkeypatch: pytest.MonkeyP
     types = {field.name: type(rows[0][field.name]) for field in fields(Run)} | optional
     converted = [{name: types.get(name, float)(text) for name, text in row.items()} for row in read]
     assert same(converted) == same(rows)
-    assert {name for name, text in read[0].items() if not text} == set(optional), "None is an empty cell"
+    assert {name for name, text in read[0].items() if not text} == set(optional), (
+        "None is an empty cell"
+    )
     assert [entry.name for entry in path.parent.iterdir() if entry.name.endswith(".part")] == []
     Study(path).export(table, controller="t1")
     assert len(table.read_text().splitlines()) == 2
@@ -267,7 +317,9 @@ def test_export_does_not_overwrite_the_study(path: Path, no_simulation: None) ->
     assert same(Study(path).rows()) == same(rows)
 
 
-def test_progress_counts_what_is_there_and_what_is_done_now(path: Path, no_simulation: None) -> None:
+def test_progress_counts_what_is_there_and_what_is_done_now(
+    path: Path, no_simulation: None
+) -> None:
     done(path, grid(snr_db=20.0, seed=range(4)))
     reports: list[tuple[int, int, float]] = []
     done(path, grid(snr_db=20.0, seed=range(10)), progress=lambda *report: reports.append(report))
@@ -279,13 +331,17 @@ def test_progress_counts_what_is_there_and_what_is_done_now(path: Path, no_simul
     assert all(rate > 0.0 for _, _, rate in reports[1:])
 
 
-def test_only_a_few_runs_are_under_way_at_a_time(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_a_few_runs_are_under_way_at_a_time(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Whatever the size of the study: two for each of three workers."""
     under_way, most = 0, 0
     lock = threading.Lock()
 
     class Counting(ThreadPoolExecutor):
-        def submit(self, function: Callable[..., Any], /, *arguments: Any, **options: Any) -> Future[Any]:
+        def submit(
+            self, function: Callable[..., Any], /, *arguments: Any, **options: Any
+        ) -> Future[Any]:
             nonlocal under_way, most
             with lock:
                 under_way += 1
@@ -309,7 +365,9 @@ def test_only_a_few_runs_are_under_way_at_a_time(path: Path, monkeypatch: pytest
 # What goes wrong
 
 
-def test_failed_run_is_named_and_the_others_are_kept(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_run_is_named_and_the_others_are_kept(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     def moody(run: Run) -> dict[str, float]:
         if run.seed == 2:
             raise ZeroDivisionError("no\nway")
@@ -317,7 +375,9 @@ def test_failed_run_is_named_and_the_others_are_kept(path: Path, monkeypatch: py
 
     runs = grid(snr_db=20.0, seed=range(8))
     monkeypatch.setattr(study, "execute", moody)
-    with pytest.raises(RunsFailed, match=r"snr_db=20.0, seed=2.* failed: ZeroDivisionError: no way") as failed:
+    with pytest.raises(
+        RunsFailed, match=r"snr_db=20.0, seed=2.* failed: ZeroDivisionError: no way"
+    ) as failed:
         Study(path, runs).run(workers=2)
     ((run, reason),) = failed.value.failures
     assert isinstance(run, Run)
@@ -330,7 +390,10 @@ def test_failed_run_is_named_and_the_others_are_kept(path: Path, monkeypatch: py
 
 
 def test_error_of_a_real_run_that_only_shows_at_run_time_is_named(path: Path) -> None:
-    """Under a hundred times as much noise as signal the mean of the learned mass matrices is not positive definite."""
+    """Under a hundred times as much noise as signal learning fails.
+
+    The mean of the learned mass matrices is not positive definite.
+    """
     impossible, possible = Run("t1", snr_db=-40.0, seed=1, duration=0.1), Run("pd", duration=0.1)
     with pytest.raises(RunsFailed, match=r"snr_db=-40.0, seed=1.*UnusableEstimate"):
         Study(path, [impossible, possible]).run()
@@ -378,7 +441,9 @@ def test_interrupt_keeps_what_is_done_and_says_how_to_go_on(path: Path) -> None:
     assert same(done(path, runs)) == same(done(path.with_name("whole.sqlite"), runs))
 
 
-def test_runs_under_way_when_interrupted_are_kept(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_runs_under_way_when_interrupted_are_kept(
+    path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     begun: list[int] = []
 
     def recorded(run: Run) -> dict[str, float]:
@@ -399,7 +464,9 @@ def test_runs_under_way_when_interrupted_are_kept(path: Path, monkeypatch: pytes
     assert 2 <= len(begun) < 50
 
 
-def test_error_in_the_progress_callback_loses_nothing_that_was_committed(path: Path, no_simulation: None) -> None:
+def test_error_in_the_progress_callback_loses_nothing_that_was_committed(
+    path: Path, no_simulation: None
+) -> None:
     def fail(done: int, total: int, rate: float) -> None:
         if done >= 3:
             raise ZeroDivisionError

@@ -1,0 +1,1 @@
+"""Tests of psp3.thesis, one file per module."""

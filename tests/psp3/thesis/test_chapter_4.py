@@ -1,4 +1,7 @@
-"""Second-order systems against SciPy's integrator, its matrix exponential, numpy's roots and 60-digit power series."""
+"""Second-order systems.
+
+Against SciPy's integrator, its matrix exponential, numpy's roots and 60-digit power series.
+"""
 
 from __future__ import annotations
 
@@ -42,7 +45,11 @@ masses = st.floats(0.01, 100.0)
 stiffnesses = st.floats(0.01, 100.0)
 ratios = st.floats(0.0, 20.0)
 # Damping ratios that differ from 1 by anything from one rounding error to a tenth.
-near_critical = st.builds(lambda sign, exponent: 1.0 + sign * 10.0**exponent, st.sampled_from([-1.0, 1.0]), st.floats(-16.0, -1.0))
+near_critical = st.builds(
+    lambda sign, exponent: 1.0 + sign * 10.0**exponent,
+    st.sampled_from([-1.0, 1.0]),
+    st.floats(-16.0, -1.0),
+)
 states = st.tuples(signed(1.0), signed(1.0))
 
 
@@ -54,11 +61,18 @@ def matrix(system: MassSpringDamper) -> NDArray[np.float64]:
     return np.array([[0.0, 1.0], [-system.stiffness / system.mass, -system.damping / system.mass]])
 
 
-def power_series(system: MassSpringDamper, t: float, position: float, speed: float) -> tuple[float, float]:
+def power_series(
+    system: MassSpringDamper, t: float, position: float, speed: float
+) -> tuple[float, float]:
     """Taylor series of the solution from m x'' = −b x' − k x alone, in 60 digits."""
     with localcontext() as context:
         context.prec = 60
-        m, b, k, time = Decimal(system.mass), Decimal(system.damping), Decimal(system.stiffness), Decimal(t)
+        m, b, k, time = (
+            Decimal(system.mass),
+            Decimal(system.damping),
+            Decimal(system.stiffness),
+            Decimal(t),
+        )
         # term and next_term are x⁽ⁿ⁾ tⁿ/n! and x⁽ⁿ⁺¹⁾ tⁿ/n!.
         term, next_term, x, v, n = Decimal(position), Decimal(speed), Decimal(0), Decimal(0), 0
         while n < 20 or abs(term) + abs(next_term) > Decimal("1e-45"):
@@ -77,15 +91,22 @@ def test_response_agrees_with_the_integrated_equation_of_motion(case: DampingCas
         acceleration = -(system.damping * state[1] + system.stiffness * state[0]) / system.mass
         return np.array([state[1], acceleration])
 
-    integrated = solve_ivp(rates, (0.0, 10.0), [-1.0, 0.7], method="DOP853", t_eval=t, rtol=1e-12, atol=1e-13).y
+    integrated = solve_ivp(
+        rates, (0.0, 10.0), [-1.0, 0.7], method="DOP853", t_eval=t, rtol=1e-12, atol=1e-13
+    ).y
     np.testing.assert_allclose(system.response(t, -1.0, 0.7), integrated, rtol=0.0, atol=1e-10)
 
 
-@given(masses, stiffnesses, st.one_of(ratios, near_critical, st.just(1.0)), states, st.floats(0.0, 3.0))
+@given(
+    masses, stiffnesses, st.one_of(ratios, near_critical, st.just(1.0)), states, st.floats(0.0, 3.0)
+)
 def test_response_agrees_with_the_matrix_exponential(
     mass: float, stiffness: float, ratio: float, state: tuple[float, float], periods: float
 ) -> None:
-    """The exponential is good to some ulps of the size of the scaled matrix, here at most 20 · 2 · 19 rad."""
+    """The exponential is good to some ulps of the size of the scaled matrix.
+
+    Here that is at most 20 · 2 · 19 rad.
+    """
     system = damped(mass, stiffness, ratio)
     frequency = math.sqrt(stiffness / mass)
     t = periods * 2.0 * math.pi / frequency
@@ -96,16 +117,26 @@ def test_response_agrees_with_the_matrix_exponential(
     np.testing.assert_allclose(found, expected, rtol=0.0, atol=5e-13 * max(1.0, ratio * periods))
 
 
-@given(masses, stiffnesses, st.one_of(near_critical, st.floats(0.0, 3.0)), states, st.floats(0.0, 8.0))
+@given(
+    masses, stiffnesses, st.one_of(near_critical, st.floats(0.0, 3.0)), states, st.floats(0.0, 8.0)
+)
 def test_response_agrees_with_an_exact_power_series(
     mass: float, stiffness: float, ratio: float, state: tuple[float, float], phase: float
 ) -> None:
-    """A closed form with (e^{s2 t} − e^{s1 t}) / (s2 − s1) would be off by 1e-8 near critical damping; 1e-14 is some 50 ulps."""
+    """A closed form with (e^{s2 t} − e^{s1 t}) / (s2 − s1) would be off.
+
+    By 1e-8 near critical damping; 1e-14 is some 50 ulps.
+    """
     system = damped(mass, stiffness, ratio)
     frequency = math.sqrt(stiffness / mass)
     found = system.response(phase / frequency, state[0], state[1] * frequency)
     expected = power_series(system, phase / frequency, state[0], state[1] * frequency)
-    np.testing.assert_allclose(np.array(found) / [1.0, frequency], np.array(expected) / [1.0, frequency], rtol=0.0, atol=1e-14)
+    np.testing.assert_allclose(
+        np.array(found) / [1.0, frequency],
+        np.array(expected) / [1.0, frequency],
+        rtol=0.0,
+        atol=1e-14,
+    )
 
 
 @pytest.mark.parametrize(
@@ -127,12 +158,22 @@ def test_response_of_systems_that_do_not_return(system: MassSpringDamper) -> Non
     """Negative and zero coefficients, too; 1e-13 relative to a motion that may have grown."""
     assert not system.is_stable
     for t in (0.0, 0.1, 1.0, 3.0):
-        np.testing.assert_allclose(system.response(t, -1.0, 0.7), power_series(system, t, -1.0, 0.7), rtol=1e-13, atol=1e-14)
+        np.testing.assert_allclose(
+            system.response(t, -1.0, 0.7),
+            power_series(system, t, -1.0, 0.7),
+            rtol=1e-13,
+            atol=1e-14,
+        )
 
 
 @pytest.mark.parametrize(("damping", "stiffness", "t"), [(1e4, 1e-4, 1e8), (-1e4, -1e-4, 0.005)])
-def test_motion_with_poles_of_very_different_size_stays_accurate(damping: float, stiffness: float, t: float) -> None:
-    """Poles 12 orders apart: eq. 4.5 as printed loses the small one, and cosh and sinh of δt overflow or cancel (1e-13: exp of 50)."""
+def test_motion_with_poles_of_very_different_size_stays_accurate(
+    damping: float, stiffness: float, t: float
+) -> None:
+    """Poles 12 orders apart: eq. 4.5 as printed loses the small one.
+
+    Cosh and sinh of δt overflow or cancel (1e-13: exp of 50).
+    """
     system = MassSpringDamper(1.0, damping, stiffness)
     with localcontext() as context:
         context.prec = 60
@@ -140,21 +181,47 @@ def test_motion_with_poles_of_very_different_size_stays_accurate(damping: float,
         root = (b * b - 4 * k).sqrt()
         first, second = (-b - root) / 2, (-b + root) / 2
         slow, fast = (second * time).exp(), (first * time).exp()
-        of_position = (second * fast - first * slow) / (second - first), first * second * (fast - slow) / (second - first)
-        of_speed = (slow - fast) / (second - first), (second * slow - first * fast) / (second - first)
+        of_position = (
+            (second * fast - first * slow) / (second - first),
+            first * second * (fast - slow) / (second - first),
+        )
+        of_speed = (
+            (slow - fast) / (second - first),
+            (second * slow - first * fast) / (second - first),
+        )
     np.testing.assert_allclose(system.poles, [float(first), float(second)], rtol=1e-15)
-    np.testing.assert_allclose(system.response(t, 1.0, 0.0), [float(number) for number in of_position], rtol=1e-13)
-    np.testing.assert_allclose(system.response(t, 0.0, 1.0), [float(number) for number in of_speed], rtol=1e-13)
+    np.testing.assert_allclose(
+        system.response(t, 1.0, 0.0), [float(number) for number in of_position], rtol=1e-13
+    )
+    np.testing.assert_allclose(
+        system.response(t, 0.0, 1.0), [float(number) for number in of_speed], rtol=1e-13
+    )
 
 
 def test_poles_of_huge_coefficients_do_not_overflow() -> None:
-    np.testing.assert_allclose(MassSpringDamper(1.0, 1e200, 1.0).poles, [-1e200, -1e-200], rtol=1e-15)
-    np.testing.assert_allclose(MassSpringDamper(1e-200, 1.0, 1e200).poles, 1e200 * (-0.5 + np.sqrt(0.75) * np.array([-1j, 1j])), rtol=1e-14)
+    np.testing.assert_allclose(
+        MassSpringDamper(1.0, 1e200, 1.0).poles, [-1e200, -1e-200], rtol=1e-15
+    )
+    np.testing.assert_allclose(
+        MassSpringDamper(1e-200, 1.0, 1e200).poles,
+        1e200 * (-0.5 + np.sqrt(0.75) * np.array([-1j, 1j])),
+        rtol=1e-14,
+    )
 
 
 @given(masses, stiffnesses, ratios, states, st.floats(0.0, 2.0), st.floats(0.0, 2.0))
-def test_responses_compose(mass: float, stiffness: float, ratio: float, state: tuple[float, float], first: float, second: float) -> None:
-    """Moving on from where the motion is after t1 is the motion after t1 + t2 (1e-12: rounding of the phases)."""
+def test_responses_compose(
+    mass: float,
+    stiffness: float,
+    ratio: float,
+    state: tuple[float, float],
+    first: float,
+    second: float,
+) -> None:
+    """Moving on from where the motion is after t1 is the motion after t1 + t2.
+
+    1e-12 is rounding of the phases.
+    """
     system = damped(mass, stiffness, ratio)
     halfway = system.response(first, *state)
     frequency = max(1.0, math.sqrt(stiffness / mass))
@@ -168,7 +235,10 @@ def test_responses_compose(mass: float, stiffness: float, ratio: float, state: t
 def test_energy_of_a_passive_system_never_rises_and_leaves_through_the_damper(
     mass: float, stiffness: float, ratio: float, state: tuple[float, float]
 ) -> None:
-    """The work of the damper comes from a Gauss rule of 40 points, which is good to 1e-10 over one radian."""
+    """The work of the damper comes from a Gauss rule of 40 points.
+
+    It is good to 1e-10 over one radian.
+    """
     system = damped(mass, stiffness, ratio)
     frequency = math.sqrt(stiffness / mass)
     nodes, weights = np.polynomial.legendre.leggauss(40)
@@ -182,8 +252,13 @@ def test_energy_of_a_passive_system_never_rises_and_leaves_through_the_damper(
 
 
 @given(masses, signed(100.0), signed(100.0))
-def test_poles_agree_with_the_eigenvalues_of_the_companion_matrix(mass: float, damping: float, stiffness: float) -> None:
-    """Near a double root an eigenvalue is good to the root of the rounding error only; elsewhere this is 1e-13 as well."""
+def test_poles_agree_with_the_eigenvalues_of_the_companion_matrix(
+    mass: float, damping: float, stiffness: float
+) -> None:
+    """Near a double root an eigenvalue is good to the root of the rounding error only.
+
+    Elsewhere this is 1e-13 as well.
+    """
     system = MassSpringDamper(mass, damping, stiffness)
     expected = np.roots([mass, damping, stiffness])
     expected = expected[np.lexsort((expected.imag, expected.real))]
@@ -194,11 +269,15 @@ def test_poles_agree_with_the_eigenvalues_of_the_companion_matrix(mass: float, d
 
 
 @given(masses, signed(100.0), signed(100.0))
-def test_poles_solve_the_characteristic_equation_in_the_order_of_eq_4_5(mass: float, damping: float, stiffness: float) -> None:
+def test_poles_solve_the_characteristic_equation_in_the_order_of_eq_4_5(
+    mass: float, damping: float, stiffness: float
+) -> None:
     """Sum −b/m and product k/m to a few ulps of their terms."""
     system = MassSpringDamper(mass, damping, stiffness)
     first, second = system.poles
-    np.testing.assert_allclose(first + second, -damping / mass, rtol=1e-14, atol=1e-14 * abs(first) + abs(second) * 1e-14)
+    np.testing.assert_allclose(
+        first + second, -damping / mass, rtol=1e-14, atol=1e-14 * abs(first) + abs(second) * 1e-14
+    )
     np.testing.assert_allclose(first * second, stiffness / mass, rtol=1e-14, atol=1e-290)
     assert first.real <= second.real
     assert first.imag <= 0.0 <= second.imag
@@ -209,17 +288,30 @@ def test_poles_solve_the_characteristic_equation_in_the_order_of_eq_4_5(mass: fl
 
 @given(st.floats(1e-6, 1e6), st.floats(1e-6, 1e6))
 def test_critical_damping_is_recognized_in_spite_of_rounding(mass: float, stiffness: float) -> None:
-    for damping in (critical_damping(stiffness, mass), 2.0 * math.sqrt(mass * stiffness), math.sqrt(4.0 * mass * stiffness)):
+    for damping in (
+        critical_damping(stiffness, mass),
+        2.0 * math.sqrt(mass * stiffness),
+        math.sqrt(4.0 * mass * stiffness),
+    ):
         system = MassSpringDamper(mass, damping, stiffness)
         assert system.damping_case is DampingCase.CRITICALLY_DAMPED
         assert system.poles[0] == system.poles[1] == -damping / (2.0 * mass)
     critical = critical_damping(stiffness, mass)
-    assert MassSpringDamper(mass, critical * (1.0 - 1e-12), stiffness).damping_case is DampingCase.UNDERDAMPED
-    assert MassSpringDamper(mass, critical * (1.0 + 1e-12), stiffness).damping_case is DampingCase.OVERDAMPED
+    assert (
+        MassSpringDamper(mass, critical * (1.0 - 1e-12), stiffness).damping_case
+        is DampingCase.UNDERDAMPED
+    )
+    assert (
+        MassSpringDamper(mass, critical * (1.0 + 1e-12), stiffness).damping_case
+        is DampingCase.OVERDAMPED
+    )
 
 
 def test_critical_damping_returns_fastest_without_crossing() -> None:
-    """What section 4.2.2 says of the three cases, with one spring: 2 % settling time and sign changes."""
+    """What section 4.2.2 says of the three cases, with one spring.
+
+    2 % settling time and sign changes.
+    """
     t = np.linspace(0.0, 30.0, 30001)
     settled, crossings = {}, {}
     for case, system in CASES.items():
@@ -252,25 +344,44 @@ def test_regulation_gains_give_the_closed_loop_that_was_asked_for(
     assert critical.stiffness == pytest.approx(wanted, abs=1e-13)
     assert critical.damping**2 == pytest.approx(4.0 * mass * wanted, rel=1e-12, abs=1e-11)
     asked = ratio + 0.1
-    assert plant.regulated(*plant.regulation_gains(wanted, asked)).damping == pytest.approx(asked, abs=1e-13)
+    assert plant.regulated(*plant.regulation_gains(wanted, asked)).damping == pytest.approx(
+        asked, abs=1e-13
+    )
 
 
 def test_regulator_acts_as_the_force_of_eq_4_6() -> None:
-    """The plant integrated with f = −kp x − kv x' moves as the closed form of the closed loop says (1e-9: DOP853)."""
+    """The plant integrated with f = −kp x − kv x' moves as the closed loop.
+
+    As its closed form says (1e-9: DOP853).
+    """
     plant, kp, kv = MassSpringDamper(2.0, 0.5, 3.0), 7.0, 1.5
     t = np.linspace(0.0, 5.0, 51)
 
     def rates(_: float, state: NDArray[np.float64]) -> NDArray[np.float64]:
         force = -kp * state[0] - kv * state[1]
-        return np.array([state[1], (force - plant.damping * state[1] - plant.stiffness * state[0]) / plant.mass])
+        return np.array(
+            [state[1], (force - plant.damping * state[1] - plant.stiffness * state[0]) / plant.mass]
+        )
 
-    integrated = solve_ivp(rates, (0.0, 5.0), [-1.0, 0.0], method="DOP853", t_eval=t, rtol=1e-11, atol=1e-12).y
-    np.testing.assert_allclose(plant.regulated(kp, kv).response(t, -1.0, 0.0), integrated, rtol=0.0, atol=1e-9)
+    integrated = solve_ivp(
+        rates, (0.0, 5.0), [-1.0, 0.0], method="DOP853", t_eval=t, rtol=1e-11, atol=1e-12
+    ).y
+    np.testing.assert_allclose(
+        plant.regulated(kp, kv).response(t, -1.0, 0.0), integrated, rtol=0.0, atol=1e-9
+    )
 
 
-@pytest.mark.parametrize(("kp", "kv", "stable"), [(0.0, 0.0, True), (-5.0, 0.0, False), (0.0, -2.0, False), (-5.0, 5.0, False)])
-def test_gains_that_make_the_closed_loop_unstable_say_so(kp: float, kv: float, stable: bool) -> None:
-    """Thesis section 4.2.3: a negative b' or k' magnifies the error; here it grows a hundredfold, or is gone."""
+@pytest.mark.parametrize(
+    ("kp", "kv", "stable"),
+    [(0.0, 0.0, True), (-5.0, 0.0, False), (0.0, -2.0, False), (-5.0, 5.0, False)],
+)
+def test_gains_that_make_the_closed_loop_unstable_say_so(
+    kp: float, kv: float, stable: bool
+) -> None:
+    """Thesis section 4.2.3: a negative b' or k' magnifies the error.
+
+    Here it grows a hundredfold, or is gone.
+    """
     closed_loop = MassSpringDamper(1.0, 1.0, 4.0).regulated(kp, kv)
     assert closed_loop.is_stable is stable
     assert (closed_loop.poles.real < 0.0).all() == stable
@@ -290,15 +401,24 @@ def moving(t: float) -> Desired:
 SYSTEMS = {
     "mass-spring-damper": MassSpringDamper(2.0, 0.5, 3.0).system(),
     "cubic spring": cubic_spring(2.0, 0.5, 30.0),
-    "pendulum with quadratic drag": SecondOrderSystem(lambda _: 1.7, lambda x, v: 9.81 * math.sin(x) + 0.3 * v * abs(v)),
-    "mass that varies with the position": SecondOrderSystem(lambda x: 1.0 + x * x, lambda x, v: x * v * v + 2.0 * x),
+    "pendulum with quadratic drag": SecondOrderSystem(
+        lambda _: 1.7, lambda x, v: 9.81 * math.sin(x) + 0.3 * v * abs(v)
+    ),
+    "mass that varies with the position": SecondOrderSystem(
+        lambda x: 1.0 + x * x, lambda x, v: x * v * v + 2.0 * x
+    ),
 }
 
 
 @pytest.mark.parametrize("name", list(SYSTEMS))
 @pytest.mark.parametrize(("kp", "kv"), [(25.0, 10.0), (25.0, 2.0), (9.0, 10.0), (10.0, 1.0)])
-def test_partitioned_control_makes_any_error_obey_the_linear_equation(name: str, kp: float, kv: float) -> None:
-    """Closed form of eq. 4.18 against the simulated non-linear loop; 1e-8 is what DOP853 leaves at tolerance 1e-10."""
+def test_partitioned_control_makes_any_error_obey_the_linear_equation(
+    name: str, kp: float, kv: float
+) -> None:
+    """Closed form of eq. 4.18 against the simulated non-linear loop.
+
+    1e-8 is what DOP853 leaves at tolerance 1e-10.
+    """
     control = PartitionedControl.of(SYSTEMS[name], kp, kv)
     t = np.linspace(0.0, 6.0, 121)
     tracking = simulate_tracking(SYSTEMS[name], control, moving, t, position=-1.0, speed=0.4)
@@ -312,31 +432,49 @@ def test_started_on_the_path_the_exact_model_leaves_no_error() -> None:
     start = moving(0.0)
     system = SYSTEMS["cubic spring"]
     control = PartitionedControl.of(system, 25.0, 10.0)
-    tracking = simulate_tracking(system, control, moving, np.linspace(0.0, 5.0, 51), start.position, start.speed)
+    tracking = simulate_tracking(
+        system, control, moving, np.linspace(0.0, 5.0, 51), start.position, start.speed
+    )
     assert np.abs(tracking.error).max() < 1e-9
     # With no error the force is the inverse dynamics of the desired motion.
-    inverse = [2.0 * m.acceleration + 0.5 * m.speed + 30.0 * m.position**3 for m in map(moving, tracking.t)]
+    inverse = [
+        2.0 * m.acceleration + 0.5 * m.speed + 30.0 * m.position**3 for m in map(moving, tracking.t)
+    ]
     np.testing.assert_allclose(tracking.force, inverse, rtol=0.0, atol=1e-6)
 
 
 def test_a_wrong_model_leaves_the_error_that_theory_gives() -> None:
-    """A stiffness that is too small by d leaves e'' + kv e' + (kp + d/m) e = (d/m) x_d; at a constant x_d, e = (d/m) x_d / (kp + d/m)."""
+    """A stiffness that is too small by d leaves e'' + kv e' + (kp + d/m) e = (d/m) x_d.
+
+    At a constant x_d, e = (d/m) x_d / (kp + d/m).
+    """
     plant, difference, kp = MassSpringDamper(2.0, 0.5, 3.0), 1.0, 16.0
     model = MassSpringDamper(2.0, 0.5, 3.0 - difference).system()
     control = PartitionedControl.of(model, kp, critical_damping(kp))
-    tracking = simulate_tracking(plant.system(), control, lambda _: Desired(0.3, 0.0, 0.0), [0.0, 20.0], 0.0, 0.0)
-    assert tracking.error[-1] == pytest.approx(difference / 2.0 * 0.3 / (kp + difference / 2.0), abs=1e-9)
+    tracking = simulate_tracking(
+        plant.system(), control, lambda _: Desired(0.3, 0.0, 0.0), [0.0, 20.0], 0.0, 0.0
+    )
+    assert tracking.error[-1] == pytest.approx(
+        difference / 2.0 * 0.3 / (kp + difference / 2.0), abs=1e-9
+    )
 
 
 def test_servo_at_rest_in_zero_is_the_regulator_of_eq_4_14() -> None:
     control = PartitionedControl.of(SYSTEMS["cubic spring"], 25.0, 10.0)
-    assert control.servo(Desired(0.0, 0.0, 0.0), 0.3, -0.2) == pytest.approx(-25.0 * 0.3 + 10.0 * 0.2, rel=1e-15)
-    assert control.force(Desired(0.0, 0.0, 0.0), 0.3, -0.2) == pytest.approx(2.0 * -5.5 + 0.5 * -0.2 + 30.0 * 0.027, rel=1e-14)
+    assert control.servo(Desired(0.0, 0.0, 0.0), 0.3, -0.2) == pytest.approx(
+        -25.0 * 0.3 + 10.0 * 0.2, rel=1e-15
+    )
+    assert control.force(Desired(0.0, 0.0, 0.0), 0.3, -0.2) == pytest.approx(
+        2.0 * -5.5 + 0.5 * -0.2 + 30.0 * 0.027, rel=1e-14
+    )
 
 
 def test_error_dynamics_says_whether_the_servo_gains_are_stable() -> None:
     system = SYSTEMS["cubic spring"]
-    assert PartitionedControl.of(system, 25.0, critical_damping(25.0)).error_dynamics.damping_case is DampingCase.CRITICALLY_DAMPED
+    assert (
+        PartitionedControl.of(system, 25.0, critical_damping(25.0)).error_dynamics.damping_case
+        is DampingCase.CRITICALLY_DAMPED
+    )
     assert not PartitionedControl.of(system, 25.0, -1.0).error_dynamics.is_stable
     assert not PartitionedControl.of(system, -25.0, 10.0).error_dynamics.is_stable
 
@@ -360,7 +498,12 @@ def test_refuses_coefficients_and_gains_that_are_not_numbers(value: float) -> No
         "kp": lambda: system.regulated(value, 0.0),
         "kv": lambda: PartitionedControl.of(system.system(), 1.0, value),
         "position": lambda: simulate_tracking(
-            system.system(), PartitionedControl.of(system.system(), 1.0, 1.0), moving, [0.0, 1.0], value, 0.0
+            system.system(),
+            PartitionedControl.of(system.system(), 1.0, 1.0),
+            moving,
+            [0.0, 1.0],
+            value,
+            0.0,
         ),
     }.items():
         with pytest.raises(InvalidValue, match=f"^{name} must be"):
@@ -400,7 +543,9 @@ def test_response_refuses_what_it_cannot_answer() -> None:
         ([0.0, math.inf], InvalidArray),
     ],
 )
-def test_simulation_refuses_times_that_do_not_increase(t: list[float], error: type[Exception]) -> None:
+def test_simulation_refuses_times_that_do_not_increase(
+    t: list[float], error: type[Exception]
+) -> None:
     system = SYSTEMS["cubic spring"]
     with pytest.raises(error, match="t must be"):
         simulate_tracking(system, PartitionedControl.of(system, 1.0, 1.0), moving, t, 0.0, 0.0)
@@ -408,7 +553,10 @@ def test_simulation_refuses_times_that_do_not_increase(t: list[float], error: ty
 
 @pytest.mark.parametrize("power", [2, 3])
 def test_a_motion_without_end_stops_with_time_state_and_force(power: int) -> None:
-    """The motion x'' = x^p from x = 1 at rest reaches infinity in finite time; the model that leaves that force standing is wrong."""
+    """The motion x'' = x^p from x = 1 at rest reaches infinity in finite time.
+
+    The model that leaves that force standing is wrong.
+    """
     system = SecondOrderSystem(lambda _: 1.0, lambda x, _: -(float(x) ** power))
     control = PartitionedControl(lambda _: 1.0, lambda x, v: 0.0, 0.0, 0.0)
     # For p = 2 and 3 energy gives the time to infinity, ∫ dx / sqrt(2 (xᵖ⁺¹ − 1) / (p + 1)).
@@ -440,4 +588,11 @@ def test_a_force_that_is_not_a_number_stops_the_simulation() -> None:
 def test_a_mass_that_runs_out_stops_the_simulation() -> None:
     system = SecondOrderSystem(lambda x: 1.0 - x, lambda x, v: 0.0)
     with pytest.raises(InvalidValue, match="mass at x = 1"):
-        simulate_tracking(system, PartitionedControl.of(system, 4.0, 1.0), lambda _: Desired(2.0, 0.0, 0.0), [0.0, 5.0], 0.0, 0.0)
+        simulate_tracking(
+            system,
+            PartitionedControl.of(system, 4.0, 1.0),
+            lambda _: Desired(2.0, 0.0, 0.0),
+            [0.0, 5.0],
+            0.0,
+            0.0,
+        )

@@ -1,4 +1,7 @@
-"""Tables of chapter 6 on results that are made up, so that what they say is known beforehand: words must follow numbers."""
+"""Tables of chapter 6 on results that are made up, so that what they say is known beforehand.
+
+Words must follow numbers.
+"""
 
 from __future__ import annotations
 
@@ -23,14 +26,23 @@ ROBOT = load("psp3")
 
 
 def rows(**factors: float) -> list[Row]:
-    """Results of the plan: errors grow as noise does, differ by seed, and are those of type-1 times a factor by controller."""
+    """Results of the plan: errors grow as noise does.
+
+    They differ by seed, and are those of type-1 times a factor by controller.
+    """
     found = {}
     for run in PLAN.runs():
         one = run.canonical()
         noise = 0.0 if math.isinf(one.snr_db) else 10.0 ** (-one.snr_db / 20.0)
         base = 0.05 + (5.0 if one.learner == "strongest" else 1.0) * noise * (1.0 + 0.1 * one.seed)
-        metrics = dict.fromkeys(METRICS, 0.0) | {"coverage": 1.0, "end_time": 10.4, "largest_tip_error": 0.01}
-        metrics["sum_of_squared_errors"] = base * (1.0 if noise == 0.0 else factors.get(one.controller, 1.0))
+        metrics = dict.fromkeys(METRICS, 0.0) | {
+            "coverage": 1.0,
+            "end_time": 10.4,
+            "largest_tip_error": 0.01,
+        }
+        metrics["sum_of_squared_errors"] = base * (
+            1.0 if noise == 0.0 else factors.get(one.controller, 1.0)
+        )
         found[one] = {**asdict(one), **metrics}
     return list(found.values())
 
@@ -85,7 +97,12 @@ def test_readings_show_how_many_runs_diverged() -> None:
     outcome = Reproduction()
     made_up = rows(it2=1.5)
     for row in made_up:
-        if (row["controller"], row["reading"], row["snr_db"], row["seed"]) == ("ctc", "plant", 15.0, 2):
+        if (row["controller"], row["reading"], row["snr_db"], row["seed"]) == (
+            "ctc",
+            "plant",
+            15.0,
+            2,
+        ):
             row.update(diverged=1.0, sum_of_squared_errors=math.nan)
     beyond.readings(Outcomes(made_up), PLAN, outcome)
     cells = [cell for row in outcome.tables[0].rows for cell in row if "diverged" in cell]
@@ -112,13 +129,20 @@ def test_a_printed_number_that_changes_changes_the_verdict(monkeypatch: pytest.M
     first = 7  # PD, CTC, PD with gravity, PID and three without noise come before
     assert after[first].startswith("reproduced (-1.0 %)")
     assert after[first + 1].startswith("not reproduced")
-    assert [index for index, (one, other) in enumerate(zip(before, after, strict=True)) if one != other] == [0, first, first + 1]
+    assert [
+        index for index, (one, other) in enumerate(zip(before, after, strict=True)) if one != other
+    ] == [0, first, first + 1]
 
 
 def test_diverged_runs_are_left_out_of_means_and_counted() -> None:
     made_up = rows(it2=0.5)
     for row in made_up:
-        if (row["controller"], row["snr_db"], row["seed"], row["reading"]) == ("t1", 10.0, 0, "parameters"):
+        if (row["controller"], row["snr_db"], row["seed"], row["reading"]) == (
+            "t1",
+            10.0,
+            0,
+            "parameters",
+        ):
             row.update(diverged=1.0, sum_of_squared_errors=math.nan, largest_tip_error=math.nan)
     outcome = with_results(Reproduction())
     chapter_6.table_6_3(ROBOT, Outcomes(made_up), PLAN, outcome)
@@ -142,7 +166,10 @@ def test_sweeps_have_a_row_for_every_value_and_say_where_the_least_error_is() ->
     assert list(series) == ["no noise", "20 dB", "15 dB", "10 dB"]
     for points in series.values():
         assert list(points) == [0.0, *PLAN.variations]
-    assert [row[0] for row in outcome.tables[0].rows] == ["0 (type-1)", *(f"{value:g}" for value in PLAN.variations)]
+    assert [row[0] for row in outcome.tables[0].rows] == [
+        "0 (type-1)",
+        *(f"{value:g}" for value in PLAN.variations),
+    ]
     least = outcome.tables[0].note.split("least mean errors are at ")[1]
     assert least.split(", ")[2].startswith("0.3 and")
     beyond.numbers_of_terms(Outcomes(made_up), PLAN, outcome)
@@ -161,17 +188,26 @@ def test_trajectories_show_where_open_loop_is_lost() -> None:
     cells = {row[0]: row[1] for row in outcome.tables[0].rows}
     assert cells["circle"] == "lost after 3.2 s"
     assert "lost" not in cells["line"]
-    assert "keep working without noise, with the greatest error on line (7.00 m²" in outcome.answer[0]
+    assert (
+        "keep working without noise, with the greatest error on line (7.00 m²" in outcome.answer[0]
+    )
 
 
 def test_trajectories_on_which_learned_controllers_are_lost_are_named() -> None:
     outcome = Reproduction()
     made_up = rows()
     for row in made_up:
-        if row["controller"] == "it2" and (row["trajectory"] == "fast-helix" or row["seed"] == 1) and row["trajectory"] != "helix":
+        if (
+            row["controller"] == "it2"
+            and (row["trajectory"] == "fast-helix" or row["seed"] == 1)
+            and row["trajectory"] != "helix"
+        ):
             row.update(diverged=1.0, sum_of_squared_errors=math.nan)
     beyond.other_trajectories(Outcomes(made_up), PLAN, outcome)
-    assert "diverge on fast-helix without noise, with the greatest error of the rest on" in outcome.answer[0]
+    assert (
+        "diverge on fast-helix without noise, with the greatest error of the rest on"
+        in outcome.answer[0]
+    )
     shown = {row[0]: row[8] for row in outcome.tables[0].rows}
     assert shown["fast-helix"] == "–, 100 % diverged"
     assert shown["line"].endswith("), 17 % diverged")
@@ -188,12 +224,28 @@ def test_gains_of_this_package_are_those_of_the_thesis(monkeypatch: pytest.Monke
     assert [row[-1] for row in outcome.tables[0].rows] == ["as printed"] * 4
     monkeypatch.setattr(published, "TABLE_6_1", {**published.TABLE_6_1, "CTC": (11.0, 1.0)})
     chapter_6.table_6_1(ROBOT, outcome)
-    assert [row[-1] for row in outcome.tables[1].rows] == ["as printed", "not as printed", "as printed", "as printed"]
+    assert [row[-1] for row in outcome.tables[1].rows] == [
+        "as printed",
+        "not as printed",
+        "as printed",
+        "as printed",
+    ]
 
 
 def latencies(**medians: float) -> dict[str, Latency]:
-    names = {"PD": 4e-6, "CTC, noc": 2.5e-3, "CTC, pinocchio": 1e-3, "CTC, closed_form": 10e-6, "t1": 5e-6, "it2": 6e-6, "gt2": 1e-5}
-    return {name: Latency(1000, median, 2 * median, 3 * median, 4 * median) for name, median in {**names, **medians}.items()}
+    names = {
+        "PD": 4e-6,
+        "CTC, noc": 2.5e-3,
+        "CTC, pinocchio": 1e-3,
+        "CTC, closed_form": 10e-6,
+        "t1": 5e-6,
+        "it2": 6e-6,
+        "gt2": 1e-5,
+    }
+    return {
+        name: Latency(1000, median, 2 * median, 3 * median, 4 * median)
+        for name, median in {**names, **medians}.items()
+    }
 
 
 def timed(**medians: float) -> Reproduction:
@@ -214,7 +266,10 @@ def test_latencies_beside_the_printed_times_and_the_budget() -> None:
     assert words["type-2"] == "not reproduced: 250 times faster; within 2 ms"
     (row,) = (row for row in table.rows if row[0] == "type-2")
     assert row[1:-1] == ["1.5", "0.0060", "0.0120", "0.0180", "0.0240"]
-    assert "in closed form 10 µs: 25,500 times less than printed, and 200 times within the budget" in table.note
+    assert (
+        "in closed form 10 µs: 25,500 times less than printed, and 200 times within the budget"
+        in table.note
+    )
     assert "holds with the CTC" in table.note
     assert "does not hold with the CTC" in timed(t1=7e-6).tables[0].note
 
@@ -235,7 +290,10 @@ def test_ratios_of_the_figure_are_inverse_to_those_of_the_table() -> None:
 
 @pytest.mark.parametrize(("gain", "said"), [(0.5, 1), (2.0, 0)])
 def test_wider_type_1_terms_are_set_against_type_2(gain: float, said: int) -> None:
-    """The table and the sentence follow the runs: here wide type-1 terms leave ``gain`` times what type-2 leaves."""
+    """The table and the sentence follow the runs.
+
+    Here wide type-1 terms leave ``gain`` times what type-2 leaves.
+    """
     made_up = rows(it2=0.5)
     type2 = Outcomes(made_up)
     for row in made_up:
@@ -259,7 +317,10 @@ def test_shares_of_broken_runs_are_those_of_the_runs() -> None:
     beyond.breaking_noise(Outcomes(made_up), PLAN, outcome)
     (table,) = outcome.tables
     for controller, _, *cells in table.rows:
-        assert cells == ["0 % / 0 %"] * 3 + ["100 % / 0 %", f"100 % / {100 if controller == 'type-1' else 0} %"]
+        assert cells == ["0 % / 0 %"] * 3 + [
+            "100 % / 0 %",
+            f"100 % / {100 if controller == 'type-1' else 0} %",
+        ]
 
 
 def test_one_seed_is_enough_and_claims_nothing() -> None:
@@ -270,10 +331,18 @@ def test_one_seed_is_enough_and_claims_nothing() -> None:
     mean = outcome.numbers["table_6_3"]["fuzzy"]["20"]["t1"]["mean"]
     assert mean["seeds"] == 1
     assert math.isnan(mean["low"])
-    for add in (chapter_6.type_2_against_type_1, beyond.learners, beyond.readings, beyond.mean_variations,
-                beyond.numbers_of_terms, beyond.other_trajectories):  # fmt: skip
+    for add in (
+        chapter_6.type_2_against_type_1,
+        beyond.learners,
+        beyond.readings,
+        beyond.mean_variations,
+        beyond.numbers_of_terms,
+        beyond.other_trajectories,
+    ):
         add(results, plan, outcome)
-    text = " ".join(cell for table in outcome.tables for row in table.rows for cell in row) + " ".join(outcome.answer)
+    text = " ".join(
+        cell for table in outcome.tables for row in table.rows for cell in row
+    ) + " ".join(outcome.answer)
     assert "nan" not in text
     assert "type-2 better" not in text
     assert "not shown" in outcome.answer[0]
@@ -281,7 +350,10 @@ def test_one_seed_is_enough_and_claims_nothing() -> None:
 
 
 def test_the_seed_that_is_drawn_is_in_the_middle_and_did_not_diverge() -> None:
-    """Errors rise with the seed, so of six the third or the fourth is nearest to all medians, unless it diverged."""
+    """Errors rise with the seed, so of six the third or the fourth is nearest to all medians.
+
+    Unless it diverged.
+    """
     made_up = rows(it2=0.5)
     first = chapter_6.typical_seed(Outcomes(made_up), PLAN)
     assert first in (2, 3)

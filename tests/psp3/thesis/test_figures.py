@@ -59,7 +59,10 @@ def pixels(figure: Figure) -> NDArray[np.uint8]:
     ],
 )
 def test_figures_of_the_release_show_poles_and_response(number: int, poles: list[complex]) -> None:
-    """Poles by the quadratic formula, worked out by hand; the response as the inverse Laplace transform of its partial fractions."""
+    """Poles by the quadratic formula, worked out by hand.
+
+    The response as the inverse Laplace transform of its partial fractions.
+    """
     left, right = FIGURES[number][0]()
     re, im = curve(left, "poles")
     np.testing.assert_allclose(re + 1j * im, poles, rtol=1e-14)
@@ -74,7 +77,9 @@ def test_figures_of_the_release_show_poles_and_response(number: int, poles: list
     if first == second:
         expected = -(1.0 - first * t) * np.exp(first * t)
     else:
-        expected = np.real((second * np.exp(first * t) - first * np.exp(second * t)) / (first - second))
+        expected = np.real(
+            (second * np.exp(first * t) - first * np.exp(second * t)) / (first - second)
+        )
     np.testing.assert_allclose(x, expected, rtol=0.0, atol=1e-13)
     assert (t[0], x[0], t[-1]) == (0.0, -1.0, 10.0)
     assert right.get_xlabel() == "time t [s]"
@@ -89,25 +94,35 @@ def test_envelope_of_the_underdamped_response_touches_it_and_is_never_crossed() 
     envelope, x = curve(right, "envelope")[1], np.abs(curve(right, "underdamped")[1])
     gap = (envelope - x) / envelope
     assert (gap >= -1e-12).all()
-    # −x is a cosine of ωt − 0.253 with ω = 1.936 1/s: it touches at 0.13 s and every 1.62 s from there, seven times in ten seconds.
-    # Half a sample of 0.02 s off a touch, the gap is 1 − cos(0.019) < 2e-4.
+    # −x is a cosine of ωt − 0.253 with ω = 1.936 1/s: it touches at 0.13 s and every 1.62 s from
+    # there, seven times in ten seconds. Half a sample of 0.02 s off a touch, the gap is 1 −
+    # cos(0.019) < 2e-4.
     touching = (gap[1:-1] < 2e-4) & (gap[1:-1] <= gap[:-2]) & (gap[1:-1] <= gap[2:])
     assert np.count_nonzero(touching) == 7
 
 
 def test_figure_36_compares_with_the_other_two() -> None:
     _, right = figures.figure_36()
-    np.testing.assert_array_equal(curve(right, "overdamped"), curve(figures.figure_34()[1], "overdamped"))
-    np.testing.assert_array_equal(curve(right, "underdamped"), curve(figures.figure_35()[1], "underdamped"))
+    np.testing.assert_array_equal(
+        curve(right, "overdamped"), curve(figures.figure_34()[1], "overdamped")
+    )
+    np.testing.assert_array_equal(
+        curve(right, "underdamped"), curve(figures.figure_35()[1], "underdamped")
+    )
 
 
 def test_figure_40_shows_one_error_and_two_forces() -> None:
-    """The error is −(critical response) worked out by hand for kp = 16: (1 + (4 + π/2) t) e^{−4t}, from e0 = 1 and e0' = π/2."""
+    """The error is −(critical response) worked out by hand for kp = 16.
+
+    (1 + (4 + π/2) t) e^{−4t}, from e0 = 1 and e0' = π/2.
+    """
     _, *panels = figures.figure_40()
     forces = []
     for position, error, force in (panels[:3], panels[3:]):
         t, e = curve(error, "simulated")
-        np.testing.assert_allclose(e, (1.0 + (4.0 + np.pi / 2.0) * t) * np.exp(-4.0 * t), rtol=0.0, atol=1e-8)
+        np.testing.assert_allclose(
+            e, (1.0 + (4.0 + np.pi / 2.0) * t) * np.exp(-4.0 * t), rtol=0.0, atol=1e-8
+        )
         marks, expected = curve(error, "eq. 4.18")
         np.testing.assert_allclose(expected, np.interp(marks, t, e), rtol=0.0, atol=1e-8)
         desired, x = curve(position, "desired, $x_d$")[1], curve(position, "x")[1]
@@ -121,14 +136,25 @@ def test_figure_40_shows_one_error_and_two_forces() -> None:
     # Once the error is gone, F = m x_d'' + b x_d' + k x_d or k x_d³.
     t = curve(panels[0], "x")[0]
     late = t > 5.0
-    x, v, a = np.sin(np.pi / 2 * t), np.pi / 2 * np.cos(np.pi / 2 * t), -(np.pi**2) / 4 * np.sin(np.pi / 2 * t)
+    x, v, a = (
+        np.sin(np.pi / 2 * t),
+        np.pi / 2 * np.cos(np.pi / 2 * t),
+        -(np.pi**2) / 4 * np.sin(np.pi / 2 * t),
+    )
     np.testing.assert_allclose(forces[0][late], (a + v + 20.0 * x)[late], rtol=0.0, atol=1e-5)
     np.testing.assert_allclose(forces[1][late], (a + v + 20.0 * x**3)[late], rtol=0.0, atol=1e-5)
 
 
 def test_diagram_of_figure_40_names_every_block() -> None:
     words = {text.get_text() for text in figures.figure_40()[0].texts}
-    assert {"$k_p$", "$k_v$", r"$\alpha(x)$", r"$\beta(x, \dot x)$", r"$m(x)\,\ddot x + f(x, \dot x) = F$", "$F$"} <= words
+    assert {
+        "$k_p$",
+        "$k_v$",
+        r"$\alpha(x)$",
+        r"$\beta(x, \dot x)$",
+        r"$m(x)\,\ddot x + f(x, \dot x) = F$",
+        "$F$",
+    } <= words
     assert {"servo (eq. 4.16)", "model (eq. 4.10)", "system (eq. 4.9)"} <= words
 
 
@@ -158,8 +184,17 @@ def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(number: int, t
         for axes in figure.axes:
             labels = [axes.xaxis.label, axes.yaxis.label] if axes.axison else []
             legend = axes.get_legend()
-            texts = [*axes.texts, *labels, axes._left_title, *(legend.get_texts() if legend else [])]  # type: ignore[attr-defined]
-            boxes += [(text.get_text(), text.get_window_extent(renderer)) for text in texts if text.get_text() not in ("", "+")]
+            texts = [
+                *axes.texts,
+                *labels,
+                axes._left_title,
+                *(legend.get_texts() if legend else []),
+            ]  # type: ignore[attr-defined]
+            boxes += [
+                (text.get_text(), text.get_window_extent(renderer))
+                for text in texts
+                if text.get_text() not in ("", "+")
+            ]
         assert len(boxes) >= 7
         whole = figure.bbox
         for text, box in boxes:
@@ -169,7 +204,12 @@ def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(number: int, t
             assert box.y1 < whole.y1 + 1, text
         for n, (text, box) in enumerate(boxes):
             for other, other_box in boxes[:n]:
-                apart = box.x0 > other_box.x1 - 1 or other_box.x0 > box.x1 - 1 or box.y0 > other_box.y1 - 1 or other_box.y0 > box.y1 - 1
+                apart = (
+                    box.x0 > other_box.x1 - 1
+                    or other_box.x0 > box.x1 - 1
+                    or box.y0 > other_box.y1 - 1
+                    or other_box.y0 > box.y1 - 1
+                )
                 assert apart, f"{text} lies on {other}"
 
 
@@ -193,7 +233,10 @@ def test_dark_theme_reaches_the_picture() -> None:
 
 def test_drawing_leaves_pyplot_alone() -> None:
     """In a fresh process, because another test may have imported pyplot."""
-    program = "import sys; from psp3.thesis.figures import figure_40; figure_40(); sys.exit('matplotlib.pyplot' in sys.modules)"
+    program = (
+        "import sys; from psp3.thesis.figures import figure_40; figure_40(); "
+        "sys.exit('matplotlib.pyplot' in sys.modules)"
+    )
     assert subprocess.run([sys.executable, "-c", program], check=False).returncode == 0
 
 
@@ -210,7 +253,9 @@ def record() -> Record:
 def controllers(record: Record) -> dict[tuple[str, int], psp3.FuzzyComputedTorque]:
     robot = psp3.load("psp3")
     return {
-        (kind, terms): psp3.FuzzyComputedTorque(kind, robot, n_terms=terms, learner="strict", mean_variation=0.1).learn(record)
+        (kind, terms): psp3.FuzzyComputedTorque(
+            kind, robot, n_terms=terms, learner="strict", mean_variation=0.1
+        ).learn(record)
         for kind in ("t1", "it2")
         for terms in (2, 3)
     }
@@ -221,7 +266,12 @@ def result() -> psp3.Result:
     return runs.simulate_run(psp3.Run("t1", snr_db=20.0)).result
 
 
-INPUT_LABELS = [r"$\Delta q_{12}$ [m]", r"$\Delta q_{13}$ [m]", r"$\Delta\dot{q}_{12}$ [m/s]", r"$\Delta\dot{q}_{13}$ [m/s]"]
+INPUT_LABELS = [
+    r"$\Delta q_{12}$ [m]",
+    r"$\Delta q_{13}$ [m]",
+    r"$\Delta\dot{q}_{12}$ [m/s]",
+    r"$\Delta\dot{q}_{13}$ [m/s]",
+]
 
 
 def test_figure_49_shows_the_recorded_inputs(record: Record) -> None:
@@ -237,7 +287,10 @@ def test_figure_49_shows_the_recorded_inputs(record: Record) -> None:
 def test_figure_51_shows_footprints_above_and_their_middles_below(
     controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque],
 ) -> None:
-    """Against the Gaussians worked out here: three means over the range, crossing at 1/2, moved by a tenth of the range."""
+    """Against the Gaussians worked out here.
+
+    Three means over the range, crossing at 1/2, moved by a tenth of the range.
+    """
     type2 = controllers["it2", 3]
     above, below = figures.figure_51(type2, controllers["t1", 3])
     assert below.get_xlabel() == INPUT_LABELS[3]
@@ -247,25 +300,42 @@ def test_figure_51_shows_footprints_above_and_their_middles_below(
     for number, name in enumerate(("Low", "Mid", "High")):
         x, u = curve(below, name)
         mean = low + 0.5 * number * (high - low)
-        np.testing.assert_allclose(u, np.exp(-0.5 * ((x - mean) / sigma) ** 2), rtol=0.0, atol=1e-12)
-        upper, lower = (np.array(above.lines[2 * number + k].get_data(), dtype=float) for k in range(2))
+        np.testing.assert_allclose(
+            u, np.exp(-0.5 * ((x - mean) / sigma) ** 2), rtol=0.0, atol=1e-12
+        )
+        upper, lower = (
+            np.array(above.lines[2 * number + k].get_data(), dtype=float) for k in range(2)
+        )
         reach = 0.1 * (high - low)
         nearest = np.maximum(np.abs(upper[0] - mean) - reach, 0.0)
-        np.testing.assert_allclose(upper[1], np.exp(-0.5 * (nearest / sigma) ** 2), rtol=0.0, atol=1e-12)
+        np.testing.assert_allclose(
+            upper[1], np.exp(-0.5 * (nearest / sigma) ** 2), rtol=0.0, atol=1e-12
+        )
         farthest = np.abs(lower[0] - mean) + reach
-        np.testing.assert_allclose(lower[1], np.exp(-0.5 * (farthest / sigma) ** 2), rtol=0.0, atol=1e-12)
-    assert [text.get_text() for text in above.get_legend().get_texts()] == ["Low", "Mid", "High"]  # type: ignore[union-attr]
+        np.testing.assert_allclose(
+            lower[1], np.exp(-0.5 * (farthest / sigma) ** 2), rtol=0.0, atol=1e-12
+        )
+    assert [
+        text.get_text()
+        for text in above.get_legend().get_texts()  # type: ignore[union-attr]
+    ] == ["Low", "Mid", "High"]
 
 
 @pytest.mark.parametrize(("draw", "kind"), [(figures.figure_54, "t1"), (figures.figure_59, "it2")])
 def test_terms_of_all_inputs_with_the_trained_range(
-    draw: Callable[..., tuple[Axes, ...]], kind: str, controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque]
+    draw: Callable[..., tuple[Axes, ...]],
+    kind: str,
+    controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque],
 ) -> None:
     controller = controllers[kind, 2]
     panels = draw(controller)
     assert [panel.get_xlabel() for panel in panels] == INPUT_LABELS
     for number, panel in enumerate(panels):
-        ends = [line.get_xdata()[0] for line in panel.lines if line.get_linestyle() == ":"]  # type: ignore[index]
+        ends = [
+            line.get_xdata()[0]  # type: ignore[index]
+            for line in panel.lines
+            if line.get_linestyle() == ":"
+        ]
         assert ends == controller.ranges_[:, number].tolist()
         assert len(panel.collections) == (2 if kind == "it2" else 0)
         left, right = panel.get_xlim()
@@ -273,7 +343,9 @@ def test_terms_of_all_inputs_with_the_trained_range(
 
 
 @pytest.mark.parametrize("number", [55, 56, 57, 58, 60, 61, 62, 63])
-def test_differences_solid_as_they_are_and_dashed_as_desired(number: int, result: psp3.Result) -> None:
+def test_differences_solid_as_they_are_and_dashed_as_desired(
+    number: int, result: psp3.Result
+) -> None:
     panels = getattr(figures, f"figure_{number}")(result)
     assert [panel.get_ylabel() for panel in panels[:4]] == INPUT_LABELS
     assert [panel.get_xlabel() for panel in panels[2:4]] == ["time t [s]"] * 2
@@ -293,7 +365,11 @@ def test_differences_solid_as_they_are_and_dashed_as_desired(number: int, result
             t, shown = np.array(line.get_data(), dtype=float)
             np.testing.assert_allclose(shown, np.interp(t, result.t, values), rtol=0.0, atol=1e-15)
     space: Any = panels[4]
-    assert (space.get_xlabel(), space.get_ylabel(), space.get_zlabel()) == ("x [mm]", "y [mm]", "z [mm]")
+    assert (space.get_xlabel(), space.get_ylabel(), space.get_zlabel()) == (
+        "x [mm]",
+        "y [mm]",
+        "z [mm]",
+    )
     for line, tip, dashes in zip(space.lines, (result.tip, desired.tip), ("-", "--"), strict=True):
         assert line.get_linestyle() == dashes
         np.testing.assert_allclose(np.transpose(line.get_data_3d())[0], 1e3 * tip[0], rtol=1e-12)
@@ -307,7 +383,10 @@ def test_a_run_that_ended_early_is_drawn_as_far_as_it_went() -> None:
 
 
 def test_figure_64_sets_levels_in_order_of_noise_with_intervals_and_the_printed_ratios() -> None:
-    ratios = {"one": {20.0: (2.0, 1.5, 3.0), np.inf: (1.0, np.nan, np.nan)}, "other": {20.0: (0.8, 0.6, 0.9)}}
+    ratios = {
+        "one": {20.0: (2.0, 1.5, 3.0), np.inf: (1.0, np.nan, np.nan)},
+        "other": {20.0: (0.8, 0.6, 0.9)},
+    }
     (panel,) = figures.figure_64(ratios, {np.inf: 1.0, 20.0: 2.0, 10.0: 4.0})
     assert [label.get_text() for label in panel.get_xticklabels()] == ["∞", "20", "10"]
     assert "dB" in panel.get_xlabel()
@@ -319,31 +398,46 @@ def test_figure_64_sets_levels_in_order_of_noise_with_intervals_and_the_printed_
     segments = bars["one"].lines[2][0].get_segments()  # type: ignore[attr-defined]
     np.testing.assert_allclose(segments[0][:, 1], [1.5, 3.0])
     # Series stand beside one another, each near its level.
-    x, y = (np.array(bars[name].lines[0].get_data(), dtype=float) for name in ("one", "other"))  # type: ignore[attr-defined]
+    x, y = (
+        np.array(bars[name].lines[0].get_data(), dtype=float)  # type: ignore[attr-defined]
+        for name in ("one", "other")
+    )
     assert abs(x[0, 0] - 1.0) < 0.2
     assert x[0, 0] != y[0, 0]
 
 
 def test_sweep_shows_values_and_intervals() -> None:
-    (panel,) = plots.figure_of_sweep({"a": {0.0: (2.0, 1.0, 3.0), 0.5: (1.0, 0.5, 1.5)}}, "setting [1]")
+    (panel,) = plots.figure_of_sweep(
+        {"a": {0.0: (2.0, 1.0, 3.0), 0.5: (1.0, 0.5, 1.5)}}, "setting [1]"
+    )
     assert (panel.get_xlabel(), panel.get_ylabel()) == ("setting [1]", "sum of squared errors [m²]")
     (container,) = panel.containers
-    np.testing.assert_array_equal(container.lines[0].get_data(), [[0.0, 0.5], [2.0, 1.0]])  # type: ignore[attr-defined]
+    np.testing.assert_array_equal(
+        container.lines[0].get_data(),  # type: ignore[attr-defined]
+        [[0.0, 0.5], [2.0, 1.0]],
+    )
 
 
 def test_an_interval_that_does_not_hold_its_value_is_drawn_all_the_same() -> None:
-    """A bootstrap interval that is corrected for skewness can lie beside the mean; error bars of negative length are an error."""
+    """A bootstrap interval that is corrected for skewness can lie beside the mean.
+
+    Error bars of negative length are an error.
+    """
     plots.figure_of_sweep({"a": {0.0: (2.0, 2.1, 3.0)}}, "setting")
 
 
-@pytest.mark.parametrize("draw", [figures.figure_64, lambda series: plots.figure_of_sweep(series, "setting")])
+@pytest.mark.parametrize(
+    "draw", [figures.figure_64, lambda series: plots.figure_of_sweep(series, "setting")]
+)
 def test_no_series_is_refused(draw: Callable[..., tuple[Axes, ...]]) -> None:
     with pytest.raises(InvalidValue, match="at least one series"):
         draw({})
 
 
 def test_new_figures_draw_into_the_axes_they_are_given(
-    record: Record, result: psp3.Result, controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque]
+    record: Record,
+    result: psp3.Result,
+    controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque],
 ) -> None:
     one, two = controllers["t1", 2], controllers["it2", 2]
     series = {"a": {20.0: (2.0, 1.0, 3.0)}}
@@ -368,16 +462,26 @@ def test_new_figures_draw_into_the_axes_they_are_given(
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_text_of_new_figures_is_inside_and_does_not_lie_on_other_text(
-    theme: str, record: Record, result: psp3.Result, controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque]
+    theme: str,
+    record: Record,
+    result: psp3.Result,
+    controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque],
 ) -> None:
     """As above: bounding boxes from matplotlib's own renderer; one pixel is their rounding."""
-    series = {"strongest sample": {np.inf: (1.0, np.nan, np.nan), 20.0: (2.0, 1.0, 3.0)}, "ridge": {20.0: (0.7, 0.5, 1.0)}}
+    series = {
+        "strongest sample": {np.inf: (1.0, np.nan, np.nan), 20.0: (2.0, 1.0, 3.0)},
+        "ridge": {20.0: (0.7, 0.5, 1.0)},
+    }
     with style(theme):
         for panels in (
-            figures.figure_49(record), figures.figure_51(controllers["it2", 3], controllers["t1", 3]), figures.figure_54(controllers["t1", 2]),
-            figures.figure_59(controllers["it2", 2]), figures.figure_56(result), figures.figure_64(series, {np.inf: 1.0, 10.0: 4.0}),
+            figures.figure_49(record),
+            figures.figure_51(controllers["it2", 3], controllers["t1", 3]),
+            figures.figure_54(controllers["t1", 2]),
+            figures.figure_59(controllers["it2", 2]),
+            figures.figure_56(result),
+            figures.figure_64(series, {np.inf: 1.0, 10.0: 4.0}),
             plots.figure_of_sweep(series, "setting"),
-        ):  # fmt: skip
+        ):
             figure = panels[0].figure
             assert isinstance(figure, Figure)
             canvas = FigureCanvasAgg(figure)
@@ -385,13 +489,27 @@ def test_text_of_new_figures_is_inside_and_does_not_lie_on_other_text(
             boxes = []
             for axes in figure.axes:
                 legend = axes.get_legend()
-                texts = [axes.xaxis.label, axes.yaxis.label, axes._left_title, *(legend.get_texts() if legend else [])]  # type: ignore[attr-defined]
-                boxes += [(text.get_text(), text.get_window_extent(canvas.get_renderer())) for text in texts if text.get_text()]
+                texts = [
+                    axes.xaxis.label,
+                    axes.yaxis.label,
+                    axes._left_title,
+                    *(legend.get_texts() if legend else []),
+                ]  # type: ignore[attr-defined]
+                boxes += [
+                    (text.get_text(), text.get_window_extent(canvas.get_renderer()))
+                    for text in texts
+                    if text.get_text()
+                ]
             for n, (text, box) in enumerate(boxes):
                 assert box.x0 > figure.bbox.x0 - 1, text
                 assert box.x1 < figure.bbox.x1 + 1, text
                 assert box.y0 > figure.bbox.y0 - 1, text
                 assert box.y1 < figure.bbox.y1 + 1, text
                 for other, second in boxes[:n]:
-                    apart = box.x0 > second.x1 - 1 or second.x0 > box.x1 - 1 or box.y0 > second.y1 - 1 or second.y0 > box.y1 - 1
+                    apart = (
+                        box.x0 > second.x1 - 1
+                        or second.x0 > box.x1 - 1
+                        or box.y0 > second.y1 - 1
+                        or second.y0 > box.y1 - 1
+                    )
                     assert apart, f"{text} lies on {other}"

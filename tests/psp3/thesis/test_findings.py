@@ -37,7 +37,12 @@ def test_verdict_says_whether_the_interval_holds_the_printed_number() -> None:
 
 @pytest.mark.parametrize(
     ("low", "high", "words"),
-    [(-2.0, -0.1, "type-2 better"), (0.1, 2.0, "type-1 better"), (-1.0, 1.0, "no difference"), (math.nan, math.nan, "no difference")],
+    [
+        (-2.0, -0.1, "type-2 better"),
+        (0.1, 2.0, "type-1 better"),
+        (-1.0, 1.0, "no difference"),
+        (math.nan, math.nan, "no difference"),
+    ],
 )
 def test_better_needs_an_interval_beside_zero(low: float, high: float, words: str) -> None:
     assert better(Estimate(-1.0, low, high, 20), "type-2", "type-1").startswith(words)
@@ -46,10 +51,16 @@ def test_better_needs_an_interval_beside_zero(low: float, high: float, words: st
 @pytest.mark.parametrize(
     ("value", "text"),
     [
-        (5.3219, "5.32"), (29.84, "29.8"), (251.4, "251"), (0.04123, "0.0412"), (-2.741, "-2.74"), (0.0, "0"), (1.2e-9, "< 0.000001"),
+        (5.3219, "5.32"),
+        (29.84, "29.8"),
+        (251.4, "251"),
+        (0.04123, "0.0412"),
+        (-2.741, "-2.74"),
+        (0.0, "0"),
+        (1.2e-9, "< 0.000001"),
         (math.inf, "–"),
     ],
-)  # fmt: skip
+)
 def test_three_significant_digits_without_exponent(value: float, text: str) -> None:
     assert significant(value) == text
 

@@ -1,4 +1,7 @@
-"""The main job as a user runs it: what it writes, that it resumes, and that the numbers in it are those of the runs."""
+"""The main job as a user runs it.
+
+What it writes, that it resumes, and that the numbers in it are those of the runs.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +24,14 @@ from psp3.thesis.plan import Plan
 from psp3.thesis.replication import reproduce
 
 FIGURES = {*(f"figure_{number}" for number in (49, *range(51, 65))), "mean_variation"}
-NAMES = {"report.html", "results.json", "study.sqlite", "pd.npz", "ctc.npz", *(f"figures/{name}.svg" for name in FIGURES)}
+NAMES = {
+    "report.html",
+    "results.json",
+    "study.sqlite",
+    "pd.npz",
+    "ctc.npz",
+    *(f"figures/{name}.svg" for name in FIGURES),
+}
 
 
 class Job(NamedTuple):
@@ -39,7 +49,9 @@ class Job(NamedTuple):
         def refuse(word: str) -> None:
             raise AssertionError(f"{word} is not JSON")
 
-        numbers: dict[str, Any] = json.loads((self.out / "results.json").read_text(encoding="utf-8"), parse_constant=refuse)
+        numbers: dict[str, Any] = json.loads(
+            (self.out / "results.json").read_text(encoding="utf-8"), parse_constant=refuse
+        )
         return numbers
 
     def table(self, title: str) -> Table:
@@ -51,7 +63,12 @@ class Job(NamedTuple):
 def run(out: Path, **options: Any) -> Job:
     steps: list[tuple[str, int, int]] = []
     runs: list[tuple[int, int, float]] = []
-    found = reproduce(out, progress=lambda *step: steps.append(step), run_progress=lambda *state: runs.append(state), **options)
+    found = reproduce(
+        out,
+        progress=lambda *step: steps.append(step),
+        run_progress=lambda *state: runs.append(state),
+        **options,
+    )
     return Job(found, out, steps, runs)
 
 
@@ -77,12 +94,16 @@ def quick(job: Job, tmp_path_factory: pytest.TempPathFactory) -> Job:
 def test_everything_promised_is_written(job: Job) -> None:
     names = NAMES | {"animation.html"}
     assert {str(file.resolve().relative_to(job.out.resolve())) for file in job.found.files} == names
-    assert {str(file.relative_to(job.out)) for file in job.out.rglob("*") if file.is_file()} == names
+    assert {
+        str(file.relative_to(job.out)) for file in job.out.rglob("*") if file.is_file()
+    } == names
     assert {drawing.name for drawing in job.found.drawings} == FIGURES
 
 
 def test_quick_leaves_out_the_animation_and_says_what_it_is(job: Job, quick: Job) -> None:
-    assert {str(file.relative_to(quick.out)) for file in quick.out.rglob("*") if file.is_file()} == NAMES
+    assert {
+        str(file.relative_to(quick.out)) for file in quick.out.rglob("*") if file.is_file()
+    } == NAMES
     assert "animation.html" not in (quick.out / "report.html").read_text(encoding="utf-8")
     assert "quick" in quick.found.answer[0]
     assert "quick" not in " ".join(job.found.answer)
@@ -94,13 +115,22 @@ def test_runs_that_the_study_holds_are_not_repeated(job: Job, quick: Job) -> Non
     assert first[-1][:2] == (second[0][1], second[0][1])
     assert [state[0] for state in second] == [second[0][1]]
     # Times are the only numbers that may differ.
-    assert {name: value for name, value in quick.numbers.items() if name not in ("table_6_2", "answer", "cross_check")} == {
-        name: value for name, value in job.numbers.items() if name not in ("table_6_2", "answer", "cross_check")
+    assert {
+        name: value
+        for name, value in quick.numbers.items()
+        if name not in ("table_6_2", "answer", "cross_check")
+    } == {
+        name: value
+        for name, value in job.numbers.items()
+        if name not in ("table_6_2", "answer", "cross_check")
     }
 
 
 def test_classical_rows_lie_where_the_thesis_has_them(job: Job) -> None:
-    """PD within 5 % of the printed 4.6339, as the project promises; CTC within a factor of two, because its start is unknown."""
+    """PD within 5 % of the printed 4.6339, as the project promises.
+
+    CTC within a factor of two, because its start is unknown.
+    """
     rows = job.numbers["table_6_3"]
     assert rows["PD"]["sum_of_squared_errors"] == pytest.approx(4.6339, rel=0.05)
     assert 0.5 < rows["CTC"]["sum_of_squared_errors"] / 0.0241 < 2.0
@@ -152,7 +182,10 @@ def test_three_implementations_agree_in_the_report(job: Job) -> None:
 
 
 def test_estimates_reach_their_bar_with_the_best_learner(job: Job) -> None:
-    """Relative RMS of M and G as matrices at most 2 %; M's small entries off its diagonal alone are worse, and the table shows them."""
+    """Relative RMS of M and G as matrices at most 2 %.
+
+    M's small entries off its diagonal alone are worse, and the table shows them.
+    """
     errors = job.numbers["estimates"]
     for name in ("M", "G"):
         assert min(one[name] for one in errors.values()) <= 0.02
@@ -162,13 +195,19 @@ def test_estimates_reach_their_bar_with_the_best_learner(job: Job) -> None:
 
 
 def test_estimates_are_those_of_the_controller(job: Job) -> None:
-    """The whole matrices of the estimate against the robot's own, on the states of the training run, worked out anew."""
+    """The whole matrices of the estimate against the robot's own.
+
+    On the states of the training run, worked out anew.
+    """
     robot = psp3.load("psp3")
     helix = psp3.trajectories.Helix(robot=robot)
     result = psp3.simulate(robot, psp3.ComputedTorque(robot), helix, 10.4)
     controller = psp3.FuzzyComputedTorque("it2", robot, learner="ridge").fit(helix)
     for name, estimated, exact in zip(
-        "MCG", controller.estimate(result.heights, result.speeds), robot.equation_of_motion(result.heights, result.speeds), strict=True
+        "MCG",
+        controller.estimate(result.heights, result.speeds),
+        robot.equation_of_motion(result.heights, result.speeds),
+        strict=True,
     ):
         relative = np.linalg.norm(estimated - exact) / np.linalg.norm(exact)
         assert job.numbers["estimates"]["ridge"][name] == pytest.approx(relative, rel=1e-9)
@@ -176,17 +215,34 @@ def test_estimates_are_those_of_the_controller(job: Job) -> None:
 
 def test_every_promised_table_is_there_with_printed_values_and_verdicts(job: Job) -> None:
     for number, printed in {
-        "5.1": "10.0161", "5.2": "-0.10", "6.1": "1000 / 100", "6.2": "255", "6.3": "4.6339",
-    }.items():  # fmt: skip
+        "5.1": "10.0161",
+        "5.2": "-0.10",
+        "6.1": "1000 / 100",
+        "6.2": "255",
+        "6.3": "4.6339",
+    }.items():
         table = job.table(f"Table {number}:")
         assert table.columns[-1] == "verdict"
         assert any(printed in cell for row in table.rows for cell in row)
         assert all(len(row) == len(table.columns) for row in table.rows)
-    assert [row[2] for row in job.table("Table 6.3:").rows if row[0] == "type-2"] == ["0.0684", "0.2816", "0.5530", "1.3930"]
+    assert [row[2] for row in job.table("Table 6.3:").rows if row[0] == "type-2"] == [
+        "0.0684",
+        "0.2816",
+        "0.5530",
+        "1.3930",
+    ]
 
 
 def test_number_of_seeds_stands_with_every_statistic(job: Job) -> None:
-    for title in ("Table 6.3:", "Table 6.3 continued", "Figure 64", "What the learner", "Is it type-2", "Other readings", "Sensitivity"):
+    for title in (
+        "Table 6.3:",
+        "Table 6.3 continued",
+        "Figure 64",
+        "What the learner",
+        "Is it type-2",
+        "Other readings",
+        "Sensitivity",
+    ):
         tables = [table for table in job.found.tables if table.title.startswith(title)]
         assert tables
         assert all("2 seeds" in table.title for table in tables)
@@ -201,7 +257,11 @@ def test_progress_ends_at_the_end(job: Job) -> None:
 
 def test_the_whole_plan_has_the_seeds_it_is_asked_for() -> None:
     runs = Plan.of(30).runs()
-    main = {run.seed for run in runs if (run.controller, run.snr_db, run.reading) == ("it2", 10.0, "parameters")}
+    main = {
+        run.seed
+        for run in runs
+        if (run.controller, run.snr_db, run.reading) == ("it2", 10.0, "parameters")
+    }
     sweep = {run.seed for run in runs if run.reading == "plant"}
     assert main == set(range(30))
     assert sweep == set(range(10))

@@ -13,7 +13,10 @@ from selenium import webdriver
 from psp3.thesis.findings import Drawing, Reproduction, Table
 from psp3.thesis.report import write_report
 
-SVG = "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 900 300'><path d='M0 0 L900 300' stroke='black'/></svg>"
+SVG = (
+    "<svg xmlns='http://www.w3.org/2000/svg' viewBox='0 0 900 300'><path d='M0 0 L900 300' "
+    "stroke='black'/></svg>"
+)
 
 
 class Page(HTMLParser):
@@ -47,11 +50,16 @@ def drawing(directory: Path, name: str) -> Drawing:
 @pytest.fixture
 def outcome(tmp_path: Path) -> Reproduction:
     wide = Table(
-        "A wide table", [f"column {number} with a heading" for number in range(12)], [["1.234 (1.000 to 2.000)"] * 12] * 3,
-        "A note & more.", figures=("figure_64",), detail=True,
-    )  # fmt: skip
+        "A wide table",
+        [f"column {number} with a heading" for number in range(12)],
+        [["1.234 (1.000 to 2.000)"] * 12] * 3,
+        "A note & more.",
+        figures=("figure_64",),
+        detail=True,
+    )
     found = Reproduction(
-        tables=[wide, Table("A table with <tags> in it", ["a"], [["<b>"]])], answer=["The answer, in plain words.", "Another sentence."]
+        tables=[wide, Table("A table with <tags> in it", ["a"], [["<b>"]])],
+        answer=["The answer, in plain words.", "Another sentence."],
     )
     found.drawings += [drawing(tmp_path, name) for name in ("figure_49", "figure_64")]
     found.numbers["versions"] = {"python": "3.11", "psp3": "0.1"}
@@ -76,7 +84,9 @@ def test_nothing_comes_from_elsewhere(page: Page) -> None:
 def test_animation_is_linked_if_it_was_written(outcome: Reproduction, tmp_path: Path) -> None:
     outcome.files.append(tmp_path / "animation.html")
     page = Page(write_report(outcome, tmp_path / "report.html").read_text(encoding="utf-8"))
-    assert {link["href"] for link in page.all("a")} - {f"#table-{number}" for number in range(2)} == {"animation.html", "#figures"}
+    assert {link["href"] for link in page.all("a")} - {
+        f"#table-{number}" for number in range(2)
+    } == {"animation.html", "#figures"}
 
 
 def test_answer_comes_first(page: Page) -> None:
@@ -111,17 +121,25 @@ def test_on_a_phone_the_page_does_not_scroll_sideways_and_wide_tables_do(
 ) -> None:
     """390 by 844 is the screen of a common phone."""
     path = write_report(outcome, tmp_path / "report.html")
-    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True})
+    browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": 390, "height": 844, "deviceScaleFactor": 2, "mobile": True},
+    )
     try:
         browser.get(path.as_uri())
-        page, screen = browser.execute_script("return [document.documentElement.scrollWidth, window.innerWidth]")
+        page, screen = browser.execute_script(
+            "return [document.documentElement.scrollWidth, window.innerWidth]"
+        )
         assert page <= screen == 390
         boxes = browser.execute_script(
-            "return [...document.querySelectorAll('.wide')].map(box => [box.scrollWidth, box.clientWidth, getComputedStyle(box).overflowX])"
+            "return [...document.querySelectorAll('.wide')].map(box => [box.scrollWidth, "
+            "box.clientWidth, getComputedStyle(box).overflowX])"
         )
         assert boxes[0][0] > boxes[0][1]
         assert {overflow for _, _, overflow in boxes} == {"auto"}
-        size = browser.execute_script("return parseFloat(getComputedStyle(document.querySelector('.answer li')).fontSize)")
+        size = browser.execute_script(
+            "return parseFloat(getComputedStyle(document.querySelector('.answer li')).fontSize)"
+        )
         assert size >= 16.0
     finally:
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

@@ -1,0 +1,1 @@
+"""Tests of psp3.three_psp, one file per module."""

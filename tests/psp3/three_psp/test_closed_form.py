@@ -1,4 +1,7 @@
-"""The compiled kernels: what they return for bad rows, and those that no method of the robot uses."""
+"""The compiled kernels.
+
+What they return for bad rows, and those that no method of the robot uses.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,9 @@ D, H = 0.181, 0.070
 GOOD, BAD = [0.0, 0.05, 0.1], [0.0, -0.5, 0.5]
 
 
-def runge_kutta(state: Array, forces: Array, duration: float, steps: int, parameters: Array = P) -> Array:
+def runge_kutta(
+    state: Array, forces: Array, duration: float, steps: int, parameters: Array = P
+) -> Array:
     state, scratch = state.copy(), np.empty(6)
     for _ in range(steps):
         stepping.runge_kutta_step(state, forces, duration / steps, parameters, scratch)
@@ -36,7 +41,9 @@ def runge_kutta(state: Array, forces: Array, duration: float, steps: int, parame
     ],
 )
 @pytest.mark.parametrize("bad", [BAD, [np.nan, 0.0, 0.0], [0.0, np.inf, 0.0], [0.0, 0.0, -np.inf]])
-def test_kernels_return_the_first_row_they_refuse(kernel: str, inputs: int, width: int, bad: list[float]) -> None:
+def test_kernels_return_the_first_row_they_refuse(
+    kernel: str, inputs: int, width: int, bad: list[float]
+) -> None:
     """Rows before it are written, and -1 means that all are."""
     function = getattr(closed_form, kernel)
     heights = np.array([GOOD, GOOD, bad, GOOD, bad])
@@ -44,12 +51,16 @@ def test_kernels_return_the_first_row_they_refuse(kernel: str, inputs: int, widt
     out = np.full(width * len(heights), -7.0)
     assert function(heights.reshape(-1), *rest, P, out) == 2
     assert (out[: 2 * width] != -7.0).all()
-    assert function(heights[:2].reshape(-1), *(array[:6] for array in rest), P, out[: 2 * width]) == -1
+    assert (
+        function(heights[:2].reshape(-1), *(array[:6] for array in rest), P, out[: 2 * width]) == -1
+    )
 
 
 @pytest.mark.parametrize("position", [1, 2])
 @pytest.mark.parametrize("kernel", ["inverse_dynamics", "forward_dynamics"])
-def test_dynamics_kernels_refuse_rates_and_forces_that_are_not_finite(kernel: str, position: int) -> None:
+def test_dynamics_kernels_refuse_rates_and_forces_that_are_not_finite(
+    kernel: str, position: int
+) -> None:
     arguments = [np.array(GOOD * 3), np.zeros(9), np.zeros(9)]
     arguments[position][4] = np.nan
     assert getattr(closed_form, kernel)(*arguments, P, np.empty(9)) == 1
@@ -62,7 +73,10 @@ def test_inverse_kinematics_kernel_returns_the_first_tip_out_of_reach() -> None:
 
 
 def test_slope_of_a_tip_lies_before_the_fold_in_every_direction() -> None:
-    """tan(tilt) of the slope found is at most that of the fold along its direction, 38 degrees at most; the tip is hit to 1e-16 m."""
+    """tan(tilt) of the slope found is at most that of the fold along its direction.
+
+    That is 38 degrees at most; the tip is hit to 1e-16 m.
+    """
     for azimuth in np.linspace(0.0, 2.0 * np.pi, 37):
         x, y = 0.0238 * np.cos(azimuth), 0.0238 * np.sin(azimuth)
         u, v = closed_form.tip_slope(x, y, D, H)
@@ -75,9 +89,12 @@ def test_slope_of_a_tip_lies_before_the_fold_in_every_direction() -> None:
 
 
 def test_the_branch_of_home_is_told_by_the_sign_of_the_determinant() -> None:
-    """Claim of the module, on a grid: for tools of 10 to 150 mm, d tip / d slope changes sign once below the tilt of 60 degrees.
+    """Claim of the module, on a grid.
 
-    The determinant comes from the tip's Jacobian with respect to the heights, which is (d tip / d slope) times a constant.
+    For tools of 10 to 150 mm, d tip / d slope changes sign once below the tilt of 60 degrees.
+
+    The determinant comes from the tip's Jacobian with respect to the heights, which is (d tip / d
+    slope) times a constant.
     """
     tilts = np.radians(np.linspace(0.0, 60.0, 241))
     azimuths = np.radians(np.linspace(0.0, 360.0, 121))
@@ -91,7 +108,10 @@ def test_the_branch_of_home_is_told_by_the_sign_of_the_determinant() -> None:
 
 
 def test_runge_kutta_step_converges_to_an_independent_integrator_with_fourth_order() -> None:
-    """DOP853 at rtol 1e-13 over 0.5 s under constant forces: halving the step divides the error by 16 (12 to 20 is the same order)."""
+    """DOP853 at rtol 1e-13 over 0.5 s under constant forces.
+
+    Halving the step divides the error by 16 (12 to 20 is the same order).
+    """
     robot = psp3.load("psp3")
     state = np.array([0.0, 0.05, -0.03, 0.2, -0.3, 0.4])
     forces = np.array([90.0, 80.0, 95.0])
@@ -100,7 +120,9 @@ def test_runge_kutta_step_converges_to_an_independent_integrator_with_fourth_ord
         return np.concatenate([y[3:], robot.forward_dynamics(y[:3], y[3:], forces)])
 
     exact = solve_ivp(rate, (0.0, 0.5), state, method="DOP853", rtol=1e-13, atol=1e-14).y[:, -1]
-    errors = [np.abs(runge_kutta(state, forces, 0.5, steps) - exact).max() for steps in (10, 20, 40)]
+    errors = [
+        np.abs(runge_kutta(state, forces, 0.5, steps) - exact).max() for steps in (10, 20, 40)
+    ]
     assert 12.0 < errors[0] / errors[1] < 20.0
     assert 12.0 < errors[1] / errors[2] < 20.0
     assert np.abs(runge_kutta(state, forces, 0.5, 500) - exact).max() < 1e-11
@@ -113,16 +135,29 @@ def test_runge_kutta_step_hands_on_nan_when_a_pose_stops_being_valid() -> None:
 
 
 def test_advance_takes_the_steps_and_says_whether_the_machine_can_be_there() -> None:
-    """The loop in compiled code against the loop here, bit for bit; False for a pose with a negative arm and for NaN."""
+    """The loop in compiled code against the loop here, bit for bit.
+
+    False for a pose with a negative arm and for NaN.
+    """
     forces = np.array([90.0, 80.0, 95.0])
     state = np.array([0.0, 0.05, -0.03, 0.2, -0.3, 0.4])
     expected = runge_kutta(state, forces, 0.02, 20)
     assert stepping.advance(state, forces, 0.001, 20, P, np.empty(6)) is True
     assert_array_equal(state, expected)
-    assert stepping.advance(np.array([0.0, -0.44, 0.44, 0.0, -50.0, 50.0]), forces, 0.01, 10, P, np.empty(6)) is False
+    assert (
+        stepping.advance(
+            np.array([0.0, -0.44, 0.44, 0.0, -50.0, 50.0]), forces, 0.01, 10, P, np.empty(6)
+        )
+        is False
+    )
     # No step at all: the state is judged as it is.
-    assert stepping.advance(np.array([*BAD, 0.0, 0.0, 0.0]), forces, 0.001, 0, P, np.empty(6)) is False
-    assert stepping.advance(np.array([*GOOD, np.nan, 0.0, 0.0]), forces, 0.001, 0, P, np.empty(6)) is False
+    assert (
+        stepping.advance(np.array([*BAD, 0.0, 0.0, 0.0]), forces, 0.001, 0, P, np.empty(6)) is False
+    )
+    assert (
+        stepping.advance(np.array([*GOOD, np.nan, 0.0, 0.0]), forces, 0.001, 0, P, np.empty(6))
+        is False
+    )
 
 
 def test_tip_rates_equal_the_tip_jacobian() -> None:
@@ -145,7 +180,11 @@ def test_nothing_is_singular_at_the_level_pose() -> None:
     robot = psp3.load("psp3")
     level, nearly = np.zeros(3), np.array([0.0, 1e-12, -2e-12])
     speeds = np.array([0.1, -0.2, 0.3])
-    for a, b in zip(robot.equation_of_motion(level, speeds), robot.equation_of_motion(nearly, speeds), strict=True):
+    for a, b in zip(
+        robot.equation_of_motion(level, speeds),
+        robot.equation_of_motion(nearly, speeds),
+        strict=True,
+    ):
         assert_allclose(a, b, rtol=0, atol=1e-10)
     assert_array_equal(robot.forward_kinematics(level).center, np.zeros(3))
     assert_array_equal(robot.forward_kinematics(level).rotation, np.eye(3))

@@ -20,7 +20,10 @@ def nut_points(heights: Array, radius: float = D) -> Array:
 
 
 def fermat_points(nuts: Array) -> Array:
-    """Fermat points of triangles (n, 3, 3) by damped fixed-point iteration, to be refined by nothing but the definition."""
+    """Fermat points of triangles (n, 3, 3) by damped fixed-point iteration.
+
+    To be refined by nothing but the definition.
+    """
     center = nuts.mean(axis=1)
     for _ in range(400):
         weights = 1.0 / np.linalg.norm(nuts - center[:, np.newaxis], axis=-1, keepdims=True)
@@ -29,7 +32,10 @@ def fermat_points(nuts: Array) -> Array:
 
 
 def test_arm_lengths_are_the_distances_to_the_fermat_point() -> None:
-    """Weiszfeld's iteration for the least sum of distances, which knows no angles; it converges linearly, to about 1e-14 m here."""
+    """Weiszfeld's iteration for the least sum of distances, which knows no angles.
+
+    It converges linearly, to about 1e-14 m here.
+    """
     nuts = nut_points(heights := random_heights(np.random.default_rng(1), 200))
     expected = np.linalg.norm(nuts - fermat_points(nuts)[:, np.newaxis], axis=-1)
     np.testing.assert_allclose(arm_lengths(heights, D), expected, rtol=0, atol=1e-12)
@@ -48,10 +54,13 @@ def test_arm_length_is_negative_where_the_fermat_point_leaves_the_triangle() -> 
     height=st.floats(-1.0, 1.0),
     radius=st.floats(0.05, 2.0),
 )
-def test_heights_of_tilt_give_that_plane_and_that_fermat_point(tilt: float, azimuth: float, height: float, radius: float) -> None:
-    """Round trip through the cross product of two edges of the nut triangle and through the triangle's sides.
+def test_heights_of_tilt_give_that_plane_and_that_fermat_point(
+    tilt: float, azimuth: float, height: float, radius: float
+) -> None:
+    """Round trip through the cross product of two edges and the sides of the nut triangle.
 
-    1e-12 relative: tan(70.5 degrees) and the distance of heights that may be 10 times the radius cost a digit each.
+    1e-12 relative: tan(70.5 degrees) and the distance of heights that may be 10 times the radius
+    cost a digit each.
     """
     heights = heights_of_tilt(height, tilt, azimuth, radius)
     nuts = nut_points(heights, radius)
@@ -61,7 +70,12 @@ def test_heights_of_tilt_give_that_plane_and_that_fermat_point(tilt: float, azim
     np.testing.assert_allclose(normal, expected, rtol=0, atol=1e-12)
     # The center, measured along arm 1 from its nut, is at the height that was asked for.
     arms = arm_lengths(heights, radius)
-    arms_by_tilt = radius * (1 + np.cos(tilt)) / (2 * np.cos(tilt)) * (1 + 2 * np.tan(tilt / 2) ** 2 * np.cos(2 * azimuth + SCREW_AZIMUTHS))
+    arms_by_tilt = (
+        radius
+        * (1 + np.cos(tilt))
+        / (2 * np.cos(tilt))
+        * (1 + 2 * np.tan(tilt / 2) ** 2 * np.cos(2 * azimuth + SCREW_AZIMUTHS))
+    )
     np.testing.assert_allclose(arms, arms_by_tilt, rtol=0, atol=1e-11 * radius)
 
 
@@ -109,7 +123,9 @@ def test_tilt_of_90_degrees_or_more_is_refused(tilt: float) -> None:
 
 @pytest.mark.parametrize("name", ["height", "tilt", "azimuth"])
 @pytest.mark.parametrize("value", [np.nan, np.inf, [0.0, np.nan], None, "steep"])
-def test_arguments_that_are_not_finite_numbers_are_refused_by_name(name: str, value: object) -> None:
+def test_arguments_that_are_not_finite_numbers_are_refused_by_name(
+    name: str, value: object
+) -> None:
     arguments: dict[str, object] = {"height": 0.0, "tilt": 0.1, "azimuth": 0.2, name: value}
     with pytest.raises(InvalidArray, match=name) as caught:
         heights_of_tilt(**arguments, screw_radius=D)  # type: ignore[arg-type]
@@ -121,14 +137,20 @@ def test_arguments_of_shapes_that_do_not_go_together_are_refused() -> None:
         heights_of_tilt(np.zeros(2), np.zeros(5), 0.0, D)
 
 
-@pytest.mark.parametrize("heights", [1.0, np.zeros(4), np.zeros((3, 1)), [0.0, 0.0, np.nan], "abc", None, [[1, 2, 3], [1, 2]]])
+@pytest.mark.parametrize(
+    "heights",
+    [1.0, np.zeros(4), np.zeros((3, 1)), [0.0, 0.0, np.nan], "abc", None, [[1, 2, 3], [1, 2]]],
+)
 def test_arm_lengths_refuses_what_is_not_heights(heights: object) -> None:
     with pytest.raises(InvalidArray, match="heights"):
         arm_lengths(heights, D)  # type: ignore[arg-type]
 
 
 def test_reach_at_the_azimuth_of_a_screw_is_exact() -> None:
-    """sqrt(h² + d²/4) − d/2, 23.9 mm; 1e-13 m because the root finder stops at 1e-14 of the slope."""
+    """sqrt(h² + d²/4) − d/2, 23.9 mm.
+
+    1e-13 m because the root finder stops at 1e-14 of the slope.
+    """
     exact = np.sqrt(H**2 + D**2 / 4) - D / 2
     assert round(1e3 * exact, 1) == 23.9
     np.testing.assert_allclose(tip_reach(SCREW_AZIMUTHS, D, H), exact, rtol=0, atol=1e-13)
@@ -136,7 +158,10 @@ def test_reach_at_the_azimuth_of_a_screw_is_exact() -> None:
 
 @given(d=st.floats(0.05, 1.0), ratio=st.floats(0.05, 0.86))
 def test_reach_at_azimuth_0_is_exact_for_every_robot(d: float, ratio: float) -> None:
-    """The fold lies at the tilt arctan(2 h / d), within the 60 degrees that are searched up to h = 0.866 d; 1e-11 is the root finder's."""
+    """The fold lies at the tilt arctan(2 h / d).
+
+    Within the 60 degrees that are searched up to h = 0.866 d; 1e-11 is the root finder's.
+    """
     h = ratio * d
     np.testing.assert_allclose(tip_reach(0.0, d, h), np.sqrt(h**2 + d**2 / 4) - d / 2, rtol=1e-11)
 
@@ -148,7 +173,9 @@ def test_reach_is_the_least_at_the_screws_symmetric_and_periodic() -> None:
     assert reach.shape == (25,)
     assert (reach[1:-1] > reach[0]).all()
     np.testing.assert_allclose(reach, reach[::-1], rtol=0, atol=1e-12)
-    np.testing.assert_allclose(tip_reach(azimuths - 2.0 * np.pi / 3.0, D, H), reach, rtol=0, atol=1e-12)
+    np.testing.assert_allclose(
+        tip_reach(azimuths - 2.0 * np.pi / 3.0, D, H), reach, rtol=0, atol=1e-12
+    )
     np.testing.assert_allclose(tip_reach(-azimuths, D, H), reach, rtol=0, atol=1e-12)
     # It grows up to the cusp opposite to a screw.
     assert (np.diff(reach[:13]) > 0.0).all()

@@ -16,9 +16,16 @@ def test_default_is_table_3_1_with_the_star_inertia_divided_by_ten() -> None:
     """The table's numbers typed in again; equality, because they are literals."""
     parameters = Parameters()
     assert (parameters.screw_radius, parameters.tool_length) == (0.181, 0.070)
-    assert (parameters.nut_mass, parameters.ball_mass, parameters.star_mass) == (7.175, 0.357, 1.758)
+    assert (parameters.nut_mass, parameters.ball_mass, parameters.star_mass) == (
+        7.175,
+        0.357,
+        1.758,
+    )
     assert parameters.nut_inertia == (0.003, 0.39, 0.3294)
-    assert (parameters.ball_transverse_inertia, parameters.ball_axial_inertia) == (0.094e-3, 0.1117e-3)
+    assert (parameters.ball_transverse_inertia, parameters.ball_axial_inertia) == (
+        0.094e-3,
+        0.1117e-3,
+    )
     # In the print the large moment is the second one: the thesis's star axis is its y.
     assert parameters.star_inertia == (0.6451 / 10, 0.6451 / 10, 1.2901 / 10)
     assert parameters.gravity == 9.81
@@ -59,7 +66,9 @@ def test_unknown_set_is_refused_with_the_known_names() -> None:
     assert isinstance(caught.value, PSP3Error)
 
 
-@pytest.mark.parametrize("name", ["screw_radius", "tool_length", "nut_mass", "ball_mass", "star_mass"])
+@pytest.mark.parametrize(
+    "name", ["screw_radius", "tool_length", "nut_mass", "ball_mass", "star_mass"]
+)
 @pytest.mark.parametrize("value", [0.0, -1.0, np.nan, np.inf])
 def test_lengths_and_masses_must_be_positive(name: str, value: float) -> None:
     with pytest.raises(InvalidValue, match=name) as caught:
@@ -77,7 +86,9 @@ def test_moments_and_gravity_must_not_be_negative(name: str, value: float) -> No
 
 
 @pytest.mark.parametrize("name", ["nut_inertia", "star_inertia"])
-@pytest.mark.parametrize("moments", [(1.0, 2.0), (1.0, 2.0, 3.0, 4.0), 1.0, (1.0, -2.0, 3.0), (1.0, np.nan, 3.0)])
+@pytest.mark.parametrize(
+    "moments", [(1.0, 2.0), (1.0, 2.0, 3.0, 4.0), 1.0, (1.0, -2.0, 3.0), (1.0, np.nan, 3.0)]
+)
 def test_moments_of_a_body_must_be_three_numbers(name: str, moments: object) -> None:
     """A pair or a scalar must not wait for a stray TypeError in the middle of loading."""
     with pytest.raises(InvalidValue, match=name):
@@ -97,7 +108,9 @@ def test_as_dict_gives_back_the_same_parameters() -> None:
 
 def test_array_for_the_closed_form_sums_what_moves_together() -> None:
     """Each body's moment counts for the rotations that turn it; 1e-15 is rounding."""
-    p = Parameters(ball_axial_inertia=2e-3, ball_transverse_inertia=3e-3, star_inertia=(0.1, 0.2, 0.3))
+    p = Parameters(
+        ball_axial_inertia=2e-3, ball_transverse_inertia=3e-3, star_inertia=(0.1, 0.2, 0.3)
+    )
     expected = [
         0.181,
         0.070,

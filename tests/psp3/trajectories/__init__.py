@@ -1,0 +1,1 @@
+"""Tests of psp3.trajectories, one file per module."""

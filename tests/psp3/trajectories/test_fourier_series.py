@@ -24,8 +24,12 @@ def test_speeds_and_accelerations_are_derivatives() -> None:
     motion = series()
     t = np.linspace(-1.0, 4.0, 17)
     found = motion(t)
-    np.testing.assert_allclose(found.speeds, derivative(lambda h: motion(t + h).positions, 1e-2), atol=1e-9)
-    np.testing.assert_allclose(found.accelerations, derivative(lambda h: motion(t + h).speeds, 1e-2), atol=1e-9)
+    np.testing.assert_allclose(
+        found.speeds, derivative(lambda h: motion(t + h).positions, 1e-2), atol=1e-9
+    )
+    np.testing.assert_allclose(
+        found.accelerations, derivative(lambda h: motion(t + h).speeds, 1e-2), atol=1e-9
+    )
 
 
 def test_it_repeats_after_a_period_and_is_a_sum_of_sines() -> None:
@@ -35,7 +39,11 @@ def test_it_repeats_after_a_period_and_is_a_sum_of_sines() -> None:
     np.testing.assert_allclose(motion(t + 2.5).positions, motion(t).positions, atol=1e-14)
     assert motion.harmonics == 3
     omega = 2.0 * np.pi / 2.5
-    by_hand = sum(motion.sines[k, 1] * np.sin((k + 1) * omega * t) + motion.cosines[k, 1] * np.cos((k + 1) * omega * t) for k in range(3))
+    by_hand = sum(
+        motion.sines[k, 1] * np.sin((k + 1) * omega * t)
+        + motion.cosines[k, 1] * np.cos((k + 1) * omega * t)
+        for k in range(3)
+    )
     np.testing.assert_allclose(motion(t).positions[:, 1], motion.center[1] + by_hand, atol=1e-14)
     assert motion(0.3).positions.shape == (2,)
 
@@ -52,14 +60,23 @@ def test_a_fit_finds_a_series_again() -> None:
 
 
 def test_noise_and_covariance_of_a_fit_are_those_of_many_fits() -> None:
-    """1000 seeds: a standard deviation is uncertain by 1/sqrt(2000), 2.2 %, so 10 % is more than four of these."""
+    """1000 seeds: a standard deviation is uncertain by 1/sqrt(2000).
+
+    That is 2.2 %, so 10 % is more than four of these.
+    """
     motion, size = series(), 1e-3
     t = np.linspace(0.0, 4.0, 30)
     coefficients, noises = [], []
     for seed in range(1000):
         rng = np.random.default_rng(seed)
-        fitted = fit_fourier_series(t, motion(t).positions + size * rng.normal(size=(30, 2)), 2.5, 3, ROBOT)
-        coefficients.append(np.concatenate([fitted.motion.center[:1], fitted.motion.sines[:, 0], fitted.motion.cosines[:, 0]]))
+        fitted = fit_fourier_series(
+            t, motion(t).positions + size * rng.normal(size=(30, 2)), 2.5, 3, ROBOT
+        )
+        coefficients.append(
+            np.concatenate(
+                [fitted.motion.center[:1], fitted.motion.sines[:, 0], fitted.motion.cosines[:, 0]]
+            )
+        )
         noises.append(fitted.noise[0])
     expected = size * np.sqrt(np.diag(fitted.covariance))
     np.testing.assert_allclose(np.std(coefficients, axis=0), expected, rtol=0.1)
@@ -69,7 +86,10 @@ def test_noise_and_covariance_of_a_fit_are_those_of_many_fits() -> None:
 
 
 def test_a_fit_differentiates_better_than_differences() -> None:
-    """The reason to have it: noise of 0.1 mrad at 100 samples a second. Central differences of it are some thousand times worse."""
+    """The reason to have it: noise of 0.1 mrad at 100 samples a second.
+
+    Central differences of it are some thousand times worse.
+    """
     motion, rng = series(), np.random.default_rng(2)
     t = np.arange(500) / 100.0
     noisy = motion(t).positions + 1e-4 * rng.normal(size=(500, 2))
@@ -99,7 +119,12 @@ def test_terms_are_orthogonal_over_a_period() -> None:
     ],
 )
 def test_bad_series_are_refused(change: dict[str, object], error: type[Exception]) -> None:
-    arguments: dict[str, object] = {"center": np.zeros(2), "sines": np.zeros((3, 2)), "cosines": np.zeros((3, 2)), "period": 1.0}
+    arguments: dict[str, object] = {
+        "center": np.zeros(2),
+        "sines": np.zeros((3, 2)),
+        "cosines": np.zeros((3, 2)),
+        "period": 1.0,
+    }
     with pytest.raises(error):
         FourierSeries(**(arguments | change), robot=ROBOT)  # type: ignore[arg-type]
 
@@ -120,6 +145,11 @@ def test_bad_series_are_refused(change: dict[str, object], error: type[Exception
 )
 def test_bad_measurements_are_refused(change: dict[str, object], error: type[Exception]) -> None:
     t: Array = np.arange(20) * 0.13
-    arguments: dict[str, object] = {"t": t, "positions": np.zeros((20, 2)), "period": 2.6, "harmonics": 3}
+    arguments: dict[str, object] = {
+        "t": t,
+        "positions": np.zeros((20, 2)),
+        "period": 2.6,
+        "harmonics": 3,
+    }
     with pytest.raises(error):
         fit_fourier_series(**(arguments | change), robot=ROBOT)  # type: ignore[arg-type]

@@ -1,4 +1,7 @@
-"""Screw forces of a motion: against other implementations of the dynamics, finite differences, and the conservation of energy."""
+"""Screw forces of a motion.
+
+Against other implementations of the dynamics, finite differences, and the conservation of energy.
+"""
 
 from __future__ import annotations
 
@@ -31,27 +34,42 @@ def motion(request: pytest.FixtureRequest) -> Trajectory:
 
 
 @pytest.mark.parametrize("model", ["pinocchio", "noc"])
-def test_forces_are_those_of_the_independent_implementations(motion: Trajectory, model: str) -> None:
-    """The term sums of RNEA and of the thesis's own route; the bar of the models is 1e-9 of the largest entry."""
+def test_forces_are_those_of_the_independent_implementations(
+    motion: Trajectory, model: str
+) -> None:
+    """The term sums of RNEA and of the thesis's own route.
+
+    The bar of the models is 1e-9 of the largest entry.
+    """
     t = np.linspace(0.0, 0.5, 7)
     ours, other = screw_forces(motion, t), screw_forces(motion, t, ROBOT.dynamics(model))
     assert other.forces is not ours.forces
     for name in ("inertial", "coriolis", "gravity", "forces"):
         expected = getattr(other, name)
-        np.testing.assert_allclose(getattr(ours, name), expected, rtol=0.0, atol=1e-9 * max(np.abs(expected).max(), 1e-3))
+        np.testing.assert_allclose(
+            getattr(ours, name), expected, rtol=0.0, atol=1e-9 * max(np.abs(expected).max(), 1e-3)
+        )
 
 
 def test_forces_are_those_of_recursive_newton_euler_on_the_tree(motion: Trajectory) -> None:
-    """Inverse dynamics of the tree projected on the screws takes no M, C or G at all; 1e-9 of the weight."""
+    """Inverse dynamics of the tree projected on the screws takes no M, C or G at all.
+
+    1e-9 of the weight.
+    """
     t = np.linspace(0.0, 0.5, 11)
     forces = screw_forces(motion, t)
     tree = ROBOT.dynamics("pinocchio")
-    expected = tree.inverse_dynamics(forces.motion.heights, forces.motion.speeds, forces.motion.accelerations)  # type: ignore[attr-defined]
+    expected = tree.inverse_dynamics(
+        forces.motion.heights, forces.motion.speeds, forces.motion.accelerations
+    )  # type: ignore[attr-defined]
     np.testing.assert_allclose(forces.forces, expected, atol=1e-7)
 
 
 def test_work_of_the_screws_is_the_gain_in_energy(motion: Trajectory) -> None:
-    """Trapezoidal rule at 0.1 ms: its error is about 1e-8 of the power's second derivative, below 1e-6 J."""
+    """Trapezoidal rule at 0.1 ms.
+
+    Its error is about 1e-8 of the power's second derivative, below 1e-6 J.
+    """
     t = np.linspace(0.0, 0.5, 5001)
     forces = screw_forces(motion, t)
     heights, speeds = forces.motion.heights, forces.motion.speeds
@@ -66,8 +84,12 @@ def test_rates_are_the_derivatives_of_the_heights(motion: Trajectory) -> None:
     step = 1e-4
     t = np.linspace(0.05, 0.45, 9)
     before, now, after = (screw_forces(motion, t + shift).motion for shift in (-step, 0.0, step))
-    np.testing.assert_allclose(now.speeds, (after.heights - before.heights) / (2.0 * step), atol=1e-6)
-    np.testing.assert_allclose(now.accelerations, (after.speeds - before.speeds) / (2.0 * step), atol=1e-4)
+    np.testing.assert_allclose(
+        now.speeds, (after.heights - before.heights) / (2.0 * step), atol=1e-6
+    )
+    np.testing.assert_allclose(
+        now.accelerations, (after.speeds - before.speeds) / (2.0 * step), atol=1e-4
+    )
 
 
 def test_tip_at_rest_takes_the_weight_and_nothing_else() -> None:
@@ -79,11 +101,16 @@ def test_tip_at_rest_takes_the_weight_and_nothing_else() -> None:
 
 
 def test_columns_are_a_file_that_can_be_followed_again(motion: Trajectory, tmp_path: Path) -> None:
-    """A spline through samples 1 ms apart misses a smooth path by less than 1e-9 m, and its curvature by less than 1e-2 m/s²."""
+    """A spline through samples 1 ms apart misses a smooth path by less than 1e-9 m.
+
+    It misses its curvature by less than 1e-2 m/s².
+    """
     t = np.linspace(0.0, 0.5, 501)
     forces = screw_forces(motion, t)
     columns = forces.columns()
-    assert list(columns) == ["t", "x", "y", "z"] + [f"{name}{k}" for name in ("a", "speed", "acceleration", "force") for k in (1, 2, 3)]
+    assert list(columns) == ["t", "x", "y", "z"] + [
+        f"{name}{k}" for name in ("a", "speed", "acceleration", "force") for k in (1, 2, 3)
+    ]
     assert {values.shape for values in columns.values()} == {(501,)}
     np.testing.assert_array_equal(columns["force2"], forces.forces[:, 1])
     path = tmp_path / "motion.csv"
@@ -101,7 +128,12 @@ def test_columns_are_a_file_that_can_be_followed_again(motion: Trajectory, tmp_p
     ("call", "error"),
     [
         (lambda: screw_forces(Helix(0.03, robot=ROBOT), [0.0, 1.0]), UnreachableTip),
-        (lambda: screw_forces(Line([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 1.0, robot=ROBOT), np.linspace(0.0, 1.0, 9)), StrokeExceeded),
+        (
+            lambda: screw_forces(
+                Line([0.0, 0.0, 0.0], [0.0, 0.0, 1.0], 1.0, robot=ROBOT), np.linspace(0.0, 1.0, 9)
+            ),
+            StrokeExceeded,
+        ),
         (lambda: screw_forces(MOTIONS["helix"], 0.0), InvalidArray),
         (lambda: screw_forces(MOTIONS["helix"], [[0.0]]), InvalidArray),
         (lambda: screw_forces(MOTIONS["helix"], [0.0, np.nan]), InvalidArray),
@@ -125,13 +157,25 @@ def test_figure_shows_the_numbers_with_their_units() -> None:
     forces = screw_forces(MOTIONS["helix"], np.linspace(0.0, 2.0, 101))
     panels = figure_of(forces)
     motion = forces.motion
-    curves = (1e3 * motion.tip, 1e3 * motion.heights, forces.forces, motion.speeds, motion.accelerations)
-    for panel, values, unit in zip(panels, curves, ("[mm]", "[mm]", "[N]", "[m/s]", "[m/s²]"), strict=False):
+    curves = (
+        1e3 * motion.tip,
+        1e3 * motion.heights,
+        forces.forces,
+        motion.speeds,
+        motion.accelerations,
+    )
+    for panel, values, unit in zip(
+        panels, curves, ("[mm]", "[mm]", "[N]", "[m/s]", "[m/s²]"), strict=False
+    ):
         for line, column in zip(panel.lines, values.T, strict=True):
-            np.testing.assert_array_equal(np.array(line.get_data(), dtype=float), [forces.t, column])
+            np.testing.assert_array_equal(
+                np.array(line.get_data(), dtype=float), [forces.t, column]
+            )
         assert unit in panel.get_ylabel()
     gravity = next(line for line in panels[5].lines if "gravity" in str(line.get_label()))
-    np.testing.assert_allclose(np.asarray(gravity.get_ydata(), dtype=float), np.linalg.norm(forces.gravity, axis=-1))
+    np.testing.assert_allclose(
+        np.asarray(gravity.get_ydata(), dtype=float), np.linalg.norm(forces.gravity, axis=-1)
+    )
     assert "[s]" in panels[5].get_xlabel()
 
 
@@ -152,5 +196,9 @@ def test_figure_of_tracking_does_not_magnify_rounding() -> None:
     result = psp3.simulate(ROBOT, psp3.FeedForward(ROBOT), Hold(robot=ROBOT), 0.02)
     with style():
         panels = plots.figure_of_tracking(result, "at rest")
-    for low, high in (panels[6].get_xlim(), panels[6].get_ylim(), panels[6].get_zlim()):  # type: ignore[attr-defined]
+    for low, high in (
+        panels[6].get_xlim(),
+        panels[6].get_ylim(),
+        panels[6].get_zlim(),  # type: ignore[attr-defined]
+    ):
         assert high - low >= 1.0 - 1e-12

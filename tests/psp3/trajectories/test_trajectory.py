@@ -1,4 +1,7 @@
-"""Trajectories: rates against finite differences, paths against their equations, and what is refused."""
+"""Trajectories.
+
+Rates against finite differences, paths against their equations, and what is refused.
+"""
 
 from __future__ import annotations
 
@@ -29,13 +32,22 @@ NEAR = np.array([0.01, -0.012, 0.10])
 
 def spline_file(path: Path, columns: str = "t,x,y,z") -> Path:
     times = np.linspace(0.0, 2.0, 21)
-    table = np.column_stack([times, 0.01 * np.sin(times), 0.01 * np.cos(times), 0.08 + 0.01 * times])
-    path.write_text(columns + "\n" + "\n".join(",".join(f"{value:.12g}" for value in row) for row in table) + "\n")
+    table = np.column_stack(
+        [times, 0.01 * np.sin(times), 0.01 * np.cos(times), 0.08 + 0.01 * times]
+    )
+    path.write_text(
+        columns
+        + "\n"
+        + "\n".join(",".join(f"{value:.12g}" for value in row) for row in table)
+        + "\n"
+    )
     return path
 
 
 @pytest.fixture(scope="module")
-def every_trajectory(tmp_path_factory: pytest.TempPathFactory) -> dict[str, trajectories.Trajectory]:
+def every_trajectory(
+    tmp_path_factory: pytest.TempPathFactory,
+) -> dict[str, trajectories.Trajectory]:
     folder = tmp_path_factory.mktemp("csv")
     return {
         "helix": trajectories.Helix(),
@@ -43,23 +55,44 @@ def every_trajectory(tmp_path_factory: pytest.TempPathFactory) -> dict[str, traj
         "line": trajectories.Line(HOME, NEAR, 2.0),
         "point to point": trajectories.PointToPoint(HOME, NEAR, 2.0),
         "hold": trajectories.Hold(NEAR),
-        "waypoints": trajectories.Waypoints([0.0, 0.7, 1.5, 2.0], [HOME, NEAR, 0.5 * (HOME + NEAR), HOME]),
+        "waypoints": trajectories.Waypoints(
+            [0.0, 0.7, 1.5, 2.0], [HOME, NEAR, 0.5 * (HOME + NEAR), HOME]
+        ),
         "tip file": trajectories.FromCSV(spline_file(folder / "tip.csv")),
         "heights file": trajectories.FromCSV(spline_file(folder / "heights.csv", "t,a1,a2,a3")),
-        "joints": trajectories.PointToPoint([0.0, 0.02, -0.01], [0.05, 0.0, 0.03], 2.0, space="joints"),
-        "joint waypoints": trajectories.Waypoints([0.0, 1.0, 2.0], [[0.0] * 3, [0.05, 0.0, 0.03], [0.01] * 3], space="joints"),
+        "joints": trajectories.PointToPoint(
+            [0.0, 0.02, -0.01], [0.05, 0.0, 0.03], 2.0, space="joints"
+        ),
+        "joint waypoints": trajectories.Waypoints(
+            [0.0, 1.0, 2.0], [[0.0] * 3, [0.05, 0.0, 0.03], [0.01] * 3], space="joints"
+        ),
         "joint hold": trajectories.Hold([0.05, 0.0, 0.03], space="joints"),
     }
 
 
 NAMES = [
-    "helix", "circle", "line", "point to point", "hold", "waypoints", "tip file", "heights file", "joints", "joint waypoints", "joint hold",
-]  # fmt: skip
+    "helix",
+    "circle",
+    "line",
+    "point to point",
+    "hold",
+    "waypoints",
+    "tip file",
+    "heights file",
+    "joints",
+    "joint waypoints",
+    "joint hold",
+]
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_rates_are_the_derivatives_of_the_heights(name: str, every_trajectory: dict[str, trajectories.Trajectory]) -> None:
-    """Five-point central differences, h = 1e-3 s: truncation h⁴ times the fifth derivative (about 300 m/s⁵ here) stays below 1e-7."""
+def test_rates_are_the_derivatives_of_the_heights(
+    name: str, every_trajectory: dict[str, trajectories.Trajectory]
+) -> None:
+    """Five-point central differences, h = 1e-3 s.
+
+    Truncation h⁴ times the fifth derivative (about 300 m/s⁵ here) stays below 1e-7.
+    """
     trajectory = every_trajectory[name]
     # Times away from the knots of the splines, where the third derivative jumps.
     t, h = np.arange(0.055, 1.95, 0.1) + 0.003, 1e-3
@@ -74,15 +107,21 @@ def test_rates_are_the_derivatives_of_the_heights(name: str, every_trajectory: d
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_tip_of_the_heights_is_the_tip_asked_for(name: str, every_trajectory: dict[str, trajectories.Trajectory]) -> None:
+def test_tip_of_the_heights_is_the_tip_asked_for(
+    name: str, every_trajectory: dict[str, trajectories.Trajectory]
+) -> None:
     """Forward kinematics of what inverse kinematics returned; 1e-14 m is a few ulps."""
     t = np.linspace(-0.5, 3.0, 50)
     motion = every_trajectory[name](t)
-    np.testing.assert_allclose(every_trajectory[name].robot.forward_kinematics(motion.heights).tip, motion.tip, atol=1e-14)
+    np.testing.assert_allclose(
+        every_trajectory[name].robot.forward_kinematics(motion.heights).tip, motion.tip, atol=1e-14
+    )
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_vectorized_in_time(name: str, every_trajectory: dict[str, trajectories.Trajectory]) -> None:
+def test_vectorized_in_time(
+    name: str, every_trajectory: dict[str, trajectories.Trajectory]
+) -> None:
     trajectory, t = every_trajectory[name], np.linspace(0.0, 2.0, 6)
     together, grid = trajectory(t), trajectory(t.reshape(2, 3))
     for field in trajectories.Motion._fields:
@@ -97,7 +136,9 @@ def test_helix_follows_its_equation() -> None:
     helix = trajectories.Helix(radius=0.015, period=1.5, rise=0.02, height=0.09)
     t = np.linspace(0.0, 4.0, 41)
     tip = helix(t).tip
-    np.testing.assert_allclose(tip[:, 0] + 1j * tip[:, 1], 0.015 * np.exp(2j * np.pi * t / 1.5), atol=1e-16)
+    np.testing.assert_allclose(
+        tip[:, 0] + 1j * tip[:, 1], 0.015 * np.exp(2j * np.pi * t / 1.5), atol=1e-16
+    )
     np.testing.assert_allclose(tip[:, 2], 0.09 + 0.02 * t, atol=1e-16)
 
 
@@ -118,7 +159,11 @@ def test_quintic_is_symmetric_and_stays_on_the_line(share: float) -> None:
 
 @pytest.mark.parametrize("kind", [trajectories.PointToPoint, trajectories.Waypoints])
 def test_smooth_motions_start_and_end_at_rest(kind: type) -> None:
-    trajectory = kind(HOME, NEAR, 2.0) if kind is trajectories.PointToPoint else kind([0.0, 1.0, 2.0], [HOME, 0.7 * NEAR, NEAR])
+    trajectory = (
+        kind(HOME, NEAR, 2.0)
+        if kind is trajectories.PointToPoint
+        else kind([0.0, 1.0, 2.0], [HOME, 0.7 * NEAR, NEAR])
+    )
     motion = trajectory([0.0, 2.0, 5.0])
     np.testing.assert_allclose(motion.speeds, 0.0, atol=1e-15)
     np.testing.assert_allclose(motion.tip[1:], [NEAR, NEAR], atol=1e-16)
@@ -130,12 +175,25 @@ def test_waypoints_are_passed_at_their_times() -> None:
 
 
 def test_a_file_of_heights_and_one_of_tips_tell_the_same_motion(tmp_path: Path) -> None:
-    """A recorded helix, once as tips and once as heights. Splines through 10 ms samples differ by their error, about 1e-9 m."""
+    """A recorded helix, once as tips and once as heights.
+
+    Splines through 10 ms samples differ by their error, about 1e-9 m.
+    """
     t = np.arange(0.0, 2.0, 0.01)
     motion = trajectories.Helix()(t)
-    for name, columns, values in (("tip", "x,y,z", motion.tip), ("heights", "a1,a2,a3", motion.heights)):
+    for name, columns, values in (
+        ("tip", "x,y,z", motion.tip),
+        ("heights", "a1,a2,a3", motion.heights),
+    ):
         rows = np.column_stack([t, values])
-        np.savetxt(tmp_path / f"{name}.csv", rows, delimiter=",", header=f"t,{columns}", comments="", fmt="%.17g")
+        np.savetxt(
+            tmp_path / f"{name}.csv",
+            rows,
+            delimiter=",",
+            header=f"t,{columns}",
+            comments="",
+            fmt="%.17g",
+        )
     inside = np.linspace(0.05, 1.9, 300)
     by_tip = trajectories.FromCSV(tmp_path / "tip.csv")(inside)
     by_heights = trajectories.FromCSV(tmp_path / "heights.csv")(inside)
@@ -147,7 +205,10 @@ def test_a_file_of_heights_and_one_of_tips_tell_the_same_motion(tmp_path: Path) 
 
 
 def test_a_motion_of_the_joints_is_straight_in_them() -> None:
-    """The quintic written out: halfway at half the time, at 15/8 of the mean speed, without acceleration."""
+    """The quintic written out: halfway at half the time.
+
+    There at 15/8 of the mean speed, without acceleration.
+    """
     start, end = np.array([0.0, 0.02, -0.01]), np.array([0.05, 0.0, 0.03])
     middle = trajectories.PointToPoint(start, end, 2.0, space="joints")(1.0)
     np.testing.assert_allclose(middle.positions, 0.5 * (start + end), atol=1e-16)
@@ -157,7 +218,10 @@ def test_a_motion_of_the_joints_is_straight_in_them() -> None:
 
 @pytest.mark.parametrize("name", ["five_bar", "gough_stewart"])
 def test_of_any_robot_the_joints_move(name: str, tmp_path: Path) -> None:
-    """The same way as points, as a recording, and as its end; the tip is where closing the loops puts the frame, to 1e-12 m."""
+    """The same way as points, as a recording, and as its end.
+
+    The tip is where closing the loops puts the frame, to 1e-12 m.
+    """
     robot = psp3.load(name)
     n = len(robot.actuated)
     goal = robot.reference + np.linspace(-0.03, 0.05, n)
@@ -165,22 +229,39 @@ def test_of_any_robot_the_joints_move(name: str, tmp_path: Path) -> None:
     t = np.linspace(0.0, 1.0, 41)
     motion = path.check(t)
     assert motion.heights.shape == motion.speeds.shape == motion.accelerations.shape == (41, n)
-    np.testing.assert_allclose(motion.tip, robot.frame_placement(motion.positions, "tip")[:, :3, 3], atol=1e-12)
-    np.testing.assert_array_equal(trajectories.Hold(robot=robot)([0.0, 5.0]).positions, [robot.reference] * 2)
+    np.testing.assert_allclose(
+        motion.tip, robot.frame_placement(motion.positions, "tip")[:, :3, 3], atol=1e-12
+    )
+    np.testing.assert_array_equal(
+        trajectories.Hold(robot=robot)([0.0, 5.0]).positions, [robot.reference] * 2
+    )
     np.testing.assert_allclose(trajectories.Hold(goal, robot)(0.0).tip, motion.tip[-1], atol=1e-12)
     header = ",".join(["t", *robot.actuated])
-    np.savetxt(tmp_path / "motion.csv", np.column_stack([t, motion.positions]), delimiter=",", header=header, comments="", fmt="%.17g")
+    np.savetxt(
+        tmp_path / "motion.csv",
+        np.column_stack([t, motion.positions]),
+        delimiter=",",
+        header=header,
+        comments="",
+        fmt="%.17g",
+    )
     recorded = trajectories.FromCSV(tmp_path / "motion.csv", robot)
     np.testing.assert_allclose(recorded(t).positions, motion.positions, atol=1e-15)
     splined = trajectories.Waypoints(t, motion.positions, robot)
     # A cubic spline through samples 25 ms apart: h⁴/384 times the fourth derivative, 360 · way.
-    np.testing.assert_allclose(splined(t[:-1] + 0.01).positions, path(t[:-1] + 0.01).positions, atol=0.025**4 / 384.0 * 360.0 * 0.05)
+    np.testing.assert_allclose(
+        splined(t[:-1] + 0.01).positions,
+        path(t[:-1] + 0.01).positions,
+        atol=0.025**4 / 384.0 * 360.0 * 0.05,
+    )
 
 
 def test_what_a_robot_cannot_do_is_refused() -> None:
     robot = psp3.load("five_bar")
     with pytest.raises(StrokeExceeded):
-        trajectories.PointToPoint(robot.reference, [-1.6, 0.6], 1.0, robot).check(np.linspace(0.0, 1.0, 50))
+        trajectories.PointToPoint(robot.reference, [-1.6, 0.6], 1.0, robot).check(
+            np.linspace(0.0, 1.0, 50)
+        )
     with pytest.raises(ClosureFailed):
         trajectories.Hold([-2.5, 2.5], robot)(0.0)
     # Where there is no frame of that name there is no tip.
@@ -200,8 +281,12 @@ def test_what_a_robot_cannot_do_is_refused() -> None:
 
 
 def test_a_file_for_another_robot_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InvalidTrajectoryFile, match=r"must name the columns t,\w+,\w+; it has t, a1, a2, a3"):
-        trajectories.FromCSV(spline_file(tmp_path / "heights.csv", "t,a1,a2,a3"), psp3.load("five_bar"))
+    with pytest.raises(
+        InvalidTrajectoryFile, match=r"must name the columns t,\w+,\w+; it has t, a1, a2, a3"
+    ):
+        trajectories.FromCSV(
+            spline_file(tmp_path / "heights.csv", "t,a1,a2,a3"), psp3.load("five_bar")
+        )
 
 
 def test_radius_beyond_the_fold_names_the_reach() -> None:
@@ -270,7 +355,10 @@ def test_missing_file_is_named(tmp_path: Path) -> None:
 
 
 def test_a_motion_in_which_links_touch_is_refused_if_clearance_is_asked_for() -> None:
-    """A lean of 45 degrees toward screw 1 is beyond the contact of bushing and frame at 35.594 degrees, and within the arms' lengths."""
+    """A lean of 45 degrees toward screw 1 is a contact.
+
+    Bushing and frame touch at 35.594 degrees; it is within the arms' lengths.
+    """
     robot = psp3.load("psp3")
     leaning = robot.inverse_kinematics(height=0.0, tilt=np.radians(45.0), azimuth=0.0)
     motion = trajectories.PointToPoint(np.zeros(3), leaning, 1.0, robot=robot, space="joints")

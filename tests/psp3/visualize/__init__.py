@@ -1,0 +1,1 @@
+"""Tests of psp3.visualize, one file per module."""

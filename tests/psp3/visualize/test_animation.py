@@ -13,7 +13,10 @@ ROBOT = psp3.load()
 
 
 def test_frames_of_a_result_are_its_samples_at_even_times() -> None:
-    """A period of 1/90 s puts every third sample on a frame, so nothing is interpolated: 1e-12 is rounding."""
+    """A period of 1/90 s puts every third sample on a frame, so nothing is interpolated.
+
+    1e-12 is rounding.
+    """
     helix = psp3.trajectories.Helix(robot=ROBOT)
     result = psp3.simulate(ROBOT, psp3.PD(), helix, 1.0, 1.0 / 90.0)
     frames = frames_of(result)
@@ -48,7 +51,11 @@ def test_a_trajectory_without_an_end_needs_a_time(duration: float | None) -> Non
 
 def test_only_what_moves_has_a_track() -> None:
     seconds = np.array([0.0, 0.5, 1.0])
-    still, up, around = np.ones((3, 3)), np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]), np.eye(3)
+    still, up, around = (
+        np.ones((3, 3)),
+        np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 2.0], [0.0, 0.0, 3.0]]),
+        np.eye(3),
+    )
     tracks = {
         name: track
         for values in ({"position": up, "scale": still}, {"position": around})

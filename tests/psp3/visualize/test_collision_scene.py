@@ -1,4 +1,7 @@
-"""The scene of the nearest links: what is drawn is where it belongs, can be seen, and goes again."""
+"""The scene of the nearest links.
+
+What is drawn is where it belongs, can be seen, and goes again.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +37,16 @@ def legend(scene: CollisionScene) -> list[tuple[str, str]]:
 
 def hidden(scene: CollisionScene) -> set[str]:
     """Return the bodies that are not shown."""
-    properties = [c for c in commands(scene) if c["type"] == "set_property" and c["property"] == "visible" and not c["value"]]
-    return {c["path"].rpartition("/")[2] for c in properties if c["path"].startswith("/meshcat/robots/0/visuals/")}
+    properties = [
+        c
+        for c in commands(scene)
+        if c["type"] == "set_property" and c["property"] == "visible" and not c["value"]
+    ]
+    return {
+        c["path"].rpartition("/")[2]
+        for c in properties
+        if c["path"].startswith("/meshcat/robots/0/visuals/")
+    }
 
 
 def test_nearest_points_are_where_they_belong(browser: webdriver.Chrome) -> None:
@@ -44,10 +55,16 @@ def test_nearest_points_are_where_they_belong(browser: webdriver.Chrome) -> None
     open_scene(browser, scene)
     nearest = MODEL.nearest(TILTED)
     for number, point in enumerate(nearest.points):
-        assert_allclose(placement(browser, "meshcat", "robots", "0", "nearest", f"point{number}")[:3, 3], point, atol=1e-6)
+        assert_allclose(
+            placement(browser, "meshcat", "robots", "0", "nearest", f"point{number}")[:3, 3],
+            point,
+            atol=1e-6,
+        )
     for part, joint in enumerate(("a1", "lambda1")):
         drawn = placement(browser, "meshcat", "robots", "0", "nearest", str(part), "visuals", joint)
-        assert_allclose(drawn, placement(browser, "meshcat", "robots", "0", "visuals", joint), atol=1e-6)
+        assert_allclose(
+            drawn, placement(browser, "meshcat", "robots", "0", "visuals", joint), atol=1e-6
+        )
     browser.execute_script("look(true)")
     settle(browser)
     assert changed_pixels(browser, "robots/0/nearest/point0").sum() > 10
@@ -64,10 +81,17 @@ def test_legend_says_which_links_and_how_far() -> None:
 
 
 def test_bodies_are_shown_by_their_shapes_instead_of_their_looks_and_back_again() -> None:
-    """Another pose leaves nothing of the one before; without nearest links nothing is left of them at all."""
+    """Another pose leaves nothing of the one before.
+
+    Without nearest links nothing is left of them at all.
+    """
     scene = CollisionScene(ROBOT, MODEL).show_nearest(TILTED)
     assert hidden(scene) == {"a1", "lambda1"}
-    drawn = [c for c in commands(scene) if c["type"] == "set_object" and "/nearest/" in c["path"] and "point" not in c["path"]]
+    drawn = [
+        c
+        for c in commands(scene)
+        if c["type"] == "set_object" and "/nearest/" in c["path"] and "point" not in c["path"]
+    ]
     assert sum("/a1/" in c["path"] for c in drawn) == MODEL.links.count("nut1")
     scene.show_nearest(ROBOT.inverse_kinematics(0.0, np.radians(33.0), np.radians(120.0)))
     assert [text for text, _ in legend(scene)][:2] == ["nut2", "ball_lambda2"]

@@ -62,13 +62,19 @@ class Recorder:
 
 @pytest.mark.parametrize("length", [0.2, HEAD_LENGTH, 0.01, 0.0, -0.01, -0.2])
 def test_an_arrow_is_as_long_as_it_should_be_up_or_down(length: float) -> None:
-    """From where it starts, which is at the end of the nut that the force pushes from, to its point. 2e-4 m replaces a length of zero."""
+    """From where it starts to its point.
+
+    It starts at the end of the nut that the force pushes from. 2e-4 m replaces a length of zero.
+    """
     recorder = Recorder()
-    parts = ForceArrow(meshcat.Visualizer(window=recorder)["nut"], SCREW_IN_NUT, np.array([0.0, 0.0, 1.0])).place(
-        np.full(2, length), np.array([0.0, 1.0])
-    )
+    parts = ForceArrow(
+        meshcat.Visualizer(window=recorder)["nut"], SCREW_IN_NUT, np.array([0.0, 0.0, 1.0])
+    ).place(np.full(2, length), np.array([0.0, 1.0]))
     assert all(part["clip"]["tracks"] == [] for part in parts)
-    head, shaft = (next(matrix for path, matrix in recorder.matrices.items() if path.endswith(name)) for name in ("head", "shaft"))
+    head, shaft = (
+        next(matrix for path, matrix in recorder.matrices.items() if path.endswith(name))
+        for name in ("head", "shaft")
+    )
     point, start = (head @ [0.0, 0.0, HEAD_LENGTH, 1.0])[2], shaft[2, 3]
     assert point - start == pytest.approx(length, abs=2e-4)
     assert start == pytest.approx(0.044 * np.clip(length / HEAD_LENGTH, -1.0, 1.0), abs=1e-5)

@@ -1,4 +1,7 @@
-"""Pinocchio's visualizer for a robot with loops: bodies that a loop joins share a node, and a ghost is inside its robot."""
+"""Pinocchio's visualizer for a robot with loops.
+
+Bodies that a loop joins share a node, and a ghost is inside its robot.
+"""
 
 from __future__ import annotations
 
@@ -23,19 +26,34 @@ def drawn(ghost: str | None = None) -> tuple[RobotVisualizer, dict[str, np.ndarr
     visualizer = RobotVisualizer(ROBOT, meshcat.Visualizer(window=commands), "robot", ghost)
     visualizer.display(ROBOT.configuration(HEIGHTS))
     sent = json.loads(commands.as_json())
-    return visualizer, {one["path"]: np.reshape(one["matrix"], (4, 4)).T for one in sent if one["type"] == "set_transform"}
+    return visualizer, {
+        one["path"]: np.reshape(one["matrix"], (4, 4)).T
+        for one in sent
+        if one["type"] == "set_transform"
+    }
 
 
 @pytest.mark.parametrize("ghost", [None, "#0b7285"])
 def test_every_shape_is_where_pinocchio_puts_it(ghost: str | None) -> None:
-    """Node of the body times shape in the body, against Pinocchio's own placements of all shapes; the loops close to 1e-12."""
+    """Node of the body times shape in the body, against Pinocchio's own placements of all shapes.
+
+    The loops close to 1e-12.
+    """
     visualizer, placements = drawn(ghost)
     data = visualizer.visual_model.createData()
-    pin.updateGeometryPlacements(ROBOT.model, ROBOT.model.createData(), visualizer.visual_model, data, ROBOT.configuration(HEIGHTS))
+    pin.updateGeometryPlacements(
+        ROBOT.model,
+        ROBOT.model.createData(),
+        visualizer.visual_model,
+        data,
+        ROBOT.configuration(HEIGHTS),
+    )
     assert visualizer.visual_model.ngeoms > 30
     for shape, expected in zip(visualizer.visual_model.geometryObjects, data.oMg, strict=True):
         body = f"/meshcat/{visualizer.joint_node(shape.parentJoint)}"
-        np.testing.assert_allclose(placements[body] @ placements[f"{body}/{shape.name}"], expected.homogeneous, atol=1e-9)
+        np.testing.assert_allclose(
+            placements[body] @ placements[f"{body}/{shape.name}"], expected.homogeneous, atol=1e-9
+        )
 
 
 def test_the_thirds_of_the_star_are_one_body() -> None:
@@ -56,12 +74,18 @@ def test_the_thirds_of_the_star_are_one_body() -> None:
 def test_a_ghost_is_the_moving_parts_thinner_all_around() -> None:
     ghost, _ = drawn("#0b7285")
     whole = {shape.name: shape for shape in ROBOT.visual_model.geometryObjects}
-    assert {ROBOT.model.names[shape.parentJoint][:-1] for shape in ghost.visual_model.geometryObjects} == {"a", "lambda", "b"}
+    assert {
+        ROBOT.model.names[shape.parentJoint][:-1] for shape in ghost.visual_model.geometryObjects
+    } == {"a", "lambda", "b"}
     for shape in ghost.visual_model.geometryObjects:
         for form in (shape.geometry, whole[shape.name].geometry):
             form.computeLocalAABB()
         assert type(shape.geometry) in (coal.Box, coal.Cylinder, coal.Sphere)
-        np.testing.assert_allclose(whole[shape.name].geometry.aabb_local.max_ - shape.geometry.aabb_local.max_, GHOST_MARGIN, atol=1e-12)
+        np.testing.assert_allclose(
+            whole[shape.name].geometry.aabb_local.max_ - shape.geometry.aabb_local.max_,
+            GHOST_MARGIN,
+            atol=1e-12,
+        )
 
 
 def test_rotations_take_the_short_way_between_frames() -> None:
@@ -69,7 +93,9 @@ def test_rotations_take_the_short_way_between_frames() -> None:
     visualizer, _ = drawn()
     desired = psp3.trajectories.Helix(robot=ROBOT)(np.linspace(0.0, 2.0, 61))
     clips = visualizer.clips(ROBOT.configuration(desired.heights), np.linspace(0.0, 2.0, 61))
-    rotations = [track for one in clips for track in one["clip"]["tracks"] if track["type"] == "quaternion"]
+    rotations = [
+        track for one in clips for track in one["clip"]["tracks"] if track["type"] == "quaternion"
+    ]
     assert len(rotations) == 4
     for track in rotations:
         q = np.reshape(track["values"], (-1, 4))

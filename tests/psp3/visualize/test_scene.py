@@ -31,12 +31,17 @@ ROBOT = psp3.load()
 
 
 def simulated(controller: Any, radius: float = 0.015) -> psp3.Result:
-    return psp3.simulate(ROBOT, controller, psp3.trajectories.Helix(radius=radius, robot=ROBOT), duration=1.5)
+    return psp3.simulate(
+        ROBOT, controller, psp3.trajectories.Helix(radius=radius, robot=ROBOT), duration=1.5
+    )
 
 
 @pytest.fixture(scope="module")
 def sagging() -> psp3.Result:
-    """PD without gravity compensation: the robot sinks by several centimeters and stays below the path."""
+    """PD without gravity compensation.
+
+    The robot sinks by several centimeters and stays below the path.
+    """
     return simulated(psp3.PD())
 
 
@@ -46,14 +51,21 @@ def exact() -> psp3.Result:
 
 
 def legend(browser: webdriver.Chrome) -> list[str]:
-    return list(browser.execute_script("return [...element('legend').children].map((line) => line.textContent)"))
+    return list(
+        browser.execute_script(
+            "return [...element('legend').children].map((line) => line.textContent)"
+        )
+    )
 
 
 # At rest
 
 
 def test_the_robot_fills_the_view(browser: webdriver.Chrome) -> None:
-    """At least 80 % of the height, all of it inside; MeshCat's default camera gives less than 10 %."""
+    """At least 80 % of the height, all of it inside.
+
+    MeshCat's default camera gives less than 10 %.
+    """
     scene = Scene(ROBOT).show([0.05, 0.0, -0.05])
     open_scene(browser, scene)
     picture = screenshot(browser, "pose")
@@ -71,7 +83,9 @@ def test_the_robot_fills_the_view(browser: webdriver.Chrome) -> None:
 
 
 @pytest.mark.parametrize(("width", "height"), [(300, 500), (700, 250)])
-def test_a_narrow_and_a_wide_page_show_all_of_the_robot(browser: webdriver.Chrome, width: int, height: int) -> None:
+def test_a_narrow_and_a_wide_page_show_all_of_the_robot(
+    browser: webdriver.Chrome, width: int, height: int
+) -> None:
     open_scene(browser, Scene(ROBOT).show(np.zeros(3)), width, height)
     rows, columns = np.nonzero(changed_pixels(browser, "robots"))
     assert 3 < rows.min() < rows.max() < height - 4
@@ -79,13 +93,25 @@ def test_a_narrow_and_a_wide_page_show_all_of_the_robot(browser: webdriver.Chrom
     assert max(np.ptp(rows) / height, np.ptp(columns) / width) > 0.8
 
 
-def test_a_pose_is_drawn_where_it_is_and_its_ghost_where_it_should_be(browser: webdriver.Chrome) -> None:
-    """Center and rotation of the star, read back from the browser, against forward kinematics; 1e-6 is its single precision."""
-    heights, desired = (ROBOT.inverse_kinematics(height=z, tilt=np.radians(20.0), azimuth=2.0) for z in (0.1, 0.16))
+def test_a_pose_is_drawn_where_it_is_and_its_ghost_where_it_should_be(
+    browser: webdriver.Chrome,
+) -> None:
+    """Center and rotation of the star, read back from the browser, against forward kinematics.
+
+    1e-6 is its single precision.
+    """
+    heights, desired = (
+        ROBOT.inverse_kinematics(height=z, tilt=np.radians(20.0), azimuth=2.0) for z in (0.1, 0.16)
+    )
     open_scene(browser, Scene(ROBOT).show(heights, desired=desired, force=[60.0, 90.0, -40.0]))
     for group, of_group in (("visuals", heights), ("ghost", desired)):
         pose = ROBOT.forward_kinematics(of_group)
-        path = ("meshcat", "robots", "0", *(("ghost", "visuals") if group == "ghost" else ("visuals",)))
+        path = (
+            "meshcat",
+            "robots",
+            "0",
+            *(("ghost", "visuals") if group == "ghost" else ("visuals",)),
+        )
         star = placement(browser, *path, "b1")
         np.testing.assert_allclose(star[:3, 3], pose.center, atol=1e-6)
         np.testing.assert_allclose(star[:3, :3], pose.rotation, atol=1e-6)
@@ -97,8 +123,13 @@ def test_a_pose_is_drawn_where_it_is_and_its_ghost_where_it_should_be(browser: w
     assert complaints(browser) == []
 
 
-def test_the_ghost_is_seen_through_and_hides_in_a_robot_that_is_there(browser: webdriver.Chrome) -> None:
-    """6 cm above it covers hundreds of pixels, and the columns behind it still show; at the same pose it tints the odd edge pixel."""
+def test_the_ghost_is_seen_through_and_hides_in_a_robot_that_is_there(
+    browser: webdriver.Chrome,
+) -> None:
+    """6 cm above it covers hundreds of pixels, and the columns behind it still show.
+
+    At the same pose it tints the odd edge pixel.
+    """
     open_scene(browser, Scene(ROBOT).show(np.zeros(3), desired=np.full(3, 0.06)))
     ghost = changed_pixels(browser, "robots/0/ghost")
     assert ghost.sum() > 500
@@ -109,23 +140,41 @@ def test_the_ghost_is_seen_through_and_hides_in_a_robot_that_is_there(browser: w
 
 
 def test_arms_slide_through_their_balls_in_view(browser: webdriver.Chrome) -> None:
-    """The marks go outward through the ball by what the slider gives: b shrinks as the arm goes in."""
+    """The marks go outward through the ball by what the slider gives.
+
+    b shrinks as the arm goes in.
+    """
     poses = (np.zeros(3), ROBOT.inverse_kinematics(height=0.0, tilt=np.radians(30.0), azimuth=0.0))
     slid = []
     for heights in poses:
         open_scene(browser, Scene(ROBOT).show(heights))
-        ball, star = (placement(browser, "meshcat", "robots", "0", "visuals", name) for name in ("lambda1", "b1"))
+        ball, star = (
+            placement(browser, "meshcat", "robots", "0", "visuals", name)
+            for name in ("lambda1", "b1")
+        )
         slid.append(np.linalg.norm(ball[:3, 3] - star[:3, 3]))
-        assert changed_pixels(browser, *(f"robots/0/visuals/b1/star1_{mark}" for mark in range(3, 15))).sum() > 40
+        assert (
+            changed_pixels(
+                browser, *(f"robots/0/visuals/b1/star1_{mark}" for mark in range(3, 15))
+            ).sum()
+            > 40
+        )
     arms = [ROBOT.forward_kinematics(heights).arms[0] for heights in poses]
     np.testing.assert_allclose(slid, arms, atol=1e-6)
     assert abs(arms[1] - arms[0]) > 0.02
 
 
 @pytest.mark.parametrize(
-    ("heights", "error"), [([0.0, np.nan, 0.0], InvalidArray), ([0.0, 0.0], InvalidArray), ([1.5, -1.5, 0.0], UnreachablePose)]
+    ("heights", "error"),
+    [
+        ([0.0, np.nan, 0.0], InvalidArray),
+        ([0.0, 0.0], InvalidArray),
+        ([1.5, -1.5, 0.0], UnreachablePose),
+    ],
 )
-def test_heights_that_no_robot_has_are_refused(heights: list[float], error: type[Exception]) -> None:
+def test_heights_that_no_robot_has_are_refused(
+    heights: list[float], error: type[Exception]
+) -> None:
     scene = Scene(ROBOT)
     with pytest.raises(error):
         scene.show(heights)
@@ -151,13 +200,19 @@ def test_forces_are_as_many_numbers_as_a_robot_has_motors_that_slide() -> None:
 
 
 def test_the_motion_is_the_simulated_one(browser: webdriver.Chrome, sagging: psp3.Result) -> None:
-    """In real time, at frames and between them; 3e-4 m is the interpolation error of 30 frames a second (a t²/8, a < 2 m/s²)."""
+    """In real time, at frames and between them.
+
+    3e-4 m is the interpolation error of 30 frames a second (a t²/8, a < 2 m/s²).
+    """
     open_scene(browser, Scene(ROBOT).animate(sagging))
     assert browser.execute_script("return animator.duration") == pytest.approx(1.5, abs=1e-3)
     for seconds in (0.0, 0.317, 0.9, 1.5):
         browser.execute_script("seek(arguments[0])", seconds)
         sample = np.argmin(np.abs(sagging.t - seconds))
-        for group, heights in ((("visuals",), sagging.heights), (("ghost", "visuals"), sagging.desired.heights)):
+        for group, heights in (
+            (("visuals",), sagging.heights),
+            (("ghost", "visuals"), sagging.desired.heights),
+        ):
             expected = ROBOT.forward_kinematics(heights[sample])
             star = placement(browser, "meshcat", "robots", "0", *group, "b1")
             np.testing.assert_allclose(star[:3, 3], expected.center, atol=3e-4)
@@ -169,7 +224,10 @@ def test_the_motion_is_the_simulated_one(browser: webdriver.Chrome, sagging: psp
 
 
 def test_arrows_are_as_long_as_the_forces(browser: webdriver.Chrome, sagging: psp3.Result) -> None:
-    """From the nut to the point of the head, at the scale of the legend; a force between frames is interpolated, 2 N at most here."""
+    """From the nut to the point of the head, at the scale of the legend.
+
+    A force between frames is interpolated, 2 N at most here.
+    """
     open_scene(browser, Scene(ROBOT).animate(sagging))
     newtons = float(legend(browser)[3].removeprefix("screw force, 10 cm for ").removesuffix(" N"))
     for seconds in (0.0, 0.4, 1.1):
@@ -180,13 +238,20 @@ def test_arrows_are_as_long_as_the_forces(browser: webdriver.Chrome, sagging: ps
             head = placement(browser, *nut, "force", "head")
             point = head @ [0.0, 0.0, 0.045, 1.0]
             # Heads keep their shape, whichever way they point.
-            np.testing.assert_allclose(np.linalg.norm(head[:3, :3], axis=0), abs(head[2, 2]), rtol=1e-5)
+            np.testing.assert_allclose(
+                np.linalg.norm(head[:3, :3], axis=0), abs(head[2, 2]), rtol=1e-5
+            )
             length = point[2] - placement(browser, *nut)[2, 3] - 0.044 * head[2, 2]
             assert length * newtons / 0.1 == pytest.approx(force[leg - 1], abs=2.0)
 
 
-def test_seeking_moves_the_star_on_the_screen(browser: webdriver.Chrome, sagging: psp3.Result) -> None:
-    """It sinks by centimeters, so its pixels go down by as many as the picture has for them; the columns do not move."""
+def test_seeking_moves_the_star_on_the_screen(
+    browser: webdriver.Chrome, sagging: psp3.Result
+) -> None:
+    """It sinks by centimeters, so its pixels go down by as many as the picture has for them.
+
+    The columns do not move.
+    """
     open_scene(browser, Scene(ROBOT).animate(sagging))
     rows = []
     for seconds in (0.0, 1.2):
@@ -201,7 +266,9 @@ def test_seeking_moves_the_star_on_the_screen(browser: webdriver.Chrome, sagging
     assert rows[1] - rows[0] > 6
 
 
-def test_closer_shows_all_that_moves_larger(browser: webdriver.Chrome, sagging: psp3.Result) -> None:
+def test_closer_shows_all_that_moves_larger(
+    browser: webdriver.Chrome, sagging: psp3.Result
+) -> None:
     open_scene(browser, Scene(ROBOT).animate(sagging))
     far = changed_pixels(browser, "robots/0/visuals/b1").sum()
     browser.execute_script("element('distance').click()")
@@ -215,9 +282,10 @@ def test_closer_shows_all_that_moves_larger(browser: webdriver.Chrome, sagging: 
 
 
 def test_the_paths_of_the_tip_are_drawn(browser: webdriver.Chrome, sagging: psp3.Result) -> None:
-    """The corners of the boxes around the two tubes are those of the paths, a radius further out."""
+    """The corners of the boxes around the two tubes are the paths', a radius further out."""
     open_scene(browser, Scene(ROBOT).animate(sagging))
-    box = """const mesh = viewer.scene_tree.find(["meshcat", "robots", "0", arguments[0], "<object>"]).object;
+    box = """const mesh = viewer.scene_tree.find(["meshcat", "robots", "0", arguments[0], \
+"<object>"]).object;
     mesh.geometry.computeBoundingBox();
     return [mesh.geometry.boundingBox.min.toArray(), mesh.geometry.boundingBox.max.toArray()];"""
     for name, path in (("actual", sagging.tip), ("desired", sagging.desired.tip)):
@@ -233,7 +301,9 @@ def test_a_trajectory_is_followed_exactly_without_a_simulation(browser: webdrive
     helix = psp3.trajectories.Helix(robot=ROBOT)
     open_scene(browser, Scene(ROBOT).animate(helix, duration=2.0))
     browser.execute_script("seek(0.75)")
-    np.testing.assert_allclose(star_center(browser), ROBOT.forward_kinematics(helix(0.75).heights).center, atol=3e-4)
+    np.testing.assert_allclose(
+        star_center(browser), ROBOT.forward_kinematics(helix(0.75).heights).center, atol=3e-4
+    )
     assert legend(browser) == ["tip"]
     with pytest.raises(InvalidValue, match="this Helix never rests"):
         Scene(ROBOT).animate(helix)
@@ -250,13 +320,16 @@ def test_a_robot_at_rest_has_no_path_and_no_playback(browser: webdriver.Chrome) 
     assert browser.execute_script("return element('distance').hidden")
 
 
-def test_two_robots_stand_side_by_side_under_their_names(browser: webdriver.Chrome, sagging: psp3.Result, exact: psp3.Result) -> None:
+def test_two_robots_stand_side_by_side_under_their_names(
+    browser: webdriver.Chrome, sagging: psp3.Result, exact: psp3.Result
+) -> None:
     """Names are text, whatever they hold."""
     names = ["</script><b>PD", "CTC"]
     open_scene(browser, Scene(ROBOT).animate(dict(zip(names, (sagging, exact), strict=True))))
     browser.execute_script("seek(1.2); viewer.render()")
     labels = browser.execute_script(
-        "return labels.map(({element}) => [element.textContent, element.getBoundingClientRect().left, element.getBoundingClientRect().top])"
+        "return labels.map(({element}) => [element.textContent, "
+        "element.getBoundingClientRect().left, element.getBoundingClientRect().top])"
     )
     assert [label[0] for label in labels] == names
     left, right = np.array([label[1:] for label in labels])
@@ -278,7 +351,9 @@ def test_results_without_a_sample_are_refused(sagging: psp3.Result) -> None:
     with pytest.raises(InvalidValue, match="one simulation result or more"):
         Scene(ROBOT).animate({})
     nothing = np.zeros((0, 3))
-    empty = psp3.Result(np.zeros(0), nothing, nothing, psp3.trajectories.Motion(*4 * [nothing]), nothing, nothing)
+    empty = psp3.Result(
+        np.zeros(0), nothing, nothing, psp3.trajectories.Motion(*4 * [nothing]), nothing, nothing
+    )
     with pytest.raises(InvalidValue, match="'PD': 751, 'CTC': 0"):
         Scene(ROBOT).animate({"PD": sagging, "CTC": empty})
 
@@ -289,11 +364,16 @@ def test_results_without_a_sample_are_refused(sagging: psp3.Result) -> None:
 def test_a_file_plays_by_itself_without_a_network_and_stops_on_request(
     browser: webdriver.Chrome, tmp_path: Path, sagging: psp3.Result
 ) -> None:
-    """Each step of the animation is as long as the time since the last one, however slowly the page is drawn; 2 ms is rounding."""
+    """Each step of the animation is as long as the time since the last one.
+
+    However slowly the page is drawn; 2 ms is rounding.
+    """
     write_animation(ROBOT, sagging, tmp_path / "scene.html")
     open_file(browser, tmp_path / "scene.html")
     assert browser.execute_script("return animator.playing")
-    requests = browser.execute_script("return performance.getEntriesByType('resource').map((entry) => entry.name)")
+    requests = browser.execute_script(
+        "return performance.getEntriesByType('resource').map((entry) => entry.name)"
+    )
     assert [name for name in requests if not name.startswith("data:")] == []
     browser.execute_script("seek(0); animator.play()")
     before = screenshot(browser)
@@ -301,7 +381,8 @@ def test_a_file_plays_by_itself_without_a_network_and_stops_on_request(
         """
         const done = arguments[0], draw_frame = viewer.render, frames = [];
         viewer.render = () => {
-          frames.push([animator.mixer.time, animator.clock.oldTime / 1000]);  // oldTime: wall clock at the step
+          frames.push([animator.mixer.time, animator.clock.oldTime / 1000]);  // oldTime: wall \
+clock at the step
           draw_frame();
           const [first, last] = [frames[0], frames[frames.length - 1]];
           if (last[1] - first[1] > 2) {
@@ -322,28 +403,39 @@ def test_a_file_plays_by_itself_without_a_network_and_stops_on_request(
     moved = np.abs(screenshot(browser, "file_stopped_at_0.75_s") - before).max(axis=-1) > 30
     assert moved.sum() > 200
     assert browser.execute_script("return element('time').textContent") == "0.75 s"
-    np.testing.assert_allclose(star_center(browser), ROBOT.forward_kinematics(sagging.heights[375]).center, atol=3e-4)
+    np.testing.assert_allclose(
+        star_center(browser), ROBOT.forward_kinematics(sagging.heights[375]).center, atol=3e-4
+    )
     assert complaints(browser) == []
 
 
 def test_a_scene_in_a_notebook_is_the_whole_page_in_a_third_of_its_size(
     browser: webdriver.Chrome, tmp_path: Path, sagging: psp3.Result
 ) -> None:
-    """A notebook may weigh 1.5 MB with all its outputs, and no server is in reach of an exported one."""
+    """A notebook may weigh 1.5 MB with all its outputs.
+
+    No server is in reach of an exported one.
+    """
     output = Scene(ROBOT).animate({"PD": sagging})._repr_html_()
     assert len(output) < 450_000
     browser.get_log("browser")
-    (tmp_path / "cell.html").write_text(f"<!DOCTYPE html><meta charset=utf-8><body>{output}</body>", encoding="utf-8")
+    (tmp_path / "cell.html").write_text(
+        f"<!DOCTYPE html><meta charset=utf-8><body>{output}</body>", encoding="utf-8"
+    )
     browser.get((tmp_path / "cell.html").as_uri())
     browser.switch_to.frame(0)
     try:
         deadline = time.monotonic() + 30.0
-        while not browser.execute_script("return typeof animator !== 'undefined' && animator.duration > 1.4"):
+        while not browser.execute_script(
+            "return typeof animator !== 'undefined' && animator.duration > 1.4"
+        ):
             assert time.monotonic() < deadline
             time.sleep(0.05)
         settle(browser)
         browser.execute_script("seek(0.75)")
-        np.testing.assert_allclose(star_center(browser), ROBOT.forward_kinematics(sagging.heights[375]).center, atol=3e-4)
+        np.testing.assert_allclose(
+            star_center(browser), ROBOT.forward_kinematics(sagging.heights[375]).center, atol=3e-4
+        )
         browser.switch_to.default_content()
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         browser.get_screenshot_as_file(str(SCREENSHOTS / "notebook.png"))
@@ -353,7 +445,10 @@ def test_a_scene_in_a_notebook_is_the_whole_page_in_a_third_of_its_size(
 
 
 def test_a_file_of_ten_seconds_stays_small(tmp_path: Path) -> None:
-    """MeshCat itself is 0.85 MB; two robots for 10.4 s, with their ghosts and forces, add less than 0.9 MB."""
+    """MeshCat itself is 0.85 MB.
+
+    Two robots for 10.4 s, with their ghosts and forces, add less than 0.9 MB.
+    """
     result = psp3.simulate(ROBOT, psp3.PD(), psp3.trajectories.Helix(robot=ROBOT), duration=10.4)
     write_animation(ROBOT, {"PD": result, "PD again": result}, tmp_path / "animation.html")
     assert 0.85e6 < (tmp_path / "animation.html").stat().st_size < 1.75e6

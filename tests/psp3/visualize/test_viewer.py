@@ -73,7 +73,11 @@ def test_a_port_that_is_taken_is_left_alone(address: str) -> None:
 
 def test_ports_end_at_65535() -> None:
     """When the last one is taken, any free port is served."""
-    with contextlib.suppress(OSError), socket.create_server(("127.0.0.1", 65535)), Viewer(ROBOT, 65535) as viewer:
+    with (
+        contextlib.suppress(OSError),
+        socket.create_server(("127.0.0.1", 65535)),
+        Viewer(ROBOT, 65535) as viewer,
+    ):
         assert 0 < port_of(viewer) < 65535
     for port in (-1, 65536):
         with pytest.raises(InvalidValue, match=f"port must be from 0 to 65535, got {port}"):
@@ -87,10 +91,13 @@ def test_a_viewer_knows_one_page(sagging: psp3.Result) -> None:
 
 
 def test_a_late_browser_receives_the_whole_scene(sagging: psp3.Result) -> None:
-    """It is the scene of the file, command by command, and holds nothing of what was shown before."""
+    """It is the scene of the file, command by command, without what was shown before."""
 
     def targets(commands: list[dict[str, Any]]) -> list[tuple[str, ...]]:
-        return sorted((command["type"], command.get("path", ""), command.get("property", "")) for command in commands)
+        return sorted(
+            (command["type"], command.get("path", ""), command.get("property", ""))
+            for command in commands
+        )
 
     fresh = Scene(ROBOT)
     fresh.show([0.02, 0.0, -0.02])
@@ -129,9 +136,15 @@ def test_an_open_page_follows_the_viewer(browser: webdriver.Chrome, sagging: psp
         viewer.show([-0.2, -0.2, -0.2])
         wait_until(lambda: shown(-0.2))
         viewer.animate(sagging)
-        wait_until(lambda: bool(browser.execute_script("return animator.playing && animator.duration > 1.4")))
+        wait_until(
+            lambda: bool(
+                browser.execute_script("return animator.playing && animator.duration > 1.4")
+            )
+        )
         viewer.show([0.3, 0.3, 0.3])
-        wait_until(lambda: shown(0.3) and bool(browser.execute_script("return element('playback').hidden")))
+        wait_until(
+            lambda: shown(0.3) and bool(browser.execute_script("return element('playback').hidden"))
+        )
     settle(browser)
     assert shown(0.3)
     assert complaints(browser) == []

@@ -1,0 +1,1 @@
+"""Tests of psp3.cli.commands, one file per module."""

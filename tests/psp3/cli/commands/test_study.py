@@ -19,15 +19,26 @@ from psp3.study.statistics import compare, summarize
 from tests.study_helpers import count_rows
 
 ROOT = Path(__file__).parents[4]
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "COLUMNS": "80", "NO_COLOR": "1", "TERM": "dumb"}
+ENVIRONMENT = {
+    **os.environ,
+    "PYTHONPATH": str(ROOT),
+    "COLUMNS": "80",
+    "NO_COLOR": "1",
+    "TERM": "dumb",
+}
 SMALL = ("--duration", "0.3", "--seeds", "3", "--snr", "20", "--snr", "10")
 
 Command = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def study(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> Command:
-    """Run ``psp3 study FILE`` in this process, in an empty directory, in 80 columns; give back status, output and errors."""
+def study(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> Command:
+    """Run ``psp3 study FILE`` in this process, in an empty directory, in 80 columns.
+
+    Give back status, output and errors.
+    """
     monkeypatch.chdir(tmp_path)
     for name in ("COLUMNS", "NO_COLOR", "TERM"):
         monkeypatch.setenv(name, ENVIRONMENT[name])
@@ -43,7 +54,7 @@ def study(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], t
 
 
 def test_tables_hold_the_estimates_and_the_seeds(study: Command) -> None:
-    """Against the statistics of the library on the rows of the file, to the three digits that are printed."""
+    """Against the library's statistics on the rows of the file, to three printed digits."""
     status, out, err = study(*SMALL, "--controller", "t1", "--controller", "it2")
     assert status == 0
     assert max(map(len, out.splitlines())) <= 80
@@ -80,7 +91,10 @@ def test_same_command_does_nothing_again_and_more_seeds_only_those(study: Comman
 
 
 def test_defaults_are_those_of_table_6_3(study: Command) -> None:
-    """PD and CTC once each; type-1 and type-2 without noise once each, and at 20, 15 and 10 dB for every seed."""
+    """PD and CTC once each.
+
+    Type-1 and type-2 without noise once each, and at 20, 15 and 10 dB for every seed.
+    """
     status, out, _ = study("--duration", 0.1, "--seeds", 2)
     assert status == 0
     rows = Study("study.sqlite").rows()
@@ -90,21 +104,45 @@ def test_defaults_are_those_of_table_6_3(study: Command) -> None:
 
 
 def test_every_option_reaches_the_runs(study: Command) -> None:
-    arguments = "--controller gt2 --reading plant --snr 15 --seeds 2 --trajectory line --learner strict --terms 3 --mean-variation 0.2"
+    arguments = (
+        "--controller gt2 --reading plant --snr 15 --seeds 2 --trajectory line --learner strict "
+        "--terms 3 --mean-variation 0.2"
+    )
     status, out, _ = study(*arguments.split(), "--payload", 0.5, "--duration", 0.1, "--workers", 1)
     assert status == 0
     assert out.startswith("Sum of squared errors")
     runs = grid(
-        controller="gt2", reading="plant", snr_db=15.0, seed=range(2), trajectory="line", learner="strict", n_terms=3,
-        mean_variation=0.2, payload=0.5, duration=0.1,
-    )  # fmt: skip
+        controller="gt2",
+        reading="plant",
+        snr_db=15.0,
+        seed=range(2),
+        trajectory="line",
+        learner="strict",
+        n_terms=3,
+        mean_variation=0.2,
+        payload=0.5,
+        duration=0.1,
+    )
     assert len(Study("study.sqlite", runs).rows()) == 2
     assert count_rows(Path("study.sqlite")) == 2
 
 
 def test_wide_studies_stay_within_80_columns_too(study: Command) -> None:
-    arguments = "--controller t1 --controller it2 --trajectory line --trajectory fast-helix --reading parameters --reading plant --seeds 2"
-    status, out, _ = study(*arguments.split(), "--snr", 20, "--mean-variation", 0.1, "--mean-variation", 0.3, "--duration", 0.1)
+    arguments = (
+        "--controller t1 --controller it2 --trajectory line --trajectory fast-helix --reading "
+        "parameters --reading plant --seeds 2"
+    )
+    status, out, _ = study(
+        *arguments.split(),
+        "--snr",
+        20,
+        "--mean-variation",
+        0.1,
+        "--mean-variation",
+        0.3,
+        "--duration",
+        0.1,
+    )
     assert status == 0
     assert max(map(len, out.splitlines())) <= 80
     for heading in ("reading", "trajectory", "variation", "seeds"):
@@ -117,7 +155,9 @@ def test_csv_holds_every_run(study: Command) -> None:
     assert out.splitlines()[-1] == "table.csv"
     with Path("table.csv").open(encoding="utf-8", newline="") as file:
         read = list(csv.DictReader(file))
-    assert [float(row["effort"]) for row in read] == [row["effort"] for row in Study("study.sqlite").rows()]
+    assert [float(row["effort"]) for row in read] == [
+        row["effort"] for row in Study("study.sqlite").rows()
+    ]
 
 
 @pytest.mark.parametrize(
@@ -137,12 +177,17 @@ def test_csv_holds_every_run(study: Command) -> None:
         ("--duration 0", "duration must be finite and positive"),
         ("--workers 0", "--workers"),
         ("--workers 2 --scheduler tcp://127.0.0.1:8786", "--workers does not apply to --scheduler"),
-        ("--scheduler somewhere", "scheduler must be an address such as tcp://host:8786, got 'somewhere'"),
+        (
+            "--scheduler somewhere",
+            "scheduler must be an address such as tcp://host:8786, got 'somewhere'",
+        ),
         ("--csv study.sqlite", "--csv would overwrite FILE"),
         ("--csv nowhere/table.csv", "there is no directory nowhere"),
     ],
 )
-def test_wrong_input_is_one_clear_line_and_no_run_is_done(study: Command, arguments: str, words: str) -> None:
+def test_wrong_input_is_one_clear_line_and_no_run_is_done(
+    study: Command, arguments: str, words: str
+) -> None:
     status, out, err = study(*arguments.split())
     assert (status, out) == (2, "")
     message = err.splitlines()[-1]
@@ -178,13 +223,26 @@ def test_file_of_another_study(study: Command) -> None:
     assert "holds another study: its duration [s] is 0.1, not 0.2" in err
 
 
-def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(study: Command, tmp_path: Path) -> None:
+def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(
+    study: Command, tmp_path: Path
+) -> None:
     """A real SIGINT to a real process, as soon as the first results are in."""
     arguments = ["--duration", "2", "--seeds", "200", "--controller", "t1", "--snr", "20"]
     command = [sys.executable, "-m", "psp3.cli.entry", "study", "study.sqlite", *arguments]
-    with subprocess.Popen(command, env=ENVIRONMENT, cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as process:
+    with subprocess.Popen(
+        command,
+        env=ENVIRONMENT,
+        cwd=tmp_path,
+        stderr=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+    ) as process:
         deadline = time.monotonic() + 60.0
-        while count_rows(tmp_path / "study.sqlite") < 3 and time.monotonic() < deadline and process.poll() is None:
+        while (
+            count_rows(tmp_path / "study.sqlite") < 3
+            and time.monotonic() < deadline
+            and process.poll() is None
+        ):
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
@@ -192,6 +250,9 @@ def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(study: Command, tmp
     assert out == ""
     kept = count_rows(tmp_path / "study.sqlite")
     assert 3 <= kept < 200
-    assert err.splitlines()[-2:] == [f"{kept} of 200 runs are in study.sqlite; the same command goes on from there", "psp3: interrupted"]
+    assert err.splitlines()[-2:] == [
+        f"{kept} of 200 runs are in study.sqlite; the same command goes on from there",
+        "psp3: interrupted",
+    ]
     status, _, err = study(*arguments[2:], "--duration", 2, "--seeds", kept + 1)
     assert (status, err.splitlines()[-1].split()[0]) == (0, f"[{kept + 1}/{kept + 1}]")
