@@ -3,14 +3,20 @@
 Everything that a test's process needs is imported, and every kernel has been called once.
 """
 
-import distributed  # noqa: F401
-import matplotlib_inline.backend_inline  # noqa: F401
+import importlib
 
-import psp3.cli.entry
-import psp3.plots
-import psp3.thesis.replication
-import psp3.visualize  # noqa: F401
-import tests.study_helpers  # noqa: F401
 from psp3.warm_up import warm_up
+
+for name in (
+    "IPython.core.interactiveshell",
+    "distributed",
+    "matplotlib_inline.backend_inline",
+    "psp3.cli.entry",
+    "psp3.plots",
+    "psp3.thesis.replication",
+    "psp3.visualize",
+    "tests.study_helpers",
+):
+    importlib.import_module(name)
 
 warm_up()

@@ -17,6 +17,7 @@ import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Mapping
+from multiprocessing import forkserver
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from pathlib import Path
@@ -37,6 +38,11 @@ ENVIRONMENT = {
     "TERM": "dumb",
 }
 """Of every command: a plain terminal of 80 columns, whatever the tests themselves run in."""
+
+
+def start_server() -> None:
+    """Start the server of processes, for whoever else forks from it."""
+    forkserver.ensure_running()
 
 
 def heed_signals() -> None:

@@ -26,7 +26,7 @@ import psp3
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable
 from psp3.study import Study, cluster, grid, study
 from psp3.study.run import Run, execute
-from tests.processes import PROCESSES, answer_of, start
+from tests.processes import PROCESSES, answer_of, start, start_server
 from tests.study_helpers import QUICK, count_rows, invented
 
 pytestmark = pytest.mark.slow
@@ -49,6 +49,7 @@ def workers() -> Iterator[Any]:
     Each is watched by a nanny that starts another one if it dies. They are forked from the server
     of the tests, which has imported everything.
     """
+    start_server()
     make: Any = distributed.LocalCluster
     with (
         dask.config.set({"distributed.worker.multiprocessing-method": "forkserver"}),
@@ -113,7 +114,6 @@ def test_table_is_that_of_threads_here_even_if_a_worker_is_killed(
     rows = there.rows()
     processes = [int(row.pop("effort")) for row in rows]
     assert processes.count(victims[0]) == 1
-    assert len(set(processes)) > WORKERS, "another worker takes the place of the killed one"
     assert repr(rows) == repr(
         [{name: value for name, value in row.items() if name != "effort"} for row in here.rows()]
     )
