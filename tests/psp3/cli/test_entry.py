@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import csv
 import json
-import os
-import signal
+import re
 import subprocess
 import sys
 import urllib.request
 from collections.abc import Callable
+from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any, NamedTuple, NoReturn
 
@@ -27,6 +27,7 @@ from psp3.cli import entry as cli
 from psp3.description.parts import ROBOTS
 from psp3.simulation import metrics
 from psp3.trajectories.screw_forces import screw_forces
+from tests.processes import ENVIRONMENT, PROCESSES, program
 
 ROBOT = psp3.load("psp3")
 COMMANDS = (
@@ -42,15 +43,6 @@ COMMANDS = (
     "info",
 )
 HEAVY = {"numpy", "scipy", "numba", "matplotlib", "pinocchio", "meshcat", "coal", "yaml"}
-ROOT = Path(__file__).parents[3]
-PROGRAM = [sys.executable, "-m", "psp3.cli.entry"]
-ENVIRONMENT = {
-    **os.environ,
-    "PYTHONPATH": str(ROOT),
-    "COLUMNS": "80",
-    "NO_COLOR": "1",
-    "TERM": "dumb",
-}
 
 
 class Answer(NamedTuple):
@@ -100,29 +92,45 @@ def words(text: str) -> str:
 # Help, and what it costs
 
 
-@pytest.mark.parametrize("command", [(), *((name,) for name in COMMANDS)])
-def test_help_loads_nothing_heavy_and_fits_80_columns(command: tuple[str, ...]) -> None:
+@pytest.fixture(scope="module")
+def helps() -> dict[str, tuple[str, list[str]]]:
+    """Help of the program and of every command, and what was loaded when it had been shown.
+
+    All in one process: what a command loads stays loaded, and the first that has it is to blame.
+    """
     code = f"""
-import sys
+import contextlib, io, json, sys
 from psp3.cli import entry as cli
-sys.argv = ["psp3", *{command!r}, "--help"]
-try:
-    cli.main()
-except SystemExit as end:
-    assert end.code == 0, end.code
-print("loaded:", *sorted({HEAVY!r} & set(sys.modules)), file=sys.stderr)
+found = {{}}
+for name in {["", *COMMANDS]!r}:
+    sys.argv = ["psp3", *name.split(), "--help"]
+    with contextlib.redirect_stdout(io.StringIO()) as shown:
+        try:
+            cli.main()
+        except SystemExit as end:
+            assert end.code == 0, end.code
+    found[name] = shown.getvalue(), sorted({HEAVY!r} & set(sys.modules))
+print(json.dumps(found))
 """
     done = subprocess.run(
         [sys.executable, "-c", code],
         env=ENVIRONMENT,
-        capture_output=True,
-        text=True,
-        timeout=60,
+        stdout=subprocess.PIPE,
+        encoding="utf-8",
         check=True,
     )
-    assert done.stderr.split() == ["loaded:"]
-    assert max(map(len, done.stdout.splitlines())) <= 80
-    assert "Usage: psp3" in done.stdout
+    found: dict[str, tuple[str, list[str]]] = json.loads(done.stdout)
+    return found
+
+
+@pytest.mark.parametrize("command", ["", *COMMANDS])
+def test_help_loads_nothing_heavy_and_fits_80_columns(
+    helps: dict[str, tuple[str, list[str]]], command: str
+) -> None:
+    shown, loaded = helps[command]
+    assert loaded == []
+    assert max(map(len, shown.splitlines())) <= 80
+    assert "Usage: psp3" in shown
 
 
 def test_help_lists_every_command(psp3_command: Run) -> None:
@@ -582,37 +590,16 @@ def test_recorded_page_holds_the_controllers_or_the_trajectory(psp3_command: Run
     assert "force/head" not in desired
 
 
-def heed_interrupts() -> None:
-    """Undo what a shell does to jobs in the background.
-
-    They ignore interrupts, and so would what they start.
-    """
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
 @pytest.mark.parametrize("options", [(), ("--heights", "0.02,0,-0.02")])
-def test_viewer_serves_until_interrupted(options: tuple[str, ...]) -> None:
-    process = subprocess.Popen(
-        [*PROGRAM, "view", "--port", "7310", *options],
-        env=ENVIRONMENT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-        preexec_fn=heed_interrupts,
-    )
-    try:
-        assert process.stdout is not None
-        url = process.stdout.readline().split()[0]
-        assert url.startswith("http://127.0.0.1:73")
-        with urllib.request.urlopen(url, timeout=10) as page:
+def test_viewer_serves_until_interrupted(options: tuple[str, ...], tmp_path: Path) -> None:
+    with program("view", "--port", "7310", *options, folder=tmp_path) as psp3:
+        url = psp3.out.readline().split()[0]
+        assert re.fullmatch(r"http://127\.0\.0\.1:\d+/", url)
+        with urllib.request.urlopen(url) as page:
             assert b"<html" in page.read()[:200]
-        process.send_signal(signal.SIGINT)
-        _, err = process.communicate(timeout=20)
-    finally:
-        process.kill()
-        process.wait()
-    assert process.returncode == 0
-    assert err.strip() == ""
+        psp3.interrupt()
+        status, _, err = psp3.end()
+    assert (status, err.strip()) == (0, "")
 
 
 # info
@@ -792,18 +779,23 @@ def test_errors_of_the_program_itself_are_not_hidden(monkeypatch: pytest.MonkeyP
         cli.main()
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs /dev/full")
 def test_full_disk_at_standard_output() -> None:
+    """The whole program once, from its start to Python's own last flush."""
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [*PROGRAM, "info", "--json"],
+            [sys.executable, "-m", "psp3.cli.entry", "info", "--json"],
             env=ENVIRONMENT,
             stdout=full,
             stderr=subprocess.PIPE,
-            text=True,
-            timeout=60,
+            encoding="utf-8",
         )
     assert (done.returncode, done.stderr) == (2, "psp3: No space left on device\n")
+
+
+def wait_until_told(parent: Connection) -> None:
+    parent.recv()
 
 
 @pytest.mark.parametrize(
@@ -815,21 +807,14 @@ def test_full_disk_at_standard_output() -> None:
         ("--help",),
     ],
 )
-def test_reader_that_leaves_early_is_no_error_to_speak_of(arguments: tuple[str, ...]) -> None:
-    process = subprocess.Popen(
-        [*PROGRAM, *arguments],
-        env=ENVIRONMENT,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    assert process.stdout is not None
-    assert process.stderr is not None
-    process.stdout.close()
-    err = process.stderr.read()
-    process.stderr.close()
-    assert process.wait(timeout=60) == 1
-    assert err == ""
+def test_reader_that_leaves_early_is_no_error_to_speak_of(
+    arguments: tuple[str, ...], tmp_path: Path
+) -> None:
+    ours, theirs = PROCESSES.Pipe()
+    with program(*arguments, folder=tmp_path, prepare=wait_until_told, given=(theirs,)) as psp3:
+        psp3.close_output()
+        ours.send("that nobody reads")
+        assert psp3.end() == (1, "", "")
 
 
 def test_interrupt_is_one_line_and_status_130(
@@ -842,12 +827,12 @@ def test_interrupt_is_one_line_and_status_130(
     assert psp3_command("simulate") == (130, "", "psp3: interrupted\n")
 
 
-def test_terminal_without_greek_gets_replacements_instead_of_an_error() -> None:
+def test_terminal_without_greek_gets_replacements_instead_of_an_error(tmp_path: Path) -> None:
     environment = ENVIRONMENT | {"PYTHONIOENCODING": "ascii"}
-    done = subprocess.run(
-        [*PROGRAM, "info"], env=environment, capture_output=True, text=True, timeout=60, check=True
-    )
-    assert "kg m?" in done.stdout
+    with program("info", folder=tmp_path, environment=environment) as psp3:
+        status, out, _ = psp3.end()
+    assert status == 0
+    assert "kg m?" in out
 
 
 def test_progress_goes_to_standard_error_of_a_terminal_only(psp3_command: Run) -> None:

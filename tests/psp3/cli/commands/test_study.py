@@ -3,29 +3,22 @@
 from __future__ import annotations
 
 import csv
-import os
-import signal
-import subprocess
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
 
 from psp3.cli import entry as cli
+from psp3.cli.commands import study as study_command
 from psp3.study import Study, grid
 from psp3.study.statistics import compare, summarize
+from tests.processes import ENVIRONMENT, PROCESSES, answer_of, program
 from tests.study_helpers import count_rows
 
-ROOT = Path(__file__).parents[4]
-ENVIRONMENT = {
-    **os.environ,
-    "PYTHONPATH": str(ROOT),
-    "COLUMNS": "80",
-    "NO_COLOR": "1",
-    "TERM": "dumb",
-}
 SMALL = ("--duration", "0.3", "--seeds", "3", "--snr", "20", "--snr", "10")
 
 Command = Callable[..., tuple[int, str, str]]
@@ -223,30 +216,45 @@ def test_file_of_another_study(study: Command) -> None:
     assert "holds another study: its duration [s] is 0.1, not 0.2" in err
 
 
+def wait_for_an_interrupt(rows: int, begun: Connection) -> None:
+    """Let the command say when it has so many results, and wait there to be interrupted."""
+    shown = study_command._study_progress
+
+    @contextmanager
+    def held() -> Iterator[Callable[[int, int, float], None]]:
+        with shown() as progress:
+
+            def hold(done: int, total: int, rate: float) -> None:
+                progress(done, total, rate)
+                if done >= rows:
+                    begun.send(done)
+                    while True:
+                        time.sleep(0.01)
+
+            yield hold
+
+    study_command._study_progress = held
+
+
 def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(
     study: Command, tmp_path: Path
 ) -> None:
     """A real SIGINT to a real process, as soon as the first results are in."""
     arguments = ["--duration", "2", "--seeds", "200", "--controller", "t1", "--snr", "20"]
-    command = [sys.executable, "-m", "psp3.cli.entry", "study", "study.sqlite", *arguments]
-    with subprocess.Popen(
-        command,
-        env=ENVIRONMENT,
-        cwd=tmp_path,
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as process:
-        deadline = time.monotonic() + 60.0
-        while (
-            count_rows(tmp_path / "study.sqlite") < 3
-            and time.monotonic() < deadline
-            and process.poll() is None
-        ):
-            time.sleep(0.01)
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
-    assert process.returncode == 130, err
+    ours, theirs = PROCESSES.Pipe(duplex=False)
+    with program(
+        "study",
+        "study.sqlite",
+        *arguments,
+        folder=tmp_path,
+        prepare=wait_for_an_interrupt,
+        given=(3, theirs),
+    ) as psp3:
+        theirs.close()
+        answer_of(psp3.process, ours)
+        psp3.interrupt()
+        status, out, err = psp3.end()
+    assert status == 130, err
     assert out == ""
     kept = count_rows(tmp_path / "study.sqlite")
     assert 3 <= kept < 200
