@@ -21,7 +21,6 @@ import pytest
 import typer
 
 import psp3
-from psp3 import published
 from psp3.cli import app, options
 from psp3.cli import entry as cli
 from psp3.description.parts import ROBOTS
@@ -624,27 +623,6 @@ def test_info_names_what_the_robot_is_made_of(psp3_command: Run) -> None:
         "table_5_1",
     ):
         assert part in text
-
-
-# reproduce
-
-
-def test_reproduce_prints_the_tables_and_the_files(psp3_command: Run) -> None:
-    answer = psp3_command("reproduce", "--quick", "--out", "deep/results")
-    assert answer.status == 0
-    assert f"{published.TABLE_6_3['PD']:.4f}" in answer.out
-    files = [Path(line) for line in answer.out.splitlines() if line.startswith("deep")]
-    assert {"report.html", "results.json"} <= {path.name for path in files}
-    assert all(path.exists() for path in files)
-    assert max(map(len, answer.out.splitlines())) <= 80
-    # Words and numbers are never cut in two: every heading and every verdict is there.
-    assert all(
-        word in words(answer.out)
-        for word in ("controller", "largest", "reproduced", "10.0161 -0.5288 -0.6026")
-    )
-    steps = answer.err.splitlines()
-    assert steps[0].startswith("[1/")
-    assert len(steps) == int(steps[0].split("/")[1].split("]")[0])
 
 
 # What is refused, and how
