@@ -28,6 +28,7 @@ from fuzzy2.operations.join_meet import meet
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
 from fuzzy2.sets.type1 import SampledSet
+from tests import examples
 
 Array = NDArray[np.float64]
 COEFFICIENTS = st.floats(-3.0, 3.0, allow_subnormal=False).map(lambda x: round(x, 2))
@@ -333,7 +334,7 @@ OPERATIONS: dict[str, Callable[[Any, Any], Any]] = {
 
 @pytest.mark.parametrize("sign", OPERATIONS)
 @given(data=st.data())
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150, of=4))
 def test_cuts_of_results_hold_the_results_of_all_points_of_the_cuts(
     sign: str, data: st.DataObject
 ) -> None:

@@ -20,6 +20,7 @@ from fuzzy2.operations.t_norms import t_norm
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton
+from tests import examples
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 @pytest.mark.parametrize("name", FUNCTIONS)
 @pytest.mark.parametrize("grades", ["min", "product", "lukasiewicz"])
 @given(sets=st.lists(integer_sets(), min_size=1, max_size=3))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100, of=9))
 def test_discrete_sets_are_enumerated(name: str, grades: str, sets: list[SampledSet]) -> None:
     f, norm = FUNCTIONS[name], t_norm(grades)
     expected: dict[float, float] = {}

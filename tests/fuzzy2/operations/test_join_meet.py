@@ -30,6 +30,7 @@ from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
+from tests import examples
 
 Array = NDArray[np.float64]
 THETA = np.arange(201) / 200.0  # holds twentieths to the last digit, which linspace does not
@@ -142,7 +143,7 @@ def test_published_discrete_joins_and_meets(found: Type1Set, expected: dict[floa
 @BOTH
 @GRADE_NORMS
 @given(first=discrete_sets(), second=discrete_sets())
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=examples(250, of=6))
 def test_discrete_extremum_is_that_of_all_pairs(
     kind: str, grades: str, first: SampledSet, second: SampledSet
 ) -> None:
@@ -153,7 +154,7 @@ def test_discrete_extremum_is_that_of_all_pairs(
 @GRADE_NORMS
 @pytest.mark.parametrize("name", ["product", "lukasiewicz", "hamacher", "drastic"])
 @given(first=discrete_sets(), second=discrete_sets())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100, of=12))
 def test_discrete_meet_and_join_by_any_norm_are_those_of_all_pairs(
     grades: str, name: str, first: SampledSet, second: SampledSet
 ) -> None:
@@ -170,7 +171,7 @@ def test_discrete_meet_and_join_by_any_norm_are_those_of_all_pairs(
 @pytest.mark.parametrize("name", ["min", "product"])
 @GRADE_NORMS
 @given(sets=st.lists(discrete_sets(), min_size=3, max_size=4), data=st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60, of=12))
 def test_many_sets_at_once_in_any_order_are_pairs_in_turn(
     kind: str, name: str, grades: str, sets: list[SampledSet], data: st.DataObject
 ) -> None:
@@ -206,7 +207,7 @@ def test_points_within_1e_12_merge_by_the_maximum() -> None:
 
 
 @given(first=discrete_sets(), second=discrete_sets())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300, of=6))
 def test_de_morgan_for_the_minimum_and_for_dual_pairs(
     first: SampledSet, second: SampledSet
 ) -> None:
@@ -309,7 +310,7 @@ def pairs_on_the_grid(kind: str, sets: list[Type1Set], grades: str) -> Array:
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(convex_functions(), min_size=2, max_size=4))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150, of=6))
 def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(
     kind: str, grades: str, sets: list[Type1Set]
 ) -> None:
@@ -331,7 +332,7 @@ def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(convex_functions(normal=False), min_size=2, max_size=4))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150, of=6))
 def test_without_normality_the_general_formula_still_agrees_with_all_pairs(
     kind: str, grades: str, sets: list[Type1Set]
 ) -> None:
@@ -344,7 +345,7 @@ def test_without_normality_the_general_formula_still_agrees_with_all_pairs(
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(unimodal_sets(), min_size=2, max_size=4))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100, of=6))
 def test_theorem_1_1_for_discrete_sets_at_the_same_points(
     kind: str, grades: str, sets: list[SampledSet]
 ) -> None:
@@ -738,8 +739,9 @@ def test_results_are_sets_like_any_other(name: str) -> None:
     assert found(np.full((2, 3), 0.5)).shape == (2, 3)
     assert np.isnan(found(np.nan))
     assert found.landmarks.size >= 2
-    assert found == RESULTS[name]()
-    assert hash(found) == hash(RESULTS[name]())
+    again = RESULTS[name]()
+    assert found == again
+    assert hash(found) == hash(again)
 
 
 @pytest.mark.parametrize("name", RESULTS)
