@@ -22,6 +22,10 @@ settings.register_profile(
 settings.register_profile("thorough", settings.get_profile("working"), max_examples=300)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "working"))
 
+# Workers of pytest-xdist share the cores; threads of BLAS on top take time from one another, and
+# spin while they wait. Numpy is imported after this.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # What a terminal or a shell may have set, and what programs that are tested would heed.
 for name in (
     "CLICOLOR_FORCE",
