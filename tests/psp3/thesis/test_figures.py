@@ -406,26 +406,6 @@ def test_figure_64_sets_levels_in_order_of_noise_with_intervals_and_the_printed_
     assert x[0, 0] != y[0, 0]
 
 
-def test_sweep_shows_values_and_intervals() -> None:
-    (panel,) = plots.figure_of_sweep(
-        {"a": {0.0: (2.0, 1.0, 3.0), 0.5: (1.0, 0.5, 1.5)}}, "setting [1]"
-    )
-    assert (panel.get_xlabel(), panel.get_ylabel()) == ("setting [1]", "sum of squared errors [m²]")
-    (container,) = panel.containers
-    np.testing.assert_array_equal(
-        container.lines[0].get_data(),  # type: ignore[attr-defined]
-        [[0.0, 0.5], [2.0, 1.0]],
-    )
-
-
-def test_an_interval_that_does_not_hold_its_value_is_drawn_all_the_same() -> None:
-    """A bootstrap interval that is corrected for skewness can lie beside the mean.
-
-    Error bars of negative length are an error.
-    """
-    plots.figure_of_sweep({"a": {0.0: (2.0, 2.1, 3.0)}}, "setting")
-
-
 @pytest.mark.parametrize(
     "draw", [figures.figure_64, lambda series: plots.figure_of_sweep(series, "setting")]
 )
