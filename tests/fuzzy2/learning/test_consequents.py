@@ -23,8 +23,6 @@ from tests.fuzzy2.learning.plain_loops import (
     loops_strongest,
 )
 
-Samples = tuple[np.ndarray, np.ndarray]
-
 
 def as_dictionary(rules: np.ndarray, values: np.ndarray) -> dict[tuple[int, ...], np.ndarray]:
     return {tuple(cell): value for cell, value in zip(rules.tolist(), values, strict=True)}

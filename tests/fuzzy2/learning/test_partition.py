@@ -23,8 +23,6 @@ from tests.fuzzy2.learning.plain_loops import (
     corners_and_more,
 )
 
-Samples = tuple[np.ndarray, np.ndarray]
-
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_partition_is_what_its_equations_say(kind: str) -> None:

@@ -39,9 +39,6 @@ from tests.fuzzy2.learning.plain_loops import (
     loops_strongest,
 )
 
-Samples = tuple[np.ndarray, np.ndarray]
-
-
 # A second implementation: loops, sums in the order of the text, and no function of the module.
 
 

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations import extension
@@ -21,8 +20,6 @@ from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton
 from tests import examples
-
-Array = NDArray[np.float64]
 
 
 @st.composite

@@ -7,13 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fuzzy2 import plots
 from fuzzy2.plots.style import style
 from tests.fuzzy2.plots.drawn import band, curve, edges
-
-Array = NDArray[np.float64]
 
 
 @pytest.fixture(autouse=True)

@@ -38,10 +38,6 @@ from tests.fuzzy2.sets.general_type2_sets import DISCRETE, SETS, SLICED, TRIANGL
 
 BLURRED = GaussianType2Set(principal=Gaussian(mean=0.0, sigma=1.0), sigma=0.1, domain=(-4.0, 4.0))
 
-PROPORTIONAL = GaussianType2Set(
-    principal=Gaussian(0.0, 1.0), sigma=lambda x: 0.2 * np.exp(-0.5 * x**2), domain=(-6.0, 6.0)
-)
-
 
 @pytest.mark.parametrize("name", SETS)
 def test_planes_slices_and_grades_say_the_same(name: str) -> None:

@@ -14,7 +14,7 @@ from fuzzy2.plots.style import style
 from psp3 import plots
 from psp3.errors import InvalidValue, UnknownName
 from psp3.three_psp import workspace
-from psp3.trajectories import Circle, Helix, Hold, PointToPoint, Trajectory
+from psp3.trajectories import Helix, Hold
 from psp3.trajectories.screw_forces import ScrewForces, screw_forces
 
 ROBOT = psp3.load("psp3")

@@ -346,21 +346,6 @@ def test_progress_ends_at_the_end(job: Job) -> None:
     assert [done for _, done, _ in job.steps] == list(range(job.steps[-1][2] + 1))
 
 
-def test_the_whole_plan_has_the_seeds_it_is_asked_for() -> None:
-    runs = Plan.of(30).runs()
-    main = {
-        run.seed
-        for run in runs
-        if (run.controller, run.snr_db, run.reading) == ("it2", 10.0, "parameters")
-    }
-    sweep = {run.seed for run in runs if run.reading == "plant"}
-    assert main == set(range(30))
-    assert sweep == set(range(10))
-    assert Plan.of(3).sweep_seeds == 3
-    for run in runs:
-        run.check()
-
-
 @pytest.mark.parametrize("seeds", [0, -1, 2.5, True])
 def test_seeds_that_are_none_are_refused_first(seeds: Any, tmp_path: Path) -> None:
     with pytest.raises(InvalidValue, match="seeds"):
