@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
@@ -34,6 +33,7 @@ from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.type1 import SampledSet, Singleton
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Type1System
 from tests.fuzzy2.plots.drawn import band, curve, edges
+from tests.legible import check_texts, labels_of
 
 Array = NDArray[np.float64]
 
@@ -338,45 +338,12 @@ def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(name: str, the
     with style(theme):
         panel = (FIGURES[name][0] if name in FIGURES else IN_SPACE[name])()[0]
         figure: Any = panel.figure
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        renderer = canvas.get_renderer()
-        boxes = []
+        texts = []
         for axes in figure.axes:
-            legend = axes.get_legend()
-            labels = [
-                axes.xaxis.label,
-                axes.yaxis.label,
-                *([axes.zaxis.label] if hasattr(axes, "zaxis") else []),
-            ]
-            texts = [
-                *axes.texts,
-                *labels,
-                axes._left_title,
-                *(legend.get_texts() if legend else []),
-            ]
-            boxes += [
-                (text.get_text(), text.get_window_extent(renderer))
-                for text in texts
-                if text.get_text()
-            ]
-        assert len(boxes) >= 2
-        for text, box in boxes:
-            assert box.x0 > figure.bbox.x0 - 1, text
-            assert box.x1 < figure.bbox.x1 + 1, text
-            assert box.y0 > figure.bbox.y0 - 1, text
-            assert box.y1 < figure.bbox.y1 + 1, text
-        for n, (text, box) in enumerate(boxes):
-            for other, other_box in boxes[:n]:
-                apart = (
-                    box.x0 > other_box.x1 - 1
-                    or other_box.x0 > box.x1 - 1
-                    or box.y0 > other_box.y1 - 1
-                    or other_box.y0 > box.y1 - 1
-                )
-                assert apart, f"{text} lies on {other}"
+            texts += [*axes.texts, *labels_of(axes)]
+        assert check_texts(figure, texts) >= 2
         # Light text on dark ground, or the other way round: most of the picture is ground.
-        ground = np.median(np.asarray(canvas.buffer_rgba())[..., :3])
+        ground = np.median(np.asarray(figure.canvas.buffer_rgba())[..., :3])
         assert ground > 240 if theme == "light" else ground < 60
 
 
