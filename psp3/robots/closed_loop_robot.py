@@ -543,6 +543,15 @@ class ClosedLoopRobot:
             accelerations=accelerations,
         )
 
+    def actuator_forces(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        """Return the forces of the motors for a motion; see :meth:`inverse_dynamics`.
+
+        The motors are as many as the coordinates, so that both are the same.
+        """
+        return self.inverse_dynamics(positions, speeds, accelerations)
+
     def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return all joint accelerations of the tree under actuator forces.
 

@@ -126,7 +126,7 @@ def test_energy_is_kept_through_the_simulation_loop() -> None:
         Hold(robot=weightless),
         2.0,
         0.001,
-        initial_heights=[0.02, -0.03, 0.05],
+        initial_positions=[0.02, -0.03, 0.05],
         initial_speeds=[0.06, -0.05, -0.01],
     )
     energy = weightless.kinetic_energy(result.heights, result.speeds)
@@ -201,10 +201,10 @@ def test_a_torque_that_is_not_three_finite_numbers_stops_the_run(torque: object)
         ({"delay": 0.5}, InvalidValue),
         ({"delay": True}, InvalidValue),
         ({"trajectory": Hold(robot=psp3.load("five_bar"))}, InvalidValue),
-        ({"initial_heights": [0.0, 0.0]}, InvalidArray),
+        ({"initial_positions": [0.0, 0.0]}, InvalidArray),
         ({"initial_speeds": [0.0, np.nan, 0.0]}, InvalidArray),
-        ({"initial_heights": [0.0, 1.0, -1.0]}, UnreachablePose),
-        ({"initial_heights": [0.0, 0.0, 0.5]}, InvalidValue),
+        ({"initial_positions": [0.0, 1.0, -1.0]}, UnreachablePose),
+        ({"initial_positions": [0.0, 0.0, 0.5]}, InvalidValue),
         ({"trajectory": Helix(radius=0.030, robot=ROBOT)}, UnreachableTip),
         ({"trajectory": Helix(rise=1.0, robot=ROBOT)}, StrokeExceeded),
     ],
@@ -334,7 +334,7 @@ def test_a_delayed_loop_is_the_sampled_system_with_one_more_state() -> None:
     kp, kv, T, mass = 3000.0, 150.0, 0.01, ROBOT.parameters.total_mass
     hold = Hold(robot=ROBOT)
     result = psp3.simulate(
-        ROBOT, psp3.PD(kp, kv), hold, 2.0, T, initial_heights=[0.05] * 3, delay=1
+        ROBOT, psp3.PD(kp, kv), hold, 2.0, T, initial_positions=[0.05] * 3, delay=1
     )
     x, v, last, rows = 0.05, 0.0, None, []
     for _ in range(201):
@@ -361,7 +361,7 @@ def test_motor_torques_are_a_limit_and_a_result() -> None:
         psp3.GravityCompensatedPD(ROBOT),
         HELIX,
         0.2,
-        initial_heights=HELIX(0.0).heights - 0.02,
+        initial_positions=HELIX(0.0).heights - 0.02,
         torque_limit=drive.force(0.15),
         plant=RungeKutta(ROBOT, drive=drive),
     )
@@ -442,7 +442,7 @@ def test_any_robot_stops_where_its_joints_end_and_where_its_loops_cannot_close()
             1.0,
         )
     with pytest.raises(ClosureFailed):
-        psp3.simulate(robot, Recording((1.0, 1.0)), hold, 1.0, initial_heights=[-2.5, 2.5])
+        psp3.simulate(robot, Recording((1.0, 1.0)), hold, 1.0, initial_positions=[-2.5, 2.5])
 
 
 def test_progress_reports_a_hundred_times() -> None:
@@ -497,7 +497,7 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
         "speeds",
         "torque",
         "tip",
-        *(f"desired_{name}" for name in Motion._fields),
+        *(f"desired_{name}" for name in ("heights", "speeds", "accelerations", "tip")),
     ]
     np.savez(path, format=np.array("psp3-result-2"), **{name: np.zeros(3) for name in names})
     with pytest.raises(InvalidResultFile, match="shape"):
@@ -510,3 +510,16 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     np.save(tmp_path / "array.npy", np.zeros(3))
     with pytest.raises(InvalidResultFile):
         psp3.load_result(tmp_path / "array.npy")
+
+
+def test_positions_have_the_name_of_the_3_psp_too(tmp_path: Path) -> None:
+    """Users' code asks for heights, and their files hold them."""
+    result = psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.01)
+    assert result.heights is result.positions
+    assert result.desired.heights is result.desired.positions
+    with np.load(result.save(tmp_path / "run.npz")) as file:
+        assert {"heights", "desired_heights"} <= set(file.files)
+        np.testing.assert_array_equal(file["desired_heights"], result.desired.positions)
+    with pytest.raises(SimulationDiverged) as caught:
+        psp3.simulate(ROBOT, Recording((500.0, 500.0, 500.0)), HELIX, 5.0)
+    assert caught.value.heights is caught.value.positions
