@@ -114,13 +114,18 @@ class StrokeExceeded(PSP3Error, ValueError):
     Those of a nut are the ends of its screw.
     """
 
-    def __init__(self, time: float, heights: Array, lower: Array, upper: Array) -> None:
-        self.time, self.heights, self.lower, self.upper = time, heights, lower, upper
+    def __init__(self, time: float, positions: Array, lower: Array, upper: Array) -> None:
+        self.time, self.positions, self.lower, self.upper = time, positions, lower, upper
         super().__init__(
-            f"at t = {time:.6g} s the trajectory asks for positions {_numbers(heights)}, outside "
+            f"at t = {time:.6g} s the trajectory asks for positions {_numbers(positions)}, outside "
             f"the stroke {_numbers(lower)} to {_numbers(upper)} (m or rad); move or shrink the "
             "path"
         )
+
+    @property
+    def heights(self) -> Array:
+        """The positions, by their name of the 3-PSP."""
+        return self.positions
 
 
 class OpenLoops(PSP3Error, ValueError):
@@ -350,19 +355,24 @@ class SimulationStopped(PSP3Error, RuntimeError):
     """
 
     def __init__(
-        self, message: str, time: float, heights: Array, speeds: Array, torque: Array, result: Any
+        self, message: str, time: float, positions: Array, speeds: Array, torque: Array, result: Any
     ) -> None:
-        self.time, self.heights, self.speeds, self.torque, self.result = (
+        self.time, self.positions, self.speeds, self.torque, self.result = (
             time,
-            heights,
+            positions,
             speeds,
             torque,
             result,
         )
         super().__init__(
-            f"{message} at t = {time:.6g} s: positions {_numbers(heights)}, speeds "
+            f"{message} at t = {time:.6g} s: positions {_numbers(positions)}, speeds "
             f"{_numbers(speeds)}, torque {_numbers(torque)} (SI units)"
         )
+
+    @property
+    def heights(self) -> Array:
+        """The positions, by their name of the 3-PSP."""
+        return self.positions
 
 
 class SimulationDiverged(SimulationStopped):

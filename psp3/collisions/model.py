@@ -24,7 +24,7 @@ from psp3.collisions.pairs import pairs_to_check
 from psp3.description.srdf import Exclusion, excluded_by_srdf
 from psp3.description.xml import read_xml
 from psp3.errors import InvalidRobotFile, InvalidValue, OverlappingShapes
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 
 DISTANCE_TOLERANCE = 1e-8
 """Tolerance of distances [m]; coal's default is 1e-6, and between parallel cylinders the error is
@@ -56,7 +56,7 @@ class CollisionModel:
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         The robot.
     shapes : pinocchio.GeometryModel
         Convex solids on its links; pairs that are listed in it are not used. A robot without
@@ -75,7 +75,7 @@ class CollisionModel:
     """
 
     def __init__(
-        self, robot: ClosedLoopRobot, shapes: Any, excluded: Iterable[tuple[str, str, str]] = ()
+        self, robot: Robot, shapes: Any, excluded: Iterable[tuple[str, str, str]] = ()
     ) -> None:
         objects = list(shapes.geometryObjects)
         if not objects:
@@ -268,13 +268,13 @@ def _link(model: pin.Model, shape: Any) -> str:
 
 
 def collision_model(
-    robot: ClosedLoopRobot, urdf: str | Path | None = None, srdf: str | Path | None = None
+    robot: Robot, urdf: str | Path | None = None, srdf: str | Path | None = None
 ) -> CollisionModel:
     """Return the collision model of a robot, from the ``<collision>`` elements of its URDF.
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         The robot, with the dimensions of the file.
     urdf : path, optional
         The file; by default the one that the robot was loaded from.
@@ -322,7 +322,7 @@ def collision_model(
     )
 
 
-def _files(robot: ClosedLoopRobot) -> tuple[Path, Path | None]:
+def _files(robot: Robot) -> tuple[Path, Path | None]:
     """Return the URDF and SRDF that a robot was loaded from."""
     if robot.urdf is None:
         raise InvalidValue("urdf", None, "the robot's file: this robot was not loaded from one")

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from psp3.checks import Array, as_floats, checked_not_negative, finite_rows
 from psp3.collisions.model import CollisionModel, Nearest, collision_model
 from psp3.errors import CollisionFound, InvalidArray
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 
 BISECTIONS = 40
 """Halvings of the time between two samples in which links come too near: what is left is a
@@ -69,7 +69,7 @@ class Report:
 
 
 def check(
-    robot: ClosedLoopRobot,
+    robot: Robot,
     positions: ArrayLike,
     time: ArrayLike | None = None,
     clearance: float = 0.0,
@@ -83,11 +83,11 @@ def check(
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         The robot.
     positions : (N, n) array_like
-        Positions of the actuated joints [m or rad], such as ``trajectory(t).heights`` or
-        ``result.heights``.
+        Positions of the actuated joints [m or rad], such as ``trajectory(t).positions`` or
+        ``result.positions``.
     time : (N,) array_like, optional
         Times of the samples, increasing [s]; by default their numbers.
     clearance : float
@@ -136,7 +136,7 @@ def check(
 
 
 def check_clearance(
-    robot: ClosedLoopRobot,
+    robot: Robot,
     positions: ArrayLike,
     time: ArrayLike | None = None,
     clearance: float = 0.0,

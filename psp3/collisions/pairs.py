@@ -17,11 +17,11 @@ import pinocchio as pin
 
 from psp3.description.srdf import Exclusion
 from psp3.errors import UnknownName
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 
 
 def pairs_to_check(
-    robot: ClosedLoopRobot,
+    robot: Robot,
     links: Sequence[str],
     joints: Sequence[int],
     excluded: Iterable[Exclusion] = (),
@@ -30,7 +30,7 @@ def pairs_to_check(
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         The robot.
     links : sequence of str
         The link of every shape.
@@ -77,7 +77,7 @@ def pairs_to_check(
 class _Joined:
     """What joins the bodies of a robot."""
 
-    def __init__(self, robot: ClosedLoopRobot) -> None:
+    def __init__(self, robot: Robot) -> None:
         model = robot.model
         self._body = list(range(model.njoints))
         point_loops = []

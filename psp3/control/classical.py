@@ -1,9 +1,9 @@
 r"""Controllers of the screw forces: feed-forward, PD, PD with gravity, PID and computed torque.
 
-A controller has ``reset()``, called once before a run, and ``torque(t, heights, speeds, desired)``,
-called once a control period. Everything that offers these two can be simulated. ``desired`` is a
-:class:`psp3.trajectories.motion.Motion`; the servo errors are :math:`e = a_d - a` and
-:math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
+A controller has ``reset()``, called once before a run, and
+``torque(t, positions, speeds, desired)``, called once a control period. Everything that offers
+these two can be simulated. ``desired`` is a :class:`psp3.trajectories.motion.Motion`; the servo
+errors are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
 """
 
 from __future__ import annotations
@@ -89,9 +89,9 @@ class FeedForward(Stateless):
         self.model = model
         self._equation = equation_of_motion_of(model)
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion, of shape (3,) [N]."""
-        M, C, G = self._equation(desired.heights, desired.speeds)
+        M, C, G = self._equation(desired.positions, desired.speeds)
         torque: Array = M @ desired.accelerations + C @ desired.speeds + G
         return torque
 
@@ -120,9 +120,11 @@ class PD(Stateless):
     def __init__(self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0) -> None:
         self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the feedback forces, of shape (3,) [N]."""
-        return _times(self.kp, desired.heights - heights) + _times(self.kv, desired.speeds - speeds)
+        return _times(self.kp, desired.positions - positions) + _times(
+            self.kv, desired.speeds - speeds
+        )
 
 
 class GravityCompensatedPD(PD):
@@ -145,9 +147,9 @@ class GravityCompensatedPD(PD):
         self.model = model
         self._equation = equation_of_motion_of(model)
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return feedback and gravity forces, of shape (3,) [N]."""
-        return super().torque(t, heights, speeds, desired) + self._equation(heights, speeds)[2]
+        return super().torque(t, positions, speeds, desired) + self._equation(positions, speeds)[2]
 
 
 class PID(PD):
@@ -177,13 +179,13 @@ class PID(PD):
         self._integral: Array | float = 0.0
         self._last: tuple[float, Array] | None = None
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the feedback forces, of shape (3,) [N], and go on with the integral."""
-        error = desired.heights - heights
+        error = desired.positions - positions
         if self._last is not None:
             self._integral = self._integral + 0.5 * (t - self._last[0]) * (error + self._last[1])
         self._last = (t, error)
-        return super().torque(t, heights, speeds, desired) + self.ki * self._integral
+        return super().torque(t, positions, speeds, desired) + self.ki * self._integral
 
 
 class ComputedTorque(Stateless):
@@ -224,13 +226,13 @@ class ComputedTorque(Stateless):
         """
         return cls(model, kp, 2.0 * np.sqrt(checked_not_negative("kp", kp)))
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of eq. 4.10, of shape (3,) [N]."""
-        M, C, G = self._equation(heights, speeds)
+        M, C, G = self._equation(positions, speeds)
         servo = (
             desired.accelerations
             + self.kv * (desired.speeds - speeds)
-            + self.kp * (desired.heights - heights)
+            + self.kp * (desired.positions - positions)
         )
         torque: Array = M @ servo + C @ speeds + G
         return torque

@@ -15,7 +15,7 @@ class Controller(Protocol):
         """Forget everything about earlier runs."""
         ...
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the screw forces for the next control period."""
         ...
 

@@ -243,9 +243,9 @@ class LinearQuadraticRegulator:
     def reset(self) -> None:
         """Forget nothing: this controller remembers nothing."""
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
-        return _forces(self.robot, self.regulator.K, heights, speeds, desired)
+        return _forces(self.robot, self.regulator.K, positions, speeds, desired)
 
 
 class TimeVaryingLinearQuadraticRegulator:
@@ -291,25 +291,25 @@ class TimeVaryingLinearQuadraticRegulator:
         )
         motion = trajectory(self.t)
         self.system = discretize(
-            linearize(robot, motion.heights, motion.speeds, motion.accelerations), self.period
+            linearize(robot, motion.positions, motion.speeds, motion.accelerations), self.period
         )
         self.regulator = time_varying_lqr(self.system, Q, R, terminal)
 
     def reset(self) -> None:
         """Forget nothing: the gains depend on time alone."""
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
         # The small excess keeps rounding from taking the gains of the sample before.
         sample = min(max(int(t / self.period + 1e-6), 0), len(self.t) - 1)
-        return _forces(self.robot, self.regulator.K[sample], heights, speeds, desired)
+        return _forces(self.robot, self.regulator.K[sample], positions, speeds, desired)
 
 
 def _forces(
-    robot: ClosedLoopRobot, K: Array, heights: Array, speeds: Array, desired: Motion
+    robot: ClosedLoopRobot, K: Array, positions: Array, speeds: Array, desired: Motion
 ) -> Array:
-    error = np.concatenate([desired.heights - heights, desired.speeds - speeds])
+    error = np.concatenate([desired.positions - positions, desired.speeds - speeds])
     forces: Array = (
-        robot.inverse_dynamics(desired.heights, desired.speeds, desired.accelerations) + K @ error
+        robot.inverse_dynamics(desired.positions, desired.speeds, desired.accelerations) + K @ error
     )
     return forces

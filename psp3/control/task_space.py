@@ -164,25 +164,31 @@ class TaskSpaceComputedTorque:
     def reset(self) -> None:
         """Forget nothing: this controller remembers nothing."""
 
-    def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the actuated joints (n,) [N or N m] for a state.
 
         The state is their positions and speeds.
         """
         if self.path is None:
             goal = frame_motion(
-                self.robot, desired.heights, desired.speeds, desired.accelerations, self.space.frame
+                self.robot,
+                desired.positions,
+                desired.speeds,
+                desired.accelerations,
+                self.space.frame,
             )
         else:
             goal = self.path(t)
-        rows, now = self.space.rows, self.space.state(heights, speeds)
+        rows, now = self.space.rows, self.space.state(positions, speeds)
         servo = goal.acceleration[rows] + self.kv * (goal.velocity[rows] - now.velocity)
         servo += self.kp * self.space.error(goal.placement, now.placement) - now.drift
         return self.robot.inverse_dynamics(
-            heights, speeds, self._accelerations(heights, speeds, now.jacobian, servo)
+            positions, speeds, self._accelerations(positions, speeds, now.jacobian, servo)
         )
 
-    def _accelerations(self, heights: Array, speeds: Array, jacobian: Array, servo: Array) -> Array:
+    def _accelerations(
+        self, positions: Array, speeds: Array, jacobian: Array, servo: Array
+    ) -> Array:
         """Return the accelerations of the actuated joints for those of ``servo``.
 
         They give the frame those of ``servo``, as far as that is possible.
@@ -195,19 +201,19 @@ class TaskSpaceComputedTorque:
         if sigma[-1] < epsilon:
             cost = right.T @ ((sigma**2 + epsilon**2)[:, np.newaxis] ** -1 * right)
             accelerations = accelerations + self._correction(
-                heights, scaled.columns * speeds, accelerations, cost
+                positions, scaled.columns * speeds, accelerations, cost
             )
         return accelerations / scaled.columns
 
     def _correction(
-        self, heights: Array, speeds: Array, accelerations: Array, cost: Array
+        self, positions: Array, speeds: Array, accelerations: Array, cost: Array
     ) -> Array:
         """Return what keeps the smallest singular value above its floor.
 
         Speeds and accelerations are scaled.
         """
         epsilon, omega = self.threshold, np.sqrt(self.kp)
-        value, gradient, curvature = self._scaled.derivatives(heights, speeds)
+        value, gradient, curvature = self._scaled.derivatives(positions, speeds)
         height, rate = value - FLOOR * epsilon, float(gradient @ speeds)
         least = -2.0 * omega * rate - omega**2 * height
         if rate < 0.0:

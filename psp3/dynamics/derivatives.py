@@ -41,7 +41,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, finite_rows, together
-from psp3.robots.closed_loop_robot import ClosedLoopRobot, Closure
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.closed_pose import ClosedPose
 
 
 class InverseDynamicsDerivatives(NamedTuple):
@@ -151,7 +152,7 @@ def forward_dynamics_derivatives(
 
 
 def _at(
-    robot: ClosedLoopRobot, closure: Closure, speed: Array, acceleration: Array
+    robot: ClosedLoopRobot, closure: ClosedPose, speed: Array, acceleration: Array
 ) -> tuple[Array, Array, Array]:
     """Return the derivatives of the inverse dynamics at one state."""
     model, data, dependent = robot.model, robot.data, robot.dependent_v

@@ -668,7 +668,7 @@ class NaturalOrthogonalComplement:
         )
 
     def equation_of_motion(
-        self, heights: ArrayLike, speeds: ArrayLike
+        self, positions: ArrayLike, speeds: ArrayLike
     ) -> tuple[Array, Array, Array]:
         """Return M, C and G at actuated positions and speeds.
 
@@ -676,7 +676,7 @@ class NaturalOrthogonalComplement:
 
         Parameters
         ----------
-        heights, speeds : (..., n) array_like
+        positions, speeds : (..., n) array_like
             Positions and speeds of the actuated joints.
 
         Returns
@@ -692,10 +692,41 @@ class NaturalOrthogonalComplement:
         PSP3Error
             If the robot has no closed configuration there, see ``robot.configuration``.
         """
+        q, v, _ = self._state(positions=positions, speeds=speeds)
+        return self.mass_matrix(q), self.coriolis_matrix(q, v), self.gravity(q)
+
+    def actuator_forces(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        r"""Return the actuator forces of a motion of the actuated joints (eq. 3.1).
+
+        .. math:: \tau = M(a)\, \ddot a + C(a, \dot a)\, \dot a + G(a)
+
+        Parameters
+        ----------
+        positions, speeds, accelerations : (..., n) array_like
+            Motion of the actuated joints.
+
+        Returns
+        -------
+        (..., n) ndarray
+            Forces [N], of hinges torques [N m].
+
+        Raises
+        ------
+        InvalidArray, PSP3Error
+            See :meth:`equation_of_motion`.
+        """
+        q, v, (acceleration,) = self._state(
+            positions=positions, speeds=speeds, accelerations=accelerations
+        )
+        return self.inverse_dynamics(q, v, acceleration)
+
+    def _state(self, **motion: ArrayLike) -> tuple[Array, Array, list[Array]]:
+        """Return q and v at actuated positions and speeds, and what else of the motion is given."""
         n = self._actuated.size
-        positions, rates = together(
-            heights=finite_rows("heights", heights, n), speeds=finite_rows("speeds", speeds, n)
+        positions, rates, *others = together(
+            **{name: finite_rows(name, values, n) for name, values in motion.items()}
         )
         q = np.asarray(self.robot.configuration(positions))
-        v = np.einsum("...ij,...j->...i", self.L(q), rates)
-        return self.mass_matrix(q), self.coriolis_matrix(q, v), self.gravity(q)
+        return q, np.einsum("...ij,...j->...i", self.L(q), rates), others

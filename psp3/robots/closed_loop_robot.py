@@ -16,7 +16,6 @@ three checks the others.
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -36,31 +35,11 @@ from psp3.errors import (
     ClosureFailed,
     DisorderedJoints,
     InvalidValue,
-    JointLimitExceeded,
     MobilityMismatch,
     UnknownName,
 )
-
-
-class Closure:
-    """A closed configuration: ``configuration`` q (nq,) and ``complement`` L (nv, n) of eq. 3.17.
-
-    ``dependent_inverse`` (nv − n, m) solves the closure equations for the un-actuated joints, see
-    :func:`psp3.closure.rank.dependent_solver`; it is computed when it is first asked for.
-    """
-
-    def __init__(self, robot: ClosedLoopRobot, configuration: Array, complement: Array) -> None:
-        self._robot = robot
-        self.configuration, self.complement = configuration, complement
-
-    @functools.cached_property
-    def dependent_inverse(self) -> Array:
-        """The (pseudo-)inverse of the un-actuated columns of the constraint Jacobian.
-
-        Of Pinocchio's, (nv − n, m).
-        """
-        jacobian = self._robot.constraint_jacobian(self.configuration)
-        return dependent_solver(jacobian[:, self._robot.dependent_v])
+from psp3.robots.closed_pose import ClosedPose
+from psp3.robots.passive_limits import PassiveLimits
 
 
 class ClosedLoopRobot:
@@ -135,7 +114,7 @@ class ClosedLoopRobot:
             # Constraint data must not be shared between algorithms of Pinocchio: results would be
             # silently wrong.
             self._dynamics_data.append(constraint.createData())
-        self._limited = _Limits(model, self.actuated)
+        self._limited = PassiveLimits(model, self.actuated)
         self._table = flattened(model, self.constraint_models, self.actuated_v)
         if q0 is None:
             start = assembled(
@@ -260,7 +239,7 @@ class ClosedLoopRobot:
             return configurations, out
         if report[0] == SINGULAR:
             # What is wrong is told by Pinocchio's Jacobian.
-            dependent_solver(self.constraint_jacobian(configurations[failed])[:, self.dependent_v])
+            self._dependent_inverse(configurations[failed])
         raise ClosureFailed(rows[failed], float(report[2]), float(report[1]))
 
     def _map(
@@ -338,7 +317,7 @@ class ClosedLoopRobot:
         shaped: Array = configurations.reshape(*rows.shape[:-1], self.model.nq)
         return shaped
 
-    def closure(self, positions: ArrayLike) -> Closure:
+    def closure(self, positions: ArrayLike) -> ClosedPose:
         """Return the closed configuration of one pose together with L.
 
         Parameters
@@ -348,7 +327,7 @@ class ClosedLoopRobot:
 
         Returns
         -------
-        Closure
+        ClosedPose
             ``.configuration`` (nq,), ``.complement`` (nv, n) and ``.dependent_inverse`` (nv − n,
             m).
 
@@ -364,7 +343,10 @@ class ClosedLoopRobot:
             row[np.newaxis], self._start(row), complements=True
         )
         self._limited.check(configurations)
-        return Closure(self, configurations[0], complements[0])
+        return ClosedPose(configurations[0], complements[0], self._dependent_inverse)
+
+    def _dependent_inverse(self, q: Array) -> Array:
+        return dependent_solver(self.constraint_jacobian(q)[:, self.dependent_v])
 
     def _start(self, row: Array) -> Array:
         """Return the configuration from which the loops are closed."""
@@ -425,7 +407,7 @@ class ClosedLoopRobot:
         """
         accelerations = np.zeros(self.model.nv)
         if not drift(self._table, q, v, accelerations):
-            dependent_solver(self.constraint_jacobian(q)[:, self.dependent_v])
+            self._dependent_inverse(q)
         return accelerations
 
     def _velocity_forces(self, q: Array, complement: Array, speeds: Array) -> Array:
@@ -542,6 +524,15 @@ class ClosedLoopRobot:
             speeds=speeds,
             accelerations=accelerations,
         )
+
+    def actuator_forces(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        """Return the forces of the motors for a motion; see :meth:`inverse_dynamics`.
+
+        The motors are as many as the coordinates, so that both are the same.
+        """
+        return self.inverse_dynamics(positions, speeds, accelerations)
 
     def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return all joint accelerations of the tree under actuator forces.
@@ -774,34 +765,3 @@ def _check_order(model: pin.Model) -> None:
         if not branch:
             raise DisorderedJoints(str(model.names[joint]), str(model.names[parent]))
         branch.append(joint)
-
-
-class _Limits:
-    """Limits of the joints that are not actuated.
-
-    Those of the motors are the business of trajectories and simulation.
-    """
-
-    def __init__(self, model: pin.Model, actuated: tuple[str, ...]) -> None:
-        # Without the universe: Pinocchio's placeholder claims one coordinate, the last of q.
-        passive = [
-            (str(name), joint.idx_q)
-            for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
-            if joint.nq == 1 and name not in actuated
-        ]
-        self._names = [name for name, _ in passive]
-        self._index = np.array([index for _, index in passive], dtype=np.int64)
-        self._lower, self._upper = (
-            model.lowerPositionLimit[self._index],
-            model.upperPositionLimit[self._index],
-        )
-
-    def check(self, configurations: Array) -> None:
-        """Refuse configurations (N, nq) in which one of them is exceeded."""
-        values = configurations[:, self._index]
-        beyond = (values < self._lower) | (values > self._upper)
-        if beyond.any():
-            row, k = np.argwhere(beyond)[0]
-            raise JointLimitExceeded(
-                self._names[k], float(values[row, k]), float(self._lower[k]), float(self._upper[k])
-            )

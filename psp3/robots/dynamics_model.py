@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from numpy.typing import ArrayLike
 
@@ -11,30 +11,37 @@ from psp3.checks import Array
 from psp3.errors import InvalidValue
 
 
+@runtime_checkable
 class DynamicsModel(Protocol):
-    """What a model-based controller needs of a model."""
+    """The equation of motion in actuated coordinates (eq. 3.1).
+
+    A robot is one, and so is each of ``robot.dynamics(name)``: closed form, Pinocchio, natural
+    orthogonal complement.
+    """
 
     def equation_of_motion(
-        self, heights: ArrayLike, speeds: ArrayLike
+        self, positions: ArrayLike, speeds: ArrayLike
     ) -> tuple[Array, Array, Array]:
-        """Return mass matrix, Coriolis matrix and gravity vector of a state."""
+        """Return mass matrix and Coriolis matrix, (..., n, n) each, and gravity vector (..., n)."""
+        ...
+
+    def actuator_forces(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        """Return the forces of the motors for a motion, (..., n) [N], of hinges [N m]."""
         ...
 
 
 def equation_of_motion_of(
     model: DynamicsModel,
 ) -> Callable[[ArrayLike, ArrayLike], tuple[Array, Array, Array]]:
-    """How to get M, C and G of a model: in one call, or from its three methods."""
+    """Return how to get M, C and G of a model: in one call, or from its three methods."""
     whole = getattr(model, "equation_of_motion", None)
     if whole is not None:
         equation: Callable[[ArrayLike, ArrayLike], tuple[Array, Array, Array]] = whole
         return equation
     if all(hasattr(model, name) for name in ("mass_matrix", "coriolis_matrix", "gravity")):
-        return lambda a, v: (
-            model.mass_matrix(a),  # type: ignore[attr-defined]
-            model.coriolis_matrix(a, v),  # type: ignore[attr-defined]
-            model.gravity(a),  # type: ignore[attr-defined]
-        )
+        return lambda a, v: (model.mass_matrix(a), model.coriolis_matrix(a, v), model.gravity(a))  # type: ignore[attr-defined]
     raise InvalidValue(
         "model",
         model,

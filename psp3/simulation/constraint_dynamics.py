@@ -58,14 +58,15 @@ class ConstraintDynamics(FixedSteps):
         armature = np.array(model.armature)
         armature[rows] += drive_table(drive, len(joints))[:, 0]
         model.armature = armature
-        super().__init__(ClosedLoopRobot(model, closures, robot.actuated, robot.q0), steps, drive)
+        self._tree = ClosedLoopRobot(model, closures, robot.actuated, robot.q0)
+        super().__init__(self._tree, steps, drive)
         self._places, self._rows = places, rows
         self.q, self.v = robot.q0, np.zeros(model.nv)
 
-    def start(self, heights: Array, speeds: Array) -> None:
+    def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state; positions and speeds of the actuated joints."""
-        self.q = self._robot.configuration(heights)
-        self.v = self._robot.velocity(heights, speeds)
+        self.q = self._robot.configuration(positions)
+        self.v = self._robot.velocity(positions, speeds)
 
     def _is_pose(self) -> bool:
         return bool(np.isfinite(self.q).all() and np.isfinite(self.v).all())
@@ -80,7 +81,7 @@ class ConstraintDynamics(FixedSteps):
         """
 
         def rows(force: Array) -> Array:
-            return self._robot.constrained_accelerations(q, v, force)[self._rows]
+            return self._tree.constrained_accelerations(q, v, force)[self._rows]
 
         applied = rows(forces - self._drives[:, self._kernels.VISCOUS] * v[self._rows])
         idle = rows(np.zeros(self._joints))
@@ -95,10 +96,10 @@ class ConstraintDynamics(FixedSteps):
             if sticks.any():
                 mass, net = self._balance(q, v, forces)
                 friction[sticks] = (net - mass @ self._joint_accelerations(mass, net))[sticks]
-            acceleration = self._robot.constrained_accelerations(
+            acceleration = self._tree.constrained_accelerations(
                 q, v, forces - viscous * v[self._rows] - friction
             )
             # What sticks rests to the last bit, not only to rounding.
             acceleration[self._rows[sticks]] = 0.0
             return acceleration
-        return self._robot.constrained_accelerations(q, v, forces)
+        return self._tree.constrained_accelerations(q, v, forces)

@@ -9,7 +9,7 @@ import numpy as np
 
 from psp3.checks import Array, checked_positive
 from psp3.drives.drive import NO_DRIVE, Drive
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.simulation.plant import NO_POSE, DrivenPlant
 
 
@@ -20,7 +20,7 @@ class DormandPrince(DrivenPlant):
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         The robot.
     tolerance : float
         Relative and absolute tolerance of the integrator [m, m/s].
@@ -30,7 +30,7 @@ class DormandPrince(DrivenPlant):
 
     def __init__(
         self,
-        robot: ClosedLoopRobot,
+        robot: Robot,
         tolerance: float = 1e-12,
         drive: Drive | Sequence[Drive] = NO_DRIVE,
     ) -> None:
@@ -38,12 +38,12 @@ class DormandPrince(DrivenPlant):
         self._tolerance = checked_positive("tolerance", tolerance)
         self._state = np.zeros(2 * self._joints)
 
-    def start(self, heights: Array, speeds: Array) -> None:
+    def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
         Positions [m, rad] and speeds of the actuated joints, each (n,).
         """
-        self._state = np.concatenate([heights, speeds])
+        self._state = np.concatenate([positions, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return positions and speeds after ``duration`` [s], or None.

@@ -36,19 +36,19 @@ def sum_of_squared_errors(result: Result, sampling_period: float = THESIS_SAMPLI
         raise InvalidValue(
             "sampling_period", sampling_period, f"a multiple of the control period, {period:.6g} s"
         )
-    error = result.desired.heights[::every] - result.heights[::every]
+    error = result.desired.positions[::every] - result.positions[::every]
     return float((error**2).sum())
 
 
 def integral_of_squared_error(result: Result) -> float:
     r"""Return :math:`\int \lVert e \rVert^2 dt` over the screws by the trapezoidal rule [m² s]."""
-    error = result.desired.heights - result.heights
+    error = result.desired.positions - result.positions
     return float(np.trapezoid((error**2).sum(axis=-1), result.t))
 
 
 def rms_error(result: Result) -> float:
     r"""Return the root mean square of :math:`\lVert e \rVert` over the samples [m]."""
-    error = result.desired.heights - result.heights
+    error = result.desired.positions - result.positions
     return float(np.sqrt((error**2).sum(axis=-1).mean()))
 
 

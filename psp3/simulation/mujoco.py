@@ -107,9 +107,9 @@ class MuJoCo:
         """
         return float(np.abs(self.data.efc_pos[: self.data.ne]).max(initial=0.0))
 
-    def start(self, heights: Array, speeds: Array) -> None:
+    def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state; positions and speeds of the actuated joints, each (n,)."""
-        q, v = self._robot.configuration(heights), self._robot.velocity(heights, speeds)
+        q, v = self._robot.configuration(positions), self._robot.velocity(positions, speeds)
         self._engine.mj_resetData(self.model, self.data)
         self.data.qpos[:], self.data.qvel[:] = mujoco_state(self._robot, q, v)
 

@@ -17,7 +17,7 @@ from psp3.errors import (
     SingularConfiguration,
     UnreachablePose,
 )
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 
 NO_POSE = (
     InvalidArray,
@@ -33,12 +33,12 @@ NO_POSE = (
 class Plant(Protocol):
     """What the simulation needs of a plant."""
 
-    def start(self, heights: Array, speeds: Array) -> None:
+    def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state."""
         ...
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return heights and speeds after some time under constant forces.
+        """Return positions and speeds after some time under constant forces.
 
         None if the robot left the poses it can take.
         """
@@ -51,7 +51,7 @@ class DrivenPlant:
     What is common to the ways to integrate it.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, drive: Drive | Sequence[Drive]) -> None:
+    def __init__(self, robot: Robot, drive: Drive | Sequence[Drive]) -> None:
         from psp3.drives import kernels as drive_kernels
 
         self._robot, self._kernels, self._joints = robot, drive_kernels, len(robot.actuated)

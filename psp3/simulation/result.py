@@ -21,14 +21,20 @@ FORMAT = "psp3-result-2"
 JOINTS = -1
 """Stands for the number of actuated joints in a shape."""
 
+POSITIONS = "heights"
+"""What positions are called in files, which are older than robots other than the 3-PSP."""
+
 _ARRAYS: dict[str, tuple[int, ...]] = {
     "t": (),
-    "heights": (JOINTS,),
+    POSITIONS: (JOINTS,),
     "speeds": (JOINTS,),
     "torque": (JOINTS,),
     "tip": (3,),
 }
 """What every result holds: shape of a sample."""
+
+_DESIRED = tuple(f"desired_{POSITIONS if name == 'positions' else name}" for name in Motion._fields)
+"""What every result holds of the desired motion, in the order of its fields."""
 
 REPORTED: dict[str, tuple[tuple[int, ...], type]] = {
     "covered": ((), np.bool_),
@@ -46,11 +52,11 @@ class Result:
     ----------
     t : (N,) ndarray
         Times, from 0 [s].
-    heights, speeds : (N, n) ndarray
-        Nut heights [m] and speeds [m/s]; of another robot than the 3-PSP, positions and speeds of
-        its actuated joints.
+    positions, speeds : (N, n) ndarray
+        Positions of the actuated joints and their speeds [m or rad, per s]; of the 3-PSP nut
+        heights.
     desired : Motion
-        Desired ``.heights .speeds .accelerations``, each (N, n), and ``.tip`` (N, 3).
+        Desired ``.positions .speeds .accelerations``, each (N, n), and ``.tip`` (N, 3).
     torque : (N, n) ndarray
         Forces of the actuated joints applied from each sample on [N], at revolute joints torques [N
         m]. As motor torques: ``drive.motor_torque(result.torque)``.
@@ -65,7 +71,7 @@ class Result:
     """
 
     t: Array
-    heights: Array
+    positions: Array
     speeds: Array
     desired: Motion
     torque: Array
@@ -75,12 +81,9 @@ class Result:
     torque_interval: Array | None = None
 
     @property
-    def positions(self) -> Array:
-        """The heights by the name that fits every robot.
-
-        Positions of the actuated joints, (N, n).
-        """
-        return self.heights
+    def heights(self) -> Array:
+        """The positions, by their name of the 3-PSP."""
+        return self.positions
 
     def save(self, path: str | Path) -> Path:
         """Write the result to an ``.npz`` file, all at once, and return its path.
@@ -92,7 +95,7 @@ class Result:
         """
         path = Path(path)
         arrays = {name: getattr(self, name) for name in _ARRAYS}
-        arrays |= {f"desired_{name}": values for name, values in self.desired._asdict().items()}
+        arrays |= dict(zip(_DESIRED, self.desired, strict=True))
         arrays |= {
             name: getattr(self, name) for name in REPORTED if getattr(self, name) is not None
         }
@@ -136,16 +139,14 @@ def load_result(path: str | Path) -> Result:
     found = str(content.pop("format", "none"))
     if found != FORMAT:
         raise InvalidResultFile(path, f"has format {found!r}, this version reads {FORMAT!r}")
-    shapes = _ARRAYS | {
-        f"desired_{name}": (3,) if name == "tip" else (JOINTS,) for name in Motion._fields
-    }
+    shapes = _ARRAYS | {name: (3,) if name == "desired_tip" else (JOINTS,) for name in _DESIRED}
     if not set(shapes) <= set(content) <= set(shapes) | set(REPORTED):
         raise InvalidResultFile(
             path,
             f"must hold the arrays {', '.join(sorted(shapes))}; it holds "
             f"{', '.join(sorted(content))}",
         )
-    samples, joints = content["t"].shape, content["heights"].shape[-1:]
+    samples, joints = content["t"].shape, content[POSITIONS].shape[-1:]
     for name, array in content.items():
         shape, kind = REPORTED.get(name) or (shapes[name], np.float64)
         whole = (
@@ -156,11 +157,11 @@ def load_result(path: str | Path) -> Result:
             raise InvalidResultFile(
                 path, f"array {name} has shape {array.shape} and type {array.dtype}"
             )
-    desired = Motion(*(content[f"desired_{name}"] for name in Motion._fields))
+    desired = Motion(*(content[name] for name in _DESIRED))
     reported = {name: content.get(name) for name in REPORTED}
     return Result(
         content["t"],
-        content["heights"],
+        content[POSITIONS],
         content["speeds"],
         desired,
         content["torque"],

@@ -25,7 +25,7 @@ import numpy as np
 
 from psp3.checks import Array, checked_count
 from psp3.drives.drive import NO_DRIVE, Drive
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.simulation.plant import NO_POSE, DrivenPlant, Plant
 
 
@@ -36,7 +36,7 @@ class RungeKutta:
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         The robot.
     steps : int
         Integration steps in a control period. One step of 2 ms is exact to 1e-12 m on the thesis's
@@ -46,7 +46,7 @@ class RungeKutta:
     """
 
     def __init__(
-        self, robot: ClosedLoopRobot, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE
+        self, robot: Robot, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE
     ) -> None:
         self._plant: Plant
         compiled = robot.compiled_steps
@@ -54,12 +54,12 @@ class RungeKutta:
             FixedSteps(robot, steps, drive) if compiled is None else compiled(steps, drive)
         )
 
-    def start(self, heights: Array, speeds: Array) -> None:
+    def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
         Positions [m, rad] and speeds of the actuated joints, each (n,).
         """
-        self._plant.start(heights, speeds)
+        self._plant.start(positions, speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return positions and speeds after ``duration`` [s], or None.
@@ -76,18 +76,18 @@ class FixedSteps(DrivenPlant):
     are q and v, of which the actuated joints are those at ``_places`` and ``_rows``.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, steps: int, drive: Drive | Sequence[Drive]) -> None:
+    def __init__(self, robot: Robot, steps: int, drive: Drive | Sequence[Drive]) -> None:
         super().__init__(robot, drive)
         self._steps = checked_count("steps", steps)
         self._places = self._rows = np.arange(self._joints)
         self.q, self.v = np.zeros(self._joints), np.zeros(self._joints)
 
-    def start(self, heights: Array, speeds: Array) -> None:
+    def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
         Positions [m, rad] and speeds of the actuated joints, each (n,).
         """
-        self.q, self.v = np.array(heights), np.array(speeds)
+        self.q, self.v = np.array(positions), np.array(speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return positions and speeds of the actuated joints after ``duration`` [s].

@@ -17,7 +17,7 @@ from psp3.checks import Array, as_floats, checked_count, checked_positive, one_r
 from psp3.collisions.motion import check_clearance
 from psp3.control.controller import Controller
 from psp3.errors import InvalidTorque, InvalidValue, SimulationDiverged
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.simulation.encoder import Encoder
 from psp3.simulation.plant import NO_POSE, Plant
 from psp3.simulation.result import JOINTS, REPORTED, Result
@@ -27,13 +27,13 @@ from psp3.trajectories.trajectory import Trajectory
 
 
 def simulate(
-    robot: ClosedLoopRobot,
+    robot: Robot,
     controller: Controller,
     trajectory: Trajectory,
     duration: float,
     period: float = 0.002,
     *,
-    initial_heights: ArrayLike | None = None,
+    initial_positions: ArrayLike | None = None,
     initial_speeds: ArrayLike | None = None,
     torque_limit: ArrayLike | None = None,
     encoder_resolution: ArrayLike = 0.0,
@@ -49,7 +49,7 @@ def simulate(
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         The robot that is simulated, with n actuated joints.
     controller : Controller
         Called at every control period, at the end of the simulation too; its force is held until
@@ -61,7 +61,7 @@ def simulate(
         Time to simulate [s]; the last sample is the last whole control period in it.
     period : float
         Control period [s]; 2 ms is the thesis's real-time budget.
-    initial_heights, initial_speeds : (n,) array_like, optional
+    initial_positions, initial_speeds : (n,) array_like, optional
         Where the robot starts [m], [m/s]; by default on the trajectory, at rest.
     torque_limit : float or (n,) array_like, optional
         Largest absolute force of a joint [N]; a controller that asks for more gets this much. Of a
@@ -118,27 +118,27 @@ def simulate(
     delay = checked_count("delay", delay, 0)
     t: Array = period * np.arange(steps + 1, dtype=np.float64)
     desired = trajectory(t)
-    if desired.heights.shape[-1] != n:
+    if desired.positions.shape[-1] != n:
         raise InvalidValue("trajectory", trajectory, f"a motion of {n} actuated joints")
     check_stroke(robot, t, desired)
     if clearance is not None:
-        check_clearance(robot, desired.heights, t, clearance)
-    heights = (
-        desired.heights[0]
-        if initial_heights is None
-        else one_row("initial_heights", initial_heights, n)
+        check_clearance(robot, desired.positions, t, clearance)
+    positions = (
+        desired.positions[0]
+        if initial_positions is None
+        else one_row("initial_positions", initial_positions, n)
     )
     speeds = np.zeros(n) if initial_speeds is None else one_row("initial_speeds", initial_speeds, n)
-    robot.tip(heights)
+    robot.tip(positions)
     lower, upper = robot.limits
-    if (heights < lower).any() or (heights > upper).any():
+    if (positions < lower).any() or (positions > upper).any():
         raise InvalidValue(
-            "initial_heights",
-            heights.tolist(),
+            "initial_positions",
+            positions.tolist(),
             f"within the stroke, {lower.tolist()} to {upper.tolist()} m",
         )
 
-    all_heights, all_speeds, all_asked, all_torque = np.empty((4, steps + 1, n))
+    all_positions, all_speeds, all_asked, all_torque = np.empty((4, steps + 1, n))
     reported: dict[str, Any] = {
         name: np.empty((steps + 1, *(n if length == JOINTS else length for length in shape)), kind)
         for name, (shape, kind) in REPORTED.items()
@@ -149,30 +149,30 @@ def simulate(
     def result(samples: int) -> Result:
         return Result(
             t[:samples],
-            all_heights[:samples],
+            all_positions[:samples],
             all_speeds[:samples],
             Motion(*(array[:samples] for array in desired)),
             all_torque[:samples],
-            _tips(robot, all_heights[:samples]),
+            _tips(robot, all_positions[:samples]),
             **{name: array[:samples] for name, array in reported.items()},
         )
 
     controller.reset()
     plant = RungeKutta(robot) if plant is None else plant
-    plant.start(heights, speeds)
+    plant.start(positions, speeds)
     report_every = max(1, steps // 100)
     times = t.tolist()
     for k, now in enumerate(map(Motion._make, zip(*desired, strict=True))):
-        all_heights[k], all_speeds[k] = heights, speeds
+        all_positions[k], all_speeds[k] = positions, speeds
         # The controller gets copies of its own: what it does to them changes nothing here.
-        returned = controller.torque(times[k], *encoder.read(all_heights[k], all_speeds[k]), now)
+        returned = controller.torque(times[k], *encoder.read(all_positions[k], all_speeds[k]), now)
         torque = _finite_row(returned, n)
         if torque is None:
             raise InvalidTorque(
                 f"the controller {type(controller).__name__} returned something else than {n} "
                 "finite forces",
                 times[k],
-                heights.copy(),
+                positions.copy(),
                 speeds.copy(),
                 np.asarray(returned, dtype=object),
                 result(k),
@@ -191,17 +191,19 @@ def simulate(
             message = (
                 "the robot left the poses it can take" if state is None else robot.limit_message
             )
-            last_heights, last_speeds = (all_heights[k], all_speeds[k]) if state is None else state
-            raise SimulationDiverged(
-                message, times[k] + period, last_heights, last_speeds, torque, result(k + 1)
+            last_positions, last_speeds = (
+                (all_positions[k], all_speeds[k]) if state is None else state
             )
-        heights, speeds = state
+            raise SimulationDiverged(
+                message, times[k] + period, last_positions, last_speeds, torque, result(k + 1)
+            )
+        positions, speeds = state
         if progress is not None and (k + 1) % report_every == 0:
             progress(times[k + 1])
     return result(steps + 1)
 
 
-def _tips(robot: ClosedLoopRobot, positions: Array) -> Array:
+def _tips(robot: Robot, positions: Array) -> Array:
     """Return the tip at the positions reached, NaN where there is none.
 
     Another engine than ours may go through a pose that is none here.

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, checked_count, checked_positive, finite_rows, one_row
 from psp3.closure.rank import RANK_TOLERANCE
 from psp3.errors import InvalidArray, PoorExcitation
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.trajectories.motion import finite_times
 from psp3.trajectories.trajectory import Trajectory
 
@@ -36,7 +36,7 @@ class FourierSeries(Trajectory):
         Amplitudes :math:`s_k` and :math:`c_k` [m or rad].
     period : float
         Time T after which the motion repeats [s].
-    robot : ClosedLoopRobot, optional
+    robot : Robot, optional
         See :class:`psp3.trajectories.trajectory.Trajectory`.
 
     Raises
@@ -51,7 +51,7 @@ class FourierSeries(Trajectory):
         sines: ArrayLike,
         cosines: ArrayLike,
         period: float,
-        robot: ClosedLoopRobot | None = None,
+        robot: Robot | None = None,
     ) -> None:
         super().__init__(robot, "joints")
         self.center = one_row("center", center, self.width)
@@ -121,7 +121,7 @@ class FittedSeries(NamedTuple):
 
 
 def fit_fourier_series(
-    t: ArrayLike, positions: ArrayLike, period: float, harmonics: int, robot: ClosedLoopRobot
+    t: ArrayLike, positions: ArrayLike, period: float, harmonics: int, robot: Robot
 ) -> FittedSeries:
     r"""Return the Fourier series nearest to measured positions in the sense of least squares.
 
@@ -137,7 +137,7 @@ def fit_fourier_series(
     harmonics : int
         Number H of harmonics to be fitted. Too few leave a part of the motion out, too many let
         noise in.
-    robot : ClosedLoopRobot
+    robot : Robot
         Whose motion it is.
 
     Returns

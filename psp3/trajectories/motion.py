@@ -9,33 +9,29 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats
 from psp3.errors import InvalidArray, StrokeExceeded
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 
 
 class Motion(NamedTuple):
-    """Nut heights [m] with their speeds [m/s] and accelerations [m/s²], and the tip [m].
+    """Positions of the n actuated joints with their speeds and accelerations, and the tip.
 
-    All of shape (..., 3).
-
-    Of another robot than the 3-PSP, positions, speeds and accelerations of its n actuated joints [m
-    or rad], (..., n); the tip is its frame ``tip``, and NaN if it has none.
+    The first three are of shape (..., n) [m or rad, per s, per s²]; of the 3-PSP they are nut
+    heights and their rates. The tip is of shape (..., 3) [m], NaN of a robot without a frame
+    ``tip``.
     """
 
-    heights: Array
+    positions: Array
     speeds: Array
     accelerations: Array
     tip: Array
 
     @property
-    def positions(self) -> Array:
-        """The heights by the name that fits every robot.
-
-        Positions of the actuated joints, (..., n).
-        """
-        return self.heights
+    def heights(self) -> Array:
+        """The positions, by their name of the 3-PSP."""
+        return self.positions
 
 
-def tip_of(robot: ClosedLoopRobot, positions: Array) -> Array:
+def tip_of(robot: Robot, positions: Array) -> Array:
     """Return the frame ``tip`` at actuated positions (..., n), in base axes (..., 3) [m].
 
     NaN if the robot has no such frame.
@@ -43,17 +39,17 @@ def tip_of(robot: ClosedLoopRobot, positions: Array) -> Array:
     return robot.tip(positions)
 
 
-def check_stroke(robot: ClosedLoopRobot, t: Array, motion: Motion) -> None:
+def check_stroke(robot: Robot, t: Array, motion: Motion) -> None:
     """Raise :class:`StrokeExceeded` where a motion leaves the limits.
 
     At the first time; the limits are those of the actuated joints.
     """
     lower, upper = robot.limits
-    outside = ((motion.heights < lower) | (motion.heights > upper)).any(axis=-1)
+    outside = ((motion.positions < lower) | (motion.positions > upper)).any(axis=-1)
     if outside.any():
         first = np.unravel_index(int(np.argmax(outside)), outside.shape)
         raise StrokeExceeded(
-            float(np.broadcast_to(t, outside.shape)[first]), motion.heights[first], lower, upper
+            float(np.broadcast_to(t, outside.shape)[first]), motion.positions[first], lower, upper
         )
 
 

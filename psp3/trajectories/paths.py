@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, checked_not_negative, checked_positive, one_row
 from psp3.errors import InvalidValue
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.trajectories.trajectory import Trajectory
 
 
@@ -17,7 +17,7 @@ def _finite(name: str, value: float) -> float:
     return float(value)
 
 
-def _home(robot: ClosedLoopRobot) -> Array:
+def _home(robot: Robot) -> Array:
     """Tip of a robot in its home pose."""
     return robot.tip(robot.reference)
 
@@ -38,7 +38,7 @@ class Helix(Trajectory):
         Vertical speed [m/s].
     height : float, optional
         Height of the tip at the start [m]; that of the home pose by default.
-    robot : ClosedLoopRobot, optional
+    robot : Robot, optional
         See :class:`Trajectory`.
 
     Raises
@@ -54,7 +54,7 @@ class Helix(Trajectory):
         period: float = 2.0,
         rise: float = 0.010,
         height: float | None = None,
-        robot: ClosedLoopRobot | None = None,
+        robot: Robot | None = None,
     ) -> None:
         super().__init__(robot, "tip")
         self.radius = checked_not_negative("radius", radius)
@@ -87,7 +87,7 @@ class Circle(Helix):
         radius: float = 0.020,
         period: float = 2.0,
         height: float | None = None,
-        robot: ClosedLoopRobot | None = None,
+        robot: Robot | None = None,
     ) -> None:
         super().__init__(radius, period, 0.0, height, robot)
 
@@ -109,7 +109,7 @@ class Hold(Trajectory):
     def __init__(
         self,
         point: ArrayLike | None = None,
-        robot: ClosedLoopRobot | None = None,
+        robot: Robot | None = None,
         space: str | None = None,
     ) -> None:
         super().__init__(robot, space)
@@ -131,7 +131,7 @@ class _Segment(Trajectory):
         start: ArrayLike,
         end: ArrayLike,
         duration: float,
-        robot: ClosedLoopRobot | None = None,
+        robot: Robot | None = None,
         space: str | None = None,
     ) -> None:
         super().__init__(robot, space)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, finite_rows
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.trajectories.motion import finite_times
 from psp3.trajectories.trajectory import Trajectory
 
@@ -39,7 +39,7 @@ class Waypoints(Trajectory):
         self,
         times: ArrayLike,
         points: ArrayLike,
-        robot: ClosedLoopRobot | None = None,
+        robot: Robot | None = None,
         space: str | None = None,
     ) -> None:
         from scipy.interpolate import CubicSpline
@@ -64,7 +64,7 @@ class FromCSV(Trajectory):
     ----------
     path : path
         The file, with at least four rows of strictly increasing times.
-    robot : ClosedLoopRobot, optional
+    robot : Robot, optional
         See :class:`Trajectory`.
 
     Raises
@@ -74,7 +74,7 @@ class FromCSV(Trajectory):
         the error names the line.
     """
 
-    def __init__(self, path: str | Path, robot: ClosedLoopRobot | None = None) -> None:
+    def __init__(self, path: str | Path, robot: Robot | None = None) -> None:
         from scipy.interpolate import CubicSpline
 
         super().__init__(robot)

@@ -31,7 +31,7 @@ class ScrewForces:
     t : (N,) ndarray
         Times [s].
     motion : Motion
-        ``.heights .speeds .accelerations .tip``, each (N, 3).
+        ``.positions .speeds .accelerations .tip``, each (N, 3).
     inertial, coriolis, gravity : (N, 3) ndarray
         The three terms of eq. 3.1 [N].
     """
@@ -60,7 +60,7 @@ class ScrewForces:
         """
         columns = {"t": self.t, **dict(zip("xyz", self.motion.tip.T, strict=True))}
         for name, values in (
-            ("a", self.motion.heights),
+            ("a", self.motion.positions),
             ("speed", self.motion.speeds),
             ("acceleration", self.motion.accelerations),
             ("force", self.forces),
@@ -100,7 +100,7 @@ def screw_forces(
         raise InvalidArray("t", "(N,)", times)
     motion = trajectory.check(times)
     M, C, G = (trajectory.robot if model is None else model).equation_of_motion(
-        motion.heights, motion.speeds
+        motion.positions, motion.speeds
     )
     return ScrewForces(
         times,

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array
 from psp3.collisions.motion import check_clearance
 from psp3.errors import InvalidValue, UnknownName
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.trajectories.motion import Motion, check_stroke, finite_times
 
 SPACES = ("tip", "joints")
@@ -26,7 +26,7 @@ SPACES = ("tip", "joints")
 
 
 @cache
-def _default_robot() -> ClosedLoopRobot:
+def _default_robot() -> Robot:
     from psp3.loading import load
 
     return load("psp3")
@@ -40,7 +40,7 @@ class Trajectory:
 
     Parameters
     ----------
-    robot : ClosedLoopRobot, optional
+    robot : Robot, optional
         Whose motion it is; ``psp3.load("psp3")`` by default.
     space : str, optional
         ``"tip"``, a path of the tip in base axes [m], or ``"joints"``, of the n actuated joints [m
@@ -57,8 +57,8 @@ class Trajectory:
     duration: float | None = None
     """Time after which the robot rests, None if it never does [s]."""
 
-    def __init__(self, robot: ClosedLoopRobot | None = None, space: str | None = None) -> None:
-        self.robot: ClosedLoopRobot = _default_robot() if robot is None else robot
+    def __init__(self, robot: Robot | None = None, space: str | None = None) -> None:
+        self.robot: Robot = _default_robot() if robot is None else robot
         has_inverse = self.robot.has_inverse_of_tip
         self.space = ("tip" if has_inverse else "joints") if space is None else space
         if self.space not in SPACES:
@@ -88,7 +88,7 @@ class Trajectory:
         Returns
         -------
         Motion
-            ``.heights .speeds .accelerations``, each (..., n), and ``.tip`` (..., 3).
+            ``.positions .speeds .accelerations``, each (..., n), and ``.tip`` (..., 3).
 
         Raises
         ------
@@ -136,5 +136,5 @@ class Trajectory:
         motion = self(t)
         check_stroke(self.robot, np.asarray(t, dtype=float), motion)
         if clearance is not None:
-            check_clearance(self.robot, motion.heights, t, clearance)
+            check_clearance(self.robot, motion.positions, t, clearance)
         return motion

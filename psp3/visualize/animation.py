@@ -24,15 +24,15 @@ _TRACK_TYPES = {"position": "vector3", "quaternion": "quaternion", "scale": "vec
 class Frames(NamedTuple):
     """What is to be seen, frame by frame.
 
-    ``time`` (n,) [s]; ``heights`` (n, k), positions of the actuated joints [m]; the others may be
-    missing: ``tip`` (n, 3), ``desired_heights`` (n, k) and ``desired_tip`` (n, 3) [m], ``force``
+    ``time`` (n,) [s]; ``positions`` (n, k), positions of the actuated joints [m]; the others may be
+    missing: ``tip`` (n, 3), ``desired_positions`` (n, k) and ``desired_tip`` (n, 3) [m], ``force``
     (n, 3) [N].
     """
 
     time: Array
-    heights: Array
+    positions: Array
     tip: Array | None = None
-    desired_heights: Array | None = None
+    desired_positions: Array | None = None
     desired_tip: Array | None = None
     force: Array | None = None
 
@@ -64,7 +64,7 @@ def frames_of(motion: Result | Trajectory, duration: float | None = None) -> Fra
             )
         time = _even_times(0.0, seconds)
         desired = motion(time)
-        return Frames(time, desired.heights, desired.tip)
+        return Frames(time, desired.positions, desired.tip)
     time = _even_times(motion.t[0], motion.t[-1])
 
     def at_frames(values: Array) -> Array:
@@ -74,7 +74,13 @@ def frames_of(motion: Result | Trajectory, duration: float | None = None) -> Fra
         time,
         *map(
             at_frames,
-            (motion.heights, motion.tip, motion.desired.heights, motion.desired.tip, motion.torque),
+            (
+                motion.positions,
+                motion.tip,
+                motion.desired.positions,
+                motion.desired.tip,
+                motion.torque,
+            ),
         ),
     )
 

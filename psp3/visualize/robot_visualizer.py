@@ -10,7 +10,7 @@ import pinocchio as pin
 from pinocchio.visualize import MeshcatVisualizer
 
 from psp3.checks import Array
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.visualize.animation import clip
 from psp3.visualize.shapes import Glass, Satin, meshcat
 
@@ -36,7 +36,7 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         What to show.
     viewer : meshcat.Visualizer
         Where.
@@ -48,7 +48,7 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
 
     def __init__(
         self,
-        robot: ClosedLoopRobot,
+        robot: Robot,
         viewer: meshcat.Visualizer,
         node: str,
         ghost: str | None = None,
@@ -143,7 +143,7 @@ class RobotVisualizer(MeshcatVisualizer):  # type: ignore[misc]
         return np.concatenate(corners) if corners else np.zeros((0, 3))
 
 
-def _rigidly_joined(robot: ClosedLoopRobot) -> dict[int, tuple[int, pin.SE3]]:
+def _rigidly_joined(robot: Robot) -> dict[int, tuple[int, pin.SE3]]:
     """Return the other joint of each 6D loop and the placement in it.
 
     For each joint whose body such a loop joins to that of another.

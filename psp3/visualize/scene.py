@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, one_row
 from psp3.errors import InvalidValue
 from psp3.kinematics.tasks import rotating
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.simulation.result import Result
 from psp3.trajectories.trajectory import Trajectory
 from psp3.visualize.animation import Frames, clip, frames_of
@@ -61,14 +61,12 @@ class _Performer:
     And as far as wanted its ghost, force arrows, paths of the tip, and target.
     """
 
-    def __init__(
-        self, robot: ClosedLoopRobot, viewer: meshcat.Visualizer, node: str, frames: Frames
-    ) -> None:
+    def __init__(self, robot: Robot, viewer: meshcat.Visualizer, node: str, frames: Frames) -> None:
         self._robot, self._viewer, self._node = robot, viewer, node
         self.body = RobotVisualizer(robot, viewer, node)
         self._ghost = (
             None
-            if frames.desired_heights is None
+            if frames.desired_positions is None
             else RobotVisualizer(robot, viewer, f"{node}/ghost", DESIRED_COLOR)
         )
         self._arrows: list[ForceArrow] = []
@@ -82,11 +80,11 @@ class _Performer:
     def perform(self, frames: Frames, meters_per_newton: float) -> list[dict[str, Any]]:
         """Take the pose of the first frame; return the animations through all."""
         seconds = frames.time - frames.time[0]
-        configurations = self._robot.configuration(frames.heights)
+        configurations = self._robot.configuration(frames.positions)
         clips = self.body.clips(configurations, seconds)
         self.body.display(configurations[0])
-        if self._ghost is not None and frames.desired_heights is not None:
-            desired = self._robot.configuration(frames.desired_heights)
+        if self._ghost is not None and frames.desired_positions is not None:
+            desired = self._robot.configuration(frames.desired_positions)
             clips += self._ghost.clips(desired, seconds)
             self._ghost.display(desired[0])
         if frames.force is not None:
@@ -129,7 +127,7 @@ class Scene:
     so it works on a JupyterHub and in exported pages, where a server would be out of reach.
     """
 
-    def __init__(self, robot: ClosedLoopRobot) -> None:
+    def __init__(self, robot: Robot) -> None:
         self.robot = robot
         self._commands = DrawingCommands()
         self._viewer = meshcat.Visualizer(window=self._commands)
@@ -138,7 +136,7 @@ class Scene:
 
     def show(
         self,
-        heights: ArrayLike,
+        positions: ArrayLike,
         *,
         desired: ArrayLike | None = None,
         force: ArrayLike | None = None,
@@ -147,10 +145,10 @@ class Scene:
 
         Parameters
         ----------
-        heights : (3,) array_like
-            Nut heights [m]; of another robot with loops, positions of its actuated joints.
+        positions : (n,) array_like
+            Positions of the actuated joints [m or rad]; of the 3-PSP its nut heights.
         desired : (3,) array_like, optional
-            Nut heights of a pose to show as a translucent ghost [m]: it comes out where the robot
+            Positions of a pose to show as a translucent ghost [m]: it comes out where the robot
             is not there.
         force : (n,) array_like, optional
             Forces of the sliding motors to show as arrows along them [N]; of the 3-PSP those of the
@@ -176,7 +174,7 @@ class Scene:
                 force,
                 "left out: arrows are drawn along sliding motors only, and this robot has others",
             )
-        pose = np.reshape(heights, -1)
+        pose = np.reshape(positions, -1)
         # Before anything is drawn: what cannot be shown leaves the scene as it was.
         for positions in (pose,) if desired is None else (pose, np.reshape(desired, -1)):
             self.robot.configuration(positions)
@@ -185,7 +183,7 @@ class Scene:
                 "": Frames(
                     np.zeros(1),
                     pose[None],
-                    desired_heights=None if desired is None else np.reshape(desired, (1, -1)),
+                    desired_positions=None if desired is None else np.reshape(desired, (1, -1)),
                     force=None
                     if force is None
                     else one_row("force", force, len(self.robot.actuated))[None],
@@ -343,13 +341,13 @@ class Scene:
 
     def _extremes(self, frames: Frames) -> Array:
         """Return the configurations at which nuts are highest or lowest, actual or desired."""
-        heights = (
-            frames.heights
-            if frames.desired_heights is None
-            else np.concatenate([frames.heights, frames.desired_heights])
+        positions = (
+            frames.positions
+            if frames.desired_positions is None
+            else np.concatenate([frames.positions, frames.desired_positions])
         )
         return self.robot.configuration(
-            heights[np.unique([heights.argmin(axis=0), heights.argmax(axis=0)])]
+            positions[np.unique([positions.argmin(axis=0), positions.argmax(axis=0)])]
         )
 
     def _animate(self, animations: list[dict[str, Any]]) -> None:
@@ -366,7 +364,7 @@ def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]
     Each entry has its own mark, so that none is told by color alone.
     """
     entries = {
-        "desired_heights": ("desired pose", DESIRED_COLOR, "area"),
+        "desired_positions": ("desired pose", DESIRED_COLOR, "area"),
         "desired_tip": ("desired tip", DESIRED_COLOR, "sleeve"),
         "tip": ("tip", ACTUAL_COLOR, "line"),
         "force": (f"screw force, 10 cm for {newtons:g} N", FORCE_COLOR, "arrow"),
@@ -389,12 +387,12 @@ def _hull(points: Array) -> Array:
     return corners
 
 
-def _is_driven_by_slides(robot: ClosedLoopRobot) -> bool:
+def _is_driven_by_slides(robot: Robot) -> bool:
     """Whether all motors of a robot push along a line, which an arrow can show."""
     return not rotating(robot.model)[robot.actuated_v].any()
 
 
-def _axes_of_slides(robot: ClosedLoopRobot) -> Array:
+def _axes_of_slides(robot: Robot) -> Array:
     """Return the directions (n, 3) of a robot's sliding motors, in the axes of their joints."""
     data = robot.model.createData()
     pin.computeJointJacobians(robot.model, data, robot.q0)
@@ -407,7 +405,7 @@ def _axes_of_slides(robot: ClosedLoopRobot) -> Array:
     return np.array(axes)
 
 
-def name_of(robot: ClosedLoopRobot) -> str:
+def name_of(robot: Robot) -> str:
     """Return what a robot is called where it is shown."""
     return html.escape(robot.title)
 
@@ -423,9 +421,7 @@ def page(script: str, name: str = "Robot") -> str:
     )
 
 
-def write_animation(
-    robot: ClosedLoopRobot, results: Result | Mapping[str, Result], path: str | Path
-) -> None:
+def write_animation(robot: Robot, results: Result | Mapping[str, Result], path: str | Path) -> None:
     """Write a simulated motion to a file that any browser opens, without a network.
 
     Parameters

@@ -12,7 +12,7 @@ from types import TracebackType
 from typing import Any
 
 from psp3.errors import InvalidValue
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.robot import Robot
 from psp3.visualize.commands import DrawingCommands
 from psp3.visualize.scene import Scene, page
 
@@ -97,7 +97,7 @@ class Viewer(Scene):
         If there is no such port.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, port: int = 7000) -> None:
+    def __init__(self, robot: Robot, port: int = 7000) -> None:
         super().__init__(robot)
         self._server = self._listen(port)
         self.url = f"http://127.0.0.1:{self._server.server_port}/"

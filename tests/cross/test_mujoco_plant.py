@@ -157,7 +157,7 @@ def test_other_robots(name: str) -> None:
     way = psp3.trajectories.PointToPoint(robot.reference, goal, 0.2, robot)
     controller, start = psp3.ComputedTorque(robot, 100.0, 20.0), robot.reference - 0.005
     one, four, ours = (
-        psp3.simulate(robot, controller, way, 0.2, initial_heights=start, plant=plant).positions
+        psp3.simulate(robot, controller, way, 0.2, initial_positions=start, plant=plant).positions
         for plant in (MuJoCo(robot), MuJoCo(robot, 4), RungeKutta(robot))
     )
     coarse, fine = np.abs(one - ours).max(), np.abs(four - ours).max()

@@ -139,7 +139,7 @@ def test_pd_sags_by_the_weight_over_its_gain_and_the_others_do_not() -> None:
     pd = psp3.simulate(ROBOT, psp3.PD(), hold, 10.0)
     np.testing.assert_allclose(pd.heights[-1], sagged, atol=1e-9)
     compensated = psp3.simulate(
-        ROBOT, psp3.GravityCompensatedPD(ROBOT), hold, 2.0, initial_heights=target + 0.01
+        ROBOT, psp3.GravityCompensatedPD(ROBOT), hold, 2.0, initial_positions=target + 0.01
     )
     assert np.abs(compensated.heights[-1] - target).max() < 1e-6
     pid = psp3.simulate(ROBOT, psp3.PID(), hold, 10.0)

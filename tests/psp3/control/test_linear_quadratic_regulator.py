@@ -356,7 +356,7 @@ def test_time_varying_regulator_brings_the_robot_onto_the_helix(star: psp3.PSP3)
     errors = []
     for period in (0.008, 0.004):
         controller = TimeVaryingLinearQuadraticRegulator(star, helix, 2.0, Q, R, period)
-        result = psp3.simulate(star, controller, helix, 2.0, period, initial_heights=start)
+        result = psp3.simulate(star, controller, helix, 2.0, period, initial_positions=start)
         error = np.abs(result.heights - result.desired.heights)
         assert error[0].max() == pytest.approx(0.005)
         errors.append(error[result.t > 1.5].max())
@@ -418,7 +418,7 @@ def test_deviation_from_a_trajectory_costs_less_than_with_the_gains_of_one_pose(
                 trajectory,
                 duration,
                 period,
-                initial_heights=start.heights + sign * deviation[:n],
+                initial_positions=start.heights + sign * deviation[:n],
                 initial_speeds=start.speeds + sign * deviation[n:],
             )
             for sign in (1.0, -1.0)

@@ -417,7 +417,7 @@ def test_another_robot_in_a_simulation() -> None:
         TaskSpaceComputedTorque(robot, 400.0, 40.0),
         path,
         0.5,
-        initial_heights=robot.reference + 0.02,
+        initial_positions=robot.reference + 0.02,
     )
     left = np.linalg.norm(result.tip - result.desired.tip, axis=1)
     assert left[0] > 1e-3

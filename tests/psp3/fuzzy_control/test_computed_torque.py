@@ -759,7 +759,7 @@ def test_forces_that_overflow_end_a_simulation_as_such(recorded: Record) -> None
             learned(recorded, kp=1e308, kv=1e308),
             HELIX,
             1.0,
-            initial_heights=[0.1, 0.0, 0.0],
+            initial_positions=[0.1, 0.0, 0.0],
         )
 
 

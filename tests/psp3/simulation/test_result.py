@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 import psp3
-from psp3.errors import (
-    InvalidResultFile,
-)
-from psp3.trajectories import Helix, Motion
+from psp3.errors import InvalidResultFile, SimulationDiverged
+from psp3.trajectories import Helix
+from tests.psp3.simulation.controllers import Recording
 
 ROBOT = psp3.load("psp3")
 
@@ -64,7 +63,7 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
         "speeds",
         "torque",
         "tip",
-        *(f"desired_{name}" for name in Motion._fields),
+        *(f"desired_{name}" for name in ("heights", "speeds", "accelerations", "tip")),
     ]
     np.savez(path, format=np.array("psp3-result-2"), **{name: np.zeros(3) for name in names})
     with pytest.raises(InvalidResultFile, match="shape"):
@@ -77,3 +76,16 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     np.save(tmp_path / "array.npy", np.zeros(3))
     with pytest.raises(InvalidResultFile):
         psp3.load_result(tmp_path / "array.npy")
+
+
+def test_positions_have_the_name_of_the_3_psp_too(tmp_path: Path) -> None:
+    """Users' code asks for heights, and their files hold them."""
+    result = psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.01)
+    assert result.heights is result.positions
+    assert result.desired.heights is result.desired.positions
+    with np.load(result.save(tmp_path / "run.npz")) as file:
+        assert {"heights", "desired_heights"} <= set(file.files)
+        np.testing.assert_array_equal(file["desired_heights"], result.desired.positions)
+    with pytest.raises(SimulationDiverged) as caught:
+        psp3.simulate(ROBOT, Recording((500.0, 500.0, 500.0)), HELIX, 5.0)
+    assert caught.value.heights is caught.value.positions

@@ -105,7 +105,7 @@ def test_energy_is_kept_through_the_simulation_loop() -> None:
         Hold(robot=weightless),
         2.0,
         0.001,
-        initial_heights=[0.02, -0.03, 0.05],
+        initial_positions=[0.02, -0.03, 0.05],
         initial_speeds=[0.06, -0.05, -0.01],
     )
     energy = weightless.kinetic_energy(result.heights, result.speeds)
@@ -180,10 +180,10 @@ def test_a_torque_that_is_not_three_finite_numbers_stops_the_run(torque: object)
         ({"delay": 0.5}, InvalidValue),
         ({"delay": True}, InvalidValue),
         ({"trajectory": Hold(robot=psp3.load("five_bar"))}, InvalidValue),
-        ({"initial_heights": [0.0, 0.0]}, InvalidArray),
+        ({"initial_positions": [0.0, 0.0]}, InvalidArray),
         ({"initial_speeds": [0.0, np.nan, 0.0]}, InvalidArray),
-        ({"initial_heights": [0.0, 1.0, -1.0]}, UnreachablePose),
-        ({"initial_heights": [0.0, 0.0, 0.5]}, InvalidValue),
+        ({"initial_positions": [0.0, 1.0, -1.0]}, UnreachablePose),
+        ({"initial_positions": [0.0, 0.0, 0.5]}, InvalidValue),
         ({"trajectory": Helix(radius=0.030, robot=ROBOT)}, UnreachableTip),
         ({"trajectory": Helix(rise=1.0, robot=ROBOT)}, StrokeExceeded),
     ],
@@ -247,7 +247,7 @@ def test_a_delayed_loop_is_the_sampled_system_with_one_more_state() -> None:
     kp, kv, T, mass = 3000.0, 150.0, 0.01, ROBOT.parameters.total_mass
     hold = Hold(robot=ROBOT)
     result = psp3.simulate(
-        ROBOT, psp3.PD(kp, kv), hold, 2.0, T, initial_heights=[0.05] * 3, delay=1
+        ROBOT, psp3.PD(kp, kv), hold, 2.0, T, initial_positions=[0.05] * 3, delay=1
     )
     x, v, last, rows = 0.05, 0.0, None, []
     for _ in range(201):
@@ -274,7 +274,7 @@ def test_motor_torques_are_a_limit_and_a_result() -> None:
         psp3.GravityCompensatedPD(ROBOT),
         HELIX,
         0.2,
-        initial_heights=HELIX(0.0).heights - 0.02,
+        initial_positions=HELIX(0.0).heights - 0.02,
         torque_limit=drive.force(0.15),
         plant=RungeKutta(ROBOT, drive=drive),
     )
@@ -355,7 +355,7 @@ def test_any_robot_stops_where_its_joints_end_and_where_its_loops_cannot_close()
             1.0,
         )
     with pytest.raises(ClosureFailed):
-        psp3.simulate(robot, Recording((1.0, 1.0)), hold, 1.0, initial_heights=[-2.5, 2.5])
+        psp3.simulate(robot, Recording((1.0, 1.0)), hold, 1.0, initial_positions=[-2.5, 2.5])
 
 
 def test_progress_reports_a_hundred_times() -> None:

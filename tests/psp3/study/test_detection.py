@@ -114,7 +114,7 @@ def test_a_watched_run_is_the_simulation_before_and_after_the_event(
         Recorder(controller()),
         path,
         1.0,
-        initial_heights=run.heights[0],
+        initial_positions=run.heights[0],
         initial_speeds=run.speeds[0],
     )
     np.testing.assert_allclose(run.heights[:501], before.heights, rtol=0.0, atol=1e-9)
@@ -137,7 +137,7 @@ def test_a_watched_run_is_the_simulation_before_and_after_the_event(
         controller(),
         Later(),
         1.0,
-        initial_heights=run.heights[k],
+        initial_positions=run.heights[k],
         initial_speeds=run.speeds[k],
     )  # type: ignore[arg-type]
     np.testing.assert_allclose(run.heights[k : k + 501], after.heights, rtol=0.0, atol=1e-9)

@@ -22,9 +22,9 @@ def test_frames_of_a_result_are_its_samples_at_even_times() -> None:
     frames = frames_of(result)
     np.testing.assert_allclose(np.diff(frames.time), 1.0 / FRAME_RATE, atol=1e-12)
     for values, samples in (
-        (frames.heights, result.heights),
+        (frames.positions, result.heights),
         (frames.tip, result.tip),
-        (frames.desired_heights, result.desired.heights),
+        (frames.desired_positions, result.desired.heights),
         (frames.desired_tip, result.desired.tip),
         (frames.force, result.torque),
     ):
@@ -38,8 +38,10 @@ def test_frames_of_a_trajectory_end_where_it_rests() -> None:
     assert frames.time[-1] == 0.8
     assert frames.tip is not None
     np.testing.assert_allclose(frames.tip[-1], [0.01, 0.0, 0.09], atol=1e-12)
-    np.testing.assert_allclose(ROBOT.forward_kinematics(frames.heights).tip, frames.tip, atol=1e-12)
-    assert (frames.desired_heights, frames.desired_tip, frames.force) == (None, None, None)
+    np.testing.assert_allclose(
+        ROBOT.forward_kinematics(frames.positions).tip, frames.tip, atol=1e-12
+    )
+    assert (frames.desired_positions, frames.desired_tip, frames.force) == (None, None, None)
     assert frames_of(line, 2.0).time[-1] == 2.0
 
 

@@ -1,0 +1,47 @@
+"""Limits of the joints that no motor drives: what the loops may ask of them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.errors import JointLimitExceeded
+
+
+class PassiveLimits:
+    """Limits of the joints that are not actuated.
+
+    Those of the motors are the business of trajectories and simulation.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The tree.
+    actuated : tuple of str
+        Names of the actuated joints.
+    """
+
+    def __init__(self, model: pin.Model, actuated: tuple[str, ...]) -> None:
+        # Without the universe: Pinocchio's placeholder claims one coordinate, the last of q.
+        passive = [
+            (str(name), joint.idx_q)
+            for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+            if joint.nq == 1 and name not in actuated
+        ]
+        self._names = [name for name, _ in passive]
+        self._index = np.array([index for _, index in passive], dtype=np.int64)
+        self._lower, self._upper = (
+            model.lowerPositionLimit[self._index],
+            model.upperPositionLimit[self._index],
+        )
+
+    def check(self, configurations: Array) -> None:
+        """Raise :class:`JointLimitExceeded` for the first of configurations (N, nq) beyond one."""
+        values = configurations[:, self._index]
+        beyond = (values < self._lower) | (values > self._upper)
+        if beyond.any():
+            row, k = np.argwhere(beyond)[0]
+            raise JointLimitExceeded(
+                self._names[k], float(values[row, k]), float(self._lower[k]), float(self._upper[k])
+            )

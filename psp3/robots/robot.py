@@ -1,0 +1,112 @@
+"""What motions, controllers, plants and pictures need of a robot: positions in, forces out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, Protocol, runtime_checkable
+
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, Indices
+from psp3.robots.dynamics_model import DynamicsModel
+
+
+@runtime_checkable
+class Robot(DynamicsModel, Protocol):
+    """A robot in the coordinates of its n actuated joints.
+
+    :class:`psp3.ClosedLoopRobot` is one for any tree with loops, :class:`psp3.PSP3` one in closed
+    form. What is asked of a robot here, every robot can answer; nothing that takes a ``Robot`` asks
+    which one it is.
+    """
+
+    model: pin.Model
+    """The tree, as Pinocchio holds it."""
+    visual_model: pin.GeometryModel
+    """What the robot looks like."""
+    constraint_models: Sequence[Any]
+    """The loop closures."""
+    actuated: tuple[str, ...]
+    """Names of the actuated joints, in the order of all actuated coordinates."""
+    actuated_v: Indices
+    """Indices of the actuated joints in a velocity of the tree, (n,)."""
+    q0: Array
+    """Reference configuration, (nq,)."""
+    urdf: Path | None
+    """The URDF it was loaded from, if it was."""
+    srdf: Path | None
+    """The SRDF it was loaded with."""
+    has_inverse_of_tip: bool
+    """Whether :meth:`motion_of_tip` can be asked for."""
+
+    @property
+    def reference(self) -> Array:
+        """Actuated positions of the reference configuration, (n,) [m or rad]."""
+        ...
+
+    @property
+    def limits(self) -> tuple[Array, Array]:
+        """Lowest and highest positions of the actuated joints, each (n,) [m or rad]."""
+        ...
+
+    @property
+    def title(self) -> str:
+        """What the robot is called where it is shown."""
+        ...
+
+    @property
+    def limit_message(self) -> str:
+        """What is said when an actuated joint is beyond its limits."""
+        ...
+
+    @property
+    def point_of_force(self) -> Array:
+        """Where the force of a sliding motor is drawn, in the axes of its joint, (3,) [m]."""
+        ...
+
+    @property
+    def compiled_steps(self) -> Callable[[int, Any], Any] | None:
+        """How to make a compiled plant from a number of steps and drives; None if there is none."""
+        ...
+
+    def configuration(self, positions: ArrayLike, guess: ArrayLike | None = None) -> Array:
+        """Return the configurations (..., nq) that close the loops at positions (..., n)."""
+        ...
+
+    def configurations_along(self, path: ArrayLike, guess: ArrayLike | None = None) -> Array:
+        """Return the configurations (N, nq) along a path (N, n), in one assembly mode."""
+        ...
+
+    def velocity(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
+        """Return the velocities (..., nv) of all joints."""
+        ...
+
+    def tip(self, positions: ArrayLike) -> Array:
+        """Return the tip in base axes, (..., 3) [m]; NaN of a robot that has none."""
+        ...
+
+    def motion_of_tip(
+        self, point: Array, velocity: Array, acceleration: Array
+    ) -> tuple[Array, Array, Array]:
+        """Return actuated positions, speeds and accelerations for a motion of the tip."""
+        ...
+
+    def frame_placement(self, positions: ArrayLike, frame: str) -> Array:
+        """Return the placement of a frame in base axes, (..., 4, 4)."""
+        ...
+
+    def mass_matrix(self, positions: ArrayLike) -> Array:
+        """Return the mass matrix, (..., n, n)."""
+        ...
+
+    def inverse_dynamics(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        """Return the forces (..., n) of a motion."""
+        ...
+
+    def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+        """Return the accelerations (..., n) under forces (..., n)."""
+        ...

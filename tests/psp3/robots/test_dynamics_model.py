@@ -1,0 +1,84 @@
+"""Models that controllers take: the three of the 3-PSP, those of other robots, and users' own."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose, assert_array_equal
+
+import psp3
+from psp3.description.parts import ROBOTS
+from psp3.errors import InvalidArray, InvalidValue
+from psp3.robots.dynamics_model import DynamicsModel, equation_of_motion_of
+from psp3.three_psp.robot import DYNAMICS_MODELS
+from tests.helpers import random_states
+
+STAR = psp3.load("psp3")
+
+
+@pytest.mark.parametrize("name", DYNAMICS_MODELS)
+def test_forces_of_the_three_paths_agree(name: str) -> None:
+    """With the closed form's M, C and G multiplied out; 1e-10 N of some 100 N is rounding."""
+    rng = np.random.default_rng(3)
+    heights, speeds = random_states(rng, 20)
+    accelerations = rng.normal(size=(20, 3))
+    M, C, G = STAR.equation_of_motion(heights, speeds)
+    expected = np.einsum("...ij,...j->...i", M, accelerations) + G
+    expected += np.einsum("...ij,...j->...i", C, speeds)
+    model = STAR.dynamics(name)
+    assert isinstance(model, DynamicsModel)
+    found = model.actuator_forces(heights, speeds, accelerations)
+    assert_allclose(found, expected, rtol=0.0, atol=1e-10)
+    one = model.actuator_forces(heights[0], speeds[0], accelerations[0])
+    assert one.shape == (3,)
+    assert_allclose(one, found[0], rtol=0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
+def test_forces_of_other_robots_agree_with_the_natural_orthogonal_complement(name: str) -> None:
+    """By RNEA and by the thesis's matrices; 1e-10 of the largest force is rounding."""
+    robot = psp3.load(name)
+    rng, n = np.random.default_rng(4), len(robot.actuated)
+    positions = robot.reference + rng.uniform(-0.02, 0.02, (5, n))
+    speeds, accelerations = rng.normal(size=(2, 5, n))
+    found = robot.actuator_forces(positions, speeds, accelerations)
+    complement: DynamicsModel = psp3.NaturalOrthogonalComplement(robot)
+    expected = complement.actuator_forces(positions, speeds, accelerations)
+    assert_allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
+    assert_array_equal(found, robot.inverse_dynamics(positions, speeds, accelerations))
+
+
+@pytest.mark.parametrize("name", DYNAMICS_MODELS)
+def test_malformed_motions_are_refused(name: str) -> None:
+    with pytest.raises(InvalidArray):
+        STAR.dynamics(name).actuator_forces(np.zeros(2), np.zeros(3), np.zeros(3))
+    with pytest.raises(InvalidArray, match="accelerations"):
+        STAR.dynamics(name).actuator_forces(np.zeros(3), np.zeros(3), np.full(3, np.nan))
+
+
+class OfThreeMethods:
+    """A user's model, as from a library that has no common call."""
+
+    def mass_matrix(self, positions: Any) -> np.ndarray:
+        """Return M."""
+        return np.eye(2)
+
+    def coriolis_matrix(self, positions: Any, speeds: Any) -> np.ndarray:
+        """Return C."""
+        return 2.0 * np.eye(2)
+
+    def gravity(self, positions: Any) -> np.ndarray:
+        """Return G."""
+        return np.full(2, 3.0)
+
+
+def test_a_model_of_three_methods_will_do() -> None:
+    M, C, G = equation_of_motion_of(OfThreeMethods())(np.zeros(2), np.zeros(2))  # type: ignore[arg-type]
+    assert (M[0, 0], C[0, 0], G[0]) == (1.0, 2.0, 3.0)
+
+
+def test_what_is_no_model_is_refused() -> None:
+    with pytest.raises(InvalidValue, match="a model with equation_of_motion"):
+        equation_of_motion_of(object())  # type: ignore[arg-type]
