@@ -79,10 +79,8 @@ ELSEWHERE = {
     "psp3/kinematics/border.py": ("psp3/kinematics/test_workspace.py", THROUGH_ITS_FACE),
     "psp3/plots/panels.py": ("psp3/thesis/test_figures.py", THROUGH_ITS_FACE),
     "psp3/published.py": ("psp3/thesis/test_replication.py", NAMES_ONLY),
-    "psp3/robots/dynamics_model.py": (
-        "cross/test_pinocchio.py",
-        "a protocol; all that follow it are compared there",
-    ),
+    "psp3/robots/closed_pose.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
+    "psp3/robots/passive_limits.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/simulation/dormand_prince.py": (
         "psp3/simulation/test_plant.py",
         "plants are compared with one another",
