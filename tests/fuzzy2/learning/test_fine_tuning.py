@@ -127,6 +127,7 @@ def test_crossed_pairs_meet_in_their_middle() -> None:
     assert tunable.system(corrected).inputs[0][0].mean == (0.0, 0.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["t1", "it2"])
 @pytest.mark.parametrize("output_terms", [None, 5])
 def test_tuning_lowers_the_error_of_a_learned_system(kind: str, output_terms: int | None) -> None:
@@ -151,6 +152,7 @@ def test_tuning_lowers_the_error_of_a_learned_system(kind: str, output_terms: in
     assert tuning.validation_errors[tuning.best_epoch] == tuning.validation_errors.min()
 
 
+@pytest.mark.slow
 def test_tuning_finds_back_a_system_from_nearby() -> None:
     """Samples without noise of a system, tuned from one with everything shifted.
 

@@ -198,6 +198,7 @@ def test_de_morgan_for_the_minimum_and_for_dual_pairs(
             np.testing.assert_array_equal(left.grades, right.grades)
 
 
+@pytest.mark.slow
 @given(first=unimodal_sets(), second=unimodal_sets(), third=unimodal_sets())
 @settings(max_examples=300, deadline=None)
 def test_absorption_and_the_rest_of_a_lattice_for_convex_normal_sets_under_the_minimum(
@@ -301,6 +302,7 @@ def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(
         np.testing.assert_allclose(found(THETA), expected, rtol=0.0, atol=1e-14)
 
 
+@pytest.mark.slow
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(convex_functions(normal=False), min_size=2, max_size=4))
@@ -492,6 +494,7 @@ def dense_meet(f: Type1Set, g: Type1Set, name: str, grades: str, theta: Array) -
     return expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grades", ["min", "product"])
 @given(f=convex_functions(normal=False), g=convex_functions(normal=False))
 @settings(max_examples=100, deadline=None)
@@ -560,6 +563,7 @@ def test_product_meet_at_zero_and_outside_the_unit_interval() -> None:
     assert beyond(1.0) == pytest.approx(math.exp(-2.0), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grades", ["min", "product"])
 @pytest.mark.parametrize("name", ["product", "lukasiewicz", "hamacher", "einstein"])
 def test_meets_and_joins_by_other_norms_against_a_grid(name: str, grades: str) -> None:

@@ -68,6 +68,7 @@ def discrete(points: st.SearchStrategy[float]) -> st.SearchStrategy[SampledSet]:
     )
 
 
+@pytest.mark.slow
 @given(
     st.integers(1, 3).flatmap(
         lambda n: st.tuples(

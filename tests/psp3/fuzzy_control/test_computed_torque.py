@@ -973,6 +973,7 @@ def test_without_any_of_its_parts_a_file_is_refused(
 WRONG: list[Any] = [None, "nonsense", [], {}, -1.0, math.nan, True, 10**400]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("value", WRONG, ids=lambda value: str(value)[:10])
 def test_values_of_other_kinds_are_refused_or_harmless(
     content: dict[str, Any], tmp_path: Path, value: Any

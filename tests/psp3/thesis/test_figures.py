@@ -171,6 +171,7 @@ def test_figures_draw_into_the_axes_they_are_given(number: int) -> None:
         draw(axes[:1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", list(FIGURES))
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(number: int, theme: str) -> None:
@@ -202,6 +203,7 @@ def test_dark_theme_reaches_the_picture() -> None:
     assert np.median(dark[..., 0]) < 40
 
 
+@pytest.mark.slow
 def test_drawing_leaves_pyplot_alone() -> None:
     """In a fresh process, because another test may have imported pyplot."""
     program = (
@@ -411,6 +413,7 @@ def test_new_figures_draw_into_the_axes_they_are_given(
         figures.figure_55(result, [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_text_of_new_figures_is_inside_and_does_not_lie_on_other_text(
     theme: str,

@@ -192,6 +192,7 @@ def test_torques_write_and_print(psp3_command: Run) -> None:
     assert max(map(len, answer.out.splitlines())) <= 80
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("over", ["tilt", "tip"])
 def test_map_of_the_workspace(psp3_command: Run, over: str) -> None:
     answer = psp3_command(
