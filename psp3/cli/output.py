@@ -11,8 +11,6 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from psp3.cli.options import usage_error
-
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -162,12 +160,6 @@ def progress_bar(description: str, total: float) -> Iterator[Callable[[float], N
     ) as bar:
         task = bar.add_task(description, total=total)
         yield lambda done: bar.update(task, completed=done)
-
-
-def check_outputs(csv: Path | None, json: bool) -> None:
-    """Refuse two outputs that both want standard output."""
-    if json and csv == Path("-"):
-        raise usage_error("--json and --csv - both want standard output; give --csv a file")
 
 
 def cell_text(value: Any) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from psp3.cli.option_groups import GainOptions, MotionOptions
 from psp3.cli.options import (
     SAMPLED,
     ControllerName,
@@ -32,11 +33,12 @@ def load_robot(parameters: ParametersName) -> PSP3:
 
 
 def trajectory_from_options(
-    robot: PSP3, text: str, duration: float | None, given: dict[str, Any]
+    robot: PSP3, text: str, motion: MotionOptions
 ) -> tuple[Trajectory, float]:
     """Return the motion that the options describe, and for how long it is wanted."""
     from psp3.trajectories import paths, recorded
 
+    given, duration = motion.of_the_path(), motion.duration
     kind, _, file = text.partition(":")
     trajectory: Trajectory
     if kind == "csv":
@@ -77,7 +79,7 @@ def trajectory_from_options(
 
 
 def controller_named(
-    robot: PSP3, name: ControllerName, model: ModelName | None, gains: dict[str, float | None]
+    robot: PSP3, name: ControllerName, model: ModelName | None, gains: GainOptions
 ) -> tuple[Controller, dict[str, Any]]:
     """Return a controller and what there is to say about it."""
     from psp3.control import classical as controllers
@@ -85,7 +87,7 @@ def controller_named(
     allowed = {ControllerName.PID: ("kp", "kv", "ki"), ControllerName.FEED_FORWARD: ()}.get(
         name, ("kp", "kv")
     )
-    kept = only_allowed(f"--controller {name.value}", gains, allowed)
+    kept = only_allowed(f"--controller {name.value}", vars(gains), allowed)
     controller: Any
     if name in (ControllerName.T1, ControllerName.IT2, ControllerName.GT2):
         if model is not None:
