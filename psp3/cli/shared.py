@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
 from psp3.cli.option_groups import GainOptions, MotionOptions
 from psp3.cli.options import (
+    INTERRUPTED,
     SAMPLED,
     ControllerName,
     ModelName,
@@ -23,6 +27,22 @@ if TYPE_CHECKING:
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
     from psp3.three_psp.robot import PSP3
     from psp3.trajectories.trajectory import Trajectory
+
+
+@contextmanager
+def resumable(place: Path) -> Iterator[None]:
+    """Turn the interruption of a study into a sentence and the exit status of Ctrl-C."""
+    from psp3.errors import StudyInterrupted
+
+    try:
+        yield
+    except StudyInterrupted as interrupt:
+        typer.echo(
+            f"{interrupt.done} of {interrupt.total} runs are in {place}; the same command goes on "
+            "from there",
+            err=True,
+        )
+        raise typer.Exit(INTERRUPTED) from None
 
 
 def load_robot(parameters: ParametersName) -> PSP3:

@@ -12,8 +12,9 @@ from typing import Annotated, Any
 import typer
 
 from psp3.cli.option_groups import single_options
-from psp3.cli.options import INTERRUPTED, OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
-from psp3.cli.output import cell_text, narrow_table
+from psp3.cli.options import OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
+from psp3.cli.output import cell_text, counted_progress, show_narrow
+from psp3.cli.shared import resumable
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -197,7 +198,6 @@ def study(
         raise usage_error("--workers does not apply to --scheduler, which has its own")
     if csv is not None and csv.resolve() == file.resolve():
         raise usage_error("--csv would overwrite FILE; give it another name")
-    from psp3.errors import StudyInterrupted
     from psp3.study.study import Study, grid
 
     given = {
@@ -213,25 +213,11 @@ def study(
     }
     values = {name: choice for name, choice in given.items() if choice}
     outcome = Study(file, grid(**values, seed=range(runs.seeds), duration=duration))
-    try:
-        with _study_progress() as progress:
-            outcome.run(workers, scheduler, progress)
-    except StudyInterrupted as interrupt:
-        typer.echo(
-            f"{interrupt.done} of {interrupt.total} runs are in {file}; the same command goes on "
-            "from there",
-            err=True,
-        )
-        raise typer.Exit(INTERRUPTED) from None
+    with resumable(file), _study_progress() as progress:
+        outcome.run(workers, scheduler, progress)
     rows = outcome.rows()
     for title, headings, cells, note in _study_tables(rows, runs.mean_variation is not None):
-        from rich.console import Console
-        from rich.text import Text
-
-        console = Console(highlight=False)
-        console.print(Text(title, style="bold"))
-        console.print(narrow_table(headings, cells))
-        console.print(Text(note, style="dim"))
+        show_narrow(title, headings, cells, note)
     if csv is not None:
         outcome.export(csv)
         typer.echo(csv)
@@ -243,26 +229,8 @@ def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
 
     As a bar on a terminal, else as a line every tenth of the way.
     """
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-
-    console = Console(stderr=True, highlight=False)
-    columns = (
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.description}"),
-        TimeRemainingColumn(),
-    )
     tenths = -1
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
+    with counted_progress() as (bars, on_terminal):
         task = None
 
         def progress(done: int, total: int, rate: float) -> None:
@@ -270,9 +238,9 @@ def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
             text = f"{rate:.1f} runs/s" if rate else ""
             if task is None:
                 # Only now, so that runs of an earlier session do not count as speed.
-                task = bar.add_task(text, total=total, completed=done)
-            bar.update(task, completed=done, description=text)
-            if not console.is_terminal and 10 * done // total > tenths:
+                task = bars.add_task(text, total=total, completed=done)
+            bars.update(task, completed=done, description=text)
+            if not on_terminal and 10 * done // total > tenths:
                 tenths = 10 * done // total
                 remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
                 typer.echo(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)
