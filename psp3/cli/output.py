@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from psp3.cli.options import usage_error
-
 if TYPE_CHECKING:
+    from rich.progress import Progress
     from rich.table import Table
 
 
@@ -35,7 +34,7 @@ def new_table(title: str, *columns: str, note: str = "") -> Table:
     return table
 
 
-def narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
+def _narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
     """Return a table that fits 80 columns.
 
     It breaks headings and sentences between words, and numbers never.
@@ -77,6 +76,18 @@ def narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
     for row in cells:
         table.add_row(*map(Text, row))
     return table
+
+
+def show_narrow(title: str, headings: list[str], rows: list[list[str]], note: str = "") -> None:
+    """Print a table that fits 80 columns between its title and a note."""
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(highlight=False)
+    console.print(Text(title, style="bold"))
+    console.print(_narrow_table(headings, rows))
+    if note:
+        console.print(Text(note, style="dim"))
 
 
 def show(*tables: Table) -> None:
@@ -164,10 +175,32 @@ def progress_bar(description: str, total: float) -> Iterator[Callable[[float], N
         yield lambda done: bar.update(task, completed=done)
 
 
-def check_outputs(csv: Path | None, json: bool) -> None:
-    """Refuse two outputs that both want standard output."""
-    if json and csv == Path("-"):
-        raise usage_error("--json and --csv - both want standard output; give --csv a file")
+@contextmanager
+def counted_progress() -> Iterator[tuple[Progress, bool]]:
+    """Show bars of things done, of how many, on standard error.
+
+    Also say whether that is a terminal; if not, no bar is drawn.
+    """
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True, highlight=False)
+    columns = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.description}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bars:
+        yield bars, console.is_terminal
 
 
 def cell_text(value: Any) -> str:

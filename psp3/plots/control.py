@@ -20,7 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fuzzy2.learning.partition import term_names
-from fuzzy2.plots.figures import figure_of_sets
+from fuzzy2.plots.sets import figure_of_sets
 from psp3.fuzzy_control.records import differences
 from psp3.plots.panels import Panels, given_panels, muted
 from psp3.simulation.result import Result

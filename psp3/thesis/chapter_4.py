@@ -25,9 +25,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from psp3.checks import Array
 from psp3.errors import InvalidArray, InvalidValue, MotionDiverged
-
-Array = NDArray[np.float64]
 
 # The closest that b, written by a caller as 2 sqrt(m k), can be expected to come to it.
 ROUNDING = 4.0 * np.finfo(float).eps

@@ -24,18 +24,12 @@ from fuzzy2.sets.interval_type2 import (
     GaussianUncertainMean,
     GaussianUncertainSigma,
     IntervalType2Set,
-    NearestMeanGaussian,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import (
-    Bell,
-    PiShaped,
-    Sigmoid,
-    SigmoidDifference,
-    SigmoidProduct,
-    TwoSidedGaussian,
-)
+from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
+from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton
+from fuzzy2.sets.uncertain_mean import NearestMeanGaussian
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 

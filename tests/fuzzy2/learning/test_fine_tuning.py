@@ -12,7 +12,8 @@ import pytest
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.learning import WangMendel
-from fuzzy2.learning.fine_tuning import TunableSystem, fine_tune
+from fuzzy2.learning.fine_tuning import fine_tune
+from fuzzy2.learning.tunable_system import TunableSystem
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.sets.shapes import Gaussian, Triangular
 from fuzzy2.systems import FuzzySystem, IntervalType2System, Type1System
@@ -110,7 +111,7 @@ def test_blocks_of_samples_change_nothing(monkeypatch: pytest.MonkeyPatch) -> No
     X, Y = samples(rng)
     tunable = TunableSystem(system, [1.0, 1.0], [1.0, 1.0])
     whole = tunable.objective(tunable.parameters, X, Y)
-    monkeypatch.setattr("fuzzy2.learning.fine_tuning._BLOCK", 70)  # seven samples
+    monkeypatch.setattr("fuzzy2.learning.tunable_system._BLOCK", 70)  # seven samples
     blocks = tunable.objective(tunable.parameters, X, Y)
     assert blocks[0] == pytest.approx(whole[0], rel=1e-12)
     np.testing.assert_allclose(blocks[1], whole[1], rtol=1e-12, atol=1e-12)

@@ -17,18 +17,14 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
+from fuzzy2.operations.continuous_meet import ContinuousMeet, tabulated
 from fuzzy2.operations.join_meet import METHODS, join, meet, negation
-from fuzzy2.operations.joined_sets import (
-    ContinuousMeet,
-    ExtremumSet,
-    NegatedSet,
-    supremum,
-    tabulated,
-)
+from fuzzy2.operations.joined_sets import ExtremumSet, NegatedSet, supremum
 from fuzzy2.operations.t_norms import T_NORMS, t_conorm, t_norm
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
+from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 
 Array = NDArray[np.float64]

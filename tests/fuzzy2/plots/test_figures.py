@@ -24,8 +24,8 @@ from fuzzy2.errors import ApproximationWarning, InvalidValue
 from fuzzy2.numbers import GaussianNumber, IntervalNumber
 from fuzzy2.plots.style import style
 from fuzzy2.reduction.general import TypeReducedPlanes, TypeReducedPoints
+from fuzzy2.sets.functional_type2 import FunctionalType2Set
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import FunctionalType2Set
 from fuzzy2.sets.interval_type2 import (
     GaussianUncertainMean,
     GaussianUncertainSigma,

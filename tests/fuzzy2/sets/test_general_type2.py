@@ -17,24 +17,20 @@ from hypothesis import strategies as st
 
 import fuzzy2
 from fuzzy2.errors import InvalidValue, NotApplicable
-from fuzzy2.sets import general_type2
+from fuzzy2.sets import general_type2, vertical_slices
 from fuzzy2.sets.derived import Truncated
+from fuzzy2.sets.functional_type2 import FunctionalType2Set
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import (
-    FunctionalType2Set,
-    GeneralType2Set,
-    SampledType2Set,
-    Staircase,
-    ZSlices,
-)
+from fuzzy2.sets.general_type2 import GeneralType2Set, SampledType2Set, ZSlices
 from fuzzy2.sets.interval_type2 import (
     GaussianUncertainMean,
     GaussianUncertainSigma,
     IntervalType2Set,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton
+from fuzzy2.sets.vertical_slices import Staircase
 
 BLURRED = GaussianType2Set(principal=Gaussian(mean=0.0, sigma=1.0), sigma=0.1, domain=(-4.0, 4.0))
 PROPORTIONAL = GaussianType2Set(
@@ -386,7 +382,10 @@ def test_a_staircase_steps_at_the_ends_of_its_intervals() -> None:
 def test_repr_rebuilds_the_set_and_equal_sets_hash_alike(fuzzy_set: object) -> None:
     copy = eval(
         repr(fuzzy_set),
-        {name: getattr(fuzzy2, name) for name in fuzzy2.__all__} | vars(general_type2),
+        {name: getattr(fuzzy2, name) for name in fuzzy2.__all__}
+        | vars(general_type2)
+        | vars(vertical_slices)
+        | {"Truncated": Truncated},
     )
     assert copy == fuzzy_set
     assert hash(copy) == hash(fuzzy_set)

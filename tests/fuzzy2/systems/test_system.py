@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import fuzzy2
 from fuzzy2.errors import ApproximationWarning, InvalidValue, NotApplicable, UnknownName
-from fuzzy2.sets.smooth_shapes import Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.systems.kernels import LANES
 
