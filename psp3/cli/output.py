@@ -120,6 +120,8 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     """Write columns of numbers to a CSV file, or to standard output."""
     import csv
 
+    from fuzzy2.support.text_files import write_text
+
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -127,15 +129,18 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     if path == Path("-"):
         typer.echo(text.getvalue(), nl=False)
     else:
-        path.write_text(text.getvalue(), encoding="utf-8")
+        write_text(text.getvalue(), path)
 
 
 def draw_figure(path: Path, draw: Callable[[], Any]) -> None:
     """Save a figure in the style of this package."""
     from fuzzy2.plots.style import style
+    from fuzzy2.support.text_files import written_whole
 
     with style():
-        draw()[0].get_figure(root=True).savefig(path)
+        drawn = draw()[0].get_figure(root=True)
+        with written_whole(path, "wb") as file:
+            drawn.savefig(file, format=path.suffix[1:])
 
 
 @contextmanager

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fuzzy2.support.text_files import written_whole
 from psp3 import published
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import INPUT_NAMES, record
@@ -65,7 +66,8 @@ def draw_all(
         path = directory / f"{name}.svg"
         figure = panels[0].get_figure(root=True)
         assert figure is not None
-        figure.savefig(path, metadata={"Date": None})
+        with written_whole(path, "wb") as file:
+            figure.savefig(file, format="svg", metadata={"Date": None})
         return Drawing(path, caption, description)
 
     recorded = record(robot, Helix(robot=robot))
