@@ -201,10 +201,9 @@ def error_message(error: Exception) -> str | None:
         return f"{command}: {' '.join(text.split())} (see {command} --help)"
     if isinstance(error, MemoryError):
         return "psp3: this takes more memory than there is; ask for less time or fewer samples"
-    from fuzzy2.errors import Fuzzy2Error
-    from psp3.errors import PSP3Error
+    from fuzzy2.errors import RaisedOnPurpose
 
-    if isinstance(error, PSP3Error | Fuzzy2Error):
+    if isinstance(error, RaisedOnPurpose):
         return f"psp3: {' '.join(str(error).split())}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)
