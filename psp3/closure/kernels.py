@@ -86,10 +86,13 @@ class Table(NamedTuple):
     actuated_q: Indices
     """Configuration index of each actuated coordinate."""
     kind: Indices
+    """Kind of every element: ``SCREW``, ``UNBOUNDED``, ``BALL`` or ``FREE``."""
     parent: Indices
+    """Element of the group that carries an element."""
     index_q: Indices
     """Place of an element's first coordinate among those of its group."""
     index_v: Indices
+    """Velocity index of an element's first degree of freedom."""
     column: Indices
     """Column of an element's first degree of freedom among the un-actuated ones of its group, or
     −1 − its place among the actuated.

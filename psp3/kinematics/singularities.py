@@ -99,6 +99,11 @@ class Measures(NamedTuple):
     ``orientation``: sign of :math:`\det J`, which changes where one of them is crossed, and only
     there. Zero where J is not square.
 
+    ``assembly``: sign of the determinant of the closure equations, of the independent ones of
+    :math:`\Phi^u`, which tells assembly modes apart: two configurations with the same positions of
+    the motors and different signs belong to different ones, and every motion from one to the other
+    passes a singularity of actuation. Zero in a constraint singularity.
+
     ``mobility``: degrees of freedom here; more than elsewhere in a constraint singularity, where
     all that depends on N is NaN.
     """

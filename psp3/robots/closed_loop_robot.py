@@ -84,6 +84,14 @@ class ClosedLoopRobot:
     visual_model : pinocchio.GeometryModel, optional
         What the robot looks like.
 
+    Attributes
+    ----------
+    actuated_q, actuated_v, dependent_v : ndarray of int
+        Places of the actuated joints in configurations and in joint velocities, and of the other
+        joints in joint velocities.
+    mobility : Mobility
+        How many ways the mechanism can move, and how many of them its motors command.
+
     Raises
     ------
     ClosureFailed
