@@ -10,6 +10,8 @@ exactly :math:`\sqrt{h^2 + d^2/4} - d/2`, 23.9 mm for the thesis's robot.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -19,9 +21,13 @@ from psp3.errors import InvalidArray, InvalidValue, UnreachablePose
 SCREW_AZIMUTHS = np.array([0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0])
 """Azimuths of the three screws [rad]."""
 
-LARGEST_TIP_SLOPE = np.sqrt(3.0)
+LARGEST_TIP_SLOPE = math.sqrt(3.0)
 """Tangent of the largest tilt at which a given tip is looked for, 60 degrees; the fold lies at 33
 to 38 degrees.
+
+Beyond the fold the determinant of the tip's map is negative up to tilts of 70 degrees (checked on a
+grid for tools of 10 to 150 mm), so a positive determinant below this slope identifies the branch
+that is connected to home.
 """
 
 
