@@ -57,6 +57,17 @@ def finite_rows(name: str, values: ArrayLike, width: int) -> Array:
     return array
 
 
+def finite_array(name: str, values: ArrayLike) -> Array:
+    """Return ``values`` as a float array of their own shape.
+
+    Raise :class:`InvalidArray` if one is not a finite number.
+    """
+    array = as_floats(name, values, "(...,)").reshape(np.shape(values))
+    if not np.isfinite(array).all():
+        raise InvalidArray(name, "(...,)", array)
+    return array
+
+
 def one_row(name: str, values: ArrayLike, width: int) -> Array:
     """Return ``values`` as an array of shape (width,) of finite numbers.
 
@@ -103,6 +114,14 @@ def checked_number(name: str, value: object, requirement: str, least: float = -m
             number = float(value)
     if not number >= least:
         raise InvalidValue(name, value, requirement)
+    return number
+
+
+def checked_finite(name: str, value: object) -> float:
+    """Return a number as a float; raise :class:`InvalidValue` if it is not finite."""
+    number = checked_number(name, value, "a finite number")
+    if math.isinf(number):
+        raise InvalidValue(name, value, "a finite number")
     return number
 
 

@@ -25,9 +25,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from psp3.checks import Array, checked_finite, checked_positive, finite_array
 from psp3.errors import InvalidArray, InvalidValue, MotionDiverged
-
-Array = NDArray[np.float64]
 
 # The closest that b, written by a caller as 2 sqrt(m k), can be expected to come to it.
 ROUNDING = 4.0 * np.finfo(float).eps
@@ -72,33 +71,6 @@ class Desired(NamedTuple):
     acceleration: float
 
 
-def _finite(name: str, value: object) -> float:
-    try:
-        number = float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        raise InvalidValue(name, value, "a number") from None
-    if not math.isfinite(number):
-        raise InvalidValue(name, value, "finite")
-    return number
-
-
-def _positive(name: str, value: object) -> float:
-    number = _finite(name, value)
-    if number <= 0.0:
-        raise InvalidValue(name, value, "positive")
-    return number
-
-
-def _finite_array(name: str, values: ArrayLike) -> Array:
-    try:
-        array = np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InvalidArray(name, "(...)", values) from None
-    if not np.isfinite(array).all():
-        raise InvalidArray(name, "(...)", array)
-    return array
-
-
 def critical_damping(stiffness: float, mass: float = 1.0) -> float:
     r"""Return the damping with which a spring and a mass return fastest without oscillating.
 
@@ -123,7 +95,11 @@ def critical_damping(stiffness: float, mass: float = 1.0) -> float:
     InvalidValue
         If the stiffness or the mass is not positive and finite.
     """
-    return 2.0 * math.sqrt(_positive("mass", mass)) * math.sqrt(_positive("stiffness", stiffness))
+    return (
+        2.0
+        * math.sqrt(checked_positive("mass", mass))
+        * math.sqrt(checked_positive("stiffness", stiffness))
+    )
 
 
 @dataclass(frozen=True)
@@ -152,9 +128,9 @@ class MassSpringDamper:
     stiffness: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mass", _positive("mass", self.mass))
-        object.__setattr__(self, "damping", _finite("damping", self.damping))
-        object.__setattr__(self, "stiffness", _finite("stiffness", self.stiffness))
+        object.__setattr__(self, "mass", checked_positive("mass", self.mass))
+        object.__setattr__(self, "damping", checked_finite("damping", self.damping))
+        object.__setattr__(self, "stiffness", checked_finite("stiffness", self.stiffness))
 
     @property
     def _decay(self) -> float:
@@ -282,9 +258,9 @@ class MassSpringDamper:
             of the numbers.
         """
         time, x0, v0 = (
-            _finite_array("t", t),
-            _finite_array("position", position),
-            _finite_array("speed", speed),
+            finite_array("t", t),
+            finite_array("position", position),
+            finite_array("speed", speed),
         )
         if (time < 0.0).any():
             raise InvalidValue("t", float(time.min()), "a time since the release, not negative")
@@ -340,7 +316,9 @@ class MassSpringDamper:
             If a gain is not a finite number.
         """
         return MassSpringDamper(
-            self.mass, self.damping + _finite("kv", kv), self.stiffness + _finite("kp", kp)
+            self.mass,
+            self.damping + checked_finite("kv", kv),
+            self.stiffness + checked_finite("kp", kp),
         )
 
     def regulation_gains(self, stiffness: float, damping: float | None = None) -> Gains:
@@ -369,11 +347,11 @@ class MassSpringDamper:
             If the stiffness or the damping asked for is not positive and finite: such a closed loop
             is not stable.
         """
-        k = _positive("stiffness of the closed loop", stiffness)
+        k = checked_positive("stiffness of the closed loop", stiffness)
         b = (
             critical_damping(k, self.mass)
             if damping is None
-            else _positive("damping of the closed loop", damping)
+            else checked_positive("damping of the closed loop", damping)
         )
         return Gains(k - self.stiffness, b - self.damping)
 
@@ -424,7 +402,8 @@ class SecondOrderSystem:
         InvalidValue
             If :math:`m(x)` is not positive.
         """
-        mass = _positive(f"mass at x = {position:.6g} m", self.mass(position))
+        # What interpolates returns arrays of one number.
+        mass = checked_positive(f"mass at x = {position:.6g} m", float(self.mass(position)))
         return (force - self.internal_force(position, speed)) / mass
 
 
@@ -454,7 +433,11 @@ def cubic_spring(mass: float, damping: float, stiffness: float) -> SecondOrderSy
     InvalidValue
         If the mass is not positive, or a value is not a finite number.
     """
-    m, b, k = _positive("mass", mass), _finite("damping", damping), _finite("stiffness", stiffness)
+    m, b, k = (
+        checked_positive("mass", mass),
+        checked_finite("damping", damping),
+        checked_finite("stiffness", stiffness),
+    )
     return SecondOrderSystem(lambda _: m, lambda x, v: b * v + k * x**3)
 
 
@@ -496,8 +479,8 @@ class PartitionedControl:
     kv: float
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "kp", _finite("kp", self.kp))
-        object.__setattr__(self, "kv", _finite("kv", self.kv))
+        object.__setattr__(self, "kp", checked_finite("kp", self.kp))
+        object.__setattr__(self, "kv", checked_finite("kv", self.kv))
 
     @classmethod
     def of(cls, system: SecondOrderSystem, kp: float, kv: float) -> PartitionedControl:
@@ -648,7 +631,7 @@ def simulate_tracking(
     MotionDiverged
         If the motion leaves the range of the numbers, or a force is not a finite number.
     """
-    times = _finite_array("t", t)
+    times = finite_array("t", t)
     if times.ndim != 1 or times.size < 2:
         raise InvalidArray("t", "(N,) with N of at least 2", times)
     if (np.diff(times) <= 0.0).any():
@@ -657,7 +640,7 @@ def simulate_tracking(
             float(np.diff(times).min()),
             "a list of times in increasing order, got a step of that size",
         )
-    start = _finite("position", position), _finite("speed", speed)
+    start = checked_finite("position", position), checked_finite("speed", speed)
     from scipy.integrate import solve_ivp
 
     latest = (float(times[0]), *start, math.nan)

@@ -15,8 +15,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats, finite_rows, together
-from psp3.errors import InvalidArray, InvalidValue, UnreachablePose
+from psp3.checks import Array, finite_array, finite_rows, together
+from psp3.errors import InvalidValue, UnreachablePose
 
 SCREW_AZIMUTHS = np.array([0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0])
 """Azimuths of the three screws [rad]."""
@@ -33,10 +33,7 @@ that is connected to home.
 
 def _column(name: str, values: ArrayLike) -> Array:
     """Return finite numbers of any shape (...,) as (..., 1)."""
-    column = as_floats(name, values, "(...,)").reshape((*np.shape(values), 1))
-    if not np.isfinite(column).all():
-        raise InvalidArray(name, "(...,)", values)
-    return column
+    return finite_array(name, values)[..., np.newaxis]
 
 
 def heights_of_tilt(
@@ -232,5 +229,5 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
             )
         return abs(_fold(direction, screw_radius, tool_length))
 
-    angles = _column("azimuth", azimuth)[..., 0]
+    angles = finite_array("azimuth", azimuth)
     return np.array([reach(float(angle)) for angle in angles.ravel()]).reshape(angles.shape)
