@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 import fuzzy2.errors
 from fuzzy2.errors import RaisedOnPurpose
-
-Array = NDArray[np.float64]
+from fuzzy2.support.checks import Array
 
 
 def _numbers(values: Any) -> str:

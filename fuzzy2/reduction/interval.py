@@ -23,11 +23,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, UnknownName
-
-Array = NDArray[np.float64]
+from fuzzy2.support.checks import Array
 
 METHODS = ("km", "ekm", "iasc", "eiasc", "scan")
 """Names of the exact methods, see :func:`generalized_centroid`."""

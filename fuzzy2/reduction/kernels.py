@@ -22,9 +22,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled
-
-Array = NDArray[np.float64]
 
 KM, EKM, IASC, EIASC, SCAN = range(5)
 

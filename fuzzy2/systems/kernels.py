@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from fuzzy2.reduction.kernels import EIASC, Array, end_of_interval
+from fuzzy2.reduction.kernels import EIASC, end_of_interval
+from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled
 
 # Inference. A system is one array of floats, so that a call hands over one table and not seven

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from fuzzy2.learning.adaptation_kernels import add, basis, forget, solve_within
 from fuzzy2.support.compiled import compiled
+from psp3.checks import Array
 from psp3.fuzzy_control.kernels import (
     OUTPUTS,
     apply_model,
@@ -26,8 +27,6 @@ from psp3.fuzzy_control.kernels import (
     width_of_force,
     write_servo,
 )
-
-Array = NDArray[np.float64]
 
 MEMORY, LAG, UPDATE_PERIOD, LEAST_SHARE = range(3, 7)
 

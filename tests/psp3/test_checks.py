@@ -23,7 +23,7 @@ def test_a_finite_number_comes_back_as_a_float(value: Any) -> None:
     "value", [math.nan, math.inf, -math.inf, "fast", None, [1.0, 2.0], 1j, True, 10**400]
 )
 def test_what_is_no_finite_number_is_refused(value: Any) -> None:
-    with pytest.raises(InvalidValue, match="^rise must be a finite number, got"):
+    with pytest.raises(InvalidValue, match=r"^rise must be a finite number, got"):
         checked_finite("rise", value)
 
 
