@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -101,6 +102,40 @@ def together(**arrays: Array) -> list[Array]:
     return [
         np.array(np.broadcast_to(array, (*shape, array.shape[-1]))) for array in arrays.values()
     ]
+
+
+def applied_to_rows(
+    function: Callable[..., Array], shape: tuple[int, ...], **arguments: tuple[ArrayLike, int]
+) -> Array:
+    """Apply a function of single rows to arguments with leading dimensions.
+
+    For what takes one configuration at a time, as Pinocchio does.
+
+    Parameters
+    ----------
+    function : callable
+        From one row of each argument to an array of the given shape.
+    shape : tuple of int
+        Shape of what it returns.
+    **arguments : tuple of array_like and int
+        Arrays (..., n) by the name that an error gives them, each with its n. Their leading
+        dimensions are broadcast.
+
+    Returns
+    -------
+    (..., *shape) ndarray
+
+    Raises
+    ------
+    InvalidArray
+        If an argument has another last dimension, is not finite, or the leading dimensions do not
+        go together.
+    """
+    arrays = together(
+        **{name: finite_rows(name, values, width) for name, (values, width) in arguments.items()}
+    )
+    rows = zip(*(array.reshape(-1, array.shape[-1]) for array in arrays), strict=True)
+    return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
 
 
 def checked_number(name: str, value: object, requirement: str, least: float = -math.inf) -> float:

@@ -88,24 +88,13 @@ def show(*tables: Table) -> None:
         console.print(table)
 
 
-def _plain(value: Any) -> Any:
-    """Turn arrays into lists and what JSON has no number for into null."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, dict):
-        return {name: _plain(entry) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return str(value) if isinstance(value, Path) else value
-
-
 def print_json(content: dict[str, Any]) -> None:
     """Print content as JSON; numbers that JSON does not know are null."""
     import json
 
-    typer.echo(json.dumps(_plain(content), allow_nan=False, ensure_ascii=False))
+    from fuzzy2.support.plain_data import plain
+
+    typer.echo(json.dumps(plain(content), allow_nan=False, ensure_ascii=False))
 
 
 def fixed(values: Any, digits: int = 6) -> list[str]:

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, one_row
 from psp3.closure.assembly import assembled
 from psp3.closure.kernels import Table, jacobian
-from psp3.closure.rank import MOBILITY_TOLERANCE, null_space
+from psp3.closure.rank import ASSEMBLED_RANK_TOLERANCE, null_space
 from psp3.closure.table import NO_MOTORS, flattened
 from psp3.errors import ClosureFailed, UnknownName
 
@@ -149,7 +149,7 @@ def mobility(
     joints = [model.joints[model.getJointId(name)] for name in actuated]
     # Joints of several degrees of freedom cannot be commanded; who builds the robot says so.
     driven = motions[[joint.idx_v for joint in joints]]
-    commanded = int(np.linalg.matrix_rank(driven, tol=MOBILITY_TOLERANCE)) if driven.size else 0
+    commanded = _rank_of_motions(driven)
     return Mobility(
         degrees_of_freedom=model.nv - rank,
         actuators=len(joints),
@@ -166,15 +166,20 @@ def _motions(model: pin.Model, table: Table, q: Array) -> tuple[Array, int]:
     """Return a basis of the velocities that keep the loops closed, and the rank of the closures."""
     out = np.zeros((int(table.closure_rows.sum()), model.nv))
     jacobian(table, q, out)
-    motions = null_space(out, MOBILITY_TOLERANCE)
+    motions = null_space(out, ASSEMBLED_RANK_TOLERANCE)
     return motions, model.nv - motions.shape[1]
+
+
+def _rank_of_motions(rows: Array) -> int:
+    """Return how many joints can be commanded apart, from their rows of a basis of motions."""
+    return int(np.linalg.matrix_rank(rows, tol=ASSEMBLED_RANK_TOLERANCE)) if rows.size else 0
 
 
 def _moving(model: pin.Model, names: list[str], motions: Array, driven: Array) -> tuple[str, ...]:
     """Return the joints that move in some motion that moves no motor."""
     if not motions.shape[1]:
         return ()
-    free = motions @ null_space(driven, MOBILITY_TOLERANCE)
+    free = motions @ null_space(driven, ASSEMBLED_RANK_TOLERANCE)
     return tuple(
         str(names[index])
         for index in range(1, model.njoints)
@@ -189,9 +194,7 @@ def _dependent(driven: Array, actuated: list[str]) -> tuple[str, ...]:
     """Return the actuated joints whose motion follows from that of those before them."""
     names, rank = [], 0
     for count, name in enumerate(actuated, start=1):
-        more = (
-            int(np.linalg.matrix_rank(driven[:count], tol=MOBILITY_TOLERANCE)) if driven.size else 0
-        )
+        more = _rank_of_motions(driven[:count])
         if more == rank:
             names.append(name)
         rank = more

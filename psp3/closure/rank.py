@@ -21,7 +21,7 @@ PIVOT_TOLERANCE = 1e-9
 kernels have no singular values, of which the last diagonal entry is an estimate.
 """
 
-MOBILITY_TOLERANCE = 1e-7
+ASSEMBLED_RANK_TOLERANCE = 1e-7
 """As :data:`RANK_TOLERANCE`, where configurations are only assembled: their loops are open by up to
 1e-9, and closure equations that follow from others miss by as much.
 """

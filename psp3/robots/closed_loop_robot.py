@@ -25,7 +25,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_rows, one_row, together
+from psp3.checks import Array, applied_to_rows, finite_rows, one_row
 from psp3.closure.assembly import assembled
 from psp3.closure.kernels import SINGULAR, close, drift
 from psp3.closure.mobility import mobility
@@ -279,11 +279,9 @@ class ClosedLoopRobot:
         Its result has the given shape.
         """
         width = len(self.actuated)
-        arrays = together(
-            **{name: finite_rows(name, values, width) for name, values in arguments.items()}
+        return applied_to_rows(
+            function, shape, **{name: (values, width) for name, values in arguments.items()}
         )
-        rows = zip(*(array.reshape(-1, width) for array in arrays), strict=True)
-        return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
 
     def configuration(self, positions: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations that close the loops at the given actuated positions.

@@ -16,10 +16,8 @@ from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
 from tempfile import TemporaryFile
-from typing import Any
 
-import numpy as np
-
+from fuzzy2.support.plain_data import plain
 from fuzzy2.support.text_files import write_text
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control.records import record
@@ -218,22 +216,8 @@ def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
     }
     path = directory / "results.json"
     write_text(
-        json.dumps(_plain(outcome.numbers), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+        json.dumps(plain(outcome.numbers), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
         path,
     )
     outcome.files.append(path)
     outcome.files.append(write_report(outcome, directory / "report.html"))
-
-
-def _plain(value: Any) -> Any:
-    """Return what JSON can hold.
-
-    It has no word for what is not a finite number, so that becomes null.
-    """
-    if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value
