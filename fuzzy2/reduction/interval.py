@@ -33,7 +33,11 @@ METHODS = ("km", "ekm", "iasc", "eiasc", "scan")
 
 
 class WuMendelBounds(NamedTuple):
-    """Inner and outer bounds of both ends of a type-reduced set, each of shape (...,)."""
+    """Inner and outer bounds of both ends of a type-reduced set, each of shape (...,).
+
+    The left end is between ``left_lower`` and ``left_upper``, the right one between ``right_lower``
+    and ``right_upper``.
+    """
 
     left_lower: Array
     left_upper: Array

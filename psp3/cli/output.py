@@ -99,24 +99,13 @@ def show(*tables: Table) -> None:
         console.print(table)
 
 
-def _plain(value: Any) -> Any:
-    """Turn arrays into lists and what JSON has no number for into null."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, dict):
-        return {name: _plain(entry) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return str(value) if isinstance(value, Path) else value
-
-
 def print_json(content: dict[str, Any]) -> None:
     """Print content as JSON; numbers that JSON does not know are null."""
     import json
 
-    typer.echo(json.dumps(_plain(content), allow_nan=False, ensure_ascii=False))
+    from fuzzy2.support.plain_data import plain
+
+    typer.echo(json.dumps(plain(content), allow_nan=False, ensure_ascii=False))
 
 
 def fixed(values: Any, digits: int = 6) -> list[str]:
@@ -131,6 +120,8 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     """Write columns of numbers to a CSV file, or to standard output."""
     import csv
 
+    from fuzzy2.support.text_files import write_text
+
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -138,15 +129,18 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     if path == Path("-"):
         typer.echo(text.getvalue(), nl=False)
     else:
-        path.write_text(text.getvalue(), encoding="utf-8")
+        write_text(text.getvalue(), path)
 
 
 def draw_figure(path: Path, draw: Callable[[], Any]) -> None:
     """Save a figure in the style of this package."""
     from fuzzy2.plots.style import style
+    from fuzzy2.support.text_files import written_whole
 
     with style():
-        draw()[0].get_figure(root=True).savefig(path)
+        drawn = draw()[0].get_figure(root=True)
+        with written_whole(path, "wb") as file:
+            drawn.savefig(file, format=path.suffix[1:])
 
 
 @contextmanager
@@ -229,10 +223,9 @@ def error_message(error: Exception) -> str | None:
         return f"{command}: {' '.join(text.split())} (see {command} --help)"
     if isinstance(error, MemoryError):
         return "psp3: this takes more memory than there is; ask for less time or fewer samples"
-    from fuzzy2.errors import Fuzzy2Error
-    from psp3.errors import PSP3Error
+    from fuzzy2.errors import RaisedOnPurpose
 
-    if isinstance(error, PSP3Error | Fuzzy2Error):
+    if isinstance(error, RaisedOnPurpose):
         return f"psp3: {' '.join(str(error).split())}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)

@@ -94,7 +94,8 @@ def figure_of_tracking(result: Result, title: str, axes: Sequence[Axes] | None =
     title : str
         What was simulated.
     axes : sequence of 7 Axes, optional
-        See :func:`figure_52`.
+        Three for the heights, three for the speeds, a 3D one for the path of the tip [mm]; new ones
+        by default.
 
     Returns
     -------

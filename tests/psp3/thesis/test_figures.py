@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 import psp3
 from fuzzy2.plots.style import style
 from psp3 import plots
-from psp3.errors import InvalidValue
+from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_control import records
 from psp3.fuzzy_control.records import Record
 from psp3.study import run as runs
@@ -380,6 +380,36 @@ def test_a_run_that_ended_early_is_drawn_as_far_as_it_went() -> None:
     assert early.t[-1] < 10.0
     panels = plots.figure_of_differences(early, "lost")
     assert panels[0].get_xlim()[1] <= early.t[-1]
+
+
+def test_every_figure_is_drawn_by_its_number_and_by_its_name(
+    result: psp3.Result, controllers: dict[tuple[str, int], psp3.FuzzyComputedTorque]
+) -> None:
+    for number, draw in figures.FIGURES.items():
+        assert getattr(figures, f"figure_{number}") is draw
+        assert draw.__name__ == f"figure_{number}"
+        assert f"Figure {number}" in str(draw.__doc__) or f"Fig. {number}" in str(draw.__doc__)
+    for number, subject, title in (
+        (34, (), ""),
+        (53, (result,), "Computed torque: the start from rest dies out"),
+        (57, (result,), "Type-1, 15 dB"),
+        (54, (controllers["t1", 2],), "Terms of the type-1 controller"),
+        (
+            59,
+            (controllers["it2", 2],),
+            "Terms of the type-2 controller, means ± 0.10 of the range",
+        ),
+    ):
+        figure = figures.figure(number, *subject)[0].figure
+        assert isinstance(figure, Figure)
+        assert figure.get_suptitle() == title
+    given = Figure().subplots(1, 2)
+    assert figures.figure(35, axes=given) == tuple(given)
+
+
+def test_a_number_without_a_figure_is_refused_with_those_there_are() -> None:
+    with pytest.raises(UnknownName, match=r"unknown figure 50; known are 34, 35, 36, 40, 49, 51"):
+        figures.figure(50)
 
 
 def test_figure_64_sets_levels_in_order_of_noise_with_intervals_and_the_printed_ratios() -> None:
