@@ -2,6 +2,7 @@
 #
 #   make reproduce   install, and run the main job
 #   make test        install what the tests need, and run them
+#   make test-quick  run those that take no time: for working
 #   make lint        check style and types
 #   make bench       measure speed
 #   make docs        build the documentation: results/docs/index.html
@@ -17,13 +18,16 @@ BIN := $(VENV)/bin
 unexport PYTHONPATH PYTHONHOME
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
+# What tests of one file share is made once, and all that a process has loaded serves the file.
+DISTRIBUTED := --numprocesses=logical --dist=loadfile
+
 # Every module with compiled functions, and the decorator that compiles them.
 KERNELS := $(shell grep -rl --include='*.py' -e 'import compiled' -e '^def compiled' psp3 fuzzy2)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: help reproduce test lint bench docs pictures clean
+.PHONY: help reproduce test test-quick lint bench docs pictures clean
 
 help:
 	@sed -n 's/^#   make/  make/p' Makefile
@@ -34,7 +38,11 @@ reproduce: $(VENV)/.compiled
 
 test: $(VENV)/.compiled $(VENV)/.test
 	@echo "Running the tests"
-	@$(BIN)/python -m pytest --numprocesses=logical
+	@$(BIN)/python -m pytest $(DISTRIBUTED)
+
+test-quick: $(VENV)/.compiled $(VENV)/.test
+	@echo "Running the quick tests"
+	@$(BIN)/python -m pytest $(DISTRIBUTED) -m "not slow"
 
 lint: $(VENV)/.dev
 	@echo "Checking style (ruff), types (mypy) and the order of imports (import-linter)"

@@ -2,7 +2,13 @@
 
 from hypothesis import settings
 
-# The first call of a compiled kernel takes up to seconds on a fresh machine, which is no property
-# of the example at hand.
-settings.register_profile("psp3", deadline=None)
-settings.load_profile("psp3")
+
+def examples(number: int, of: int = 1) -> int:
+    """Return how many examples a property that is tested for many cases gets in each of them.
+
+    The cases share the number that one property has, but each gets 20 or more. Under the profile
+    ``thorough`` each of them gets all.
+    """
+    if settings.default is settings.get_profile("thorough"):
+        return number
+    return min(number, max(20, number // of))

@@ -1,4 +1,7 @@
-"""A headless browser for the tests of what people see."""
+"""What all tests share: how hypothesis looks, what is slow, and a headless browser.
+
+Nothing here, and no test, is bounded by a clock: a busy machine is slow, not wrong.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,35 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, settings
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
+
+# The first call of a compiled kernel takes up to seconds on a fresh machine, and a busy machine is
+# slow in making examples too. Neither is a property of the example at hand.
+settings.register_profile(
+    "working", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
+)
+settings.register_profile("thorough", settings.get_profile("working"), max_examples=300)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "working"))
+
+# Workers of pytest-xdist share the cores; threads of BLAS on top take time from one another, and
+# spin while they wait. Numpy is imported after this.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# What a terminal or a shell may have set, and what programs that are tested would heed.
+for name in (
+    "CLICOLOR_FORCE",
+    "FORCE_COLOR",
+    "MPLBACKEND",
+    "NO_COLOR",
+    "PYTHONIOENCODING",
+    "PYTHONUNBUFFERED",
+    "PYTHONWARNINGS",
+    "TTY_COMPATIBLE",
+    "TTY_INTERACTIVE",
+):
+    os.environ.pop(name, None)
 
 CHROMIUM, DRIVER = Path("/usr/bin/chromium"), Path("/usr/bin/chromedriver")
 
@@ -19,6 +49,17 @@ RENDER_WITHOUT_A_SCREEN = (
     "--use-angle=swiftshader",
     "--enable-unsafe-swiftshader",
 )
+
+AS_LONG_AS_IT_TAKES = 24 * 3600
+"""In place of the limits of browser and driver, some 30 s, which a busy machine needs at times [s].
+"""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark what needs the browser as slow."""
+    for item in items:
+        if "browser" in getattr(item, "fixturenames", ()):
+            item.add_marker("slow")
 
 
 @pytest.fixture(scope="session")
@@ -40,5 +81,8 @@ def browser() -> Iterator[webdriver.Chrome]:
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = webdriver.Chrome(options=options, service=Service(str(DRIVER)))
+    driver.command_executor.client_config.timeout = AS_LONG_AS_IT_TAKES
+    driver.set_script_timeout(AS_LONG_AS_IT_TAKES)
+    driver.set_page_load_timeout(AS_LONG_AS_IT_TAKES)
     yield driver
     driver.quit()

@@ -5,6 +5,7 @@ A page in a real browser, what it shows, and where it puts things.
 
 from __future__ import annotations
 
+import base64
 import io
 import json
 from pathlib import Path
@@ -76,13 +77,36 @@ def settle(browser: webdriver.Chrome) -> None:
     browser.execute_async_script("requestAnimationFrame(() => requestAnimationFrame(arguments[0]))")
 
 
-def screenshot(browser: webdriver.Chrome, name: str | None = None) -> np.ndarray:
-    """Return what is on the screen, (height, width, 3), and keep it for people if it has a name."""
-    browser.execute_script("viewer.render()")
-    png = browser.get_screenshot_as_png()
+def wait_for(browser: webdriver.Chrome, condition: str) -> None:
+    """Wait until an expression in JavaScript is true; it is looked at before each frame."""
+    browser.execute_async_script(
+        f"""const done = arguments[0];
+        const look = () => ({condition}) ? done() : requestAnimationFrame(look);
+        look();"""
+    )
+
+
+def picture_of(browser: webdriver.Chrome, name: str | None = None) -> bytes:
+    """Return what is on the screen as PNG, and keep it for people if it has a name.
+
+    The driver's own command for it gives a page 10 s to be drawn.
+    """
+    png = base64.b64decode(
+        browser.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})["data"]
+    )
     if name is not None:
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
         (SCREENSHOTS / f"{name}.png").write_bytes(png)
+    return png
+
+
+def screenshot(browser: webdriver.Chrome, name: str | None = None) -> np.ndarray:
+    """Return what is on the screen, (height, width, 3), and keep it for people if it has a name.
+
+    Not while the page plays: one that draws all the time may leave no time for it.
+    """
+    browser.execute_script("viewer.render()")
+    png = picture_of(browser, name)
     return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
 
 

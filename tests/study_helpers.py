@@ -5,29 +5,18 @@ Quick runs, runs without a simulation, and what is done in processes that are ki
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import resource
 import signal
 import sqlite3
-import time
-from collections.abc import Callable
 from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
 from pathlib import Path
 from typing import Any
-
-import pytest
 
 from psp3.errors import StudyFileNotWritable
 from psp3.study import Study, grid, study
 from psp3.study.file import StudyFile
 from psp3.study.run import METRICS, Run
-
-PROCESSES = multiprocessing.get_context("forkserver")
-# The server imports this module once, and what it forks has it at once. A plain fork of the tests
-# would copy locks of their threads.
-PROCESSES.set_forkserver_preload([__name__])
 
 QUICK: dict[str, Any] = {"controller": ("t1", "it2", "pd"), "snr_db": (20.0, 10.0), "duration": 0.3}
 """Fields of runs that take milliseconds; PD sees no noise under the default reading, so it is one
@@ -43,29 +32,6 @@ def invented(run: Run) -> dict[str, float]:
     The metrics depend on seed and name alone.
     """
     return {name: run.seed + 0.1 * number for number, name in enumerate(METRICS)}
-
-
-def slow(run: Run) -> dict[str, float]:
-    """Like :func:`invented`, after a time in which its worker can be killed."""
-    time.sleep(0.1)
-    return invented(run)
-
-
-def start(function: Callable[..., object], *arguments: object) -> BaseProcess:
-    """Call a function of a module in a new process."""
-    process = PROCESSES.Process(target=function, args=arguments, daemon=True)
-    process.start()
-    return process
-
-
-def wait_for(condition: Callable[[], bool], process: BaseProcess, seconds: float = 60.0) -> None:
-    """Wait until something is so; fail if the process ends before, or it takes too long."""
-    deadline = time.monotonic() + seconds
-    while not condition():
-        if not process.is_alive() or time.monotonic() > deadline:
-            process.kill()
-            pytest.fail(f"it did not come to that; exit code {process.exitcode}")
-        time.sleep(0.005)
 
 
 def count_rows(path: Path) -> int:
@@ -117,10 +83,11 @@ def die_while_the_file_is_made(path: Path) -> None:
         pass
 
 
-def hold_the_lock(path: Path, locked: Connection) -> None:
+def hold_the_lock(path: Path, parent: Connection) -> None:
+    """Hold it until killed, or until the parent is gone."""
     with StudyFile(path, SHARED).adding():
-        locked.send(True)
-        time.sleep(60.0)
+        parent.send(True)
+        parent.recv()
 
 
 def run_with_small_files(path: Path, kept: Connection) -> None:
@@ -132,6 +99,14 @@ def run_with_small_files(path: Path, kept: Connection) -> None:
         kept.send(error.kept)
 
 
-def run_slowly(path: Path, runs: tuple[Run, ...], workers: int) -> None:
-    """Do a study with a pause after each report, so that there is time to kill it."""
-    Study(path, runs).run(workers, progress=lambda done, total, rate: time.sleep(0.02))
+def run_until(
+    path: Path, runs: tuple[Run, ...], workers: int, rows: int, parent: Connection
+) -> None:
+    """Do a study; from so many rows on, report each time and go on when the parent says so."""
+
+    def hold(done: int, total: int, rate: float) -> None:
+        if done >= rows:
+            parent.send(done)
+            parent.recv()
+
+    Study(path, runs).run(workers, progress=hold)

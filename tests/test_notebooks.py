@@ -12,12 +12,16 @@ from typing import Any
 
 import pytest
 
+from tests.processes import PROCESSES, answer_of, start
+
 nbformat = pytest.importorskip(
     "nbformat", reason="nbformat, nbclient and ipykernel are in the extra test"
 )
 nbclient = pytest.importorskip(
     "nbclient", reason="nbformat, nbclient and ipykernel are in the extra test"
 )
+
+from tests.notebook_shell import run_cells  # noqa: E402 (IPython comes with ipykernel)
 
 NOTEBOOKS = sorted((Path(__file__).resolve().parents[1] / "notebooks").glob("*.ipynb"))
 LARGEST = 1_500_000
@@ -122,19 +126,37 @@ def test_figures_are_numbered_in_order(path: Path) -> None:
         assert found == list(range(1, len(found) + 1))
 
 
+def code_of(notebook: Any) -> list[str]:
+    return [cell.source for cell in notebook.cells if cell.cell_type == "code"]
+
+
+@pytest.mark.slow
+def test_runs_from_top_to_bottom(path: Path, tmp_path: Path) -> None:
+    """In a process and a directory of its own, with warnings as errors from the first cell on."""
+    ours, theirs = PROCESSES.Pipe(duplex=False)
+    process = start(run_cells, code_of(read(path)), tmp_path, theirs)
+    cell, error, complaints = answer_of(process, ours)
+    assert (cell, error, complaints) == (None, None, [])
+    process.join()
+    assert process.exitcode == 0
+    assert list(tmp_path.iterdir()) == []
+
+
 # What the kernel's own packages are about to drop is not ours to repair.
 @pytest.mark.filterwarnings("ignore::DeprecationWarning:(jupyter|nbclient|traitlets|zmq|tornado).*")
 @pytest.mark.filterwarnings("ignore:Proactor event loop:RuntimeWarning")
-def test_runs_from_top_to_bottom(path: Path, tmp_path: Path) -> None:
-    """In a directory of its own, with warnings as errors from the first cell on."""
-    notebook = read(path)
+@pytest.mark.slow
+def test_runs_in_a_kernel(tmp_path: Path) -> None:
+    """One of them as Jupyter does it, with warnings as errors before anything is imported."""
+    notebook = read(NOTEBOOKS[0])
     strict = nbformat.v4.new_code_cell(
         'import warnings\n\nwarnings.simplefilter("error")', id="warnings-are-errors"
     )
     notebook.cells.insert(0, strict)
     client = nbclient.NotebookClient(
         notebook,
-        timeout=120,
+        timeout=None,
+        startup_timeout=24 * 3600,
         kernel_name="python3",
         resources={"metadata": {"path": str(tmp_path)}},
     )

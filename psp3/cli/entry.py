@@ -43,9 +43,7 @@ def main() -> None:
     except (KeyboardInterrupt, typer.Abort):
         status = INTERRUPTED
     except BrokenPipeError:
-        # Whoever read the output has had enough. Python flushes once more at exit, which must not
-        # complain.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        # Whoever read the output has had enough.
         status = 1
     except Exception as error:
         message = error_message(error)
@@ -55,7 +53,19 @@ def main() -> None:
         status = USAGE
     if status == INTERRUPTED:
         typer.echo("psp3: interrupted", err=True)
+    _let_go_of_output()
     sys.exit(status)
+
+
+def _let_go_of_output() -> None:
+    """Write what is left, if it can be written.
+
+    Python flushes once more at exit; what cannot be written would change the status then.
+    """
+    try:
+        sys.stdout.flush()
+    except OSError:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

@@ -18,8 +18,14 @@ from psp3.errors import InvalidValue, SchedulerUnavailable
 PROTOCOLS = ("tcp", "tls", "ws", "wss")
 """What dask speaks over the network."""
 
-PATIENCE = 5.0
-"""How long to wait for the scheduler, and then for its first worker [s]."""
+PATIENCE = 30.0
+"""How long to wait for an answer of the scheduler, which may be busy [s]."""
+
+FIRST_WORKER = 5.0
+"""How long to wait for the first worker of a scheduler that has answered [s]."""
+
+ASKED_AGAIN = 5.0
+"""How old the number of threads of a cluster may be until its scheduler is asked anew [s]."""
 
 
 @contextmanager
@@ -41,8 +47,8 @@ def connected(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
     InvalidValue
         If this is no address.
     SchedulerUnavailable
-        Within a few seconds, if there is no scheduler, it has no workers, or they have another
-        version of psp3 or none.
+        If there is no scheduler, which a refused connection tells at once and silence in half a
+        minute, or it has no workers, or they have another version of psp3 or none.
     """
     host, port = _host_and_port(address)
     try:
@@ -105,7 +111,7 @@ class _Capacity:
     def __call__(self) -> int:
         if self._client.status == "closed":
             raise CancelledError
-        if time.monotonic() - self._asked > PATIENCE:
+        if time.monotonic() - self._asked > ASKED_AGAIN:
             # A client that cannot reach its scheduler tries again for a while, and then cancels its
             # runs and closes itself.
             with suppress(OSError):
@@ -159,7 +165,7 @@ def _shake_hands(address: str) -> None:
 
 def _check_workers(client: Any, address: str) -> None:
     try:
-        client.wait_for_workers(1, timeout=PATIENCE)
+        client.wait_for_workers(1, timeout=FIRST_WORKER)
     except TimeoutError as error:
         raise SchedulerUnavailable(
             address, f"has no workers; start some with: dask worker {address}"

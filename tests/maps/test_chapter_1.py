@@ -5,16 +5,14 @@ Every equation is on it, and every function, test and number that it names is th
 
 from __future__ import annotations
 
-import ast
 import pkgutil
 import re
-from pathlib import Path
 
 import pytest
 
 import fuzzy2
+from tests.maps.named_tests import TESTS, functions_of
 
-TESTS = Path(__file__).resolve().parents[1]
 MAP = TESTS.parent / "docs" / "chapter1.md"
 TEXT = MAP.read_text(encoding="utf-8")
 
@@ -52,8 +50,7 @@ def test_every_function_named_is_there(name: str) -> None:
 @pytest.mark.parametrize("name", NAMED_TESTS)
 def test_every_test_named_is_there(name: str) -> None:
     file, function = name.split("::")
-    tree = ast.parse((TESTS / file).read_text(encoding="utf-8"))
-    assert function in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    assert function in functions_of(file)
 
 
 def test_errata_are_numbered_through_and_each_is_referred_to() -> None:

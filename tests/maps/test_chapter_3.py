@@ -5,19 +5,17 @@ Every equation is on it, and every function and test that it names is there.
 
 from __future__ import annotations
 
-import ast
 import itertools
 import pkgutil
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import psp3
 from tests.helpers import thesis_chain
+from tests.maps.named_tests import TESTS, functions_of
 
-TESTS = Path(__file__).resolve().parents[1]
 TEXT = (TESTS.parent / "docs" / "chapter3.md").read_text(encoding="utf-8")
 
 # Equations in parts, by the labels of the thesis's text.
@@ -60,8 +58,7 @@ def test_every_function_named_is_there(name: str) -> None:
 @pytest.mark.parametrize("name", NAMED_TESTS)
 def test_every_test_named_is_there(name: str) -> None:
     file, function = name.split("::")
-    tree = ast.parse((TESTS / file).read_text(encoding="utf-8"))
-    assert function in {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    assert function in functions_of(file)
 
 
 def test_errata_are_numbered_through_and_each_is_referred_to() -> None:

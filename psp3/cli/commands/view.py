@@ -149,8 +149,9 @@ def view(
 
     with Viewer(robot, port) as viewer:
         stage(viewer)
-        typer.echo(f"{viewer.url} shows the robot; Ctrl-C ends.")
         try:
+            # Who reads this may interrupt at once.
+            typer.echo(f"{viewer.url} shows the robot; Ctrl-C ends.")
             threading.Event().wait()
         except KeyboardInterrupt:
             typer.echo(err=True)

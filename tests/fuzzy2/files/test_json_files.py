@@ -40,6 +40,7 @@ from fuzzy2.sets.vertical_slices import Staircase
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 from fuzzy2.systems.rules import Rule
+from tests import examples
 
 SCHEMA = json.loads((files("fuzzy2.files") / "schema.json").read_text(encoding="utf-8"))
 VALIDATOR = jsonschema.Draft202012Validator(SCHEMA)
@@ -186,7 +187,7 @@ def through_text(document: dict[str, Any]) -> dict[str, Any]:
 
 
 @given(sets)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300, of=2))
 def test_sets_come_back_bit_for_bit(fuzzy_set: Any) -> None:
     document = to_json(fuzzy_set)
     read = from_json(through_text(document))
@@ -245,7 +246,7 @@ def systems(draw: st.DrawFn) -> Any:
 
 
 @given(systems())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100, of=2))
 def test_systems_come_back_bit_for_bit(system: Any) -> None:
     document = to_json(system)
     read = from_json(through_text(document))

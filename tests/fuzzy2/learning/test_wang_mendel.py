@@ -15,8 +15,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from fuzzy2.errors import (
     FeatureNamesWarning,
@@ -25,95 +23,23 @@ from fuzzy2.errors import (
     NotFitted,
     NotNumbers,
     UnknownName,
-    UnsupportedRule,
     WrongFeatures,
 )
-from fuzzy2.learning import KINDS, WangMendel, cluster_partition, gaussian_partition, term_names
+from fuzzy2.learning import KINDS, WangMendel
 from fuzzy2.learning.clustering import fuzzy_c_means
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.interval_type2 import GaussianUncertainMean
-from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Type1System
-
-Samples = tuple[np.ndarray, np.ndarray]
-
-
-def corners_and_more(count: int = 60, inputs: int = 2, outputs: int = 3, seed: int = 0) -> Samples:
-    """Random samples, and the corners of their box.
-
-    So every cell of a grid of two terms has a sample at its center.
-    """
-    rng = np.random.default_rng(seed)
-    X = (
-        np.concatenate(
-            [
-                rng.uniform(-1.0, 1.0, (count, inputs)),
-                list(itertools.product((-1.0, 1.0), repeat=inputs)),
-            ]
-        )
-        * 3.0
-        + 1.0
-    )
-    return X, rng.normal(size=(len(X), outputs))
-
+from tests.fuzzy2.learning.plain_loops import (
+    clouds,
+    corners_and_more,
+    loops_fire,
+    loops_grade,
+    loops_partition,
+    loops_strict,
+    loops_strongest,
+)
 
 # A second implementation: loops, sums in the order of the text, and no function of the module.
-
-
-def loops_partition(column: np.ndarray, count: int) -> list[tuple[float, float]]:
-    low, high = min(column), max(column)
-    distance = (high - low) / (count - 1)
-    return [(low + k * distance, distance / math.sqrt(8.0 * math.log(2.0))) for k in range(count)]
-
-
-def loops_grade(x: float, term: tuple[float, float]) -> float:
-    return math.exp(-((x - term[0]) ** 2) / (2.0 * term[1] ** 2))
-
-
-def loops_fire(
-    x: np.ndarray,
-    cell: tuple[int, ...],
-    terms: list[list[tuple[float, float]]],
-    minimum: bool = False,
-) -> float:
-    grades = [loops_grade(x[i], terms[i][cell[i]]) for i in range(len(cell))]
-    return min(grades) if minimum else math.prod(grades)
-
-
-def loops_strongest(
-    X: np.ndarray, Y: np.ndarray, counts: list[int], minimum: bool
-) -> dict[tuple[int, ...], np.ndarray]:
-    terms = [loops_partition(X[:, i], counts[i]) for i in range(len(counts))]
-    rules = {}
-    for cell in itertools.product(*map(range, counts)):
-        best = max(range(len(X)), key=lambda n: loops_fire(X[n], cell, terms, minimum))
-        rules[cell] = Y[best]
-    return rules
-
-
-def loops_strict(
-    X: np.ndarray, Y: np.ndarray, counts: list[int], output_count: int | None
-) -> dict[tuple[int, ...], np.ndarray]:
-    """Return the value, or number of the output term, of every cell that has a sample."""
-    terms = [loops_partition(X[:, i], counts[i]) for i in range(len(counts))]
-    rules: dict[tuple[int, ...], np.ndarray] = {}
-    degrees: dict[tuple[int, ...], np.ndarray] = {}
-    for x, y in zip(X, Y, strict=True):
-        cell = tuple(
-            max(range(counts[i]), key=lambda k: loops_grade(x[i], terms[i][k]))
-            for i in range(len(counts))
-        )
-        for j in range(Y.shape[1]):
-            degree, says = loops_fire(x, cell, terms), float(y[j])
-            if output_count is not None:
-                of_output = loops_partition(Y[:, j], output_count)
-                says = max(range(output_count), key=lambda k: loops_grade(y[j], of_output[k]))
-                degree *= loops_grade(y[j], of_output[int(says)])
-            rules.setdefault(cell, np.full(Y.shape[1], np.nan))
-            degrees.setdefault(cell, np.full(Y.shape[1], -1.0))
-            if degree > degrees[cell][j]:
-                rules[cell][j], degrees[cell][j] = says, degree
-    return rules
 
 
 def loops_type1_output(
@@ -121,49 +47,6 @@ def loops_type1_output(
 ) -> np.ndarray:
     weights = {cell: loops_fire(x, cell, terms) for cell in rules}
     return sum(weights[cell] * rules[cell] for cell in rules) / sum(weights.values())
-
-
-def as_dictionary(rules: np.ndarray, values: np.ndarray) -> dict[tuple[int, ...], np.ndarray]:
-    return {tuple(cell): value for cell, value in zip(rules.tolist(), values, strict=True)}
-
-
-@pytest.mark.parametrize("t_norm", ["product", "min"])
-@pytest.mark.parametrize("counts", [[2, 2], [3, 2], [4, 5]])
-def test_strongest_takes_the_samples_that_plain_loops_take(counts: list[int], t_norm: str) -> None:
-    X, Y = corners_and_more()
-    model = WangMendel(n_terms=counts, t_norm=t_norm).fit(X, Y)
-    expected = loops_strongest(X, Y, counts, t_norm == "min")
-    learned = as_dictionary(model.system_.rules, model.system_.consequents)
-    assert learned.keys() == expected.keys()
-    for cell, value in expected.items():
-        np.testing.assert_array_equal(learned[cell], value)
-    np.testing.assert_array_equal(Y[model.rule_samples_[:, 0]], model.system_.consequents)
-
-
-@settings(max_examples=40)
-@given(
-    seed=st.integers(0, 2**32 - 1),
-    inputs=st.integers(1, 3),
-    count=st.integers(2, 40),
-    output_count=st.sampled_from([None, 2, 5]),
-)
-def test_the_strict_procedure_is_that_of_plain_loops(
-    seed: int, inputs: int, count: int, output_count: int | None
-) -> None:
-    rng = np.random.default_rng(seed)
-    X, Y = rng.normal(size=(count, inputs)), rng.normal(size=(count, 2))
-    counts = rng.integers(2, 5, size=inputs).tolist()
-    model = WangMendel(
-        n_terms=counts, learner="strict", completion="none", output_terms=output_count
-    ).fit(X, Y)
-    says = model.system_.consequents if output_count is None else model.output_rules_
-    learned, expected = (
-        as_dictionary(model.system_.rules, says),
-        loops_strict(X, Y, counts, output_count),
-    )
-    assert learned.keys() == expected.keys()
-    for cell, value in expected.items():
-        np.testing.assert_array_equal(learned[cell], value)
 
 
 @pytest.mark.parametrize("learner", ["strongest", "strict"])
@@ -180,66 +63,6 @@ def test_type_1_prediction_is_that_of_plain_loops(learner: str) -> None:
     points = np.random.default_rng(5).uniform(-2.0, 4.0, (30, 2))
     expected = [loops_type1_output(x, rules, terms) for x in points]
     np.testing.assert_allclose(model.predict(points), expected, rtol=0.0, atol=1e-12)
-
-
-def test_average_and_ridge_are_the_sums_they_are_said_to_be() -> None:
-    """Ridge by a different route.
-
-    One least-squares problem with the penalty as rows, by singular values; 1e-10 for its condition.
-    """
-    X, Y = corners_and_more(count=40)
-    terms = [loops_partition(X[:, i], 2) for i in range(2)]
-    cells = list(itertools.product(range(2), repeat=2))
-    firing = np.array([[loops_fire(x, cell, terms) for cell in cells] for x in X])
-    average = np.array([(firing[:, [r]] * Y).sum(axis=0) / firing[:, r].sum() for r in range(4)])
-    np.testing.assert_allclose(
-        WangMendel(learner="average").fit(X, Y).system_.consequents, average, rtol=1e-12
-    )
-
-    penalty = 0.02
-    shares = firing / firing.sum(axis=1, keepdims=True)
-    rows = np.concatenate([shares / math.sqrt(len(X)), math.sqrt(penalty) * np.eye(4)])
-    right = np.concatenate([Y / math.sqrt(len(X)), math.sqrt(penalty) * average])
-    expected = np.linalg.lstsq(rows, right, rcond=None)[0]
-    np.testing.assert_allclose(
-        WangMendel(learner="ridge", ridge=penalty).fit(X, Y).system_.consequents,
-        expected,
-        rtol=1e-10,
-    )
-
-
-def test_ridge_goes_from_least_squares_to_the_average() -> None:
-    X, Y = corners_and_more(outputs=1)
-    shares = [
-        WangMendel(kind="t1", learner="ridge", ridge=ridge).fit(X, Y)
-        for ridge in (1e-9, 1e-3, 1.0, 1e9)
-    ]
-    errors = [float(((model.predict(X) - Y) ** 2).sum()) for model in shares]
-    assert errors == sorted(errors)
-    average = WangMendel(learner="average").fit(X, Y).system_.consequents
-    # A penalty of 1e9 leaves a billionth of the step to least squares.
-    np.testing.assert_allclose(shares[-1].system_.consequents, average, atol=1e-7)
-    # What the type-1 system can express is found: 1e-9 is the penalty, times steps of order 1 and
-    # the condition of the problem.
-    truth = WangMendel(kind="t1").fit(X, Y)
-    again = WangMendel(kind="t1", learner="ridge", ridge=1e-12).fit(X, truth.predict(X))
-    np.testing.assert_allclose(again.predict(X), truth.predict(X), atol=1e-8)
-
-
-def test_doubling_the_samples_changes_no_learner() -> None:
-    """The ridge penalty is weighed against a mean.
-
-    So it does not fade with the number of samples; 1e-12 for the sums' order.
-    """
-    X, Y = corners_and_more()
-    for learner in ("strongest", "strict", "average", "ridge"):
-        once = WangMendel(learner=learner).fit(X, Y).system_.consequents
-        twice = (
-            WangMendel(learner=learner)
-            .fit(np.concatenate([X, X]), np.concatenate([Y, Y]))
-            .system_.consequents
-        )
-        np.testing.assert_allclose(twice, once, atol=1e-12)
 
 
 def test_samples_at_the_centers_of_cells_are_reproduced_as_far_as_the_neighbors_let_them() -> None:
@@ -306,63 +129,7 @@ def test_kinds_differ_in_their_uncertainty_only() -> None:
         np.testing.assert_array_equal(system.consequents, systems[0].consequents)
 
 
-@pytest.mark.parametrize("kind", KINDS)
-def test_partition_is_what_its_equations_say(kind: str) -> None:
-    low, high, count, variation = -3.0, 7.0, 5, 0.3
-    terms = gaussian_partition(low, high, count, kind, variation)
-    principal = [term.principal if kind == "gt2" else term for term in terms]
-    middles = np.array([np.mean(term.mean) for term in principal])
-    np.testing.assert_allclose(middles, [-3.0, -0.5, 2.0, 4.5, 7.0], atol=1e-15)
-    crossings = 0.5 * (middles[1:] + middles[:-1])
-    for left, right, at in zip(principal, principal[1:], crossings, strict=False):
-        # The definition: neighbors cross at 1/2.
-        assert Gaussian(np.mean(left.mean), left.sigma)(at) == pytest.approx(0.5, rel=1e-14)
-        assert Gaussian(np.mean(right.mean), right.sigma)(at) == pytest.approx(0.5, rel=1e-14)
-    for term in terms:
-        if isinstance(term, GaussianUncertainMean):
-            assert term.mean[1] - term.mean[0] == pytest.approx(2.0 * 0.3 * 10.0, rel=1e-14)
-
-
-def test_secondary_grades_are_what_a_mean_spread_over_the_interval_does() -> None:
-    """By experiment: membership one sigma from the mean.
-
-    For means spread evenly over a small interval; second order in that.
-    """
-    variation = 0.002
-    term = gaussian_partition(0.0, 1.0, 2, "gt2", variation)[1]
-    assert isinstance(term, GaussianType2Set)
-    assert isinstance(term.principal, Gaussian)
-    sigma = term.principal.sigma
-    means = 1.0 + np.linspace(-variation, variation, 200_001)
-    memberships = np.exp(-((1.0 + sigma - means) ** 2) / (2.0 * sigma**2))
-    assert term.sigma == pytest.approx(memberships.std(), rel=1e-4)
-
-
-def test_one_term_covers_its_range_from_one_half_to_one_half() -> None:
-    (term,) = gaussian_partition(2.0, 6.0, 1, "t1")
-    np.testing.assert_allclose(term([2.0, 4.0, 6.0]), [0.5, 1.0, 0.5], rtol=1e-14)
-
-
-def test_names_of_terms() -> None:
-    assert term_names(2) == ("Low", "High")
-    assert term_names(3) == ("Low", "Mid", "High")
-    assert len(set(term_names(7))) == 7
-
-
 # Clusters as the first step
-
-
-def clouds(seed: int = 0) -> Samples:
-    """Four clouds of samples of two inputs in different units.
-
-    A straight cut along neither input tells them apart.
-    """
-    rng = np.random.default_rng(seed)
-    middles = np.array([[0.0, 0.0], [1.0, 3.0], [2.0, 1.0], [3.0, 2.0]])
-    X = (middles[:, np.newaxis] + 0.2 * rng.normal(size=(4, 25, 2))).reshape(-1, 2) * np.array(
-        [1.0, 1e3]
-    )
-    return X, rng.normal(size=(100, 2))
 
 
 @pytest.mark.parametrize("learner", ["strongest", "average", "ridge"])
@@ -476,55 +243,6 @@ def test_starts_of_clusters_are_the_caller_s() -> None:
     assert rng.bit_generator.state != np.random.default_rng(0).bit_generator.state
 
 
-@pytest.mark.parametrize(
-    ("options", "error", "words"),
-    [
-        ({"partition": "trees"}, UnknownName, "grid, clusters"),
-        ({"partition": "clusters", "learner": "strict"}, InvalidValue, "every rule is a cluster's"),
-        ({"partition": "clusters", "n_terms": [2, 2]}, InvalidValue, "n_terms"),
-        ({"partition": "clusters", "n_terms": 65}, InvalidValue, "at most 64"),
-        (
-            {"partition": "clusters", "n_terms": 64},
-            InvalidValue,
-            "has none along input 1: take fewer clusters",
-        ),
-        ({"partition": "clusters", "fuzzifier": 1.0}, InvalidValue, "fuzzifier"),
-        ({"partition": "clusters", "rng": 0}, InvalidValue, "rng"),
-        ({"partition": "clusters", "n_terms": 20_000, "learner": "ridge"}, InvalidValue, "20,000"),
-    ],
-)
-def test_what_makes_no_clusters_is_refused(
-    options: dict[str, Any], error: type[Fuzzy2Error], words: str
-) -> None:
-    X, Y = corners_and_more()
-    with pytest.raises(error, match=words):
-        WangMendel(**options).fit(X, Y)
-
-
-@pytest.mark.parametrize(
-    "arguments", [([1.0],), ([1.0, 0.0],), ([1.0, math.inf],), ([1.0, 1.0], "it2", -0.1)]
-)
-def test_cluster_partitions_of_nothing_are_refused(arguments: tuple[Any, ...]) -> None:
-    with pytest.raises(InvalidValue):
-        cluster_partition(fuzzy_c_means(clouds()[0], 3), *arguments)
-    with pytest.raises(UnknownName, match="t1, it2, gt2"):
-        cluster_partition(fuzzy_c_means(clouds()[0], 3), [1.0, 1.0], "it3")
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [(1.0, 1.0), (2.0, 1.0), (0.0, math.nan), (0.0, 1.0, 0), (0.0, 1.0, 2, "it2", -0.1)],
-)
-def test_partitions_of_nothing_are_refused(arguments: tuple[Any, ...]) -> None:
-    with pytest.raises(InvalidValue):
-        gaussian_partition(*arguments)
-
-
-def test_unknown_kind_of_partition_lists_the_known_ones() -> None:
-    with pytest.raises(UnknownName, match="t1, it2, gt2"):
-        gaussian_partition(0.0, 1.0, 2, "it3")
-
-
 # Output terms and completion
 
 
@@ -548,100 +266,7 @@ def test_output_terms_enter_by_their_centroids(kind: str) -> None:
     assert (width == 0.0).all() if kind == "t1" else (width > 0.0).all()
 
 
-L_SHAPE = np.array([[0.0, 0.0], [0.0, 1.0], [0.0, 2.0], [1.0, 0.0], [2.0, 0.0]])
-
-
-def test_nearest_completion_copies_the_nearest_rule_of_the_highest_degree() -> None:
-    """Four cells of a 3 x 3 grid have no sample.
-
-    By hand: (1, 1) is one step from (0, 1) and (1, 0), both of degree 1 as it stands.
-    """
-    samples, values = L_SHAPE.copy(), np.array([10.0, 11.0, 12.0, 13.0, 14.0])
-    model = WangMendel(n_terms=3, learner="strict", kind="t1").fit(samples, values)
-    cells = as_dictionary(model.system_.rules, model.system_.consequents[:, 0])
-    assert [cells[cell] for cell in ((0, 0), (0, 1), (0, 2), (1, 0), (2, 0))] == [
-        10.0,
-        11.0,
-        12.0,
-        13.0,
-        14.0,
-    ]
-    assert cells[1, 2] == 12.0
-    assert cells[2, 1] == 14.0
-    # (0, 2) and (2, 0) are equally far and equally strong: the first one
-    assert cells[2, 2] == 12.0
-    assert cells[1, 1] == 11.0
-    assert (model.rule_samples_ == -1).sum() == 4
-    samples[1] = [0.0, 1.1]  # now the other neighbor of (1, 1) has the higher degree
-    model = WangMendel(n_terms=3, learner="strict", kind="t1").fit(samples, values)
-    assert as_dictionary(model.system_.rules, model.system_.consequents[:, 0])[1, 1] == 13.0
-
-
-def test_average_completion_weighs_with_inverse_squares_of_distance() -> None:
-    values = np.array([10.0, 11.0, 12.0, 13.0, 14.0])
-    model = WangMendel(n_terms=3, learner="strict", completion="average", kind="t1").fit(
-        L_SHAPE, values
-    )
-    cells = as_dictionary(model.system_.rules, model.system_.consequents[:, 0])
-    # By hand, of cell (2, 2): squared distances 8, 5, 4, 5, 4 in grid steps, from the samples in
-    # their order.
-    weights = 1.0 / np.array([8.0, 5.0, 4.0, 5.0, 4.0])
-    assert cells[2, 2] == pytest.approx(weights @ values / weights.sum(), rel=1e-14)
-    assert cells[0, 1] == 11.0
-
-
-def test_completion_with_output_terms() -> None:
-    values = np.array([10.0, 11.0, 12.0, 13.0, 14.0])
-    nearest = WangMendel(n_terms=3, learner="strict", output_terms=5).fit(L_SHAPE, values)
-    assert (nearest.output_rules_ >= 0).all()
-    averaged = WangMendel(n_terms=3, learner="strict", output_terms=5, completion="average").fit(
-        L_SHAPE, values
-    )
-    empty = averaged.output_rules_[:, 0] < 0
-    assert empty.sum() == 4
-    np.testing.assert_array_equal(
-        nearest.system_.consequents[~empty], averaged.system_.consequents[~empty]
-    )
-    assert (
-        averaged.system_.consequents[empty, 0, 1] > averaged.system_.consequents[empty, 0, 0]
-    ).all()
-    assert averaged.system_.consequents[:, 0].min() >= nearest.system_.consequents.min()
-
-
-def test_strict_fills_few_cells_of_a_curve_and_the_default_all() -> None:
-    """A helix visits 6 of 16 cells when positions and speeds are the inputs.
-
-    That is the reason for the default.
-    """
-    t = np.linspace(0.0, 2.0 * np.pi, 200)
-    X = np.stack([np.sin(t), np.sin(t + 2.0), np.cos(t), np.cos(t + 2.0)], axis=1)
-    strict = WangMendel(learner="strict", completion="none").fit(X, t)
-    assert len(strict.system_.rules) < 16
-    assert len(WangMendel(learner="strict").fit(X, t).system_.rules) == 16
-    default = WangMendel().fit(X, t)
-    assert len(default.system_.rules) == 16
-    assert default.best_firing_.min() > 1e-3
-    assert not default.system_.validate(domain=[[-1.0, 1.0]] * 4, points=7).unused_terms
-
-
-def test_a_rule_that_no_sample_fires_is_named_with_its_firing() -> None:
-    """Two corners of a 3 x 3 grid.
-
-    Each of the other corners is two terms away in one input, which makes 16**-4 of 1 by hand.
-    """
-    with pytest.raises(
-        UnsupportedRule, match=r"rule 3 \(IF x1 is Low and x2 is High\).*1.53e-05.*2 such rules"
-    ) as caught:
-        WangMendel(n_terms=3).fit([[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0])
-    assert caught.value.firing == pytest.approx(16.0**-4, rel=1e-12)
-    # With two terms a cell is one away, and 1/16 is enough.
-    assert WangMendel().fit(
-        [[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0]
-    ).best_firing_.min() == pytest.approx(1.0 / 16.0, rel=1e-12)
-
-
 # scikit-learn's conventions
-
 
 NOT_APPLICABLE = {
     "check_regressors_train": (
@@ -834,22 +459,6 @@ def test_learning_again_forgets_what_was_learned_before() -> None:
     model.set_params(output_terms=None, learner="average").fit(X, Y)
     assert not hasattr(model, "output_terms_")
     assert not hasattr(model, "rule_samples_")
-
-
-def test_blocks_of_samples_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """1e-12: sums are added in another order."""
-    X, Y = corners_and_more()
-    options: list[dict[str, Any]] = [
-        {"learner": name} for name in ("strongest", "strict", "average", "ridge")
-    ]
-    whole = [WangMendel(**option).fit(X, Y) for option in options]
-    monkeypatch.setattr("fuzzy2.learning.consequents._BLOCK", 28)  # seven samples
-    for option, before in zip(options, whole, strict=True):
-        after = WangMendel(**option).fit(X, Y)
-        np.testing.assert_allclose(
-            after.system_.consequents, before.system_.consequents, rtol=0.0, atol=1e-12
-        )
-        np.testing.assert_array_equal(after.best_firing_, before.best_firing_)
 
 
 # What is refused

@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations import extension
@@ -20,8 +19,7 @@ from fuzzy2.operations.t_norms import t_norm
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton
-
-Array = NDArray[np.float64]
+from tests import examples
 
 
 @st.composite
@@ -44,7 +42,7 @@ FUNCTIONS: dict[str, Callable[..., Any]] = {
 @pytest.mark.parametrize("name", FUNCTIONS)
 @pytest.mark.parametrize("grades", ["min", "product", "lukasiewicz"])
 @given(sets=st.lists(integer_sets(), min_size=1, max_size=3))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100, of=9))
 def test_discrete_sets_are_enumerated(name: str, grades: str, sets: list[SampledSet]) -> None:
     f, norm = FUNCTIONS[name], t_norm(grades)
     expected: dict[float, float] = {}

@@ -17,20 +17,25 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
-from fuzzy2.operations.continuous_meet import ContinuousMeet, tabulated
+from fuzzy2.operations.continuous_meet import ContinuousMeet
 from fuzzy2.operations.join_meet import METHODS, join, meet, negation
-from fuzzy2.operations.joined_sets import ExtremumSet, NegatedSet, supremum
 from fuzzy2.operations.t_norms import T_NORMS, t_conorm, t_norm
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
+from tests import examples
+from tests.fuzzy2.operations.any_sets import convex_functions, discrete_sets
 
 Array = NDArray[np.float64]
+
 THETA = np.arange(201) / 200.0  # holds twentieths to the last digit, which linspace does not
+
 OPERATIONS: dict[str, Callable[..., Type1Set]] = {"join": join, "meet": meet}
+
 BOTH = pytest.mark.parametrize("kind", ["join", "meet"])
+
 GRADE_NORMS = pytest.mark.parametrize("grades", ["min", "product", "lukasiewicz"])
 
 
@@ -60,17 +65,6 @@ def assert_same(found: Type1Set, expected: dict[float, float], tolerance: float 
 
 
 @st.composite
-def discrete_sets(draw: st.DrawFn, smallest_grade: int = 0) -> SampledSet:
-    """Points on a grid of 1/20 and grades of sixteenths, any shape."""
-    points = draw(st.lists(st.integers(0, 20), min_size=1, max_size=7, unique=True))
-    grades = draw(
-        st.lists(st.integers(smallest_grade, 16), min_size=len(points), max_size=len(points))
-    )
-    assume(any(grades))
-    return SampledSet([k / 20.0 for k in points], [k / 16.0 for k in grades])
-
-
-@st.composite
 def unimodal_sets(draw: st.DrawFn, normal: bool = True) -> SampledSet:
     """Convex sets on the same eleven points; normal unless allowed to be lower."""
     top = 16 if normal else draw(st.integers(1, 16))
@@ -82,31 +76,13 @@ def unimodal_sets(draw: st.DrawFn, normal: bool = True) -> SampledSet:
     return SampledSet(np.arange(11) / 10.0, np.array([*before, top, *after]) / 16.0)
 
 
-@st.composite
-def convex_functions(draw: st.DrawFn, normal: bool = True) -> Type1Set:
-    """Draw sets over a continuous domain whose peaks and corners lie on the grid THETA."""
-    corners = sorted(draw(st.lists(st.integers(0, 20), min_size=4, max_size=4)))
-    a, b, c, d = (k / 20.0 for k in corners)
-    height = 1.0 if normal else draw(st.integers(1, 16)) / 16.0
-    kind = draw(st.sampled_from(("gaussian", "triangle", "trapezoid", "bell", "interval", "cut")))
-    if kind == "gaussian":
-        return Gaussian(b, 0.03 + 0.3 * d, height)
-    if kind == "triangle":
-        return Triangular(a, b, c, height)
-    if kind == "trapezoid":
-        return Trapezoidal(a, b, c, d, height)
-    if kind == "bell":
-        return Bell(b, 0.05 + a, 2.0)
-    if kind == "cut":
-        return Truncated(Gaussian(c, 0.2), a, d)
-    return Interval(a, d)
-
-
 # --- published vectors ----------------------------------------------------------------------------
+
 
 # Operands from carmelgafa/type2fuzzy_papers, "approach_type2fuzzy_arithmetic"; results by
 # enumeration of all nine pairs.
 F = SampledSet([0.0, 0.1, 0.2], [0.5, 0.7, 0.3])
+
 G = SampledSet([0.1, 0.2, 0.3], [0.9, 0.7, 0.6])
 
 
@@ -138,7 +114,7 @@ def test_published_discrete_joins_and_meets(found: Type1Set, expected: dict[floa
 @BOTH
 @GRADE_NORMS
 @given(first=discrete_sets(), second=discrete_sets())
-@settings(max_examples=250, deadline=None)
+@settings(max_examples=examples(250, of=6))
 def test_discrete_extremum_is_that_of_all_pairs(
     kind: str, grades: str, first: SampledSet, second: SampledSet
 ) -> None:
@@ -149,7 +125,7 @@ def test_discrete_extremum_is_that_of_all_pairs(
 @GRADE_NORMS
 @pytest.mark.parametrize("name", ["product", "lukasiewicz", "hamacher", "drastic"])
 @given(first=discrete_sets(), second=discrete_sets())
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100, of=12))
 def test_discrete_meet_and_join_by_any_norm_are_those_of_all_pairs(
     grades: str, name: str, first: SampledSet, second: SampledSet
 ) -> None:
@@ -166,7 +142,7 @@ def test_discrete_meet_and_join_by_any_norm_are_those_of_all_pairs(
 @pytest.mark.parametrize("name", ["min", "product"])
 @GRADE_NORMS
 @given(sets=st.lists(discrete_sets(), min_size=3, max_size=4), data=st.data())
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=examples(60, of=12))
 def test_many_sets_at_once_in_any_order_are_pairs_in_turn(
     kind: str, name: str, grades: str, sets: list[SampledSet], data: st.DataObject
 ) -> None:
@@ -202,7 +178,7 @@ def test_points_within_1e_12_merge_by_the_maximum() -> None:
 
 
 @given(first=discrete_sets(), second=discrete_sets())
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300, of=6))
 def test_de_morgan_for_the_minimum_and_for_dual_pairs(
     first: SampledSet, second: SampledSet
 ) -> None:
@@ -305,7 +281,7 @@ def pairs_on_the_grid(kind: str, sets: list[Type1Set], grades: str) -> Array:
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(convex_functions(), min_size=2, max_size=4))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150, of=6))
 def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(
     kind: str, grades: str, sets: list[Type1Set]
 ) -> None:
@@ -327,7 +303,7 @@ def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(convex_functions(normal=False), min_size=2, max_size=4))
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=examples(150, of=6))
 def test_without_normality_the_general_formula_still_agrees_with_all_pairs(
     kind: str, grades: str, sets: list[Type1Set]
 ) -> None:
@@ -340,7 +316,7 @@ def test_without_normality_the_general_formula_still_agrees_with_all_pairs(
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(unimodal_sets(), min_size=2, max_size=4))
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=examples(100, of=6))
 def test_theorem_1_1_for_discrete_sets_at_the_same_points(
     kind: str, grades: str, sets: list[SampledSet]
 ) -> None:
@@ -674,169 +650,7 @@ def test_t_norms_with_jumps_are_refused_for_functions() -> None:
             meet(one, Gaussian(0.5, 0.1), t_norm="product")
 
 
-# --- the sets that come out -----------------------------------------------------------------------
-
-RESULTS = {
-    "join": lambda: join(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9)),
-    "meet": lambda: meet(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9)),
-    "join, product grades": lambda: join(
-        Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9), t_norm="product"
-    ),
-    "meet, product grades": lambda: meet(
-        Gaussian(0.3, 0.1), Trapezoidal(0.2, 0.4, 0.6, 0.9), grade_t_norm="product"
-    ),
-    "join, low": lambda: join(Gaussian(0.3, 0.1, 0.7), Triangular(0.2, 0.6, 0.9, 0.9)),
-    "meet, low": lambda: meet(Gaussian(0.3, 0.1, 0.7), Triangular(0.2, 0.6, 0.9, 0.9)),
-    "product meet": lambda: meet(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9), t_norm="product"),
-    "product meet, minimum grades": lambda: meet(
-        Gaussian(0.3, 0.1, 0.8), Triangular(0.2, 0.6, 0.9), t_norm="product", grade_t_norm="min"
-    ),
-    "probabilistic join": lambda: join(
-        Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9), t_conorm="probabilistic"
-    ),
-    "three": lambda: meet(
-        Triangular(0.3, 0.4, 0.8),
-        Triangular(0.2, 0.6, 0.9),
-        Triangular(0.4, 0.6, 1.0),
-        t_norm="product",
-    ),
-}
-
-
-@pytest.mark.parametrize("name", RESULTS)
-def test_results_are_sets_like_any_other(name: str) -> None:
-    """Height, maxima, support, cuts and centroid against 20001 samples of the membership.
-
-    To 1e-3 of a set of unit size.
-    """
-    found = RESULTS[name]()
-    u = np.linspace(-0.5, 1.5, 20001)
-    grades = found(u)
-    assert found.height == pytest.approx(grades.max(), abs=1e-3)
-    assert found.is_convex()
-    assert found.maxima is not None
-    highest = u[grades >= found.height - 1e-9]
-    assert found.maxima[0] == pytest.approx(highest[0], abs=1e-3)
-    assert found.maxima[1] == pytest.approx(highest[-1], abs=1e-3)
-    assert found.is_normal() == (found.height == 1.0)
-    positive = u[grades > 1e-12]
-    left, right = found.support
-    assert left <= positive[0] + 1e-4
-    assert right >= positive[-1] - 1e-4
-    for alpha in (0.05, 0.3, 0.6):
-        inside = u[grades >= alpha]
-        np.testing.assert_allclose(found.alpha_cut(alpha), inside[[0, -1]], rtol=0.0, atol=2e-4)
-    np.testing.assert_allclose(
-        found.alpha_cut(np.array([0.2, 0.4]))[0], [found.alpha_cut(0.2)[0], found.alpha_cut(0.4)[0]]
-    )
-    assert found.centroid() == pytest.approx(float((u * grades).sum() / grades.sum()), abs=1e-3)
-    assert found(0.5).shape == ()
-    assert found(np.full((2, 3), 0.5)).shape == (2, 3)
-    assert np.isnan(found(np.nan))
-    assert found.landmarks.size >= 2
-    assert found == RESULTS[name]()
-    assert hash(found) == hash(RESULTS[name]())
-
-
-@pytest.mark.parametrize("name", RESULTS)
-def test_their_representation_rebuilds_them(name: str) -> None:
-    found = RESULTS[name]()
-    assert eval(repr(found)) == found
-
-
-def test_sigmoids_that_never_reach_their_height() -> None:
-    """A rising sigmoid is highest at infinity, so that a join with it is, too.
-
-    A meet is highest where the other set is.
-    """
-    rising, bump = Sigmoid(0.5, 20.0), Triangular(0.2, 0.4, 0.6)
-    theta = np.linspace(0.0, 1.0, 101)
-    joined, met = join(rising, bump), meet(rising, bump)
-    assert joined.maxima is None
-    assert not joined.is_normal()
-    expected = np.where(
-        theta < 0.4,
-        np.minimum(rising(theta), bump(theta)),
-        np.maximum(rising(theta), np.minimum(rising(theta), bump(theta))),
-    )
-    np.testing.assert_allclose(joined(theta), expected, rtol=0.0, atol=1e-15)
-    # w >= theta is always found where the sigmoid is 1, and the triangle is free to be at its peak.
-    expected = np.maximum(
-        np.where(theta <= 0.4, rising(theta), np.minimum(rising(theta), bump(theta))), bump(theta)
-    )
-    np.testing.assert_allclose(met(theta), expected, rtol=0.0, atol=1e-15)
-    assert met.maxima == (0.4, 0.4)
-    falling = join(Sigmoid(0.5, -20.0), bump)
-    assert falling.maxima == (0.4, 0.4)
-    assert falling.alpha_cut(0.5)[0] == pytest.approx(0.3, abs=1e-12)
-    assert join(rising, bump, grade_t_norm="product").alpha_cut(0.5)[1] == math.inf
-    with pytest.raises(NotApplicable):
-        joined.centroid()
-    product = meet(rising, Gaussian(0.5, 0.1), t_norm="product")
-    assert product.height == pytest.approx(float(rising(1.0)), abs=1e-15)
-
-
-@given(one=convex_functions(normal=False))
-@settings(max_examples=100, deadline=None)
-def test_negation_mirrors_a_set_and_undoes_itself(one: Type1Set) -> None:
-    """Away from vertical edges by less than 1e-9 of the steepest slope.
-
-    At these edges rounding of 1 - u decides.
-    """
-    mirrored = negation(one)
-    u = np.linspace(-0.013, 1.011, 97)
-    np.testing.assert_allclose(mirrored(u), one(1.0 - u), rtol=0.0, atol=1e-12)
-    np.testing.assert_allclose(negation(mirrored)(u), one(u), rtol=0.0, atol=1e-12)
-
-
-def test_negation_of_any_set() -> None:
-    assert negation(Gaussian(0.25, 0.1, 0.5)) == Gaussian(0.75, 0.1, 0.5)
-    assert negation(Interval(0.25, 0.5)) == Interval(0.5, 0.75)
-    assert negation(SampledSet([0.0, 0.25], [0.5, 1.0])) == SampledSet([0.75, 1.0], [1.0, 0.5])
-    assert negation(Sigmoid(0.25, 3.0)) == Sigmoid(0.75, -3.0)
-    original = join(Gaussian(0.3, 0.1), Triangular(0.2, 0.6, 0.9))
-    mirrored = negation(original)
-    assert isinstance(mirrored, NegatedSet)
-    assert negation(mirrored) is original
-    assert mirrored.height == 1.0
-    assert mirrored.core == pytest.approx((0.4, 0.4))
-    assert mirrored.centroid() == pytest.approx(1.0 - original.centroid(), abs=1e-10)
-    np.testing.assert_allclose(
-        mirrored.alpha_cut(0.5), 1.0 - np.array(original.alpha_cut(0.5))[::-1]
-    )
-    np.testing.assert_allclose(mirrored.landmarks, 1.0 - original.landmarks[::-1])
-    rising = negation(join(Sigmoid(0.5, 20.0), Triangular(0.2, 0.4, 0.6)))
-    assert rising.maxima is None
-
-
 # --- parts ----------------------------------------------------------------------------------------
-
-
-@given(
-    one=st.one_of(discrete_sets(), convex_functions(normal=False)),
-    ends=st.tuples(st.integers(-4, 24), st.integers(-4, 24)),
-)
-@settings(max_examples=300, deadline=None)
-def test_supremum_over_an_interval(one: Type1Set, ends: tuple[int, int]) -> None:
-    """All peaks and corners are twentieths, and the samples hold those."""
-    left, right = ends[0] / 20.0, ends[1] / 20.0
-    found = float(supremum(one, np.array([left]), np.array([right]))[0])
-    # Of a cut Gaussian both ends are corners; samples between twentieths are not needed but do no
-    # harm.
-    samples = np.array([k / 20.0 for k in range(min(ends), max(ends) + 1)])
-    expected = one(samples).max() if left <= right else 0.0
-    assert found == pytest.approx(expected, abs=1e-15)
-
-
-def test_table_is_within_its_tolerance_even_at_jumps() -> None:
-    original = Trapezoidal(0.2, 0.2, 0.5, 0.9)
-    table = tabulated(
-        ExtremumSet("join", (original, Triangular(0.0, 0.1, 0.3)), t_norm("product"), True)
-    )
-    u = np.linspace(0.0, 1.0, 7001)
-    far = np.abs(u - 0.2) > 1e-9
-    expected = join(original, Triangular(0.0, 0.1, 0.3), t_norm="product")(u)
-    np.testing.assert_allclose(table(u)[far], expected[far], rtol=0.0, atol=3e-7)
 
 
 def test_wrong_arguments_are_refused() -> None:

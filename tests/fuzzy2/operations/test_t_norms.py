@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
 from fuzzy2.operations.t_norms import MINIMUM, PRODUCT, T_CONORMS, T_NORMS, TNorm, t_conorm, t_norm
+from tests import examples
 
 Array = NDArray[np.float64]
 
@@ -37,7 +38,7 @@ FORMULAS: dict[str, Callable[[float, float], float]] = {
 
 @NORMS
 @given(a=GRADES, b=GRADES, c=GRADES)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300, of=7))
 def test_the_four_laws_of_t_norms_hold(name: str, a: float, b: float, c: float) -> None:
     """1e-14 is some tens of ulps, the rounding of at most four operations on numbers up to 1."""
     norm = t_norm(name)
@@ -51,7 +52,7 @@ def test_the_four_laws_of_t_norms_hold(name: str, a: float, b: float, c: float) 
 
 @CONORMS
 @given(a=GRADES, b=GRADES, c=GRADES)
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=examples(300, of=7))
 def test_t_conorms_obey_their_laws_and_are_dual(name: str, a: float, b: float, c: float) -> None:
     conorm = t_conorm(name)
     assert conorm(a, 0.0) == a

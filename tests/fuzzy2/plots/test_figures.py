@@ -14,9 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
 from fuzzy2 import plots
@@ -34,14 +32,21 @@ from fuzzy2.sets.interval_type2 import (
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.type1 import SampledSet, Singleton
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Type1System
+from tests.fuzzy2.plots.drawn import band, curve, edges
+from tests.legible import check_texts, labels_of
 
 Array = NDArray[np.float64]
 
 FUZZY = GaussianType2Set(principal=Gaussian(5.0, 1.0), sigma=0.1)
+
 TRIANGLES = FunctionalType2Set(lambda x: Triangular(0.2, 0.5, 0.9), 0.0, 2.0)
+
 TERMS = [GaussianUncertainMean(mean=(m - 0.1, m + 0.1), sigma=0.5) for m in (-1.0, 0.0, 1.0)]
+
 RULES = [[i, j] for i in range(3) for j in range(3)]
+
 CONSEQUENTS = [[i * j + 0.5 * i, -1.0] for i, j in RULES]
+
 SYSTEM = IntervalType2System(
     [TERMS, TERMS],
     RULES,
@@ -71,6 +76,7 @@ FIGURES: dict[str, tuple[Callable[..., tuple[Axes, ...]], int]] = {
     ),
     "response": (lambda axes=None: plots.figure_of_response(SYSTEM, axes=axes), 1),
 }
+
 IN_SPACE: dict[str, Callable[..., tuple[Axes, ...]]] = {
     "set": lambda axes=None: plots.figure_in_space(TRIANGLES, axes),
     "surface": lambda axes=None: plots.figure_of_rule_surface(SYSTEM, axes=axes),
@@ -81,162 +87,6 @@ IN_SPACE: dict[str, Callable[..., tuple[Axes, ...]]] = {
 def _styled() -> Iterator[None]:
     with style():
         yield
-
-
-def curve(axes: Axes, label: str) -> Array:
-    """Return the data of the line with that label, (2, N)."""
-    (line,) = (line for line in axes.lines if line.get_label() == label)
-    return np.array(line.get_data(), dtype=float)
-
-
-def band(axes: Axes, label: str | None = None, index: int = 0) -> Array:
-    """Return the corners of a filled band, (N, 2): of the one with that label, or by its index."""
-    fills: Any = [one for one in axes.collections if label is None or one.get_label() == label]
-    return np.asarray(fills[index].get_paths()[0].vertices)
-
-
-@pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Array]:
-    """Coordinates (3, ...) of every surface and net that is drawn in space, in order.
-
-    Matplotlib does not give them back.
-    """
-    seen: list[Array] = []
-    for name in ("plot_surface", "plot_wireframe"):
-        draw = getattr(Axes3D, name)
-
-        def record(
-            panel: Axes3D, *coordinates: Array, draw: Callable[..., Any] = draw, **options: Any
-        ) -> Any:
-            seen.append(np.stack(coordinates))
-            return draw(panel, *coordinates, **options)
-
-        monkeypatch.setattr(Axes3D, name, record)
-    return seen
-
-
-def edges(corners: Array, x: float) -> tuple[float, float]:
-    """Return lower and upper edge of a band at the drawn point nearest to x."""
-    nearest = corners[np.argmin(np.abs(corners[:, 0] - x)), 0]
-    at = corners[corners[:, 0] == nearest, 1]
-    return float(at.min()), float(at.max())
-
-
-def test_figure_1_blurs_a_triangle() -> None:
-    """Triangles of all corners from those of the figure fill the footprint from edge to edge.
-
-    J at x′ is its section.
-    """
-    ordinary, blurred = plots.figure_1()
-    x, u = curve(ordinary, "membership")
-    np.testing.assert_allclose(
-        u, np.clip(np.minimum((x - 2.0) / 3.0, (8.0 - x) / 3.0), 0.0, 1.0), atol=1e-15
-    )
-    corners = band(blurred, "footprint of uncertainty")
-    lefts, peaks, rights = np.meshgrid(
-        np.linspace(1.0, 3.0, 5), np.linspace(4.5, 5.5, 11), np.linspace(7.3, 8.7, 5)
-    )
-    for point in np.unique(corners[:, 0])[5:-5:10]:
-        grades = np.clip(
-            np.minimum((point - lefts) / (peaks - lefts), (rights - point) / (rights - peaks)),
-            0.0,
-            1.0,
-        )
-        # Peaks are 0.1 apart, and between two of them a triangle reaches 0.05 times a slope of at
-        # most 0.56 higher.
-        np.testing.assert_allclose([grades.min(), grades.max()], edges(corners, point), atol=0.03)
-        low, high = edges(corners, point)
-        assert low - 1e-12 <= grades.min() <= grades.max() <= high + 1e-12
-    place, ends = curve(blurred, "$J_{x'}$")
-    assert place.tolist() == [4.0, 4.0]
-    # half a step of 0.016 times a slope of 0.4
-    np.testing.assert_allclose(ends, edges(corners, 4.0), atol=4e-3)
-
-
-def test_figure_2_shows_secondary_grades() -> None:
-    (panel,) = plots.figure_2()
-    (image,) = panel.images
-    grades: Any = image.get_array()
-    left, right, bottom, top = image.get_extent()
-    rows, columns = grades.shape
-    x = left + (np.arange(columns) + 0.5) * (right - left) / columns
-    u = bottom + (np.arange(rows) + 0.5) * (top - bottom) / rows
-    # The set of the figure, written out again.
-    principal = np.exp(-0.5 * ((x - 5.0) / 1.4) ** 2)
-    spread = 0.02 + 0.10 * np.abs(x - 5.0) / 1.4 * principal
-    np.testing.assert_allclose(
-        grades, np.exp(-0.5 * ((u[:, None] - principal) / spread) ** 2), atol=1e-9
-    )
-    np.testing.assert_allclose(curve(panel, "principal"), [x, principal], atol=1e-12)
-    np.testing.assert_allclose([u[0], u[-1]], [0.0, 1.0], atol=1e-15)
-    assert image.get_clim() == (0.0, 1.0)
-    assert [axes.get_ylabel() for axes in panel.figure.axes] == ["membership u", "secondary grade"]
-
-
-def test_figure_3_shows_what_gaussians_of_uncertain_parameters_cover() -> None:
-    """Lower and upper edge are the extremes over many means.
-
-    Or over many standard deviations, from the interval of the uncertain one.
-    """
-    for panel, curves in zip(
-        plots.figure_3(),
-        (
-            lambda x: [np.exp(-0.5 * ((x - m) / 1.2) ** 2) for m in np.linspace(4.2, 5.8, 801)],
-            lambda x: [np.exp(-0.5 * ((x - 5.0) / s) ** 2) for s in np.linspace(0.8, 1.8, 801)],
-        ),
-        strict=True,
-    ):
-        corners = band(panel, "footprint of uncertainty")
-        for x in np.unique(corners[:, 0])[10:-10:25]:
-            grades = curves(x)
-            # 801 means are 0.002 apart, over which a Gaussian changes by less than 1e-6 at its top,
-            # where they fall between two.
-            np.testing.assert_allclose(edges(corners, x), [min(grades), max(grades)], atol=1e-6)
-    assert panel.get_title(loc="left") == "Uncertain standard deviation"
-
-
-def test_figure_4_shows_union_and_intersection() -> None:
-    """Principal curves under minimum and maximum are those of the principal curves.
-
-    For convex normal sets.
-    """
-    sets, union, intersection = plots.figure_4()
-    x, first = curve(sets, "first")
-    _, second = curve(sets, "second")
-    # The secondary of a Gaussian cut at 0 or 1 has its peak there, so its principal curve stays as
-    # it is.
-    np.testing.assert_allclose(curve(union, "union"), [x, np.maximum(first, second)], atol=1e-9)
-    np.testing.assert_allclose(
-        curve(intersection, "intersection"), [x, np.minimum(first, second)], atol=1e-9
-    )
-    grades: Any = intersection.images[0].get_array()
-    assert grades.max() > 0.9
-    assert [panel.get_title(loc="left") for panel in (union, intersection)] == [
-        "Union",
-        "Intersection",
-    ]
-
-
-def test_figure_5_shows_join_and_meet() -> None:
-    """Against the extension principle on a grid of 1001 memberships.
-
-    1e-3 is a step of the grid times the greatest slope, 10.
-    """
-    numbers, join, meet = plots.figure_5()
-    v = np.linspace(0.0, 1.0, 1001)
-    f = np.exp(-0.5 * ((v - 0.42) / 0.15) ** 2)
-    g = np.clip(np.minimum((v - 0.25) / 0.35, (0.7 - v) / 0.1), 0.0, 1.0)
-    grades = np.minimum(f[:, None], g)
-    for panel, name, image in (
-        (join, "join", np.maximum(v[:, None], v)),
-        (meet, "meet", np.minimum(v[:, None], v)),
-    ):
-        theta, drawn = curve(panel, name)
-        for point in (0.3, 0.42, 0.5, 0.6, 0.65, 0.69):
-            expected = grades[np.isclose(image, point, atol=1e-9)].max()
-            assert abs(np.interp(point, theta, drawn) - expected) < 1e-2
-    assert {line.get_label() for line in numbers.lines} == {"F", "G"}
-    assert meet.get_xlabel() == "membership θ"
 
 
 def test_join_and_meet_of_discrete_sets_are_stems() -> None:
@@ -488,45 +338,12 @@ def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(name: str, the
     with style(theme):
         panel = (FIGURES[name][0] if name in FIGURES else IN_SPACE[name])()[0]
         figure: Any = panel.figure
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        renderer = canvas.get_renderer()
-        boxes = []
+        texts = []
         for axes in figure.axes:
-            legend = axes.get_legend()
-            labels = [
-                axes.xaxis.label,
-                axes.yaxis.label,
-                *([axes.zaxis.label] if hasattr(axes, "zaxis") else []),
-            ]
-            texts = [
-                *axes.texts,
-                *labels,
-                axes._left_title,
-                *(legend.get_texts() if legend else []),
-            ]
-            boxes += [
-                (text.get_text(), text.get_window_extent(renderer))
-                for text in texts
-                if text.get_text()
-            ]
-        assert len(boxes) >= 2
-        for text, box in boxes:
-            assert box.x0 > figure.bbox.x0 - 1, text
-            assert box.x1 < figure.bbox.x1 + 1, text
-            assert box.y0 > figure.bbox.y0 - 1, text
-            assert box.y1 < figure.bbox.y1 + 1, text
-        for n, (text, box) in enumerate(boxes):
-            for other, other_box in boxes[:n]:
-                apart = (
-                    box.x0 > other_box.x1 - 1
-                    or other_box.x0 > box.x1 - 1
-                    or box.y0 > other_box.y1 - 1
-                    or other_box.y0 > box.y1 - 1
-                )
-                assert apart, f"{text} lies on {other}"
+            texts += [*axes.texts, *labels_of(axes)]
+        assert check_texts(figure, texts) >= 2
         # Light text on dark ground, or the other way round: most of the picture is ground.
-        ground = np.median(np.asarray(canvas.buffer_rgba())[..., :3])
+        ground = np.median(np.asarray(figure.canvas.buffer_rgba())[..., :3])
         assert ground > 240 if theme == "light" else ground < 60
 
 

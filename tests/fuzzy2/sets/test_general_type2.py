@@ -21,7 +21,7 @@ from fuzzy2.sets import general_type2, vertical_slices
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.functional_type2 import FunctionalType2Set
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import GeneralType2Set, SampledType2Set, ZSlices
+from fuzzy2.sets.general_type2 import SampledType2Set, ZSlices
 from fuzzy2.sets.interval_type2 import (
     GaussianUncertainMean,
     GaussianUncertainSigma,
@@ -31,41 +31,9 @@ from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton
 from fuzzy2.sets.vertical_slices import Staircase
+from tests.fuzzy2.sets.general_type2_sets import DISCRETE, SETS, SLICED, TRIANGLES, triangle_at
 
 BLURRED = GaussianType2Set(principal=Gaussian(mean=0.0, sigma=1.0), sigma=0.1, domain=(-4.0, 4.0))
-PROPORTIONAL = GaussianType2Set(
-    principal=Gaussian(0.0, 1.0), sigma=lambda x: 0.2 * np.exp(-0.5 * x**2), domain=(-6.0, 6.0)
-)
-
-
-def triangle_at(x: float) -> Triangular:
-    top = math.exp(-x * x)
-    return Triangular(0.5 * top, 0.7 * top, top)
-
-
-TRIANGLES = FunctionalType2Set(function=triangle_at, left=-3.0, right=3.0, knots=(0.0,))
-SLICED = ZSlices(
-    (0.5, 1.0), (GaussianUncertainSigma(5.0, (0.5, 1.5)), GaussianUncertainSigma(5.0, (0.8, 1.2)))
-)
-DISCRETE = SampledType2Set(
-    [2.0, 0.0, 1.0],
-    [
-        SampledSet([0.0, 0.5], [1.0, 0.4]),
-        SampledSet([0.2, 0.4, 0.6], [0.5, 1.0, 0.5]),
-        SampledSet([0.8, 1.0], [0.7, 1.0]),
-    ],
-)
-SETS: dict[str, GeneralType2Set] = {
-    "gaussian": BLURRED,
-    "gaussian of varying sigma": PROPORTIONAL,
-    "crisp gaussian": GaussianType2Set(Gaussian(0.0, 1.0), 0.0),
-    "functional": TRIANGLES,
-    "zslices": SLICED,
-    "sampled": DISCRETE,
-    "partially discrete": SampledType2Set(
-        [0.0, 1.0], [Triangular(0.1, 0.2, 0.5), Truncated(Gaussian(0.7, 0.1), 0.0, 1.0)]
-    ),
-}
 
 
 @pytest.mark.parametrize("name", SETS)
@@ -117,65 +85,6 @@ def test_shapes_and_nan(name: str) -> None:
     np.testing.assert_array_equal(np.isnan(grades), np.isnan(points)[:, :, None] | [False, True])
     assert isinstance(fuzzy_set.secondary_grade(0.1, 0.5), np.float64)
     assert fuzzy_set.kernel_row() is None
-
-
-@settings(max_examples=200)
-@given(x=st.floats(-4.0, 4.0), u=st.floats(0.0, 1.0), sigma=st.floats(0.01, 1.0))
-def test_gaussian_slices_by_formula(x: float, u: float, sigma: float) -> None:
-    """One exponential of rounded arguments: 1e-12 relative to the greatest grade."""
-    fuzzy_set = GaussianType2Set(Gaussian(0.5, 2.0), sigma)
-    principal = math.exp(-((x - 0.5) ** 2) / 8.0)
-    expected = math.exp(-((u - principal) ** 2) / (2.0 * sigma**2))
-    assert fuzzy_set.secondary_grade(x, u) == pytest.approx(expected, abs=1e-12)
-    assert fuzzy_set.principal(x) == pytest.approx(principal, abs=1e-15)
-    assert fuzzy_set.secondary_grade(x, -0.1) == fuzzy_set.secondary_grade(x, 1.1) == 0.0
-
-
-def test_the_footprint_of_gaussian_slices_is_the_whole_unit_interval() -> None:
-    np.testing.assert_array_equal(BLURRED.footprint([-1.0, 0.0, 3.9]), [[0.0, 1.0]] * 3)
-    np.testing.assert_array_equal(BLURRED.footprint([-4.1, 5.0]), [[0.0, 0.0]] * 2)
-    crisp = SETS["crisp gaussian"]
-    np.testing.assert_array_equal(crisp.footprint(1.0), [math.exp(-0.5)] * 2)
-    assert crisp.secondary(1.0) == Singleton(math.exp(-0.5))
-    assert crisp.secondary_grade(1.0, math.exp(-0.5)) == 1.0
-    assert GaussianType2Set(Triangular(0.0, 1.0, 2.0), 0.0, (0.5, 9.0)).support == (0.5, 2.0)
-
-
-def test_sigma_may_vary_and_a_bad_one_is_refused_where_it_is_evaluated() -> None:
-    np.testing.assert_allclose(
-        PROPORTIONAL.spread([0.0, 1.0]), [0.2, 0.2 * math.exp(-0.5)], rtol=1e-15
-    )
-    assert PROPORTIONAL.secondary(1.0) == Truncated(
-        Gaussian(math.exp(-0.5), float(PROPORTIONAL.spread(1.0))), 0.0, 1.0
-    )
-    for bad in (lambda x: -0.1 + 0.0 * x, lambda x: np.nan + x):
-        with pytest.raises(InvalidValue, match="sigma must be finite numbers of at least 0"):
-            GaussianType2Set(Gaussian(0.0, 1.0), bad).upper(0.0)
-
-
-@pytest.mark.parametrize("alpha", [0.05, 0.5, 0.9, 1.0])
-def test_centroids_of_gaussian_planes_against_enumeration(alpha: float) -> None:
-    """Trapezoidal rule on 20 001 points with all switch points.
-
-    1e-3 is its step; at alpha = 1 the plane is the principal set.
-    """
-    plane = PROPORTIONAL.alpha_plane(alpha)
-    left, right = plane.centroid()
-    x = np.linspace(-6.0, 6.0, 20_001)
-    lower, upper = plane.lower(x), plane.upper(x)
-    weight = np.append(0.0, np.cumsum(upper)) + np.append(np.cumsum(lower[::-1])[::-1], 0.0)
-    moment = np.append(0.0, np.cumsum(upper * x)) + np.append(
-        np.cumsum((lower * x)[::-1])[::-1], 0.0
-    )
-    assert left == pytest.approx((moment / weight).min(), abs=1e-6)
-    assert right == pytest.approx(-left, abs=1e-10)
-    if alpha == 1.0:
-        assert left == pytest.approx(0.0, abs=1e-12)
-
-
-def test_a_constant_blur_on_an_unbounded_domain_has_no_centroid() -> None:
-    with pytest.raises(NotApplicable, match="unbounded"):
-        GaussianType2Set(Gaussian(0.0, 1.0), 0.1).alpha_plane(0.5).centroid()
 
 
 @pytest.mark.parametrize("name", ["gaussian", "gaussian of varying sigma", "functional", "sampled"])

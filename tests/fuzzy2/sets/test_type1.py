@@ -21,46 +21,14 @@ from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
 from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
+from tests.fuzzy2.sets.type1_sets import SETS, parabola
 
-
-def parabola(x: np.ndarray) -> np.ndarray:
-    return np.maximum(1.0 - x**2, 0.0)
-
-
-SETS: dict[str, Type1Set] = {
-    "gaussian": Gaussian(mean=0.3, sigma=0.7),
-    "low gaussian": Gaussian(mean=-2.0, sigma=0.1, height=0.6),
-    "triangular": Triangular(left=-1.0, peak=0.5, right=3.0),
-    "low triangular": Triangular(left=-1.0, peak=0.5, right=3.0, height=0.4),
-    "right-angled": Triangular(left=0.0, peak=0.0, right=2.0),
-    "trapezoidal": Trapezoidal(0.0, 1.0, 2.0, 4.0),
-    "left shoulder": Trapezoidal(0.0, 0.0, 2.0, 4.0, height=0.8),
-    "endless shoulder": Trapezoidal(-math.inf, -math.inf, 1.0, 2.0),
-    "bell": Bell(center=1.0, width=2.0, slope=2.5),
-    "rising sigmoid": Sigmoid(center=1.0, slope=3.0),
-    "falling sigmoid": Sigmoid(center=1.0, slope=-3.0),
-    "singleton": Singleton(0.25),
-    "interval": Interval(-1.0, 2.0),
-    "point": Interval(2.0, 2.0),
-    "sampled": SampledSet([3.0, 0.0, 1.0], [0.0, 0.0, 0.9]),
-    "functional": FunctionalSet(parabola, -1.0, 1.0),
-    "truncated": Truncated(Gaussian(0.2, 0.4), 0.0, 1.0),
-    "pi": PiShaped(-1.0, 0.5, 1.0, 3.0),
-    "low s": PiShaped(-1.0, 2.0, math.inf, math.inf, height=0.7),
-    "z": PiShaped(-math.inf, -math.inf, 0.0, 2.0),
-    "two-sided gaussian": TwoSidedGaussian(mean=(0.0, 1.0), sigma=(0.5, 1.5)),
-    "crossed gaussian": TwoSidedGaussian(mean=(1.0, 0.0), sigma=(0.5, 1.5)),
-    "gaussian shoulder": TwoSidedGaussian(mean=(1.0, 1.0), sigma=(math.inf, 0.5)),
-    "sigmoid difference": SigmoidDifference(center=(-1.0, 2.0), slope=(5.0, 5.0)),
-    "sigmoid product": SigmoidProduct(center=(-1.0, 2.0), slope=(4.0, -9.0)),
-    "rising sigmoid product": SigmoidProduct(center=(-1.0, 2.0), slope=(4.0, 9.0)),
-    "not z": Complement(PiShaped(-math.inf, -math.inf, 0.0, 2.0)),
-    "not rising sigmoid": Complement(Sigmoid(1.0, 3.0)),
-}
 ANALYTIC = {name: fuzzy_set for name, fuzzy_set in SETS.items() if name != "functional"}
 
 finite = st.floats(-1e6, 1e6, allow_nan=False)
+
 widths = st.floats(1e-3, 1e3)
+
 heights = st.floats(0.01, 1.0)
 
 
@@ -238,17 +206,6 @@ def test_height_maxima_core_and_support_agree_with_the_membership(name: str) -> 
     assert fuzzy_set.is_convex()
 
 
-def test_a_sigmoid_approaches_1_but_is_not_normal() -> None:
-    rising = SETS["rising sigmoid"]
-    assert rising.height == 1.0
-    assert rising.core is None
-    assert not rising.is_normal()
-    assert rising.alpha_cut(0.5) == (1.0, math.inf)
-    assert SETS["falling sigmoid"].alpha_cut(0.5) == (-math.inf, 1.0)
-    with pytest.raises(InvalidValue, match="never reaches"):
-        rising.alpha_cut(1.0)
-
-
 @settings(max_examples=300)
 @given(fuzzy_set=parametric_sets(), share=st.floats(0.01, 0.99))
 def test_the_ends_of_a_cut_have_its_grade_and_what_is_outside_is_lower(
@@ -282,16 +239,6 @@ def test_cuts_are_nested(fuzzy_set: Type1Set, low: float, high: float) -> None:
     assert (lefts[:-1] <= lefts[1:]).all()
     assert (rights[:-1] >= rights[1:]).all()
     assert (lefts[0], rights[0]) == fuzzy_set.support
-
-
-def test_cuts_of_the_functional_set_are_found_by_bisection() -> None:
-    """sqrt(1 - alpha) in closed form; the bisection ends at neighboring floats."""
-    alphas = np.array([0.1, 0.5, 0.99, 1.0])
-    left, right = SETS["functional"].alpha_cut(alphas)
-    # at 1 the membership is flat: sqrt(eps)
-    np.testing.assert_allclose(right, np.sqrt(1.0 - alphas), atol=1e-7)
-    np.testing.assert_allclose(right[:3], np.sqrt(1.0 - alphas[:3]), rtol=1e-13)
-    np.testing.assert_allclose(left, -right, atol=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -435,19 +382,6 @@ def test_cuts_of_samples_jump_where_the_grades_do() -> None:
     np.testing.assert_allclose(rights, [4.0, 3.5, 2.75, 2.0], atol=1e-12)
 
 
-def test_a_truncated_set_keeps_what_is_left_of_its_maximum() -> None:
-    falling = Truncated(Gaussian(-1.0, 1.0), 0.0, 1.0)
-    assert falling.height == pytest.approx(math.exp(-0.5), rel=1e-15)
-    assert falling.maxima == (0.0, 0.0)
-    assert falling.core is None
-    np.testing.assert_allclose(
-        falling.alpha_cut([0.3, falling.height]),
-        [[0.0, 0.0], [math.sqrt(-2 * math.log(0.3)) - 1.0, 0.0]],
-        atol=1e-9,
-    )
-    assert Truncated(Interval(0.0, 5.0), 1.0, 2.0).maxima == (1.0, 2.0)
-
-
 def test_sampling_keeps_the_grades() -> None:
     points = np.linspace(-1.0, 1.0, 11)
     sampled = Gaussian(0.0, 1.0).sample(points)
@@ -580,169 +514,3 @@ def test_areas_far_out_on_a_tail_keep_their_digits() -> None:
 def test_grades_are_between_0_and_the_height(fuzzy_set: Type1Set, x: float) -> None:
     assume(math.isfinite(x))
     assert 0.0 <= fuzzy_set(x) <= fuzzy_set.height
-
-
-# Parameters are those of the examples in MathWorks' documentation of each function (smf [1 8], zmf
-# [3 7], pimf [1 4 5 10], gauss2mf with [2 4 1 8], [2 5 1 8] and so on, dsigmf [5 2 5 7], psigmf [2
-# 3 -5 8]), and the references are its formulas, piece by piece.
-def documented_s(x: float, a: float, b: float) -> float:
-    if x <= a:
-        return 0.0
-    if x <= (a + b) / 2:
-        return 2 * ((x - a) / (b - a)) ** 2
-    return 1 - 2 * ((x - b) / (b - a)) ** 2 if x <= b else 1.0
-
-
-def documented_z(x: float, a: float, b: float) -> float:
-    if x <= a:
-        return 1.0
-    if x <= (a + b) / 2:
-        return 1 - 2 * ((x - a) / (b - a)) ** 2
-    return 2 * ((x - b) / (b - a)) ** 2 if x <= b else 0.0
-
-
-def documented_gauss2(x: float, sigma1: float, c1: float, sigma2: float, c2: float) -> float:
-    left = math.exp(-((x - c1) ** 2) / (2 * sigma1**2)) if x <= c1 else 1.0
-    return left * (math.exp(-((x - c2) ** 2) / (2 * sigma2**2)) if x >= c2 else 1.0)
-
-
-def documented_sig(x: float, a: float, c: float) -> float:
-    return 1 / (1 + math.exp(-a * (x - c)))
-
-
-@pytest.mark.parametrize(
-    ("fuzzy_set", "documented"),
-    [
-        (PiShaped(1.0, 8.0, math.inf, math.inf), lambda x: documented_s(x, 1, 8)),
-        (PiShaped(-math.inf, -math.inf, 3.0, 7.0), lambda x: documented_z(x, 3, 7)),
-        (PiShaped(1.0, 4.0, 5.0, 10.0), lambda x: documented_s(x, 1, 4) * documented_z(x, 5, 10)),
-        (TwoSidedGaussian((4.0, 8.0), (2.0, 1.0)), lambda x: documented_gauss2(x, 2, 4, 1, 8)),
-        (TwoSidedGaussian((8.0, 4.0), (2.0, 1.0)), lambda x: documented_gauss2(x, 2, 8, 1, 4)),
-        (
-            SigmoidDifference((2.0, 7.0), (5.0, 5.0)),
-            lambda x: documented_sig(x, 5, 2) - documented_sig(x, 5, 7),
-        ),
-        (
-            SigmoidProduct((3.0, 8.0), (2.0, -5.0)),
-            lambda x: documented_sig(x, 2, 3) * documented_sig(x, -5, 8),
-        ),
-    ],
-)
-def test_memberships_are_those_of_the_toolbox_formulas(
-    fuzzy_set: Type1Set, documented: Callable[[float], float]
-) -> None:
-    """On the 101 points of the documentation's plots; 1e-15 is the rounding of the differences."""
-    x = np.linspace(0.0, 10.0, 101)
-    np.testing.assert_allclose(
-        fuzzy_set(x), [documented(point) for point in x], rtol=1e-13, atol=1e-15
-    )
-
-
-SMOOTH = [
-    "pi",
-    "low s",
-    "z",
-    "two-sided gaussian",
-    "crossed gaussian",
-    "gaussian shoulder",
-    "sigmoid difference",
-    "sigmoid product",
-]
-
-
-@pytest.mark.parametrize("name", [*SMOOTH, "rising sigmoid product", "not z", "not rising sigmoid"])
-def test_derivatives_of_smooth_sets_are_those_of_differences(name: str) -> None:
-    """Central differences of step 1e-6.
-
-    Rounding 1e-10, truncation 1e-12 of third derivatives, and 5e-6 next to a jump of the second.
-    """
-    fuzzy_set, x, h = SETS[name], np.linspace(-4.0, 4.0, 999), 1e-6
-    np.testing.assert_allclose(
-        fuzzy_set.derivative(x), (fuzzy_set(x + h) - fuzzy_set(x - h)) / (2 * h), atol=1e-5
-    )
-    assert np.isnan(fuzzy_set.derivative(np.nan))
-
-
-def test_the_height_of_a_two_sided_gaussian_whose_means_cross() -> None:
-    """Between the means the product of two Gaussians is one about their precision-weighted mean."""
-    crossed = TwoSidedGaussian(mean=(1.0, 0.0), sigma=(0.5, 1.5))
-    precisions = np.array([1 / 0.25, 1 / 2.25])
-    peak = precisions @ [1.0, 0.0] / precisions.sum()
-    assert crossed.maxima == pytest.approx((peak, peak), rel=1e-14)
-    assert crossed.height == pytest.approx(float(crossed(peak)), rel=1e-14)
-    grid = np.linspace(-3.0, 3.0, 10_001)
-    assert crossed(grid).max() <= crossed.height
-    alphas = np.array([0.05, 0.3, 0.7, 0.8]) * crossed.height
-    for ends in crossed.alpha_cut(alphas):
-        np.testing.assert_allclose(crossed(ends), alphas, rtol=1e-13)
-
-
-def test_the_maximum_of_a_symmetric_difference_of_sigmoids() -> None:
-    """tanh(s (c2 - c1) / 4), midway.
-
-    The place of a flat maximum is known to the square root of its height's rounding.
-    """
-    bump = SigmoidDifference(center=(2.0, 3.0), slope=(5.0, 5.0))
-    assert bump.height == pytest.approx(math.tanh(1.25), rel=1e-15)
-    assert bump.maxima == pytest.approx((2.5, 2.5), abs=1e-5)
-    left, right = bump.alpha_cut([1e-6, 0.3, 0.6])
-    np.testing.assert_allclose(bump(left), [1e-6, 0.3, 0.6], rtol=1e-11)
-    np.testing.assert_allclose(left + right, 5.0, rtol=1e-12)
-
-
-def test_sigmoids_of_different_slopes_cross_and_their_difference_has_two_bumps() -> None:
-    two_bumps = SigmoidDifference(center=(2.0, 3.0), slope=(5.0, 2.0))
-    assert two_bumps(4.0 / 3.0) == pytest.approx(0.0, abs=1e-15)  # where 5 (x - 2) = 2 (x - 3)
-    assert not two_bumps.is_convex()
-    valley = SigmoidDifference(center=(2.0, 3.0), slope=(5.0, -5.0))
-    assert (valley.maxima, valley.height, valley.is_convex()) == (None, 1.0, False)
-    np.testing.assert_allclose(valley([-np.inf, 2.5, np.inf]), [1.0, 0.0, 1.0], atol=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("whole", "height", "maxima", "support"),
-    [
-        (Triangular(0.0, 1.0, 2.0), 1.0, (-math.inf, math.inf), (-math.inf, math.inf)),
-        (PiShaped(0.0, 1.0, math.inf, math.inf), 1.0, (-math.inf, 0.0), (-math.inf, 1.0)),
-        (Trapezoidal(-math.inf, -math.inf, 0.0, 1.0), 1.0, (1.0, math.inf), (0.0, math.inf)),
-        (Gaussian(0.0, 1.0), 1.0, None, (-math.inf, math.inf)),
-        (Trapezoidal(-math.inf, -math.inf, math.inf, math.inf), 0.0, None, (-math.inf, math.inf)),
-    ],
-)
-def test_where_complements_are_highest(
-    whole: Type1Set, height: float, maxima: tuple[float, float] | None, support: tuple[float, float]
-) -> None:
-    found = Complement(whole)
-    assert (found.height, found.maxima, found.support) == (height, maxima, support)
-    np.testing.assert_array_equal(
-        found(np.linspace(-3.0, 3.0, 61)), 1.0 - whole(np.linspace(-3.0, 3.0, 61))
-    )
-
-
-@pytest.mark.parametrize(
-    "whole",
-    [
-        Interval(0.0, 2.0),
-        Singleton(1.0),
-        Triangular(0.0, 0.0, 2.0),
-        Trapezoidal(0.0, 0.0, 2.0, 2.0),
-    ],
-)
-def test_landmarks_of_a_complement_reach_beyond_the_jumps_of_the_set(whole: Type1Set) -> None:
-    """Something of the complement is between them, or the range of a variable would be empty."""
-    found = Complement(whole)
-    assert found(found.landmarks[[0, -1]]).tolist() == [1.0, 1.0]
-
-
-def test_only_complements_of_shoulders_are_convex() -> None:
-    assert not Complement(Gaussian(0.0, 1.0)).is_convex()
-    assert not Complement(Triangular(0.0, 1.0, 2.0)).is_convex()
-    shoulder = Complement(PiShaped(-math.inf, -math.inf, 0.0, 2.0, height=0.8))
-    assert shoulder.is_convex()
-    np.testing.assert_array_equal(
-        shoulder.alpha_cut([0.1, 0.6, 1.0]), [[-math.inf, 1.0, 2.0], [math.inf] * 3]
-    )
-    twice = Complement(Complement(Gaussian(0.0, 1.0)))
-    assert twice.is_convex()
-    assert twice.height == 1.0
-    np.testing.assert_allclose(twice.alpha_cut(0.5), Gaussian(0.0, 1.0).alpha_cut(0.5), rtol=1e-12)

@@ -5,83 +5,25 @@ Against NumPy written out, against each other at zero uncertainty, and what they
 
 from __future__ import annotations
 
-import itertools
 import pickle
-import warnings
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import fuzzy2
-from fuzzy2.errors import ApproximationWarning, InvalidValue, NotApplicable, UnknownName
+from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
 from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
-from fuzzy2.systems.kernels import LANES
+from tests.fuzzy2.systems.by_hand import (
+    GRID_RULES,
+    by_hand,
+    gaussian,
+    principal,
+    uncertain,
+)
 
 Array = NDArray[np.float64]
-GRID_RULES = np.array(list(itertools.product(range(2), repeat=3)))
-CENTERS = (-1.0, 1.0)
-MANY = LANES + 7
-"""More rows than the compiled loop takes at a time, and some that are left over."""
-
-
-def uncertain(width: float = 0.2) -> list[list[fuzzy2.GaussianUncertainMean]]:
-    return [
-        [fuzzy2.GaussianUncertainMean(mean=(c - width, c + width), sigma=0.8) for c in CENTERS]
-        for _ in range(3)
-    ]
-
-
-def gaussian() -> list[list[fuzzy2.Gaussian]]:
-    return [[fuzzy2.Gaussian(mean=c, sigma=0.8) for c in CENTERS] for _ in range(3)]
-
-
-def principal(sigma: float = 0.05) -> list[list[fuzzy2.GaussianType2Set]]:
-    return [
-        [
-            fuzzy2.GaussianType2Set(principal=fuzzy2.Gaussian(mean=c, sigma=0.8), sigma=sigma)
-            for c in CENTERS
-        ]
-        for _ in range(3)
-    ]
-
-
-@pytest.fixture(scope="module")
-def consequents() -> Array:
-    return np.random.default_rng(0).normal(size=(8, 4))
-
-
-@pytest.fixture(scope="module")
-def X() -> Array:
-    return np.random.default_rng(1).uniform(-2.0, 2.0, size=(40, 3))
-
-
-def by_hand(
-    inputs: list[list[fuzzy2.GaussianUncertainMean]], rules: Array, z: Array, x: Array, norm: str
-) -> Array:
-    """Type-reduced intervals by enumeration of all switch points.
-
-    From the sets' own membership functions.
-    """
-    firing = []
-    for rule in rules:
-        ends = []
-        for end in ("lower", "upper"):
-            grades = [float(getattr(inputs[i][t], end)(x[i])) for i, t in enumerate(rule) if t >= 0]
-            ends.append(min(grades, default=1.0) if norm == "min" else float(np.prod(grades)))
-        firing.append(ends)
-    low, high = np.array(firing).T
-    intervals = []
-    for j in range(z.shape[1]):
-        order = np.argsort(z[:, j])
-        points, averages = z[order, j], ([], [])
-        for k in range(len(points) + 1):
-            for end, (first, second) in enumerate(((high, low), (low, high))):
-                weights = np.concatenate([first[order][:k], second[order][k:]])
-                averages[end].append(weights @ points / weights.sum())
-        intervals.append((min(averages[0]), max(averages[1])))
-    return np.array(intervals)
 
 
 @pytest.mark.parametrize("norm", ["product", "min"])
@@ -96,65 +38,6 @@ def test_interval_system_by_hand(norm: str, consequents: Array, X: Array) -> Non
             interval, by_hand(uncertain(), rules, consequents, x, norm), atol=1e-12
         )
     np.testing.assert_allclose(system(X), found.mean(axis=-1), atol=1e-14)
-
-
-@pytest.mark.parametrize(
-    "terms",
-    [
-        uncertain(),
-        gaussian(),
-        [
-            [fuzzy2.GaussianUncertainSigma(mean=c, sigma=(0.5, 0.9)) for c in CENTERS]
-            for _ in range(3)
-        ],
-        [[fuzzy2.Triangular(c - 2.5, c, c + 2.5) for c in CENTERS] for _ in range(3)],
-        [
-            [fuzzy2.Trapezoidal(c - 2.5, c - 0.5, c + 0.5, c + 2.5, height=0.9) for c in CENTERS]
-            for _ in range(3)
-        ],
-        [
-            [
-                fuzzy2.Gaussian(mean=-1.0, sigma=1.0),
-                fuzzy2.GaussianUncertainMean(mean=(0.5, 1.0), sigma=0.7),
-            ]
-            for _ in range(3)
-        ],
-    ],
-)
-@pytest.mark.parametrize("norm", ["product", "min"])
-def test_compiled_loop_and_numpy_agree(
-    terms: list[list[object]], norm: str, consequents: Array, X: Array
-) -> None:
-    """The same system by the compiled loop and by the sets themselves, to 1e-13.
-
-    The sets are used because a fuzzifier's detour is forced.
-    """
-    fast = IntervalType2System(terms, GRID_RULES, consequents, t_norm=norm)
-    slow = IntervalType2System(terms, GRID_RULES, consequents, t_norm=norm)
-    assert fast._fast
-    slow._table, slow._fast = None, False
-    np.testing.assert_allclose(fast.firing(X), slow.firing(X), atol=1e-15)
-    np.testing.assert_allclose(fast.type_reduced(X), slow.type_reduced(X), atol=1e-13)
-
-
-def test_interval_consequents_and_many_scales(X: Array) -> None:
-    """Intervals as consequents, against the generalized centroid.
-
-    With outputs from 1e-9 to 1e9 in one rule base.
-    """
-    rng = np.random.default_rng(5)
-    scales = 10.0 ** np.arange(-9, 10, 3)
-    z = np.sort(rng.normal(size=(8, scales.size, 2)), axis=-1) * scales[:, np.newaxis]
-    system = IntervalType2System(uncertain(), GRID_RULES, z)
-    firing = system.firing(X)
-    for j, scale in enumerate(scales):
-        expected = fuzzy2.generalized_centroid(z[:, j], firing, "scan")
-        np.testing.assert_allclose(
-            system.type_reduced(X)[:, j],
-            expected,
-            rtol=0.0,
-            atol=1e-12 * scale * np.abs(z[:, j] / scale).max(),
-        )
 
 
 def test_far_from_all_rules_the_outputs_stay_exact(consequents: Array) -> None:
@@ -190,19 +73,6 @@ def test_without_uncertainty_all_types_are_the_type_1_system(
     np.testing.assert_allclose(
         interval.type_reduced(X[:8])[..., 0], interval.type_reduced(X[:8])[..., 1], rtol=1e-12
     )
-
-
-def test_symmetric_consequents_center_of_sets_is_height(X: Array) -> None:
-    """For normal, convex, symmetric consequents both take the same points (after eq. 1.78).
-
-    1e-10 is the centroid's quadrature.
-    """
-    sets = [fuzzy2.Gaussian(mean=m, sigma=0.3) for m in np.linspace(-2.0, 2.0, 8)]
-    by_sets, by_height = (
-        IntervalType2System(uncertain(), GRID_RULES, sets, type_reduction=name)
-        for name in ("center_of_sets", "height")
-    )
-    np.testing.assert_allclose(by_sets.type_reduced(X), by_height.type_reduced(X), atol=1e-10)
 
 
 def test_one_rule_fired() -> None:
@@ -249,174 +119,6 @@ def test_matlab_tipper() -> None:
     np.testing.assert_allclose(system([[2.0, 1.0], [7.0, 8.0]])[:, 0], [7.0169, 20.3414], atol=5e-5)
 
 
-def test_linear_consequents(X: Array) -> None:
-    """TSK: with exact linear consequents that agree the output is that function.
-
-    It is that linear function whatever fires; 1e-12.
-    """
-    slopes = np.array([[0.5, 1.0, -2.0, 0.25]])
-    system = IntervalType2System(
-        uncertain(), GRID_RULES, Linear(np.broadcast_to(slopes, (8, 1, 4)))
-    )
-    np.testing.assert_allclose(system(X)[:, 0], 0.5 + X @ [1.0, -2.0, 0.25], atol=1e-12)
-    rng = np.random.default_rng(7)
-    coefficients, spreads = rng.normal(size=(8, 2, 4)), 0.1 * rng.random((8, 2, 4))
-    system = IntervalType2System(uncertain(), GRID_RULES, Linear(coefficients, spreads))
-    x = X[0]
-    firing = system.firing(x)
-    for j in range(2):
-        middle = coefficients[:, j] @ [1.0, *x]
-        half = spreads[:, j] @ [1.0, *np.abs(x)]
-        expected = fuzzy2.generalized_centroid(np.stack([middle - half, middle + half], -1), firing)
-        np.testing.assert_allclose(system.type_reduced(x)[j], expected, atol=1e-12)
-
-
-def test_alpha_planes_are_interval_systems(consequents: Array, X: Array) -> None:
-    """Each plane of the compiled loop against an interval system, to 1e-12.
-
-    The system is made of the terms' own alpha-planes.
-    """
-    system = GeneralType2System(principal(), GRID_RULES, consequents, levels=4)
-    cuts = system.alpha_cuts(X)
-    assert cuts.shape == (40, 4, 4, 2)
-    for level, alpha in enumerate(system.alphas):
-        plane = IntervalType2System(
-            [[t.alpha_plane(alpha) for t in terms] for terms in principal()],
-            GRID_RULES,
-            consequents,
-        )
-        np.testing.assert_allclose(cuts[:, :, level], plane.type_reduced(X), atol=1e-12)
-    np.testing.assert_allclose(
-        system(X), cuts.mean(axis=-1) @ (system.alphas / system.alphas.sum()), rtol=1e-13
-    )
-    assert (np.diff(cuts[..., 0], axis=-1) >= -1e-12).all(), "cuts are nested"
-    np.testing.assert_array_equal(system.type_reduced(X), cuts[..., 0, :])
-
-
-def test_general_type_2_consequents_have_a_centroid_on_every_plane(X: Array) -> None:
-    """Each plane against the interval system of the planes of terms and consequents.
-
-    Firing included; 1e-12.
-    """
-    sets = [
-        fuzzy2.GaussianType2Set(
-            principal=fuzzy2.Gaussian(mean=m, sigma=0.3), sigma=0.05, domain=(-4.0, 4.0)
-        )
-        for m in np.linspace(-2.0, 2.0, 8)
-    ]
-    system = GeneralType2System(principal(), GRID_RULES, sets, levels=3)
-    cuts = system.alpha_cuts(X[:5])
-    for level, alpha in enumerate(system.alphas):
-        terms = [[t.alpha_plane(alpha) for t in of_input] for of_input in principal()]
-        plane = IntervalType2System(terms, GRID_RULES, [item.alpha_plane(alpha) for item in sets])
-        np.testing.assert_allclose(cuts[:, :, level], plane.type_reduced(X[:5]), atol=1e-12)
-        if level == 0:
-            np.testing.assert_allclose(system.firing(X[:5]), plane.firing(X[:5]), atol=1e-14)
-            assert (system.firing(X[:5])[..., 0] < system.firing(X[:5])[..., 1]).all()
-    with pytest.raises(NotApplicable, match="consequents"):
-        GeneralType2System(principal(), GRID_RULES, sets, reduction="gaussian")
-    unbounded = [fuzzy2.GaussianType2Set(principal=item.principal, sigma=0.05) for item in sets]
-    with pytest.raises(NotApplicable):
-        GeneralType2System(principal(), GRID_RULES, unbounded)
-
-
-def test_validate_looks_at_the_principal_memberships() -> None:
-    """Low planes of Gaussian secondaries reach above 0 everywhere.
-
-    The gap between the terms must still be found.
-    """
-    terms = [
-        [
-            fuzzy2.GaussianType2Set(principal=fuzzy2.Gaussian(mean=m, sigma=0.2), sigma=0.05)
-            for m in (-2.0, 2.0)
-        ]
-    ]
-    report = GeneralType2System(terms, [[0], [1]], [[0.0], [1.0]]).validate(points=41)
-    assert 0.3 < report.coverage < 0.6
-
-
-@pytest.mark.parametrize("grades", ["min", "product"])
-def test_gaussian_corollary_is_the_type_1_system_with_a_spread(
-    grades: str, consequents: Array, X: Array
-) -> None:
-    """The crisp output does not depend on the uncertainty at all (eq. 1.107).
-
-    The spread is eq. 1.108 written out, to 1e-12.
-    """
-    expected = Type1System(gaussian(), GRID_RULES, consequents)(X)
-    for sigma in (0.001, 0.05):
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", ApproximationWarning)
-            system = GeneralType2System(
-                principal(sigma), GRID_RULES, consequents, reduction="gaussian", grade_t_norm=grades
-            )
-        np.testing.assert_allclose(system(X), expected, rtol=1e-12)
-        x = X[3]
-        grade = np.array(
-            [[float(t.principal(x[i])) for t in terms] for i, terms in enumerate(principal(sigma))]
-        )
-        m = np.array([np.prod([grade[i, t] for i, t in enumerate(rule)]) for rule in GRID_RULES])
-        s = np.array(
-            [
-                np.sqrt(sum((sigma * m[r] / grade[i, t]) ** 2 for i, t in enumerate(rule)))
-                for r, rule in enumerate(GRID_RULES)
-            ]
-        )
-        for j in range(4):
-            away = consequents[:, j] - expected[3, j]
-            spread = (
-                np.sqrt(((away * s) ** 2).sum())
-                if grades == "product"
-                else (np.abs(away) * s).sum()
-            )
-            np.testing.assert_allclose(
-                system.type_reduced(x)[j], [expected[3, j], spread / m.sum()], rtol=1e-12
-            )
-        assert system.validity(x) == pytest.approx(2.0 * s.sum() / m.sum(), rel=1e-12)
-
-
-@pytest.mark.parametrize("grades", ["min", "product"])
-def test_interval_consequents_of_the_corollary_reach_two_standard_deviations(
-    grades: str, X: Array
-) -> None:
-    """Crisp terms, so that eq. 1.108 keeps the consequents' part alone.
-
-    Sums of h (right − left)/4 over sum h; 1e-12.
-    """
-    z = np.sort(np.random.default_rng(8).normal(size=(8, 1, 2)), axis=-1)
-    system = GeneralType2System(
-        gaussian(), GRID_RULES, z, reduction="gaussian", grade_t_norm=grades
-    )
-    h = Type1System(gaussian(), GRID_RULES, np.zeros((8, 1))).firing(X[0])[:, 0]
-    parts = h * (z[:, 0, 1] - z[:, 0, 0]) / 4.0
-    spread = (np.sqrt((parts**2).sum()) if grades == "product" else parts.sum()) / h.sum()
-    np.testing.assert_allclose(
-        system.type_reduced(X[0])[0], [h @ z[:, 0].mean(axis=1) / h.sum(), spread], rtol=1e-12
-    )
-
-
-def test_one_warning_at_construction_and_none_per_call(consequents: Array, X: Array) -> None:
-    with pytest.warns(ApproximationWarning) as caught:
-        system = GeneralType2System(principal(0.05), GRID_RULES, consequents, reduction="gaussian")
-    assert len(caught) == 1
-    system(X)
-    GeneralType2System(principal(0.001), GRID_RULES, consequents, reduction="gaussian")
-
-
-def test_no_rule_fires_is_nan_and_validate_says_where() -> None:
-    terms = [[fuzzy2.Triangular(0.0, 1.0, 2.0), fuzzy2.Triangular(4.0, 5.0, 6.0)]]
-    system = Type1System(terms, [[0], [1]], [[1.0], [2.0]])
-    assert np.isnan(system([[3.0]])).all()
-    assert np.isnan(system.type_reduced([3.0])).all()
-    assert np.isnan(system.validity([3.0]))
-    report = system.validate(points=41)
-    assert not report.ok
-    np.testing.assert_allclose(
-        [report.uncovered.min(), report.uncovered.max()], [2.0, 4.0], atol=0.1
-    )
-    assert "no rule fires on" in str(report)
-
-
 def test_the_domain_of_shoulders_ends_where_they_are_almost_flat() -> None:
     """A sigmoid never reaches its height.
 
@@ -425,22 +127,6 @@ def test_the_domain_of_shoulders_ends_where_they_are_almost_flat() -> None:
     system = Type1System([[Sigmoid(-1.0, -4.0), Sigmoid(1.0, 2.0)]], [[0], [1]], [[0.0], [1.0]])
     np.testing.assert_allclose(system.domain(), [[-2.0, 3.0]], rtol=1e-14)
     assert system.validate().ok
-
-
-def test_validate_finds_unused_terms_duplicates_and_conflicts() -> None:
-    rules = [[0, 0], [0, 0], [0, 0], [1, 0]]
-    system = IntervalType2System(
-        uncertain()[:2],
-        rules,
-        [[1.0], [1.0], [2.0], [3.0]],
-        input_names=["e", "de"],
-        term_names=[["N", "P"]] * 2,
-    )
-    report = system.validate()
-    assert report.unused_terms == [("de", "P")]
-    assert report.duplicate_rules == [(0, 1)]
-    assert report.conflicting_rules == [(0, 2)]
-    assert IntervalType2System(uncertain(), GRID_RULES, np.ones((8, 1))).validate().ok
 
 
 def test_embedded_type_1_systems_fill_the_interval(consequents: Array, X: Array) -> None:
@@ -640,28 +326,6 @@ def test_a_type_1_system_takes_no_type_2_terms() -> None:
 
 
 @pytest.mark.parametrize(
-    "options",
-    [
-        {"grade_t_norm": "product"},
-        {"reduction": "gaussian", "t_norm": "min"},
-        {"reduction": "gaussian", "inputs": uncertain()},
-    ],
-)
-def test_general_systems_refuse_what_has_no_meaning(options: dict[str, object]) -> None:
-    """Product grades under alpha-planes depend on the grid.
-
-    The corollary needs Gaussian grades and the product.
-    """
-    arguments: dict[str, object] = {
-        "inputs": principal(),
-        "rules": GRID_RULES,
-        "consequents": np.zeros((8, 1)),
-    } | options
-    with pytest.raises(NotApplicable):
-        GeneralType2System(**arguments)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
     "bad", [[0.0, 0.0], [0.0, np.nan, 0.0], [0.0, np.inf, 0.0], 1.0, "far", [[0.0], [1.0]]]
 )
 def test_malformed_inputs_are_refused(bad: object, consequents: Array) -> None:
@@ -672,69 +336,6 @@ def test_malformed_inputs_are_refused(bad: object, consequents: Array) -> None:
         for method in (system, system.type_reduced, system.firing, system.validity):
             with pytest.raises(InvalidValue, match="X"):
                 method(bad)  # type: ignore[operator]
-
-
-@pytest.mark.parametrize("norm", ["product", "min"])
-@pytest.mark.parametrize("crisp", [True, False])
-def test_many_rows_give_what_each_row_gives(norm: str, crisp: bool) -> None:
-    """To the last bit: rows side by side take the steps of a single row in the same order.
-
-    The rows reach far out, where lower firing strengths vanish, firing strengths differ by more
-    digits than a float has or no rule fires, and consequents repeat, so that comparisons tie.
-    """
-    generator = np.random.default_rng(5)
-    z = np.round(generator.normal(size=(8, 4)), 1)
-    z[:, 1] = 1.0
-    intervals = np.stack([z, z + np.abs(np.round(generator.normal(size=z.shape), 1))], axis=-1)
-    X = np.concatenate(
-        [
-            generator.uniform(-2.0, 2.0, (200, 3)),
-            generator.uniform(-40.0, 40.0, (150, 3)),
-            np.zeros((5, 3)),
-        ]
-    )
-    for consequents in (z, intervals):
-        system = IntervalType2System(uncertain(), GRID_RULES, consequents, t_norm=norm)
-        evaluate = system if crisp else system.type_reduced
-        assert np.isnan(evaluate(X)).any()
-        np.testing.assert_array_equal(evaluate(X), np.array([evaluate(x) for x in X]))
-
-
-def test_many_rows_whose_lower_firing_strengths_all_vanish(consequents: Array) -> None:
-    """Means so uncertain that every lower grade underflows to 0.
-
-    Each end is that of the extreme consequent alone, exactly.
-
-    Upper grades are 1 everywhere, so a rule may take any weight from 0 to 1.
-    """
-    system = IntervalType2System(uncertain(width=60.0), GRID_RULES, consequents)
-    X = np.random.default_rng(6).uniform(-2.0, 2.0, (MANY, 3))
-    assert (system.firing(X) == [0.0, 1.0]).all()
-    extremes = np.stack([consequents.min(axis=0), consequents.max(axis=0)], axis=-1)
-    np.testing.assert_array_equal(system.type_reduced(X), np.broadcast_to(extremes, (MANY, 4, 2)))
-
-
-def test_many_rows_whose_end_is_a_consequent_itself() -> None:
-    """One consequent lies on the end that all others make.
-
-    So the comparison that finds the switch point ties, up to rounding.
-
-    Many rows give to the last bit what one gives, and 1e-12 is the bar of exact reduction.
-    """
-    generator = np.random.default_rng(7)
-    for x in generator.uniform(-2.0, 2.0, (20, 3)):
-        z, k = generator.normal(size=(8, 1)), int(generator.integers(8))
-        strengths, others = (
-            IntervalType2System(uncertain(), GRID_RULES, z).firing(x),
-            np.arange(8) != k,
-        )
-        z[k] = fuzzy2.generalized_centroid(z[others, 0], strengths[others])[0]
-        system = IntervalType2System(uncertain(), GRID_RULES, z)
-        found = system.type_reduced(np.tile(x, (MANY, 1)))
-        np.testing.assert_array_equal(found, np.broadcast_to(system.type_reduced(x), found.shape))
-        np.testing.assert_allclose(
-            found[0], by_hand(uncertain(), GRID_RULES, z, x, "product"), rtol=0.0, atol=1e-12
-        )
 
 
 @pytest.mark.parametrize("size", [0, 2, 4, 6])
@@ -772,13 +373,3 @@ def test_rows_of_every_make_are_read(consequents: Array, X: Array) -> None:
         np.testing.assert_array_equal(system(same), expected)
     np.testing.assert_array_equal(system(np.array([1, -1, 0])), system([1.0, -1.0, 0.0]))
     assert (len(kernels.evaluate_row.signatures), len(kernels.evaluate.signatures)) == compiled_for
-
-
-@pytest.mark.parametrize("points", [1, 2.5, True, [[-3.0, 3.0]], None])
-def test_validate_takes_a_number_of_points(points: object, consequents: Array) -> None:
-    with pytest.raises(InvalidValue, match="points"):
-        IntervalType2System(
-            uncertain(),
-            GRID_RULES,
-            consequents,  # type: ignore[arg-type]
-        ).validate(points)

@@ -8,17 +8,18 @@ from __future__ import annotations
 from itertools import combinations
 from pathlib import Path
 
-import pinocchio as pin
 import pytest
 
 import psp3
 from psp3.collisions.pairs import pairs_to_check
 from psp3.description.srdf import Exclusion, excluded_by_srdf
-from psp3.errors import InvalidRobotFile, UnknownName
+from psp3.errors import UnknownName
 from tests.helpers import four_bar_closed_with_3d, four_bar_closed_with_6d
 
 ROBOT = psp3.load()
+
 LINKS = ["base", *(f"{name}{leg}" for leg in (1, 2, 3) for name in ("nut", "ball_lambda", "star"))]
+
 JOINTS = [
     0,
     *(ROBOT.model.getJointId(f"{name}{leg}") for leg in (1, 2, 3) for name in ("a", "lambda", "b")),
@@ -108,39 +109,6 @@ def test_excluded_pairs_are_left_out_with_their_reason(tmp_path: Path) -> None:
     assert set(excluded) <= set(exclusions)
 
 
-def test_the_srdf_of_the_package_is_read_as_pinocchio_reads_it() -> None:
-    """Pinocchio removes the same pairs; at present there is none to remove."""
-    srdf = Path(psp3.__file__).parent / "urdf" / "psp3.srdf"
-    geometry = pin.buildGeomFromUrdf(
-        ROBOT.model, str(srdf.with_suffix(".urdf")), pin.GeometryType.COLLISION
-    )
-    geometry.addAllCollisionPairs()
-    before = len(geometry.collisionPairs)
-    pin.removeCollisionPairs(ROBOT.model, geometry, str(srdf))
-    assert (before == len(geometry.collisionPairs)) == (excluded_by_srdf(srdf) == [])
-
-
 def test_an_excluded_link_must_exist() -> None:
     with pytest.raises(UnknownName, match="nut4"):
         pairs_to_check(ROBOT, LINKS, JOINTS, [Exclusion("nut4", "base", "?")])
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ('<robot><disable_collisions link1="a"/></robot>', "two links"),
-        ('<robot><disable_collisions link1="a" link2="a"/></robot>', "two links"),
-        ("<robot><disable_collisions", "XML"),
-        ("<sdf/>", "robot"),
-    ],
-)
-def test_a_malformed_srdf_is_refused(tmp_path: Path, text: str, words: str) -> None:
-    srdf = tmp_path / "some.srdf"
-    srdf.write_text(text)
-    with pytest.raises(InvalidRobotFile, match=words):
-        excluded_by_srdf(srdf)
-
-
-def test_a_missing_srdf_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(InvalidRobotFile, match="no such file"):
-        excluded_by_srdf(tmp_path / "none.srdf")

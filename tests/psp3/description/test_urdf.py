@@ -14,10 +14,18 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 from psp3.description.parts import ROBOT_FILES
-from psp3.description.srdf import reference_poses
 from psp3.description.urdf import read_robot, read_tree
 from psp3.errors import InvalidRobotFile, MobilityMismatch
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from tests.psp3.description.written import (
+    HINGES,
+    four_bar,
+    home,
+    joint,
+    link,
+    loop_file,
+    written,
+)
 
 STL = (
     "solid s\n facet normal 0 0 1\n  outer loop\n   vertex 0 0 0\n   vertex 1 0 0\n"
@@ -25,38 +33,6 @@ STL = (
     " facet normal 0 1 0\n  outer loop\n   vertex 0 0 0\n   vertex 0 0 1\n   vertex 1 0 0\n"
     "  endloop\n endfacet\nendsolid s\n"
 )
-
-
-def link(name: str, *visuals: str) -> str:
-    shapes = "".join(f"<visual><geometry>{visual}</geometry></visual>" for visual in visuals)
-    inertia = "<inertia ixx='0.02' ixy='0' ixz='0' iyy='0.03' iyz='0' izz='0.04'/>"
-    return (
-        f"<link name='{name}'><inertial><origin xyz='0.1 0.02 -0.03'/><mass "
-        f"value='2'/>{inertia}</inertial>{shapes}</link>"
-    )
-
-
-def joint(
-    name: str,
-    parent: str,
-    child: str,
-    kind: str = "revolute",
-    xyz: str = "0 0 0",
-    axis: str = "0 0 1",
-    limit: str = "",
-) -> str:
-    limit = limit or "lower='-3' upper='3'"
-    return (
-        f"<joint name='{name}' type='{kind}'><origin xyz='{xyz}'/><parent "
-        f"link='{parent}'/><child link='{child}'/><axis xyz='{axis}'/><limit {limit} effort='7' "
-        "velocity='5'/></joint>"
-    )
-
-
-def written(path: Path, *parts: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(f"<robot name='r'>{''.join(parts)}</robot>", encoding="utf-8")
-    return path
 
 
 # Limits
@@ -171,153 +147,7 @@ def test_meshes_change_nothing_about_the_motion(tmp_path: Path) -> None:
     assert read_tree(bare)[0] == read_tree(drawn)[0]
 
 
-# Reference poses
-
-
-@pytest.fixture
-def two_joints(tmp_path: Path) -> pin.Model:
-    path = written(
-        tmp_path / "two.urdf",
-        link("a"),
-        link("b"),
-        link("c"),
-        joint("wheel", "a", "b", "continuous"),
-        joint("slide", "b", "c", "prismatic"),
-    )
-    return read_tree(path)[0]
-
-
-def test_poses_by_name(tmp_path: Path, two_joints: pin.Model) -> None:
-    """A joint of unlimited angle is given by its angle."""
-    states = (
-        "<group_state name='home' group='g'><joint name='wheel' value='0.5'/><joint name='slide' "
-        "value='-0.2'/></group_state>"
-    )
-    poses = reference_poses(
-        two_joints, written(tmp_path / "r.srdf", states, "<group_state name='other' group='g'/>")
-    )
-    assert set(poses) == {"home", "other"}
-    assert_allclose(poses["home"], [np.cos(0.5), np.sin(0.5), -0.2], rtol=0, atol=1e-15)
-    assert_array_equal(poses["other"], [1.0, 0.0, 0.0])
-    assert {item.key() for item in two_joints.referenceConfigurations} == {"home", "other"}
-
-
-def test_poses_are_those_of_the_file_read_last(tmp_path: Path, two_joints: pin.Model) -> None:
-    """Pinocchio's own reader keeps a pose that it has by the same name."""
-    for position in (0.1, 0.3):
-        state = (
-            "<group_state name='home' group='g'><joint name='slide' "
-            f"value='{position}'/></group_state>"
-        )
-        assert (
-            reference_poses(two_joints, written(tmp_path / "r.srdf", state))["home"][2] == position
-        )
-        assert two_joints.referenceConfigurations["home"][2] == position
-
-
-@pytest.mark.parametrize(
-    ("states", "reason"),
-    [
-        (
-            "<group_state name='home'><joint name='slide' value='nan'/></group_state>",
-            "value must be 1 finite number, got 'nan'",
-        ),
-        (
-            "<group_state name='home'><joint name='slide' value='1 2'/></group_state>",
-            "value must be 1 finite number",
-        ),
-        (
-            "<group_state name='home'><joint name='wheel' value='1 0'/></group_state>",
-            "value must be 1 finite number",
-        ),
-        (
-            "<group_state name='home'><joint name='slide' value='up'/></group_state>",
-            "value must be 1 finite number",
-        ),
-        (
-            "<group_state name='home'><joint name='slide'/></group_state>",
-            "<joint name='slide'> has no value",
-        ),
-        ("<group_state name='home'><joint value='1'/></group_state>", "a <joint> has no name"),
-        (
-            "<group_state name='home'><joint name='elbow' value='1'/></group_state>",
-            "the robot has no joint 'elbow'",
-        ),
-        (
-            "<group_state name='home'><joint name='universe' value='1'/></group_state>",
-            "the robot has no joint 'universe'",
-        ),
-        ("<group_state/>", "a <group_state> has no name"),
-        (
-            "<group_state name='home'/><group_state name='home'/>",
-            "two of <group_state name='home'>",
-        ),
-    ],
-)
-def test_poses_that_pinocchio_would_pass_over_are_refused(
-    tmp_path: Path, two_joints: pin.Model, states: str, reason: str
-) -> None:
-    path = written(tmp_path / "r.srdf", states)
-    with pytest.raises(InvalidRobotFile) as caught:
-        reference_poses(two_joints, path)
-    assert reason in caught.value.reason
-    assert caught.value.path == path
-
-
-def test_a_ball_joint_needs_a_unit_quaternion(tmp_path: Path) -> None:
-    model = pin.Model()
-    model.addJoint(0, pin.JointModelSpherical(), pin.SE3.Identity(), "ball")
-    pose = "<group_state name='home' group='g'><joint name='ball' value='{}'/></group_state>"
-    good = reference_poses(model, written(tmp_path / "good.srdf", pose.format("0.6 0 0 0.8")))
-    assert_array_equal(good["home"], [0.6, 0.0, 0.0, 0.8])
-    with pytest.raises(InvalidRobotFile, match="no unit quaternion"):
-        reference_poses(model, written(tmp_path / "bad.srdf", pose.format("1 0 0 0.8")))
-
-
 # Whole robots
-
-
-LOOPS = (
-    "closed_loop: [[end, other]]\ntype: ['{kind}']\nname_mot: [crank]\njoint_name: [{names}]\n"
-    "joint_type: [{kinds}]\n"
-)
-HINGES = {"crank": "0 0 0", "coupler": "0.2 0 0", "rocker": "0.45 0 0"}
-
-
-def four_bar(directory: Path, *, hinge: str, crank: str = "revolute") -> Path:
-    """Write a planar four-bar linkage in the plane z = 0.
-
-    Closed at ``end`` and ``other``, with a fourth hinge of a kind in it or fixed.
-    """
-    names = ("base", "one", "two", "three", "end", "other")
-    joints = [
-        joint("crank", "base", "one", crank, HINGES["crank"]),
-        # It turns with the crank, again and again.
-        joint("coupler", "one", "two", xyz=HINGES["coupler"], limit="lower='-99' upper='99'"),
-        joint("rocker", "base", "three", xyz=HINGES["rocker"]),
-        joint("tip", "two", "end", hinge, "0.35 0 0"),
-        joint("top", "three", "other", "fixed", "0.4 0 0"),
-    ]
-    return written(directory / "four_bar.urdf", *map(link, names), *joints)
-
-
-def loop_file(directory: Path, kind: str = "6d", **replaced: str) -> Path:
-    path = directory / "loops.yaml"
-    path.write_text(
-        LOOPS.format(kind=kind, names=", ".join(replaced), kinds=", ".join(replaced.values()))
-    )
-    return path
-
-
-HOME = (
-    "<group_state name='home' group='g'><joint name='crank' value='1.0'/><joint name='coupler' "
-    "value='-0.6'/>"
-)
-
-
-def home(directory: Path, tip: bool = True) -> Path:
-    last = "<joint name='rocker' value='1.2'/>" + ("<joint name='tip' value='0.8'/>" if tip else "")
-    return written(directory / "r.srdf", f"{HOME}{last}</group_state>")
 
 
 def test_a_robot_has_what_its_files_say(tmp_path: Path) -> None:
@@ -513,17 +343,6 @@ def test_a_continuous_motor_drives_an_angle_without_limits(tmp_path: Path) -> No
     )
     mass = ClosedLoopRobot(*parts).mass_matrix(angles)
     assert_allclose(mass, expected.mass_matrix([[1.0], [1.0]]), rtol=1e-10)
-
-
-def test_poses_name_the_joints_of_a_universal_joint(tmp_path: Path) -> None:
-    """After the replacement ``tip`` is no joint any more."""
-    urdf, loops = four_bar(tmp_path, hinge="revolute"), loop_file(tmp_path, tip="UJOINT_ZY")
-    with pytest.raises(InvalidRobotFile, match="no joint 'tip'"):
-        read_robot(urdf, loops, home(tmp_path))
-    pose = written(tmp_path / "u.srdf", f"{HOME}<joint name='tip_Z' value='0.8'/></group_state>")
-    q0 = read_robot(urdf, loops, pose).q0
-    assert q0 is not None
-    assert_array_equal(q0, [1.0, -0.6, 0.8, 0.0, 0.0])
 
 
 def test_the_file_at_fault_is_named(tmp_path: Path) -> None:

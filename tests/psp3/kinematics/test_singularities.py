@@ -7,7 +7,6 @@ are singular.
 from __future__ import annotations
 
 from collections.abc import Callable
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -21,7 +20,7 @@ import psp3
 from psp3.errors import InvalidArray, InvalidValue, OpenLoops, UnknownName
 from psp3.kinematics.singularities import SingularityAnalysis
 from psp3.kinematics.task_driven import TaskDrivenRobot
-from psp3.kinematics.tasks import TASK_COORDINATES, characteristic_length, rotating
+from psp3.kinematics.tasks import TASK_COORDINATES
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.three_psp.workspace import fold_tilt, largest_tilt
 from tests.closed_form_kinematics import (
@@ -34,15 +33,8 @@ from tests.closed_form_kinematics import (
     rotation_xyz,
 )
 from tests.helpers import ROBOTS_WITH_LIE_GROUPS, ROBOTS_WITH_LOOPS, Array
+from tests.psp3.kinematics.robots import TASKS, built, scales
 from tests.robot_samplers import reachable
-
-TASKS = {
-    "five_bar": ("x", "z"),
-    "planar_3rrr": ("x", "y", "rz"),
-    "delta": ("x", "y", "z"),
-    "gough_stewart": TASK_COORDINATES,
-    "tricept": ("x", "y", "z"),
-}
 
 
 def gough_stewart_jacobian(poses: Array) -> Array:
@@ -59,31 +51,8 @@ JACOBIANS: dict[str, Callable[[Array, Array], Array]] = {
 
 
 @pytest.fixture(scope="module")
-def robots() -> dict[str, ClosedLoopRobot]:
-    return {name: psp3.load(name) for name in TASKS}
-
-
-@pytest.fixture(scope="module")
 def analyses(robots: dict[str, ClosedLoopRobot]) -> dict[str, SingularityAnalysis]:
     return {name: SingularityAnalysis(robot, "tip", TASKS[name]) for name, robot in robots.items()}
-
-
-def built(parts: SimpleNamespace) -> ClosedLoopRobot:
-    return ClosedLoopRobot(parts.model, parts.constraint_models, parts.actuated, parts.q0)
-
-
-def scales(robot: ClosedLoopRobot, length: float) -> Array:
-    """One for sliders, the length for hinges, by the name of Pinocchio's class.
-
-    Another way than the joints' axes.
-    """
-    scale = np.ones(robot.model.nv)
-    for joint in list(robot.model.joints)[1:]:
-        prismatic = "P" in joint.shortname().removeprefix("JointModel")[:1]
-        free_flyer = "FreeFlyer" in joint.shortname()
-        columns = np.arange(joint.idx_v + 3 * free_flyer, joint.idx_v + joint.nv)
-        scale[columns] = 1.0 if prismatic else length
-    return scale
 
 
 # Measures
@@ -257,13 +226,6 @@ def test_measures_do_not_depend_on_the_size_of_the_robot() -> None:
         assert_allclose(a, b, rtol=1e-9)
 
 
-def test_characteristic_length_of_the_five_bar(robots: dict[str, ClosedLoopRobot]) -> None:
-    """Two shafts and two elbows, from the closed form."""
-    places = np.concatenate([FiveBar().shafts, FiveBar().elbows(robots["five_bar"].reference)])
-    expected = np.sqrt(((places - places.mean(axis=0)) ** 2).sum() / 4.0)
-    assert_allclose(characteristic_length(robots["five_bar"]), expected, rtol=1e-12)
-
-
 def arm() -> ClosedLoopRobot:
     """Two links in the plane, 0.5 m and 0.3 m, without loops, with a frame ``hand``."""
     model = pin.Model()
@@ -308,20 +270,6 @@ def test_arm_that_only_has_to_point_is_redundant_but_not_singular() -> None:
     assert_allclose(found.still @ jacobian, 0.0, atol=1e-15)
     assert analysis.classify([0.0, 0.0]).kinds == ("end_effector",)
     assert analysis.measures([0.7, 0.3]).orientation == 0.0
-
-
-def test_robot_whose_joints_are_in_one_place_needs_a_length() -> None:
-    model = pin.Model()
-    first = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "pan")
-    model.addJoint(first, pin.JointModelRY(), pin.SE3.Identity(), "tilt")
-    with pytest.raises(InvalidValue, match="length"):
-        characteristic_length(ClosedLoopRobot(model, [], ("pan", "tilt")))
-
-
-def test_screws_and_balls_turn_and_sliders_do_not() -> None:
-    for parts in (*ROBOTS_WITH_LOOPS, *ROBOTS_WITH_LIE_GROUPS):
-        robot = built(parts())
-        assert_array_equal(np.where(rotating(robot.model), 0.3, 1.0), scales(robot, 0.3))
 
 
 # Singular poses that geometry knows
@@ -734,7 +682,6 @@ def test_flat_parallelogram_has_a_freedom_more() -> None:
 
 
 # The 3-PSP
-
 
 AROUND = np.radians(np.arange(-170.0, 181.0, 25.0))
 

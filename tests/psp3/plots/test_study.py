@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
+from psp3 import plots
 from psp3.errors import InvalidValue, UnknownName
 from psp3.plots.study import figure_of_mismatch
 from psp3.study.mismatch import Case, Comparison, Outcome
@@ -78,3 +79,23 @@ def test_other_metrics_and_given_axes() -> None:
         figure_of_mismatch(comparison(), axes=axes[:3])
     with pytest.raises(UnknownName, match="settled"):
         figure_of_mismatch(comparison(), "speed")
+
+
+def test_sweep_shows_values_and_intervals() -> None:
+    (panel,) = plots.figure_of_sweep(
+        {"a": {0.0: (2.0, 1.0, 3.0), 0.5: (1.0, 0.5, 1.5)}}, "setting [1]"
+    )
+    assert (panel.get_xlabel(), panel.get_ylabel()) == ("setting [1]", "sum of squared errors [m²]")
+    (container,) = panel.containers
+    np.testing.assert_array_equal(
+        container.lines[0].get_data(),  # type: ignore[attr-defined]
+        [[0.0, 0.5], [2.0, 1.0]],
+    )
+
+
+def test_an_interval_that_does_not_hold_its_value_is_drawn_all_the_same() -> None:
+    """A bootstrap interval that is corrected for skewness can lie beside the mean.
+
+    Error bars of negative length are an error.
+    """
+    plots.figure_of_sweep({"a": {0.0: (2.0, 2.1, 3.0)}}, "setting")

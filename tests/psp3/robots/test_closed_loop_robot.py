@@ -5,7 +5,6 @@ Closing them, projected dynamics, and what is refused.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -31,8 +30,6 @@ from psp3.errors import (
 )
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.helpers import ROBOTS_WITH_LOOPS, Array, derivative
-
-Builder = Callable[[], SimpleNamespace]
 
 
 def build(parts: SimpleNamespace) -> ClosedLoopRobot:

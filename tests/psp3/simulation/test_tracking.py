@@ -12,7 +12,6 @@ from psp3.drives import Drive
 from psp3.errors import (
     ClosureFailed,
     InvalidArray,
-    InvalidResultFile,
     InvalidTorque,
     InvalidValue,
     SimulationDiverged,
@@ -24,31 +23,11 @@ from psp3.simulation.constraint_dynamics import ConstraintDynamics
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.trajectories import Helix, Hold, Motion, PointToPoint
 from tests.helpers import four_bar_closed_with_3d
+from tests.psp3.simulation.controllers import Recording
 
 ROBOT = psp3.load("psp3")
+
 HELIX = Helix(robot=ROBOT)
-
-
-class Recording:
-    """A controller that writes down what it was given and asks for fixed forces."""
-
-    def __init__(self, torque: object = (80.0, 85.0, 90.0), bad_from: float = np.inf) -> None:
-        self.torque_given, self.bad_from = torque, bad_from
-        self.calls: list[tuple[float, np.ndarray, np.ndarray, Motion]] = []
-        self.resets = 0
-
-    def reset(self) -> None:
-        """Count the calls."""
-        self.resets += 1
-
-    def torque(self, t: float, heights: np.ndarray, speeds: np.ndarray, desired: Motion) -> object:
-        """Write the arguments down and spoil them."""
-        self.calls.append((t, heights.copy(), speeds.copy(), desired))
-        # what a controller does to its arguments must change nothing
-        heights[:] = speeds[:] = np.nan
-        return (
-            self.torque_given if t >= self.bad_from or self.bad_from == np.inf else np.full(3, 87.0)
-        )
 
 
 def test_zero_order_hold_by_hand() -> None:
@@ -237,72 +216,6 @@ class Noting(RungeKutta):
         return super().advance(forces, duration)
 
 
-def test_encoders_count_and_their_speeds_are_differences() -> None:
-    """Counts of 5 µm: what is seen is a whole number of them, next to the truth.
-
-    Speeds in steps of 2.5 mm/s, half a period late.
-    """
-    controller = Recording()
-    result = psp3.simulate(
-        ROBOT,
-        controller,
-        Hold(robot=ROBOT),
-        0.2,
-        initial_speeds=[0.1, -0.05, 0.02],
-        encoder_resolution=5e-6,
-    )
-    seen = np.array([call[1] for call in controller.calls])
-    speeds = np.array([call[2] for call in controller.calls])
-    np.testing.assert_allclose(seen / 5e-6, np.round(result.heights / 5e-6), rtol=0.0, atol=1e-9)
-    assert np.abs(seen - result.heights).max() <= 2.5e-6 * (1.0 + 1e-9)
-    np.testing.assert_array_equal(speeds[0], 0.0)
-    np.testing.assert_array_equal(speeds[1:], np.diff(seen, axis=0) / 0.002)
-    # The speed in the middle of a period, within a count.
-    np.testing.assert_allclose(
-        speeds[1:],
-        0.5 * (result.speeds[1:] + result.speeds[:-1]),
-        rtol=0.0,
-        atol=2.5e-3 * (1.0 + 1e-6),
-    )
-
-
-def test_every_joint_can_have_its_own_encoder() -> None:
-    """And a perfect one sees what it sees without any."""
-    controller = Recording()
-    resolution = [0.0, 1e-3, 1e-5]
-    result = psp3.simulate(
-        ROBOT,
-        controller,
-        HELIX,
-        0.1,
-        encoder_resolution=resolution,
-        initial_speeds=[0.05, 0.05, 0.05],
-    )
-    seen, speeds = (np.array([call[k] for call in controller.calls]) for k in (1, 2))
-    np.testing.assert_array_equal(seen[:, 0], result.heights[:, 0])
-    np.testing.assert_array_equal(speeds[:, 0], result.speeds[:, 0])
-    np.testing.assert_allclose(
-        seen[:, 1:] / resolution[1:],
-        np.round(result.heights[:, 1:] / resolution[1:]),
-        rtol=0.0,
-        atol=1e-9,
-    )
-
-
-def test_fine_encoders_are_perfect_ones_but_for_their_late_speeds() -> None:
-    """Of 1e-13 m; a controller that uses no speeds cannot tell.
-
-    1e-9 m are 1e-13 m, fed back over 0.5 s.
-    """
-    controller = psp3.PD(3000.0, 0.0)
-    perfect, fine = (
-        psp3.simulate(ROBOT, controller, HELIX, 0.5, encoder_resolution=resolution)
-        for resolution in (0.0, 1e-13)
-    )
-    np.testing.assert_allclose(fine.heights, perfect.heights, rtol=0.0, atol=1e-9)
-    assert np.abs(fine.heights - perfect.heights).max() > 0.0
-
-
 @pytest.mark.parametrize("delay", [0, 1, 3, 200])
 def test_forces_come_late_and_the_first_one_acts_until_then(delay: int) -> None:
     """The plant gets what was asked for some periods ago, limited; the result says so."""
@@ -449,77 +362,3 @@ def test_progress_reports_a_hundred_times() -> None:
     seen: list[float] = []
     psp3.simulate(ROBOT, psp3.PD(), HELIX, 1.0, progress=seen.append)
     np.testing.assert_allclose(seen, 0.01 * np.arange(1, 101), atol=1e-12)
-
-
-def test_results_come_back_from_a_file_bit_for_bit(tmp_path: Path) -> None:
-    result = psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.1)
-    path = result.save(tmp_path / "run.npz")
-    loaded = psp3.load_result(path)
-    for name in ("t", "heights", "speeds", "torque", "tip"):
-        np.testing.assert_array_equal(getattr(loaded, name), getattr(result, name))
-    for mine, other in zip(result.desired, loaded.desired, strict=True):
-        np.testing.assert_array_equal(mine, other)
-    assert [file.name for file in tmp_path.iterdir()] == ["run.npz"]
-
-
-@pytest.mark.parametrize("share", [0.0, 0.1, 0.5, 0.9, 0.999])
-def test_a_truncated_file_is_refused(tmp_path: Path, share: float) -> None:
-    path = psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.1).save(tmp_path / "run.npz")
-    content = path.read_bytes()
-    path.write_bytes(content[: int(share * len(content))])
-    with pytest.raises(InvalidResultFile, match=r"run\.npz"):
-        psp3.load_result(path)
-
-
-def test_a_damaged_file_is_refused(tmp_path: Path) -> None:
-    """One flipped byte in the data of any array is seen by the checksum or the decompressor."""
-    path = psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.1).save(tmp_path / "run.npz")
-    content = bytearray(path.read_bytes())
-    for place in range(1000, len(content) - 2000, 3001):
-        damaged = content.copy()
-        damaged[place] ^= 0xFF
-        path.write_bytes(bytes(damaged))
-        with pytest.raises(InvalidResultFile):
-            psp3.load_result(path)
-
-
-def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
-    path = tmp_path / "other.npz"
-    np.savez(path, t=np.zeros(3))
-    with pytest.raises(InvalidResultFile, match="format 'none'"):
-        psp3.load_result(path)
-    np.savez(path, format=np.array("psp3-result-2"), t=np.zeros(3))
-    with pytest.raises(InvalidResultFile, match="must hold"):
-        psp3.load_result(path)
-    names = [
-        "t",
-        "heights",
-        "speeds",
-        "torque",
-        "tip",
-        *(f"desired_{name}" for name in ("heights", "speeds", "accelerations", "tip")),
-    ]
-    np.savez(path, format=np.array("psp3-result-2"), **{name: np.zeros(3) for name in names})
-    with pytest.raises(InvalidResultFile, match="shape"):
-        psp3.load_result(path)
-    np.savez(path, allow_pickle=True, t=np.array([{}]))
-    with pytest.raises(InvalidResultFile):
-        psp3.load_result(path)
-    with pytest.raises(InvalidResultFile):
-        psp3.load_result(tmp_path / "missing.npz")
-    np.save(tmp_path / "array.npy", np.zeros(3))
-    with pytest.raises(InvalidResultFile):
-        psp3.load_result(tmp_path / "array.npy")
-
-
-def test_positions_have_the_name_of_the_3_psp_too(tmp_path: Path) -> None:
-    """Users' code asks for heights, and their files hold them."""
-    result = psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.01)
-    assert result.heights is result.positions
-    assert result.desired.heights is result.desired.positions
-    with np.load(result.save(tmp_path / "run.npz")) as file:
-        assert {"heights", "desired_heights"} <= set(file.files)
-        np.testing.assert_array_equal(file["desired_heights"], result.desired.positions)
-    with pytest.raises(SimulationDiverged) as caught:
-        psp3.simulate(ROBOT, Recording((500.0, 500.0, 500.0)), HELIX, 5.0)
-    assert caught.value.heights is caught.value.positions

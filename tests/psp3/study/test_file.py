@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -24,15 +25,14 @@ from psp3.errors import InvalidStudyFile, PSP3Error, StudyFileNotWritable, Study
 from psp3.study import file as study_file
 from psp3.study.file import FORMAT, StudyFile, contents, key
 from psp3.study.run import METRICS, Run
+from tests.processes import PROCESSES, answer_of, start
 from tests.study_helpers import (
-    PROCESSES,
     SHARED,
     die_while_the_file_is_made,
     die_within_a_transaction,
     hold_the_lock,
     invented,
     run_with_small_files,
-    start,
 )
 
 RUNS = [
@@ -72,7 +72,9 @@ def change(path: Path, *statements: str) -> None:
 
 
 @settings(
-    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=25,
+    deadline=None,
+    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 @given(
     values=st.lists(st.floats(), min_size=len(METRICS), max_size=len(METRICS)),
@@ -198,7 +200,12 @@ def test_no_file_and_no_results_yet(path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    "content", [b"controller,reading\n", b"SQLite format 3\x00" + bytes(200), os.urandom(5000)]
+    "content",
+    [
+        b"controller,reading\n",
+        b"SQLite format 3\x00" + bytes(200),
+        np.random.default_rng(0).bytes(5000),
+    ],
 )
 def test_what_is_no_database_is_refused_and_left_alone(path: Path, content: bytes) -> None:
     path.write_bytes(content)
@@ -275,7 +282,7 @@ def test_damaged_file_is_refused(path: Path) -> None:
     fill(path)
     with path.open("r+b") as database:
         database.seek(4096)
-        database.write(os.urandom(path.stat().st_size - 4096))
+        database.write(np.random.default_rng(0).bytes(path.stat().st_size - 4096))
     with pytest.raises(InvalidStudyFile, match="cannot be read"):
         StudyFile(path).rows()
     with pytest.raises(InvalidStudyFile, match="cannot be read"):
@@ -369,8 +376,7 @@ def test_file_size_limit_of_the_system_is_as_good_as_a_full_disk(path: Path) -> 
     """Here the operating system refuses, not SQLite."""
     ours, theirs = PROCESSES.Pipe()
     child = start(run_with_small_files, path, theirs)
-    assert ours.poll(60.0)
-    kept = ours.recv()
+    kept = answer_of(child, ours)
     child.join()
     assert len(StudyFile(path).rows()) == kept > 0
 
@@ -384,7 +390,7 @@ def test_killed_within_a_transaction(path: Path) -> None:
     The lock is free and the lock's file is no obstacle.
     """
     child = start(die_within_a_transaction, path)
-    child.join(60.0)
+    child.join()
     assert child.exitcode == -signal.SIGKILL
     assert path.with_name(path.name + "-journal").stat().st_size > 0
     assert list(StudyFile(path).rows()) == [key(Run(seed=1))]
@@ -395,7 +401,7 @@ def test_killed_within_a_transaction(path: Path) -> None:
 
 def test_killed_while_the_file_is_made(path: Path) -> None:
     child = start(die_while_the_file_is_made, path)
-    child.join(60.0)
+    child.join()
     assert child.exitcode == -signal.SIGKILL
     assert path.stat().st_size > 0
     assert len(fill(path).rows()) == len(RUNS)
@@ -423,7 +429,7 @@ def test_second_study_is_refused_while_the_first_one_writes(path: Path) -> None:
 def test_lock_is_held_across_processes_and_ends_with_its_holder(path: Path) -> None:
     ours, theirs = PROCESSES.Pipe()
     child = start(hold_the_lock, path, theirs)
-    assert ours.poll(60.0)
+    assert answer_of(child, ours)
     with (
         pytest.raises(StudyInUse, match=f"process {child.pid} on "),
         StudyFile(path, SHARED).adding(),

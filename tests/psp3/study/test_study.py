@@ -12,11 +12,9 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import fields
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +33,8 @@ from psp3.errors import (
 )
 from psp3.study import Study, grid, study
 from psp3.study.run import METRICS, Run, execute
-from tests.study_helpers import QUICK, count_rows, invented, run_slowly, start, wait_for
+from tests.processes import PROCESSES, answer_of, start
+from tests.study_helpers import QUICK, count_rows, invented, run_until
 
 ROOT = Path(__file__).parents[3]
 
@@ -222,7 +221,6 @@ with ThreadPoolExecutor(4) as threads:
         env={**os.environ, "PYTHONPATH": str(ROOT)},
         capture_output=True,
         text=True,
-        timeout=120,
     )
     assert done.stdout == "4\n", done.stderr
 
@@ -445,16 +443,19 @@ def test_runs_under_way_when_interrupted_are_kept(
     path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     begun: list[int] = []
+    second_has_begun, interrupted = threading.Event(), threading.Event()
 
     def recorded(run: Run) -> dict[str, float]:
         begun.append(run.seed)
-        time.sleep(0.02)
+        if len(begun) == 2:
+            second_has_begun.set()
+            interrupted.wait()
         return invented(run)
 
     def interrupt(done: int, total: int, rate: float) -> None:
         if done:
-            while len(begun) == done:
-                time.sleep(0.001)
+            second_has_begun.wait()
+            interrupted.set()
             raise KeyboardInterrupt
 
     monkeypatch.setattr(study, "execute", recorded)
@@ -481,8 +482,9 @@ def test_killed_study_resumes_and_ends_with_the_same_table(path: Path) -> None:
     runs = grid(**QUICK, seed=range(8))
     total = len(Study(path, runs).runs or ())
     for moment in (3, 15):
-        process = start(run_slowly, path, runs, 2)
-        wait_for(partial(lambda least: count_rows(path) >= least, moment), process)
+        ours, theirs = PROCESSES.Pipe()
+        process = start(run_until, path, runs, 2, moment, theirs)
+        assert moment <= answer_of(process, ours) < total
         process.kill()
         process.join()
         assert process.exitcode == -signal.SIGKILL
@@ -493,11 +495,19 @@ def test_killed_study_resumes_and_ends_with_the_same_table(path: Path) -> None:
 
 def test_reads_of_a_study_that_is_running_see_whole_rows(path: Path) -> None:
     runs = grid(**QUICK, seed=range(4))
-    process = start(run_slowly, path, runs, 2)
-    wait_for(lambda: count_rows(path) > 0, process)
+    ours, theirs = PROCESSES.Pipe()
+    process = start(run_until, path, runs, 2, 1, theirs)
+    theirs.close()
     seen = 0
-    while process.is_alive():
+    while True:
+        try:
+            done_there = ours.recv()
+        except EOFError:
+            break
+        # It goes on while its rows are read here.
+        ours.send(True)
         rows = Study(path).rows()
+        assert done_there <= len(rows)
         assert len(rows) >= seen
         assert all(len(row) == len(fields(Run)) + len(METRICS) for row in rows)
         seen = len(rows)

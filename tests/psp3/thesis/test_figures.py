@@ -23,6 +23,7 @@ from psp3.fuzzy_control import records
 from psp3.fuzzy_control.records import Record
 from psp3.study import run as runs
 from psp3.thesis import figures
+from tests.legible import check_texts, labels_of
 
 FIGURES: dict[int, tuple[Callable[..., tuple[Axes, ...]], int]] = {
     34: (figures.figure_34, 2),
@@ -177,40 +178,10 @@ def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(number: int, t
     with style(theme):
         figure = FIGURES[number][0]()[0].figure
         assert isinstance(figure, Figure)
-        canvas = FigureCanvasAgg(figure)
-        canvas.draw()
-        renderer = canvas.get_renderer()
-        boxes = []
+        texts = []
         for axes in figure.axes:
-            labels = [axes.xaxis.label, axes.yaxis.label] if axes.axison else []
-            legend = axes.get_legend()
-            texts = [
-                *axes.texts,
-                *labels,
-                axes._left_title,
-                *(legend.get_texts() if legend else []),
-            ]  # type: ignore[attr-defined]
-            boxes += [
-                (text.get_text(), text.get_window_extent(renderer))
-                for text in texts
-                if text.get_text() not in ("", "+")
-            ]
-        assert len(boxes) >= 7
-        whole = figure.bbox
-        for text, box in boxes:
-            assert box.x0 > whole.x0 - 1, text
-            assert box.x1 < whole.x1 + 1, text
-            assert box.y0 > whole.y0 - 1, text
-            assert box.y1 < whole.y1 + 1, text
-        for n, (text, box) in enumerate(boxes):
-            for other, other_box in boxes[:n]:
-                apart = (
-                    box.x0 > other_box.x1 - 1
-                    or other_box.x0 > box.x1 - 1
-                    or box.y0 > other_box.y1 - 1
-                    or other_box.y0 > box.y1 - 1
-                )
-                assert apart, f"{text} lies on {other}"
+            texts += [*axes.texts, *labels_of(axes)]
+        assert check_texts(figure, texts) >= 7
 
 
 def test_a_figure_saved_as_svg_twice_is_the_same_file() -> None:
@@ -436,26 +407,6 @@ def test_figure_64_sets_levels_in_order_of_noise_with_intervals_and_the_printed_
     assert x[0, 0] != y[0, 0]
 
 
-def test_sweep_shows_values_and_intervals() -> None:
-    (panel,) = plots.figure_of_sweep(
-        {"a": {0.0: (2.0, 1.0, 3.0), 0.5: (1.0, 0.5, 1.5)}}, "setting [1]"
-    )
-    assert (panel.get_xlabel(), panel.get_ylabel()) == ("setting [1]", "sum of squared errors [m²]")
-    (container,) = panel.containers
-    np.testing.assert_array_equal(
-        container.lines[0].get_data(),  # type: ignore[attr-defined]
-        [[0.0, 0.5], [2.0, 1.0]],
-    )
-
-
-def test_an_interval_that_does_not_hold_its_value_is_drawn_all_the_same() -> None:
-    """A bootstrap interval that is corrected for skewness can lie beside the mean.
-
-    Error bars of negative length are an error.
-    """
-    plots.figure_of_sweep({"a": {0.0: (2.0, 2.1, 3.0)}}, "setting")
-
-
 @pytest.mark.parametrize(
     "draw", [figures.figure_64, lambda series: plots.figure_of_sweep(series, "setting")]
 )
@@ -514,32 +465,4 @@ def test_text_of_new_figures_is_inside_and_does_not_lie_on_other_text(
         ):
             figure = panels[0].figure
             assert isinstance(figure, Figure)
-            canvas = FigureCanvasAgg(figure)
-            canvas.draw()
-            boxes = []
-            for axes in figure.axes:
-                legend = axes.get_legend()
-                texts = [
-                    axes.xaxis.label,
-                    axes.yaxis.label,
-                    axes._left_title,
-                    *(legend.get_texts() if legend else []),
-                ]  # type: ignore[attr-defined]
-                boxes += [
-                    (text.get_text(), text.get_window_extent(canvas.get_renderer()))
-                    for text in texts
-                    if text.get_text()
-                ]
-            for n, (text, box) in enumerate(boxes):
-                assert box.x0 > figure.bbox.x0 - 1, text
-                assert box.x1 < figure.bbox.x1 + 1, text
-                assert box.y0 > figure.bbox.y0 - 1, text
-                assert box.y1 < figure.bbox.y1 + 1, text
-                for other, second in boxes[:n]:
-                    apart = (
-                        box.x0 > second.x1 - 1
-                        or second.x0 > box.x1 - 1
-                        or box.y0 > second.y1 - 1
-                        or second.y0 > box.y1 - 1
-                    )
-                    assert apart, f"{text} lies on {other}"
+            check_texts(figure, [text for axes in figure.axes for text in labels_of(axes)])

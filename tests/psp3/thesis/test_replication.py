@@ -5,8 +5,13 @@ What it writes, that it resumes, and that the numbers in it are those of the run
 
 from __future__ import annotations
 
+import io
 import json
+import re
 import shutil
+import sys
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,12 +21,16 @@ import pytest
 
 import psp3
 from psp3 import published
+from psp3.cli import entry as cli
 from psp3.errors import InvalidValue, StudyMismatch
 from psp3.study.run import Run, execute
 from psp3.thesis import replication as module
 from psp3.thesis.findings import Reproduction, Table
 from psp3.thesis.plan import Plan
 from psp3.thesis.replication import reproduce
+from tests.processes import ENVIRONMENT, ROOT
+
+pytestmark = pytest.mark.slow
 
 FIGURES = {*(f"figure_{number}" for number in (49, *range(51, 65))), "mean_variation"}
 NAMES = {
@@ -60,15 +69,29 @@ class Job(NamedTuple):
         return table
 
 
-def run(out: Path, **options: Any) -> Job:
+def nothing(*state: object) -> None:
+    """Show no progress."""
+
+
+def run(
+    out: Path,
+    progress: Callable[..., object] = nothing,
+    run_progress: Callable[..., object] = nothing,
+    **options: Any,
+) -> Job:
+    """Do the job, and keep what it says on the way."""
     steps: list[tuple[str, int, int]] = []
     runs: list[tuple[int, int, float]] = []
-    found = reproduce(
-        out,
-        progress=lambda *step: steps.append(step),
-        run_progress=lambda *state: runs.append(state),
-        **options,
-    )
+
+    def step(*state: Any) -> None:
+        steps.append(state)
+        progress(*state)
+
+    def run_step(*state: Any) -> None:
+        runs.append(state)
+        run_progress(*state)
+
+    found = reproduce(out, progress=step, run_progress=run_step, **options)
     return Job(found, out, steps, runs)
 
 
@@ -83,12 +106,53 @@ def job(tmp_path_factory: pytest.TempPathFactory) -> Job:
         return run(tmp_path_factory.mktemp("reproduce") / "deep" / "folder")
 
 
+class Command(NamedTuple):
+    """A job that was done by the command, and what the command said."""
+
+    job: Job
+    status: object
+    said: str
+    errors: str
+
+
 @pytest.fixture(scope="module")
-def quick(job: Job, tmp_path_factory: pytest.TempPathFactory) -> Job:
-    """Do a quick one that finds its study done."""
-    out = tmp_path_factory.mktemp("quick")
+def command(job: Job, tmp_path_factory: pytest.TempPathFactory) -> Command:
+    """Do a quick one, by ``psp3 reproduce --quick``, that finds its study done."""
+    folder = tmp_path_factory.mktemp("quick")
+    out = folder / "deep" / "results"
+    out.mkdir(parents=True)
     shutil.copy(job.out / "study.sqlite", out)
-    return run(out, quick=True)
+    jobs: list[Job] = []
+
+    def watched(
+        out: Path,
+        progress: Callable[..., object],
+        run_progress: Callable[..., object],
+        **options: Any,
+    ) -> Reproduction:
+        done = run(out, progress, run_progress, **options)
+        jobs.append(done)
+        return done.found
+
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        redirect_stdout(io.StringIO()) as said,
+        redirect_stderr(io.StringIO()) as errors,
+    ):
+        patch.setattr(module, "reproduce", watched)
+        patch.chdir(folder)
+        patch.setattr(sys, "argv", ["psp3", "reproduce", "--quick", "--out", "deep/results"])
+        for name in ("COLUMNS", "NO_COLOR", "TERM"):
+            patch.setenv(name, ENVIRONMENT[name])
+        with pytest.raises(SystemExit) as end:
+            cli.main()
+    (done,) = jobs
+    return Command(done._replace(out=out), end.value.code, said.getvalue(), errors.getvalue())
+
+
+@pytest.fixture(scope="module")
+def quick(command: Command) -> Job:
+    return command.job
 
 
 def test_everything_promised_is_written(job: Job) -> None:
@@ -107,6 +171,33 @@ def test_quick_leaves_out_the_animation_and_says_what_it_is(job: Job, quick: Job
     assert "animation.html" not in (quick.out / "report.html").read_text(encoding="utf-8")
     assert "quick" in quick.found.answer[0]
     assert "quick" not in " ".join(job.found.answer)
+
+
+def test_command_prints_the_tables_and_the_files(command: Command, quick: Job) -> None:
+    assert command.status == 0
+    lines = command.said.splitlines()
+    words = " ".join(command.said.split())
+    assert f"{published.TABLE_6_3['PD']:.4f}" in words
+    files = {line.removeprefix("deep/results/") for line in lines if line.startswith("deep")}
+    assert files == NAMES
+    assert max(map(len, lines)) <= 80
+    # Words and numbers are never cut in two: every heading and every verdict is there.
+    for word in ("controller", "largest", "reproduced", "10.0161 -0.5288 -0.6026"):
+        assert word in words
+    steps = command.errors.splitlines()
+    assert steps[0].startswith("[1/")
+    assert len(steps) == int(steps[0].split("/")[1].split("]")[0])
+    assert len(steps) == quick.steps[-1][2]
+
+
+def test_results_table_of_the_readme_is_that_of_the_job(quick: Job) -> None:
+    """To its four decimals."""
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    numbers = quick.numbers["table_6_3"]
+    for name in ("PD", "CTC"):
+        (row,) = re.findall(rf"\| {name} \| ([\d.]+) \| ([\d.]+) \|", text)
+        assert float(row[0]) == numbers[name]["printed_sum_of_squared_errors"]
+        assert float(row[1]) == pytest.approx(numbers[name]["sum_of_squared_errors"], abs=5e-5)
 
 
 def test_runs_that_the_study_holds_are_not_repeated(job: Job, quick: Job) -> None:
@@ -253,21 +344,6 @@ def test_number_of_seeds_stands_with_every_statistic(job: Job) -> None:
 
 def test_progress_ends_at_the_end(job: Job) -> None:
     assert [done for _, done, _ in job.steps] == list(range(job.steps[-1][2] + 1))
-
-
-def test_the_whole_plan_has_the_seeds_it_is_asked_for() -> None:
-    runs = Plan.of(30).runs()
-    main = {
-        run.seed
-        for run in runs
-        if (run.controller, run.snr_db, run.reading) == ("it2", 10.0, "parameters")
-    }
-    sweep = {run.seed for run in runs if run.reading == "plant"}
-    assert main == set(range(30))
-    assert sweep == set(range(10))
-    assert Plan.of(3).sweep_seeds == 3
-    for run in runs:
-        run.check()
 
 
 @pytest.mark.parametrize("seeds", [0, -1, 2.5, True])

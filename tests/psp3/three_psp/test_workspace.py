@@ -6,30 +6,28 @@ force.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any
-
 import numpy as np
 import pinocchio as pin
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
 
 import psp3
-from fuzzy2.plots.style import style
-from psp3 import plots
-from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
+from psp3.errors import InvalidArray, InvalidValue, UnreachablePose, UnreachableTip
 from psp3.kinematics.singularities import SingularityAnalysis
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.three_psp import workspace
 from psp3.three_psp.workspace import WorkspaceMap
 
 Array = NDArray[np.float64]
+
 ROBOT = psp3.load("psp3")
+
 d, h = ROBOT.parameters.screw_radius, ROBOT.parameters.tool_length
+
 HEIGHTS = np.random.default_rng(0).uniform(-0.15, 0.15, size=(20, 3))
+
 AROUND = np.radians(np.arange(-180.0, 180.0, 15.0))
 
 
@@ -438,65 +436,3 @@ def test_bad_input_is_refused_by_name_and_value(
 ) -> None:
     with pytest.raises(error, match=value):
         call()  # type: ignore[operator]
-
-
-# The figure
-
-
-@pytest.fixture
-def _styled() -> Iterator[None]:
-    with style():
-        yield
-
-
-@pytest.mark.usefixtures("_styled")
-@pytest.mark.parametrize("over", ["tilt", "tip"])
-def test_figure_of_the_workspace_has_units_and_the_fold(over: str) -> None:
-    shares = np.linspace(0.0, 1.0, 12)[:, np.newaxis]
-    around = np.radians(np.linspace(-180.0, 180.0, 25))
-    whole = np.radians(80.0) * shares
-    poses = (
-        workspace.map_over_tilt(ROBOT, whole, around)
-        if over == "tilt"
-        else workspace.map_over_reach(ROBOT, shares, around)
-    )
-    panels = plots.figure_of_workspace(ROBOT, poses, over)
-    figure: Any = panels[0].figure
-    canvas: Any = FigureCanvasAgg(figure)
-    canvas.draw()
-    titles = " ".join(panel.get_title(loc="left") for panel in panels)
-    for part in (
-        "Parasitic motion of the center [mm]",
-        "Shortest arm [mm]",
-        "Longest arm [mm]",
-        "tip Jacobian",
-        "mass matrix",
-    ):
-        assert part in titles
-    unit = "[degrees]" if over == "tilt" else "[mm]"
-    assert unit in panels[3].get_xlabel()
-    assert unit in panels[0].get_ylabel()
-    low, high = panels[0].get_xlim()
-    if over == "tilt":
-        # The last line is the dashed fold: its distance from the middle is the tilt.
-        x, y = np.array(panels[0].lines[-1].get_data(), dtype=float)
-        np.testing.assert_allclose(
-            np.hypot(x, y), np.degrees(workspace.fold_tilt(ROBOT, np.arctan2(y, x))), atol=1e-9
-        )
-        np.testing.assert_allclose((low, high), (-80.0, 80.0))
-    else:
-        np.testing.assert_allclose(low, -1e3 * ROBOT.tip_reach(np.pi), rtol=1e-9)
-        assert not panels[0].lines
-
-
-@pytest.mark.usefixtures("_styled")
-def test_figure_of_the_workspace_refuses_what_it_cannot_draw() -> None:
-    poses = workspace.map_over_tilt(
-        ROBOT, np.linspace(0.0, 0.5, 3)[:, np.newaxis], np.linspace(0.0, 6.2, 5)
-    )
-    with pytest.raises(UnknownName, match="moon"):
-        plots.figure_of_workspace(ROBOT, poses, "moon")
-    with pytest.raises(InvalidValue, match="6 axes"):
-        plots.figure_of_workspace(ROBOT, poses, axes=plots.figure_of_workspace(ROBOT, poses)[:2])
-    with pytest.raises(InvalidValue, match="N by K"):
-        plots.figure_of_workspace(ROBOT, workspace.map_at_heights(ROBOT, HEIGHTS))

@@ -7,20 +7,17 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import psp3
-from fuzzy2.plots.style import style
-from psp3 import plots
-from psp3.errors import InvalidArray, InvalidValue, StrokeExceeded, UnreachableTip
+from psp3.errors import InvalidArray, StrokeExceeded, UnreachableTip
 from psp3.trajectories import Circle, FromCSV, Helix, Hold, Line, PointToPoint, Trajectory
-from psp3.trajectories.screw_forces import ScrewForces, screw_forces
+from psp3.trajectories.screw_forces import screw_forces
 
 ROBOT = psp3.load("psp3")
+
 MOTIONS = {
     "helix": Helix(robot=ROBOT),
     "circle": Circle(0.015, 1.0, robot=ROBOT),
@@ -142,63 +139,3 @@ def test_columns_are_a_file_that_can_be_followed_again(motion: Trajectory, tmp_p
 def test_motions_that_cannot_be_made_are_refused(call: object, error: type[Exception]) -> None:
     with pytest.raises(error):
         call()  # type: ignore[operator]
-
-
-def figure_of(forces: ScrewForces) -> plots.Panels:
-    with style():
-        panels = plots.figure_of_torques(forces)
-        figure: Any = panels[0].figure
-        canvas: Any = FigureCanvasAgg(figure)
-        canvas.draw()
-    return panels
-
-
-def test_figure_shows_the_numbers_with_their_units() -> None:
-    forces = screw_forces(MOTIONS["helix"], np.linspace(0.0, 2.0, 101))
-    panels = figure_of(forces)
-    motion = forces.motion
-    curves = (
-        1e3 * motion.tip,
-        1e3 * motion.heights,
-        forces.forces,
-        motion.speeds,
-        motion.accelerations,
-    )
-    for panel, values, unit in zip(
-        panels, curves, ("[mm]", "[mm]", "[N]", "[m/s]", "[m/s²]"), strict=False
-    ):
-        for line, column in zip(panel.lines, values.T, strict=True):
-            np.testing.assert_array_equal(
-                np.array(line.get_data(), dtype=float), [forces.t, column]
-            )
-        assert unit in panel.get_ylabel()
-    gravity = next(line for line in panels[5].lines if "gravity" in str(line.get_label()))
-    np.testing.assert_allclose(
-        np.asarray(gravity.get_ydata(), dtype=float), np.linalg.norm(forces.gravity, axis=-1)
-    )
-    assert "[s]" in panels[5].get_xlabel()
-
-
-def test_figure_of_a_tip_at_rest_and_of_one_sample_can_be_drawn() -> None:
-    """Warnings are errors here: zeros on the logarithmic scale and empty limits would raise."""
-    figure_of(screw_forces(Hold(robot=ROBOT), [0.0, 1.0]))
-    figure_of(screw_forces(Hold(robot=ROBOT), [0.0]))
-
-
-def test_figure_refuses_another_number_of_axes() -> None:
-    forces = screw_forces(Hold(robot=ROBOT), [0.0, 1.0])
-    with pytest.raises(InvalidValue, match="6 axes"):
-        plots.figure_of_torques(forces, figure_of(forces)[:3])
-
-
-def test_figure_of_tracking_does_not_magnify_rounding() -> None:
-    """A tip that rests leaves a path of no extent: the axes of the path still span a millimeter."""
-    result = psp3.simulate(ROBOT, psp3.FeedForward(ROBOT), Hold(robot=ROBOT), 0.02)
-    with style():
-        panels = plots.figure_of_tracking(result, "at rest")
-    for low, high in (
-        panels[6].get_xlim(),
-        panels[6].get_ylim(),
-        panels[6].get_zlim(),  # type: ignore[attr-defined]
-    ):
-        assert high - low >= 1.0 - 1e-12

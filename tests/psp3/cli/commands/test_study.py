@@ -3,57 +3,35 @@
 from __future__ import annotations
 
 import csv
-import os
-import signal
-import subprocess
-import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from multiprocessing.connection import Connection
 from pathlib import Path
 
 import pytest
 
-from psp3.cli import entry as cli
+from psp3.cli.commands import study as study_command
 from psp3.study import Study, grid
 from psp3.study.statistics import compare, summarize
+from tests.processes import PROCESSES, answer_of, program
+from tests.psp3.cli.answers import Answer, Run
 from tests.study_helpers import count_rows
 
-ROOT = Path(__file__).parents[4]
-ENVIRONMENT = {
-    **os.environ,
-    "PYTHONPATH": str(ROOT),
-    "COLUMNS": "80",
-    "NO_COLOR": "1",
-    "TERM": "dumb",
-}
 SMALL = ("--duration", "0.3", "--seeds", "3", "--snr", "20", "--snr", "10")
-
-Command = Callable[..., tuple[int, str, str]]
 
 
 @pytest.fixture
-def study(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], tmp_path: Path
-) -> Command:
-    """Run ``psp3 study FILE`` in this process, in an empty directory, in 80 columns.
+def study(psp3_command: Run) -> Run:
+    """Run ``psp3 study FILE`` in this process, in an empty directory, in 80 columns."""
 
-    Give back status, output and errors.
-    """
-    monkeypatch.chdir(tmp_path)
-    for name in ("COLUMNS", "NO_COLOR", "TERM"):
-        monkeypatch.setenv(name, ENVIRONMENT[name])
-
-    def run(*arguments: object, file: str = "study.sqlite") -> tuple[int, str, str]:
-        monkeypatch.setattr(sys, "argv", ["psp3", "study", file, *map(str, arguments)])
-        with pytest.raises(SystemExit) as end:
-            cli.main()
-        assert isinstance(end.value.code, int)
-        return end.value.code, *capsys.readouterr()
+    def run(*arguments: object, file: str = "study.sqlite") -> Answer:
+        return psp3_command("study", file, *arguments)
 
     return run
 
 
-def test_tables_hold_the_estimates_and_the_seeds(study: Command) -> None:
+def test_tables_hold_the_estimates_and_the_seeds(study: Run) -> None:
     """Against the library's statistics on the rows of the file, to three printed digits."""
     status, out, err = study(*SMALL, "--controller", "t1", "--controller", "it2")
     assert status == 0
@@ -79,7 +57,7 @@ def test_tables_hold_the_estimates_and_the_seeds(study: Command) -> None:
     assert "runs/s" in err
 
 
-def test_same_command_does_nothing_again_and_more_seeds_only_those(study: Command) -> None:
+def test_same_command_does_nothing_again_and_more_seeds_only_those(study: Run) -> None:
     first = study(*SMALL, "--controller", "t1")
     second = study(*SMALL, "--controller", "t1")
     assert second[:2] == first[:2]
@@ -90,7 +68,7 @@ def test_same_command_does_nothing_again_and_more_seeds_only_those(study: Comman
     assert count_rows(Path("study.sqlite")) == 10
 
 
-def test_defaults_are_those_of_table_6_3(study: Command) -> None:
+def test_defaults_are_those_of_table_6_3(study: Run) -> None:
     """PD and CTC once each.
 
     Type-1 and type-2 without noise once each, and at 20, 15 and 10 dB for every seed.
@@ -103,7 +81,7 @@ def test_defaults_are_those_of_table_6_3(study: Command) -> None:
     assert "∞" in out
 
 
-def test_every_option_reaches_the_runs(study: Command) -> None:
+def test_every_option_reaches_the_runs(study: Run) -> None:
     arguments = (
         "--controller gt2 --reading plant --snr 15 --seeds 2 --trajectory line --learner strict "
         "--terms 3 --mean-variation 0.2"
@@ -127,7 +105,7 @@ def test_every_option_reaches_the_runs(study: Command) -> None:
     assert count_rows(Path("study.sqlite")) == 2
 
 
-def test_wide_studies_stay_within_80_columns_too(study: Command) -> None:
+def test_wide_studies_stay_within_80_columns_too(study: Run) -> None:
     arguments = (
         "--controller t1 --controller it2 --trajectory line --trajectory fast-helix --reading "
         "parameters --reading plant --seeds 2"
@@ -149,7 +127,7 @@ def test_wide_studies_stay_within_80_columns_too(study: Command) -> None:
         assert heading in out
 
 
-def test_csv_holds_every_run(study: Command) -> None:
+def test_csv_holds_every_run(study: Run) -> None:
     status, out, _ = study(*SMALL, "--controller", "t1", "--csv", "table.csv")
     assert status == 0
     assert out.splitlines()[-1] == "table.csv"
@@ -186,7 +164,7 @@ def test_csv_holds_every_run(study: Command) -> None:
     ],
 )
 def test_wrong_input_is_one_clear_line_and_no_run_is_done(
-    study: Command, arguments: str, words: str
+    study: Run, arguments: str, words: str
 ) -> None:
     status, out, err = study(*arguments.split())
     assert (status, out) == (2, "")
@@ -207,7 +185,7 @@ def test_wrong_input_is_one_clear_line_and_no_run_is_done(
         ("protected.sqlite", "is read-only"),
     ],
 )
-def test_files_that_cannot_hold_a_study(study: Command, file: str, words: str) -> None:
+def test_files_that_cannot_hold_a_study(study: Run, file: str, words: str) -> None:
     Path("notes.txt").write_text("no database\n" * 100)
     Path("protected.sqlite").touch(mode=0o444)
     status, out, err = study(*SMALL, file=file)
@@ -216,37 +194,50 @@ def test_files_that_cannot_hold_a_study(study: Command, file: str, words: str) -
     assert len(err.splitlines()) == 1
 
 
-def test_file_of_another_study(study: Command) -> None:
+def test_file_of_another_study(study: Run) -> None:
     study("--duration", 0.1, "--controller", "pd")
     status, _, err = study("--duration", 0.2, "--controller", "pd")
     assert status == 2
     assert "holds another study: its duration [s] is 0.1, not 0.2" in err
 
 
-def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(
-    study: Command, tmp_path: Path
-) -> None:
+def wait_for_an_interrupt(rows: int, begun: Connection) -> None:
+    """Let the command say when it has so many results, and wait there to be interrupted."""
+    shown = study_command._study_progress
+
+    @contextmanager
+    def held() -> Iterator[Callable[[int, int, float], None]]:
+        with shown() as progress:
+
+            def hold(done: int, total: int, rate: float) -> None:
+                progress(done, total, rate)
+                if done >= rows:
+                    begun.send(done)
+                    while True:
+                        time.sleep(0.01)
+
+            yield hold
+
+    study_command._study_progress = held
+
+
+def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(study: Run, tmp_path: Path) -> None:
     """A real SIGINT to a real process, as soon as the first results are in."""
     arguments = ["--duration", "2", "--seeds", "200", "--controller", "t1", "--snr", "20"]
-    command = [sys.executable, "-m", "psp3.cli.entry", "study", "study.sqlite", *arguments]
-    with subprocess.Popen(
-        command,
-        env=ENVIRONMENT,
-        cwd=tmp_path,
-        stderr=subprocess.PIPE,
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as process:
-        deadline = time.monotonic() + 60.0
-        while (
-            count_rows(tmp_path / "study.sqlite") < 3
-            and time.monotonic() < deadline
-            and process.poll() is None
-        ):
-            time.sleep(0.01)
-        process.send_signal(signal.SIGINT)
-        out, err = process.communicate(timeout=30)
-    assert process.returncode == 130, err
+    ours, theirs = PROCESSES.Pipe(duplex=False)
+    with program(
+        "study",
+        "study.sqlite",
+        *arguments,
+        folder=tmp_path,
+        prepare=wait_for_an_interrupt,
+        given=(3, theirs),
+    ) as psp3:
+        theirs.close()
+        answer_of(psp3.process, ours)
+        psp3.interrupt()
+        status, out, err = psp3.end()
+    assert status == 130, err
     assert out == ""
     kept = count_rows(tmp_path / "study.sqlite")
     assert 3 <= kept < 200

@@ -1,0 +1,33 @@
+"""What tests of figures share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+from mpl_toolkits.mplot3d import Axes3D
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Array]:
+    """Coordinates (3, ...) of every surface and net that is drawn in space, in order.
+
+    Matplotlib does not give them back.
+    """
+    seen: list[Array] = []
+    for name in ("plot_surface", "plot_wireframe"):
+        draw = getattr(Axes3D, name)
+
+        def record(
+            panel: Axes3D, *coordinates: Array, draw: Callable[..., Any] = draw, **options: Any
+        ) -> Any:
+            seen.append(np.stack(coordinates))
+            return draw(panel, *coordinates, **options)
+
+        monkeypatch.setattr(Axes3D, name, record)
+    return seen

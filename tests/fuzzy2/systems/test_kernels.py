@@ -1,0 +1,125 @@
+"""The compiled loops of systems, against the same in numpy and row by row."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import fuzzy2
+from fuzzy2.systems import IntervalType2System
+from fuzzy2.systems.kernels import LANES
+from tests.fuzzy2.systems.by_hand import (
+    CENTERS,
+    GRID_RULES,
+    by_hand,
+    gaussian,
+    uncertain,
+)
+
+Array = NDArray[np.float64]
+
+MANY = LANES + 7
+"""More rows than the compiled loop takes at a time, and some that are left over."""
+
+
+@pytest.mark.parametrize(
+    "terms",
+    [
+        uncertain(),
+        gaussian(),
+        [
+            [fuzzy2.GaussianUncertainSigma(mean=c, sigma=(0.5, 0.9)) for c in CENTERS]
+            for _ in range(3)
+        ],
+        [[fuzzy2.Triangular(c - 2.5, c, c + 2.5) for c in CENTERS] for _ in range(3)],
+        [
+            [fuzzy2.Trapezoidal(c - 2.5, c - 0.5, c + 0.5, c + 2.5, height=0.9) for c in CENTERS]
+            for _ in range(3)
+        ],
+        [
+            [
+                fuzzy2.Gaussian(mean=-1.0, sigma=1.0),
+                fuzzy2.GaussianUncertainMean(mean=(0.5, 1.0), sigma=0.7),
+            ]
+            for _ in range(3)
+        ],
+    ],
+)
+@pytest.mark.parametrize("norm", ["product", "min"])
+def test_compiled_loop_and_numpy_agree(
+    terms: list[list[object]], norm: str, consequents: Array, X: Array
+) -> None:
+    """The same system by the compiled loop and by the sets themselves, to 1e-13.
+
+    The sets are used because a fuzzifier's detour is forced.
+    """
+    fast = IntervalType2System(terms, GRID_RULES, consequents, t_norm=norm)
+    slow = IntervalType2System(terms, GRID_RULES, consequents, t_norm=norm)
+    assert fast._fast
+    slow._table, slow._fast = None, False
+    np.testing.assert_allclose(fast.firing(X), slow.firing(X), atol=1e-15)
+    np.testing.assert_allclose(fast.type_reduced(X), slow.type_reduced(X), atol=1e-13)
+
+
+@pytest.mark.parametrize("norm", ["product", "min"])
+@pytest.mark.parametrize("crisp", [True, False])
+def test_many_rows_give_what_each_row_gives(norm: str, crisp: bool) -> None:
+    """To the last bit: rows side by side take the steps of a single row in the same order.
+
+    The rows reach far out, where lower firing strengths vanish, firing strengths differ by more
+    digits than a float has or no rule fires, and consequents repeat, so that comparisons tie.
+    """
+    generator = np.random.default_rng(5)
+    z = np.round(generator.normal(size=(8, 4)), 1)
+    z[:, 1] = 1.0
+    intervals = np.stack([z, z + np.abs(np.round(generator.normal(size=z.shape), 1))], axis=-1)
+    X = np.concatenate(
+        [
+            generator.uniform(-2.0, 2.0, (200, 3)),
+            generator.uniform(-40.0, 40.0, (150, 3)),
+            np.zeros((5, 3)),
+        ]
+    )
+    for consequents in (z, intervals):
+        system = IntervalType2System(uncertain(), GRID_RULES, consequents, t_norm=norm)
+        evaluate = system if crisp else system.type_reduced
+        assert np.isnan(evaluate(X)).any()
+        np.testing.assert_array_equal(evaluate(X), np.array([evaluate(x) for x in X]))
+
+
+def test_many_rows_whose_lower_firing_strengths_all_vanish(consequents: Array) -> None:
+    """Means so uncertain that every lower grade underflows to 0.
+
+    Each end is that of the extreme consequent alone, exactly.
+
+    Upper grades are 1 everywhere, so a rule may take any weight from 0 to 1.
+    """
+    system = IntervalType2System(uncertain(width=60.0), GRID_RULES, consequents)
+    X = np.random.default_rng(6).uniform(-2.0, 2.0, (MANY, 3))
+    assert (system.firing(X) == [0.0, 1.0]).all()
+    extremes = np.stack([consequents.min(axis=0), consequents.max(axis=0)], axis=-1)
+    np.testing.assert_array_equal(system.type_reduced(X), np.broadcast_to(extremes, (MANY, 4, 2)))
+
+
+def test_many_rows_whose_end_is_a_consequent_itself() -> None:
+    """One consequent lies on the end that all others make.
+
+    So the comparison that finds the switch point ties, up to rounding.
+
+    Many rows give to the last bit what one gives, and 1e-12 is the bar of exact reduction.
+    """
+    generator = np.random.default_rng(7)
+    for x in generator.uniform(-2.0, 2.0, (20, 3)):
+        z, k = generator.normal(size=(8, 1)), int(generator.integers(8))
+        strengths, others = (
+            IntervalType2System(uncertain(), GRID_RULES, z).firing(x),
+            np.arange(8) != k,
+        )
+        z[k] = fuzzy2.generalized_centroid(z[others, 0], strengths[others])[0]
+        system = IntervalType2System(uncertain(), GRID_RULES, z)
+        found = system.type_reduced(np.tile(x, (MANY, 1)))
+        np.testing.assert_array_equal(found, np.broadcast_to(system.type_reduced(x), found.shape))
+        np.testing.assert_allclose(
+            found[0], by_hand(uncertain(), GRID_RULES, z, x, "product"), rtol=0.0, atol=1e-12
+        )

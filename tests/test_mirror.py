@@ -1,0 +1,149 @@
+"""Every module has its tests where they are looked for: in the file of its name.
+
+``tests/psp3`` and ``tests/fuzzy2`` mirror the packages. The table names the modules whose tests
+have a file of another name, with that file and the reason.
+"""
+
+from __future__ import annotations
+
+import ast
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).resolve().parent
+ROOT = TESTS.parent
+
+THROUGH_ITS_FACE = "inner parts, compiled or not, are reached by those that call them"
+OF_ALL_SETS = "properties of all sets are tested for all of them at once"
+OF_EVERY_COMMAND = "what every command shares is tested on the commands"
+OF_THE_JOB = "what it adds to the outcome is read there, since making one takes seconds"
+NAMES_ONLY = "has names and numbers only, which are read there"
+
+ELSEWHERE = {
+    "fuzzy2/errors.py": (
+        "test_public_names.py",
+        "each is raised, and its message read, by the tests of what raises it",
+    ),
+    "fuzzy2/files/description.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
+    "fuzzy2/learning/adaptation_kernels.py": (
+        "fuzzy2/learning/test_adaptation.py",
+        THROUGH_ITS_FACE,
+    ),
+    "fuzzy2/numbers/base.py": ("fuzzy2/numbers/test_affine.py", THROUGH_ITS_FACE),
+    "fuzzy2/plots/panels.py": ("fuzzy2/plots/test_figures.py", THROUGH_ITS_FACE),
+    "fuzzy2/reduction/kernels.py": ("fuzzy2/reduction/test_interval.py", THROUGH_ITS_FACE),
+    "fuzzy2/sets/curves.py": ("fuzzy2/sets/test_type1.py", THROUGH_ITS_FACE),
+    "fuzzy2/sets/shapes.py": ("fuzzy2/sets/test_type1.py", OF_ALL_SETS),
+    "fuzzy2/support/checks.py": (
+        "cross/test_bad_input.py",
+        "what is refused is tested where users meet it",
+    ),
+    "fuzzy2/support/compiled.py": (
+        "fuzzy2/test_facade.py",
+        "where nothing can be written it is a new process that shows it",
+    ),
+    "fuzzy2/support/lazy.py": ("test_public_names.py", "tested on every facade of both packages"),
+    "fuzzy2/support/quadrature.py": ("fuzzy2/sets/test_interval_type2.py", THROUGH_ITS_FACE),
+    "fuzzy2/support/text_files.py": (
+        "fuzzy2/files/test_json_files.py",
+        "tested on the files that are written with it",
+    ),
+    "fuzzy2/systems/construction.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/terms.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
+    "psp3/checks.py": (
+        "cross/test_bad_input.py",
+        "what is refused is tested where users meet it",
+    ),
+    "psp3/cli/app.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
+    "psp3/cli/commands/reproduce.py": ("psp3/thesis/test_replication.py", OF_THE_JOB),
+    "psp3/cli/options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
+    "psp3/cli/output.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
+    "psp3/cli/shared.py": ("psp3/cli/commands/test_robot.py", OF_EVERY_COMMAND),
+    "psp3/closure/rank.py": ("psp3/closure/test_table.py", THROUGH_ITS_FACE),
+    "psp3/control/controller.py": (
+        "psp3/simulation/test_tracking.py",
+        "a protocol; controllers of one's own are simulated there",
+    ),
+    "psp3/description/mjcf_document.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
+    "psp3/description/mjcf_tree.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
+    "psp3/description/parts.py": ("psp3/test_loading.py", NAMES_ONLY),
+    "psp3/fuzzy_control/adaptive_kernels.py": (
+        "psp3/fuzzy_control/test_adaptive.py",
+        THROUGH_ITS_FACE,
+    ),
+    "psp3/fuzzy_control/kernels.py": (
+        "psp3/study/test_loops.py",
+        "compiled loops that call them are compared with the simulation bit for bit",
+    ),
+    "psp3/kinematics/border.py": ("psp3/kinematics/test_workspace.py", THROUGH_ITS_FACE),
+    "psp3/plots/panels.py": ("psp3/thesis/test_figures.py", THROUGH_ITS_FACE),
+    "psp3/published.py": ("psp3/thesis/test_replication.py", NAMES_ONLY),
+    "psp3/robots/closed_pose.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
+    "psp3/robots/passive_limits.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
+    "psp3/simulation/dormand_prince.py": (
+        "psp3/simulation/test_plant.py",
+        "plants are compared with one another",
+    ),
+    "psp3/thesis/chapter_5.py": ("psp3/thesis/test_replication.py", OF_THE_JOB),
+    "psp3/thesis/illustrations.py": ("psp3/thesis/test_replication.py", OF_THE_JOB),
+    "psp3/three_psp/stepping.py": ("psp3/simulation/test_plant.py", THROUGH_ITS_FACE),
+    "psp3/version.py": ("psp3/cli/test_entry.py", NAMES_ONLY),
+    "psp3/visualize/shapes.py": ("psp3/visualize/test_robot_visualizer.py", THROUGH_ITS_FACE),
+    "psp3/warm_up.py": (
+        "test_notebooks.py",
+        "it is called in every server that forks processes for the tests",
+    ),
+}
+
+
+def modules() -> list[str]:
+    """Return the modules of both packages; of facades those that do more than look up names."""
+    files = [path for name in ("psp3", "fuzzy2") for path in sorted((ROOT / name).rglob("*.py"))]
+    return [
+        path.relative_to(ROOT).as_posix()
+        for path in files
+        if path.name != "__init__.py" or path.parent.parent == ROOT or defines_names(path)
+    ]
+
+
+def defines_names(path: Path) -> bool:
+    """Return whether a module has functions or classes of its own."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return any(isinstance(node, ast.FunctionDef | ast.ClassDef) for node in tree.body)
+
+
+def file_of(module: str) -> str:
+    """Return where a module's tests are looked for."""
+    folder, _, name = module.rpartition("/")
+    stem = "facade" if name == "__init__.py" else name.removesuffix(".py")
+    return f"{folder}/test_{stem}.py"
+
+
+MODULES = modules()
+FILES = [
+    path.relative_to(TESTS).as_posix()
+    for package in ("psp3", "fuzzy2")
+    for path in sorted((TESTS / package).rglob("test_*.py"))
+]
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_every_module_has_a_file_of_tests_or_says_where_they_are(module: str) -> None:
+    if (TESTS / file_of(module)).exists():
+        assert module not in ELSEWHERE, "it has a file of its own"
+    else:
+        assert module in ELSEWHERE, f"tests/{file_of(module)} is missing"
+
+
+@pytest.mark.parametrize("file", FILES)
+def test_every_file_of_tests_is_that_of_a_module(file: str) -> None:
+    assert file in map(file_of, MODULES)
+
+
+@pytest.mark.parametrize("module", ELSEWHERE)
+def test_modules_and_files_of_the_table_are_there(module: str) -> None:
+    file, reason = ELSEWHERE[module]
+    assert module in MODULES
+    assert (TESTS / file).exists()
+    assert reason
