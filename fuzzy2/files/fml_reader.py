@@ -46,7 +46,8 @@ class FmlReader(Source):
     """One document, read into elements and then into a description."""
 
     def _root(self, text: str) -> _Element:
-        parser = expat.ParserCreate(namespace_separator="}")
+        # The text is decoded already, so what it declares of its encoding is past.
+        parser = expat.ParserCreate("utf-8", namespace_separator="}")
         holder = _Element("", {}, 0)
         open_elements = [holder]
 

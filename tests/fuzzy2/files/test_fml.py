@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+import re
 from pathlib import Path
 from typing import Any
 
@@ -687,6 +688,15 @@ def test_what_fml_cannot_say_is_refused(system: Any, said: str) -> None:
     with pytest.raises(NotExpressible, match="cannot be expressed in FML") as caught:
         format_fml(system)
     assert said in str(caught.value)
+
+
+@pytest.mark.parametrize("declared", ["iso-8859-1", "utf-16", "utf-7", "idna", "rot13", "U0TF-8"])
+def test_text_is_what_it_is_whatever_encoding_it_declares(declared: str) -> None:
+    """It was decoded before: names beyond ASCII stay, and an unknown encoding hinders nobody."""
+    text = TIPPER.replace("service", "qualité")
+    system = parse_fml(re.sub(r'encoding="[^"]*"', f'encoding="{declared}"', text))
+    assert "qualité" in system.input_names
+    assert system.input_names == parse_fml(text).input_names
 
 
 @given(st.sampled_from([TIPPER, TSK]), st.data())
