@@ -9,6 +9,9 @@
 #   make pictures    draw the pictures of the README and the documentation anew
 #   make clean       remove what these commands made, but not results/
 #
+# Properties are tested on random examples, of which the cases of one property share a number; with
+# HYPOTHESIS_PROFILE=thorough each case gets all of them.
+#
 # Everything is installed into .venv. Each step leaves a stamp there, and runs again only when what it depends on has changed.
 
 PYTHON ?= python3
