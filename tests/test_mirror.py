@@ -16,8 +16,6 @@ ROOT = TESTS.parent
 
 THROUGH_ITS_FACE = "inner parts, compiled or not, are reached by those that call them"
 OF_ALL_SETS = "properties of all sets are tested for all of them at once"
-OF_ALL_FIGURES = "figures of sets, operations and systems are drawn by the same helpers"
-OF_THE_ROBOT = "commands that ask the robot something are tested in one file"
 OF_EVERY_COMMAND = "what every command shares is tested on the commands"
 OF_THE_JOB = "what it adds to the outcome is read there, since making one takes seconds"
 NAMES_ONLY = "has names and numbers only, which are read there"
@@ -28,36 +26,19 @@ ELSEWHERE = {
         "each is raised, and its message read, by the tests of what raises it",
     ),
     "fuzzy2/files/description.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
-    "fuzzy2/files/fis_names.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
-    "fuzzy2/files/fis_reader.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
-    "fuzzy2/files/fis_writer.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
-    "fuzzy2/files/fml_names.py": ("fuzzy2/files/test_fml.py", THROUGH_ITS_FACE),
-    "fuzzy2/files/fml_reader.py": ("fuzzy2/files/test_fml.py", THROUGH_ITS_FACE),
-    "fuzzy2/files/fml_writer.py": ("fuzzy2/files/test_fml.py", THROUGH_ITS_FACE),
+    "fuzzy2/files/fis_names.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
+    "fuzzy2/files/fml_names.py": ("fuzzy2/files/test_fml_reader.py", THROUGH_ITS_FACE),
     "fuzzy2/files/json_kinds.py": ("fuzzy2/files/test_json_files.py", THROUGH_ITS_FACE),
-    "fuzzy2/files/source.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
+    "fuzzy2/files/source.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
     "fuzzy2/learning/adaptation_kernels.py": (
         "fuzzy2/learning/test_adaptation.py",
         THROUGH_ITS_FACE,
     ),
     "fuzzy2/learning/samples.py": ("fuzzy2/learning/test_wang_mendel.py", THROUGH_ITS_FACE),
-    "fuzzy2/learning/tunable_system.py": ("fuzzy2/learning/test_fine_tuning.py", THROUGH_ITS_FACE),
     "fuzzy2/numbers/base.py": ("fuzzy2/numbers/test_affine.py", THROUGH_ITS_FACE),
-    "fuzzy2/operations/continuous_meet.py": (
-        "fuzzy2/operations/test_join_meet.py",
-        THROUGH_ITS_FACE,
-    ),
-    "fuzzy2/plots/operations.py": ("fuzzy2/plots/test_sets.py", OF_ALL_FIGURES),
-    "fuzzy2/plots/panels.py": ("fuzzy2/plots/test_sets.py", THROUGH_ITS_FACE),
-    "fuzzy2/plots/systems.py": ("fuzzy2/plots/test_sets.py", OF_ALL_FIGURES),
-    "fuzzy2/plots/type_reduced.py": ("fuzzy2/plots/test_sets.py", OF_ALL_FIGURES),
     "fuzzy2/reduction/kernels.py": ("fuzzy2/reduction/test_interval.py", THROUGH_ITS_FACE),
     "fuzzy2/sets/curves.py": ("fuzzy2/sets/test_type1.py", THROUGH_ITS_FACE),
-    "fuzzy2/sets/functional_type2.py": ("fuzzy2/sets/test_general_type2.py", OF_ALL_SETS),
     "fuzzy2/sets/shapes.py": ("fuzzy2/sets/test_type1.py", OF_ALL_SETS),
-    "fuzzy2/sets/sigmoids.py": ("fuzzy2/sets/test_smooth_shapes.py", OF_ALL_SETS),
-    "fuzzy2/sets/uncertain_mean.py": ("fuzzy2/sets/test_interval_type2.py", THROUGH_ITS_FACE),
-    "fuzzy2/sets/vertical_slices.py": ("fuzzy2/sets/test_general_type2.py", THROUGH_ITS_FACE),
     "fuzzy2/support/checks.py": (
         "cross/test_bad_input.py",
         "what is refused is tested where users meet it",
@@ -68,27 +49,15 @@ ELSEWHERE = {
     ),
     "fuzzy2/support/lazy.py": ("test_public_names.py", "tested on every facade of both packages"),
     "fuzzy2/support/quadrature.py": ("fuzzy2/sets/test_interval_type2.py", THROUGH_ITS_FACE),
-    "fuzzy2/support/text_files.py": (
-        "fuzzy2/files/test_json_files.py",
-        "tested on the files that are written with it",
-    ),
     "fuzzy2/systems/construction.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
-    "fuzzy2/systems/embedded.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
-    "fuzzy2/systems/table.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/table.py": ("fuzzy2/systems/test_kernels.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/terms.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
-    "psp3/checks.py": (
-        "cross/test_bad_input.py",
-        "what is refused is tested where users meet it",
-    ),
     "psp3/cli/app.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
-    "psp3/cli/commands/info.py": ("psp3/cli/commands/test_robot.py", OF_THE_ROBOT),
     "psp3/cli/commands/reproduce.py": ("psp3/thesis/test_replication.py", OF_THE_JOB),
-    "psp3/cli/commands/torques.py": ("psp3/cli/commands/test_robot.py", OF_THE_ROBOT),
-    "psp3/cli/commands/workspace.py": ("psp3/cli/commands/test_robot.py", OF_THE_ROBOT),
     "psp3/cli/option_groups.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/output.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
-    "psp3/cli/shared.py": ("psp3/cli/commands/test_robot.py", OF_EVERY_COMMAND),
+    "psp3/cli/shared.py": ("psp3/cli/commands/test_torques.py", OF_EVERY_COMMAND),
     "psp3/closure/rank.py": ("psp3/closure/test_table.py", THROUGH_ITS_FACE),
     "psp3/control/controller.py": (
         "psp3/simulation/test_tracking.py",

@@ -6,7 +6,7 @@ r"""Control-law partitioning: chapter 4 of the thesis, eq. 4.9 to 4.18.
 
 into a unit mass and then lets the error decay like a mass-spring-damper of one's choice (eq. 4.18):
 computed torque control in one dimension. :func:`simulate_tracking` closes the loop, also with a
-model that is wrong. The systems, of :mod:`psp3.thesis.chapter_4_systems`, are here as well.
+model that is wrong. The systems are those of :mod:`psp3.thesis.chapter_4_systems`.
 """
 
 from __future__ import annotations
@@ -21,13 +21,10 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, checked_finite, finite_array
 from psp3.errors import InvalidArray, InvalidValue, MotionDiverged
-from psp3.thesis.chapter_4_systems import DampingCase as DampingCase
-from psp3.thesis.chapter_4_systems import Gains as Gains
-from psp3.thesis.chapter_4_systems import MassSpringDamper as MassSpringDamper
-from psp3.thesis.chapter_4_systems import Response as Response
-from psp3.thesis.chapter_4_systems import SecondOrderSystem as SecondOrderSystem
-from psp3.thesis.chapter_4_systems import critical_damping as critical_damping
-from psp3.thesis.chapter_4_systems import cubic_spring as cubic_spring
+from psp3.thesis.chapter_4_systems import (
+    MassSpringDamper,
+    SecondOrderSystem,
+)
 
 
 class Desired(NamedTuple):

@@ -12,14 +12,12 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, FancyBboxPatch
 
 from psp3.plots.panels import Panels, given_panels, muted
-from psp3.thesis.chapter_4 import (
+from psp3.thesis.chapter_4 import Desired, PartitionedControl, simulate_tracking
+from psp3.thesis.chapter_4_systems import (
     DampingCase,
-    Desired,
     MassSpringDamper,
-    PartitionedControl,
     critical_damping,
     cubic_spring,
-    simulate_tracking,
 )
 
 # One spring and one mass with three dampers, so that Figures 34 to 36 differ in the damping alone.
