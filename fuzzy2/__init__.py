@@ -67,8 +67,8 @@ if TYPE_CHECKING:
     from fuzzy2.reduction.interval import wu_mendel_bounds as wu_mendel_bounds
     from fuzzy2.sets.derived import Complement as Complement
     from fuzzy2.sets.derived import FunctionalSet as FunctionalSet
+    from fuzzy2.sets.functional_type2 import FunctionalType2Set as FunctionalType2Set
     from fuzzy2.sets.gaussian_type2 import GaussianType2Set as GaussianType2Set
-    from fuzzy2.sets.general_type2 import FunctionalType2Set as FunctionalType2Set
     from fuzzy2.sets.general_type2 import GeneralType2Set as GeneralType2Set
     from fuzzy2.sets.general_type2 import SampledType2Set as SampledType2Set
     from fuzzy2.sets.general_type2 import ZSlices as ZSlices
@@ -79,11 +79,11 @@ if TYPE_CHECKING:
     from fuzzy2.sets.shapes import Interval as Interval
     from fuzzy2.sets.shapes import Trapezoidal as Trapezoidal
     from fuzzy2.sets.shapes import Triangular as Triangular
+    from fuzzy2.sets.sigmoids import Sigmoid as Sigmoid
+    from fuzzy2.sets.sigmoids import SigmoidDifference as SigmoidDifference
+    from fuzzy2.sets.sigmoids import SigmoidProduct as SigmoidProduct
     from fuzzy2.sets.smooth_shapes import Bell as Bell
     from fuzzy2.sets.smooth_shapes import PiShaped as PiShaped
-    from fuzzy2.sets.smooth_shapes import Sigmoid as Sigmoid
-    from fuzzy2.sets.smooth_shapes import SigmoidDifference as SigmoidDifference
-    from fuzzy2.sets.smooth_shapes import SigmoidProduct as SigmoidProduct
     from fuzzy2.sets.smooth_shapes import TwoSidedGaussian as TwoSidedGaussian
     from fuzzy2.sets.type1 import SampledSet as SampledSet
     from fuzzy2.sets.type1 import Singleton as Singleton

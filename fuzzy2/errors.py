@@ -11,8 +11,8 @@ from typing import Any, Self
 import numpy as np
 
 
-class Fuzzy2Error(Exception):
-    """Base of every error this package raises on purpose.
+class RaisedOnPurpose(BaseException):
+    """Base of the errors and warnings of this package, and of those that build on it.
 
     They can be pickled, so they cross process boundaries whole.
     """
@@ -25,8 +25,12 @@ class Fuzzy2Error(Exception):
         error._arguments = arguments
         return error
 
-    def __reduce__(self) -> tuple[type[Fuzzy2Error], tuple[Any, ...]]:
+    def __reduce__(self) -> tuple[type[RaisedOnPurpose], tuple[Any, ...]]:
         return type(self), self._arguments
+
+
+class Fuzzy2Error(RaisedOnPurpose, Exception):
+    """Base of every error this package raises on purpose."""
 
 
 class UnknownName(Fuzzy2Error, ValueError):
@@ -42,12 +46,13 @@ class InvalidValue(Fuzzy2Error, ValueError):
 
     def __init__(self, name: str, value: object, requirement: str) -> None:
         self.name, self.value = name, value
-        shown = (
-            np.array2string(value, threshold=12)
-            if isinstance(value, np.ndarray)
-            else repr(value)[:120]
-        )
-        super().__init__(f"{name} must be {requirement}, got {shown}")
+        super().__init__(f"{name} must be {requirement}, got {self._shown(value)}")
+
+    @staticmethod
+    def _shown(value: object) -> str:
+        if isinstance(value, np.ndarray):
+            return np.array2string(value, threshold=12)
+        return repr(value)[:120]
 
 
 class NotApplicable(Fuzzy2Error, ValueError):
@@ -96,7 +101,7 @@ class TooManyEmbeddedSets(Fuzzy2Error, ValueError):
         )
 
 
-class ApproximationWarning(UserWarning):
+class ApproximationWarning(RaisedOnPurpose, UserWarning):
     """An approximation is used where it need not be close.
 
     See :mod:`fuzzy2.reduction.approximate`.
@@ -109,9 +114,6 @@ class ApproximationWarning(UserWarning):
             "type-reduced set may be far from the exact one; reduce by alpha-planes, or use "
             "narrower type-2 sets"
         )
-
-    def __reduce__(self) -> tuple[type[ApproximationWarning], tuple[str, float, float]]:
-        return type(self), (self.what, self.validity, self.limit)
 
 
 class NotNumbers(Fuzzy2Error, TypeError):
@@ -181,7 +183,7 @@ class WrongFeatures(Fuzzy2Error, ValueError):
         super().__init__("\n".join(lines) + "\n")
 
 
-class FeatureNamesWarning(UserWarning):
+class FeatureNamesWarning(RaisedOnPurpose, UserWarning):
     """Columns have names where the estimator learned without, or the other way round."""
 
     def __init__(self, estimator: str, was_fitted_with_names: bool) -> None:
@@ -195,6 +197,3 @@ class FeatureNamesWarning(UserWarning):
             super().__init__(
                 f"X has feature names, but {estimator} was fitted without feature names"
             )
-
-    def __reduce__(self) -> tuple[type[FeatureNamesWarning], tuple[str, bool]]:
-        return type(self), (self.estimator, self.was_fitted_with_names)

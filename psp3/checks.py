@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import contextlib
 import math
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -57,6 +58,17 @@ def finite_rows(name: str, values: ArrayLike, width: int) -> Array:
     return array
 
 
+def finite_array(name: str, values: ArrayLike) -> Array:
+    """Return ``values`` as a float array of their own shape.
+
+    Raise :class:`InvalidArray` if one is not a finite number.
+    """
+    array = as_floats(name, values, "(...,)").reshape(np.shape(values))
+    if not np.isfinite(array).all():
+        raise InvalidArray(name, "(...,)", array)
+    return array
+
+
 def one_row(name: str, values: ArrayLike, width: int) -> Array:
     """Return ``values`` as an array of shape (width,) of finite numbers.
 
@@ -92,6 +104,40 @@ def together(**arrays: Array) -> list[Array]:
     ]
 
 
+def applied_to_rows(
+    function: Callable[..., Array], shape: tuple[int, ...], **arguments: tuple[ArrayLike, int]
+) -> Array:
+    """Apply a function of single rows to arguments with leading dimensions.
+
+    For what takes one configuration at a time, as Pinocchio does.
+
+    Parameters
+    ----------
+    function : callable
+        From one row of each argument to an array of the given shape.
+    shape : tuple of int
+        Shape of what it returns.
+    **arguments : tuple of array_like and int
+        Arrays (..., n) by the name that an error gives them, each with its n. Their leading
+        dimensions are broadcast.
+
+    Returns
+    -------
+    (..., *shape) ndarray
+
+    Raises
+    ------
+    InvalidArray
+        If an argument has another last dimension, is not finite, or the leading dimensions do not
+        go together.
+    """
+    arrays = together(
+        **{name: finite_rows(name, values, width) for name, (values, width) in arguments.items()}
+    )
+    rows = zip(*(array.reshape(-1, array.shape[-1]) for array in arrays), strict=True)
+    return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
+
+
 def checked_number(name: str, value: object, requirement: str, least: float = -math.inf) -> float:
     """Return a real number as a float.
 
@@ -103,6 +149,14 @@ def checked_number(name: str, value: object, requirement: str, least: float = -m
             number = float(value)
     if not number >= least:
         raise InvalidValue(name, value, requirement)
+    return number
+
+
+def checked_finite(name: str, value: object) -> float:
+    """Return a number as a float; raise :class:`InvalidValue` if it is not finite."""
+    number = checked_number(name, value, "a finite number")
+    if math.isinf(number):
+        raise InvalidValue(name, value, "a finite number")
     return number
 
 

@@ -3,19 +3,22 @@
 Each error carries the values it is about and says what to do.
 
 Errors about an argument are also :class:`ValueError`, so code that knows nothing of this package
-catches them too.
+catches them too. Those that :mod:`fuzzy2.errors` knows under the same name are its errors as well:
+who catches a wrong value of one package catches that of the other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+import fuzzy2.errors
+from fuzzy2.errors import RaisedOnPurpose
+from fuzzy2.support.checks import Array
 
 
 def _numbers(values: Any) -> str:
@@ -25,30 +28,12 @@ def _numbers(values: Any) -> str:
     return " ".join(text.split())
 
 
-class PSP3Error(Exception):
-    """Base of every error this package raises on purpose.
-
-    They can be pickled, so they cross process boundaries whole.
-    """
-
-    _arguments: tuple[Any, ...]
-
-    def __new__(cls, *arguments: Any) -> Self:
-        """Remember the arguments, from which a pickled error is made again."""
-        error = super().__new__(cls, *arguments)
-        error._arguments = arguments
-        return error
-
-    def __reduce__(self) -> tuple[type[PSP3Error], tuple[Any, ...]]:
-        return type(self), self._arguments
+class PSP3Error(RaisedOnPurpose, Exception):
+    """Base of every error this package raises on purpose."""
 
 
-class UnknownName(PSP3Error, ValueError):
+class UnknownName(fuzzy2.errors.UnknownName, PSP3Error):
     """A name that is looked up is not among the known ones."""
-
-    def __init__(self, kind: str, name: object, known: Sequence[str]) -> None:
-        self.name, self.known = name, tuple(known)
-        super().__init__(f"unknown {kind} {name!r}; known are {', '.join(known)}")
 
 
 class InvalidArray(PSP3Error, ValueError):
@@ -70,12 +55,12 @@ class InvalidArray(PSP3Error, ValueError):
         super().__init__(f"{name} must be finite numbers of shape {shape}, got {found}")
 
 
-class InvalidValue(PSP3Error, ValueError):
+class InvalidValue(fuzzy2.errors.InvalidValue, PSP3Error):
     """A scalar argument is outside the values it can take."""
 
-    def __init__(self, name: str, value: object, requirement: str) -> None:
-        self.name, self.value = name, value
-        super().__init__(f"{name} must be {requirement}, got {value!r}")
+    @staticmethod
+    def _shown(value: object) -> str:
+        return repr(value)
 
 
 class UnreachablePose(PSP3Error, ValueError):
@@ -226,12 +211,16 @@ class DisorderedJoints(PSP3Error, ValueError):
         )
 
 
-class InvalidRobotFile(PSP3Error, ValueError):
-    """A URDF, SRDF or loop file cannot be used."""
+class InvalidFile(PSP3Error, ValueError):
+    """Base of the errors about a file that cannot be used."""
 
     def __init__(self, path: str | Path, reason: str) -> None:
         self.path, self.reason = Path(path), reason
         super().__init__(f"{path}: {reason}")
+
+
+class InvalidRobotFile(InvalidFile):
+    """A URDF, SRDF or loop file cannot be used."""
 
 
 class UnphysicalInertia(PSP3Error, ValueError):
@@ -324,28 +313,16 @@ class CollisionFound(PSP3Error, ValueError):
         )
 
 
-class InvalidTrajectoryFile(PSP3Error, ValueError):
+class InvalidTrajectoryFile(InvalidFile):
     """A trajectory's CSV file cannot be used."""
 
-    def __init__(self, path: str | Path, reason: str) -> None:
-        self.path, self.reason = Path(path), reason
-        super().__init__(f"{path}: {reason}")
 
-
-class InvalidResultFile(PSP3Error, ValueError):
+class InvalidResultFile(InvalidFile):
     """A file is not a whole simulation result of this version."""
 
-    def __init__(self, path: str | Path, reason: str) -> None:
-        self.path, self.reason = Path(path), reason
-        super().__init__(f"{path}: {reason}")
 
-
-class InvalidMapFile(PSP3Error, ValueError):
+class InvalidMapFile(InvalidFile):
     """A file is not a whole map of a workspace of this version."""
-
-    def __init__(self, path: str | Path, reason: str) -> None:
-        self.path, self.reason = Path(path), reason
-        super().__init__(f"{path}: {reason}")
 
 
 class SimulationStopped(PSP3Error, RuntimeError):
@@ -420,12 +397,8 @@ class NoThreshold(PSP3Error, RuntimeError):
         )
 
 
-class InvalidControllerFile(PSP3Error, ValueError):
+class InvalidControllerFile(InvalidFile):
     """A file is not a trained controller, or one for another robot."""
-
-    def __init__(self, path: str | Path, reason: str) -> None:
-        self.path, self.reason = Path(path), reason
-        super().__init__(f"{path}: {reason}")
 
 
 class UnusableEstimate(PSP3Error, ValueError):
@@ -442,12 +415,8 @@ class UnusableEstimate(PSP3Error, ValueError):
         )
 
 
-class InvalidStudyFile(PSP3Error, ValueError):
+class InvalidStudyFile(InvalidFile):
     """A file does not hold the results of a study: it is missing, damaged or another program's."""
-
-    def __init__(self, path: str | Path, reason: str) -> None:
-        self.path, self.reason = Path(path), reason
-        super().__init__(f"{path}: {reason}")
 
 
 class StudyMismatch(PSP3Error, ValueError):
@@ -516,7 +485,7 @@ class SchedulerUnavailable(PSP3Error, RuntimeError):
         super().__init__(f"scheduler {address}: {reason}")
 
 
-class StudyInterrupted(KeyboardInterrupt):
+class StudyInterrupted(RaisedOnPurpose, KeyboardInterrupt):
     """Ctrl-C ended a study; its file holds ``done`` of ``total`` runs and is valid.
 
     Not a :class:`PSP3Error`: whoever interrupts wants out, and ``except Exception`` must not stop

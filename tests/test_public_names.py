@@ -56,7 +56,7 @@ paired_difference ratio_of_means share
     "psp3.visualize": "Scene Viewer write_animation",
     "psp3.errors": """
         ClosureFailed CollisionFound DisorderedJoints InconsistentVelocity InvalidArray \
-InvalidControllerFile InvalidMapFile
+InvalidControllerFile InvalidFile InvalidMapFile
         InvalidResultFile InvalidRobotFile InvalidStudyFile InvalidTorque InvalidTrajectoryFile \
 InvalidValue JointLimitExceeded
         MasslessBody MissingPackage MobilityMismatch MotionDiverged NoStabilizingSolution \
@@ -70,7 +70,7 @@ UnsupportedJoint UnusableEstimate
     """,
     "fuzzy2.errors": """
         ApproximationWarning FeatureNamesWarning Fuzzy2Error InvalidRule InvalidValue \
-MalformedFile NotApplicable NotExpressible
+MalformedFile NotApplicable NotExpressible RaisedOnPurpose
         NotFitted NotNumbers TooManyEmbeddedSets UnknownName UnsupportedRule WrongFeatures
     """,
     "fuzzy2.plots": """

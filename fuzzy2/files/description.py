@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -25,6 +25,9 @@ from fuzzy2.support.checks import Array
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 from fuzzy2.systems.terms import domain_of
+
+Rules: TypeAlias = tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
+"""Pairs of numbers of terms: of all inputs, -1 for any, and of all outputs."""
 
 SUM = "sum"
 """Name of the aggregation that adds the output sets of the rules instead of uniting them."""
@@ -66,7 +69,7 @@ class Description:
 
     inputs: tuple[Variable, ...]
     outputs: tuple[Variable, ...]
-    rules: tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
+    rules: Rules
     t_norm: str
     mamdani: bool
     aggregation: str = "max"

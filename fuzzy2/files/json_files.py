@@ -21,49 +21,53 @@ from __future__ import annotations
 
 import inspect
 import json
-import math
 import os
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Final, NamedTuple
+from collections.abc import Mapping, Sequence
+from typing import Any, Final
 
 import numpy as np
 
 from fuzzy2.errors import Fuzzy2Error, InvalidRule, InvalidValue, MalformedFile, NotExpressible
+from fuzzy2.files.json_kinds import (
+    ANY_NUMBER,
+    INTEGER,
+    NUMBER,
+    TEXT,
+    Json,
+    Kind,
+    choice_of,
+    list_of,
+    malformed,
+    norm_of,
+    or_none,
+    pair_of,
+    read_list,
+    shown,
+    table_of,
+)
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.reduction.interval import METHODS
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import (
-    AlphaPlane,
-    GeneralType2Set,
-    SampledType2Set,
-    Staircase,
-    ZSlices,
-)
+from fuzzy2.sets.general_type2 import AlphaPlane, GeneralType2Set, SampledType2Set, ZSlices
 from fuzzy2.sets.interval_type2 import (
     EmbeddedSet,
-    FarthestMeanGaussian,
     GaussianUncertainMean,
     GaussianUncertainSigma,
     IntervalType2Set,
-    NearestMeanGaussian,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import (
-    Bell,
-    PiShaped,
-    Sigmoid,
-    SigmoidDifference,
-    SigmoidProduct,
-    TwoSidedGaussian,
-)
+from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
+from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
+from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
+from fuzzy2.sets.vertical_slices import Staircase
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.general_type2 import GeneralType2System
-from fuzzy2.systems.rules import Rule, nearest_name, parse_rule
+from fuzzy2.systems.rules import Rule, parse_rule, unknown_name
 from fuzzy2.systems.system import TYPE_REDUCTIONS, FuzzySystem, IntervalType2System, Type1System
 
 FORMAT: Final = "fuzzy2"
@@ -72,190 +76,30 @@ FORMAT: Final = "fuzzy2"
 SCHEMA_VERSION: Final = 1
 """Version of the schema that is written, and the only one that is read so far."""
 
-LARGEST_INTEGER: Final = 2**31 - 1
-"""Largest whole number that is read; there are no such large rule bases or grids."""
-
 RULE_BASE: Final = "RuleBase"
 """Type of a document that holds rules."""
 
-Json = Any
-"""What ``json`` makes of a document: dictionaries, lists, strings, numbers, True, False and
-None.
-"""
 
-
-class _Kind(NamedTuple):
-    """How a value of one kind is written at a path of the document, and read from it."""
-
-    write: Callable[[Any, str], Json]
-    read: Callable[[Json, str], Any]
-
-
-def _malformed(path: str, reason: str) -> MalformedFile:
-    return MalformedFile("document", path, reason)
-
-
-def _shown(value: Json) -> str:
-    text = json.dumps(value, ensure_ascii=False, default=repr)
-    return text if len(text) <= 60 else f"{text[:57]}..."
-
-
-def _write_number(value: Any, path: str) -> Json:
-    number = float(value)
-    if math.isnan(number):
-        raise NotExpressible(f"NaN at {path}", "JSON", "it is not a number")
-    return number if math.isfinite(number) else "inf" if number > 0.0 else "-inf"
-
-
-def _read_number(value: Json, path: str) -> float:
-    if isinstance(value, int | float) and not isinstance(value, bool):
-        try:
-            number = float(value)
-        except OverflowError:
-            number = math.inf
-        if math.isfinite(number):
-            return number
-    raise _malformed(path, f"expected a finite number, got {_shown(value)}")
-
-
-def _read_any_number(value: Json, path: str) -> float:
-    if value in ("inf", "-inf"):
-        return float(value)
-    return _read_number(value, path)
-
-
-def _optionally(kind: _Kind) -> _Kind:
-    """Return the kind of things of one kind that may be missing, which is written null."""
-    return _Kind(
-        lambda value, path: None if value is None else kind.write(value, path),
-        lambda value, path: None if value is None else kind.read(value, path),
-    )
-
-
-def _read_list(value: Json, path: str) -> list[Json]:
-    if not isinstance(value, list):
-        raise _malformed(path, f"expected a list, got {_shown(value)}")
-    return value
-
-
-def _listed(kind: _Kind) -> _Kind:
-    """Return the kind of lists of things of one kind."""
-    return _Kind(
-        lambda values, path: [kind.write(value, f"{path}[{i}]") for i, value in enumerate(values)],
-        lambda values, path: [
-            kind.read(value, f"{path}[{i}]") for i, value in enumerate(_read_list(values, path))
-        ],
-    )
-
-
-def _paired(kind: _Kind) -> _Kind:
-    """Return the kind of lists of two things of one kind."""
-    listed = _listed(kind)
-
-    def read(values: Json, path: str) -> Any:
-        if len(_read_list(values, path)) != 2:
-            raise _malformed(path, f"expected two, got {len(values)}")
-        return listed.read(values, path)
-
-    return _Kind(listed.write, read)
-
-
-def _read_integer(value: Json, path: str) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or abs(value) > LARGEST_INTEGER:
-        raise _malformed(path, f"expected a whole number, got {_shown(value)}")
-    return value
-
-
-def _depth(value: Json) -> int:
-    return 1 + _depth(value[0]) if isinstance(value, list) and value else 0
-
-
-def _table(of: _Kind, name: str, *dimensions: int) -> _Kind:
-    """Return the kind of nested lists whose rows are alike.
-
-    They have one of some numbers of dimensions.
-    """
-
-    def write(values: Any, path: str) -> Json:
-        kind = of
-        for _ in np.shape(values):
-            kind = _listed(kind)
-        return kind.write(np.asarray(values).tolist(), path)
-
-    def read(value: Json, path: str) -> Any:
-        depth = _depth(_read_list(value, path))
-        if depth not in dimensions:
-            raise _malformed(path, f"expected {name}, got {_shown(value)}")
-        kind = of
-        for _ in range(depth):
-            kind = _listed(kind)
-        rows = kind.read(value, path)
-        try:
-            np.array(rows)
-        except ValueError:
-            raise _malformed(
-                path, f"expected {name}, but its rows are of different lengths"
-            ) from None
-        return rows
-
-    return _Kind(write, read)
-
-
-def _choice(known: Iterable[str], name: str) -> _Kind:
-    """Return the kind of strings among some."""
-
-    def read(value: Json, path: str) -> str:
-        if _read_text(value, path) not in known:
-            raise _malformed(path, f"{_unknown(name, value, known)} (known: {', '.join(known)})")
-        return str(value)
-
-    return _Kind(lambda value, path: value, read)
-
-
-def _norm(known: Mapping[str, Any], name: str) -> _Kind:
-    """Return the kind of norms, written by name."""
-
-    def write(value: Any, path: str) -> Json:
-        written = value.name
-        if known.get(written) is not value:
-            raise NotExpressible(
-                f"the {name} {written!r} at {path}",
-                "JSON",
-                f"only {', '.join(known)} have names; it is a function",
-            )
-        return written
-
-    return _Kind(write, _choice(known, name).read)
-
-
-def _read_text(value: Json, path: str) -> str:
-    if not isinstance(value, str):
-        raise _malformed(path, f"expected a string, got {_shown(value)}")
-    return value
-
-
-def _thing(base: type | tuple[type, ...], name: str) -> _Kind:
+def _thing(base: type | tuple[type, ...], name: str) -> Kind:
     """Return the kind of objects with a type, which must be a subclass of ``base``."""
 
     def read(value: Json, path: str) -> object:
         thing = _read_object(value, path)
         if not isinstance(thing, base):
-            raise _malformed(f"{path}.type", f"expected {name}, got {type(thing).__name__!r}")
+            raise malformed(f"{path}.type", f"expected {name}, got {type(thing).__name__!r}")
         return thing
 
     # Both functions are defined below, because the table that they look into needs the kinds.
-    return _Kind(lambda value, path: _write_object(value, path), read)
+    return Kind(lambda value, path: _write_object(value, path), read)
 
 
-_NUMBER = _Kind(_write_number, _read_number)
-_ANY_NUMBER = _Kind(_write_number, _read_any_number)
-_NUMBERS, _PAIR, _ANY_PAIR = _listed(_NUMBER), _paired(_NUMBER), _paired(_ANY_NUMBER)
+_NUMBERS, _PAIR, _ANY_PAIR = list_of(NUMBER), pair_of(NUMBER), pair_of(ANY_NUMBER)
 _TYPE1 = _thing(Type1Set, "a type-1 set")
 _INTERVAL = _thing(IntervalType2Set, "an interval type-2 set")
 _PLANE = _thing((Type1Set, IntervalType2Set), "a type-1 or interval type-2 set")
 
 _SET = _thing((Type1Set, IntervalType2Set, GeneralType2Set), "a set")
-_NAMES = _listed(_Kind(lambda value, path: value, _read_text))
+_NAMES = list_of(TEXT)
 
 
 def _write_consequents(value: Any, path: str) -> Json:
@@ -271,73 +115,73 @@ def _write_consequents(value: Any, path: str) -> Json:
 def _read_consequents(value: Json, path: str) -> Any:
     if isinstance(value, dict):
         return _thing(Linear, "Linear").read(value, path)
-    first = _read_list(value, path)[0] if value else None
+    first = read_list(value, path)[0] if value else None
     of_sets = isinstance(first, list) and bool(first) and isinstance(first[0], dict)
     return _SET_TABLE.read(value, path) if of_sets else _NUMBER_TABLE.read(value, path)
 
 
-_NUMBER_TABLE = _table(
-    _NUMBER, "numbers (R, m) or (R, m, 2), or a list of sets for each rule", 2, 3
+_NUMBER_TABLE = table_of(
+    NUMBER, "numbers (R, m) or (R, m, 2), or a list of sets for each rule", 2, 3
 )
-_SET_TABLE = _listed(_listed(_SET))
-_COEFFICIENTS = _table(_NUMBER, "numbers (R, m, p + 1)", 3)
+_SET_TABLE = list_of(list_of(_SET))
+_COEFFICIENTS = table_of(NUMBER, "numbers (R, m, p + 1)", 3)
 
-_SYSTEM: dict[str, _Kind] = {
+_SYSTEM: dict[str, Kind] = {
     "inputs": _SET_TABLE,
-    "rules": _table(_Kind(lambda value, path: value, _read_integer), "whole numbers (R, p)", 2),
-    "consequents": _Kind(_write_consequents, _read_consequents),
-    "t_norm": _norm(T_NORMS, "t-norm"),
-    "type_reduction": _choice(TYPE_REDUCTIONS, "type reduction"),
-    "method": _choice(METHODS, "method of type reduction"),
-    "t_conorm": _norm(T_CONORMS, "t-conorm"),
-    "fuzzifier": _optionally(_thing((SingletonFuzzifier, NonSingletonFuzzifier), "a fuzzifier")),
+    "rules": table_of(INTEGER, "whole numbers (R, p)", 2),
+    "consequents": Kind(_write_consequents, _read_consequents),
+    "t_norm": norm_of(T_NORMS, "t-norm"),
+    "type_reduction": choice_of(TYPE_REDUCTIONS, "type reduction"),
+    "method": choice_of(METHODS, "method of type reduction"),
+    "t_conorm": norm_of(T_CONORMS, "t-conorm"),
+    "fuzzifier": or_none(_thing((SingletonFuzzifier, NonSingletonFuzzifier), "a fuzzifier")),
     "input_names": _NAMES,
     "output_names": _NAMES,
-    "term_names": _listed(_NAMES),
-    "consequent_names": _optionally(_listed(_NAMES)),
-    "input_ranges": _optionally(_listed(_PAIR)),
-    "output_ranges": _optionally(_listed(_PAIR)),
-    "resolution": _Kind(lambda value, path: value, _read_integer),
+    "term_names": list_of(_NAMES),
+    "consequent_names": or_none(list_of(_NAMES)),
+    "input_ranges": or_none(list_of(_PAIR)),
+    "output_ranges": or_none(list_of(_PAIR)),
+    "resolution": INTEGER,
 }
 
-_FIELDS: dict[type, dict[str, _Kind]] = {
-    Gaussian: {"mean": _NUMBER, "sigma": _NUMBER, "height": _NUMBER},
-    Triangular: {"left": _NUMBER, "peak": _NUMBER, "right": _NUMBER, "height": _NUMBER},
+_FIELDS: dict[type, dict[str, Kind]] = {
+    Gaussian: {"mean": NUMBER, "sigma": NUMBER, "height": NUMBER},
+    Triangular: {"left": NUMBER, "peak": NUMBER, "right": NUMBER, "height": NUMBER},
     Trapezoidal: {
-        "a": _ANY_NUMBER,
-        "b": _ANY_NUMBER,
-        "c": _ANY_NUMBER,
-        "d": _ANY_NUMBER,
-        "height": _NUMBER,
+        "a": ANY_NUMBER,
+        "b": ANY_NUMBER,
+        "c": ANY_NUMBER,
+        "d": ANY_NUMBER,
+        "height": NUMBER,
     },
-    Bell: {"center": _NUMBER, "width": _NUMBER, "slope": _NUMBER},
-    Sigmoid: {"center": _NUMBER, "slope": _NUMBER},
-    Singleton: {"point": _NUMBER},
-    Interval: {"left": _NUMBER, "right": _NUMBER},
+    Bell: {"center": NUMBER, "width": NUMBER, "slope": NUMBER},
+    Sigmoid: {"center": NUMBER, "slope": NUMBER},
+    Singleton: {"point": NUMBER},
+    Interval: {"left": NUMBER, "right": NUMBER},
     SampledSet: {"points": _NUMBERS, "grades": _NUMBERS},
-    Truncated: {"whole": _TYPE1, "left": _NUMBER, "right": _NUMBER},
+    Truncated: {"whole": _TYPE1, "left": NUMBER, "right": NUMBER},
     PiShaped: {
-        "a": _ANY_NUMBER,
-        "b": _ANY_NUMBER,
-        "c": _ANY_NUMBER,
-        "d": _ANY_NUMBER,
-        "height": _NUMBER,
+        "a": ANY_NUMBER,
+        "b": ANY_NUMBER,
+        "c": ANY_NUMBER,
+        "d": ANY_NUMBER,
+        "height": NUMBER,
     },
     TwoSidedGaussian: {"mean": _PAIR, "sigma": _ANY_PAIR},
     SigmoidDifference: {"center": _PAIR, "slope": _PAIR},
     SigmoidProduct: {"center": _PAIR, "slope": _PAIR},
     Complement: {"whole": _TYPE1},
-    NearestMeanGaussian: {"mean": _PAIR, "sigma": _NUMBER},
-    FarthestMeanGaussian: {"mean": _PAIR, "sigma": _NUMBER},
+    NearestMeanGaussian: {"mean": _PAIR, "sigma": NUMBER},
+    FarthestMeanGaussian: {"mean": _PAIR, "sigma": NUMBER},
     EmbeddedSet: {"footprint": _INTERVAL, "edges": _NUMBERS, "shares": _NUMBERS},
     Staircase: {"levels": _NUMBERS, "lefts": _NUMBERS, "rights": _NUMBERS},
     IntervalType2Set: {"lower": _TYPE1, "upper": _TYPE1},
-    GaussianUncertainMean: {"mean": _PAIR, "sigma": _NUMBER},
-    GaussianUncertainSigma: {"mean": _NUMBER, "sigma": _PAIR},
-    AlphaPlane: {"lower": _TYPE1, "upper": _TYPE1, "alpha": _NUMBER},
-    GaussianType2Set: {"principal": _TYPE1, "sigma": _NUMBER, "domain": _ANY_PAIR},
-    SampledType2Set: {"points": _NUMBERS, "slices": _listed(_TYPE1)},
-    ZSlices: {"alphas": _NUMBERS, "planes": _listed(_PLANE)},
+    GaussianUncertainMean: {"mean": _PAIR, "sigma": NUMBER},
+    GaussianUncertainSigma: {"mean": NUMBER, "sigma": _PAIR},
+    AlphaPlane: {"lower": _TYPE1, "upper": _TYPE1, "alpha": NUMBER},
+    GaussianType2Set: {"principal": _TYPE1, "sigma": NUMBER, "domain": _ANY_PAIR},
+    SampledType2Set: {"points": _NUMBERS, "slices": list_of(_TYPE1)},
+    ZSlices: {"alphas": _NUMBERS, "planes": list_of(_PLANE)},
     SingletonFuzzifier: {},
     NonSingletonFuzzifier: {"shape": _SET},
     Linear: {"coefficients": _COEFFICIENTS, "spreads": _COEFFICIENTS},
@@ -345,9 +189,9 @@ _FIELDS: dict[type, dict[str, _Kind]] = {
     IntervalType2System: _SYSTEM,
     GeneralType2System: {
         **_SYSTEM,
-        "reduction": _choice(("alpha_planes", "gaussian"), "reduction"),
-        "levels": _Kind(lambda value, path: value, _read_integer),
-        "grade_t_norm": _choice(("min", "product"), "t-norm of secondary grades"),
+        "reduction": choice_of(("alpha_planes", "gaussian"), "reduction"),
+        "levels": INTEGER,
+        "grade_t_norm": choice_of(("min", "product"), "t-norm of secondary grades"),
     },
 }
 
@@ -375,22 +219,22 @@ def _write_object(value: object, path: str) -> dict[str, Json]:
 
 def _read_object(value: Json, path: str) -> object:
     if not isinstance(value, dict):
-        raise _malformed(path, f"expected an object, got {_shown(value)}")
+        raise malformed(path, f"expected an object, got {shown(value)}")
     if isinstance(value, _Repeated):
-        raise _malformed(f"{path}.{value.name}", "is given twice")
+        raise malformed(f"{path}.{value.name}", "is given twice")
     if "type" not in value:
-        raise _malformed(path, 'has no "type"')
+        raise malformed(path, 'has no "type"')
     classes = {known.__name__: known for known in _FIELDS}
-    name = _read_text(value["type"], f"{path}.type")
+    name = TEXT.read(value["type"], f"{path}.type")
     if name not in classes:
-        raise _malformed(f"{path}.type", _unknown("class", name, classes))
+        raise malformed(f"{path}.type", unknown_name("class", name, classes))
     fields, optional = _FIELDS[classes[name]], _optional(classes[name])
     for given in value:
         if given != "type" and given not in fields:
-            raise _malformed(f"{path}.{given}", _unknown(f"field of {name}", given, fields))
+            raise malformed(f"{path}.{given}", unknown_name(f"field of {name}", given, fields))
     for field in fields:
         if field not in value and field not in optional:
-            raise _malformed(path, f"{name} needs {field!r}")
+            raise malformed(path, f"{name} needs {field!r}")
     arguments = {
         field: kind.read(value[field], f"{path}.{field}")
         for field, kind in fields.items()
@@ -399,10 +243,10 @@ def _read_object(value: Json, path: str) -> object:
     try:
         return classes[name](**arguments)
     except Fuzzy2Error as error:
-        raise _malformed(path + _place(error, fields), str(error)) from error
+        raise malformed(path + _place(error, fields), str(error)) from error
 
 
-def _place(error: Fuzzy2Error, fields: Mapping[str, _Kind]) -> str:
+def _place(error: Fuzzy2Error, fields: Mapping[str, Kind]) -> str:
     """Return where in an object the constructor found fault."""
     name = error.name if isinstance(error, InvalidValue) else ""
     if name in fields:
@@ -426,11 +270,6 @@ def _optional(of: type) -> frozenset[str]:
     return frozenset(
         parameter.name for parameter in parameters if parameter.default is not parameter.empty
     )
-
-
-def _unknown(kind: str, name: str, known: Iterable[str]) -> str:
-    suggestion = nearest_name(name, known)
-    return f"unknown {kind} {name!r}{f'; did you mean {suggestion!r}?' if suggestion else ''}"
 
 
 class _Repeated(dict[str, Json]):
@@ -497,15 +336,15 @@ def from_json(document: Mapping[str, Json]) -> Any:
         ``$.inputs[0][1].sigma``.
     """
     if not isinstance(document, Mapping):
-        raise _malformed("$", f"expected an object, got {_shown(document)}")
+        raise malformed("$", f"expected an object, got {shown(document)}")
     if isinstance(document, _Repeated):
-        raise _malformed(f"$.{document.name}", "is given twice")
+        raise malformed(f"$.{document.name}", "is given twice")
     if document.get("format") != FORMAT:
-        raise _malformed("$.format", f'expected "{FORMAT}", got {_shown(document.get("format"))}')
+        raise malformed("$.format", f'expected "{FORMAT}", got {shown(document.get("format"))}')
     version = document.get("version")
     if isinstance(version, bool) or version != SCHEMA_VERSION:
-        raise _malformed(
-            "$.version", f"this release reads version {SCHEMA_VERSION}, got {_shown(version)}"
+        raise malformed(
+            "$.version", f"this release reads version {SCHEMA_VERSION}, got {shown(version)}"
         )
     content = {name: value for name, value in document.items() if name not in ("format", "version")}
     try:
@@ -513,21 +352,21 @@ def from_json(document: Mapping[str, Json]) -> Any:
             _read_rules(content) if content.get("type") == RULE_BASE else _read_object(content, "$")
         )
     except RecursionError:
-        raise _malformed("$", "is nested too deeply") from None
+        raise malformed("$", "is nested too deeply") from None
 
 
 def _read_rules(content: dict[str, Json]) -> list[Rule]:
     for given in content:
         if given not in ("type", "rules"):
-            raise _malformed(f"$.{given}", _unknown(f"field of {RULE_BASE}", given, ["rules"]))
+            raise malformed(f"$.{given}", unknown_name(f"field of {RULE_BASE}", given, ["rules"]))
     rules = []
-    for i, text in enumerate(_read_list(content.get("rules"), "$.rules")):
+    for i, text in enumerate(read_list(content.get("rules"), "$.rules")):
         try:
-            rules.append(parse_rule(_read_text(text, f"$.rules[{i}]"), i + 1))
+            rules.append(parse_rule(TEXT.read(text, f"$.rules[{i}]"), i + 1))
         except InvalidRule as error:
-            raise _malformed(f"$.rules[{i}]", str(error)) from error
+            raise malformed(f"$.rules[{i}]", str(error)) from error
     if not rules:
-        raise _malformed("$.rules", "expected at least one rule")
+        raise malformed("$.rules", "expected at least one rule")
     return rules
 
 

@@ -39,7 +39,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.support.checks import Array, positive, real, reals
-from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
+from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System, rebuilt
 
 
 class AdaptiveConsequents:
@@ -217,24 +217,7 @@ class AdaptiveConsequents:
     @property
     def system(self) -> FuzzySystem:
         """A new system with the consequents as they are now, and all else as it was trained."""
-        given = self._given
-        return type(given)(
-            given.inputs,
-            given.rules,
-            self.consequents,
-            given.t_norm,
-            given.type_reduction,
-            given.method,
-            t_conorm=given.t_conorm,
-            fuzzifier=given.fuzzifier,
-            input_names=given.input_names,
-            output_names=given.output_names,
-            term_names=given.term_names,
-            consequent_names=given.consequent_names,
-            input_ranges=given.input_ranges,
-            output_ranges=given.output_ranges,
-            resolution=given.resolution,
-        )
+        return rebuilt(self._given, consequents=self.consequents)
 
     def _rows(self, name: str, values: ArrayLike, width: int) -> tuple[Array, tuple[int, ...]]:
         """Return finite values (..., width) as rows, and their leading shape."""

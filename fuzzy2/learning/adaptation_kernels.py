@@ -15,10 +15,9 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled
 from fuzzy2.systems.kernels import firing
-
-Array = NDArray[np.float64]
 
 SWEEPS = 10
 """Sweeps of coordinate descent at each solution for which the box matters."""
@@ -258,7 +257,7 @@ def solve_within(
 
 
 @compiled
-def learn(
+def learn(  # noqa: PLR0913 (compiled: plain arrays and numbers, no object)
     table: Array,
     x: Array,
     y: Array,

@@ -30,7 +30,10 @@ _BLOCK = 2**22  # firing strengths held in memory at once
 class Learned(NamedTuple):
     """Rules with consequents: values, intervals or numbers of output terms.
 
-    Their shapes are (R, m), (R, m, 2) and (R, m).
+    ``rules`` (R, p) are the numbers of the inputs' terms, ``best_firing`` (R,) is how much each
+    rule is fired by the sample that fires it most. The consequents are ``values``, (R, m) or
+    intervals (R, m, 2), or else the numbers of output ``terms`` (R, m). ``samples`` (R, m) are the
+    numbers of those that the consequents come from, where each comes from one.
     """
 
     rules: Integers

@@ -29,14 +29,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy2.errors import (
-    FeatureNamesWarning,
-    InvalidValue,
-    NotFitted,
-    NotNumbers,
-    UnknownName,
-    WrongFeatures,
-)
+from fuzzy2.errors import FeatureNamesWarning, InvalidValue, NotFitted, UnknownName, WrongFeatures
 from fuzzy2.learning.clustering import Clusters, fuzzy_c_means
 from fuzzy2.learning.consequents import (
     COMPLETIONS,
@@ -57,6 +50,7 @@ from fuzzy2.learning.partition import (
     term_names,
     whole_number,
 )
+from fuzzy2.learning.samples import column_names, ranges_of, table_of_outputs, table_of_samples
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array, positive, real
 from fuzzy2.systems.general_type2 import GeneralType2System
@@ -175,7 +169,7 @@ class WangMendel:
     output_rules_: Integers
     clusters_: Clusters
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 (public: an estimator names each parameter here)
         self,
         n_terms: int | Sequence[int] = 2,
         kind: str = "it2",
@@ -287,21 +281,21 @@ class WangMendel:
             sample.
         """
         self._check_parameters()
-        names = _column_names(X)
-        inputs = _table("X", X)
+        names = column_names(X)
+        inputs = table_of_samples("X", X)
         if inputs.shape[0] < 2:
             raise InvalidValue(
                 "X",
                 f"{inputs.shape[0]} sample",
                 "a table of at least 2 samples, which span a range",
             )
-        outputs, one_column = _outputs(y, len(inputs))
+        outputs, one_column = table_of_outputs(y, len(inputs))
         count = inputs.shape[1]
         input_names = (
             tuple(names) if names is not None else tuple(f"x{i + 1}" for i in range(count))
         )
-        ranges = _ranges("input", input_names, inputs)
-        output_names = _column_names(y)
+        ranges = ranges_of("input", input_names, inputs)
+        output_names = column_names(y)
         if output_names is None or len(output_names) != outputs.shape[1]:
             output_names = [f"y{j + 1}" for j in range(outputs.shape[1])]
 
@@ -318,7 +312,7 @@ class WangMendel:
         quantizer = None
         if self.output_terms is not None:
             kind = "t1" if self.kind == "t1" else "it2"
-            output_ranges = _ranges("output", output_names, outputs)
+            output_ranges = ranges_of("output", output_names, outputs)
             quantizer = Quantizer(output_ranges, self.output_terms, kind, self.mean_variation)
         if self.learner == "strict":
             learned = strict_rules(grades, outputs, combine, quantizer, self.completion)
@@ -472,7 +466,7 @@ class WangMendel:
             See :meth:`predict`; also if ``y`` has not as many outputs as in :meth:`fit`.
         """
         predicted = self._system()(self._inputs(X))
-        truth, _ = _outputs(y, len(predicted))
+        truth, _ = table_of_outputs(y, len(predicted))
         if truth.shape != predicted.shape:
             raise InvalidValue("y", truth.shape, f"of {predicted.shape[1]} outputs, as in fit")
         residual = ((truth - predicted) ** 2).sum(axis=0)
@@ -549,14 +543,14 @@ class WangMendel:
         return self.system_
 
     def _inputs(self, X: ArrayLike) -> Array:
-        names, known = _column_names(X), getattr(self, "feature_names_in_", None)
+        names, known = column_names(X), getattr(self, "feature_names_in_", None)
         if names is not None and known is not None and list(known) != names:
             raise WrongFeatures(
                 type(self).__name__, self.n_features_in_, len(names), tuple(known), tuple(names)
             )
         if (names is None) != (known is None):
             warnings.warn(FeatureNamesWarning(type(self).__name__, known is not None), stacklevel=3)
-        inputs = _table("X", X)
+        inputs = table_of_samples("X", X)
         if inputs.shape[1] != self.n_features_in_:
             raise WrongFeatures(type(self).__name__, self.n_features_in_, inputs.shape[1])
         return inputs
@@ -584,81 +578,6 @@ def _terms_per_input(n_terms: int | Sequence[int], count: int) -> list[int]:
             "n_terms", n_terms, f"one whole number, or one for each of the {count} inputs"
         )
     return numbers
-
-
-def _ranges(what: str, names: Sequence[str], columns: Array) -> list[tuple[float, float]]:
-    """Return the range of every column; refuse one that has none."""
-    least, greatest = columns.min(axis=0), columns.max(axis=0)
-    for name, low, high in zip(names, least, greatest, strict=True):
-        if not low < high:
-            remedy = "leave it out" if what == "input" else "learn it without output terms"
-            raise InvalidValue(
-                f"{what} {name}",
-                low,
-                f"different in at least two samples, since its terms partition its range; {remedy}",
-            )
-    return [(float(low), float(high)) for low, high in zip(least, greatest, strict=True)]
-
-
-def _table(name: str, values: Any) -> Array:
-    """Return samples as a table of finite floats, or say what is wrong with them."""
-    if hasattr(values, "toarray") and hasattr(values, "nnz"):
-        raise NotNumbers(name, "it is a sparse matrix; pass a dense array, such as its toarray()")
-    array = np.asarray(values)
-    if array.dtype.kind == "c":
-        raise InvalidValue(name, array.dtype, "real: Complex data not supported")
-    if array.dtype.kind not in "fiub":
-        try:
-            array = array.astype(np.float64)
-        except TypeError as error:
-            raise NotNumbers(name, str(error)) from error
-        except ValueError as error:
-            raise InvalidValue(name, array, f"numbers ({error})") from error
-    table = np.ascontiguousarray(array, dtype=np.float64)
-    if table.ndim != 2:
-        raise InvalidValue(
-            name,
-            table.shape,
-            "of shape (n, p), a row for each sample. Reshape your data: a single sample is (1, p)",
-        )
-    if 0 in table.shape:
-        empty = "sample" if table.shape[0] == 0 else "feature"
-        raise InvalidValue(
-            name,
-            f"0 {empty}(s) (shape={table.shape}) while a minimum of 1 is required.",
-            "a table that is not empty",
-        )
-    if not np.isfinite(table).all():
-        row, column = (int(index) for index in np.argwhere(~np.isfinite(table))[0])
-        raise InvalidValue(
-            f"{name}[{row}, {column}]", float(table[row, column]), "finite, not NaN or infinity"
-        )
-    return table
-
-
-def _outputs(y: Any, count: int) -> tuple[Array, bool]:
-    """Return the outputs as a table (N, m), and whether they had one dimension."""
-    if y is None:
-        raise InvalidValue(
-            "y",
-            None,
-            "the outputs of the samples: WangMendel requires y to be passed, but the target y is "
-            "None",
-        )
-    one_column = np.asarray(y).ndim == 1
-    table = _table("y", np.asarray(y)[:, np.newaxis] if one_column else y)
-    if len(table) != count:
-        raise InvalidValue("y", table.shape, f"of {count} rows, one for each sample of X")
-    return table, one_column
-
-
-def _column_names(table: Any) -> list[str] | None:
-    """Return the names of a data frame's columns, if all of them are strings."""
-    columns = getattr(table, "columns", None)
-    if columns is None:
-        return None
-    names = list(columns)
-    return names if names and all(isinstance(name, str) for name in names) else None
 
 
 def _same(value: Any, default: Any) -> bool:

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
-from fuzzy2.numbers.base import Array, Number, NumberTNorm, checked_level, crisp_operand
+from fuzzy2.numbers.base import Number, NumberTNorm, checked_level, crisp_operand
+from fuzzy2.support.checks import Array
 
 
 class AffineNumber(Number, ABC):

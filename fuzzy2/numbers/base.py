@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue
+from fuzzy2.support.checks import Array
 
-Array = NDArray[np.float64]
 NumberTNorm = Literal["product", "min"]
 
 

@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.numbers.affine import AffineNumber, GaussianNumber, IntervalNumber
-from fuzzy2.numbers.base import Array, Number, crisp_operand
+from fuzzy2.numbers.base import Number, crisp_operand
 from fuzzy2.operations.extension import LOWEST_LEVEL_OF_UNBOUNDED_SETS
 from fuzzy2.sets.type1 import Type1Set
+from fuzzy2.support.checks import Array
 
 
 def _default_levels() -> Array:

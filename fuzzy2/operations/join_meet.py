@@ -32,10 +32,10 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
+from fuzzy2.operations.continuous_meet import ContinuousMeet
 from fuzzy2.operations.extension import discrete_points, enumerated, is_discrete, require_sets
 from fuzzy2.operations.joined_sets import (
     ROUNDING,
-    ContinuousMeet,
     ExtremumSet,
     NegatedSet,
     best_of_pairs,
@@ -48,7 +48,8 @@ from fuzzy2.operations.t_norms import t_conorm as as_t_conorm
 from fuzzy2.operations.t_norms import t_norm as as_t_norm
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
+from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 from fuzzy2.support.checks import Array
 

@@ -23,7 +23,8 @@ from fuzzy2.operations.join_meet import TConormLike, TNormLike, join, meet, nega
 from fuzzy2.operations.t_norms import t_conorm as as_t_conorm
 from fuzzy2.operations.t_norms import t_norm as as_t_norm
 from fuzzy2.sets.derived import Complement, FunctionalSet
-from fuzzy2.sets.general_type2 import FunctionalType2Set, GeneralType2Set, SampledType2Set
+from fuzzy2.sets.functional_type2 import FunctionalType2Set
+from fuzzy2.sets.general_type2 import GeneralType2Set, SampledType2Set
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Singleton, Type1Set
 from fuzzy2.support.checks import Array

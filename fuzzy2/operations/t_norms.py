@@ -13,11 +13,11 @@ from types import MappingProxyType
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
+from fuzzy2.support.checks import Array
 
-Array = NDArray[np.float64]
 BinaryFunction = Callable[[Array, Array], Array]
 
 MINIMUM: Final = 0

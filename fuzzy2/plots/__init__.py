@@ -1,4 +1,17 @@
-"""Figures of sets, operations, type reduction and systems."""
+"""Figures of sets, operations, type reduction and systems.
+
+Those of the thesis are named after their number there.
+
+Every function draws into the axes it is given, or into those of a new figure, and returns them;
+``axes[0].figure`` is the figure to save. Nothing here touches ``matplotlib.pyplot``. The look is
+that of matplotlib's settings in force::
+
+    with fuzzy2.plots.style.style():
+        figure_of_sets({"low": low, "high": high})[0].figure.savefig("sets.svg")
+
+Secondary grades are drawn as darkness (in the dark theme, brightness): the fuller the color, the
+higher the grade.
+"""
 
 from __future__ import annotations
 
@@ -12,18 +25,18 @@ if TYPE_CHECKING:
     from fuzzy2.plots.chapter_1 import figure_3 as figure_3
     from fuzzy2.plots.chapter_1 import figure_4 as figure_4
     from fuzzy2.plots.chapter_1 import figure_5 as figure_5
-    from fuzzy2.plots.figures import ACROSS as ACROSS
-    from fuzzy2.plots.figures import POINTS as POINTS
-    from fuzzy2.plots.figures import REACH as REACH
-    from fuzzy2.plots.figures import VISIBLE as VISIBLE
-    from fuzzy2.plots.figures import figure_from_above as figure_from_above
-    from fuzzy2.plots.figures import figure_in_space as figure_in_space
-    from fuzzy2.plots.figures import figure_of_join_and_meet as figure_of_join_and_meet
-    from fuzzy2.plots.figures import figure_of_operations as figure_of_operations
-    from fuzzy2.plots.figures import figure_of_response as figure_of_response
-    from fuzzy2.plots.figures import figure_of_rule_surface as figure_of_rule_surface
-    from fuzzy2.plots.figures import figure_of_secondaries as figure_of_secondaries
-    from fuzzy2.plots.figures import figure_of_sets as figure_of_sets
-    from fuzzy2.plots.figures import figure_of_type_reduced as figure_of_type_reduced
+    from fuzzy2.plots.operations import figure_of_join_and_meet as figure_of_join_and_meet
+    from fuzzy2.plots.operations import figure_of_operations as figure_of_operations
+    from fuzzy2.plots.sets import ACROSS as ACROSS
+    from fuzzy2.plots.sets import POINTS as POINTS
+    from fuzzy2.plots.sets import VISIBLE as VISIBLE
+    from fuzzy2.plots.sets import figure_from_above as figure_from_above
+    from fuzzy2.plots.sets import figure_in_space as figure_in_space
+    from fuzzy2.plots.sets import figure_of_secondaries as figure_of_secondaries
+    from fuzzy2.plots.sets import figure_of_sets as figure_of_sets
+    from fuzzy2.plots.systems import figure_of_response as figure_of_response
+    from fuzzy2.plots.systems import figure_of_rule_surface as figure_of_rule_surface
+    from fuzzy2.plots.type_reduced import REACH as REACH
+    from fuzzy2.plots.type_reduced import figure_of_type_reduced as figure_of_type_reduced
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)

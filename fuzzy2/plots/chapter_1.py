@@ -7,17 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.axes import Axes
 
-from fuzzy2.plots.figures import (
+from fuzzy2.plots.operations import figure_of_join_and_meet, figure_of_operations
+from fuzzy2.plots.panels import Panels, cycle_colors, given_panels, muted, new_panels
+from fuzzy2.plots.sets import (
     domain_of,
     draw_footprint,
     draw_set,
     figure_from_above,
-    figure_of_join_and_meet,
-    figure_of_operations,
     label_memberships,
     points_of,
 )
-from fuzzy2.plots.panels import Panels, cycle_colors, given_panels, muted, new_panels
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.interval_type2 import (
     GaussianUncertainMean,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,13 +16,20 @@ from fuzzy2.errors import InvalidValue
 Panels = tuple[Axes, ...]
 
 
-def given_panels(axes: Sequence[Axes] | Axes | None, count: int) -> Panels | None:
-    """Return the panels to draw into, None if none are given; refuse a wrong number of them."""
+def given_panels(
+    axes: Sequence[Axes] | Axes | None,
+    count: int,
+    error: Callable[[str, object, str], Exception] = InvalidValue,
+) -> Panels | None:
+    """Return the panels to draw into, None if none are given; refuse a wrong number of them.
+
+    ``error`` makes the error from the argument's name, its value and what it must be.
+    """
     if axes is None:
         return None
     panels = tuple(np.ravel(np.asarray(axes, dtype=object)))
     if len(panels) != count:
-        raise InvalidValue("axes", len(panels), f"{count} axes for this figure")
+        raise error("axes", len(panels), f"{count} axes for this figure")
     return panels
 
 
@@ -32,6 +39,18 @@ def new_panels(
     """Return the panels of a new figure."""
     figure = Figure(figsize=(width, height), layout="constrained")
     return tuple(figure.subplots(rows, columns, squeeze=False, **options).flat)
+
+
+def space_panel(axes: Sequence[Axes] | Axes | None) -> Any:
+    """Return the one three-dimensional panel to draw into, new if none is given."""
+    (panel,) = given_panels(axes, 1) or new_panels(6.0, 4.6, subplot_kw={"projection": "3d"})
+    if panel.name != "3d":
+        raise InvalidValue("axes", panel.name, 'three-dimensional, made with projection="3d"')
+    space: Any = panel
+    space.set_box_aspect(None, zoom=0.88)  # labels would be cut off otherwise
+    for axis in (space.xaxis, space.yaxis, space.zaxis):
+        axis.set_pane_color(to_rgba(rcParams["grid.color"], 0.25))
+    return space
 
 
 def cycle_colors() -> list[str]:

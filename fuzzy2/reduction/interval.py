@@ -23,18 +23,21 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, UnknownName
-
-Array = NDArray[np.float64]
+from fuzzy2.support.checks import Array
 
 METHODS = ("km", "ekm", "iasc", "eiasc", "scan")
 """Names of the exact methods, see :func:`generalized_centroid`."""
 
 
 class WuMendelBounds(NamedTuple):
-    """Inner and outer bounds of both ends of a type-reduced set, each of shape (...,)."""
+    """Inner and outer bounds of both ends of a type-reduced set, each of shape (...,).
+
+    The left end is between ``left_lower`` and ``left_upper``, the right one between ``right_lower``
+    and ``right_upper``.
+    """
 
     left_lower: Array
     left_upper: Array

@@ -22,9 +22,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled
-
-Array = NDArray[np.float64]
 
 KM, EKM, IASC, EIASC, SCAN = range(5)
 
@@ -76,7 +75,9 @@ def _switch_of(z, average):
 
 
 @compiled
-def end_of_interval(z, before, after, left, method, below, above):
+def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed)
+    z, before, after, left, method, below, above
+):
     """One end of the interval: the extreme average over all switch points k.
 
     For points that can all carry weight.

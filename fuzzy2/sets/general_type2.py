@@ -22,14 +22,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
-from fuzzy2.sets.derived import FunctionalSet, Truncated
+from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.interval_type2 import IntervalType2Set, check_below
 from fuzzy2.sets.type1 import ROUNDING, SampledSet, Singleton, Type1Set, keep_nan, set_fields
-from fuzzy2.support.checks import Array, ascending, grade, maybe_infinite, real, reals
+from fuzzy2.sets.vertical_slices import Staircase, cuts_of, maxima_of, slice_between
+from fuzzy2.support.checks import Array, grade, real, reals
 from fuzzy2.support.quadrature import merged
-
-# of the α-cuts that are interpolated between two continuous vertical slices
-LEVELS_BETWEEN_SLICES = 257
 
 
 class EmbeddedType2Set(NamedTuple):
@@ -104,11 +102,11 @@ class GeneralType2Set(ABC):
 
     def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
         """Return the ends of the α-cuts of the vertical slices at points (...,)."""
-        return _cuts_of([self.secondary(float(point)) for point in x.ravel()], alpha, x.shape)
+        return cuts_of([self.secondary(float(point)) for point in x.ravel()], alpha, x.shape)
 
     def _principal(self, x: Array) -> Array:
         """Return the primary memberships of greatest secondary grade at points (...,)."""
-        middles = [0.5 * sum(_maxima(self.secondary(float(point)))) for point in x.ravel()]
+        middles = [0.5 * sum(maxima_of(self.secondary(float(point)))) for point in x.ravel()]
         return np.array(middles, dtype=float).reshape(x.shape)
 
     def _secondary_grades(self, x: Array, u: Array) -> Array:
@@ -278,65 +276,6 @@ class GeneralType2Set(ABC):
 
 
 @dataclass(frozen=True)
-class FunctionalType2Set(GeneralType2Set):
-    """General type-2 set given by any function from points to vertical slices.
-
-    Parameters
-    ----------
-    function : callable
-        From a point to its vertical slice, a :class:`Type1Set`; what of it lies outside of [0, 1]
-        is cut off.
-    left, right : float
-        Ends of the domain; they may be infinite.
-    knots : sequence of float
-        Points where the shape changes, and for an unbounded domain the range that matters.
-
-    Raises
-    ------
-    InvalidValue
-        If the ends are not in order, or nothing finite says where the set is.
-    """
-
-    function: Callable[[float], Type1Set]
-    left: float
-    right: float
-    knots: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        left, right = maybe_infinite("left", self.left), maybe_infinite("right", self.right)
-        ascending("left, right", (left, right))
-        set_fields(
-            self, left=left, right=right, knots=tuple(real("knots", knot) for knot in self.knots)
-        )
-        if self.landmarks.size < 2 and left != right:
-            raise InvalidValue(
-                "knots",
-                self.knots,
-                "at least two points when the domain is unbounded, to say where the set is",
-            )
-
-    @property
-    def support(self) -> tuple[float, float]:
-        """Ends of the domain."""
-        return self.left, self.right
-
-    @property
-    def landmarks(self) -> Array:
-        """Finite ends of the domain and knots within it."""
-        ends = [end for end in (self.left, self.right) if math.isfinite(end)]
-        return merged(ends, [knot for knot in self.knots if self.left <= knot <= self.right])
-
-    def secondary(self, x: float) -> Type1Set:
-        """Return the vertical slice at a point; outside of the domain it is crisply 0 (eq. 1.3)."""
-        point = real("x", x)
-        if not self.left <= point <= self.right:
-            return Singleton(0.0)
-        whole = self.function(point)
-        first, last = whole.support
-        return whole if first >= 0.0 and last <= 1.0 else Truncated(whole, 0.0, 1.0)
-
-
-@dataclass(frozen=True)
 class SampledType2Set(GeneralType2Set):
     """General type-2 set given by vertical slices at sampled points.
 
@@ -411,10 +350,10 @@ class SampledType2Set(GeneralType2Set):
         if self.points[after] == point:
             return self.slices[after]
         share = (point - self.points[after - 1]) / (self.points[after] - self.points[after - 1])
-        return _between(self.slices[after - 1], self.slices[after], share)
+        return slice_between(self.slices[after - 1], self.slices[after], share)
 
     def _cut(self, x: Array, alpha: float) -> tuple[Array, Array]:
-        left, right = _cuts_of(self.slices, alpha, (len(self.slices),))
+        left, right = cuts_of(self.slices, alpha, (len(self.slices),))
         interpolated = (
             np.interp(x, self.points, end, left=0.0, right=0.0) for end in (left, right)
         )
@@ -555,123 +494,3 @@ class ZSlices(GeneralType2Set):
                 (u >= plane.lower(x) - ROUNDING) & (u <= plane.upper(x) + ROUNDING), alpha, grades
             )
         return grades
-
-
-@dataclass(frozen=True)
-class Staircase(Type1Set):
-    """Convex set of stacked intervals, each with the grade of its level.
-
-    The vertical slice of zSlices.
-
-    Parameters
-    ----------
-    levels : sequence of K floats
-        Grades in (0, 1], ascending.
-    lefts, rights : sequences of K floats
-        Ends of the intervals, each of which lies within the one before it up to rounding.
-
-    Raises
-    ------
-    InvalidValue
-        If the levels are not ascending grades, or the intervals are not nested.
-    """
-
-    levels: tuple[float, ...]
-    lefts: tuple[float, ...]
-    rights: tuple[float, ...]
-
-    def __post_init__(self) -> None:
-        levels = tuple(grade("levels", level) for level in self.levels)
-        ascending("levels", levels)
-        lefts, rights = np.asarray(self.lefts, dtype=float), np.asarray(self.rights, dtype=float)
-        if lefts.shape != (len(levels),) or rights.shape != (len(levels),):
-            raise InvalidValue(
-                "lefts, rights",
-                (self.lefts, self.rights),
-                f"{len(levels)} ends each, one for each level",
-            )
-        # Nested planes may be exchanged by rounding where they touch.
-        tidy_lefts, tidy_rights = np.maximum.accumulate(lefts), np.minimum.accumulate(rights)
-        strays = np.max(tidy_lefts - lefts) > ROUNDING or np.max(rights - tidy_rights) > ROUNDING
-        if strays or (tidy_lefts > tidy_rights + 2.0 * ROUNDING).any():
-            raise InvalidValue(
-                "lefts, rights",
-                (self.lefts, self.rights),
-                "ends of intervals, each within the one before it",
-            )
-        tidy_rights = np.maximum(tidy_lefts, tidy_rights)
-        set_fields(
-            self,
-            levels=levels,
-            lefts=tuple(tidy_lefts.tolist()),
-            rights=tuple(tidy_rights.tolist()),
-        )
-
-    @property
-    def height(self) -> float:
-        """Highest level."""
-        return self.levels[-1]
-
-    def _grades(self, x: Array) -> Array:
-        # Ends may be rounded differently from the points that are asked for.
-        inside = (x[..., None] >= np.array(self.lefts) - ROUNDING) & (
-            x[..., None] <= np.array(self.rights) + ROUNDING
-        )
-        return keep_nan(x, np.max(np.where(inside, self.levels, 0.0), axis=-1))
-
-    def _slopes(self, x: Array) -> Array:
-        return np.zeros_like(x)
-
-    def _support(self) -> tuple[float, float]:
-        return self.lefts[0], self.rights[0]
-
-    def _maxima(self) -> tuple[float, float]:
-        return self.lefts[-1], self.rights[-1]
-
-    def _landmarks(self) -> Array:
-        return merged(self.lefts, self.rights)
-
-    def _cut(self, alpha: Array) -> tuple[Array, Array]:
-        i = np.minimum(np.searchsorted(self.levels, alpha - ROUNDING), len(self.levels) - 1)
-        return np.array(self.lefts)[i], np.array(self.rights)[i]
-
-
-def _maxima(vertical_slice: Type1Set) -> tuple[float, float]:
-    maxima = vertical_slice.maxima
-    if maxima is None:
-        raise NotApplicable(
-            "principal",
-            f"the secondary membership {vertical_slice!r} never reaches its greatest grade",
-        )
-    return maxima
-
-
-def _cuts_of(
-    slices: Sequence[Type1Set], alpha: float, shape: tuple[int, ...]
-) -> tuple[Array, Array]:
-    """Return the ends of the α-cuts of vertical slices, 0 where a slice is lower than alpha."""
-    ends = np.zeros((len(slices), 2))
-    for i, vertical_slice in enumerate(slices):
-        if alpha == 0.0:
-            ends[i] = vertical_slice.support
-        elif alpha <= vertical_slice.height + ROUNDING:
-            ends[i] = vertical_slice.alpha_cut(min(alpha, vertical_slice.height))
-    return ends[:, 0].reshape(shape), ends[:, 1].reshape(shape)
-
-
-def _between(before: Type1Set, after: Type1Set, share: float) -> SampledSet:
-    """Return the slice that lies a share of the way from one slice to another.
-
-    So do its α-cuts.
-    """
-    highest = min(before.height, after.height)
-    if isinstance(before, SampledSet) and isinstance(after, SampledSet):
-        # between them both sides of both slices are straight
-        levels = merged(before.grades, after.grades, highest)
-    else:
-        # Denser toward both ends, where a rounded slice opens as a square root of the level.
-        levels = highest * np.sin(np.linspace(0.0, 0.5 * np.pi, LEVELS_BETWEEN_SLICES)) ** 2
-    levels = levels[levels <= highest]
-    (left0, right0), (left1, right1) = before.alpha_cut(levels), after.alpha_cut(levels)
-    left, right = left0 + share * (left1 - left0), right0 + share * (right1 - right0)
-    return SampledSet(np.concatenate([left, right]), np.concatenate([levels, levels]))

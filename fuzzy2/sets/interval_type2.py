@@ -16,10 +16,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
-from fuzzy2.sets.curves import gaussian, gaussian_reach, gaussian_slopes, refined
+from fuzzy2.sets.curves import refined
 from fuzzy2.sets.shapes import Gaussian, Interval
 from fuzzy2.sets.type1 import ROUNDING, KernelRow, SampledSet, Type1Set, keep_nan, set_fields
-from fuzzy2.support.checks import Array, positive, real, reals
+from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
+from fuzzy2.support.checks import Array, ascending_pair, positive, real, reals
 from fuzzy2.support.quadrature import Moments, merged
 
 MOST_ITERATIONS = 1000  # ten are usual
@@ -238,7 +239,7 @@ class GaussianUncertainMean(IntervalType2Set):
     sigma: float
 
     def __post_init__(self) -> None:
-        mean, sigma = _pair("mean", self.mean), positive("sigma", self.sigma)
+        mean, sigma = ascending_pair("mean", self.mean), positive("sigma", self.sigma)
         set_fields(
             self,
             mean=mean,
@@ -282,7 +283,7 @@ class GaussianUncertainSigma(IntervalType2Set):
     sigma: tuple[float, float]
 
     def __post_init__(self) -> None:
-        mean, sigma = real("mean", self.mean), _pair("sigma", self.sigma)
+        mean, sigma = real("mean", self.mean), ascending_pair("sigma", self.sigma)
         if sigma[0] <= 0.0:
             raise InvalidValue("sigma", self.sigma, "two finite numbers above 0 in ascending order")
         set_fields(
@@ -292,112 +293,6 @@ class GaussianUncertainSigma(IntervalType2Set):
             lower=Gaussian(mean, sigma[0]),
             upper=Gaussian(mean, sigma[1]),
         )
-
-
-@dataclass(frozen=True)
-class NearestMeanGaussian(Type1Set):
-    """Upper membership function of a Gaussian with uncertain mean.
-
-    1 between the means, a Gaussian outside.
-
-    Parameters
-    ----------
-    mean : (float, float)
-        Smallest and largest mean.
-    sigma : float
-        Standard deviation, above 0.
-    """
-
-    mean: tuple[float, float]
-    sigma: float
-
-    height = 1.0
-
-    def __post_init__(self) -> None:
-        set_fields(self, mean=_pair("mean", self.mean), sigma=positive("sigma", self.sigma))
-
-    def _grades(self, x: Array) -> Array:
-        return gaussian(x, np.clip(x, *self.mean), self.sigma)
-
-    def _slopes(self, x: Array) -> Array:
-        return gaussian_slopes(x, np.clip(x, *self.mean), self.sigma)
-
-    def _support(self) -> tuple[float, float]:
-        return -math.inf, math.inf
-
-    def _maxima(self) -> tuple[float, float]:
-        return self.mean
-
-    def _cut(self, alpha: Array) -> tuple[Array, Array]:
-        reach = gaussian_reach(alpha, self.sigma)
-        return self.mean[0] - reach, self.mean[1] + reach
-
-    def _landmarks(self) -> Array:
-        left, right = (Gaussian(mean, self.sigma).landmarks for mean in self.mean)
-        return merged(left[left <= self.mean[0]], right[right >= self.mean[1]])
-
-    def _quadrature_points(self, power: int) -> Array:
-        left, right = (Gaussian(mean, self.sigma).quadrature_points(power) for mean in self.mean)
-        return merged(left[left <= self.mean[0]], right[right >= self.mean[1]])
-
-
-@dataclass(frozen=True)
-class FarthestMeanGaussian(Type1Set):
-    """Lower membership function of a Gaussian with uncertain mean.
-
-    The smaller of the Gaussians about the two means.
-
-    Parameters
-    ----------
-    mean : (float, float)
-        Smallest and largest mean.
-    sigma : float
-        Standard deviation, above 0.
-    """
-
-    mean: tuple[float, float]
-    sigma: float
-
-    def __post_init__(self) -> None:
-        set_fields(self, mean=_pair("mean", self.mean), sigma=positive("sigma", self.sigma))
-
-    @property
-    def _middle(self) -> float:
-        return 0.5 * self.mean[0] + 0.5 * self.mean[1]
-
-    @property
-    def height(self) -> float:
-        """Membership midway between the means."""
-        return float(self._grades(np.array(self._middle)))
-
-    def _grades(self, x: Array) -> Array:
-        return gaussian(x, np.where(x > self._middle, *self.mean), self.sigma)
-
-    def _slopes(self, x: Array) -> Array:
-        # In the middle both Gaussians are equal; the one about the smaller mean is the lower one
-        # behind it.
-        return gaussian_slopes(x, np.where(x >= self._middle, *self.mean), self.sigma)
-
-    def _support(self) -> tuple[float, float]:
-        return -math.inf, math.inf
-
-    def _maxima(self) -> tuple[float, float]:
-        return self._middle, self._middle
-
-    def _cut(self, alpha: Array) -> tuple[Array, Array]:
-        reach = gaussian_reach(alpha, self.sigma)
-        # Where alpha is the height both ends are the middle, and rounding must not exchange them.
-        return np.minimum(self.mean[1] - reach, self._middle), np.maximum(
-            self.mean[0] + reach, self._middle
-        )
-
-    def _landmarks(self) -> Array:
-        left, right = (Gaussian(mean, self.sigma).landmarks for mean in self.mean)
-        return merged(left, right, self._middle)
-
-    def _quadrature_points(self, power: int) -> Array:
-        left, right = (Gaussian(mean, self.sigma).quadrature_points(power) for mean in self.mean)
-        return merged(left, right, self._middle)
 
 
 @dataclass(frozen=True)
@@ -524,11 +419,3 @@ def switch_point(before: Moments, after: Moments, origin: float) -> float:
             break
         point, last_step = follower, step
     return best
-
-
-def _pair(name: str, values: ArrayLike) -> tuple[float, float]:
-    """Return two finite numbers in ascending order."""
-    pair = reals(name, values)
-    if pair.shape != (2,) or not np.isfinite(pair).all() or pair[0] > pair[1]:
-        raise InvalidValue(name, values, "two finite numbers in ascending order")
-    return float(pair[0]), float(pair[1])

@@ -80,3 +80,11 @@ def reals(name: str, values: ArrayLike) -> Array:
     except (TypeError, ValueError) as error:
         raise InvalidValue(name, values, "real numbers") from error
     raise InvalidValue(name, values, "real numbers")
+
+
+def ascending_pair(name: str, values: ArrayLike) -> tuple[float, float]:
+    """Return two finite numbers in ascending order; raise :class:`InvalidValue` if they are not."""
+    pair = reals(name, values)
+    if pair.shape != (2,) or not np.isfinite(pair).all() or pair[0] > pair[1]:
+        raise InvalidValue(name, values, "two finite numbers in ascending order")
+    return float(pair[0]), float(pair[1])

@@ -1,11 +1,19 @@
-"""Text files: read with errors that name the line, written whole or not at all."""
+"""Files: text is read with errors that name the line, anything is written whole or not at all."""
 
 from __future__ import annotations
 
+import errno
 import os
+import stat
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import IO, Any, Literal
 
 from fuzzy2.errors import MalformedFile
+
+STANDARD_STREAMS = (1, 2)
+"""Descriptors of standard output and standard error."""
 
 
 def read_text(path: str | os.PathLike[str]) -> str:
@@ -31,25 +39,109 @@ def read_text(path: str | os.PathLike[str]) -> str:
 
 
 def write_text(text: str, path: str | os.PathLike[str]) -> None:
-    """Write a file in UTF-8, as a whole.
+    """Write a text file as a whole, as :func:`written_whole` does."""
+    with written_whole(path) as file:
+        file.write(text)
 
-    Whoever reads it at the same time, or after a crash, finds the old one or the new one, never a
-    part.
+
+@contextmanager
+def written_whole(
+    path: str | os.PathLike[str], mode: Literal["w", "wb"] = "w"
+) -> Iterator[IO[Any]]:
+    """Open a file for writing that replaces what is there only once it is complete.
+
+    Whoever reads the file at the same time, or after a crash, finds the old one or the new one,
+    never a part. Until it is complete the new one has a random name in the same directory; any
+    exception removes it.
+
+    Behind a symbolic link the file is replaced, not the link. The new file has the permissions of
+    the old one, and its owner where that is allowed. Only what cannot be replaced is written
+    directly: a pipe, a device, and a file that is standard output.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    mode : {"w", "wb"}
+        Text in UTF-8 whose lines end with a line feed, or bytes.
+
+    Yields
+    ------
+    file
+        The open file.
 
     Raises
     ------
     OSError
-        If it cannot be written; what was there before remains.
+        If the file cannot be written or is marked read-only; ``filename`` is ``path``. What was
+        there before remains.
     """
-    # Behind a symbolic link the file is replaced, not the link.
-    target = Path(os.path.realpath(path))
-    draft = target.with_name(f".{target.name}.{os.getpid()}.draft")
+    name = os.fspath(path)
+    target = os.path.realpath(name)
+    # Short, so that there is room for it wherever there is room for the target's own name.
+    draft = os.path.join(os.path.dirname(target), f".{os.urandom(8).hex()}.part")
     try:
-        with draft.open("x", encoding="utf-8", newline="\n") as file:
-            file.write(text)
+        status = _status(name)
+        if status is None or _can_be_replaced(status):
+            with _replacing(target, draft, mode, status) as file:
+                yield file
+        else:
+            with _opened(name, mode) as file:
+                yield file
+    except OSError as error:
+        # What fails while an open file is written to names no file, and nobody knows the draft.
+        if error.errno is None or error.filename not in (None, draft):
+            raise
+        raise OSError(error.errno, error.strerror, name) from error
+
+
+def _status(name: str) -> os.stat_result | None:
+    """Return the status of a file, or None if there is none, as behind a dangling link."""
+    try:
+        status = os.stat(name)
+    except FileNotFoundError:
+        return None
+    # Root may write to all files, and a directory lets replace any; one that is marked read-only
+    # is nonetheless meant to stay as it is.
+    if not (status.st_mode & 0o222 and os.access(name, os.W_OK)):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), name)
+    return status
+
+
+def _can_be_replaced(status: os.stat_result) -> bool:
+    if not stat.S_ISREG(status.st_mode):
+        return False
+    for stream in STANDARD_STREAMS:
+        with suppress(OSError):  # it is closed
+            if os.path.samestat(os.fstat(stream), status):
+                return False
+    return True
+
+
+@contextmanager
+def _replacing(
+    target: str, draft: str, mode: str, status: os.stat_result | None
+) -> Iterator[IO[Any]]:
+    try:
+        # The mode "x" makes the file, with the permissions that the umask leaves.
+        with _opened(draft, mode.replace("w", "x")) as file:
+            if status is not None:
+                with suppress(PermissionError):
+                    os.fchown(file.fileno(), status.st_uid, status.st_gid)
+                os.fchmod(file.fileno(), stat.S_IMODE(status.st_mode))
+            yield file
             file.flush()
             os.fsync(file.fileno())
-        draft.replace(target)
-    except BaseException:
-        draft.unlink(missing_ok=True)
+        os.replace(draft, target)
+    except BaseException as error:
+        # A file of this name that was there before is another's.
+        if not (isinstance(error, FileExistsError) and error.filename == draft):
+            with suppress(FileNotFoundError, NotADirectoryError):
+                os.unlink(draft)
         raise
+
+
+def _opened(name: str, mode: str) -> IO[Any]:
+    if "b" in mode:
+        return open(name, mode)
+    return open(name, mode, encoding="utf-8", newline="\n")

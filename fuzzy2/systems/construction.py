@@ -1,4 +1,4 @@
-"""How the arguments of a system are read: rules, names, ranges and norms."""
+"""How the arguments of a system are read: inputs, rules, consequents, names and ranges."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.support.checks import reals
+from fuzzy2.support.checks import Array, reals
+from fuzzy2.systems.consequents import Linear, as_sets, centroid_interval
+from fuzzy2.systems.fuzzifiers import Fuzzifier, NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.rules import parse_rules
 from fuzzy2.systems.terms import AnySet
 
@@ -91,3 +93,114 @@ def checked_ranges(
     ):
         raise InvalidValue(what, given, f"{count} pairs of finite numbers in ascending order")
     return tuple((float(low), float(high)) for low, high in ends)
+
+
+def check_inputs(inputs: Sequence[Sequence[Any]], kinds: tuple[type, ...], kind_names: str) -> None:
+    """Refuse inputs without terms, and terms of a kind that the system does not take."""
+    if not inputs or not all(inputs):
+        raise InvalidValue(
+            "inputs", inputs, "a list of at least one set for each of at least one input"
+        )
+    for number, terms in enumerate(inputs, start=1):
+        for term in terms:
+            if not isinstance(term, kinds):
+                raise InvalidValue(f"a term of input {number}", term, kind_names)
+
+
+def checked_fuzzifiers(
+    given: Fuzzifier | Sequence[Fuzzifier] | None,
+    count: int,
+    kinds: tuple[type, ...],
+    kind_names: str,
+) -> tuple[Fuzzifier, ...] | None:
+    """Return a fuzzifier for each input, or None if all are singleton."""
+    if given is None:
+        return None
+    each = (given,) * count if isinstance(given, Fuzzifier) else tuple(given)
+    if len(each) != count or not all(isinstance(one, Fuzzifier) for one in each):
+        raise InvalidValue(
+            "fuzzifier", given, f"a fuzzifier, or one for each of the {count} inputs"
+        )
+    for one in each:
+        if isinstance(one, NonSingletonFuzzifier) and not isinstance(one.shape, kinds):
+            raise InvalidValue("the shape of a fuzzifier", one.shape, kind_names)
+    return None if all(isinstance(one, SingletonFuzzifier) for one in each) else each
+
+
+def checked_rules(rules: Any, inputs: Sequence[Sequence[Any]]) -> NDArray[np.int64]:
+    """Return rules (R, p) as numbers of terms, or -1 where an input plays no part."""
+    given = np.asarray(rules)
+    if (
+        given.ndim != 2
+        or given.shape[1] != len(inputs)
+        or given.shape[0] == 0
+        or given.dtype.kind not in "iu"
+    ):
+        raise InvalidValue(
+            "rules",
+            given,
+            f"whole numbers of shape (R, {len(inputs)}), a row for each rule",
+        )
+    counts = np.array([len(terms) for terms in inputs])
+    bad = np.argwhere((given < -1) | (given >= counts))
+    if len(bad):
+        row, column = (int(index) for index in bad[0])
+        raise InvalidValue(
+            f"rule {row + 1}, input {column + 1}",
+            int(given[row, column]),
+            f"the number of one of its {counts[column]} terms, from 0, or -1 for no part",
+        )
+    return given.astype(np.int64)
+
+
+def checked_consequents(
+    consequents: Any, count: int, inputs: int, kinds: tuple[type, ...], kind_names: str
+) -> tuple[Any, list[list[Any]] | None, Array]:
+    """Return the consequents as given, the sets if they are any, and intervals (R, m, 2)."""
+    if isinstance(consequents, Linear):
+        if (
+            consequents.coefficients.shape[0] != count
+            or consequents.coefficients.shape[2] != inputs + 1
+        ):
+            raise InvalidValue(
+                "consequents",
+                consequents.coefficients.shape,
+                f"coefficients of shape ({count}, m, {inputs + 1})",
+            )
+        return consequents, None, np.zeros((*consequents.coefficients.shape[:2], 2))
+    sets = as_sets(consequents)
+    if sets is not None:
+        if len(sets) != count or len({len(row) for row in sets}) != 1:
+            raise InvalidValue(
+                "consequents",
+                len(sets),
+                f"a set, or a list with a set for each output, for each of {count} rules",
+            )
+        for row in sets:
+            for item in row:
+                if not isinstance(item, kinds):
+                    raise InvalidValue("a consequent", item, kind_names)
+        return sets, sets, np.array([[centroid_interval(item) for item in row] for row in sets])
+    try:
+        values = np.asarray(consequents, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InvalidValue(
+            "consequents",
+            consequents,
+            f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}",
+        ) from error
+    if values.ndim == 2:
+        values = np.stack([values, values], axis=-1)
+    if values.ndim != 3 or values.shape[0] != count or values.shape[1] == 0 or values.shape[2] != 2:
+        raise InvalidValue(
+            "consequents", values, f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}"
+        )
+    if not np.isfinite(values).all() or (values[..., 0] > values[..., 1]).any():
+        raise InvalidValue("consequents", values, "finite, with left ends not above right ends")
+    return (
+        consequents
+        if isinstance(consequents, np.ndarray)
+        else np.asarray(consequents, dtype=float),
+        None,
+        values,
+    )

@@ -33,10 +33,11 @@ from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.t_norms import BinaryFunction, TNorm
 from fuzzy2.operations.t_norms import t_norm as norm_of
 from fuzzy2.sets.general_type2 import GeneralType2Set
-from fuzzy2.sets.interval_type2 import FarthestMeanGaussian, IntervalType2Set, NearestMeanGaussian
+from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.shapes import Gaussian
-from fuzzy2.sets.smooth_shapes import Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.type1 import Singleton, Type1Set
+from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
 from fuzzy2.support.checks import Array, reals
 
 AnySet: TypeAlias = Type1Set | IntervalType2Set | GeneralType2Set

@@ -6,7 +6,8 @@ import math
 
 import numpy as np
 
-from fuzzy2.reduction.kernels import EIASC, Array, end_of_interval
+from fuzzy2.reduction.kernels import EIASC, end_of_interval
+from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled
 
 # Inference. A system is one array of floats, so that a call hands over one table and not seven
@@ -124,7 +125,9 @@ def _exact_end(table, z, order, rules, low, high):
 
 
 @compiled
-def _center_of_sets(table, low, high, extra, moments, out, oo, crisp):
+def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loop, for speed)
+    table, low, high, extra, moments, out, oo, crisp
+):
     """Write the type-reduced interval, or its middle, of every output; return nothing.
 
     NaN where no rule fires.
@@ -220,7 +223,9 @@ def _nearest(distances, order, table, extra, mass, moment, weight, unsettled):
 
 
 @compiled
-def _evaluate_blocks(table, x, width, crisp, out, rows):
+def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
+    table, x, width, crisp, out, rows
+):
     """Do as ``evaluate`` for ``rows`` rows, a multiple of LANES, all outputs of a block at a time.
 
     To the last bit the same.

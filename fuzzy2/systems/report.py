@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array
 
@@ -62,3 +66,31 @@ class Report:
             for a, b in self.conflicting_rules
         ]
         return "; ".join(lines)
+
+
+def grid_over(ranges: Array, points: int) -> Array:
+    """Return a grid over ranges (p, 2), as rows (n, p).
+
+    Of more than 100 000 points a seeded sample of so many, drawn with repetition.
+    """
+    axes = [np.linspace(low, high, points) for low, high in ranges]
+    if points ** len(axes) <= 100_000:
+        return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
+    rng = np.random.default_rng(0)
+    return np.stack([rng.choice(axis, 100_000) for axis in axes], axis=-1)
+
+
+def repeated_rules(
+    rules: NDArray[np.int64], agree: Callable[[int, int], bool]
+) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
+    """Return pairs of rules that ask for the same: those that agree, and those that do not."""
+    duplicates, conflicts = [], []
+    first: dict[tuple[int, ...], int] = {}
+    for r, rule in enumerate(map(tuple, rules.tolist())):
+        if rule not in first:
+            first[rule] = r
+        elif agree(first[rule], r):
+            duplicates.append((first[rule], r))
+        else:
+            conflicts.append((first[rule], r))
+    return duplicates, conflicts

@@ -255,6 +255,12 @@ def nearest_name(name: str, known: Iterable[str]) -> str | None:
     return best if best is not None and likeness[best] >= LEAST_LIKENESS else None
 
 
+def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
+    """Return in words that a name is unknown, and which known one is most like it."""
+    suggestion = nearest_name(name, known)
+    return f"unknown {kind} {name!r}{f'; did you mean {suggestion!r}?' if suggestion else ''}"
+
+
 class _Reader:
     """Words of one rule, read one after the other."""
 

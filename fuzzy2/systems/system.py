@@ -15,11 +15,12 @@ loop; any other set or t-norm works, too, at NumPy's speed.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
 from fuzzy2.operations.t_norms import BinaryFunction, TConorm, TNorm
@@ -29,17 +30,23 @@ from fuzzy2.reduction.interval import METHODS, generalized_centroid
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, reals
-from fuzzy2.systems.consequents import Linear, as_sets, centroid_interval
+from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.construction import (
+    check_inputs,
+    checked_consequents,
+    checked_fuzzifiers,
     checked_names,
     checked_ranges,
+    checked_rules,
     names_of_consequents,
     read_rules,
 )
-from fuzzy2.systems.fuzzifiers import Fuzzifier, NonSingletonFuzzifier, SingletonFuzzifier
+from fuzzy2.systems.embedded import embedded_averages
+from fuzzy2.systems.fuzzifiers import Fuzzifier
 from fuzzy2.systems.gradients import Differentiable, gradient
-from fuzzy2.systems.report import Report
+from fuzzy2.systems.report import Report, grid_over, repeated_rules
 from fuzzy2.systems.rules import Rule
+from fuzzy2.systems.table import table_of
 from fuzzy2.systems.terms import domain_of, highest_point, range_of, spread
 
 TYPE_REDUCTIONS = ("center_of_sets", "height", "modified_height", "centroid", "center_of_sums")
@@ -104,7 +111,7 @@ class FuzzySystem:
     _kinds: tuple[type, ...] = ()
     _kind_names = ""
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 (public: what a system is, and its names and ranges)
         self,
         inputs: Sequence[Sequence[Any]] | Mapping[str, Mapping[str, Any]],
         rules: ArrayLike | str | Iterable[str | Rule],
@@ -131,20 +138,22 @@ class FuzzySystem:
                 rules, consequents, input_names, term_names
             )
         self.inputs: tuple[tuple[Any, ...], ...] = tuple(tuple(terms) for terms in inputs)
-        self._check_inputs()
-        self.rules = self._checked_rules(rules)
+        check_inputs(self.inputs, self._kinds, self._kind_names)
+        self.rules = checked_rules(rules, self.inputs)
         self.t_norm, self.t_conorm = norm_named(t_norm), conorm_named(t_conorm)
         if type_reduction not in TYPE_REDUCTIONS:
             raise UnknownName("type reduction", type_reduction, TYPE_REDUCTIONS)
         if method not in METHODS:
             raise UnknownName("type-reduction method", method, METHODS)
         self.type_reduction, self.method, self.fuzzifier = type_reduction, method, fuzzifier
-        self.fuzzifiers = self._checked_fuzzifiers(fuzzifier)
+        self.fuzzifiers = checked_fuzzifiers(
+            fuzzifier, len(self.inputs), self._kinds, self._kind_names
+        )
         if resolution < 2 or resolution != int(resolution):
             raise InvalidValue("resolution", resolution, "a whole number of at least 2")
         self.resolution = int(resolution)
-        self.consequents, self.consequent_sets, self.consequent_intervals = (
-            self._checked_consequents(consequents)
+        self.consequents, self.consequent_sets, self.consequent_intervals = checked_consequents(
+            consequents, len(self.rules), len(self.inputs), self._kinds, self._kind_names
         )
         if type_reduction != "center_of_sets" and self.consequent_sets is None:
             raise NotApplicable(
@@ -198,114 +207,6 @@ class FuzzySystem:
         kernels = _kernels()
         self.__dict__.update(state, _kernels=kernels, _evaluate_row=kernels.evaluate_row)
 
-    # Construction
-
-    def _check_inputs(self) -> None:
-        if not self.inputs or not all(self.inputs):
-            raise InvalidValue(
-                "inputs", self.inputs, "a list of at least one set for each of at least one input"
-            )
-        for number, terms in enumerate(self.inputs, start=1):
-            for term in terms:
-                if not isinstance(term, self._kinds):
-                    raise InvalidValue(f"a term of input {number}", term, self._kind_names)
-
-    def _checked_fuzzifiers(
-        self, given: Fuzzifier | Sequence[Fuzzifier] | None
-    ) -> tuple[Fuzzifier, ...] | None:
-        """Return a fuzzifier for each input, or None if all are singleton."""
-        if given is None:
-            return None
-        each = (given,) * len(self.inputs) if isinstance(given, Fuzzifier) else tuple(given)
-        if len(each) != len(self.inputs) or not all(isinstance(one, Fuzzifier) for one in each):
-            raise InvalidValue(
-                "fuzzifier", given, f"a fuzzifier, or one for each of the {len(self.inputs)} inputs"
-            )
-        for one in each:
-            if isinstance(one, NonSingletonFuzzifier) and not isinstance(one.shape, self._kinds):
-                raise InvalidValue("the shape of a fuzzifier", one.shape, self._kind_names)
-        return None if all(isinstance(one, SingletonFuzzifier) for one in each) else each
-
-    def _checked_rules(self, rules: Any) -> NDArray[np.int64]:
-        given = np.asarray(rules)
-        if (
-            given.ndim != 2
-            or given.shape[1] != len(self.inputs)
-            or given.shape[0] == 0
-            or given.dtype.kind not in "iu"
-        ):
-            raise InvalidValue(
-                "rules",
-                given,
-                f"whole numbers of shape (R, {len(self.inputs)}), a row for each rule",
-            )
-        counts = np.array([len(terms) for terms in self.inputs])
-        bad = np.argwhere((given < -1) | (given >= counts))
-        if len(bad):
-            row, column = (int(index) for index in bad[0])
-            raise InvalidValue(
-                f"rule {row + 1}, input {column + 1}",
-                int(given[row, column]),
-                f"the number of one of its {counts[column]} terms, from 0, or -1 for no part",
-            )
-        return given.astype(np.int64)
-
-    def _checked_consequents(self, consequents: Any) -> tuple[Any, list[list[Any]] | None, Array]:
-        """Return the consequents as given, the sets if they are any, and intervals (R, m, 2)."""
-        count = len(self.rules)
-        if isinstance(consequents, Linear):
-            if (
-                consequents.coefficients.shape[0] != count
-                or consequents.coefficients.shape[2] != len(self.inputs) + 1
-            ):
-                raise InvalidValue(
-                    "consequents",
-                    consequents.coefficients.shape,
-                    f"coefficients of shape ({count}, m, {len(self.inputs) + 1})",
-                )
-            return consequents, None, np.zeros((*consequents.coefficients.shape[:2], 2))
-        sets = as_sets(consequents)
-        if sets is not None:
-            if len(sets) != count or len({len(row) for row in sets}) != 1:
-                raise InvalidValue(
-                    "consequents",
-                    len(sets),
-                    f"a set, or a list with a set for each output, for each of {count} rules",
-                )
-            for row in sets:
-                for item in row:
-                    if not isinstance(item, self._kinds):
-                        raise InvalidValue("a consequent", item, self._kind_names)
-            return sets, sets, np.array([[centroid_interval(item) for item in row] for row in sets])
-        try:
-            values = np.asarray(consequents, dtype=float)
-        except (TypeError, ValueError) as error:
-            raise InvalidValue(
-                "consequents",
-                consequents,
-                f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}",
-            ) from error
-        if values.ndim == 2:
-            values = np.stack([values, values], axis=-1)
-        if (
-            values.ndim != 3
-            or values.shape[0] != count
-            or values.shape[1] == 0
-            or values.shape[2] != 2
-        ):
-            raise InvalidValue(
-                "consequents", values, f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}"
-            )
-        if not np.isfinite(values).all() or (values[..., 0] > values[..., 1]).any():
-            raise InvalidValue("consequents", values, "finite, with left ends not above right ends")
-        return (
-            consequents
-            if isinstance(consequents, np.ndarray)
-            else np.asarray(consequents, dtype=float),
-            None,
-            values,
-        )
-
     def _compiled_table(self) -> Array | None:
         """Return the system as one array for the compiled loop, or None if that cannot do it."""
         if self.t_norm.name not in ("min", "product") or self.fuzzifiers is not None:
@@ -317,35 +218,9 @@ class FuzzySystem:
                 if row is None:
                     return None
                 rows.append((float(number), *row))
-        return self._reduction_table(rows)
-
-    def _reduction_table(self, rows: list[tuple[float, ...]]) -> Array:
-        count, outputs = self.consequent_intervals.shape[:2]
-        offsets = np.cumsum([0, *(len(terms) for terms in self.inputs[:-1])])
-        antecedents = np.where(self.rules >= 0, self.rules + offsets, -1)
-        left, right = self.consequent_intervals[..., 0], self.consequent_intervals[..., 1]
-        least, greatest = left.min(axis=0), right.max(axis=0)
-        return np.concatenate(
-            [
-                [
-                    len(self.inputs),
-                    len(rows),
-                    count,
-                    outputs,
-                    0.0 if self.t_norm.name == "min" else 1.0,
-                    0.0,
-                ],
-                np.ravel(rows),
-                antecedents.ravel() if rows else np.full(self.rules.size, -1.0),
-                np.concatenate([left - least, greatest - right], axis=1).ravel(),
-                least,
-                greatest,
-                np.sort(left - least, axis=0).T.ravel(),
-                np.sort(greatest - right, axis=0).T.ravel(),
-                np.argsort(left - least, axis=0, kind="stable").T.ravel(),
-                np.argsort(greatest - right, axis=0, kind="stable").T.ravel(),
-            ]
-        ).astype(float)
+        return table_of(
+            self.inputs, self.rules, self.consequent_intervals, self.t_norm.name == "min", rows
+        )
 
     def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
         row: tuple[float, ...] | None = term.kernel_row()
@@ -688,12 +563,7 @@ class FuzzySystem:
             or (ranges[:, 0] > ranges[:, 1]).any()
         ):
             raise InvalidValue("domain", ranges, f"finite ranges of shape ({len(self.inputs)}, 2)")
-        axes = [np.linspace(low, high, points) for low, high in ranges]
-        if points ** len(axes) <= 100_000:
-            grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
-        else:
-            rng = np.random.default_rng(0)
-            grid = np.stack([rng.choice(axis, 100_000) for axis in axes], axis=-1)
+        grid = grid_over(ranges, points)
         covered = np.concatenate(
             [
                 self._coverage(grid[start : start + 4096]) > threshold
@@ -706,15 +576,7 @@ class FuzzySystem:
             for t in range(len(terms))
             if t not in self.rules[:, i]
         ]
-        duplicates, conflicts = [], []
-        first: dict[tuple[int, ...], int] = {}
-        for r, rule in enumerate(map(tuple, self.rules.tolist())):
-            if rule not in first:
-                first[rule] = r
-            elif self._same_consequent(first[rule], r):
-                duplicates.append((first[rule], r))
-            else:
-                conflicts.append((first[rule], r))
+        duplicates, conflicts = repeated_rules(self.rules, self._same_consequent)
         return Report(grid[~covered], float(covered.mean()), unused, duplicates, conflicts)
 
     def _same_consequent(self, a: int, b: int) -> bool:
@@ -760,26 +622,9 @@ class FuzzySystem:
             if isinstance(self.consequents, Linear)
             else self.consequent_intervals
         )
-        generator = np.random.default_rng(0) if rng is None else rng
-        choices: list[tuple[Array, Array]] = []
-        for end in (0, 1):
-            rank = np.argsort(np.argsort(intervals[:, 0, end], kind="stable"))
-            choices += [
-                (
-                    np.where((rank < k) == (end == 0), strengths[:, 1], strengths[:, 0]),
-                    intervals[..., end],
-                )
-                for k in range(len(rank) + 1)
-            ]
-        for _ in range(count):
-            share, where = generator.random(len(strengths)), generator.random(intervals.shape[:2])
-            weights = strengths[:, 0] + share * (strengths[:, 1] - strengths[:, 0])
-            choices.append(
-                (weights, intervals[..., 0] + where * (intervals[..., 1] - intervals[..., 0]))
-            )
-        for weights, values in choices:
-            if weights.sum() > 0.0:
-                yield weights @ values / weights.sum()
+        yield from embedded_averages(
+            strengths, intervals, count, np.random.default_rng(0) if rng is None else rng
+        )
 
 
 class Type1System(FuzzySystem):
@@ -808,6 +653,25 @@ class IntervalType2System(FuzzySystem):
 
     _kinds = (Type1Set, IntervalType2Set)
     _kind_names = "a type-1 or an interval type-2 set"
+
+
+def rebuilt(system: FuzzySystem, **changes: Any) -> FuzzySystem:
+    """Return a type-1 or interval type-2 system anew, with other values of some arguments.
+
+    Parameters
+    ----------
+    system : Type1System or IntervalType2System
+        The system.
+    **changes
+        Arguments of its constructor by name.
+
+    Returns
+    -------
+    Type1System or IntervalType2System
+        A system of the same kind; all arguments that are not named are as they were.
+    """
+    names = [name for name in inspect.signature(FuzzySystem).parameters if name not in changes]
+    return type(system)(**{name: getattr(system, name) for name in names}, **changes)
 
 
 def _kernels() -> Any:

@@ -14,11 +14,14 @@ import sys
 import typer
 
 from psp3.cli.app import app
+from psp3.cli.commands.info import info
 from psp3.cli.commands.reproduce import reproduce
-from psp3.cli.commands.robot import dynamics, info, pose, torques, workspace
+from psp3.cli.commands.robot import dynamics, pose
 from psp3.cli.commands.simulate import simulate, train
 from psp3.cli.commands.study import study
+from psp3.cli.commands.torques import torques
 from psp3.cli.commands.view import view
+from psp3.cli.commands.workspace import workspace
 from psp3.cli.options import INTERRUPTED, USAGE
 from psp3.cli.output import error_message
 

@@ -130,11 +130,13 @@ def page_output(text: str) -> Path:
     return output_file(text)
 
 
-def _csv_output(text: str) -> Path:
+def csv_output(text: str) -> Path:
+    """Return a file to write samples to, or the sign of standard output."""
     return Path("-") if text == "-" else output_file(text)
 
 
-def _figure_output(text: str) -> Path:
+def figure_output(text: str) -> Path:
+    """Refuse a figure in a format that is not drawn."""
     if Path(text).suffix.lower() not in FIGURE_FORMATS:
         raise typer.BadParameter(
             f"{text}: the name of a figure must end in {', '.join(FIGURE_FORMATS)}"
@@ -163,7 +165,7 @@ Json = Annotated[
 ]
 FigureFile = Annotated[
     Path | None,
-    typer.Option(parser=_figure_output, metavar="FILE", help="Draw to FILE: .pdf, .png or .svg."),
+    typer.Option(parser=figure_output, metavar="FILE", help="Draw to FILE: .pdf, .png or .svg."),
 ]
 
 MOTION, RUNS, PLANT, OUTPUT = "Desired motion", "Runs", "Plant, for --reading plant", "Output"
@@ -173,105 +175,6 @@ TrajectoryText = Annotated[
         metavar="NAME",
         rich_help_panel=MOTION,
         help="helix, circle, line, point-to-point, hold, or csv:FILE for a motion on file.",
-    ),
-]
-Radius = Annotated[
-    float | None,
-    typer.Option(
-        metavar="M",
-        rich_help_panel=MOTION,
-        help="Radius of helix and circle (m); 0.02 unless given.",
-    ),
-]
-TurnTime = Annotated[
-    float | None,
-    typer.Option(
-        metavar="S",
-        rich_help_panel=MOTION,
-        help="Time for a turn of helix and circle (s); 2 unless given.",
-    ),
-]
-Rise = Annotated[
-    float | None,
-    typer.Option(
-        metavar="M/S",
-        rich_help_panel=MOTION,
-        help="Vertical speed of the helix (m/s); 0.01 unless given.",
-    ),
-]
-StartHeight = Annotated[
-    float | None,
-    typer.Option(
-        metavar="M",
-        rich_help_panel=MOTION,
-        help="Tip height where helix and circle start (m); 0.07, home, unless given.",
-    ),
-]
-Start = Annotated[
-    Triple | None,
-    typer.Option(
-        parser=triple,
-        metavar="X,Y,Z",
-        rich_help_panel=MOTION,
-        help="Tip where line and point-to-point start (m).",
-    ),
-]
-End = Annotated[
-    Triple | None,
-    typer.Option(
-        parser=triple,
-        metavar="X,Y,Z",
-        rich_help_panel=MOTION,
-        help="Tip where line and point-to-point end (m).",
-    ),
-]
-TravelTime = Annotated[
-    float | None,
-    typer.Option(
-        metavar="S",
-        rich_help_panel=MOTION,
-        help="Time that line and point-to-point take (s); 2 unless given.",
-    ),
-]
-HoldTip = Annotated[
-    Triple | None,
-    typer.Option(
-        parser=triple,
-        metavar="X,Y,Z",
-        rich_help_panel=MOTION,
-        help="Tip to hold (m); 0,0,0.07, home, unless given.",
-    ),
-]
-Duration = Annotated[
-    float | None,
-    typer.Option(
-        metavar="S",
-        rich_help_panel=MOTION,
-        help=f"Time in all (s); unless given until the motion ends, {SAMPLED} if it never does.",
-    ),
-]
-CsvFile = Annotated[
-    Path | None,
-    typer.Option(
-        parser=_csv_output,
-        metavar="FILE",
-        rich_help_panel=OUTPUT,
-        help="Write all samples as CSV, SI units; - is standard output.",
-    ),
-]
-OutputFigure = Annotated[
-    Path | None,
-    typer.Option(
-        parser=_figure_output,
-        metavar="FILE",
-        rich_help_panel=OUTPUT,
-        help="Draw to FILE: .pdf, .png or .svg.",
-    ),
-]
-OutputJson = Annotated[
-    bool,
-    typer.Option(
-        "--json", rich_help_panel=OUTPUT, help="Print JSON and nothing else.", show_default=False
     ),
 ]
 

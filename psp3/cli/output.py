@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from psp3.cli.options import usage_error
-
 if TYPE_CHECKING:
+    from rich.progress import Progress
     from rich.table import Table
 
 
@@ -35,7 +34,7 @@ def new_table(title: str, *columns: str, note: str = "") -> Table:
     return table
 
 
-def narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
+def _narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
     """Return a table that fits 80 columns.
 
     It breaks headings and sentences between words, and numbers never.
@@ -79,6 +78,18 @@ def narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
     return table
 
 
+def show_narrow(title: str, headings: list[str], rows: list[list[str]], note: str = "") -> None:
+    """Print a table that fits 80 columns between its title and a note."""
+    from rich.console import Console
+    from rich.text import Text
+
+    console = Console(highlight=False)
+    console.print(Text(title, style="bold"))
+    console.print(_narrow_table(headings, rows))
+    if note:
+        console.print(Text(note, style="dim"))
+
+
 def show(*tables: Table) -> None:
     """Print tables."""
     from rich.console import Console
@@ -88,24 +99,13 @@ def show(*tables: Table) -> None:
         console.print(table)
 
 
-def _plain(value: Any) -> Any:
-    """Turn arrays into lists and what JSON has no number for into null."""
-    if hasattr(value, "tolist"):
-        value = value.tolist()
-    if isinstance(value, dict):
-        return {name: _plain(entry) for name, entry in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return str(value) if isinstance(value, Path) else value
-
-
 def print_json(content: dict[str, Any]) -> None:
     """Print content as JSON; numbers that JSON does not know are null."""
     import json
 
-    typer.echo(json.dumps(_plain(content), allow_nan=False, ensure_ascii=False))
+    from fuzzy2.support.plain_data import plain
+
+    typer.echo(json.dumps(plain(content), allow_nan=False, ensure_ascii=False))
 
 
 def fixed(values: Any, digits: int = 6) -> list[str]:
@@ -120,6 +120,8 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     """Write columns of numbers to a CSV file, or to standard output."""
     import csv
 
+    from fuzzy2.support.text_files import write_text
+
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
@@ -127,15 +129,18 @@ def write_csv(path: Path, columns: dict[str, Any]) -> None:
     if path == Path("-"):
         typer.echo(text.getvalue(), nl=False)
     else:
-        path.write_text(text.getvalue(), encoding="utf-8")
+        write_text(text.getvalue(), path)
 
 
 def draw_figure(path: Path, draw: Callable[[], Any]) -> None:
     """Save a figure in the style of this package."""
     from fuzzy2.plots.style import style
+    from fuzzy2.support.text_files import written_whole
 
     with style():
-        draw()[0].get_figure(root=True).savefig(path)
+        drawn = draw()[0].get_figure(root=True)
+        with written_whole(path, "wb") as file:
+            drawn.savefig(file, format=path.suffix[1:])
 
 
 @contextmanager
@@ -164,10 +169,32 @@ def progress_bar(description: str, total: float) -> Iterator[Callable[[float], N
         yield lambda done: bar.update(task, completed=done)
 
 
-def check_outputs(csv: Path | None, json: bool) -> None:
-    """Refuse two outputs that both want standard output."""
-    if json and csv == Path("-"):
-        raise usage_error("--json and --csv - both want standard output; give --csv a file")
+@contextmanager
+def counted_progress() -> Iterator[tuple[Progress, bool]]:
+    """Show bars of things done, of how many, on standard error.
+
+    Also say whether that is a terminal; if not, no bar is drawn.
+    """
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        Progress,
+        TextColumn,
+        TimeRemainingColumn,
+    )
+
+    console = Console(stderr=True, highlight=False)
+    columns = (
+        BarColumn(),
+        MofNCompleteColumn(),
+        TextColumn("{task.description}"),
+        TimeRemainingColumn(),
+    )
+    with Progress(
+        *columns, console=console, transient=True, disable=not console.is_terminal
+    ) as bars:
+        yield bars, console.is_terminal
 
 
 def cell_text(value: Any) -> str:
@@ -196,10 +223,9 @@ def error_message(error: Exception) -> str | None:
         return f"{command}: {' '.join(text.split())} (see {command} --help)"
     if isinstance(error, MemoryError):
         return "psp3: this takes more memory than there is; ask for less time or fewer samples"
-    from fuzzy2.errors import Fuzzy2Error
-    from psp3.errors import PSP3Error
+    from fuzzy2.errors import RaisedOnPurpose
 
-    if isinstance(error, PSP3Error | Fuzzy2Error):
+    if isinstance(error, RaisedOnPurpose):
         return f"psp3: {' '.join(str(error).split())}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import typer
+
+from psp3.cli.option_groups import GainOptions, MotionOptions
 from psp3.cli.options import (
+    INTERRUPTED,
     SAMPLED,
     ControllerName,
     ModelName,
@@ -24,6 +29,22 @@ if TYPE_CHECKING:
     from psp3.trajectories.trajectory import Trajectory
 
 
+@contextmanager
+def resumable(place: Path) -> Iterator[None]:
+    """Turn the interruption of a study into a sentence and the exit status of Ctrl-C."""
+    from psp3.errors import StudyInterrupted
+
+    try:
+        yield
+    except StudyInterrupted as interrupt:
+        typer.echo(
+            f"{interrupt.done} of {interrupt.total} runs are in {place}; the same command goes on "
+            "from there",
+            err=True,
+        )
+        raise typer.Exit(INTERRUPTED) from None
+
+
 def load_robot(parameters: ParametersName) -> PSP3:
     """Return the 3-PSP with a parameter set."""
     from psp3.loading import load
@@ -32,11 +53,12 @@ def load_robot(parameters: ParametersName) -> PSP3:
 
 
 def trajectory_from_options(
-    robot: PSP3, text: str, duration: float | None, given: dict[str, Any]
+    robot: PSP3, text: str, motion: MotionOptions
 ) -> tuple[Trajectory, float]:
     """Return the motion that the options describe, and for how long it is wanted."""
     from psp3.trajectories import paths, recorded
 
+    given, duration = motion.of_the_path(), motion.duration
     kind, _, file = text.partition(":")
     trajectory: Trajectory
     if kind == "csv":
@@ -77,7 +99,7 @@ def trajectory_from_options(
 
 
 def controller_named(
-    robot: PSP3, name: ControllerName, model: ModelName | None, gains: dict[str, float | None]
+    robot: PSP3, name: ControllerName, model: ModelName | None, gains: GainOptions
 ) -> tuple[Controller, dict[str, Any]]:
     """Return a controller and what there is to say about it."""
     from psp3.control import classical as controllers
@@ -85,7 +107,7 @@ def controller_named(
     allowed = {ControllerName.PID: ("kp", "kv", "ki"), ControllerName.FEED_FORWARD: ()}.get(
         name, ("kp", "kv")
     )
-    kept = only_allowed(f"--controller {name.value}", gains, allowed)
+    kept = only_allowed(f"--controller {name.value}", vars(gains), allowed)
     controller: Any
     if name in (ControllerName.T1, ControllerName.IT2, ControllerName.GT2):
         if model is not None:

@@ -22,6 +22,7 @@ import numpy as np
 
 from fuzzy2.support.compiled import compiled
 from psp3.checks import Array, Indices
+from psp3.closure.rank import PIVOT_TOLERANCE
 
 SCREW, UNBOUNDED, BALL, FREE = range(4)
 """Kinds of elements: one degree of freedom in one coordinate; an angle as cosine and sine; a
@@ -32,9 +33,6 @@ CLOSED, OPEN, SINGULAR = range(3)
 """What became of a row: closed; stopped on the way; the actuated joints do not determine the
 others.
 """
-
-RANK_TOLERANCE = 1e-9
-"""Diagonal entries of the triangular factor below this share of the largest one count as zero."""
 
 LARGEST_PREDICTED_STEP = 0.3
 """Continuation moves no joint by more than this between two closures [m, rad]."""
@@ -86,10 +84,13 @@ class Table(NamedTuple):
     actuated_q: Indices
     """Configuration index of each actuated coordinate."""
     kind: Indices
+    """Kind of every element: ``SCREW``, ``UNBOUNDED``, ``BALL`` or ``FREE``."""
     parent: Indices
+    """Element of the group that carries an element."""
     index_q: Indices
     """Place of an element's first coordinate among those of its group."""
     index_v: Indices
+    """Velocity index of an element's first degree of freedom."""
     column: Indices
     """Column of an element's first degree of freedom among the un-actuated ones of its group, or
     −1 − its place among the actuated.
@@ -401,7 +402,7 @@ def _solve(matrix, right, solution):
         norm = math.sqrt(max(longest, 0.0))
         if k == 0:
             largest = norm
-        if k >= rows or not norm > RANK_TOLERANCE * largest:
+        if k >= rows or not norm > PIVOT_TOLERANCE * largest:
             return 0
         diagonal = -norm if matrix[k, k] > 0.0 else norm
         # A reflection has the determinant −1.

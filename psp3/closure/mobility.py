@@ -23,11 +23,9 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, one_row
 from psp3.closure.assembly import assembled
 from psp3.closure.kernels import Table, jacobian
+from psp3.closure.rank import ASSEMBLED_RANK_TOLERANCE, null_space
 from psp3.closure.table import NO_MOTORS, flattened
 from psp3.errors import ClosureFailed, UnknownName
-
-RANK_TOLERANCE = 1e-7
-"""Singular values below this share of the largest one count as zero."""
 
 STEP = 0.02
 """The rank is also taken this far from the given configuration [m, rad], so that a singular one
@@ -151,7 +149,7 @@ def mobility(
     joints = [model.joints[model.getJointId(name)] for name in actuated]
     # Joints of several degrees of freedom cannot be commanded; who builds the robot says so.
     driven = motions[[joint.idx_v for joint in joints]]
-    commanded = int(np.linalg.matrix_rank(driven, tol=RANK_TOLERANCE)) if driven.size else 0
+    commanded = _rank_of_motions(driven)
     return Mobility(
         degrees_of_freedom=model.nv - rank,
         actuators=len(joints),
@@ -168,23 +166,20 @@ def _motions(model: pin.Model, table: Table, q: Array) -> tuple[Array, int]:
     """Return a basis of the velocities that keep the loops closed, and the rank of the closures."""
     out = np.zeros((int(table.closure_rows.sum()), model.nv))
     jacobian(table, q, out)
-    return _null_space(out)
+    motions = null_space(out, ASSEMBLED_RANK_TOLERANCE)
+    return motions, model.nv - motions.shape[1]
 
 
-def _null_space(matrix: Array) -> tuple[Array, int]:
-    """Return an orthonormal basis of a matrix's null space, and its rank."""
-    if not matrix.size:
-        return np.eye(matrix.shape[1]), 0
-    _, values, right = np.linalg.svd(matrix)
-    rank = int(np.count_nonzero(values > RANK_TOLERANCE * max(values[0], 1e-300)))
-    return np.ascontiguousarray(right[rank:].T), rank
+def _rank_of_motions(rows: Array) -> int:
+    """Return how many joints can be commanded apart, from their rows of a basis of motions."""
+    return int(np.linalg.matrix_rank(rows, tol=ASSEMBLED_RANK_TOLERANCE)) if rows.size else 0
 
 
 def _moving(model: pin.Model, names: list[str], motions: Array, driven: Array) -> tuple[str, ...]:
     """Return the joints that move in some motion that moves no motor."""
     if not motions.shape[1]:
         return ()
-    free = motions @ _null_space(driven)[0] if driven.size else motions
+    free = motions @ null_space(driven, ASSEMBLED_RANK_TOLERANCE)
     return tuple(
         str(names[index])
         for index in range(1, model.njoints)
@@ -199,7 +194,7 @@ def _dependent(driven: Array, actuated: list[str]) -> tuple[str, ...]:
     """Return the actuated joints whose motion follows from that of those before them."""
     names, rank = [], 0
     for count, name in enumerate(actuated, start=1):
-        more = int(np.linalg.matrix_rank(driven[:count], tol=RANK_TOLERANCE)) if driven.size else 0
+        more = _rank_of_motions(driven[:count])
         if more == rank:
             names.append(name)
         rank = more

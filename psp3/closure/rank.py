@@ -1,6 +1,7 @@
-"""Solve for the un-actuated joints by rank.
+"""Ranks, null spaces, and the un-actuated joints by rank.
 
-Square, redundant and singular constraint Jacobians are told apart.
+A matrix of computed numbers is never quite singular, so each rank needs a size below which a
+singular value counts as zero. These are all here, with their reasons.
 """
 
 from __future__ import annotations
@@ -11,7 +12,60 @@ from psp3.checks import Array
 from psp3.errors import SingularConfiguration
 
 RANK_TOLERANCE = 1e-9
-"""Singular values below this share of the largest one count as zero."""
+"""Singular values up to this share of the largest one count as zero. Rounding leaves about 1e-15 of
+it, and what is conditioned worse than 1e9 would leave too few digits to be of use.
+"""
+
+PIVOT_TOLERANCE = 1e-9
+"""As :data:`RANK_TOLERANCE`, for the diagonal of a triangular factor with pivoting: the compiled
+kernels have no singular values, of which the last diagonal entry is an estimate.
+"""
+
+ASSEMBLED_RANK_TOLERANCE = 1e-7
+"""As :data:`RANK_TOLERANCE`, where configurations are only assembled: their loops are open by up to
+1e-9, and closure equations that follow from others miss by as much.
+"""
+
+
+def numerical_rank(values: Array, tolerance: float = RANK_TOLERANCE) -> int:
+    """Return how many singular values are above a share of the largest one.
+
+    Parameters
+    ----------
+    values : (k,) ndarray
+        Singular values.
+    tolerance : float
+        The share.
+
+    Returns
+    -------
+    int
+    """
+    return int(np.count_nonzero(values > tolerance * values.max(initial=0.0)))
+
+
+def null_space(matrix: Array, tolerance: float, size: float | None = None) -> Array:
+    """Return an orthonormal basis of the directions in which a matrix is small.
+
+    Parameters
+    ----------
+    matrix : (m, n) ndarray
+        The matrix; without rows, all directions count.
+    tolerance : float
+        Singular values up to this share of ``size`` count as zero.
+    size : float, optional
+        What they are compared with; the largest of them by default.
+
+    Returns
+    -------
+    (n, k) ndarray
+        The basis, in its columns.
+    """
+    if not matrix.size:
+        return np.eye(matrix.shape[1])
+    _, values, right = np.linalg.svd(matrix)
+    limit = tolerance * (values[0] if size is None else size)
+    return np.ascontiguousarray(right[np.count_nonzero(values > limit) :].T)
 
 
 def dependent_solver(jacobian: Array) -> Array:
@@ -39,7 +93,7 @@ def dependent_solver(jacobian: Array) -> Array:
     if jacobian.shape[0] == 0:
         raise SingularConfiguration(0, columns, np.inf)
     left, values, right = np.linalg.svd(jacobian, full_matrices=False)
-    rank = int(np.count_nonzero(values > RANK_TOLERANCE * values[0]))
+    rank = numerical_rank(values)
     if rank < columns:
         condition = (
             values[0] / values[-1] if values.size == columns and values[-1] > 0.0 else np.inf

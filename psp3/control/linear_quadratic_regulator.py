@@ -269,6 +269,15 @@ class TimeVaryingLinearQuadraticRegulator:
     terminal : (2n, 2n) array_like, optional
         Weight of the errors at the end, see :func:`time_varying_lqr`.
 
+    Attributes
+    ----------
+    t : (N,) ndarray
+        Times of the control periods [s].
+    system : LinearSystem
+        The robot's sampled linearization at these times.
+    regulator : TimeVaryingRegulator
+        The gains at these times.
+
     Raises
     ------
     InvalidArray, InvalidValue, NoStabilizingSolution

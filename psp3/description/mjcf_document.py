@@ -37,6 +37,15 @@ class MjcfDocument:
     path : path
         The file.
 
+    Attributes
+    ----------
+    root : Element
+        The file's root, with what it includes in its place.
+    compiler : dict of str to str
+        Settings of the compiler.
+    radians_per_unit : float
+        What an angle of the file is multiplied with.
+
     Raises
     ------
     InvalidRobotFile

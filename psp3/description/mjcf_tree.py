@@ -41,6 +41,7 @@ class MjcfJoint(NamedTuple):
     """A joint of an MJCF file, with what Pinocchio is told of it after it has built the tree."""
 
     name: str
+    """Its name in the tree."""
     kind: str
     """``hinge``, ``slide``, ``ball`` or ``free``."""
     reference: float
@@ -50,9 +51,13 @@ class MjcfJoint(NamedTuple):
     effort: tuple[float, float]
     """Of the force [N or N·m]."""
     damping: float
+    """Viscous friction [N s/m or N m s]."""
     friction: float
+    """Dry friction, MuJoCo's ``frictionloss`` [N or N m]."""
     armature: float
+    """Inertia of the motor, seen at the joint [kg or kg m²]."""
     stiffness: float
+    """Of the spring in the joint [N/m or N m]."""
 
 
 class PlainMjcf(NamedTuple):

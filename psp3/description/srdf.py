@@ -62,7 +62,10 @@ def _pose(path: Path, state: ElementTree.Element, model: pin.Model) -> Array:
 
 
 class Exclusion(NamedTuple):
-    """Two links whose collisions are not looked for, and why."""
+    """Two links whose collisions are not looked for, and why.
+
+    ``first`` and ``second`` are their names, ``reason`` is the SRDF's word for it.
+    """
 
     first: str
     second: str

@@ -25,7 +25,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_rows, together
+from psp3.checks import Array, applied_to_rows, finite_rows, together
 from psp3.closure.mobility import mobility
 from psp3.closure.rank import dependent_solver
 from psp3.errors import InconsistentVelocity, MobilityMismatch, OpenLoops, UnknownName
@@ -112,29 +112,10 @@ class NaturalOrthogonalComplement:
 
     # Rows: one configuration at a time, because Pinocchio takes one at a time
 
-    def _map(
-        self,
-        function: Callable[..., Array],
-        shape: tuple[int, ...],
-        **arguments: tuple[ArrayLike, int],
-    ) -> Array:
-        """Apply a function of one configuration to arguments with leading dimensions.
-
-        Its result has the given shape.
-        """
-        arrays = together(
-            **{
-                name: finite_rows(name, values, width)
-                for name, (values, width) in arguments.items()
-            }
-        )
-        rows = zip(*(array.reshape(-1, array.shape[-1]) for array in arrays), strict=True)
-        return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
-
     def _at(
         self, function: Callable[[Array], Array], shape: tuple[int, ...], q: ArrayLike
     ) -> Array:
-        return self._map(function, shape, q=(q, self.model.nq))
+        return applied_to_rows(function, shape, q=(q, self.model.nq))
 
     def _moving(
         self,
@@ -143,7 +124,7 @@ class NaturalOrthogonalComplement:
         q: ArrayLike,
         v: ArrayLike,
     ) -> Array:
-        return self._map(function, shape, q=(q, self.model.nq), v=(v, self.model.nv))
+        return applied_to_rows(function, shape, q=(q, self.model.nq), v=(v, self.model.nv))
 
     def _place(self, q: Array, v: Array | None = None) -> None:
         """Let Pinocchio compute placements and joint Jacobians at q, with rates if v is given."""
@@ -663,7 +644,7 @@ class NaturalOrthogonalComplement:
             return forces
 
         n = self._actuated.size
-        return self._map(
+        return applied_to_rows(
             one, (n,), q=(q, self.model.nq), v=(v, self.model.nv), accelerations=(accelerations, n)
         )
 

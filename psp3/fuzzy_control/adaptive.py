@@ -82,6 +82,15 @@ class AdaptiveFuzzyComputedTorque:
         Time constant of the low-pass filter [s]. Longer suppresses more noise of measurement, and
         learns later.
 
+    Attributes
+    ----------
+    base : FuzzyComputedTorque
+        The trained controller.
+    rules : Rules
+        What it was trained to, with weight and box of adaptation.
+    settings : ndarray
+        Numbers of the controller, as :mod:`psp3.fuzzy_control.adaptive_kernels` takes them.
+
     Raises
     ------
     InvalidValue

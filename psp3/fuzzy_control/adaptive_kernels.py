@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from fuzzy2.learning.adaptation_kernels import add, basis, forget, solve_within
 from fuzzy2.support.compiled import compiled
+from psp3.checks import Array
 from psp3.fuzzy_control.kernels import (
     OUTPUTS,
     apply_model,
@@ -26,8 +27,6 @@ from psp3.fuzzy_control.kernels import (
     width_of_force,
     write_servo,
 )
-
-Array = NDArray[np.float64]
 
 MEMORY, LAG, UPDATE_PERIOD, LEAST_SHARE = range(3, 7)
 
@@ -40,8 +39,9 @@ TIME, SINCE_UPDATE, CALLED = range(3)
 class Rules(NamedTuple):
     """What was trained, and how far from it adaptation may go.
 
-    ``ranges`` (2, 4) are the trained inputs' ends, ``prior`` (n,) the weights of the trained
-    consequents and ``reach`` (n,) the farthest that they may go.
+    ``table`` is the system's, as its kernels take it, ``ranges`` (2, 4) are the trained inputs'
+    ends, ``trained`` the consequents by output, end and rule, ``prior`` (n,) the weights of the
+    trained consequents and ``reach`` (n,) the farthest that they may go.
     """
 
     table: Array
@@ -55,9 +55,10 @@ class Memory(NamedTuple):
     """What changes from call to call.
 
     ``clock`` (3,), ``last`` (9,) heights, speeds and torque of the last call, ``rows`` (3, n) and
-    ``residuals`` (3,) of the low-pass filter, the least-squares problem with scratch space, how far
-    the consequents are from the trained ones, and the consequents themselves with the order that
-    ``basis`` keeps of them.
+    ``residuals`` (3,) of the low-pass filter, the least-squares problem, ``information`` (n, n) and
+    ``right`` (n,), with the scratch space ``factor`` (n, n) and ``trial`` (n,), how far the
+    consequents are from the trained ones, ``delta`` (n,), and the ``consequents`` themselves with
+    the ``orders`` that ``basis`` keeps of them.
     """
 
     clock: Array

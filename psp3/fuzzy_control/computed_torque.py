@@ -22,7 +22,6 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import Fuzzy2Error
 from fuzzy2.files.json_files import from_json, to_json
 from fuzzy2.learning.noise import mean_variation_from_snr
 from fuzzy2.learning.partition import KINDS
@@ -605,7 +604,7 @@ class FuzzyComputedTorque:
             raise InvalidControllerFile(
                 path, f"cannot be read ({error.strerror or error})"
             ) from error
-        except (Fuzzy2Error, ValueError, TypeError, OverflowError, RecursionError) as error:
+        except (ValueError, TypeError, OverflowError, RecursionError) as error:
             raise InvalidControllerFile(
                 path, f"is not a whole controller file ({error})"
             ) from error

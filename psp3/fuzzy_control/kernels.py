@@ -19,13 +19,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fuzzy2.support.compiled import compiled
 from fuzzy2.systems.kernels import evaluate, evaluate_corollary, evaluate_planes
+from psp3.checks import Array
 from psp3.three_psp.closed_form import equation_of_motion
-
-Array = NDArray[np.float64]
 
 FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE, INTERVAL, PLANES, COROLLARY = range(7)
 CLAMP, CRISP = range(2)

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, Indices, one_row
-from psp3.closure.rank import RANK_TOLERANCE
+from psp3.closure.rank import RANK_TOLERANCE, numerical_rank
 from psp3.errors import (
     ClosureFailed,
     JointLimitExceeded,
@@ -181,7 +181,7 @@ def independent_columns(matrix: Array) -> tuple[Indices, Array]:
         if size > RANK_TOLERANCE:
             basis, columns = np.column_stack([basis, left / size]), [*columns, j]
     values = np.linalg.svd(scaled, compute_uv=False)
-    rank = int(np.count_nonzero(values > RANK_TOLERANCE * values.max(initial=0.0)))
+    rank = numerical_rank(values)
     if rank != len(columns):
         raise UncertainRank(len(columns), rank, values)
     found = np.array(columns, dtype=np.int64)

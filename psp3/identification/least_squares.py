@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, checked_not_negative, finite_rows
-from psp3.closure.rank import RANK_TOLERANCE
+from psp3.closure.rank import numerical_rank
 from psp3.errors import InvalidArray, PoorExcitation
 from psp3.identification.base_parameters import BaseParameters
 from psp3.identification.physical_consistency import Body, bodies
@@ -254,7 +254,7 @@ def _weighted_least_squares(regressors: Array, forces: Array) -> tuple[Array, Ar
     for _ in range(REFINEMENTS):
         weighted = (regressors / noise[:, np.newaxis] / lengths).reshape(-1, count)
         left, sizes, right = np.linalg.svd(weighted, full_matrices=False)
-        rank = int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes.max(initial=0.0)))
+        rank = numerical_rank(sizes)
         if rank < count or len(weighted) <= count:
             raise PoorExcitation(
                 "base parameters and the noise", min(rank, len(weighted) - 1), count

@@ -18,7 +18,6 @@ from typing import Any, NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from fuzzy2.errors import Fuzzy2Error
 from fuzzy2.support.text_files import read_text, write_text
 from psp3.checks import Array
 from psp3.errors import InvalidArray, InvalidMapFile, InvalidValue, UnknownName
@@ -192,7 +191,7 @@ class KinematicMap:
             content = json.loads(read_text(path), parse_constant=_refuse_constant)
         except OSError as error:
             raise InvalidMapFile(path, f"cannot be read ({error.strerror or error})") from error
-        except (Fuzzy2Error, ValueError, RecursionError) as error:
+        except (ValueError, RecursionError) as error:
             raise InvalidMapFile(path, f"is not JSON ({error})") from error
         return cls(**_Reader(path).fields(content))
 

@@ -49,7 +49,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, checked_positive, finite_rows, one_row
 from psp3.closure.assembly import residual
 from psp3.closure.kernels import jacobian
-from psp3.closure.rank import RANK_TOLERANCE
+from psp3.closure.rank import RANK_TOLERANCE, null_space
 from psp3.closure.table import flattened
 from psp3.errors import OpenLoops
 from psp3.kinematics.tasks import (
@@ -98,6 +98,11 @@ class Measures(NamedTuple):
 
     ``orientation``: sign of :math:`\det J`, which changes where one of them is crossed, and only
     there. Zero where J is not square.
+
+    ``assembly``: sign of the determinant of the closure equations, of the independent ones of
+    :math:`\Phi^u`, which tells assembly modes apart: two configurations with the same positions of
+    the motors and different signs belong to different ones, and every motion from one to the other
+    passes a singularity of actuation. Zero in a constraint singularity.
 
     ``mobility``: degrees of freedom here; more than elsewhere in a constraint singularity, where
     all that depends on N is NaN.
@@ -269,10 +274,10 @@ class SingularityAnalysis:
         limit = checked_positive("tolerance", tolerance)
         q = np.array(one_row("configuration", configuration, self.robot.model.nq))
         closures, frame = (matrices[0] for matrices in self._matrices(q[np.newaxis]))
-        size = float(np.linalg.norm(closures, 2)) if closures.size else 1.0
-        motions = _null_space(closures, limit * size)
+        motions = null_space(closures, limit)
         driven, moved = motions[self.robot.actuated_v], frame @ motions
-        locked, still = motions @ _null_space(driven, limit), motions @ _null_space(moved, limit)
+        locked = motions @ null_space(driven, limit, size=1.0)
+        still = motions @ null_space(moved, limit, size=1.0)
         free = motions.shape[1]
         found = {
             "constraint": free > self.robot.model.nv - self._rank,
@@ -390,14 +395,3 @@ def _condition(matrices: Array) -> Array:
     regular = values[:, -1] > RANK_TOLERANCE * values[:, 0]
     condition[regular] = values[regular, 0] / values[regular, -1]
     return condition
-
-
-def _null_space(matrix: Array, limit: float) -> Array:
-    """Return an orthonormal basis (nv, k) of directions in which a matrix is small.
-
-    Small is not larger than a limit.
-    """
-    if not matrix.size:
-        return np.eye(matrix.shape[1])
-    _, values, right = np.linalg.svd(matrix)
-    return np.ascontiguousarray(right[np.count_nonzero(values > limit) :].T)

@@ -52,6 +52,11 @@ class TaskSpace:
         Which of ``x``, ``y``, ``z``, ``rx``, ``ry``, ``rz``: position of the frame's origin and
         rotation, in base axes.
 
+    Attributes
+    ----------
+    rows : list of int
+        Rows of the task in a velocity of six dimensions.
+
     Raises
     ------
     UnknownName

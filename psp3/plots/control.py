@@ -20,7 +20,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fuzzy2.learning.partition import term_names
-from fuzzy2.plots.figures import figure_of_sets
+from fuzzy2.plots.sets import figure_of_sets
 from psp3.fuzzy_control.records import differences
 from psp3.plots.panels import Panels, given_panels, muted
 from psp3.simulation.result import Result
@@ -94,7 +94,8 @@ def figure_of_tracking(result: Result, title: str, axes: Sequence[Axes] | None =
     title : str
         What was simulated.
     axes : sequence of 7 Axes, optional
-        See :func:`figure_52`.
+        Three for the heights, three for the speeds, a 3D one for the path of the tip [mm]; new ones
+        by default.
 
     Returns
     -------

@@ -24,7 +24,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_rows, one_row, together
+from psp3.checks import Array, applied_to_rows, finite_rows, one_row
 from psp3.closure.assembly import assembled
 from psp3.closure.kernels import SINGULAR, close, drift
 from psp3.closure.mobility import mobility
@@ -62,6 +62,14 @@ class ClosedLoopRobot:
         only nearly close the loops.
     visual_model : pinocchio.GeometryModel, optional
         What the robot looks like.
+
+    Attributes
+    ----------
+    actuated_q, actuated_v, dependent_v : ndarray of int
+        Places of the actuated joints in configurations and in joint velocities, and of the other
+        joints in joint velocities.
+    mobility : Mobility
+        How many ways the mechanism can move, and how many of them its motors command.
 
     Raises
     ------
@@ -250,11 +258,9 @@ class ClosedLoopRobot:
         Its result has the given shape.
         """
         width = len(self.actuated)
-        arrays = together(
-            **{name: finite_rows(name, values, width) for name, values in arguments.items()}
+        return applied_to_rows(
+            function, shape, **{name: (values, width) for name, values in arguments.items()}
         )
-        rows = zip(*(array.reshape(-1, width) for array in arrays), strict=True)
-        return np.array([function(*row) for row in rows]).reshape(arrays[0].shape[:-1] + shape)
 
     def configuration(self, positions: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations that close the loops at the given actuated positions.

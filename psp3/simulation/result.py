@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import zipfile
 import zlib
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from fuzzy2.support.text_files import written_whole
 from psp3.checks import Array
 from psp3.errors import InvalidResultFile
 from psp3.trajectories.motion import Motion
@@ -99,13 +99,8 @@ class Result:
         arrays |= {
             name: getattr(self, name) for name in REPORTED if getattr(self, name) is not None
         }
-        partial = path.with_name(path.name + ".part")
-        try:
-            with partial.open("wb") as file:
-                np.savez_compressed(file, format=np.array(FORMAT), **arrays)
-            os.replace(partial, path)
-        finally:
-            partial.unlink(missing_ok=True)
+        with written_whole(path, "wb") as file:
+            np.savez_compressed(file, format=np.array(FORMAT), **arrays)
         return path
 
 

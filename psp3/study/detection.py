@@ -99,6 +99,11 @@ class DepartingHelix(Trajectory):
         Radius at the end [m], and factor q of the speed there.
     robot : PSP3
         See :class:`psp3.trajectories.trajectory.Trajectory`.
+
+    Attributes
+    ----------
+    height : float
+        Level :math:`z_0`, that of the tip in the home pose [m].
     """
 
     def __init__(
@@ -149,7 +154,8 @@ class DepartingHelix(Trajectory):
 class Watched(NamedTuple):
     """A run as the controller saw it.
 
-    Times (N,), heights, speeds and torque (N, 3), intervals (N, 3, 2), desired heights (N, 3).
+    Times ``t`` (N,) [s], ``heights`` [m], ``speeds`` [m/s] and ``torque`` [N] (N, 3), the torque's
+    ``interval`` (N, 3, 2) [N], ``desired`` heights (N, 3) [m].
     """
 
     t: Array

@@ -350,6 +350,11 @@ class Additions:
         Connection in autocommit mode.
     file : StudyFile
         What it belongs to.
+
+    Attributes
+    ----------
+    keys : set of str
+        Keys of the runs that are in the file.
     """
 
     def __init__(self, connection: sqlite3.Connection, file: StudyFile) -> None:

@@ -34,8 +34,8 @@ Clock = Callable[[], int]
 class Latency(NamedTuple):
     """Times of single steps [s].
 
-    How many were measured, and the values that half, 99 % and 99.9 % of them, and all, do not
-    exceed.
+    How many ``steps`` were measured, and the times that half of them (``median``), 99 %
+    (``percentile_99``), 99.9 % (``percentile_99_9``) and all of them (``worst``) do not exceed.
     """
 
     steps: int

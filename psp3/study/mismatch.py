@@ -167,7 +167,14 @@ class Outcome:
 class Row:
     """What the seeds of one case gave under one controller.
 
-    Means with 95 % intervals, and the share of runs that diverged.
+    Parameters
+    ----------
+    case, controller
+        What was compared.
+    error, settled, effort : Estimate
+        Means of the fields of :class:`Outcome` over the seeds, with 95 % intervals.
+    diverged : Estimate
+        Share of the runs that diverged.
     """
 
     case: Case

@@ -39,6 +39,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzy2.support.text_files import written_whole
 from psp3.errors import (
     InvalidValue,
     RunsFailed,
@@ -304,15 +305,10 @@ class Study:
                 "path", str(path), "another file than that of the study, which it would replace"
             )
         rows = self.rows(**selection)
-        partial = path.with_name(path.name + ".part")
-        try:
-            with partial.open("w", encoding="utf-8", newline="") as file:
-                writer = csv.DictWriter(file, [*field_types(), *METRICS], lineterminator="\n")
-                writer.writeheader()
-                writer.writerows(rows)
-            os.replace(partial, path)
-        finally:
-            partial.unlink(missing_ok=True)
+        with written_whole(path) as file:
+            writer = csv.DictWriter(file, [*field_types(), *METRICS], lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
         return path
 
 

@@ -54,7 +54,8 @@ class Table:
 class Drawing:
     """A figure in a file, and in words.
 
-    ``caption`` is shown below it, ``description`` is read to those who cannot see it.
+    ``path`` is the file, ``caption`` is shown below it, ``description`` is read to those who cannot
+    see it.
     """
 
     path: Path

@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fuzzy2.support.text_files import written_whole
 from psp3 import published
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import INPUT_NAMES, record
@@ -65,7 +66,8 @@ def draw_all(
         path = directory / f"{name}.svg"
         figure = panels[0].get_figure(root=True)
         assert figure is not None
-        figure.savefig(path, metadata={"Date": None})
+        with written_whole(path, "wb") as file:
+            figure.savefig(file, format="svg", metadata={"Date": None})
         return Drawing(path, caption, description)
 
     recorded = record(robot, Helix(robot=robot))
@@ -101,16 +103,14 @@ def draw_all(
         "one half.",
     )
 
-    for name, draw, key, words in (
+    for number, key, words in (
         (
-            "figure_52",
-            figures.figure_52,
+            52,
             "PD",
             "The heights lag by the sag under gravity, the speeds agree.",
         ),
         (
-            "figure_53",
-            figures.figure_53,
+            53,
             "CTC",
             (
                 "The error of the start from rest dies out within about ten seconds at the "
@@ -119,9 +119,9 @@ def draw_all(
         ),
     ):
         yield saved(
-            name,
-            draw(results[key]),
-            f"Figure {name[-2:]}: {key}. Heights and speeds of the three nuts and the path of "
+            f"figure_{number}",
+            figures.figure(number, results[key]),
+            f"Figure {number}: {key}. Heights and speeds of the three nuts and the path of "
             f"the tip. {_LINES} {words}",
             f"Three panels of heights, three of speeds and the helix of the tip under {key}. "
             f"{_in_words(results[key])}",
@@ -140,7 +140,7 @@ def draw_all(
         )
         yield saved(
             f"figure_{terms}",
-            (figures.figure_54 if kind == "t1" else figures.figure_59)(two[kind]),
+            figures.figure(terms, two[kind]),
             f"Figure {terms}: membership functions of the inputs of the {label} controller"
             f"{'' if kind == 't1' else f' at {TEN_PERCENT:g} dB'}. Dotted: the trained range.",
             f"Four panels, one for each of {', '.join(INPUT_NAMES)}, each with {shape}, Low and "
@@ -148,7 +148,6 @@ def draw_all(
         )
         for number, snr in enumerate((math.inf, *NOISY), start=first[kind]):
             result = results[f"{label}, {decibels(snr)} dB"]
-            draw_differences = getattr(figures, f"figure_{number}")
             noise = (
                 "rules learned without noise"
                 if math.isinf(snr)
@@ -156,7 +155,7 @@ def draw_all(
             )
             yield saved(
                 f"figure_{number}",
-                draw_differences(result),
+                figures.figure(number, result),
                 f"Figure {number}: {label} fuzzy controller, {noise}: the four differences and "
                 f"the path of the tip. {_LINES} Sum of squared errors of this run: "
                 f"{significant(sum_of_squared_errors(result))} m²."

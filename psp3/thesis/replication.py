@@ -15,10 +15,10 @@ import platform
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
+from tempfile import TemporaryFile
 
-import numpy as np
-
+from fuzzy2.support.plain_data import plain
+from fuzzy2.support.text_files import write_text
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control.records import record
 from psp3.loading import load
@@ -90,9 +90,8 @@ def reproduce(
         raise InvalidValue("seeds", seeds, "a whole number of at least 1")
     directory = Path(out)
     (directory / "figures").mkdir(parents=True, exist_ok=True)
-    probe = directory / ".write-test"
-    probe.write_text("")
-    probe.unlink()
+    # Nothing is left behind, and no file of the user's is taken for ours.
+    TemporaryFile(dir=directory).close()
 
     plan = Plan.of(seeds, quick)
     runs = study.Study(directory / "study.sqlite", plan.runs())
@@ -216,23 +215,9 @@ def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
         name: version(name) for name in ("psp3", "pin", "numpy", "numba")
     }
     path = directory / "results.json"
-    path.write_text(
-        json.dumps(_plain(outcome.numbers), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
-        encoding="utf-8",
+    write_text(
+        json.dumps(plain(outcome.numbers), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+        path,
     )
     outcome.files.append(path)
     outcome.files.append(write_report(outcome, directory / "report.html"))
-
-
-def _plain(value: Any) -> Any:
-    """Return what JSON can hold.
-
-    It has no word for what is not a finite number, so that becomes null.
-    """
-    if isinstance(value, dict):
-        return {name: _plain(one) for name, one in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(one) for one in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -6,6 +6,7 @@ import base64
 from html import escape
 from pathlib import Path
 
+from fuzzy2.support.text_files import write_text
 from psp3.thesis.findings import Drawing, Reproduction, Table
 
 STYLE = """
@@ -96,7 +97,7 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
     versions = ", ".join(
         f"{name} {number}" for name, number in outcome.numbers.get("versions", {}).items()
     )
-    path.write_text(
+    write_text(
         "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
         "content='width=device-width, "
         f"initial-scale=1'><title>{escape(TITLE)}</title><style>{STYLE}</style></head><body>"
@@ -105,6 +106,6 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
         f"href='#figures'>Figures</a></li></ul></nav>{tables}<h2 "
         f"id='figures'>Figures</h2>{rest}<p class='note'>Computed with {escape(versions)}. All "
         "numbers are in results.json, all runs in study.sqlite.</p></main></body></html>\n",
-        encoding="utf-8",
+        path,
     )
     return path

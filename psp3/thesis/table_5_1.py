@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 
 from psp3 import published
 from psp3.checks import Array, as_floats, checked_positive, one_row
-from psp3.closure.rank import RANK_TOLERANCE
+from psp3.closure.rank import RANK_TOLERANCE, null_space
 from psp3.errors import InvalidArray, InvalidValue
 from psp3.identification.base_parameters import BaseParameters
 
@@ -178,7 +178,7 @@ def implied_parameters(
     misfit, nearest = _misfit(rows, misses), np.full(count, np.nan)
     if misfit <= 1.0:
         nearest = base.believed + believed * _least_changes(rows, misses)[:count]
-    return Implied(base, _null_space(rows), misfit, nearest, rows, misses)
+    return Implied(base, _unseen_changes(rows), misfit, nearest, rows, misses)
 
 
 def _fall(base: BaseParameters) -> float:
@@ -189,10 +189,9 @@ def _fall(base: BaseParameters) -> float:
     return fall
 
 
-def _null_space(rows: Array) -> Array:
+def _unseen_changes(rows: Array) -> Array:
     """Return the changes of base parameters that no printed number shows, whatever g is."""
-    _, sizes, right = np.linalg.svd(rows)
-    unseen = right[int(np.count_nonzero(sizes > RANK_TOLERANCE * sizes[0])) :, :-1].T
+    unseen = null_space(rows, RANK_TOLERANCE)[:-1]
     basis, lengths, _ = np.linalg.svd(unseen, full_matrices=False)
     return np.asarray(basis[:, lengths > RANK_TOLERANCE], dtype=np.float64)
 

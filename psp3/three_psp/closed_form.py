@@ -37,6 +37,7 @@ import math
 
 from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
+from psp3.three_psp.geometry import LARGEST_TIP_SLOPE
 
 HALF_SQRT3 = 0.8660254037844386
 
@@ -614,12 +615,6 @@ def _tip_step(u, v, x, y, d, h):
         (dy[1] * rx - dx[1] * ry) / determinant,
         (dx[0] * ry - dy[0] * rx) / determinant,
     )
-
-
-# Beyond the fold the determinant is negative up to tilts of 70 degrees (checked on a grid for tools
-# of 10 to 150 mm), so a positive determinant below this slope (60 degrees) identifies the branch
-# that is connected to home.
-LARGEST_TIP_SLOPE = 1.7320508075688772
 
 
 @compiled

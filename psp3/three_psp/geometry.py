@@ -10,27 +10,30 @@ exactly :math:`\sqrt{h^2 + d^2/4} - d/2`, 23.9 mm for the thesis's robot.
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats, finite_rows, together
-from psp3.errors import InvalidArray, InvalidValue, UnreachablePose
+from psp3.checks import Array, finite_array, finite_rows, together
+from psp3.errors import InvalidValue, UnreachablePose
 
 SCREW_AZIMUTHS = np.array([0.0, 2.0 * np.pi / 3.0, 4.0 * np.pi / 3.0])
 """Azimuths of the three screws [rad]."""
 
-LARGEST_TIP_SLOPE = np.sqrt(3.0)
+LARGEST_TIP_SLOPE = math.sqrt(3.0)
 """Tangent of the largest tilt at which a given tip is looked for, 60 degrees; the fold lies at 33
 to 38 degrees.
+
+Beyond the fold the determinant of the tip's map is negative up to tilts of 70 degrees (checked on a
+grid for tools of 10 to 150 mm), so a positive determinant below this slope identifies the branch
+that is connected to home.
 """
 
 
 def _column(name: str, values: ArrayLike) -> Array:
     """Return finite numbers of any shape (...,) as (..., 1)."""
-    column = as_floats(name, values, "(...,)").reshape((*np.shape(values), 1))
-    if not np.isfinite(column).all():
-        raise InvalidArray(name, "(...,)", values)
-    return column
+    return finite_array(name, values)[..., np.newaxis]
 
 
 def heights_of_tilt(
@@ -226,5 +229,5 @@ def tip_reach(azimuth: ArrayLike, screw_radius: float, tool_length: float) -> Ar
             )
         return abs(_fold(direction, screw_radius, tool_length))
 
-    angles = _column("azimuth", azimuth)[..., 0]
+    angles = finite_array("azimuth", azimuth)
     return np.array([reach(float(angle)) for angle in angles.ravel()]).reshape(angles.shape)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, checked_count, checked_positive, finite_rows, one_row
-from psp3.closure.rank import RANK_TOLERANCE
+from psp3.closure.rank import numerical_rank
 from psp3.errors import InvalidArray, PoorExcitation
 from psp3.robots.robot import Robot
 from psp3.trajectories.motion import finite_times
@@ -159,7 +159,7 @@ def fit_fourier_series(
         raise InvalidArray("t and positions", f"(N,) and (N, {len(robot.actuated)})", positions)
     terms, _, _ = fourier_terms(times, period, harmonics)
     left, values, right = np.linalg.svd(terms, full_matrices=False)
-    rank = int(np.count_nonzero(values > RANK_TOLERANCE * values.max(initial=0.0)))
+    rank = numerical_rank(values)
     # One measurement more than coefficients, so that there is something to tell the noise from.
     if rank < count or times.size <= count:
         raise PoorExcitation(

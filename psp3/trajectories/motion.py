@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats
-from psp3.errors import InvalidArray, StrokeExceeded
+from psp3.checks import Array, finite_array
+from psp3.errors import StrokeExceeded
 from psp3.robots.robot import Robot
 
 
@@ -58,7 +58,4 @@ def finite_times(t: ArrayLike) -> Array:
 
     Raise :class:`InvalidArray` if one is not finite.
     """
-    times = as_floats("t", t, "(...,)").reshape(np.shape(t))
-    if not np.isfinite(times).all():
-        raise InvalidArray("t", "(...,)", times)
-    return times
+    return finite_array("t", t)

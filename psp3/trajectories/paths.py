@@ -5,16 +5,15 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, checked_not_negative, checked_positive, one_row
-from psp3.errors import InvalidValue
+from psp3.checks import (
+    Array,
+    checked_finite,
+    checked_not_negative,
+    checked_positive,
+    one_row,
+)
 from psp3.robots.robot import Robot
 from psp3.trajectories.trajectory import Trajectory
-
-
-def _finite(name: str, value: float) -> float:
-    if not np.isfinite(value):
-        raise InvalidValue(name, value, "finite")
-    return float(value)
 
 
 def _home(robot: Robot) -> Array:
@@ -59,8 +58,10 @@ class Helix(Trajectory):
         super().__init__(robot, "tip")
         self.radius = checked_not_negative("radius", radius)
         self.period = checked_positive("period", period)
-        self.rise = _finite("rise", rise)
-        self.height = float(_home(self.robot)[2]) if height is None else _finite("height", height)
+        self.rise = checked_finite("rise", rise)
+        self.height = (
+            float(_home(self.robot)[2]) if height is None else checked_finite("height", height)
+        )
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         omega = 2.0 * np.pi / self.period

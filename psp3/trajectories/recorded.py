@@ -27,6 +27,11 @@ class Waypoints(Trajectory):
     robot, space
         See :class:`Trajectory`.
 
+    Attributes
+    ----------
+    duration : float
+        The last of the times [s].
+
     Raises
     ------
     InvalidArray
@@ -66,6 +71,13 @@ class FromCSV(Trajectory):
         The file, with at least four rows of strictly increasing times.
     robot : Robot, optional
         See :class:`Trajectory`.
+
+    Attributes
+    ----------
+    duration : float
+        Time of the last row [s].
+    space : str
+        ``"tip"`` or ``"joints"``, whichever columns the file has.
 
     Raises
     ------

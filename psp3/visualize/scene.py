@@ -21,6 +21,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from fuzzy2.support.text_files import write_text
 from psp3.checks import Array, one_row
 from psp3.errors import InvalidValue
 from psp3.kinematics.tasks import rotating
@@ -257,7 +258,7 @@ class Scene:
         path : path
             The file, conventionally ``.html``.
         """
-        Path(path).write_text(self.html(), encoding="utf-8")
+        write_text(self.html(), path)
 
     def _repr_html_(self) -> str:
         # Compressed, a scene takes a third of the room in the notebook's file; the frame unpacks it

@@ -8,6 +8,8 @@ import pickle
 import numpy as np
 import pytest
 
+import fuzzy2
+import fuzzy2.errors
 from psp3 import errors
 from psp3.closure.mobility import Mobility
 
@@ -222,12 +224,54 @@ def test_every_error_about_an_argument_has_an_example_here() -> None:
         for _, cls in inspect.getmembers(errors, inspect.isclass)
         if issubclass(cls, errors.PSP3Error)
     ]
-    assert {cls for cls in classes if issubclass(cls, ValueError)} == {
+    assert {cls for cls in classes if issubclass(cls, ValueError)} - {errors.InvalidFile} == {
         type(error) for error, _, _ in EXAMPLES
     }
     assert all(
         issubclass(cls, ValueError | RuntimeError) for cls in classes if cls is not errors.PSP3Error
     )
+
+
+def test_errors_about_files_are_caught_by_their_base() -> None:
+    about_files = [error for error, _, _ in EXAMPLES if type(error).__name__.endswith("File")]
+    assert len(about_files) == 6
+    for error in about_files:
+        assert isinstance(error, errors.InvalidFile)
+        assert str(error) == f"{error.path}: {error.reason}"
+
+
+def test_what_both_packages_call_the_same_is_caught_by_either() -> None:
+    """A wrong value stays one, whichever package finds it."""
+    for name in ("UnknownName", "InvalidValue"):
+        ours, theirs = getattr(errors, name), getattr(fuzzy2.errors, name)
+        assert issubclass(ours, theirs)
+        assert issubclass(ours, errors.PSP3Error)
+        assert not issubclass(theirs, errors.PSP3Error)
+    # Nothing else of this package passes for an error of the other.
+    assert {
+        name
+        for name, cls in inspect.getmembers(errors, inspect.isclass)
+        if issubclass(cls, fuzzy2.Fuzzy2Error)
+    } == {"UnknownName", "InvalidValue"}
+
+
+def test_a_value_is_shown_in_full() -> None:
+    """The other package cuts it short: its values can be whole tables."""
+    value = "x" * 500
+    assert str(errors.InvalidValue("a", value, "b")) == f"a must be b, got {value!r}"
+    assert len(str(fuzzy2.errors.InvalidValue("a", value, "b"))) < 150
+
+
+def test_an_interrupted_study_survives_the_way_back_from_a_worker_process() -> None:
+    error = errors.StudyInterrupted("some.sqlite", 3, 10)
+    copy = pickle.loads(pickle.dumps(error))
+    assert (type(copy), copy.path, copy.done, copy.total) == (
+        errors.StudyInterrupted,
+        error.path,
+        3,
+        10,
+    )
+    assert not isinstance(copy, Exception)
 
 
 @pytest.mark.parametrize("shape", [(2, 3), (4, 3), (12,), (2, 2, 3), (500, 3)])

@@ -9,8 +9,8 @@ from typing import Annotated
 
 import typer
 
-from psp3.cli.options import INTERRUPTED
-from psp3.cli.output import narrow_table
+from psp3.cli.output import counted_progress, show_narrow
+from psp3.cli.shared import resumable
 
 
 def reproduce(
@@ -44,30 +44,15 @@ def reproduce(
     from rich.console import Console
     from rich.text import Text
 
-    from psp3.errors import StudyInterrupted
     from psp3.thesis.replication import reproduce as run
 
-    try:
-        with _reproduce_progress() as (progress, run_progress):
-            outcome = run(
-                out, quick=quick, progress=progress, seeds=seeds, run_progress=run_progress
-            )
-    except StudyInterrupted as interrupt:
-        typer.echo(
-            f"{interrupt.done} of {interrupt.total} runs are in {out}; the same command goes on "
-            "from there",
-            err=True,
-        )
-        raise typer.Exit(INTERRUPTED) from None
+    with resumable(out), _reproduce_progress() as (progress, run_progress):
+        outcome = run(out, quick=quick, progress=progress, seeds=seeds, run_progress=run_progress)
     console = Console(highlight=False)
     for content in outcome.tables:
-        if content.detail:
-            continue
-        console.print(Text(content.title, style="bold"))
-        console.print(narrow_table(content.columns, content.rows))
-        if content.note:
-            console.print(Text(content.note, style="dim"))
-        console.print()
+        if not content.detail:
+            show_narrow(content.title, content.columns, content.rows, content.note)
+            console.print()
     for sentence in outcome.answer:
         console.print(Text(f"• {sentence}"))
     hidden = sum(content.detail for content in outcome.tables)
@@ -88,32 +73,16 @@ def _reproduce_progress() -> Iterator[
 
     In a log each step is a line.
     """
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-
-    errors = Console(stderr=True, highlight=False)
-    columns = (
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.description}"),
-        TimeRemainingColumn(),
-    )
-    with Progress(*columns, console=errors, transient=True, disable=not errors.is_terminal) as bar:
-        task, runs = bar.add_task("", total=None), bar.add_task("runs", total=None, visible=False)
+    with counted_progress() as (bars, on_terminal):
+        task, runs = bars.add_task("", total=None), bars.add_task("runs", total=None, visible=False)
 
         def progress(description: str, done: int, total: int) -> None:
-            bar.update(task, description=description, completed=done, total=total)
-            if not errors.is_terminal and done < total:
+            bars.update(task, description=description, completed=done, total=total)
+            if not on_terminal and done < total:
                 typer.echo(f"[{done + 1}/{total}] {description}", err=True)
 
         def run_progress(done: int, total: int, rate: float) -> None:
-            bar.update(
+            bars.update(
                 runs,
                 description=f"runs, {rate:.0f} a second",
                 completed=done,

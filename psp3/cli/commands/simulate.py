@@ -8,35 +8,23 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from psp3.cli.option_groups import GainOptions, MotionOptions, OutputOptions, single_options
 from psp3.cli.options import (
     OUTPUT,
     USAGE,
     ControllerName,
-    CsvFile,
-    Duration,
-    End,
-    HoldTip,
     InitialSpeed,
     Limit,
     Model,
-    OutputFigure,
-    OutputJson,
     Parameters,
     ParametersName,
-    Radius,
-    Rise,
-    Start,
-    StartHeight,
     TrajectoryText,
-    TravelTime,
-    TurnTime,
     limit_of_torque,
     listed,
     only_allowed,
     output_file,
 )
 from psp3.cli.output import (
-    check_outputs,
     draw_figure,
     error_message,
     fixed,
@@ -57,7 +45,9 @@ if TYPE_CHECKING:
     from psp3.simulation.result import Result
 
 
+@single_options
 def simulate(
+    *,
     controller: Annotated[
         ControllerName | None,
         typer.Option(
@@ -78,24 +68,7 @@ def simulate(
         ),
     ] = None,
     model: Model = None,
-    kp: Annotated[
-        float | None,
-        typer.Option(
-            metavar="GAIN",
-            help="Proportional gain: N/m, 1/s² for ctc; 1000, 10 for ctc, unless given.",
-        ),
-    ] = None,
-    kv: Annotated[
-        float | None,
-        typer.Option(
-            metavar="GAIN",
-            help="Derivative gain: N s/m, 1/s for ctc; 100, 1 for ctc, unless given.",
-        ),
-    ] = None,
-    ki: Annotated[
-        float | None,
-        typer.Option(metavar="GAIN", help="Integral gain of pid: N/(m s); 2000 unless given."),
-    ] = None,
+    gains: GainOptions,
     torque_limit: Annotated[
         Limit | None,
         typer.Option(
@@ -113,15 +86,7 @@ def simulate(
     ] = InitialSpeed.REST,
     parameters: Parameters = ParametersName.DEFAULT,
     trajectory: TrajectoryText = "helix",
-    radius: Radius = None,
-    turn_time: TurnTime = None,
-    rise: Rise = None,
-    start_height: StartHeight = None,
-    start: Start = None,
-    end: End = None,
-    travel_time: TravelTime = None,
-    tip: HoldTip = None,
-    duration: Duration = None,
+    motion: MotionOptions,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -131,52 +96,38 @@ def simulate(
             help="Save the result as .npz, for psp3 view.",
         ),
     ] = None,
-    csv: CsvFile = None,
-    figure: OutputFigure = None,
-    json: OutputJson = False,
+    outputs: OutputOptions,
 ) -> None:
     """Simulate a controller that tracks a motion of the tip.
 
     Without options: computed torque with the thesis's gains on the thesis's helix.
     """
-    check_outputs(csv, json)
+    outputs.check()
     robot = load_robot(parameters)
-    gains = {"kp": kp, "kv": kv, "ki": ki}
     if trained is None:
         controller = controller or ControllerName.CTC
         steering, settings = controller_named(robot, controller, model, gains)
     else:
-        only_allowed(
-            "--trained, which has its own", gains | {"model": model, "controller": controller}, ()
-        )
+        own = vars(gains) | {"model": model, "controller": controller}
+        only_allowed("--trained, which has its own", own, ())
         steering, settings = controller_from_file(robot, trained)
         controller = ControllerName(steering.kind)
-    given = {
-        "radius": radius,
-        "turn_time": turn_time,
-        "rise": rise,
-        "start_height": start_height,
-        "start": start,
-        "end": end,
-        "travel_time": travel_time,
-        "tip": tip,
-    }
-    motion, seconds = trajectory_from_options(robot, trajectory, duration, given)
+    desired, seconds = trajectory_from_options(robot, trajectory, motion)
     from psp3.errors import SimulationStopped
     from psp3.simulation.tracking import simulate as run
 
     title = f"{controller.value}, {trajectory}"
 
     def write(result: Result) -> dict[str, Path]:
-        files = {"result": out, "csv": csv, "figure": figure}
+        files = {"result": out, "csv": outputs.csv, "figure": outputs.figure}
         if out is not None:
             result.save(out)
-        if csv is not None:
-            write_csv(csv, _samples(result))
-        if figure is not None:
+        if outputs.csv is not None:
+            write_csv(outputs.csv, _samples(result))
+        if outputs.figure is not None:
             from psp3.plots.control import figure_of_tracking
 
-            draw_figure(figure, lambda: figure_of_tracking(result, title))
+            draw_figure(outputs.figure, lambda: figure_of_tracking(result, title))
         return {
             name: path for name, path in files.items() if path is not None and path != Path("-")
         }
@@ -186,10 +137,10 @@ def simulate(
             result = run(
                 robot,
                 steering,
-                motion,
+                desired,
                 seconds,
                 period,
-                initial_speeds=motion(0.0).speeds if initial_speed is InitialSpeed.PATH else None,
+                initial_speeds=desired(0.0).speeds if initial_speed is InitialSpeed.PATH else None,
                 torque_limit=None
                 if torque_limit is None
                 else torque_limit.values
@@ -203,31 +154,37 @@ def simulate(
         typer.echo(f"{error_message(error)}{kept}", err=True)
         raise typer.Exit(USAGE) from error
     files = write(result)
-    if csv == Path("-"):
+    if outputs.csv == Path("-"):
         return
     metrics = _metrics(result)
-    if json:
-        content = {
-            "controller": controller.value,
-            **settings,
-            "parameters": parameters.value,
-            "trajectory": trajectory,
-        }
-        content |= {
-            "trajectory_options": {
-                name: value for name, value in given.items() if value is not None
+    if outputs.json:
+        of_the_path = motion.of_the_path().items()
+        print_json(
+            {
+                "controller": controller.value,
+                **settings,
+                "parameters": parameters.value,
+                "trajectory": trajectory,
+                "trajectory_options": {
+                    name: value for name, value in of_the_path if value is not None
+                },
+                "duration": float(result.t[-1]),
+                "period": period,
+                "samples": result.t.size,
+                "initial_speed": initial_speed.value,
+                "torque_limit": None if torque_limit is None else torque_limit.values,
+                "metrics": metrics,
+                "files": files,
             }
-        }
-        content |= {
-            "duration": float(result.t[-1]),
-            "period": period,
-            "samples": result.t.size,
-            "initial_speed": initial_speed.value,
-        }
-        content |= {"torque_limit": None if torque_limit is None else torque_limit.values}
-        print_json(content | {"metrics": metrics, "files": files})
+        )
         return
-    table = new_table(f"{title}, {result.t[-1]:g} s at {1e3 * period:g} ms", "", "value", "unit")
+    _show_metrics(metrics, f"{title}, {result.t[-1]:g} s at {1e3 * period:g} ms")
+    for path in files.values():
+        typer.echo(path)
+
+
+def _show_metrics(metrics: dict[str, Any], title: str) -> None:
+    table = new_table(title, "", "value", "unit")
     squares = metrics["sum_of_squared_errors"]
     table.add_row(
         "sum of squared errors, one sample per 0.05 s",
@@ -249,8 +206,6 @@ def simulate(
             "%",
         )
     show(table)
-    for path in files.values():
-        typer.echo(path)
 
 
 def _metrics(result: Result) -> dict[str, Any]:
@@ -298,7 +253,9 @@ def _samples(result: Result) -> dict[str, Any]:
     return columns
 
 
+@single_options
 def train(
+    *,
     file: Annotated[
         Path,
         typer.Argument(
@@ -337,15 +294,7 @@ def train(
     kv: Annotated[float, typer.Option(metavar="GAIN", help="Derivative gain (1/s).")] = 1.0,
     parameters: Parameters = ParametersName.DEFAULT,
     trajectory: TrajectoryText = "helix",
-    radius: Radius = None,
-    turn_time: TurnTime = None,
-    rise: Rise = None,
-    start_height: StartHeight = None,
-    start: Start = None,
-    end: End = None,
-    travel_time: TravelTime = None,
-    tip: HoldTip = None,
-    duration: Duration = None,
+    motion: MotionOptions,
 ) -> None:
     """Train a fuzzy computed-torque controller and write it to a file.
 
@@ -358,17 +307,7 @@ def train(
     from psp3.fuzzy_control.records import INPUT_NAMES, record, unpack
 
     robot = load_robot(parameters)
-    given = {
-        "radius": radius,
-        "turn_time": turn_time,
-        "rise": rise,
-        "start_height": start_height,
-        "start": start,
-        "end": end,
-        "travel_time": travel_time,
-        "tip": tip,
-    }
-    motion, seconds = trajectory_from_options(robot, trajectory, duration, given)
+    desired, seconds = trajectory_from_options(robot, trajectory, motion)
     controller = FuzzyComputedTorque(
         kind,
         robot,
@@ -379,7 +318,7 @@ def train(
         snr_db=snr,
         mean_variation=mean_variation,
     )
-    recorded = record(robot, motion, seconds, kp=kp, kv=kv)
+    recorded = record(robot, desired, seconds, kp=kp, kv=kv)
     controller.learn(recorded, min(209, len(recorded.t)), np.random.default_rng(seed)).save(file)
     note = f"{len(controller.system_.rules)} rules, mean variation {controller.mean_variation:.3g}"
     table = new_table(

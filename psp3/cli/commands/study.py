@@ -5,24 +5,22 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from psp3.cli.options import INTERRUPTED, OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
-from psp3.cli.output import cell_text, narrow_table
+from psp3.cli.option_groups import single_options
+from psp3.cli.options import OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
+from psp3.cli.output import cell_text, counted_progress, show_narrow
+from psp3.cli.shared import resumable
 
 
-def study(
-    file: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FILE",
-            help="SQLite file of the results: begun, resumed or extended.",
-            show_default=False,
-        ),
-    ],
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """Which runs a study is made of."""
+
     controller: Annotated[
         list[str] | None,
         typer.Option(
@@ -33,7 +31,7 @@ def study(
                 "it2 unless given."
             ),
         ),
-    ] = None,
+    ] = None
     reading: Annotated[
         list[str] | None,
         typer.Option(
@@ -41,7 +39,7 @@ def study(
             rich_help_panel=RUNS,
             help="What is noisy: parameters (unless given), measurement, online or plant.",
         ),
-    ] = None,
+    ] = None
     snr: Annotated[
         list[float] | None,
         typer.Option(
@@ -49,13 +47,13 @@ def study(
             rich_help_panel=RUNS,
             help="Signal-to-noise ratio (dB); inf, 20, 15 and 10 unless given.",
         ),
-    ] = None,
+    ] = None
     seeds: Annotated[
         int,
         typer.Option(
             min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, from 0 on."
         ),
-    ] = 30,
+    ] = 30
     trajectory: Annotated[
         list[str] | None,
         typer.Option(
@@ -64,7 +62,7 @@ def study(
             help="Path: helix (unless given), which is the one learned from, circle, line, "
             "fast-helix, fastest-helix, large-helix or waypoints.",
         ),
-    ] = None,
+    ] = None
     learner: Annotated[
         list[str] | None,
         typer.Option(
@@ -72,7 +70,7 @@ def study(
             rich_help_panel=RUNS,
             help="How t1, it2 and gt2 learn their rules; strongest unless given.",
         ),
-    ] = None,
+    ] = None
     terms: Annotated[
         list[int] | None,
         typer.Option(
@@ -80,7 +78,7 @@ def study(
             rich_help_panel=RUNS,
             help="Terms of each input of t1, it2 and gt2; 2 unless given.",
         ),
-    ] = None,
+    ] = None
     mean_variation: Annotated[
         list[float] | None,
         typer.Option(
@@ -91,7 +89,13 @@ def study(
                 "signal-to-noise ratio unless given."
             ),
         ),
-    ] = None,
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlantOptions:
+    """How the plant of ``--reading plant`` differs from what the controllers know."""
+
     payload: Annotated[
         list[float] | None,
         typer.Option(
@@ -99,17 +103,17 @@ def study(
             rich_help_panel=PLANT,
             help="Mass on the star that no controller knows of (kg).",
         ),
-    ] = None,
+    ] = None
     coulomb_friction: Annotated[
         list[float] | None,
         typer.Option(metavar="N", rich_help_panel=PLANT, help="Dry friction of a nut (N)."),
-    ] = None,
+    ] = None
     viscous_friction: Annotated[
         list[float] | None,
         typer.Option(
             metavar="N*S/M", rich_help_panel=PLANT, help="Viscous friction of a nut (N s/m)."
         ),
-    ] = None,
+    ] = None
     motor_inertia: Annotated[
         list[float] | None,
         typer.Option(
@@ -117,19 +121,19 @@ def study(
             rich_help_panel=PLANT,
             help="Inertia of a motor with its screw (kg m²); needs --lead.",
         ),
-    ] = None,
+    ] = None
     lead: Annotated[
         list[float] | None,
         typer.Option(
             metavar="M", rich_help_panel=PLANT, help="Travel of a nut in one turn of its screw (m)."
         ),
-    ] = None,
+    ] = None
     encoder_resolution: Annotated[
         list[float] | None,
         typer.Option(
             metavar="M", rich_help_panel=PLANT, help="Height of a nut per count of its encoder (m)."
         ),
-    ] = None,
+    ] = None
     delay: Annotated[
         list[int] | None,
         typer.Option(
@@ -137,7 +141,22 @@ def study(
             rich_help_panel=PLANT,
             help="Control periods from measurement to force.",
         ),
-    ] = None,
+    ] = None
+
+
+@single_options
+def study(
+    *,
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="SQLite file of the results: begun, resumed or extended.",
+            show_default=False,
+        ),
+    ],
+    runs: RunOptions,
+    plant: PlantOptions,
     duration: Annotated[
         float,
         typer.Option(
@@ -179,52 +198,26 @@ def study(
         raise usage_error("--workers does not apply to --scheduler, which has its own")
     if csv is not None and csv.resolve() == file.resolve():
         raise usage_error("--csv would overwrite FILE; give it another name")
-    from psp3.errors import StudyInterrupted
     from psp3.study.study import Study, grid
 
     given = {
-        "reading": reading,
-        "trajectory": trajectory,
-        "learner": learner,
-        "n_terms": terms,
-        "mean_variation": mean_variation,
-    }
-    given |= {
-        "payload": payload,
-        "coulomb_friction": coulomb_friction,
-        "viscous_friction": viscous_friction,
-        "lead": lead,
-    }
-    given |= {
-        "motor_inertia": motor_inertia,
-        "encoder_resolution": encoder_resolution,
-        "delay": delay,
-    }
-    given |= {
-        "controller": controller or ["pd", "ctc", "t1", "it2"],
-        "snr_db": snr or [math.inf, 20.0, 15.0, 10.0],
+        "reading": runs.reading,
+        "trajectory": runs.trajectory,
+        "learner": runs.learner,
+        "n_terms": runs.terms,
+        "mean_variation": runs.mean_variation,
+        **vars(plant),
+        # The last vary fastest: what runs one after another differs in controller and noise only.
+        "controller": runs.controller or ["pd", "ctc", "t1", "it2"],
+        "snr_db": runs.snr or [math.inf, 20.0, 15.0, 10.0],
     }
     values = {name: choice for name, choice in given.items() if choice}
-    outcome = Study(file, grid(**values, seed=range(seeds), duration=duration))
-    try:
-        with _study_progress() as progress:
-            outcome.run(workers, scheduler, progress)
-    except StudyInterrupted as interrupt:
-        typer.echo(
-            f"{interrupt.done} of {interrupt.total} runs are in {file}; the same command goes on "
-            "from there",
-            err=True,
-        )
-        raise typer.Exit(INTERRUPTED) from None
+    outcome = Study(file, grid(**values, seed=range(runs.seeds), duration=duration))
+    with resumable(file), _study_progress() as progress:
+        outcome.run(workers, scheduler, progress)
     rows = outcome.rows()
-    for title, headings, cells, note in _study_tables(rows, mean_variation is not None):
-        from rich.console import Console
-        from rich.text import Text
-
-        console = Console(highlight=False)
-        console.print(Text(title, style="bold"))
-        console.print(narrow_table(headings, cells))
-        console.print(Text(note, style="dim"))
+    for title, headings, cells, note in _study_tables(rows, runs.mean_variation is not None):
+        show_narrow(title, headings, cells, note)
     if csv is not None:
         outcome.export(csv)
         typer.echo(csv)
@@ -236,26 +229,8 @@ def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
 
     As a bar on a terminal, else as a line every tenth of the way.
     """
-    from rich.console import Console
-    from rich.progress import (
-        BarColumn,
-        MofNCompleteColumn,
-        Progress,
-        TextColumn,
-        TimeRemainingColumn,
-    )
-
-    console = Console(stderr=True, highlight=False)
-    columns = (
-        BarColumn(),
-        MofNCompleteColumn(),
-        TextColumn("{task.description}"),
-        TimeRemainingColumn(),
-    )
     tenths = -1
-    with Progress(
-        *columns, console=console, transient=True, disable=not console.is_terminal
-    ) as bar:
+    with counted_progress() as (bars, on_terminal):
         task = None
 
         def progress(done: int, total: int, rate: float) -> None:
@@ -263,9 +238,9 @@ def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
             text = f"{rate:.1f} runs/s" if rate else ""
             if task is None:
                 # Only now, so that runs of an earlier session do not count as speed.
-                task = bar.add_task(text, total=total, completed=done)
-            bar.update(task, completed=done, description=text)
-            if not console.is_terminal and 10 * done // total > tenths:
+                task = bars.add_task(text, total=total, completed=done)
+            bars.update(task, completed=done, description=text)
+            if not on_terminal and 10 * done // total > tenths:
                 tenths = 10 * done // total
                 remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
                 typer.echo(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)

@@ -8,21 +8,13 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from psp3.cli.option_groups import GainOptions, MotionOptions, single_options
 from psp3.cli.options import (
     MOTION,
     ControllerName,
-    Duration,
-    End,
-    HoldTip,
     Parameters,
     ParametersName,
-    Radius,
-    Rise,
-    Start,
-    StartHeight,
-    TravelTime,
     Triple,
-    TurnTime,
     only_allowed,
     page_output,
     triple,
@@ -43,7 +35,9 @@ if TYPE_CHECKING:
     from psp3.trajectories.trajectory import Trajectory
 
 
+@single_options
 def view(
+    *,
     heights: Annotated[
         Triple | None,
         typer.Option(
@@ -100,37 +94,19 @@ def view(
             ),
         ),
     ] = None,
-    radius: Radius = None,
-    turn_time: TurnTime = None,
-    rise: Rise = None,
-    start_height: StartHeight = None,
-    start: Start = None,
-    end: End = None,
-    travel_time: TravelTime = None,
-    tip: HoldTip = None,
-    duration: Duration = None,
+    motion: MotionOptions,
 ) -> None:
     """Show the robot in the browser, at rest or in motion.
 
     Robots of several results and controllers stand side by side. Serves to this machine only, at
     127.0.0.1, until Ctrl-C.
     """
-    given = {
-        "radius": radius,
-        "turn_time": turn_time,
-        "rise": rise,
-        "start_height": start_height,
-        "start": start,
-        "end": end,
-        "travel_time": travel_time,
-        "tip": tip,
-    }
     if heights is not None and result:
         raise usage_error("give --heights or --result, not both")
     simulated = bool(controller or trained)
     if trajectory is None and not simulated:
         what = "a view without --trajectory, --controller or --trained"
-        only_allowed(what, given | {"duration": duration}, ())
+        only_allowed(what, vars(motion), ())
     elif heights is not None:
         raise usage_error(
             "--heights is for a robot at rest: it does not apply to --trajectory, --controller "
@@ -149,11 +125,11 @@ def view(
     }
     seconds = None
     if trajectory is not None or simulated:
-        motion, seconds = trajectory_from_options(robot, trajectory or "helix", duration, given)
+        desired, seconds = trajectory_from_options(robot, trajectory or "helix", motion)
         if simulated:
-            motions |= _simulated(robot, controller or [], trained or [], motion, seconds)
+            motions |= _simulated(robot, controller or [], trained or [], desired, seconds)
         else:
-            motions["desired"] = motion
+            motions["desired"] = desired
     from psp3.visualize.scene import Scene
     from psp3.visualize.viewer import Viewer
 
@@ -191,9 +167,9 @@ def _simulated(
     """Simulate controllers on one motion, each once."""
     from psp3.simulation.tracking import simulate as run
 
-    gains: dict[str, float | None] = {"kp": None, "kv": None, "ki": None}
     steering: dict[str, Controller] = {
-        name.value: controller_named(robot, name, None, gains)[0] for name in dict.fromkeys(names)
+        name.value: controller_named(robot, name, None, GainOptions())[0]
+        for name in dict.fromkeys(names)
     }
     steering |= {str(path): controller_from_file(robot, path)[0] for path in files}
     results = {}

@@ -23,14 +23,9 @@ from fuzzy2.errors import MalformedFile, NotExpressible
 from fuzzy2.files import json_files
 from fuzzy2.files.json_files import SCHEMA_VERSION, from_json, load, save, to_json
 from fuzzy2.sets.derived import Complement, FunctionalSet, Truncated
+from fuzzy2.sets.functional_type2 import FunctionalType2Set
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import (
-    AlphaPlane,
-    FunctionalType2Set,
-    SampledType2Set,
-    Staircase,
-    ZSlices,
-)
+from fuzzy2.sets.general_type2 import AlphaPlane, SampledType2Set, ZSlices
 from fuzzy2.sets.interval_type2 import (
     EmbeddedSet,
     GaussianUncertainMean,
@@ -38,15 +33,10 @@ from fuzzy2.sets.interval_type2 import (
     IntervalType2Set,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import (
-    Bell,
-    PiShaped,
-    Sigmoid,
-    SigmoidDifference,
-    SigmoidProduct,
-    TwoSidedGaussian,
-)
+from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
+from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton
+from fuzzy2.sets.vertical_slices import Staircase
 from fuzzy2.systems import GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 from fuzzy2.systems.rules import Rule

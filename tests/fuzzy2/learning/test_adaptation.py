@@ -20,7 +20,7 @@ from fuzzy2.learning.adaptation_kernels import basis
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.sets.shapes import Gaussian, Triangular
-from fuzzy2.sets.smooth_shapes import Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.systems import FuzzySystem, GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 

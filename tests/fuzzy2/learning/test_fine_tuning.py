@@ -1,7 +1,4 @@
-"""Gradient fine-tuning.
-
-The analytic gradient against finite differences of the system itself, and what tuning achieves.
-"""
+"""Gradient fine-tuning: what it achieves, where it stops and what it refuses."""
 
 from __future__ import annotations
 
@@ -12,119 +9,13 @@ import pytest
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.learning import WangMendel
-from fuzzy2.learning.fine_tuning import TunableSystem, fine_tune
+from fuzzy2.learning.fine_tuning import fine_tune
+from fuzzy2.learning.tunable_system import TunableSystem
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.sets.shapes import Gaussian, Triangular
-from fuzzy2.systems import FuzzySystem, IntervalType2System, Type1System
+from fuzzy2.systems import FuzzySystem, Type1System
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
-
-RULES = np.array([[0, 0], [0, 1], [1, 0], [1, 1], [2, -1]])
-
-
-def systems(rng: np.random.Generator, t_norm: str) -> dict[str, FuzzySystem]:
-    """Systems with every kind of term that can be tuned.
-
-    One rule does not use an input, and consequents are numbers or intervals.
-    """
-    numbers = rng.normal(size=(5, 2)) * [1.0, 40.0]
-    intervals = np.stack(
-        [numbers - rng.uniform(0.1, 0.5, (5, 2)), numbers + rng.uniform(0.1, 0.5, (5, 2))], axis=-1
-    )
-    type1 = [
-        [Gaussian(-1.0, 0.8), Gaussian(1.0, 0.9), Gaussian(0.2, 1.5, height=0.7)],
-        [Gaussian(-20.0, 12.0), Gaussian(15.0, 14.0)],
-    ]
-    mixed: list[list[Any]] = [
-        [
-            GaussianUncertainMean((-1.3, -0.8), 0.8),
-            GaussianUncertainSigma(1.0, (0.6, 1.1)),
-            Gaussian(0.2, 1.5),
-        ],
-        [GaussianUncertainMean((-24.0, -18.0), 12.0), GaussianUncertainMean((12.0, 19.0), 14.0)],
-    ]
-    return {
-        "type-1": Type1System(type1, RULES, numbers, t_norm),
-        "type-1, intervals": Type1System(type1, RULES, intervals, t_norm),
-        "interval type-2": IntervalType2System(mixed, RULES, numbers, t_norm),
-        "interval type-2, intervals": IntervalType2System(mixed, RULES, intervals, t_norm),
-    }
-
-
-def samples(rng: np.random.Generator, count: int = 40) -> tuple[np.ndarray, np.ndarray]:
-    X = rng.uniform([-2.0, -30.0], [2.0, 30.0], (count, 2))
-    return X, np.stack([np.sin(X[:, 0]), X[:, 1] + 5.0 * X[:, 0] ** 2], axis=1)
-
-
-@pytest.mark.parametrize("t_norm", ["product", "min"])
-@pytest.mark.parametrize(
-    "name", ["type-1", "type-1, intervals", "interval type-2", "interval type-2, intervals"]
-)
-def test_gradient_is_that_of_finite_differences_of_the_system(name: str, t_norm: str) -> None:
-    """Central differences of the error of the compiled system, evaluated anew for every parameter.
-
-    With a step of 1e-6 truncation is 1e-12 and rounding 1e-10 of an error of order 1, so 1e-7 is
-    generous; the samples are drawn so that none lies within a step of a kink (a change of switch
-    point, of the smallest grade or of the nearer mean).
-    """
-    rng = np.random.default_rng(3)
-    system = systems(rng, t_norm)[name]
-    X, Y = samples(rng)
-    scales = np.array([0.9, 25.0])
-    tunable = TunableSystem(system, [4.0, 60.0], scales)
-
-    def error(parameters: np.ndarray) -> float:
-        return float(np.mean(((tunable.system(parameters)(X) - Y) / scales) ** 2))
-
-    value, gradient = tunable.objective(tunable.parameters, X, Y)
-    assert value == pytest.approx(error(tunable.parameters), rel=1e-12)
-    expected = np.empty_like(gradient)
-    for k in range(gradient.size):
-        step = np.zeros(gradient.size)
-        step[k] = 1e-6
-        expected[k] = (error(tunable.parameters + step) - error(tunable.parameters - step)) / 2e-6
-    np.testing.assert_allclose(gradient, expected, rtol=1e-6, atol=1e-7)
-    # Every parameter matters somewhere among the samples, so that a gradient of zeros would not
-    # pass.
-    assert (np.abs(gradient) > 1e-6).mean() > 0.9
-
-
-@pytest.mark.parametrize("name", ["type-1", "interval type-2, intervals"])
-def test_parameters_there_and_back_are_the_same_system(name: str) -> None:
-    """Scales, logarithms and back: a few ulps, 1e-13 relative."""
-    system = systems(np.random.default_rng(0), "product")[name]
-    tunable = TunableSystem(system, [4.0, 60.0], [2.0, 3.0])
-    again = tunable.system(tunable.parameters)
-    X, _ = samples(np.random.default_rng(1))
-    np.testing.assert_allclose(
-        again.type_reduced(X), system.type_reduced(X), rtol=1e-11, atol=1e-13
-    )
-    assert type(again) is type(system)
-    assert again.inputs[0][2].height == system.inputs[0][2].height
-    np.testing.assert_array_equal(again.rules, system.rules)
-
-
-def test_blocks_of_samples_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """1e-12: sums are added in another order."""
-    rng = np.random.default_rng(0)
-    system = systems(rng, "product")["interval type-2"]
-    X, Y = samples(rng)
-    tunable = TunableSystem(system, [1.0, 1.0], [1.0, 1.0])
-    whole = tunable.objective(tunable.parameters, X, Y)
-    monkeypatch.setattr("fuzzy2.learning.fine_tuning._BLOCK", 70)  # seven samples
-    blocks = tunable.objective(tunable.parameters, X, Y)
-    assert blocks[0] == pytest.approx(whole[0], rel=1e-12)
-    np.testing.assert_allclose(blocks[1], whole[1], rtol=1e-12, atol=1e-12)
-
-
-def test_crossed_pairs_meet_in_their_middle() -> None:
-    system = systems(np.random.default_rng(0), "product")["interval type-2, intervals"]
-    tunable = TunableSystem(system, [1.0, 1.0], [1.0, 1.0])
-    parameters = tunable.parameters.copy()
-    parameters[0], parameters[1] = 0.5, -0.5
-    corrected = tunable.admissible(parameters)
-    np.testing.assert_array_equal(corrected[:2], [0.0, 0.0])
-    np.testing.assert_array_equal(corrected[2:], parameters[2:])
-    assert tunable.system(corrected).inputs[0][0].mean == (0.0, 0.0)
+from tests.fuzzy2.learning.tunable import samples, systems
 
 
 @pytest.mark.slow
@@ -259,18 +150,6 @@ def test_one_output_and_a_constant_one_can_be_tuned() -> None:
     assert fine_tune(system, X, Y[:, 0], np.random.default_rng(0), most_epochs=20).best_epoch > 0
     constant = fine_tune(system, X, np.ones(len(X)), np.random.default_rng(0), most_epochs=50)
     assert constant.validation_errors[constant.best_epoch] < constant.validation_errors[0]
-
-
-def test_a_single_rule_without_lower_firing_has_a_gradient() -> None:
-    """The lower membership is 0 as a float 40 sigma from the far mean.
-
-    Both ends are the one consequent, and move with it one to one.
-    """
-    term = GaussianUncertainMean((0.0, 100.0), 1.0)
-    tunable = TunableSystem(IntervalType2System([[term]], [[0]], [[3.0]]), [1.0], [1.0])
-    error, gradient = tunable.objective(tunable.parameters, np.array([[50.0]]), np.array([[1.0]]))
-    assert error == 4.0
-    np.testing.assert_array_equal(gradient, [0.0, 0.0, 0.0, 4.0])
 
 
 LOW_HIGH = [[Gaussian(0.0, 1.0), Gaussian(1.0, 1.0)]]

@@ -18,7 +18,8 @@ from fuzzy2.numbers import (
     IntervalNumber,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
+from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet
 from tests import examples
 

@@ -17,7 +17,7 @@ from fuzzy2.operations import extension
 from fuzzy2.operations.extension import discrete_points, enumerated, extend
 from fuzzy2.operations.t_norms import t_norm
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton
 from tests import examples
 

@@ -11,17 +11,13 @@ from hypothesis import strategies as st
 
 from fuzzy2.errors import NotApplicable
 from fuzzy2.operations import join_meet, joined_sets, t_norms
+from fuzzy2.operations.continuous_meet import tabulated
 from fuzzy2.operations.join_meet import join, meet, negation
-from fuzzy2.operations.joined_sets import (
-    ExtremumSet,
-    NegatedSet,
-    supremum,
-    tabulated,
-)
+from fuzzy2.operations.joined_sets import ExtremumSet, NegatedSet, supremum
 from fuzzy2.operations.t_norms import t_norm
 from fuzzy2.sets import shapes, smooth_shapes
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Type1Set
 from tests.fuzzy2.operations.any_sets import convex_functions, discrete_sets
 

@@ -26,7 +26,8 @@ from fuzzy2.sets.interval_type2 import (
     IntervalType2Set,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, Sigmoid, SigmoidProduct
+from fuzzy2.sets.sigmoids import Sigmoid, SigmoidProduct
+from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 
 Footprint = Type1Set | IntervalType2Set

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -10,7 +10,16 @@ import pytest
 from mpl_toolkits.mplot3d import Axes3D
 from numpy.typing import NDArray
 
+from fuzzy2.plots.style import style
+
 Array = NDArray[np.float64]
+
+
+@pytest.fixture
+def styled() -> Iterator[None]:
+    """Draw in the style of the figures."""
+    with style():
+        yield
 
 
 @pytest.fixture

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
 import pytest
 
 from fuzzy2 import plots
-from fuzzy2.plots.style import style
 from tests.fuzzy2.plots.drawn import band, curve, edges
 
-
-@pytest.fixture(autouse=True)
-def _styled() -> Iterator[None]:
-    with style():
-        yield
+pytestmark = pytest.mark.usefixtures("styled")
 
 
 def test_figure_1_blurs_a_triangle() -> None:

@@ -25,7 +25,8 @@ from fuzzy2.reduction.defuzzification import (
 from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.general_type2 import SampledType2Set
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
+from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 
 TRAPEZOID = Trapezoidal(0.0, 1.0, 2.0, 4.0, 0.5)

@@ -29,7 +29,7 @@ from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.general_type2 import SampledType2Set, ZSlices
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean
 from fuzzy2.sets.shapes import Gaussian, Interval, Triangular
-from fuzzy2.sets.smooth_shapes import Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.sets.type1 import SampledSet, Singleton
 
 ALPHAS = np.array([0.2, 0.4, 0.6, 0.8, 1.0])

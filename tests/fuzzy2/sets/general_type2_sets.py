@@ -7,13 +7,9 @@ import math
 import numpy as np
 
 from fuzzy2.sets.derived import Truncated
+from fuzzy2.sets.functional_type2 import FunctionalType2Set
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import (
-    FunctionalType2Set,
-    GeneralType2Set,
-    SampledType2Set,
-    ZSlices,
-)
+from fuzzy2.sets.general_type2 import GeneralType2Set, SampledType2Set, ZSlices
 from fuzzy2.sets.interval_type2 import (
     GaussianUncertainSigma,
 )

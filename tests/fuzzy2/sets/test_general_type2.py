@@ -12,29 +12,22 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 import fuzzy2
 from fuzzy2.errors import InvalidValue, NotApplicable
-from fuzzy2.sets import general_type2
+from fuzzy2.sets import general_type2, vertical_slices
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
-from fuzzy2.sets.general_type2 import (
-    FunctionalType2Set,
-    SampledType2Set,
-    Staircase,
-    ZSlices,
-)
+from fuzzy2.sets.general_type2 import SampledType2Set, ZSlices
 from fuzzy2.sets.interval_type2 import (
     GaussianUncertainMean,
     GaussianUncertainSigma,
     IntervalType2Set,
 )
-from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Sigmoid
+from fuzzy2.sets.shapes import Gaussian, Interval
 from fuzzy2.sets.type1 import SampledSet, Singleton
-from tests.fuzzy2.sets.general_type2_sets import DISCRETE, SETS, SLICED, TRIANGLES, triangle_at
+from fuzzy2.sets.vertical_slices import Staircase
+from tests.fuzzy2.sets.general_type2_sets import DISCRETE, SETS, SLICED, TRIANGLES
 
 BLURRED = GaussianType2Set(principal=Gaussian(mean=0.0, sigma=1.0), sigma=0.1, domain=(-4.0, 4.0))
 
@@ -208,27 +201,6 @@ def test_samples_have_the_grades_of_the_set_and_stay_normal_with_it(name: str) -
         assert (vertical_slice.grades > 0.0).all()
 
 
-def test_between_two_points_cuts_are_interpolated() -> None:
-    """Halfway between triangles lies the triangle of mean corners, exactly; a jump stays a jump."""
-    fuzzy_set = SampledType2Set(
-        [0.0, 1.0],
-        [
-            SampledSet([0.0, 0.2, 0.4], [0.0, 1.0, 0.0]),
-            SampledSet([0.4, 0.5, 1.0], [0.0, 1.0, 0.0]),
-        ],
-    )
-    halfway, expected = fuzzy_set.secondary(0.5), Triangular(0.2, 0.35, 0.7)
-    u = np.linspace(0.0, 1.0, 101)
-    np.testing.assert_allclose(halfway(u), expected(u), atol=1e-12)
-    assert halfway.is_normal()
-    np.testing.assert_allclose(
-        fuzzy_set.alpha_plane(0.5).footprint(0.5), expected.alpha_cut(0.5), atol=1e-12
-    )
-    assert fuzzy_set.secondary(-0.1) == fuzzy_set.secondary(1.1) == Singleton(0.0)
-    continuous = SampledType2Set([0.0, 1.0], [Triangular(0.0, 0.2, 0.4), Triangular(0.4, 0.5, 1.0)])
-    np.testing.assert_allclose(continuous.secondary(0.5)(u), expected(u), atol=1e-12)
-
-
 def test_slices_of_two_peaks_are_kept_at_their_points_but_not_interpolated() -> None:
     two_peaks = SampledSet([0.0, 0.5, 1.0], [1.0, 0.2, 1.0])
     fuzzy_set = SampledType2Set([0.0, 1.0], [two_peaks, two_peaks])
@@ -238,30 +210,6 @@ def test_slices_of_two_peaks_are_kept_at_their_points_but_not_interpolated() -> 
         fuzzy_set.secondary(0.5)
     with pytest.raises(NotApplicable, match="not convex"):
         fuzzy_set.alpha_plane(0.5).lower(0.0)
-
-
-def test_what_a_secondary_function_gives_outside_of_the_unit_interval_is_cut_off() -> None:
-    fuzzy_set = FunctionalType2Set(lambda x: Gaussian(0.1 * x, 0.2), 0.0, 5.0)
-    assert fuzzy_set.secondary(1.0) == Truncated(Gaussian(0.1, 0.2), 0.0, 1.0)
-    np.testing.assert_allclose(fuzzy_set.alpha_plane(0.5).lower(1.0), 0.0)
-    assert fuzzy_set.secondary(5.1) == Singleton(0.0)
-
-
-def test_a_secondary_that_never_reaches_its_maximum_has_no_principal_membership() -> None:
-    slices = FunctionalType2Set(lambda _: Truncated(Triangular(0.0, 0.5, 1.0), 0.0, 1.0), 0.0, 1.0)
-    assert slices.principal(0.5) == 0.5
-    with pytest.raises(NotApplicable, match="never reaches"):
-        SampledType2Set([0.0], [Unreached()]).principal(0.0)
-
-
-class Unreached(Sigmoid):
-    """A sigmoid that pretends to live in the unit interval."""
-
-    def __init__(self) -> None:
-        super().__init__(0.5, 1.0)
-
-    def _support(self) -> tuple[float, float]:
-        return 0.0, 1.0
 
 
 def test_type_1_and_interval_planes_make_zslices() -> None:
@@ -274,27 +222,16 @@ def test_type_1_and_interval_planes_make_zslices() -> None:
     assert crisp.secondary_grade(0.0, 0.9) == 0.0
 
 
-def test_a_staircase_steps_at_the_ends_of_its_intervals() -> None:
-    stairs = Staircase((0.25, 1.0), (0.1, 0.4), (0.9, 0.5))
-    np.testing.assert_array_equal(
-        stairs([0.05, 0.1, 0.39, 0.4, 0.5, 0.51, 0.9, 0.95, np.nan]),
-        [0, 0.25, 0.25, 1, 1, 0.25, 0.25, 0, np.nan],
-    )
-    np.testing.assert_array_equal(
-        stairs.alpha_cut([0.1, 0.25, 0.26, 1.0]), [[0.1, 0.1, 0.4, 0.4], [0.9, 0.9, 0.5, 0.5]]
-    )
-    assert stairs.core == (0.4, 0.5)
-    # Area 0.25 (0.9 - 0.1) + 0.75 (0.5 - 0.4), by hand.
-    assert stairs.centroid() == pytest.approx((0.2 * 0.5 + 0.075 * 0.45) / 0.275, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     "fuzzy_set", [BLURRED, SLICED, DISCRETE, SLICED.secondary(5.5), SETS["partially discrete"]]
 )
 def test_repr_rebuilds_the_set_and_equal_sets_hash_alike(fuzzy_set: object) -> None:
     copy = eval(
         repr(fuzzy_set),
-        {name: getattr(fuzzy2, name) for name in fuzzy2.__all__} | vars(general_type2),
+        {name: getattr(fuzzy2, name) for name in fuzzy2.__all__}
+        | vars(general_type2)
+        | vars(vertical_slices)
+        | {"Truncated": Truncated},
     )
     assert copy == fuzzy_set
     assert hash(copy) == hash(fuzzy_set)
@@ -336,8 +273,6 @@ def test_planes_that_are_not_nested_are_refused_and_the_error_says_where() -> No
         lambda: GaussianType2Set(Gaussian(0.0, 1.0), math.nan),
         lambda: GaussianType2Set(Gaussian(0.0, 1.0), 0.1, (1.0, 0.0)),
         lambda: GaussianType2Set(Interval(0.0, 1.0), 0.1, (2.0, 3.0)),
-        lambda: FunctionalType2Set(triangle_at, 1.0, 0.0),
-        lambda: FunctionalType2Set(triangle_at, -math.inf, math.inf),
         lambda: SampledType2Set([], []),
         lambda: SampledType2Set([0.0, 0.0], [Singleton(0.5)] * 2),
         lambda: SampledType2Set([0.0, math.nan], [Singleton(0.5)] * 2),
@@ -349,10 +284,6 @@ def test_planes_that_are_not_nested_are_refused_and_the_error_says_where() -> No
         lambda: ZSlices((0.5, 0.5), SLICED.planes),
         lambda: ZSlices((0.0, 0.5), SLICED.planes),
         lambda: ZSlices((0.5,), SLICED.planes),
-        lambda: Staircase((0.5, 1.0), (0.1,), (0.2, 0.2)),
-        lambda: Staircase((0.5, 1.0), (0.2, 0.1), (0.5, 0.5)),
-        lambda: Staircase((0.5, 1.0), (0.1, 0.3), (0.5, 0.2)),
-        lambda: Staircase((1.0, 0.5), (0.1, 0.1), (0.5, 0.5)),
         lambda: BLURRED.secondary(math.nan),
         lambda: TRIANGLES.secondary(math.nan),
         lambda: SLICED.secondary(math.inf),
@@ -362,29 +293,3 @@ def test_planes_that_are_not_nested_are_refused_and_the_error_says_where() -> No
 def test_bad_parameters_are_refused(make: Callable[[], object]) -> None:
     with pytest.raises(InvalidValue, match="must be"):
         make()
-
-
-@settings(max_examples=100, deadline=None)
-@given(data=st.data())
-def test_interpolated_slices_of_random_trapezoids_agree_with_their_planes(
-    data: st.DataObject,
-) -> None:
-    """Two ways to interpolate: cuts of the built slice, and interpolated cuts.
-
-    1e-9 where an edge is steep.
-    """
-    slices = []
-    for _ in range(2):
-        corners = sorted(
-            data.draw(st.lists(st.integers(0, 100), min_size=4, max_size=4, unique=True))
-        )
-        slices.append(
-            Trapezoidal(*(corner / 100.0 for corner in corners)).sample(np.array(corners) / 100.0)
-        )
-    fuzzy_set = SampledType2Set([0.0, 1.0], slices)
-    x, alpha = data.draw(st.floats(0.01, 0.99)), data.draw(st.floats(0.05, 1.0))
-    np.testing.assert_allclose(
-        fuzzy_set.secondary(x).alpha_cut(alpha),
-        fuzzy_set.alpha_plane(alpha).footprint(x),
-        atol=1e-9,
-    )

@@ -24,7 +24,8 @@ from fuzzy2.sets.interval_type2 import (
     IntervalType2Set,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
+from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet, Singleton
 
 
@@ -425,20 +426,6 @@ def test_shapes_and_nan() -> None:
     assert np.isnan(footprint[0, 1]).all()
     assert (footprint[1, 0] == 0.0).all()
     assert np.isnan(FIRST.embedded(5.0)(np.nan))
-
-
-def test_membership_functions_of_an_uncertain_mean_are_type_1_sets() -> None:
-    """Heights and cuts by hand: 2 ln 2 for alpha = 1/2."""
-    reach = math.sqrt(2.0 * math.log(2.0))
-    assert FIRST.upper.core == (4.0, 6.0)
-    np.testing.assert_allclose(FIRST.upper.alpha_cut(0.5), (4.0 - reach, 6.0 + reach), rtol=1e-15)
-    assert FIRST.lower.height == pytest.approx(math.exp(-0.5), rel=1e-15)
-    assert FIRST.lower.maxima == (5.0, 5.0)
-    np.testing.assert_allclose(FIRST.lower.alpha_cut(0.5), (6.0 - reach, 4.0 + reach), rtol=1e-15)
-    np.testing.assert_allclose(FIRST.lower.alpha_cut(FIRST.lower.height), (5.0, 5.0), rtol=1e-15)
-    assert FIRST.support == FIRST.lower.support == (-math.inf, math.inf)
-    assert FIRST.lower.centroid() == pytest.approx(5.0, rel=1e-14)
-    assert FIRST.upper.centroid() == pytest.approx(5.0, rel=1e-14)
 
 
 def test_vertical_slices_are_intervals_and_the_set_is_its_own_alpha_plane() -> None:

@@ -18,14 +18,8 @@ import fuzzy2
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.derived import Complement, FunctionalSet, Truncated
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import (
-    Bell,
-    PiShaped,
-    Sigmoid,
-    SigmoidDifference,
-    SigmoidProduct,
-    TwoSidedGaussian,
-)
+from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
+from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 from tests.fuzzy2.sets.type1_sets import SETS, parabola
 

@@ -8,14 +8,8 @@ import numpy as np
 
 from fuzzy2.sets.derived import Complement, FunctionalSet, Truncated
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import (
-    Bell,
-    PiShaped,
-    Sigmoid,
-    SigmoidDifference,
-    SigmoidProduct,
-    TwoSidedGaussian,
-)
+from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
+from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 
 

@@ -20,15 +20,15 @@ from fuzzy2.sets.derived import FunctionalSet, Truncated
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.general_type2 import ZSlices
 from fuzzy2.sets.interval_type2 import (
-    FarthestMeanGaussian,
     GaussianUncertainMean,
     GaussianUncertainSigma,
     IntervalType2Set,
-    NearestMeanGaussian,
 )
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import Bell, Sigmoid
+from fuzzy2.sets.sigmoids import Sigmoid
+from fuzzy2.sets.smooth_shapes import Bell
 from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
+from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier, SingletonFuzzifier, sup_star
 
 NORMS = ("product", "min")

@@ -21,18 +21,12 @@ from scipy.optimize import brentq
 import fuzzy2
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.derived import Complement, FunctionalSet, Truncated
-from fuzzy2.sets.general_type2 import Staircase
 from fuzzy2.sets.interval_type2 import EmbeddedSet
 from fuzzy2.sets.shapes import Interval, Trapezoidal, Triangular
-from fuzzy2.sets.smooth_shapes import (
-    Bell,
-    PiShaped,
-    Sigmoid,
-    SigmoidDifference,
-    SigmoidProduct,
-    TwoSidedGaussian,
-)
+from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
+from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import Singleton
+from fuzzy2.sets.vertical_slices import Staircase
 from fuzzy2.systems import FuzzySystem, GeneralType2System, IntervalType2System, Linear, Type1System
 from fuzzy2.systems.gradients import analytic_gradient, gradient_by_differences
 from tests import examples

@@ -238,10 +238,10 @@ def test_wrong_input_is_one_line_and_status_2(
 def test_output_that_fails_while_it_is_written_is_one_line_and_status_2(
     psp3_command: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def full(*_: object, **__: object) -> NoReturn:
-        raise OSError(28, "No space left on device", "run.csv")
+    def full(_: int) -> NoReturn:
+        raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(Path, "write_text", full)
+    monkeypatch.setattr("os.fsync", full)
     assert psp3_command("torques", "--duration", 0.1, "--csv", "run.csv") == (
         2,
         "",

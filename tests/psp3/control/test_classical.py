@@ -12,7 +12,7 @@ from scipy.linalg import expm
 import psp3
 from psp3.control.classical import critically_damped_gains
 from psp3.errors import InvalidArray, InvalidValue
-from psp3.thesis.chapter_4 import MassSpringDamper, critical_damping
+from psp3.thesis.chapter_4_systems import MassSpringDamper, critical_damping
 from psp3.trajectories import Helix, Hold, Motion
 from tests.helpers import derivative
 

@@ -1,0 +1,93 @@
+"""What the names in FML documents mean: norms and membership functions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any
+
+from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
+from fuzzy2.sets.smooth_shapes import PiShaped, TwoSidedGaussian
+from fuzzy2.sets.type1 import Singleton, Type1Set
+
+NAMESPACE = "http://www.ieee1855.org"
+
+T_NORMS = {
+    "MIN": "min",
+    "PROD": "product",
+    "BSUM": "lukasiewicz",
+    "BDIF": "lukasiewicz",
+    "DRS": "drastic",
+    "DRP": "drastic",
+    "EPROD": "einstein",
+    "HPROD": "hamacher",
+    "NILMIN": "nilpotent",
+}
+
+T_CONORMS = {
+    "MAX": "max",
+    "PROBOR": "probabilistic",
+    "BSUM": "lukasiewicz",
+    "DRS": "drastic",
+    "ESUM": "einstein",
+    "HSUM": "hamacher",
+    "NILMAX": "nilpotent",
+}
+
+SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
+    "triangularShape": (3, Triangular),
+    "trapezoidShape": (4, Trapezoidal),
+    "gaussianShape": (2, Gaussian),
+    "rectangularShape": (2, Interval),
+    "singletonShape": (1, Singleton),
+    "rightLinearShape": (2, lambda a, b: Trapezoidal(a, b, math.inf, math.inf)),
+    "leftLinearShape": (2, lambda a, b: Trapezoidal(-math.inf, -math.inf, a, b)),
+    "rightGaussianShape": (
+        2,
+        lambda mean, sigma: TwoSidedGaussian((mean, mean), (sigma, math.inf)),
+    ),
+    "leftGaussianShape": (2, lambda mean, sigma: TwoSidedGaussian((mean, mean), (math.inf, sigma))),
+    "sShape": (2, lambda a, b: PiShaped(a, b, math.inf, math.inf)),
+    "zShape": (2, lambda a, b: PiShaped(-math.inf, -math.inf, a, b)),
+    "piShape": (2, lambda foot, top: PiShaped(foot, top, top, top + (top - foot))),
+}
+"""Shapes with the number of their parameters."""
+
+
+def named_shape(term: Type1Set) -> tuple[str, tuple[float, ...]] | None:
+    """Return the name and the parameters of a set's shape, None if FML has no such shape."""
+    return next((name(term) for kind, name in _NAMES.items() if isinstance(term, kind)), None)
+
+
+def _named_trapezoid(one: Trapezoidal) -> tuple[str, tuple[float, ...]] | None:
+    if math.isfinite(one.a) and math.isfinite(one.d):
+        return "trapezoidShape", (one.a, one.b, one.c, one.d)
+    if math.isfinite(one.a):
+        return "rightLinearShape", (one.a, one.b)
+    return ("leftLinearShape", (one.c, one.d)) if math.isfinite(one.d) else None
+
+
+def _named_shoulder(one: TwoSidedGaussian) -> tuple[str, tuple[float, ...]] | None:
+    if math.isinf(one.sigma[0]):
+        return "leftGaussianShape", (one.mean[1], one.sigma[1])
+    return ("rightGaussianShape", (one.mean[0], one.sigma[0])) if math.isinf(one.sigma[1]) else None
+
+
+def _named_pi(one: PiShaped) -> tuple[str, tuple[float, ...]] | None:
+    if math.isinf(one.d) and math.isfinite(one.a):
+        return "sShape", (one.a, one.b)
+    if math.isinf(one.a) and math.isfinite(one.d):
+        return "zShape", (one.c, one.d)
+    mirrored = one.b == one.c and one.d == one.b + (one.b - one.a)
+    return ("piShape", (one.a, one.b)) if mirrored else None
+
+
+_NAMES: dict[type[Type1Set], Callable[[Any], tuple[str, tuple[float, ...]] | None]] = {
+    Triangular: lambda one: ("triangularShape", (one.left, one.peak, one.right)),
+    Gaussian: lambda one: ("gaussianShape", (one.mean, one.sigma)),
+    Interval: lambda one: ("rectangularShape", (one.left, one.right)),
+    Singleton: lambda one: ("singletonShape", (one.point,)),
+    Trapezoidal: _named_trapezoid,
+    TwoSidedGaussian: _named_shoulder,
+    PiShaped: _named_pi,
+}

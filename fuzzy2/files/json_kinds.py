@@ -1,0 +1,184 @@
+"""Kinds of values in JSON documents: how one is written at a path, and read from it."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from fuzzy2.errors import MalformedFile, NotExpressible
+from fuzzy2.systems.rules import unknown_name
+
+LARGEST_INTEGER: Final = 2**31 - 1
+"""Largest whole number that is read; there are no such large rule bases or grids."""
+
+Json = Any
+"""What ``json`` makes of a document: dictionaries, lists, strings, numbers, True, False and
+None.
+"""
+
+
+class Kind(NamedTuple):
+    """How a value of one kind is written at a path of the document, and read from it."""
+
+    write: Callable[[Any, str], Json]
+    read: Callable[[Json, str], Any]
+
+
+def malformed(path: str, reason: str) -> MalformedFile:
+    """Return the error of a document that is wrong at a path."""
+    return MalformedFile("document", path, reason)
+
+
+def shown(value: Json) -> str:
+    """Return a value as messages show it, cut to 60 characters."""
+    text = json.dumps(value, ensure_ascii=False, default=repr)
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _write_number(value: Any, path: str) -> Json:
+    number = float(value)
+    if math.isnan(number):
+        raise NotExpressible(f"NaN at {path}", "JSON", "it is not a number")
+    return number if math.isfinite(number) else "inf" if number > 0.0 else "-inf"
+
+
+def _read_number(value: Json, path: str) -> float:
+    if isinstance(value, int | float) and not isinstance(value, bool):
+        try:
+            number = float(value)
+        except OverflowError:
+            number = math.inf
+        if math.isfinite(number):
+            return number
+    raise malformed(path, f"expected a finite number, got {shown(value)}")
+
+
+def _read_any_number(value: Json, path: str) -> float:
+    if value in ("inf", "-inf"):
+        return float(value)
+    return _read_number(value, path)
+
+
+def or_none(kind: Kind) -> Kind:
+    """Return the kind of things of one kind that may be missing, which is written null."""
+    return Kind(
+        lambda value, path: None if value is None else kind.write(value, path),
+        lambda value, path: None if value is None else kind.read(value, path),
+    )
+
+
+def read_list(value: Json, path: str) -> list[Json]:
+    """Return a list as it is; refuse all else."""
+    if not isinstance(value, list):
+        raise malformed(path, f"expected a list, got {shown(value)}")
+    return value
+
+
+def list_of(kind: Kind) -> Kind:
+    """Return the kind of lists of things of one kind."""
+    return Kind(
+        lambda values, path: [kind.write(value, f"{path}[{i}]") for i, value in enumerate(values)],
+        lambda values, path: [
+            kind.read(value, f"{path}[{i}]") for i, value in enumerate(read_list(values, path))
+        ],
+    )
+
+
+def pair_of(kind: Kind) -> Kind:
+    """Return the kind of lists of two things of one kind."""
+    listed = list_of(kind)
+
+    def read(values: Json, path: str) -> Any:
+        if len(read_list(values, path)) != 2:
+            raise malformed(path, f"expected two, got {len(values)}")
+        return listed.read(values, path)
+
+    return Kind(listed.write, read)
+
+
+def _read_integer(value: Json, path: str) -> int:
+    if not isinstance(value, int) or isinstance(value, bool) or abs(value) > LARGEST_INTEGER:
+        raise malformed(path, f"expected a whole number, got {shown(value)}")
+    return value
+
+
+def _depth(value: Json) -> int:
+    return 1 + _depth(value[0]) if isinstance(value, list) and value else 0
+
+
+def table_of(of: Kind, name: str, *dimensions: int) -> Kind:
+    """Return the kind of nested lists whose rows are alike.
+
+    They have one of some numbers of dimensions.
+    """
+
+    def write(values: Any, path: str) -> Json:
+        kind = of
+        for _ in np.shape(values):
+            kind = list_of(kind)
+        return kind.write(np.asarray(values).tolist(), path)
+
+    def read(value: Json, path: str) -> Any:
+        depth = _depth(read_list(value, path))
+        if depth not in dimensions:
+            raise malformed(path, f"expected {name}, got {shown(value)}")
+        kind = of
+        for _ in range(depth):
+            kind = list_of(kind)
+        rows = kind.read(value, path)
+        try:
+            np.array(rows)
+        except ValueError:
+            raise malformed(
+                path, f"expected {name}, but its rows are of different lengths"
+            ) from None
+        return rows
+
+    return Kind(write, read)
+
+
+def choice_of(known: Iterable[str], name: str) -> Kind:
+    """Return the kind of strings among some."""
+
+    def read(value: Json, path: str) -> str:
+        if _read_text(value, path) not in known:
+            raise malformed(path, f"{unknown_name(name, value, known)} (known: {', '.join(known)})")
+        return str(value)
+
+    return Kind(lambda value, path: value, read)
+
+
+def norm_of(known: Mapping[str, Any], name: str) -> Kind:
+    """Return the kind of norms, written by name."""
+
+    def write(value: Any, path: str) -> Json:
+        written = value.name
+        if known.get(written) is not value:
+            raise NotExpressible(
+                f"the {name} {written!r} at {path}",
+                "JSON",
+                f"only {', '.join(known)} have names; it is a function",
+            )
+        return written
+
+    return Kind(write, choice_of(known, name).read)
+
+
+def _read_text(value: Json, path: str) -> str:
+    if not isinstance(value, str):
+        raise malformed(path, f"expected a string, got {shown(value)}")
+    return value
+
+
+NUMBER = Kind(_write_number, _read_number)
+"""Finite numbers."""
+
+ANY_NUMBER = Kind(_write_number, _read_any_number)
+"""Numbers of which some may be infinite."""
+
+INTEGER = Kind(lambda value, path: value, _read_integer)
+TEXT = Kind(lambda value, path: value, _read_text)

@@ -1,0 +1,86 @@
+"""Samples as tables: what an estimator is given, checked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.errors import InvalidValue, NotNumbers
+from fuzzy2.support.checks import Array
+
+
+def ranges_of(what: str, names: Sequence[str], columns: Array) -> list[tuple[float, float]]:
+    """Return the range of every column; refuse one that has none."""
+    least, greatest = columns.min(axis=0), columns.max(axis=0)
+    for name, low, high in zip(names, least, greatest, strict=True):
+        if not low < high:
+            remedy = "leave it out" if what == "input" else "learn it without output terms"
+            raise InvalidValue(
+                f"{what} {name}",
+                low,
+                f"different in at least two samples, since its terms partition its range; {remedy}",
+            )
+    return [(float(low), float(high)) for low, high in zip(least, greatest, strict=True)]
+
+
+def table_of_samples(name: str, values: Any) -> Array:
+    """Return samples as a table of finite floats, or say what is wrong with them."""
+    if hasattr(values, "toarray") and hasattr(values, "nnz"):
+        raise NotNumbers(name, "it is a sparse matrix; pass a dense array, such as its toarray()")
+    array = np.asarray(values)
+    if array.dtype.kind == "c":
+        raise InvalidValue(name, array.dtype, "real: Complex data not supported")
+    if array.dtype.kind not in "fiub":
+        try:
+            array = array.astype(np.float64)
+        except TypeError as error:
+            raise NotNumbers(name, str(error)) from error
+        except ValueError as error:
+            raise InvalidValue(name, array, f"numbers ({error})") from error
+    table = np.ascontiguousarray(array, dtype=np.float64)
+    if table.ndim != 2:
+        raise InvalidValue(
+            name,
+            table.shape,
+            "of shape (n, p), a row for each sample. Reshape your data: a single sample is (1, p)",
+        )
+    if 0 in table.shape:
+        empty = "sample" if table.shape[0] == 0 else "feature"
+        raise InvalidValue(
+            name,
+            f"0 {empty}(s) (shape={table.shape}) while a minimum of 1 is required.",
+            "a table that is not empty",
+        )
+    if not np.isfinite(table).all():
+        row, column = (int(index) for index in np.argwhere(~np.isfinite(table))[0])
+        raise InvalidValue(
+            f"{name}[{row}, {column}]", float(table[row, column]), "finite, not NaN or infinity"
+        )
+    return table
+
+
+def table_of_outputs(y: Any, count: int) -> tuple[Array, bool]:
+    """Return the outputs as a table (N, m), and whether they had one dimension."""
+    if y is None:
+        raise InvalidValue(
+            "y",
+            None,
+            "the outputs of the samples: WangMendel requires y to be passed, but the target y is "
+            "None",
+        )
+    one_column = np.asarray(y).ndim == 1
+    table = table_of_samples("y", np.asarray(y)[:, np.newaxis] if one_column else y)
+    if len(table) != count:
+        raise InvalidValue("y", table.shape, f"of {count} rows, one for each sample of X")
+    return table, one_column
+
+
+def column_names(table: Any) -> list[str] | None:
+    """Return the names of a data frame's columns, if all of them are strings."""
+    columns = getattr(table, "columns", None)
+    if columns is None:
+        return None
+    names = list(columns)
+    return names if names and all(isinstance(name, str) for name in names) else None

@@ -1,0 +1,207 @@
+"""Figures of systems."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib import rcParams
+from matplotlib.axes import Axes
+from matplotlib.colors import LinearSegmentedColormap
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.plots.panels import (
+    Panels,
+    cycle_colors,
+    given_panels,
+    new_panels,
+    space_panel,
+)
+from fuzzy2.sets.type1 import ROUNDING
+from fuzzy2.support.checks import Array, reals
+from fuzzy2.systems.general_type2 import GeneralType2System
+from fuzzy2.systems.system import FuzzySystem
+
+
+def figure_of_response(
+    system: FuzzySystem,
+    varied: int = 0,
+    output: int = 0,
+    held: ArrayLike | None = None,
+    domain: tuple[float, float] | None = None,
+    axes: Sequence[Axes] | Axes | None = None,
+) -> Panels:
+    """Draw an output of a system over one of its inputs, with the bounds of the type-reduced set.
+
+    Bounds are the ends of the type-reduced interval, and one standard deviation about the mean of a
+    type-reduced Gaussian; those of a type-1 system coincide with its output and are left out. Where
+    no rule fires there is no line.
+
+    Parameters
+    ----------
+    system : Type1System, IntervalType2System or GeneralType2System
+        The system.
+    varied : int
+        Index of the input on the abscissa.
+    output : int
+        Index of the output.
+    held : (p,) array_like, optional
+        Values of all inputs, of which the varied one does not matter; by default the middles of
+        ``system.domain()``.
+    domain : pair of float, optional
+        Ends of the abscissa; by default those of ``system.domain()``.
+    axes : Axes, optional
+        Those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given, or ``held`` is not one value per input.
+    """
+    (panel,) = given_panels(axes, 1) or new_panels(6.0, 3.2)
+    grid, X = _grid(system, (varied,), held, (domain,), 401)
+    crisp, bounds = _outputs(system, X, output)
+    color = cycle_colors()[0]
+    if bounds is not None:
+        panel.fill_between(
+            grid[0],
+            bounds[0],
+            bounds[1],
+            color=color,
+            alpha=0.22,
+            linewidth=0.0,
+            label="type-reduced set",
+        )
+    panel.plot(grid[0], crisp, color=color, label="output")
+    panel.set(
+        xlim=(grid[0][0], grid[0][-1]),
+        xlabel=system.input_names[varied],
+        ylabel=system.output_names[output],
+    )
+    panel.legend(loc="best")
+    return (panel,)
+
+
+def figure_of_rule_surface(
+    system: FuzzySystem,
+    varied: tuple[int, int] = (0, 1),
+    output: int = 0,
+    held: ArrayLike | None = None,
+    domains: tuple[tuple[float, float] | None, tuple[float, float] | None] = (None, None),
+    axes: Sequence[Axes] | Axes | None = None,
+) -> Panels:
+    """Draw an output of a system over two of its inputs.
+
+    It lies between the bounds of the type-reduced set.
+
+    The bounds are the nets above and below; see :func:`figure_of_response`.
+
+    Parameters
+    ----------
+    system : Type1System, IntervalType2System or GeneralType2System
+        The system.
+    varied : pair of int
+        Indices of the inputs on the floor.
+    output : int
+        Index of the output.
+    held : (p,) array_like, optional
+        Values of all inputs, of which the varied ones do not matter; by default the middles of
+        ``system.domain()``.
+    domains : pair of pairs of float, optional
+        Ends of the floor; by default those of ``system.domain()``.
+    axes : 3D Axes, optional
+        Those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given, they are not three-dimensional, or ``held`` is not one
+        value per input.
+    """
+    panel = space_panel(axes)
+    grid, X = _grid(system, varied, held, domains, 41)
+    crisp, bounds = _outputs(system, X, output)
+    first, second = np.meshgrid(*grid, indexing="ij")
+    shades = LinearSegmentedColormap.from_list(
+        "heights", [rcParams["axes.facecolor"], cycle_colors()[0]]
+    )
+    low, high = float(np.nanmin(crisp)), float(np.nanmax(crisp))
+    # The lowest point is tinted, too, and an output that never changes has some color.
+    edges = {"vmin": low - 0.4 * (high - low) - 1e-300, "vmax": high}
+    panel.plot_surface(
+        first, second, crisp, cmap=shades, **edges, rcount=41, ccount=41, linewidth=0.0, shade=False
+    )
+    if bounds is not None:
+        for bound, color, name in zip(
+            bounds,
+            (cycle_colors()[2], cycle_colors()[1]),
+            ("lower bound", "upper bound"),
+            strict=True,
+        ):
+            panel.plot_wireframe(
+                first,
+                second,
+                bound,
+                color=color,
+                alpha=0.55,
+                rcount=14,
+                ccount=14,
+                linewidth=0.7,
+                label=name,
+            )
+    panel.set(xlabel=system.input_names[varied[0]], ylabel=system.input_names[varied[1]])
+    panel.set_zlabel(system.output_names[output])
+    if bounds is not None:
+        panel.legend(loc="upper left")
+    return (panel,)
+
+
+def _grid(
+    system: FuzzySystem,
+    varied: Sequence[int],
+    held: ArrayLike | None,
+    domains: Sequence[tuple[float, float] | None],
+    count: int,
+) -> tuple[list[Array], Array]:
+    """Return the points of the varied inputs and all inputs on their grid.
+
+    Their shapes are (count,) each, and (count, ..., p).
+    """
+    covered = system.domain()
+    middle = covered.mean(axis=1) if held is None else reals("held", held)
+    if middle.shape != (len(covered),):
+        raise InvalidValue("held", middle.shape, f"one value for each of the {len(covered)} inputs")
+    ends = [
+        covered[i] if domain is None else domain for i, domain in zip(varied, domains, strict=True)
+    ]
+    points = [np.linspace(left, right, count) for left, right in ends]
+    X = np.broadcast_to(middle, (*(count,) * len(points), middle.size)).copy()
+    for i, values in zip(varied, np.meshgrid(*points, indexing="ij"), strict=True):
+        X[..., i] = values
+    return points, X
+
+
+def _outputs(
+    system: FuzzySystem, X: Array, output: int
+) -> tuple[Array, tuple[Array, Array] | None]:
+    """Return an output at inputs (..., p), and its bounds unless they coincide."""
+    crisp = system(X)[..., output]
+    first, second = np.moveaxis(system.type_reduced(X)[..., output, :], -1, 0)
+    if isinstance(system, GeneralType2System) and system.reduction == "gaussian":
+        first, second = first - second, first + second
+    width = np.nanmax(np.abs(second - first), initial=0.0)
+    return crisp, None if width <= ROUNDING * np.nanmax(np.abs(crisp), initial=0.0) else (
+        first,
+        second,
+    )

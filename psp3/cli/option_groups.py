@@ -1,0 +1,211 @@
+"""Groups of options: one object in Python, single options on the command line."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Annotated, Any, get_type_hints
+
+import typer
+
+from psp3.cli.options import (
+    MOTION,
+    OUTPUT,
+    SAMPLED,
+    Triple,
+    csv_output,
+    figure_output,
+    triple,
+    usage_error,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class MotionOptions:
+    """What a motion of the tip is like; which one it is, ``--trajectory`` says."""
+
+    radius: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            rich_help_panel=MOTION,
+            help="Radius of helix and circle (m); 0.02 unless given.",
+        ),
+    ] = None
+    turn_time: Annotated[
+        float | None,
+        typer.Option(
+            metavar="S",
+            rich_help_panel=MOTION,
+            help="Time for a turn of helix and circle (s); 2 unless given.",
+        ),
+    ] = None
+    rise: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M/S",
+            rich_help_panel=MOTION,
+            help="Vertical speed of the helix (m/s); 0.01 unless given.",
+        ),
+    ] = None
+    start_height: Annotated[
+        float | None,
+        typer.Option(
+            metavar="M",
+            rich_help_panel=MOTION,
+            help="Tip height where helix and circle start (m); 0.07, home, unless given.",
+        ),
+    ] = None
+    start: Annotated[
+        Triple | None,
+        typer.Option(
+            parser=triple,
+            metavar="X,Y,Z",
+            rich_help_panel=MOTION,
+            help="Tip where line and point-to-point start (m).",
+        ),
+    ] = None
+    end: Annotated[
+        Triple | None,
+        typer.Option(
+            parser=triple,
+            metavar="X,Y,Z",
+            rich_help_panel=MOTION,
+            help="Tip where line and point-to-point end (m).",
+        ),
+    ] = None
+    travel_time: Annotated[
+        float | None,
+        typer.Option(
+            metavar="S",
+            rich_help_panel=MOTION,
+            help="Time that line and point-to-point take (s); 2 unless given.",
+        ),
+    ] = None
+    tip: Annotated[
+        Triple | None,
+        typer.Option(
+            parser=triple,
+            metavar="X,Y,Z",
+            rich_help_panel=MOTION,
+            help="Tip to hold (m); 0,0,0.07, home, unless given.",
+        ),
+    ] = None
+    duration: Annotated[
+        float | None,
+        typer.Option(
+            metavar="S",
+            rich_help_panel=MOTION,
+            help=(
+                f"Time in all (s); unless given until the motion ends, {SAMPLED} if it never does."
+            ),
+        ),
+    ] = None
+
+    def of_the_path(self) -> dict[str, Any]:
+        """Return all but the duration, which every motion takes."""
+        return {name: value for name, value in vars(self).items() if name != "duration"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class GainOptions:
+    """Gains of a controller; None is the controller's own."""
+
+    kp: Annotated[
+        float | None,
+        typer.Option(
+            metavar="GAIN",
+            help="Proportional gain: N/m, 1/s² for ctc; 1000, 10 for ctc, unless given.",
+        ),
+    ] = None
+    kv: Annotated[
+        float | None,
+        typer.Option(
+            metavar="GAIN",
+            help="Derivative gain: N s/m, 1/s for ctc; 100, 1 for ctc, unless given.",
+        ),
+    ] = None
+    ki: Annotated[
+        float | None,
+        typer.Option(metavar="GAIN", help="Integral gain of pid: N/(m s); 2000 unless given."),
+    ] = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class OutputOptions:
+    """Where the samples of a motion go."""
+
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            parser=csv_output,
+            metavar="FILE",
+            rich_help_panel=OUTPUT,
+            help="Write all samples as CSV, SI units; - is standard output.",
+        ),
+    ] = None
+    figure: Annotated[
+        Path | None,
+        typer.Option(
+            parser=figure_output,
+            metavar="FILE",
+            rich_help_panel=OUTPUT,
+            help="Draw to FILE: .pdf, .png or .svg.",
+        ),
+    ] = None
+    json: Annotated[
+        bool,
+        typer.Option(
+            "--json",
+            rich_help_panel=OUTPUT,
+            help="Print JSON and nothing else.",
+            show_default=False,
+        ),
+    ] = False
+
+    def check(self) -> None:
+        """Refuse two outputs that both want standard output."""
+        if self.json and self.csv == Path("-"):
+            raise usage_error("--json and --csv - both want standard output; give --csv a file")
+
+
+def single_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Return a command of whose groups typer sees the single options.
+
+    A parameter that is annotated with a dataclass is a group. In the signature its fields stand in
+    its place, with their options and defaults; the command is called with one object made of them.
+    """
+    groups: dict[str, type] = {}
+    parameters = []
+    for parameter in inspect.signature(command, eval_str=True).parameters.values():
+        if not is_dataclass(parameter.annotation):
+            parameters.append(parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY))
+            continue
+        group: Any = parameter.annotation
+        groups[parameter.name] = group
+        options = get_type_hints(group, include_extras=True)
+        parameters += [
+            inspect.Parameter(
+                field.name,
+                inspect.Parameter.KEYWORD_ONLY,
+                default=field.default,
+                annotation=options[field.name],
+            )
+            for field in fields(group)
+        ]
+
+    @functools.wraps(command)
+    def run(**given: Any) -> None:
+        for name, group in groups.items():
+            options = {field.name: given.pop(field.name) for field in fields(group)}
+            given[name] = group(**options)
+        command(**given)
+
+    # Typer reads the options from these two.
+    run.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+    signature: Any = run
+    signature.__signature__ = inspect.Signature(parameters)
+    return run

@@ -1,0 +1,412 @@
+"""What is read from documents of IEEE 1855, and what is refused at which line."""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import re
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fuzzy2.errors import MalformedFile, NotExpressible
+from fuzzy2.files.fis import parse_fis
+from fuzzy2.files.fml import parse_fml
+from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
+from fuzzy2.sets.smooth_shapes import PiShaped, TwoSidedGaussian
+from fuzzy2.sets.type1 import SampledSet, Singleton
+from fuzzy2.systems import Type1System
+from tests.fuzzy2.files.fis_texts import TIPPER as TIPPER_FIS
+from tests.fuzzy2.files.fml_texts import TIPPER, TSK
+
+
+def test_the_tipper_is_that_of_matlab_but_for_the_grid() -> None:
+    """The same system as in MATLAB's file, on another number of points.
+
+    The reader of that is tested against published numbers.
+    """
+    system, other = parse_fml(TIPPER), parse_fis(TIPPER_FIS)
+    assert (system.inputs, system.term_names) == (other.inputs, other.term_names)
+    assert sorted(system.rules.tolist()) == sorted(other.rules.tolist())
+    X = np.random.default_rng(0).uniform(0.0, 10.0, size=(50, 2))
+    # Both are Riemann sums of piecewise linear functions on 30; 0.3 apart, their kinks cost about
+    # 0.3² / 30.
+    np.testing.assert_allclose(system(X), other(X), atol=0.01)
+    on_its_grid = Type1System(
+        system.inputs,
+        system.rules,
+        system.consequents,
+        t_norm="min",
+        type_reduction="centroid",
+        resolution=other.resolution,
+    )
+    np.testing.assert_allclose(
+        on_its_grid([[2.0, 1.0], [7.0, 8.0]]), [[7.0169], [20.3414]], atol=5e-5
+    )
+
+
+def test_functions_of_takagi_sugeno_and_kang() -> None:
+    """Constant first, then the slopes in the order of the variables.
+
+    At (3, 3) both terms have the grade 1/2.
+    """
+    system = parse_fml(TSK)
+    first, second = 0.25 * (1.0 + 2.0 * 3.0 + 3.0 * 3.0), 0.5 * 1.5
+    np.testing.assert_allclose(system([3.0, 3.0]), [(first + second) / 0.75], rtol=1e-14)
+    assert system.output_names == ("y",)
+
+
+@pytest.mark.parametrize(
+    ("shape", "expected"),
+    [
+        ('<triangularShape param1="0" param2="1" param3="2"/>', Triangular(0, 1, 2)),
+        ('<trapezoidShape param1="0" param2="1" param3="2" param4="3"/>', Trapezoidal(0, 1, 2, 3)),
+        ('<gaussianShape param1="1" param2="2"/>', Gaussian(mean=1, sigma=2)),
+        ('<rectangularShape param1="1" param2="2"/>', Interval(1, 2)),
+        ('<singletonShape param1="1"/>', Singleton(1)),
+        ('<rightLinearShape param1="1" param2="2"/>', Trapezoidal(1, 2, math.inf, math.inf)),
+        ('<leftLinearShape param1="1" param2="2"/>', Trapezoidal(-math.inf, -math.inf, 1, 2)),
+        ('<leftGaussianShape param1="3" param2="2"/>', TwoSidedGaussian((3, 3), (math.inf, 2))),
+        ('<rightGaussianShape param1="3" param2="2"/>', TwoSidedGaussian((3, 3), (2, math.inf))),
+        ('<sShape param1="3" param2="5"/>', PiShaped(3, 5, math.inf, math.inf)),
+        ('<zShape param1="3" param2="5"/>', PiShaped(-math.inf, -math.inf, 3, 5)),
+        ('<piShape param1="3" param2="5"/>', PiShaped(3, 5, 5, 7)),
+        (
+            (
+                '<pointSetShape><point x="2" y="0"/><point x="1" y="0"/><point x="1.5" '
+                'y="1"/></pointSetShape>'
+            ),
+            SampledSet([1, 1.5, 2], [0, 1, 0]),
+        ),
+        (
+            '<pointSetShape><point x="2" y="1"/><point x="4" y="0.5"/></pointSetShape>',
+            SampledSet([0, 2, 4, 10], [1, 1, 0.5, 0.5]),
+        ),
+    ],
+)
+def test_every_shape(shape: str, expected: Any) -> None:
+    system = parse_fml(TIPPER.replace('<gaussianShape param1="0.0" param2="1.5"/>', shape))
+    assert system.inputs[0][0] == expected
+
+
+@pytest.mark.parametrize(
+    ("name", "expected"),
+    [
+        ("MIN", "min"),
+        ("PROD", "product"),
+        ("BDIF", "lukasiewicz"),
+        ("BSUM", "lukasiewicz"),
+        ("DRP", "drastic"),
+        ("DRS", "drastic"),
+        ("EPROD", "einstein"),
+        ("HPROD", "hamacher"),
+        ("NILMIN", "nilpotent"),
+    ],
+)
+def test_every_t_norm(name: str, expected: str) -> None:
+    assert parse_fml(TSK.replace('andMethod="PROD"', f'andMethod="{name}"')).t_norm.name == expected
+
+
+def line_of(text: str, part: str) -> int:
+    return text[: text.index(part)].count("\n") + 1
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "said"),
+    [
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gaussianShape param="0.0"',
+            "<gaussianShape> has no attribute 'param1'",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gaussianShape param1="zero"',
+            "expected a finite number, got 'zero'",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gaussianShape param1="INF"',
+            "expected a finite number, got 'INF'",
+        ),
+        (
+            TIPPER,
+            'param1="0.0" param2="1.5"',
+            'param1="0.0" param2="-1.5"',
+            "gaussianShape: sigma must be a finite number above 0",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0"',
+            '<gausianShape param1="0.0"',
+            "expected <triangularShape> or",
+        ),
+        (
+            TIPPER,
+            '<fuzzyTerm name="good" complement="false">',
+            '<fuzzyTerm name="poor">',
+            "the name 'poor' is given to two terms",
+        ),
+        (
+            TIPPER,
+            '<fuzzyVariable name="food"',
+            '<fuzzyVariable name="service"',
+            "the name 'service' is given to two variables",
+        ),
+        (TIPPER, '<fuzzyVariable name="food"', "<fuzzyVariable", "has no attribute 'name'"),
+        (
+            TIPPER,
+            'domainright="30.0"',
+            'domainright="-30.0"',
+            "expected domainleft below domainright",
+        ),
+        (
+            TIPPER,
+            'complement="false"',
+            'complement="maybe"',
+            "expected complement true or false, got 'maybe'",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0" param2="1.5"/>',
+            '<piShape param1="2" param2="1"/>',
+            "must be in ascending order",
+        ),
+        (TIPPER, 'type="output"', 'type="throughput"', "expected the type input or output"),
+        (
+            TIPPER,
+            "<variable>food</variable><term>r",
+            "<variable>fod</variable><term>r",
+            "unknown input 'fod'; did you mean 'food'?",
+        ),
+        (
+            TIPPER,
+            "<term>rancid",
+            "<term>randic",
+            "unknown term of 'food' 'randic'; did you mean 'rancid'?",
+        ),
+        (
+            TIPPER,
+            "<variable>food</variable><term>rancid",
+            "<term>rancid",
+            "expected one <variable> and one <term>",
+        ),
+        (
+            TIPPER,
+            'connector="OR"',
+            'connector="xor"',
+            "expected the connector and or or, got 'xor'",
+        ),
+        (
+            TIPPER,
+            '"MIN" orMethod="MAX">',
+            '"MIN" orMethod="MAX"><comment/>',
+            "expected <rule> in <mamdaniRuleBase>, got <comment>",
+        ),
+        (
+            TSK,
+            'order="0"',
+            'order="1"',
+            "expected one value of order 0, or several of order 1, got 1 of order '1'",
+        ),
+        (TSK, "<tskValue>1.5", "<tskValue>x", "expected a finite number, got 'x'"),
+    ],
+)
+def test_a_malformed_document_names_the_line(text: str, old: str, new: str, said: str) -> None:
+    with pytest.raises(MalformedFile) as caught:
+        parse_fml(text.replace(old, new, 1), "a.fml")
+    assert (caught.value.source, caught.value.place) == ("a.fml", f"line {line_of(text, old)}")
+    assert said in caught.value.reason
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "said"),
+    [
+        ("", "line 1, column 1", "no element found"),
+        ("<a>\n<b></a>", "line 2, column 6", "mismatched tag"),
+        ("<a/>", "line 1", "expected <fuzzySystem>, got <a>"),
+        (
+            '<fuzzySystem xmlns="http://example.org"/>',
+            "line 1",
+            "expected elements of http://www.ieee1855.org, got one of http://example.org",
+        ),
+        ("<fuzzySystem/>", "line 1", "expected one <knowledgeBase>, got 0"),
+        ("<fuzzySystem><knowledgeBase/></fuzzySystem>", "line 1", "there is no rule base"),
+        (
+            "<fuzzySystem><knowledgeBase/><mamdaniRuleBase/></fuzzySystem>",
+            "line 1",
+            "at least one input and one output",
+        ),
+        (
+            TSK.replace("<tskValue>3.0</tskValue>", ""),
+            "line 9",
+            "a slope for each of the 2 inputs, got 2 values",
+        ),
+        (
+            TSK.replace("tskVariable", "thing"),
+            "line 9",
+            "expected <fuzzyVariable> or <tskVariable>, got <thing>",
+        ),
+        (
+            TSK.replace('domainleft="0"', 'type="output" domainleft="0"', 1),
+            "line 3",
+            "an output of a TSK rule base is a <tskVariable>",
+        ),
+        (
+            TIPPER.replace("mamdaniRuleBase", "tskRuleBase"),
+            "line 13",
+            "an output of a TSK rule base is a <tskVariable>",
+        ),
+        (
+            TSK.replace("tskRuleBase", "mamdaniRuleBase"),
+            "line 9",
+            "a Mamdani rule base has no <tskVariable>",
+        ),
+        (
+            TIPPER[: TIPPER.index("    <rule ")] + "</mamdaniRuleBase></fuzzySystem>",
+            "line 19",
+            "there are no rules",
+        ),
+        (
+            '<!DOCTYPE a [<!ENTITY b "bbb">]>\n' + TSK,
+            "line 1",
+            "a document type declaration is not allowed",
+        ),
+        (
+            '<?xml version="1.0"?>\n<!DOCTYPE a SYSTEM "file:///etc/passwd">\n<a/>',
+            "line 2",
+            "a document type declaration is not allowed",
+        ),
+        ("<a>&b;</a>", "line 1, column 4", "undefined entity"),
+    ],
+)
+def test_documents_that_are_none(text: str, place: str, said: str) -> None:
+    with pytest.raises(MalformedFile) as caught:
+        parse_fml(text)
+    assert said in caught.value.reason
+    assert caught.value.place == place
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "said"),
+    [
+        (TIPPER, 'defuzzifier="COG"', 'defuzzifier="MOM"', "known is COG"),
+        (
+            TIPPER,
+            'activationMethod="MIN"',
+            'activationMethod="PROD"',
+            "a system has one t-norm for both",
+        ),
+        (TIPPER, 'andMethod="MIN"', 'andMethod="custom_and"', "known are MIN, PROD"),
+        (TIPPER, 'accumulation="MAX"', 'accumulation="custom_sum"', "known are MAX, PROBOR"),
+        (
+            TIPPER,
+            '<rule name="rule1" orMethod="MAX"',
+            '<rule name="rule1" orMethod="PROBOR"',
+            "one rule for each alternative",
+        ),
+        (TIPPER, '"or" weight="1.0"', '"or" weight="0.5"', "rules have no weights"),
+        (
+            TIPPER,
+            "<clause><variable>food",
+            '<clause modifier="very"><variable>food',
+            "the modifier 'very'",
+        ),
+        (
+            TSK,
+            "<tskClause><variable>y</variable><term>fixed",
+            '<tskClause modifier="not"><variable>y</variable><term>fixed',
+            "have a compl",
+        ),
+        (
+            TIPPER,
+            "<clause><variable>service</variable><term>poor",
+            "<clause><variable>food</variable><term>rancid",
+            "two clauses",
+        ),
+        (TIPPER, "</then>", "</then><else/>", "where it does not fire"),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0" param2="1.5"/>',
+            '<customShape param1="0"/>',
+            "no class here has its shape",
+        ),
+        (
+            TIPPER,
+            '<gaussianShape param1="0.0" param2="1.5"/>',
+            '<pointSetShape interpolationMethod="spline"/>',
+            "interpolated linearly",
+        ),
+        (
+            TIPPER,
+            "  <mamdaniRuleBase",
+            "<anYaRuleBase/>\n  <mamdaniRuleBase",
+            "rule bases are of Mamdani or TSK",
+        ),
+        (
+            TIPPER,
+            "    <fuzzyVariable",
+            "<anYaDataCloud/>\n    <fuzzyVariable",
+            "variables are fuzzy, or outputs of TSK",
+        ),
+        (TSK, 'combination="WA"', 'combination="custom_x"', "the weighted average"),
+        (
+            TSK,
+            '<tskRule name="r1" andMethod="PROD"',
+            '<tskRule name="r1" andMethod="MIN"',
+            "a system has one t-norm",
+        ),
+        (
+            TSK,
+            '<tskRule name="r1" andMethod="PROD"',
+            '<tskRule name="r1" connector="or"',
+            "one rule for each alternative",
+        ),
+    ],
+)
+def test_what_a_system_cannot_be_is_refused_with_its_line(
+    text: str, old: str, new: str, said: str
+) -> None:
+    assert old in text
+    with pytest.raises(NotExpressible, match="cannot be expressed in fuzzy2") as caught:
+        parse_fml(text.replace(old, new, 1), "a.fml")
+    assert caught.value.what.startswith(f"a.fml, line {line_of(text, old)}: ")
+    assert said in str(caught.value)
+
+
+def test_two_rule_bases_and_two_accumulations_are_refused() -> None:
+    rule_base = TIPPER[TIPPER.index("  <mamdaniRuleBase") : TIPPER.index("</fuzzySystem>")]
+    with pytest.raises(NotExpressible, match="a second rule base"):
+        parse_fml(TIPPER.replace("</fuzzySystem>", rule_base + "</fuzzySystem>"))
+    start, end = TIPPER.index('    <fuzzyVariable name="tip"'), TIPPER.index("  </knowledgeBase>")
+    other = TIPPER[start:end].replace('"tip"', '"other"').replace('"MAX"', '"PROBOR"')
+    with pytest.raises(NotExpressible, match="another accumulation"):
+        parse_fml(TIPPER[:end] + other + TIPPER[end:])
+    with pytest.raises(NotExpressible, match="a rule that says nothing about other"):
+        parse_fml(TIPPER[:end] + other.replace("PROBOR", "MAX") + TIPPER[end:])
+
+
+@pytest.mark.parametrize("declared", ["iso-8859-1", "utf-16", "utf-7", "idna", "rot13", "U0TF-8"])
+def test_text_is_what_it_is_whatever_encoding_it_declares(declared: str) -> None:
+    """It was decoded before: names beyond ASCII stay, and an unknown encoding hinders nobody."""
+    text = TIPPER.replace("service", "qualité")
+    system = parse_fml(re.sub(r'encoding="[^"]*"', f'encoding="{declared}"', text))
+    assert "qualité" in system.input_names
+    assert system.input_names == parse_fml(text).input_names
+
+
+@given(st.sampled_from([TIPPER, TSK]), st.data())
+@settings(max_examples=300, deadline=None)
+def test_damaged_documents_raise_nothing_else(text: str, data: st.DataObject) -> None:
+    start = data.draw(st.integers(0, len(text)))
+    end = data.draw(st.integers(start, min(len(text), start + 8)))
+    damaged = text[:start] + data.draw(st.text("0123456789-.<>/\"' =\nax", max_size=4)) + text[end:]
+    # An error of any other class fails the test.
+    with contextlib.suppress(MalformedFile, NotExpressible):
+        parse_fml(damaged)

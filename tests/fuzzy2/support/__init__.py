@@ -1,0 +1,1 @@
+"""Tests of fuzzy2.files, one file per module."""

@@ -1,0 +1,32 @@
+"""``psp3 info``: what the robot is made of."""
+
+from __future__ import annotations
+
+import pytest
+
+import psp3
+from psp3.description.parts import ROBOTS
+from tests.psp3.cli.answers import Run, words
+
+ROBOT = psp3.load("psp3")
+
+
+def test_info_names_what_the_robot_is_made_of(psp3_command: Run) -> None:
+    found, text = psp3_command("info", "--json").json, words(psp3_command("info").out)
+    assert [joint["name"] for joint in found["joints"]] == list(ROBOT.model.names)[1:]
+    assert [joint["name"] for joint in found["joints"] if joint["actuated"]] == ["a1", "a2", "a3"]
+    assert set(found["parameters"]) == set(psp3.PARAMETER_SETS)
+    assert found["parameters"]["default"]["total_mass"] == pytest.approx(26.496)
+    assert found["stroke"] == {"lower": -0.4, "upper": 0.4}
+    assert found["loops"][0]["frames"] == ["star1_center", "star2_center"]
+    assert found["versions"]["psp3"] == psp3.__version__
+    assert found["robots"] == list(ROBOTS)
+    for part in (
+        "gough_stewart",
+        "23.9 mm at azimuth 0°",
+        "a1, a2, a3",
+        "26.496",
+        "0.4 m",
+        "table_5_1",
+    ):
+        assert part in text
