@@ -128,6 +128,24 @@ def test_noise_of_positions_is_in_the_standard_errors(
     assert (spread > 1.3 * of_forces).any()
 
 
+def test_a_share_of_the_samples_tells_how_positions_matter(
+    base: BaseParameters, motion: FourierSeries, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 400 samples every fourth stands for all: the standard errors are the same.
+
+    Nearly all of them is noise of the positions. The sums are means of smooth periodic functions,
+    but the last of the 100 points is a sample before the period's end, and not four: a weight of
+    1 % at one place, for which 2 % are allowed. Without the factor they would be a quarter.
+    """
+    times = np.arange(400) * PERIOD / 400
+    errors = []
+    for count in (400, 100):
+        monkeypatch.setattr("psp3.identification.least_squares.SENSITIVITY_SAMPLES", count)
+        found = measured(base, motion, times, 1e-3, np.full(3, 1e-4), 3)
+        errors.append(np.sqrt(np.diag(found.covariance)))
+    np.testing.assert_allclose(errors[1], errors[0], rtol=0.02)
+
+
 def test_intervals_hold_the_truth_as_often_as_they_say(
     base: BaseParameters, repeated: list[Identified]
 ) -> None:
