@@ -52,8 +52,10 @@ from psp3.errors import (
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.records import (
     INPUT_NAMES,
+    NOISE_OF_THE_STUDY,
     OUTPUT_NAMES,
     Record,
+    RecordNoise,
     differences,
     record,
     unpack,
@@ -270,9 +272,13 @@ class FuzzyComputedTorque:
         )
 
     def learn(
-        self, recorded: Record, samples: int = 209, rng: np.random.Generator | None = None
+        self,
+        recorded: Record,
+        samples: int = 209,
+        rng: np.random.Generator | None = None,
+        noise: RecordNoise = NOISE_OF_THE_STUDY,
     ) -> Self:
-        """Learn from a record; see :meth:`fit`."""
+        """Learn from a record; see :meth:`fit`. ``noise`` says what the ratio ``snr_db`` means."""
         chosen = recorded.sample(samples)
         inputs, outputs = recorded.inputs[chosen], recorded.outputs[chosen]
         if math.isfinite(self.snr_db):
@@ -281,10 +287,7 @@ class FuzzyComputedTorque:
                 raise InvalidValue(
                     "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
                 )
-            # The power of the signal is the mean square over the whole run, mean included, so it
-            # does not depend on the samples.
-            amplitude = recorded.rms * 10.0 ** (-self.snr_db / 20.0)
-            outputs = outputs + amplitude * rng.standard_normal(outputs.shape)
+            inputs, outputs = noise.added(recorded, chosen, self.snr_db, rng)
         learner = WangMendel(
             self.n_terms,
             self.kind,

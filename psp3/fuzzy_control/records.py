@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, finite_rows
 from psp3.control.classical import ComputedTorque
-from psp3.errors import InvalidValue
+from psp3.errors import InvalidValue, UnknownName
 from psp3.published import DURATION
 from psp3.simulation.tracking import simulate
 from psp3.three_psp.robot import PSP3
@@ -35,6 +35,14 @@ OUTPUT_NAMES = (
     *("G1", "G2", "G3"),
 )
 """Outputs of the estimators, in order: the upper triangle of M [kg], C [kg/s] and G [N]."""
+
+REFERENCES = ("mean-square", "variance", "unit")
+"""What a signal-to-noise ratio is taken against: the mean square of a signal, its mean included,
+its variance, or 1 in the unit of the signal (0 dBW), whatever the signal.
+"""
+
+ENTRIES = ("all", "gravity", "mass-coriolis")
+"""Which outputs of a record noise is added to: all, G alone, or M and C alone."""
 
 STILL = 1e-9
 """Range of an input below which it counts as not changing at all [m, m/s]: what is left is
@@ -115,7 +123,7 @@ class Record:
 
         The amplitude of the signal that noise is set against.
         """
-        return np.asarray(np.sqrt(np.mean(self.outputs**2, axis=0)))
+        return NOISE_OF_THE_STUDY.amplitudes(self.outputs)
 
     def sample(self, count: int) -> NDArray[np.intp]:
         """Return the indices of samples that cover the recorded inputs evenly.
@@ -173,6 +181,124 @@ class Record:
             chosen.append(int(np.argmax(nearest)))
             np.minimum(nearest, ((points - points[chosen[-1]]) ** 2).sum(axis=1), out=nearest)
         return np.sort(np.array(chosen))
+
+
+@dataclass(frozen=True)
+class RecordNoise:
+    r"""What "noise of S dB on a record" means: white Gaussian noise on some of its signals.
+
+    .. math:: y_t = x_t + \sqrt{P\,10^{-S/10}}\;\varepsilon_t, \qquad \varepsilon_t \sim N(0, 1)
+
+    signal by signal. The thesis defines neither the power P nor which signals x are noisy, and the
+    answer to its question depends on both.
+
+    Parameters
+    ----------
+    reference : str
+        P, one of ``REFERENCES``: the mean square of x over the whole record, its variance, or 1.
+    entries : str
+        Which outputs are noisy, one of ``ENTRIES``.
+    of_inputs : bool
+        Whether the noise is on the recorded inputs instead of the outputs.
+
+    Raises
+    ------
+    UnknownName
+        If a name is unknown.
+    """
+
+    reference: str = "mean-square"
+    entries: str = "all"
+    of_inputs: bool = False
+
+    def __post_init__(self) -> None:
+        for what, name, known in (
+            ("reference of the signal-to-noise ratio", self.reference, REFERENCES),
+            ("choice of noisy entries", self.entries, ENTRIES),
+        ):
+            if not isinstance(name, str) or name not in known:
+                raise UnknownName(what, name, known)
+
+    def amplitudes(self, signals: Array) -> Array:
+        r"""Return the amplitude :math:`\sqrt P` that noise of 0 dB has.
+
+        Parameters
+        ----------
+        signals : (N, K) ndarray
+            K signals over a whole record.
+
+        Returns
+        -------
+        (K,) ndarray
+            Amplitudes in the units of the signals.
+        """
+        if self.reference == "mean-square":
+            return np.asarray(np.sqrt(np.mean(signals**2, axis=0)))
+        if self.reference == "variance":
+            return np.asarray(np.std(signals, axis=0))
+        return np.ones(signals.shape[1])
+
+    def output_amplitudes(self, recorded: Record) -> Array:
+        """Return the amplitudes of noise of 0 dB on every output, in the outputs' units.
+
+        Zero for the outputs that stay without noise.
+
+        Parameters
+        ----------
+        recorded : Record
+            The whole record.
+
+        Returns
+        -------
+        (18,) ndarray
+            Amplitudes in the order of ``OUTPUT_NAMES``.
+        """
+        gravity = np.array([name.startswith("G") for name in OUTPUT_NAMES])
+        chosen = {"all": gravity | ~gravity, "gravity": gravity, "mass-coriolis": ~gravity}
+        return np.where(chosen[self.entries], self.amplitudes(recorded.outputs), 0.0)
+
+    def added(
+        self,
+        recorded: Record,
+        chosen: NDArray[np.intp],
+        snr_db: float,
+        rng: np.random.Generator,
+    ) -> tuple[Array, Array]:
+        """Return inputs and outputs of chosen samples, with the noise added.
+
+        The power is that of the whole record, so it does not depend on the samples.
+
+        Parameters
+        ----------
+        recorded : Record
+            The whole record.
+        chosen : (N,) ndarray of int
+            Indices of the samples.
+        snr_db : float
+            Signal-to-noise ratio S [dB].
+        rng : numpy.random.Generator
+            Source of random numbers.
+
+        Returns
+        -------
+        inputs : (N, 4) ndarray
+            In the order of ``INPUT_NAMES``.
+        outputs : (N, 18) ndarray
+            In the order of ``OUTPUT_NAMES``.
+        """
+        inputs, outputs = recorded.inputs[chosen], recorded.outputs[chosen]
+        ratio = 10.0 ** (-snr_db / 20.0)
+        if self.of_inputs:
+            amplitude = self.amplitudes(recorded.inputs) * ratio
+            return inputs + amplitude * rng.standard_normal(inputs.shape), outputs
+        amplitude = self.output_amplitudes(recorded) * ratio
+        return inputs, outputs + amplitude * rng.standard_normal(outputs.shape)
+
+
+NOISE_OF_THE_STUDY = RecordNoise()
+"""The noise that is meant unless another is asked for: on all of M, C and G, against their mean
+squares.
+"""
 
 
 def record(

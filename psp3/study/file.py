@@ -13,7 +13,8 @@ What the file promises, and how:
 * One study writes at a time. Its lock belongs to the process and ends with it, however it ends.
   Reading is always possible.
 * A file of another program, another format, other fields, or runs of another length is refused with
-  an error that says so.
+  an error that says so. A file from before the fields in :data:`ADDED` is read as if its runs had
+  their defaults, and gets their columns when it is extended.
 """
 
 from __future__ import annotations
@@ -47,6 +48,11 @@ SHARED = ("duration",)
 do not go into one table.
 """
 
+ADDED = ("snr_reference", "noisy_entries")
+"""Last fields of a run, which files that were written before do not have. A run with their defaults
+is the run that it was before them, and has the same key.
+"""
+
 PATIENCE = 30.0
 """How long to wait for another program that has locked the database for a moment [s]."""
 
@@ -78,8 +84,19 @@ def contents(run: Run) -> dict[str, Value]:
 
 
 def key(run: Run) -> str:
-    """Return the text that identifies a run: its contents as JSON."""
-    return json.dumps(list(contents(run).values()), ensure_ascii=False)
+    """Return the text that identifies a run: its contents as JSON.
+
+    Without the fields in :data:`ADDED` if all of them are at their defaults.
+    """
+    values = contents(run)
+    if all(values[name] == default for name, default in _defaults_of_added().items()):
+        values = {name: value for name, value in values.items() if name not in ADDED}
+    return json.dumps(list(values.values()), ensure_ascii=False)
+
+
+@cache
+def _defaults_of_added() -> dict[str, str]:
+    return {field.name: str(field.default) for field in fields(Run) if field.name in ADDED}
 
 
 class StudyFile:
@@ -121,11 +138,18 @@ class StudyFile:
         if not self.path.exists():
             raise InvalidStudyFile(self.path, "there is no such file")
         names = (*field_types(), *METRICS)
-        columns, order = (", ".join(map(_quoted, some)) for some in (names, field_types()))
+        order = ", ".join(map(_quoted, field_types()))
         with self._reading() as connection:
             if _is_empty(connection):
                 raise InvalidStudyFile(self.path, "holds no results yet")
             self._check(connection)
+            absent = self._lacks(connection)
+            columns = ", ".join(
+                f"{_text(_defaults_of_added()[name])} AS {_quoted(name)}"
+                if name in absent
+                else _quoted(name)
+                for name in names
+            )
             table = connection.execute(
                 f"SELECT key, {columns} FROM runs ORDER BY {order}"
             ).fetchall()
@@ -157,6 +181,7 @@ class StudyFile:
                 else:
                     self._check(connection)
                     self._check_package(connection)
+                    self._add_columns(connection)
                 # A write that changes nothing: a disk that is full, or a directory that takes no
                 # journal, is found out now.
                 connection.execute("UPDATE meta SET value = value")
@@ -263,6 +288,26 @@ class StudyFile:
             "metrics": list(METRICS),
         }
 
+    def _lacks(self, connection: sqlite3.Connection) -> tuple[str, ...]:
+        """Return the fields that were added after the file was written: all of them, or none."""
+        written = self._notes(connection)["fields"]
+        layout = self._layout()["fields"]
+        return ADDED if written == layout[: len(layout) - len(ADDED)] else ()
+
+    def _add_columns(self, connection: sqlite3.Connection) -> None:
+        """Give a file from before some fields their columns, with defaults in every row."""
+        absent = self._lacks(connection)
+        for name in absent:
+            connection.execute(
+                f"ALTER TABLE runs ADD COLUMN {_quoted(name)} TEXT NOT NULL "
+                f"DEFAULT {_text(_defaults_of_added()[name])}"
+            )
+        if absent:
+            connection.execute(
+                "UPDATE meta SET value = ? WHERE name = 'fields'",
+                (json.dumps(self._layout()["fields"]),),
+            )
+
     @staticmethod
     def _notes(connection: sqlite3.Connection) -> dict[str, Any]:
         return {
@@ -284,7 +329,7 @@ class StudyFile:
             raise StudyMismatch(self.path, "format version", version, FORMAT)
         notes = self._notes(connection)
         for name, expected in self._layout().items():
-            if notes[name] != expected:
+            if notes[name] != expected and not (name == "fields" and self._lacks(connection)):
                 here, there = (
                     [entry for entry in one if entry not in other]
                     for one, other in ((expected, notes[name]), (notes[name], expected))
@@ -376,11 +421,13 @@ class Additions:
             rows[key(run)] = (*contents(run).values(), *(metrics[name] for name in METRICS))
         if not rows:
             return
-        places = ", ".join("?" * (1 + len(field_types()) + len(METRICS)))
+        # By name, for a file that was extended by fields has them at its end.
+        names = ("key", *field_types(), *METRICS)
+        columns, places = ", ".join(map(_quoted, names)), ", ".join("?" * len(names))
         try:
             with _transaction(self._connection):
                 self._connection.executemany(
-                    f"INSERT OR IGNORE INTO runs VALUES ({places})",
+                    f"INSERT OR IGNORE INTO runs ({columns}) VALUES ({places})",
                     [(name, *values) for name, values in rows.items()],
                 )
         except sqlite3.Error as error:
@@ -430,6 +477,10 @@ def _has_no_results(connection: sqlite3.Connection) -> bool:
 
 def _quoted(name: str) -> str:
     return '"' + name.replace('"', '""') + '"'
+
+
+def _text(value: str) -> str:
+    return "'" + value.replace("'", "''") + "'"
 
 
 def _read(name: str, value: Value) -> Value:

@@ -3,13 +3,15 @@ r"""One run of the study.
 A controller tracks a trajectory under a noise, and its errors are measured.
 
 Everything that decides a run is a field of :class:`Run`, so a run can be repeated anywhere from its
-row in a table of results. Noise has four readings:
+row in a table of results. Noise has five readings:
 
 =============  =====================================================================================
 reading        what a signal-to-noise ratio S means (q = 10^(−S/20) is the ratio of amplitudes)
 =============  =====================================================================================
 parameters     white noise on the recorded M, C and G from which rules are learned; the other
                controllers never see it
+inputs         white noise on the recorded differences of heights and speeds from which rules are
+               learned, M, C and G being exact; the other controllers never see it
 measurement    white noise on measured heights and speeds at run time, seen by servo and estimator
 online         white noise on the controller's M, C and G at run time
 plant          every mass and inertia of the robot is off by a factor exp(q ε), and a payload of
@@ -17,7 +19,8 @@ plant          every mass and inertia of the robot is off by a factor exp(q ε),
 =============  =====================================================================================
 
 The power of a signal is its mean square over the recorded training run, mean included, element by
-element.
+element. The thesis says neither this nor which elements are noisy, and its comparison comes out
+otherwise under other definitions: the fields ``snr_reference`` and ``noisy_entries`` choose them.
 
 Under the reading ``plant`` a run can also have a payload of its own, drives with friction and motor
 inertia, encoders that count, and a delay: fields that no signal-to-noise ratio scales.
@@ -40,7 +43,7 @@ from psp3.drives.drive import Drive, drive_table
 from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import OUTSIDE, REDUCTIONS, FuzzyComputedTorque, checked_snr
-from psp3.fuzzy_control.records import Record, record
+from psp3.fuzzy_control.records import ENTRIES, REFERENCES, Record, RecordNoise, record
 from psp3.loading import load
 from psp3.published import DURATION, TABLE_6_1, THESIS_SAMPLING_PERIOD
 from psp3.simulation.metrics import (
@@ -68,7 +71,7 @@ CONTROLLERS = (*CLASSICAL, *KINDS)
 and with learned ones.
 """
 
-READINGS = ("parameters", "measurement", "online", "plant")
+READINGS = ("parameters", "measurement", "online", "plant", "inputs")
 """Names of the readings of noise."""
 
 OF_PLANT = (
@@ -176,6 +179,13 @@ class Run:
         Name of the robot's parameter set.
     duration, period : float
         Length of the run and control period [s].
+    snr_reference : str
+        What the signal-to-noise ratio is taken against, one of
+        :data:`psp3.fuzzy_control.records.REFERENCES`: a signal's mean square, its variance, or 1 in
+        its unit. Of no meaning under the reading ``"plant"``.
+    noisy_entries : str
+        Which of M, C and G are noisy under the readings ``"parameters"`` and ``"online"``, one of
+        :data:`psp3.fuzzy_control.records.ENTRIES`.
     """
 
     controller: str = "it2"
@@ -201,6 +211,8 @@ class Run:
     parameters: str = "default"
     duration: float = DURATION
     period: float = 0.002
+    snr_reference: str = "mean-square"
+    noisy_entries: str = "all"
 
     def __post_init__(self) -> None:
         # Of numpy's numbers, which grids are often made of, as of any other.
@@ -234,6 +246,8 @@ class Run:
             ("reduction", self.reduction, REDUCTIONS),
             ("way outside of the trained range", self.outside, OUTSIDE),
             ("parameter set", self.parameters, tuple(PARAMETER_SETS)),
+            ("reference of the signal-to-noise ratio", self.snr_reference, REFERENCES),
+            ("choice of noisy entries", self.noisy_entries, ENTRIES),
         ):
             if not isinstance(name, str) or name not in known:
                 raise UnknownName(what, name, known)
@@ -282,6 +296,13 @@ class Run:
                 else ()
             )
             _try_to_learn(self.parameters, self.learner, self.n_terms, self.samples, *narrow)
+            if self.reading == "inputs" and self.snr_db < math.inf:
+                _learned_from_noisy_inputs(self.canonical())
+
+    @property
+    def noise(self) -> RecordNoise:
+        """What the signal-to-noise ratio means on a record."""
+        return RecordNoise(self.snr_reference, self.noisy_entries, self.reading == "inputs")
 
     def _drive(self) -> Drive:
         return Drive(self.coulomb_friction, self.viscous_friction, self.motor_inertia, self.lead)
@@ -321,19 +342,28 @@ class Run:
         if self.motor_inertia == 0.0:
             # All forces are those at the nuts.
             run = reset("lead")
-        blind = {
-            "parameters": tuple(CLASSICAL),
-            "measurement": ("feed-forward",),
-            "online": ("pd",),
-        }.get(run.reading, ())
-        if run.controller in blind or run.snr_db == math.inf:
+        if run._sees_no_noise():
             run = replace(
-                run,
+                reset("snr_reference", "noisy_entries"),
                 snr_db=math.inf,
                 seed=0,
                 reading="plant" if any(getattr(run, name) for name in OF_PLANT) else "parameters",
             )
+        if run.reading not in ("parameters", "online"):
+            run = reset("noisy_entries")
+        if run.reading == "plant":
+            run = reset("snr_reference")
         return run
+
+    def _sees_no_noise(self) -> bool:
+        blind = {
+            "parameters": tuple(CLASSICAL),
+            "inputs": tuple(CLASSICAL),
+            "measurement": ("feed-forward",),
+            # Of the exact model, PD with gravity takes G alone.
+            "online": ("pd", "pd-gravity") if self.noisy_entries == "mass-coriolis" else ("pd",),
+        }.get(self.reading, ())
+        return self.controller in blind or self.snr_db == math.inf
 
     def __str__(self) -> str:
         default = Run()
@@ -423,20 +453,21 @@ def simulate_run(run: Run) -> Samples:
     t, desired = _desired(run.trajectory, run.parameters, run.duration, run.period)
     plant, measured, added = robot.parameters.as_array(), np.empty((0, 6)), np.empty((0, 18))
     drives = drive_table(run._drive(), 3)
-    # One stream for each use of noise, so that runs of one seed can be paired whatever else they
-    # draw.
-    rules, noise = np.random.default_rng([run.seed, 0]), np.random.default_rng([run.seed, 1])
+    # One stream for each use of noise (that of rules is 0), so that runs of one seed can be paired
+    # whatever else they draw.
+    noise = np.random.default_rng([run.seed, 1])
     ratio = 10.0 ** (-run.snr_db / 20.0)
     noisy = run.snr_db < math.inf
     if run.reading == "measurement" and noisy:
         recorded = _record(run.parameters)
         state = np.concatenate([recorded.heights, recorded.speeds], axis=1)
-        measured = ratio * np.sqrt(np.mean(state**2, axis=0)) * noise.standard_normal((len(t), 6))
+        measured = ratio * run.noise.amplitudes(state) * noise.standard_normal((len(t), 6))
     elif run.reading == "online" and noisy:
-        added = ratio * _record(run.parameters).rms * noise.standard_normal((len(t), 18))
+        amplitudes = run.noise.output_amplitudes(_record(run.parameters))
+        added = ratio * amplitudes * noise.standard_normal((len(t), 18))
     elif run.reading == "plant":
         plant = mismatched(robot.parameters, ratio, run.payload, noise).as_array()
-    controller = _controller(run, robot, rules)
+    controller = _controller(run, robot)
     wanted = np.concatenate([desired.heights, desired.speeds, desired.accelerations], axis=1)
     state = np.concatenate([desired.heights[0], np.zeros(3)])
     samples = np.empty((len(t), 11))
@@ -537,12 +568,14 @@ def mismatched(
     return replace(parameters, star_inertia=inertia, **changed)
 
 
-def _controller(run: Run, robot: PSP3, rng: np.random.Generator) -> Array:
+def _controller(run: Run, robot: PSP3) -> Array:
     """Return the controller of a run as :mod:`psp3.fuzzy_control.kernels` takes it."""
     if run.controller in CLASSICAL:
         kp, kv = TABLE_6_1["PD" if run.controller.startswith("pd") else "CTC"]
         return np.array([CLASSICAL[run.controller], kp, kv, 0.0, 0.0, 0.0, 0.0])
-    return trained(run, robot, rng).controller
+    if run.reading == "inputs" and run.snr_db < math.inf:
+        return _learned_from_noisy_inputs(run.canonical())
+    return trained(run, robot, np.random.default_rng([run.seed, 0])).controller
 
 
 def trained(run: Run, robot: PSP3, rng: np.random.Generator) -> FuzzyComputedTorque:
@@ -562,14 +595,14 @@ def trained(run: Run, robot: PSP3, rng: np.random.Generator) -> FuzzyComputedTor
         kv=TABLE_6_1["CTC"][1],
         n_terms=run.n_terms,
         learner=run.learner,
-        snr_db=run.snr_db if run.reading == "parameters" else math.inf,
+        snr_db=run.snr_db if run.reading in ("parameters", "inputs") else math.inf,
         mean_variation=variation,
         levels=run.levels,
         reduction=run.reduction,
         outside=run.outside,
         term_width=run.term_width,
     )
-    return controller.learn(_record(run.parameters), run.samples, rng)
+    return controller.learn(_record(run.parameters), run.samples, rng, run.noise)
 
 
 def _tips(robot: PSP3, heights: Array) -> Array:
@@ -611,7 +644,8 @@ def _try_to_learn(
 ) -> None:
     """Raise what learning raises.
 
-    Which rules have samples depends on inputs alone, and those are the same under all noise.
+    Which rules have samples depends on inputs alone, and those are the same under all noise but
+    that of the reading ``"inputs"``, for which see :func:`_learned_from_noisy_inputs`.
     """
     controller = FuzzyComputedTorque(
         kind,
@@ -622,6 +656,12 @@ def _try_to_learn(
         term_width=width,
     )
     controller.learn(_record(parameters), samples)
+
+
+@lru_cache(maxsize=8)
+def _learned_from_noisy_inputs(run: Run) -> Array:
+    """Return the controller that learned from noisy inputs; the check of a run needs it, too."""
+    return trained(run, _robot(run.parameters), np.random.default_rng([run.seed, 0])).controller
 
 
 @lru_cache(maxsize=8)

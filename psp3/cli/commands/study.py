@@ -37,7 +37,23 @@ class RunOptions:
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="What is noisy: parameters (unless given), measurement, online or plant.",
+            help="What is noisy: parameters (unless given), measurement, online, plant or inputs.",
+        ),
+    ] = None
+    snr_reference: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="What the ratio is taken against: mean-square (unless given), variance or unit.",
+        ),
+    ] = None
+    noisy_entries: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="Which of M, C and G are noisy: all (unless given), gravity or mass-coriolis.",
         ),
     ] = None
     snr: Annotated[
@@ -206,6 +222,8 @@ def study(
         "learner": runs.learner,
         "n_terms": runs.terms,
         "mean_variation": runs.mean_variation,
+        "snr_reference": runs.snr_reference,
+        "noisy_entries": runs.noisy_entries,
         **vars(plant),
         # The last vary fastest: what runs one after another differs in controller and noise only.
         "controller": runs.controller or ["pd", "ctc", "t1", "it2"],
@@ -261,6 +279,8 @@ def _study_tables(
         "controller": "controller",
         "reading": "reading",
         "snr_db": "SNR (dB)",
+        "snr_reference": "SNR against",
+        "noisy_entries": "noisy entries",
         "trajectory": "trajectory",
         "learner": "learner",
         "n_terms": "terms",

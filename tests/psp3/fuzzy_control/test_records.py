@@ -9,11 +9,12 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import psp3
-from psp3.errors import InvalidArray, InvalidValue
+from psp3.errors import InvalidArray, InvalidValue, UnknownName
 from psp3.fuzzy_control.records import (
     INPUT_NAMES,
     OUTPUT_NAMES,
     Record,
+    RecordNoise,
     differences,
     pack,
     record,
@@ -121,6 +122,71 @@ def test_the_record_is_the_crisp_run(helix: Record) -> None:
     np.testing.assert_allclose(
         helix.rms, [np.sqrt(sum(column**2) / 5201) for column in helix.outputs.T], rtol=1e-12
     )
+
+
+@pytest.mark.parametrize("reference", ["mean-square", "variance", "unit"])
+def test_amplitudes_are_those_of_plain_sums(helix: Record, reference: str) -> None:
+    """Of a few columns, in loops: the mean square, less that of the mean, or one."""
+    found = RecordNoise(reference).output_amplitudes(helix)
+    for column in (0, 1, 7, 15):
+        values = helix.outputs[:, column].tolist()
+        mean = sum(values) / len(values)
+        expected = {
+            "mean-square": sum(value * value for value in values) / len(values),
+            "variance": sum((value - mean) ** 2 for value in values) / len(values),
+            "unit": 1.0,
+        }[reference]
+        assert found[column] ** 2 == pytest.approx(expected, rel=1e-9)
+
+
+def test_noise_on_gravity_is_far_greater_than_what_gravity_varies_by(helix: Record) -> None:
+    """The numbers of the argument in the report.
+
+    At 20 dB a tenth of the root mean square, 8.7 N, where the entry varies by 0.6 N.
+    """
+    noise, varies = (
+        RecordNoise(name).output_amplitudes(helix) for name in ("mean-square", "variance")
+    )
+    np.testing.assert_allclose(0.1 * noise[15:], 8.7, atol=0.1)
+    np.testing.assert_allclose(varies[15:], 0.6, atol=0.1)
+
+
+@pytest.mark.parametrize(
+    ("entries", "noisy"), [("all", "MCG"), ("gravity", "G"), ("mass-coriolis", "MC")]
+)
+def test_only_the_chosen_entries_are_noisy_and_always_with_the_same_noise(
+    helix: Record, entries: str, noisy: str
+) -> None:
+    """Against the generator's numbers, times amplitudes worked out here."""
+    chosen = helix.sample(50)
+    inputs, outputs = RecordNoise(entries=entries).added(
+        helix, chosen, 14.0, np.random.default_rng(3)
+    )
+    np.testing.assert_array_equal(inputs, helix.inputs[chosen])
+    draws = np.random.default_rng(3).standard_normal((50, 18))
+    amplitude = np.sqrt((helix.outputs**2).mean(axis=0)) * 10.0**-0.7
+    for column, name in enumerate(OUTPUT_NAMES):
+        error = outputs[:, column] - helix.outputs[chosen, column]
+        expected = amplitude[column] * draws[:, column] * (name[0] in noisy)
+        np.testing.assert_allclose(error, expected, rtol=1e-9, atol=1e-12)
+
+
+def test_noise_of_inputs_leaves_the_outputs_alone(helix: Record) -> None:
+    chosen = helix.sample(50)
+    inputs, outputs = RecordNoise("variance", of_inputs=True).added(
+        helix, chosen, 20.0, np.random.default_rng(3)
+    )
+    np.testing.assert_array_equal(outputs, helix.outputs[chosen])
+    draws = np.random.default_rng(3).standard_normal((50, 4))
+    np.testing.assert_allclose(
+        inputs - helix.inputs[chosen], 0.1 * helix.inputs.std(axis=0) * draws, rtol=1e-9
+    )
+
+
+@pytest.mark.parametrize("wrong", [{"reference": "power"}, {"entries": "M"}, {"entries": None}])
+def test_noise_of_unknown_names_is_refused(wrong: dict[str, str]) -> None:
+    with pytest.raises(UnknownName, match="known are"):
+        RecordNoise(**wrong)
 
 
 def test_gains_of_the_recording_matter() -> None:

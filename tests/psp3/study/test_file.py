@@ -115,6 +115,9 @@ def test_key_is_the_content_of_a_run() -> None:
         Run("t1"),
         Run(seed=1),
         Run(mean_variation=0.0),
+        Run(snr_reference="unit"),
+        Run(noisy_entries="gravity"),
+        Run(snr_reference="unit", noisy_entries="gravity"),
         Run(snr_db=20.0),
         Run(snr_db=math.nextafter(20.0, 21.0)),
     ]
@@ -244,6 +247,48 @@ def test_other_fields_and_metrics_are_refused(path: Path, note: str, text: str) 
     with pytest.raises(StudyMismatch, match=f"list of {note}") as refusal:
         StudyFile(path)
     assert refusal.value.found == [text]
+
+
+def without_later_fields(path: Path) -> None:
+    """Make of a file what was written before runs had a reference and a choice of entries."""
+    later = ("snr_reference", "noisy_entries")
+    layout = [text for text in StudyFile._layout()["fields"] if text.split(":")[0] not in later]
+    change(
+        path,
+        *(f"ALTER TABLE runs DROP COLUMN {name}" for name in later),
+        f"UPDATE meta SET value = '{json.dumps(layout)}' WHERE name = 'fields'",
+    )
+
+
+def test_file_from_before_some_fields_is_read_and_extended(path: Path) -> None:
+    """Its runs are those of the defaults: they are not done again, others are added."""
+    before = fill(path).rows()
+    without_later_fields(path)
+    untouched = path.read_bytes()
+    assert StudyFile(path, SHARED).rows() == before
+    assert path.read_bytes() == untouched
+    others = [Run(seed=5, snr_reference="unit"), Run(seed=5, noisy_entries="gravity")]
+    with StudyFile(path, SHARED).adding() as additions:
+        assert additions.keys == set(before)
+        assert {key(run) for run in RUNS} == additions.keys
+        additions.add([(run, invented(run)) for run in [*others, RUNS[0]]])
+    after = StudyFile(path, SHARED).rows()
+    assert {name: after[name] for name in before} == before
+    assert [
+        (after[key(run)]["snr_reference"], after[key(run)]["noisy_entries"]) for run in others
+    ] == [("unit", "all"), ("mean-square", "gravity")]
+    assert {name: after[key(others[0])][name] for name in METRICS} == invented(others[0])
+    # What has the new columns, is a file like any other.
+    fill(path, [Run(seed=6)])
+    assert len(StudyFile(path, SHARED).rows()) == len(RUNS) + 3
+
+
+def test_key_of_a_run_that_files_of_before_can_hold_is_the_one_they_have() -> None:
+    """As an earlier version wrote it."""
+    assert key(Run(snr_db=20.0, mean_variation=0.25)) == (
+        '["it2", "parameters", 20.0, 0, "helix", "strongest", 2, 0.25, 5, "alpha_planes", '
+        '"clamp", 1.0, 209, 0.0, 0.0, 0.0, 0.0, null, 0.0, 0, "default", 10.4, 0.002]'
+    )
 
 
 def test_study_of_other_duration_is_refused(path: Path) -> None:

@@ -27,7 +27,7 @@ from fuzzy2.errors import Fuzzy2Error, UnsupportedRule
 from psp3.drives import Drive
 from psp3.errors import InvalidValue, StrokeExceeded, UnknownName, UnusableEstimate
 from psp3.fuzzy_control.computed_torque import OUTSIDE, REDUCTIONS
-from psp3.fuzzy_control.records import record
+from psp3.fuzzy_control.records import ENTRIES, REFERENCES, record
 from psp3.simulation import metrics
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.study import run as runs
@@ -67,6 +67,10 @@ def same(one: dict[str, float], other: dict[str, float]) -> bool:
         {"controller": ["it2"]},
         {"controller": psp3.PD()},
         {"reading": "parameter"},
+        {"snr_reference": "power"},
+        {"snr_reference": 1.0},
+        {"noisy_entries": "G"},
+        {"noisy_entries": None},
         {"trajectory": "spiral"},
         {"trajectory": HELIX},
         {"trajectory": np.zeros(3)},
@@ -199,6 +203,10 @@ def test_every_value_that_is_offered_is_taken() -> None:
     for controller in CONTROLLERS:
         for reading in READINGS:
             Run(controller, reading, snr_db=15.0).check()
+    for reference in REFERENCES:
+        for entries in ENTRIES:
+            run = Run(snr_db=15.0, snr_reference=reference, noisy_entries=entries, duration=0.1)
+            assert execute(run)["diverged"] == 0.0
     for name in TRAJECTORIES:
         assert execute(Run("ctc", trajectory=name, duration=0.1))["diverged"] == 0.0
     for name in PARAMETER_SETS:
@@ -268,6 +276,8 @@ def a_run() -> st.SearchStrategy[Run]:
         encoder_resolution=st.sampled_from([0.0, 1e-5]),
         delay=st.sampled_from([0, 1]),
         duration=st.just(0.05),
+        snr_reference=st.sampled_from(REFERENCES),
+        noisy_entries=st.sampled_from(ENTRIES),
     )
 
 
@@ -308,6 +318,20 @@ def test_what_cannot_matter_is_dropped_and_nothing_else() -> None:
     assert Run("gt2", **noisy).canonical().levels == 3
     assert Run("gt2", "measurement", seed=9).canonical() == Run("gt2", mean_variation=0.0)
     assert Run("ctc", "plant", payload=1.0, seed=9).canonical() == Run("ctc", "plant", payload=1.0)
+    other = {"snr_reference": "unit", "noisy_entries": "mass-coriolis"}
+    assert Run("t1", **other).canonical() == Run("t1", mean_variation=0.0)
+    assert Run("pd", **noisy, **other).canonical() == Run("pd")
+    assert Run("ctc", "inputs", **noisy, **other).canonical() == Run("ctc")
+    assert Run("pd-gravity", "online", **noisy, **other).canonical() == Run("pd-gravity")
+    for reading, kept in (
+        ("parameters", other),
+        ("online", other),
+        ("inputs", {"snr_reference": "unit"}),
+        ("measurement", {"snr_reference": "unit"}),
+        ("plant", {}),
+    ):
+        run = Run("t1", reading, 15.0, 4, mean_variation=0.0)
+        assert replace(run, **other).canonical() == replace(run, **kept)
 
 
 # Determinism
@@ -450,6 +474,20 @@ def test_the_noise_of_the_readings_is_what_the_table_says() -> None:
         online, (M + upper + np.triu(upper, 1).T) @ servo + G + noise[15:], rtol=1e-9
     )
 
+    gravity = np.where(np.arange(18) < 15, 0.0, np.std(recorded.outputs, axis=0)) * ratio * draws
+    changed = Run(
+        "ctc",
+        "online",
+        20.0,
+        5,
+        duration=0.002,
+        snr_reference="variance",
+        noisy_entries="gravity",
+    )
+    np.testing.assert_allclose(
+        simulate_run(changed).result.torque[0], M @ servo + G + gravity[15:], rtol=1e-9
+    )
+
     # The rules' noise is that of the other stream, so that both can be paired.
     controller = runs.trained(
         Run("t1", "parameters", 20.0, 5), ROBOT, np.random.default_rng([5, 0])
@@ -461,6 +499,31 @@ def test_the_noise_of_the_readings_is_what_the_table_says() -> None:
     np.testing.assert_allclose(
         controller.system_.consequents, (samples + ratio * recorded.rms * draws)[source], rtol=1e-14
     )
+
+
+def test_noisy_inputs_are_what_the_rules_are_learned_from() -> None:
+    """A controller that learns, by the public way, from a record that was made noisy here."""
+    run = Run("it2", "inputs", 20.0, 5)
+    recorded = record(ROBOT, HELIX)
+    chosen = recorded.sample(209)
+    noise = np.random.default_rng([5, 0]).standard_normal((209, 4))
+    inputs = recorded.inputs[chosen] + 0.1 * np.sqrt((recorded.inputs**2).mean(axis=0)) * noise
+    noisy = replace(
+        recorded,
+        **{name: getattr(recorded, name)[chosen] for name in ("t", "heights", "speeds", "outputs")},
+        inputs=inputs,
+    )
+    expected = psp3.FuzzyComputedTorque(
+        "it2", ROBOT, mean_variation=float(fuzzy2.mean_variation_from_snr(20.0))
+    ).learn(noisy, 209)
+    found = runs.trained(run, ROBOT, np.random.default_rng([5, 0]))
+    np.testing.assert_allclose(found.ranges_, expected.ranges_, rtol=1e-12)
+    np.testing.assert_allclose(
+        found.system_.consequents, expected.system_.consequents, rtol=1e-12, atol=1e-15
+    )
+    clean = runs.trained(Run("it2"), ROBOT, np.random.default_rng(0))
+    assert np.abs(found.ranges_ - clean.ranges_).min() > 0.0
+    assert execute(run) != execute(replace(run, seed=6))
 
 
 @pytest.mark.parametrize("reading", ["measurement", "online", "plant"])
