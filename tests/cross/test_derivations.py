@@ -292,8 +292,8 @@ def test_1_39_has_k_squared_in_it() -> None:
     )
     np.testing.assert_allclose(second, corrected, rtol=1e-7)
     # What a parabola is above its minimum says how it is bent; the minimum is the library's.
-    best = (0.3 * M2 * S1**2 + M1 * k**2 * S2**2) / (M2**2 * S1**2 + k**2 * S2**2)
-    above = H(best + np.array([-0.2, 0.1]), 0.3, k) - minus_two_logarithms(0.3)
+    best = (0.5 * M2 * S1**2 + M1 * k**2 * S2**2) / (M2**2 * S1**2 + k**2 * S2**2)
+    above = H(best + np.array([-0.2, 0.1]), 0.5, k) - minus_two_logarithms(0.5)
     np.testing.assert_allclose(2.0 * above / np.array([-0.2, 0.1]) ** 2, corrected, rtol=1e-12)
     assert corrected == pytest.approx(234.7, abs=0.05)
     assert printed == pytest.approx(212.5, abs=0.05)
