@@ -617,6 +617,7 @@ def test_1_92_the_average_to_first_order() -> None:
     np.testing.assert_allclose(AVERAGE - by_1_92(GAMMA, DELTA), AVERAGE * R**2, atol=1e-14)
     away = np.abs(ends(by_1_92(*CORNERS)) - exact())
     validity = float(reduced().validity)
+    assert np.abs(CORNERS[1].sum(axis=-1) / TOTAL).max() == pytest.approx(validity, rel=1e-14)
     assert (away <= validity**2 * (C + S).max()).all()
     assert (away > 0.0).all()
 
@@ -688,6 +689,9 @@ def test_1_97_both_terms_left_out_are_bounded() -> None:
     assert (left > 2.0 * S.max() * np.abs(R)).any()
     away = np.abs(by_1_94(*CORNERS) - by_1_98(*CORNERS))
     assert 0.0 < left.max() <= away.max() <= bound
+    # The bound is that by the greatest relative change of the weights, which a corner has.
+    greatest = np.abs(CORNERS[1].sum(axis=-1) / TOTAL).max()
+    assert bound == pytest.approx(2.0 * S.max() * greatest, rel=1e-14)
 
 
 def by_1_98(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:
