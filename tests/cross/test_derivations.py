@@ -292,8 +292,8 @@ def test_1_39_has_k_squared_in_it() -> None:
     )
     np.testing.assert_allclose(second, corrected, rtol=1e-7)
     # What a parabola is above its minimum says how it is bent; the minimum is the library's.
-    best = (0.3 * M2 * S1**2 + M1 * k**2 * S2**2) / (M2**2 * S1**2 + k**2 * S2**2)
-    above = H(best + np.array([-0.2, 0.1]), 0.3, k) - minus_two_logarithms(0.3)
+    best = (0.5 * M2 * S1**2 + M1 * k**2 * S2**2) / (M2**2 * S1**2 + k**2 * S2**2)
+    above = H(best + np.array([-0.2, 0.1]), 0.5, k) - minus_two_logarithms(0.5)
     np.testing.assert_allclose(2.0 * above / np.array([-0.2, 0.1]) ** 2, corrected, rtol=1e-12)
     assert corrected == pytest.approx(234.7, abs=0.05)
     assert printed == pytest.approx(212.5, abs=0.05)
@@ -617,6 +617,7 @@ def test_1_92_the_average_to_first_order() -> None:
     np.testing.assert_allclose(AVERAGE - by_1_92(GAMMA, DELTA), AVERAGE * R**2, atol=1e-14)
     away = np.abs(ends(by_1_92(*CORNERS)) - exact())
     validity = float(reduced().validity)
+    assert np.abs(CORNERS[1].sum(axis=-1) / TOTAL).max() == pytest.approx(validity, rel=1e-14)
     assert (away <= validity**2 * (C + S).max()).all()
     assert (away > 0.0).all()
 
@@ -688,6 +689,9 @@ def test_1_97_both_terms_left_out_are_bounded() -> None:
     assert (left > 2.0 * S.max() * np.abs(R)).any()
     away = np.abs(by_1_94(*CORNERS) - by_1_98(*CORNERS))
     assert 0.0 < left.max() <= away.max() <= bound
+    # The bound is that by the greatest relative change of the weights, which a corner has.
+    greatest = np.abs(CORNERS[1].sum(axis=-1) / TOTAL).max()
+    assert bound == pytest.approx(2.0 * S.max() * greatest, rel=1e-14)
 
 
 def by_1_98(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:

@@ -113,7 +113,15 @@ def _names_in(node: ast.AST) -> Iterator[str]:
 
 
 def _called_in(node: ast.AST) -> Iterator[str]:
-    """Yield the last names of what is called or handed on, and classes whose methods are called."""
+    """Yield the last names of what is called or handed on, and classes whose methods are called.
+
+    Not those of variables, which may have a function's name.
+    """
+    own = {
+        part.id
+        for part in ast.walk(node)
+        if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store)
+    } | {part.arg for part in ast.walk(node) if isinstance(part, ast.arg)}
     for part in ast.walk(node):
         handed_on: list[ast.expr] = []
         if isinstance(part, ast.Call):
@@ -128,7 +136,10 @@ def _called_in(node: ast.AST) -> Iterator[str]:
             handed_on = part.values
         elif isinstance(part, ast.For | ast.comprehension):
             handed_on = [part.iter]
-        yield from (name for name in map(_last_name, handed_on) if name is not None)
+        for item in handed_on:
+            name = _last_name(item)
+            if name is not None and not (isinstance(item, ast.Name) and name in own):
+                yield name
 
 
 def _last_name(node: ast.expr | None) -> str | None:

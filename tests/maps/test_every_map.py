@@ -124,7 +124,7 @@ def test_errata_are_numbered_through_and_each_is_referred_to(chapter: int) -> No
     assert {number for row in rows_of(chapter) for number in row.errata} == set(errata)
 
 
-# The helper itself: what it takes for a call, and what not.
+# What is taken for a call, and what is not.
 
 BETWEEN = "cross/test_derivations.py::test_1_20_between_the_peaks"
 
@@ -132,7 +132,7 @@ BETWEEN = "cross/test_derivations.py::test_1_20_between_the_peaks"
 @pytest.mark.parametrize(
     ("test", "function", "called"),
     [
-        # through a helper of the same file
+        # through another function of the same file
         (BETWEEN, "fuzzy2.operations.joined_sets.supremum", True),
         # imported there, and used by other tests only
         (BETWEEN, "fuzzy2.numbers.gaussian_meet", False),

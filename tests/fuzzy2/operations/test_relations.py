@@ -151,7 +151,10 @@ def random_secondaries(rng: np.random.Generator, shape: tuple[int, int]) -> NDAr
     return result
 
 
-@pytest.mark.parametrize(("name", "grades"), [("min", "min"), ("product", "product")])
+@pytest.mark.parametrize(
+    ("name", "grades"),
+    [("min", "min"), ("product", "product"), ("product", "min"), ("min", "product")],
+)
 @pytest.mark.parametrize("seed", range(3))
 def test_extended_composition_is_that_of_all_embedded_relations(
     seed: int, name: str, grades: str

@@ -37,21 +37,25 @@ def principal(sigma: float = 0.05) -> list[list[fuzzy2.GaussianType2Set]]:
     ]
 
 
-def by_hand(
-    inputs: list[list[fuzzy2.GaussianUncertainMean]], rules: Array, z: Array, x: Array, norm: str
+def strengths_by_hand(
+    inputs: list[list[fuzzy2.GaussianUncertainMean]], rules: Array, x: Array, norm: str
 ) -> Array:
-    """Type-reduced intervals by enumeration of all switch points.
-
-    From the sets' own membership functions.
-    """
-    firing = []
+    """Return firing intervals (R, 2) from the sets' own membership functions."""
+    strengths = []
     for rule in rules:
         ends = []
         for end in ("lower", "upper"):
             grades = [float(getattr(inputs[i][t], end)(x[i])) for i, t in enumerate(rule) if t >= 0]
             ends.append(min(grades, default=1.0) if norm == "min" else float(np.prod(grades)))
-        firing.append(ends)
-    low, high = np.array(firing).T
+        strengths.append(ends)
+    return np.array(strengths)
+
+
+def by_hand(
+    inputs: list[list[fuzzy2.GaussianUncertainMean]], rules: Array, z: Array, x: Array, norm: str
+) -> Array:
+    """Type-reduced intervals by enumeration of all switch points."""
+    low, high = strengths_by_hand(inputs, rules, x, norm).T
     intervals = []
     for j in range(z.shape[1]):
         order = np.argsort(z[:, j])

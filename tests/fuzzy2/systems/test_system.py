@@ -20,6 +20,7 @@ from tests.fuzzy2.systems.by_hand import (
     by_hand,
     gaussian,
     principal,
+    strengths_by_hand,
     uncertain,
 )
 
@@ -38,6 +39,10 @@ def test_interval_system_by_hand(norm: str, consequents: Array, X: Array) -> Non
             interval, by_hand(uncertain(), rules, consequents, x, norm), atol=1e-12
         )
     np.testing.assert_allclose(system(X), found.mean(axis=-1), atol=1e-14)
+    for x, strengths in zip(X, system.firing(X), strict=True):
+        np.testing.assert_allclose(
+            strengths, strengths_by_hand(uncertain(), rules, x, norm), atol=1e-14
+        )
 
 
 def test_far_from_all_rules_the_outputs_stay_exact(consequents: Array) -> None:
