@@ -49,8 +49,8 @@ snr_from_mean_variation t_conorm t_norm to_json union
 check_stroke finite_times tip_of
     """,
     "psp3.study.statistics": """
-        CONFIDENCE CONTROLLERS METRICS RESAMPLES Comparison Estimate Summary compare mean median \
-paired_difference ratio_of_means share
+        CONFIDENCE CONTROLLERS MEASURED_COVERAGE METRICS RESAMPLES Comparison Estimate Summary \
+compare mean median paired_difference ratio_of_geometric_means ratio_of_means share
         summarize
     """,
     "psp3.visualize": "Scene Viewer write_animation",

@@ -19,7 +19,7 @@ from psp3.study.statistics import mean
 def error_bars(value: Array, low: Array, high: Array) -> Array:
     """Return lengths of error bars, (2, N).
 
-    A corrected bootstrap interval need not hold the value.
+    A bootstrap interval of percentiles need not hold the value.
     """
     return np.maximum([value - low, high - value], 0.0)
 

@@ -1,6 +1,7 @@
 """Estimates with intervals.
 
-Against formulas, known laws, and how often the intervals hold the truth.
+Against formulas and known laws. How often intervals hold the truth is tested in
+``test_intervals.py``.
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy import stats
 
-from psp3 import statistics
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 from psp3.study.run import METRICS, Run
 from psp3.study.statistics import (
@@ -22,6 +23,7 @@ from psp3.study.statistics import (
     mean,
     median,
     paired_difference,
+    ratio_of_geometric_means,
     ratio_of_means,
     share,
     summarize,
@@ -59,52 +61,53 @@ def test_values_are_those_of_numpy() -> None:
         median(SKEWED),
         paired_difference(RELATED, SKEWED),
         ratio_of_means(RELATED, SKEWED),
+        ratio_of_geometric_means(RELATED, SKEWED),
     ):
         assert estimate.low < estimate.value < estimate.high
         assert estimate.count == 30
 
 
-def test_interval_of_a_normal_mean_is_nearly_students() -> None:
-    """200 normal numbers: Student's interval holds exactly.
+def test_estimates_say_what_they_estimate_and_how() -> None:
+    for estimate, estimand, method in (
+        (mean(SKEWED), "mean", "symmetric bootstrap-t on the logarithm"),
+        (mean(-SKEWED), "mean", "symmetric bootstrap-t"),
+        (median(SKEWED), "median", "percentiles of the bootstrap"),
+        (paired_difference(RELATED, SKEWED), "difference of means", "symmetric bootstrap-t"),
+        (
+            ratio_of_means(RELATED, SKEWED),
+            "ratio of means",
+            "symmetric bootstrap-t on the logarithm",
+        ),
+        (ratio_of_means(-RELATED, SKEWED), "ratio of means", "symmetric bootstrap-t"),
+        (
+            ratio_of_geometric_means(RELATED, SKEWED),
+            "ratio of geometric means",
+            "Student's t on logarithms",
+        ),
+        (share([0, 1]), "share", "Wilson's"),
+    ):
+        assert (estimate.estimand, estimate.method) == (estimand, method)
 
-    Bootstrap and 9999 resamples differ from it by a few percent of its width.
-    """
-    values = np.random.default_rng(3).normal(5.0, 2.0, size=200)
-    half = 1.972 * values.std(ddof=1) / math.sqrt(200)
-    estimate = mean(values)
-    assert estimate.low == pytest.approx(values.mean() - half, abs=0.06 * half)
-    assert estimate.high == pytest.approx(values.mean() + half, abs=0.06 * half)
+
+def test_geometric_means_are_those_of_logarithms() -> None:
+    """By the t-test of SciPy on logarithms, to rounding."""
+    result = stats.ttest_rel(np.log(RELATED), np.log(SKEWED))
+    interval = result.confidence_interval(0.95)
+    estimate = ratio_of_geometric_means(RELATED, SKEWED)
+    assert estimate.value == pytest.approx(stats.gmean(RELATED) / stats.gmean(SKEWED), rel=1e-12)
+    assert estimate.low == pytest.approx(math.exp(interval.low), rel=1e-12)
+    assert estimate.high == pytest.approx(math.exp(interval.high), rel=1e-12)
+    assert estimate.count == 30
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("estimator", "truth"),
-    [
-        (lambda x, y: mean(x), math.exp(0.125)),
-        (lambda x, y: median(x), 1.0),
-        (lambda x, y: paired_difference(y, x), math.exp(0.125) * (0.5 * math.exp(0.045) - 1.0)),
-        (lambda x, y: ratio_of_means(y, x), 0.5 * math.exp(0.045)),
-    ],
-    ids=["mean", "median", "difference", "ratio"],
-)
-def test_intervals_hold_the_truth_as_often_as_they_say(
-    estimator: Callable[[Any, Any], Estimate], truth: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """300 sets of 30 seeds of skewed errors.
-
-    Type-2 is type-1 times a lognormal factor, and all true values are by formula.
-
-    95 % intervals hold it in 285 sets, give or take 4 by chance; bootstrap of so few skewed numbers
-    is known to be a little short.
-    """
-    monkeypatch.setattr(statistics, "RESAMPLES", 999)
-    rng, hits = np.random.default_rng(5), 0
-    for _ in range(300):
-        first = np.exp(0.5 * rng.standard_normal(30))
-        second = 0.5 * first * np.exp(0.3 * rng.standard_normal(30))
-        estimate = estimator(first, second)
-        hits += estimate.low <= truth <= estimate.high
-    assert 0.90 * 300 <= hits <= 0.98 * 300
+def test_geometric_means_are_of_positive_numbers() -> None:
+    for first, second, name in (([0.0, 1.0], [1.0, 1.0], "first"), ([1.0], [-1.0], "second")):
+        with pytest.raises(InvalidArray, match=f"{name}.*each positive"):
+            ratio_of_geometric_means(first, second)
+    nothing, one = ratio_of_geometric_means([], []), ratio_of_geometric_means([6.0], [2.0])
+    assert (nothing.count, one.count, one.value) == (0, 1, pytest.approx(3.0))
+    assert math.isnan(nothing.value)
+    assert math.isnan(one.low)
 
 
 def test_pairs_make_a_difference_sharper() -> None:
@@ -143,9 +146,8 @@ def test_numbers_that_are_not_finite_are_left_out_and_not_counted() -> None:
     assert paired_difference(some, [0.5, 1.0, math.nan, 1.0, 1.5]) == paired_difference(
         [1.0, 4.0], [0.5, 1.5]
     )
-    assert ratio_of_means([1.0, 2.0, math.nan], [2.0, 4.0, 1e9]) == ratio_of_means(
-        [1.0, 2.0], [2.0, 4.0]
-    )
+    for ratio in (ratio_of_means, ratio_of_geometric_means):
+        assert ratio([1.0, 2.0, math.nan], [2.0, 3.0, 1e9]) == ratio([1.0, 2.0], [2.0, 3.0])
 
 
 @pytest.mark.parametrize("estimator", [mean, median])
@@ -156,13 +158,18 @@ def test_few_seeds(estimator: Callable[[Any], Estimate]) -> None:
     assert (one.value, one.count) == (3.0, 1)
     assert math.isnan(one.low)
     assert math.isnan(one.high)
-    assert (two.low, two.value, two.high) == (3.0, 3.5, 4.0)
+    assert (two.value, two.count) == (3.5, 2)
+    # Half the resamples of two have no spread, so a mean has Student's interval on its logarithm,
+    # with t = 12.706 for one degree of freedom; a median cannot lie beside both.
+    reach = 12.7062047 * 0.5 / 3.5
+    ends = (3.0, 4.0) if estimator is median else (3.5 / math.exp(reach), 3.5 * math.exp(reach))
+    assert (two.low, two.high) == pytest.approx(ends, rel=1e-7)
     assert "n = 1" in str(one)
-    assert str(two) == "3.5 (3 to 4, n = 2)"
+    assert str(median([3.0, 4.0])) == "3.5 (3 to 4, n = 2)"
 
 
 def test_values_that_are_all_the_same() -> None:
-    """The bias correction divides zero by zero there, and must not say so in NaN or warnings."""
+    """Nothing is divided by no spread, in NaN or warnings."""
     assert mean([2.0] * 5) == Estimate(2.0, 2.0, 2.0, 5)
     assert median([2.0] * 5) == Estimate(2.0, 2.0, 2.0, 5)
     assert paired_difference([3.0] * 5, [1.0] * 5) == Estimate(2.0, 2.0, 2.0, 5)
@@ -175,13 +182,6 @@ def test_same_values_give_the_same_interval_and_other_resamples_nearly_the_same(
     assert one != other
     assert other.low == pytest.approx(one.low, rel=0.02)
     assert other.high == pytest.approx(one.high, rel=0.02)
-
-
-def test_memory_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Batches change nothing but the order in which resamples are drawn."""
-    monkeypatch.setattr(statistics, "NUMBERS_AT_A_TIME", 1000)
-    batched = mean(SKEWED)
-    assert batched.low == pytest.approx(mean(SKEWED, np.random.default_rng(1)).low, rel=0.02)
 
 
 @pytest.mark.parametrize("values", ["abc", [[1.0, 2.0]], 3.0, [1j]])
@@ -241,6 +241,9 @@ def test_comparison_pairs_seeds_under_the_same_setting() -> None:
     assert (first.run, second.run) == (type2[20.0], type2[10.0])
     assert first.difference == paired_difference([1.0, 2.0, 2.5], [6.0, 4.0, 5.0])
     assert first.ratio == ratio_of_means([1.0, 2.0, 2.5], [6.0, 4.0, 5.0])
+    assert first.ratio_of_geometric_means == ratio_of_geometric_means(
+        [1.0, 2.0, 2.5], [6.0, 4.0, 5.0]
+    )
     assert first.pairs == 3
     assert second.difference == paired_difference([7.0, 9.0], [8.0, 11.0])
     assert (second.pairs, second.difference.count) == (3, 2)
@@ -252,6 +255,16 @@ def test_comparison_with_a_controller_that_does_not_depend_on_the_seed() -> None
     )
     (comparison,) = compare(rows, "t1", "ctc")
     assert comparison.difference == paired_difference([1.0, 2.0], [0.5, 0.5])
+
+
+def test_comparison_of_a_metric_that_is_zero_has_no_geometric_means() -> None:
+    rows = rows_of(Run("it2", snr_db=20.0).canonical(), {0: 0.0, 1: 2.0}) + rows_of(
+        Run("t1", snr_db=20.0).canonical(), {0: 1.0, 1: 2.0}
+    )
+    (comparison,) = compare(rows, "it2", "t1")
+    assert comparison.ratio.value == pytest.approx(2.0 / 3.0)
+    assert comparison.ratio_of_geometric_means.count == 0
+    assert math.isnan(comparison.ratio_of_geometric_means.value)
 
 
 def test_nothing_to_compare() -> None:

@@ -49,6 +49,7 @@ def test_tables_hold_the_estimates_and_the_seeds(study: Run) -> None:
     for comparison in comparisons:
         assert f"{comparison.difference.value:.3g}" in printed
         assert f"{comparison.ratio.value:.3g}" in printed
+        assert f"{comparison.ratio_of_geometric_means.value:.3g}" in printed
     assert "Type-2 beside type-1" in printed
     assert "seeds" in printed
     assert "56.1)" in printed, "no run in three diverged: Wilson's interval ends at 56.1 %"
