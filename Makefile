@@ -22,7 +22,8 @@ unexport PYTHONPATH PYTHONHOME
 INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt
 
 # What tests of one file share is made once, and all that a process has loaded serves the file.
-DISTRIBUTED := --numprocesses=logical --dist=loadfile
+# The longest files come first, see tests/conftest.py.
+DISTRIBUTED := --numprocesses=logical --dist=loadfile --no-loadscope-reorder
 
 # Every module with compiled functions, and the decorator that compiles them.
 KERNELS := $(shell grep -rl --include='*.py' -e 'import compiled' -e '^def compiled' psp3 fuzzy2)

@@ -538,3 +538,26 @@ class PoorExcitation(PSP3Error, ValueError):
             f"the measurements determine {rank} of {needed} {what}; measure longer, or along a "
             "richer motion"
         )
+
+
+class CorrelatedResiduals(RaisedOnPurpose, UserWarning):
+    """What an identification leaves of the forces is not independent from sample to sample."""
+
+    def __init__(
+        self, joint: str, correlation: float, deviation: float, samples: int, effective: float
+    ) -> None:
+        self.joint, self.correlation, self.deviation = joint, correlation, deviation
+        self.samples, self.effective = samples, effective
+        # So far apart, samples of such noise are correlated by a tenth.
+        self.step = (
+            max(2, int(np.ceil(np.log(0.1) / np.log(correlation))))
+            if 0.0 < correlation < 1.0
+            else 2
+        )
+        super().__init__(
+            f"neighboring residuals of joint {joint!r} are correlated by {correlation:.2f}, "
+            f"{deviation:.1f} standard deviations beyond independent noise: its {samples} samples "
+            f"tell about as much as {effective:.0f} independent ones, and standard errors and "
+            f"intervals are too small; measure longer and take every {self.step}th sample, or add "
+            "to the model what the residuals show"
+        )

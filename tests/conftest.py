@@ -55,11 +55,16 @@ AS_LONG_AS_IT_TAKES = 24 * 3600
 """
 
 
+LONGEST = ("test_notebooks.py", "test_documentation.py", "test_docs.py")
+"""Files to begin with, so that no worker is left with one of them at the end."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark what needs the browser as slow."""
+    """Mark what needs the browser as slow, and begin with what takes longest."""
     for item in items:
         if "browser" in getattr(item, "fixturenames", ()):
             item.add_marker("slow")
+    items.sort(key=lambda item: item.path.name not in LONGEST)
 
 
 @pytest.fixture(scope="session")

@@ -22,6 +22,8 @@ def run_cells(cells: list[str], folder: Path, parent: Connection) -> None:
     # There is no loop of events to run; otherwise the figures are drawn as in a notebook.
     shell.enable_gui = lambda gui=None: None
     shell.run_line_magic("matplotlib", "inline")
+    # A picture that is cut to its content is drawn twice.
+    shell.run_line_magic("config", "InlineBackend.print_figure_kwargs = {'bbox_inches': None}")
     warnings.simplefilter("error")
     complaints = []
     for number, cell in enumerate(cells):

@@ -4,17 +4,24 @@ Everything that a test's process needs is imported, and every kernel has been ca
 """
 
 import importlib
+import pkgutil
 
+import fuzzy2
+import psp3
 from psp3.warm_up import warm_up
+
+for package in (psp3, fuzzy2):
+    for module in pkgutil.walk_packages(package.__path__, f"{package.__name__}."):
+        importlib.import_module(module.name)
 
 for name in (
     "IPython.core.interactiveshell",
     "distributed",
+    "ipywidgets",
+    "matplotlib.pyplot",
     "matplotlib_inline.backend_inline",
-    "psp3.cli.entry",
-    "psp3.plots",
-    "psp3.thesis.replication",
-    "psp3.visualize",
+    "scipy.integrate",
+    "scipy.optimize",
     "tests.study_helpers",
 ):
     importlib.import_module(name)

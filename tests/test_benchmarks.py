@@ -42,7 +42,7 @@ def test_a_chain_has_two_freedoms_and_one_group_of_loops_for_each_linkage(
 
 
 def test_dynamics_of_a_chain_are_those_of_the_natural_orthogonal_complement(chain: Any) -> None:
-    """M, C v and G to 1e-11, relative; they share the tree only."""
+    """M, C v and G to 1e-11, relative; they share the tree and Pinocchio's joints."""
     robot, rng = chain.five_bar_chain(3), np.random.default_rng(0)
     noc = psp3.NaturalOrthogonalComplement(robot)
     positions, speeds = robot.reference + rng.uniform(-0.2, 0.2, (5, 6)), rng.normal(size=(5, 6))

@@ -58,7 +58,6 @@ ELSEWHERE = {
     "psp3/cli/options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/output.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/shared.py": ("psp3/cli/commands/test_torques.py", OF_EVERY_COMMAND),
-    "psp3/closure/rank.py": ("psp3/closure/test_table.py", THROUGH_ITS_FACE),
     "psp3/control/controller.py": (
         "psp3/simulation/test_tracking.py",
         "a protocol; controllers of one's own are simulated there",

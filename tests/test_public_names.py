@@ -55,8 +55,8 @@ paired_difference ratio_of_means share
     """,
     "psp3.visualize": "Scene Viewer write_animation",
     "psp3.errors": """
-        ClosureFailed CollisionFound DisorderedJoints InconsistentVelocity InvalidArray \
-InvalidControllerFile InvalidFile InvalidMapFile
+        ClosureFailed CollisionFound CorrelatedResiduals DisorderedJoints InconsistentVelocity \
+InvalidArray InvalidControllerFile InvalidFile InvalidMapFile
         InvalidResultFile InvalidRobotFile InvalidStudyFile InvalidTorque InvalidTrajectoryFile \
 InvalidValue JointLimitExceeded
         MasslessBody MissingPackage MobilityMismatch MotionDiverged NoStabilizingSolution \

@@ -202,12 +202,53 @@ def alpha_plane_defuzzify(alphas: ArrayLike, intervals: ArrayLike) -> Array:
     Wagner and Hagras, "Toward general type-2 fuzzy logic systems based on zSlices", IEEE
     Transactions on Fuzzy Systems 18 (2010).
     """
-    levels, cuts = _levels(alphas), reals("intervals", intervals)
-    if cuts.ndim < 2 or cuts.shape[-2:] != (levels.size, 2):
-        raise InvalidValue(
-            "intervals", cuts.shape, f"of shape (..., {levels.size}, 2), one cut for each level"
-        )
+    levels, cuts = _leveled(alphas, intervals)
     return np.asarray(cuts.mean(axis=-1) @ (levels / levels.sum()))
+
+
+def cut_centroid(alphas: ArrayLike, intervals: ArrayLike) -> Array:
+    r"""Return the centroid (eq. 1.68) of a type-1 set that is given by its α-cuts.
+
+    .. math:: c = \frac{\int x\,\mu(x)\,dx}{\int \mu(x)\,dx}
+              = \frac{\int_0^h \tfrac12 (y_l + y_r)(y_r - y_l)\,d\alpha}
+                     {\int_0^h (y_r - y_l)\,d\alpha}
+
+    Each point counts once for every level that it reaches, so wide cuts count more; in
+    ``alpha_plane_defuzzify`` cuts count by their level, however wide. Between two levels the
+    ends of the cuts :math:`y_l, y_r` are linear, for which the integrals are exact, as in
+    :class:`fuzzy2.numbers.FuzzyNumber`. Below the lowest level, where nothing is known, they are
+    those of the lowest, and h is the highest.
+
+    Parameters
+    ----------
+    alphas : (L,) array_like
+        Levels in (0, 1], ascending.
+    intervals : (..., L, 2) array_like
+        Ends of the cuts.
+
+    Returns
+    -------
+    (...,) array
+        Centroids; of a set without width the middle of its lowest cut, NaN where a cut is.
+
+    Raises
+    ------
+    InvalidValue
+        If the levels do not ascend in (0, 1], or their number is not that of the cuts.
+    """
+    levels, cuts = _leveled(alphas, intervals)
+    middles, widths = cuts.mean(axis=-1), cuts[..., 1] - cuts[..., 0]
+    # About the middle of the lowest cut, so that a set far from 0 keeps its digits.
+    origin = middles[..., 0]
+    c, w, steps = middles - origin[..., None], widths, np.diff(levels)
+    area = levels[0] * w[..., 0] + 0.5 * (w[..., 1:] + w[..., :-1]) @ steps
+    moment = (
+        c[..., :-1] * (2.0 * w[..., :-1] + w[..., 1:])
+        + c[..., 1:] * (w[..., :-1] + 2.0 * w[..., 1:])
+    ) @ (steps / 6.0)
+    # NaN is not a set without width.
+    point = area == 0.0
+    return np.asarray(origin + np.where(point, 0.0, moment / np.where(point, 1.0, area)))
 
 
 def exhaustive_generalized_centroid(
@@ -331,6 +372,16 @@ def _levels(alphas: ArrayLike) -> Array:
     ):
         raise InvalidValue("alphas", alphas, "levels in (0, 1], ascending")
     return levels
+
+
+def _leveled(alphas: ArrayLike, intervals: ArrayLike) -> tuple[Array, Array]:
+    """Return levels and cuts, one for each level."""
+    levels, cuts = _levels(alphas), reals("intervals", intervals)
+    if cuts.ndim < 2 or cuts.shape[-2:] != (levels.size, 2):
+        raise InvalidValue(
+            "intervals", cuts.shape, f"of shape (..., {levels.size}, 2), one cut for each level"
+        )
+    return levels, cuts
 
 
 def _require_nested(name: str, layers: Array) -> None:

@@ -12,12 +12,15 @@ leaves
 
 Where the printed equations are wrong (see each function), what is right is implemented. Joint
 quantities (placements, joint Jacobians and their rates, inertias) come from Pinocchio; everything
-else is here, so any tree with loops and named actuated joints can be treated, one without loops
-included.
+else is here and in :mod:`psp3.dynamics.newton_from_home`, which closes the loops, so any tree with
+loops and named actuated joints can be treated, one without loops included. Of the robot only its
+tree, its loops, the names of its motors and its reference configuration are used: no
+``robot.configuration`` is ever called.
 """
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -25,10 +28,12 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, applied_to_rows, finite_rows, together
+from psp3.checks import Array, applied_to_rows, finite_rows, one_row, together
 from psp3.closure.mobility import mobility
 from psp3.closure.rank import dependent_solver
+from psp3.dynamics.newton_from_home import NewtonFromHome
 from psp3.errors import InconsistentVelocity, MobilityMismatch, OpenLoops, UnknownName
+from psp3.robots.passive_limits import PassiveLimits
 
 CLOSURE_TOLERANCE = 1e-6
 """Dynamics is refused where a loop is open by more than this [m, rad]."""
@@ -72,7 +77,8 @@ class NaturalOrthogonalComplement:
     robot : object
         Anything with a Pinocchio ``model``; ``constraint_models`` (none: no loops) and ``actuated``
         (none: every joint), as :class:`psp3.ClosedLoopRobot` and the robots of example-robot-data
-        have them.
+        have them; and ``q0``, the configuration from which the loops are closed (none: ``neutral``
+        of the model).
     """
 
     def __init__(self, robot: Any) -> None:
@@ -109,6 +115,23 @@ class NaturalOrthogonalComplement:
             if frame.type == pin.FrameType.BODY and frame.parentJoint == joint:
                 return str(frame.name)
         return str(self.model.names[joint])
+
+    @functools.cached_property
+    def _from_home(self) -> NewtonFromHome:
+        # Only when it is asked for: whoever has configurations needs no home that closes the loops.
+        home = getattr(self.robot, "q0", None)
+        return NewtonFromHome(
+            self.model,
+            self._names,
+            pin.neutral(self.model) if home is None else one_row("q0", home, self.model.nq),
+            self._constraint,
+            self._constraint_jacobian,
+            self._complement,
+        )
+
+    @functools.cached_property
+    def _limited(self) -> PassiveLimits:
+        return PassiveLimits(self.model, self._names)
 
     # Rows: one configuration at a time, because Pinocchio takes one at a time
 
@@ -371,6 +394,44 @@ class NaturalOrthogonalComplement:
             If q is not finite or of another shape.
         """
         return self._at(self._constraint_jacobian, (self._rows, self.model.nv), q)
+
+    def configuration(self, positions: ArrayLike) -> Array:
+        r"""Return the configurations that close the loops, by iteration from home (eq. 3.15).
+
+        Newton's method on :meth:`constraint` with :meth:`constraint_jacobian`, in steps that keep
+        the assembly mode of home, the robot's ``q0`` (of the 3-PSP :math:`q^u_0 = [0, \dots, 0,
+        d, d, d]`: hinges straight, arms as long as the screws are off the axis).
+
+        Parameters
+        ----------
+        positions : (..., n) array_like
+            Positions of the actuated joints [m or rad].
+
+        Returns
+        -------
+        (..., nq) ndarray
+            Configurations, closed to rounding.
+
+        Raises
+        ------
+        InvalidArray
+            If the positions are not finite or of another shape.
+        InvalidValue
+            If an actuated joint has more than one coordinate.
+        ClosureFailed
+            If a pose cannot be reached from home without opening a loop.
+        JointLimitExceeded
+            If an un-actuated joint would be beyond its limits.
+        SingularConfiguration, MobilityMismatch
+            If the actuated joints do not determine the others at home, or determine each other.
+        """
+        closed = applied_to_rows(
+            self._from_home.configuration,
+            (self.model.nq,),
+            positions=(positions, self._actuated.size),
+        )
+        self._limited.check(closed.reshape(-1, self.model.nq))
+        return closed
 
     def L(self, q: ArrayLike) -> Array:
         r"""Return the joint orthogonal complement, :math:`\dot q = L \dot q^a` (eq. 3.16).
@@ -653,7 +714,8 @@ class NaturalOrthogonalComplement:
     ) -> tuple[Array, Array, Array]:
         """Return M, C and G at actuated positions and speeds.
 
-        So that a controller can be driven by the thesis's model.
+        So that a controller can be driven by the thesis's model. The loops are closed anew in every
+        call, see :meth:`configuration`.
 
         Parameters
         ----------
@@ -670,8 +732,8 @@ class NaturalOrthogonalComplement:
         ------
         InvalidArray
             If an argument is not finite or of another shape.
-        PSP3Error
-            If the robot has no closed configuration there, see ``robot.configuration``.
+        ClosureFailed, JointLimitExceeded, SingularConfiguration
+            If the robot has no closed configuration there, see :meth:`configuration`.
         """
         q, v, _ = self._state(positions=positions, speeds=speeds)
         return self.mass_matrix(q), self.coriolis_matrix(q, v), self.gravity(q)
@@ -695,7 +757,7 @@ class NaturalOrthogonalComplement:
 
         Raises
         ------
-        InvalidArray, PSP3Error
+        InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
             See :meth:`equation_of_motion`.
         """
         q, v, (acceleration,) = self._state(
@@ -709,5 +771,5 @@ class NaturalOrthogonalComplement:
         positions, rates, *others = together(
             **{name: finite_rows(name, values, n) for name, values in motion.items()}
         )
-        q = np.asarray(self.robot.configuration(positions))
+        q = self.configuration(positions)
         return q, np.einsum("...ij,...j->...i", self.L(q), rates), others

@@ -6,10 +6,11 @@ Computed torque with M, C and G estimated by a fuzzy system from four difference
           \alpha = M, \quad \beta = C \dot a + G
 
 M, C and G are fuzzy numbers, the type-reduced outputs of one rule base; so are :math:`\alpha`,
-:math:`\beta` and the torque, which is defuzzified last. Intervals and Gaussian numbers are affine
-(Theorems 1.4, 1.5): their crisp torque is the same when M, C and G are defuzzified first. That is
-what :meth:`FuzzyComputedTorque.torque` does, in one compiled call, and
-:meth:`FuzzyComputedTorque.torque_number` goes the thesis's way.
+:math:`\beta` and the torque, which the thesis defuzzifies last. Intervals and Gaussian numbers are
+affine (Theorems 1.4, 1.5): their crisp torque is the same when M, C and G are defuzzified first,
+which is what :meth:`FuzzyComputedTorque.torque` does unless it is told otherwise. Numbers by
+α-planes are of no such kind. Their torque depends on the order, and ``defuzzify="last"`` takes the
+thesis's: the centroid (eq. 1.68) of the fuzzy torque. Either way it is one compiled call.
 """
 
 from __future__ import annotations
@@ -27,6 +28,7 @@ from fuzzy2.learning.noise import mean_variation_from_snr
 from fuzzy2.learning.partition import KINDS
 from fuzzy2.learning.wang_mendel import LEARNERS, WangMendel
 from fuzzy2.numbers.affine import GaussianNumber, IntervalNumber
+from fuzzy2.reduction.general import cut_centroid
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.support.compiled import only_for
 from fuzzy2.support.text_files import read_text, write_text
@@ -75,6 +77,9 @@ G.
 
 REDUCTIONS = ("alpha_planes", "gaussian")
 """Type reductions of the general type-2 controller."""
+
+ORDERS = ("first", "last")
+"""When to defuzzify: M, C and G before the torque is computed, or the fuzzy torque."""
 
 LEAST_SNR = -100.0
 """Least signal-to-noise ratio [dB]: noise of a hundred thousand times the signal."""
@@ -129,6 +134,11 @@ class FuzzyComputedTorque:
         What the standard deviations of the terms are multiplied with after the rules are learned.
         Wider terms average over more rules, in a type-1 controller too: what type-2 gains is to be
         compared with that.
+    defuzzify : {"first", "last"}
+        What becomes crisp. First, M, C and G do; by α-planes each is then the average of its cuts'
+        middles, weighted with their levels. Last, the fuzzy torque does, by its centroid
+        (eq. 1.68), as in the thesis. Only α-planes make a difference of it, and whether an estimate
+        can be used is asked of the averages in either order.
 
     Attributes
     ----------
@@ -150,14 +160,15 @@ class FuzzyComputedTorque:
     Notes
     -----
     Source: thesis chapter 5, Figs. 47 and 48. The text says that defuzzifying first is right for
-    interval systems only; it is for Gaussian numbers as well, and wrong for other shapes.
+    interval systems only; it is for Gaussian numbers as well. For other shapes it is not: the
+    centroid of a sum is not the sum of the centroids.
     """
 
     system_: FuzzySystem
     ranges_: Array
     fallback_: Array
 
-    def __init__(
+    def __init__(  # noqa: PLR0913 (public: everything that makes a controller is named here)
         self,
         kind: str = "it2",
         robot: PSP3 | None = None,
@@ -172,15 +183,19 @@ class FuzzyComputedTorque:
         reduction: str = "alpha_planes",
         outside: str = "clamp",
         term_width: float = 1.0,
+        defuzzify: str = "first",
     ) -> None:
         for what, name, known in (
             ("kind of controller", kind, KINDS),
             ("learner", learner, LEARNERS),
             ("reduction", reduction, REDUCTIONS),
             ("way outside of the trained range", outside, OUTSIDE),
+            ("order of defuzzification", defuzzify, ORDERS),
         ):
             if name not in known:
                 raise UnknownName(what, name, known)
+        # The method of that name defuzzifies a number.
+        self.order = defuzzify
         self.kind, self.learner, self.reduction, self.outside = kind, learner, reduction, outside
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         self.n_terms, self.levels = (
@@ -315,7 +330,7 @@ class FuzzyComputedTorque:
                 after = np.concatenate([moments.ravel() for moments in system.moments])
             else:
                 kind, levels, alphas, widths = (
-                    kernels.PLANES,
+                    kernels.CENTROID if self.order == "last" else kernels.PLANES,
                     system.levels,
                     system.alphas,
                     system.widths,
@@ -362,6 +377,8 @@ class FuzzyComputedTorque:
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the crisp torque, of shape (3,) [N].
+
+        Defuzzified first or last, as ``defuzzify`` said.
 
         Parameters
         ----------
@@ -531,17 +548,37 @@ class FuzzyComputedTorque:
     def defuzzify(self, number: FuzzyNumbers) -> Array:
         r"""Return the crisp torque of a number.
 
-        Its middle or mean, or :math:`\sum_l \alpha_l c_l / \sum_l \alpha_l` over α-planes.
+        Its middle or mean. Over α-planes, :math:`\sum_l \alpha_l c_l / \sum_l \alpha_l`, which is
+        what defuzzifying M, C and G first comes to, or with ``defuzzify="last"`` the centroid
+        (eq. 1.68), see ``fuzzy2.reduction.general.cut_centroid``.
+
+        Parameters
+        ----------
+        number : IntervalNumber or GaussianNumber
+            As from :meth:`torque_number`.
+
+        Returns
+        -------
+        (3,) ndarray
+            Screw forces [N].
+
+        Raises
+        ------
+        NotTrained
+            If nothing was learned yet.
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
-        middles = number.defuzzify()
         if (
-            isinstance(self.system_, GeneralType2System)
-            and self.system_.reduction == "alpha_planes"
+            isinstance(number, GaussianNumber)
+            or not isinstance(self.system_, GeneralType2System)
+            or self.system_.reduction == "gaussian"
         ):
-            return np.asarray(self.system_.alphas @ middles / self.system_.alphas.sum())
-        return middles
+            return number.defuzzify()
+        alphas = self.system_.alphas
+        if self.order == "last":
+            return cut_centroid(alphas, np.moveaxis(number.interval(), 0, -2))
+        return np.asarray(alphas @ number.defuzzify() / alphas.sum())
 
     # Files
 
@@ -563,6 +600,7 @@ class FuzzyComputedTorque:
             "kp": self.kp,
             "kv": self.kv,
             "outside": self.outside,
+            "defuzzify": self.order,
             "learner": self.learner,
             "n_terms": self.n_terms,
             "mean_variation": self.mean_variation,
@@ -690,6 +728,8 @@ class FuzzyComputedTorque:
             mean_variation=checked_not_negative("mean_variation", content["mean_variation"]),
             term_width=content["term_width"],
             outside=content["outside"],
+            # Files of version 1 that lack it are of controllers that knew one order only.
+            defuzzify=content.get("defuzzify", "first"),
             **options,
         )
         controller._take(system, ranges)

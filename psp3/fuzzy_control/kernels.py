@@ -25,7 +25,13 @@ from fuzzy2.systems.kernels import evaluate, evaluate_corollary, evaluate_planes
 from psp3.checks import Array
 from psp3.three_psp.closed_form import equation_of_motion
 
-FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE, INTERVAL, PLANES, COROLLARY = range(7)
+FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE = range(4)
+INTERVAL, PLANES, COROLLARY, CENTROID = range(4, 8)
+"""Fuzzy controllers by what their estimates are: intervals, α-planes whose middles are weighted
+before the torque is computed, Gaussian numbers, and α-planes that are carried on to the torque,
+whose centroid is taken.
+"""
+
 CLAMP, CRISP = range(2)
 
 HEADER = 7
@@ -55,10 +61,11 @@ def is_positive_definite(m):
 
 
 @compiled
-def _estimate(controller, x, crisp, middle, spread):
+def _estimate(controller, x, numbers, crisp, middle, spread):
     """Write M, C and G estimated at the four differences.
 
-    Crisp values, middles and half-widths, or means and standard deviations.
+    Crisp values, middles and half-widths, or means and standard deviations. ``numbers`` gets them
+    as they are estimated: ends of the intervals, plane by plane, or means and standard deviations.
     """
     kind, planes, size = int(controller[0]), int(controller[4]), int(controller[6])
     start = _ALPHAS + 2 * planes
@@ -70,25 +77,23 @@ def _estimate(controller, x, crisp, middle, spread):
         spreads = controller[after + rules * OUTPUTS : after + 2 * rules * OUTPUTS].reshape(
             rules, OUTPUTS
         )
-        numbers = np.empty(2 * OUTPUTS)
         evaluate_corollary(table, x, middles, spreads, controller[5] > 0.0, numbers)
         for j in range(OUTPUTS):
             crisp[j] = middle[j] = numbers[2 * j]
             spread[j] = numbers[2 * j + 1]
         return
-    ends = np.empty(max(planes, 1) * 2 * OUTPUTS)
     if kind == INTERVAL:
-        evaluate(table, x, 0.0, False, ends)
+        evaluate(table, x, 0.0, False, numbers)
     else:
-        evaluate_planes(table, x, controller[_ALPHAS + planes : start], ends)
+        evaluate_planes(table, x, controller[_ALPHAS + planes : start], numbers)
     # What is shown of a general type-2 estimate is its lowest plane, the first.
     for j in range(OUTPUTS):
         middle[j], spread[j] = (
-            0.5 * (ends[2 * j] + ends[2 * j + 1]),
-            0.5 * (ends[2 * j + 1] - ends[2 * j]),
+            0.5 * (numbers[2 * j] + numbers[2 * j + 1]),
+            0.5 * (numbers[2 * j + 1] - numbers[2 * j]),
         )
         crisp[j] = middle[j]
-    if kind == PLANES:
+    if kind != INTERVAL:
         total = 0.0
         for plane in range(planes):
             total += controller[_ALPHAS + plane]
@@ -96,7 +101,7 @@ def _estimate(controller, x, crisp, middle, spread):
             moment = 0.0
             for plane in range(planes):
                 o = 2 * (plane * OUTPUTS + j)
-                moment += controller[_ALPHAS + plane] * (0.5 * (ends[o] + ends[o + 1]))
+                moment += controller[_ALPHAS + plane] * (0.5 * (numbers[o] + numbers[o + 1]))
             crisp[j] = moment / total
 
 
@@ -131,6 +136,37 @@ def width_of_force(spread, servo, speeds, i, squares):
         )
         width += one * one + two * two if squares else one + two
     return math.sqrt(width) if squares else width
+
+
+@compiled
+def _centroid_of_force(controller, ends, added, servo, speeds, out):
+    """Write the centroid (eq. 1.68) of the fuzzy force M servo + C speeds + G.
+
+    ``ends`` are those of M, C and G, plane by plane. On every plane the force is an interval
+    (Theorem 1.4), its α-cut. Between two planes the ends of the cut are linear in the level, and
+    below the lowest plane they are those of the lowest: ``fuzzy2.reduction.general.cut_centroid``.
+    """
+    planes = int(controller[4])
+    middle, spread = np.empty(OUTPUTS), np.empty(OUTPUTS)
+    centers, widths = np.empty(3 * planes), np.empty(3 * planes)
+    for plane in range(planes):
+        for j in range(OUTPUTS):
+            o = 2 * (plane * OUTPUTS + j)
+            middle[j], spread[j] = 0.5 * (ends[o] + ends[o + 1]), 0.5 * (ends[o + 1] - ends[o])
+        for j in range(added.size):
+            middle[j] += added[j]
+        apply_model(middle, servo, speeds, centers, 3 * plane)
+        for i in range(3):
+            widths[3 * plane + i] = width_of_force(spread, servo, speeds, i, False)
+    for i in range(3):
+        # About the middle of the lowest cut, so that a force far from zero keeps its digits.
+        origin, area, moment = centers[i], controller[_ALPHAS] * widths[i], 0.0
+        for plane in range(1, planes):
+            o, step = 3 * plane + i, controller[_ALPHAS + plane] - controller[_ALPHAS + plane - 1]
+            c0, c1, w0, w1 = centers[o - 3] - origin, centers[o] - origin, widths[o - 3], widths[o]
+            area += step * 0.5 * (w0 + w1)
+            moment += step * (c0 * (2.0 * w0 + w1) + c1 * (w0 + 2.0 * w1)) / 6.0
+        out[i] = origin + moment / area if area > 0.0 else origin
 
 
 @compiled
@@ -194,11 +230,12 @@ def fuzzy_torque(
         np.zeros(OUTPUTS),
         np.empty(3),
     )
-    fell_back = False
-    if covered or clamp:
+    numbers = np.empty(max(int(controller[4]), 1) * 2 * OUTPUTS)
+    fell_back, estimated = False, covered or clamp
+    if estimated:
         total = x[0] + x[1] + x[2] + x[3]
         if math.isfinite(total):
-            _estimate(controller, x, crisp, middle, spread)
+            _estimate(controller, x, numbers, crisp, middle, spread)
             for j in range(added.size):
                 crisp[j] += added[j]
                 middle[j] += added[j]
@@ -216,6 +253,8 @@ def fuzzy_torque(
         middle[:] = crisp
     write_servo(controller, heights, speeds, desired, servo)
     apply_model(crisp, servo, speeds, out, 0)
+    if int(controller[0]) == CENTROID and estimated and not fell_back:
+        _centroid_of_force(controller, numbers, added, servo, speeds, out)
     apply_model(middle, servo, speeds, out, 3)
     corollary = int(controller[0]) == COROLLARY
     for i in range(3):

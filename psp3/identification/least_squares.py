@@ -9,16 +9,19 @@ Hollerbach, 1986; J. Swevers, C. Ganseman, D. B. Tükel, J. De Schutter and H. V
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, checked_not_negative, finite_rows
 from psp3.closure.rank import numerical_rank
-from psp3.errors import InvalidArray, PoorExcitation
+from psp3.errors import CorrelatedResiduals, InvalidArray, PoorExcitation
 from psp3.identification.base_parameters import BaseParameters
 from psp3.identification.physical_consistency import Body, bodies
+from psp3.identification.residuals import deviation_from_independence, lag_one_correlation
 from psp3.trajectories.fourier_series import (
     FittedSeries,
     FourierSeries,
@@ -34,6 +37,12 @@ REFINEMENTS = 3
 """Times that the noise of each joint's force is estimated anew from the residuals; it changes
 little after the first.
 """
+
+FALSE_WARNINGS = 0.01
+"""Share of identifications with independent noise that warn of correlated residuals."""
+
+ROUNDING = 1e-10
+"""Share of the largest force below which residuals are rounding, which is no noise."""
 
 SENSITIVITY_SAMPLES = 100
 """Samples at which the effect of errors in position is computed; it varies as slowly as the motion
@@ -64,6 +73,9 @@ class Identified:
         Condition number of the weighted regressor with its columns scaled to the same length.
     motion : FourierSeries
         The motion that was fitted to the measured positions.
+    residual_correlation : (n,) ndarray
+        Correlation of each joint's residuals with those of the sample before. Standard errors and
+        intervals hold for independent noise, with which it is near zero.
     """
 
     base: BaseParameters
@@ -74,6 +86,7 @@ class Identified:
     degrees_of_freedom: int
     condition: float
     motion: FourierSeries
+    residual_correlation: Array
 
     @property
     def standard_errors(self) -> Array:
@@ -160,6 +173,12 @@ def identify(
         If the measurements do not determine all base parameters, or not the motion.
     ClosureFailed, JointLimitExceeded, SingularConfiguration, UnreachablePose
         If the robot cannot make the fitted motion.
+
+    Warns
+    -----
+    CorrelatedResiduals
+        If neighboring residuals of a joint are correlated, in time order, beyond what independent
+        noise of forces and positions shows in 1 % of identifications.
     """
     robot = base.unknowns.robot
     measured = finite_rows("forces", forces, len(robot.actuated))
@@ -173,9 +192,26 @@ def identify(
     regressors, known = base.forces_of(*fitted.motion.joints(times))
     values, information, noise, condition = _weighted_least_squares(regressors, measured - known)
     covariance = np.asarray(np.linalg.inv(information), dtype=np.float64)
-    effects = covariance @ _effects_of_coefficients(base, values, fitted, times, regressors, noise)
+    chosen = np.unique(
+        np.linspace(0.0, len(times) - 1.0, min(len(times), SENSITIVITY_SAMPLES))
+        .round()
+        .astype(np.int64)
+    )
+    derivatives = _derivatives_of_forces(base, values, fitted.motion, times[chosen])
+    effects = covariance @ _effects_of_coefficients(
+        derivatives, fitted, times, chosen, regressors, noise
+    )
     for effect, size in zip(effects, fitted.noise, strict=True):
         covariance = covariance + size**2 * effect @ fitted.covariance @ effect.T
+    residuals = measured - known - regressors @ values
+    order = np.argsort(times, kind="stable")
+    if np.abs(residuals).max() > ROUNDING * np.abs(measured).max():
+        _warn_of_correlation(
+            robot.actuated,
+            residuals[order],
+            regressors[order],
+            _errors_of_motion(derivatives, fitted, times, chosen)[:, order],
+        )
     return Identified(
         base,
         values,
@@ -185,14 +221,63 @@ def identify(
         measured.size - values.size,
         condition,
         fitted.motion,
+        lag_one_correlation(residuals[order]),
     )
 
 
+def _warn_of_correlation(
+    joints: Sequence[str], residuals: Array, regressors: Array, shared: Array
+) -> None:
+    """Warn of the joint with the most significant correlation of its residuals in time order."""
+    from scipy.stats import norm
+
+    deviations = np.array(
+        [
+            deviation_from_independence(residuals[:, joint], regressors[:, joint], shared[joint])
+            for joint in range(len(joints))
+        ]
+    )
+    # One of n joints is to reach the limit as seldom as said.
+    limit = float(norm.ppf((1.0 - FALSE_WARNINGS) ** (1.0 / len(joints))))
+    worst = int(deviations.argmax())
+    if deviations[worst] > limit:
+        samples, correlation = len(residuals), float(lag_one_correlation(residuals)[worst])
+        effective = samples * (1.0 - correlation) / (1.0 + correlation)
+        warnings.warn(
+            CorrelatedResiduals(
+                joints[worst], correlation, float(deviations[worst]), samples, effective
+            ),
+            stacklevel=3,
+        )
+
+
+def _errors_of_motion(
+    derivatives: Array, fitted: FittedSeries, times: Array, chosen: NDArray[np.int64]
+) -> Array:
+    """Return what errors of the fitted motion do to each joint's force, (n, N, n (2 H + 1)).
+
+    By independent errors of standard deviation 1, of every joint's coefficients.
+    """
+    by_time = np.argsort(times[chosen])
+    nodes = times[chosen][by_time]
+    after = np.clip(np.searchsorted(nodes, times), 1, len(nodes) - 1)
+    gap = nodes[after] - nodes[after - 1]
+    share = np.clip((times - nodes[after - 1]) / np.where(gap > 0.0, gap, 1.0), 0.0, 1.0)
+    share = share[:, np.newaxis]
+    between = (1.0 - share) * derivatives[:, :, by_time[after - 1]]
+    between += share * derivatives[:, :, by_time[after]]
+    terms = np.stack(fourier_terms(times, fitted.motion.period, fitted.motion.harmonics))
+    axes, variances, _ = np.linalg.svd(fitted.covariance)
+    terms = terms @ (axes * np.sqrt(variances))
+    errors: Array = np.einsum("djsi,dsk,j->isjk", between, terms, fitted.noise)
+    return errors.reshape(*errors.shape[:2], -1)
+
+
 def _effects_of_coefficients(
-    base: BaseParameters,
-    values: Array,
+    derivatives: Array,
     fitted: FittedSeries,
     times: Array,
+    chosen: NDArray[np.int64],
     regressors: Array,
     noise: Array,
 ) -> Array:
@@ -200,12 +285,6 @@ def _effects_of_coefficients(
 
     For the Fourier coefficients of each joint, (n, r, 2 H + 1).
     """
-    chosen = np.unique(
-        np.linspace(0.0, len(times) - 1.0, min(len(times), SENSITIVITY_SAMPLES))
-        .round()
-        .astype(np.int64)
-    )
-    derivatives = _derivatives_of_forces(base, values, fitted.motion, times[chosen])
     terms = np.stack(fourier_terms(times[chosen], fitted.motion.period, fitted.motion.harmonics))
     # Every sample that is chosen stands for those that are not.
     weighted = regressors[chosen] / noise[:, np.newaxis] ** 2 * (len(times) / len(chosen))

@@ -131,5 +131,6 @@ def motion_and_jacobian(
         # centripetal part.
         pin.getFrameClassicalAcceleration(model, data, index, base).vector,
     )
-    jacobian: Array = pin.computeFrameJacobian(model, data, q, index, base) @ closure.complement
-    return motion, jacobian
+    # Of a model with a single degree of freedom Pinocchio returns a vector.
+    whole = pin.computeFrameJacobian(model, data, q, index, base).reshape(6, model.nv)
+    return motion, np.asarray(whole @ closure.complement)

@@ -11,7 +11,8 @@ eq. 3.16–3.17),
 
 and the tree's dynamics, from Pinocchio's RNEA and CRBA, is projected with :math:`L`. Nothing here
 uses the closed form of the 3-PSP or the thesis's natural orthogonal complement, so each of the
-three checks the others.
+three checks the others. (What this path and the complement share is the tree, and how Pinocchio's
+joints place and move bodies.)
 """
 
 from __future__ import annotations

@@ -137,7 +137,8 @@ def controllers_of_table_6_2(robot: PSP3, recorded: Record) -> dict[str, Control
     Returns
     -------
     dict
-        ``"PD"``; ``"CTC, "`` with the name of a model; ``"t1"``, ``"it2"``, ``"gt2"``.
+        ``"PD"``; ``"CTC, "`` with the name of a model, which closes the loops in every step, if it
+        needs to; ``"t1"``, ``"it2"``, ``"gt2"``.
     """
     controllers: dict[str, Controller] = {"PD": PD(*TABLE_6_1["PD"])}
     for name in reversed(DYNAMICS_MODELS):

@@ -151,10 +151,12 @@ def three_implementations(robot: PSP3, outcome: Reproduction, samples: int) -> N
         rows.append([title, *(f"{gap:.1e}" for gap in gaps)])
     outcome.tables.append(
         Table(
-            "Closed form against two independent implementations, along the helix",
+            "Closed form against two other implementations, along the helix",
             ["implementation", "M", "C", "G", "forces"],
             rows,
-            f"Largest difference over {samples} poses, relative to the largest entry.",
+            f"Largest difference over {samples} poses, relative to the largest entry. Each closes "
+            "the loops in its own way. The closed form shares the robot's parameters with the "
+            "others, these share the tree and how Pinocchio's joints place and move bodies.",
         )
     )
     outcome.numbers["cross_check"] = numbers

@@ -4,8 +4,8 @@ Three vertical ball screws, a ball joint on each nut, a slider along each arm of
 
 One object holds the robot as Pinocchio sees it (tree, loop closures, poses, visuals) and answers
 every question about its kinematics and dynamics in the nut heights :math:`a`, through the compiled
-closed form of :mod:`psp3.three_psp.closed_form`. The same questions can be asked of the two other
-implementations, see :meth:`PSP3.dynamics`.
+closed form of :mod:`psp3.three_psp.closed_form`. Two other implementations of its dynamics are to
+be had, see :meth:`PSP3.dynamics`.
 """
 
 from __future__ import annotations
@@ -148,14 +148,18 @@ class PSP3(ClosedLoopRobot):
         return self.configuration(row)
 
     def dynamics(self, name: str) -> DynamicsModel:
-        """Return one of the three independent implementations of the equation of motion.
+        """Return one of the three implementations of the equation of motion.
+
+        Each closes the loops in its own way. The closed form shares its parameters with the other
+        two, and nothing else; these share the tree and Pinocchio's joints.
 
         Parameters
         ----------
         name : str
             ``"closed_form"`` (this object), ``"pinocchio"`` (the tree projected with RNEA and CRBA,
-            loops closed by Newton's method) or ``"noc"`` (the thesis's natural orthogonal
-            complement, eq. 3.2–3.4).
+            loops closed by compiled Newton's method) or ``"noc"`` (the thesis's natural orthogonal
+            complement, eq. 3.2–3.4, loops closed by Newton's method on its own constraints from
+            home, eq. 3.15).
 
         Raises
         ------

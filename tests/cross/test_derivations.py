@@ -7,6 +7,8 @@ Where a step is misprinted, the test states what was printed and shows that it d
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -19,8 +21,10 @@ from fuzzy2.numbers import (
 )
 from fuzzy2.operations.extension import extend
 from fuzzy2.operations.join_meet import join, meet
-from fuzzy2.reduction.approximate import approximate_generalized_centroid
+from fuzzy2.operations.joined_sets import supremum
+from fuzzy2.reduction.approximate import ApproximateReduction, approximate_generalized_centroid
 from fuzzy2.reduction.general import exhaustive_generalized_centroid
+from fuzzy2.reduction.interval import generalized_centroid
 from fuzzy2.sets.shapes import Gaussian, Trapezoidal, Triangular
 from fuzzy2.sets.type1 import SampledSet, Type1Set
 
@@ -42,6 +46,15 @@ PHI1 = np.minimum(f1, np.maximum.accumulate(f2))
 PHI2 = np.minimum(f2, np.maximum.accumulate(f1))
 
 
+def suprema_up_to(theta: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return both suprema of eq. 1.17, for which the library never looks at a grid."""
+    start = np.full_like(theta, -np.inf)
+    return (
+        np.minimum(F1(theta), supremum(F2, start, theta)),
+        np.minimum(F2(theta), supremum(F1, start, theta)),
+    )
+
+
 def test_1_16_the_join_is_an_enumeration_of_pairs() -> None:
     coarse = np.round(np.linspace(-0.5, 2.0, 126), 12)
     a, b = SampledSet(coarse, F1(coarse)), SampledSet(coarse, F2(coarse))
@@ -60,8 +73,10 @@ def test_1_17_the_join_is_the_greater_of_two_suprema() -> None:
 
 
 def test_1_18_below_both_peaks_both_suprema_are_the_minimum() -> None:
-    np.testing.assert_array_equal(PHI1[BELOW], np.minimum(f1, f2)[BELOW])
-    np.testing.assert_array_equal(PHI2[BELOW], np.minimum(f2, f1)[BELOW])
+    found = suprema_up_to(THETA)
+    for phi, by_grid in zip(found, (PHI1, PHI2), strict=True):
+        np.testing.assert_allclose(phi[BELOW], np.minimum(f1, f2)[BELOW], atol=1e-15)
+        np.testing.assert_allclose(phi, by_grid, atol=1e-15)
 
 
 def test_1_19_below_both_peaks_it_is_and_where_or_is_printed() -> None:
@@ -71,8 +86,11 @@ def test_1_19_below_both_peaks_it_is_and_where_or_is_printed() -> None:
 
 
 def test_1_20_between_the_peaks() -> None:
-    np.testing.assert_array_equal(PHI1[BETWEEN], np.minimum(f1, f2)[BETWEEN])
-    np.testing.assert_array_equal(PHI2[BETWEEN], f2[BETWEEN])
+    found = suprema_up_to(THETA)
+    np.testing.assert_allclose(found[0][BETWEEN], np.minimum(f1, f2)[BETWEEN], atol=1e-15)
+    np.testing.assert_allclose(found[1][BETWEEN], f2[BETWEEN], atol=1e-15)
+    for phi, by_grid in zip(found, (PHI1, PHI2), strict=True):
+        np.testing.assert_allclose(phi[BETWEEN], by_grid[BETWEEN], atol=1e-15)
 
 
 def test_1_21_between_the_peaks_the_join_is_the_second_set() -> None:
@@ -81,8 +99,11 @@ def test_1_21_between_the_peaks_the_join_is_the_second_set() -> None:
 
 def test_1_22_above_both_peaks_both_suprema_are_the_sets() -> None:
     """The thesis names this range by a v3; it is from v2 on."""
-    np.testing.assert_array_equal(PHI1[ABOVE], f1[ABOVE])
-    np.testing.assert_array_equal(PHI2[ABOVE], f2[ABOVE])
+    found = suprema_up_to(THETA)
+    np.testing.assert_allclose(found[0][ABOVE], f1[ABOVE], atol=1e-15)
+    np.testing.assert_allclose(found[1][ABOVE], f2[ABOVE], atol=1e-15)
+    for phi, by_grid in zip(found, (PHI1, PHI2), strict=True):
+        np.testing.assert_allclose(phi[ABOVE], by_grid[ABOVE], atol=1e-15)
 
 
 def test_1_23_above_both_peaks_the_join_is_the_maximum() -> None:
@@ -224,15 +245,37 @@ def test_1_36_and_1_37_the_supremum_is_an_infimum() -> None:
 
 
 def test_1_37_is_not_convex() -> None:
-    """J bends down on a stretch, and has a pole between two minima for a negative product."""
+    """J bends down on a stretch, and has a pole between two minima for a negative product.
+
+    The meet finds the lowest of its minima all the same; a grid of 1e-5 is within 1e-8.
+    """
     v = np.linspace(0.05, 1.0, 2001)
     assert (np.diff(J(v, 0.02), 2) < 0.0).any()
     assert (np.diff(J(v, 0.02), 2) > 0.0).any()
+    fine = np.linspace(0.02, 1.0, 100_001)
+    lowest = float(J(fine, 0.02).min())
+    assert float(MET(0.02)) == pytest.approx(np.exp(-0.5 * lowest), abs=1e-8)
+
+
+def minus_two_logarithms(theta: float) -> float:
+    """Return what eq. 1.42 has in its exponent, from the library's meet of the two Gaussians."""
+    return float(-2.0 * np.log(gaussian_meet([M1, M2], [S1, S2]).membership(theta)))
 
 
 def test_1_38_is_1_37_where_k_is_v() -> None:
+    """With k = v it is the exact meet, with k = m1 that of eq. 1.42; both by minima on a grid.
+
+    A step of 2e-5 is within its square times half the curvature, 1e-8, of a minimum.
+    """
     v = np.linspace(0.1, 1.0, 19)
     np.testing.assert_allclose([H(x, 0.3, x) for x in v], J(v, 0.3), rtol=1e-12, atol=1e-12)
+    fine = np.linspace(-0.5, 1.5, 100_001)
+    for theta in POSITIVE:
+        assert minus_two_logarithms(theta) == pytest.approx(H(fine, theta, M1).min(), abs=1e-7)
+        inside = np.linspace(theta, 1.0, 100_001)
+        assert float(-2.0 * np.log(MET(theta))) == pytest.approx(
+            min(H(x, theta, x) for x in inside[::50]), abs=1e-3
+        )
 
 
 def test_1_39_has_k_squared_in_it() -> None:
@@ -248,6 +291,10 @@ def test_1_39_has_k_squared_in_it() -> None:
         2.0 / S1**2 + 2.0 * M2**2 / S2**2,
     )
     np.testing.assert_allclose(second, corrected, rtol=1e-7)
+    # What a parabola is above its minimum says how it is bent; the minimum is the library's.
+    best = (0.3 * M2 * S1**2 + M1 * k**2 * S2**2) / (M2**2 * S1**2 + k**2 * S2**2)
+    above = H(best + np.array([-0.2, 0.1]), 0.3, k) - minus_two_logarithms(0.3)
+    np.testing.assert_allclose(2.0 * above / np.array([-0.2, 0.1]) ** 2, corrected, rtol=1e-12)
     assert corrected == pytest.approx(234.7, abs=0.05)
     assert printed == pytest.approx(212.5, abs=0.05)
 
@@ -262,6 +309,10 @@ def test_1_40_the_minimum_of_the_parabola(k: float) -> None:
         assert values[1] < values[2]
         # The slope there is 0: values on both sides are the same but for rounding.
         assert values[0] - values[2] == pytest.approx(0.0, abs=1e-9)
+        # The library takes the one for k = m1; another k has another minimum.
+        assert (values[1] == pytest.approx(minus_two_logarithms(theta), rel=1e-11, abs=1e-12)) == (
+            k == M1 or theta == pytest.approx(M1 * M2)
+        )
 
 
 def test_1_41_the_infimum_for_k_equal_to_the_mean() -> None:
@@ -277,6 +328,7 @@ def test_1_41_the_infimum_for_k_equal_to_the_mean() -> None:
                 general, rel=1e-12, abs=1e-12
             )
             as_1_41 = (theta - M1 * M2) ** 2 / (M2**2 * S1**2 + M1**2 * S2**2)
+            assert minus_two_logarithms(theta) == pytest.approx(as_1_41, rel=1e-11, abs=1e-12)
             assert (general == pytest.approx(as_1_41, rel=1e-9)) == (
                 k == M1 or theta == pytest.approx(M1 * M2)
             )
@@ -368,6 +420,14 @@ def test_1_54_and_1_55_the_objective_is_convex() -> None:
             + sum_objective(v - step, theta)
         ) / step**2
         np.testing.assert_allclose(second, 250.0, rtol=1e-6)
+        # What a parabola is above its minimum says how it is bent; the minimum is the library's.
+        total = GaussianNumber(P1, Q1, "product") + GaussianNumber(P2, Q2, "product")
+        best = (P1 * Q2**2 + (theta - P2) * Q1**2) / (Q1**2 + Q2**2)
+        away = np.array([-0.3, 0.2, 0.4])
+        lowest = -2.0 * np.log(float(total.membership(theta)))
+        np.testing.assert_allclose(
+            2.0 * (sum_objective(best + away, theta) - lowest) / away**2, 250.0, rtol=1e-11
+        )
     assert pytest.approx(250.0) == 2.0 * (1.0 / Q1**2 + 1.0 / Q2**2)
     assert pytest.approx(125.0) == 1.0 / Q1**2 + 1.0 / Q2**2
 
@@ -428,7 +488,30 @@ source = np.random.default_rng(5)
 GAMMA, DELTA = S * source.uniform(-1.0, 1.0, (1000, 4)), D * source.uniform(-1.0, 1.0, (1000, 4))
 AVERAGE = ((C + GAMMA) * (W0 + DELTA)).sum(axis=-1) / (W0 + DELTA).sum(axis=-1)
 R = DELTA.sum(axis=-1) / TOTAL  # relative change of the sum of the weights
-VALIDITY = D.sum() / TOTAL
+
+SIGNS = np.array(list(itertools.product((-1.0, 1.0), repeat=8)))
+CORNERS = S * SIGNS[:, :4], D * SIGNS[:, 4:]
+"""Slacks at the ends of all their intervals: where affine functions, and averages, are extreme."""
+
+
+def average(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:
+    return np.asarray(((C + gamma) * (W0 + delta)).sum(axis=-1) / (W0 + delta).sum(axis=-1))
+
+
+def ends(values: np.ndarray) -> np.ndarray:
+    return np.array([values.min(), values.max()])
+
+
+def reduced() -> ApproximateReduction[IntervalNumber]:
+    """Return what the library makes of the four intervals with interval weights."""
+    return approximate_generalized_centroid(IntervalNumber(C, S), IntervalNumber(W0, D))
+
+
+def exact() -> np.ndarray:
+    """Return the exact reduction by the library, which has no part in the approximation."""
+    return np.asarray(
+        generalized_centroid(IntervalNumber(C, S).interval(), IntervalNumber(W0, D).interval())
+    )
 
 
 def test_1_87_xi_is_divided_by_the_sum_of_the_weights() -> None:
@@ -454,11 +537,11 @@ def test_1_89_slack_variables_change_nothing() -> None:
         [SampledSet(width * slack, grades) for width in widths[:2]] for widths in (S, D)
     )
 
-    def average(g1: np.ndarray, g2: np.ndarray, d1: np.ndarray, d2: np.ndarray) -> np.ndarray:
+    def of_two(g1: np.ndarray, g2: np.ndarray, d1: np.ndarray, d2: np.ndarray) -> np.ndarray:
         first, second = W0[0] + d1, W0[1] + d2
         return (first * (C[0] + g1) + second * (C[1] + g2)) / (first + second)
 
-    by_slacks = extend(average, *gammas, *deltas, t_norm="product")
+    by_slacks = extend(of_two, *gammas, *deltas, t_norm="product")
     Z = [SampledSet(c + s * slack, grades) for c, s in zip(C[:2], S[:2], strict=True)]
     W = [SampledSet(h + d * slack, grades) for h, d in zip(W0[:2], D[:2], strict=True)]
     found = exhaustive_generalized_centroid(Z, W, "product").set
@@ -466,81 +549,118 @@ def test_1_89_slack_variables_change_nothing() -> None:
     np.testing.assert_allclose(found.grades, by_slacks.grades, atol=1e-15)
 
 
-def test_1_90_the_average_expanded() -> None:
-    """Errata: the sum of w is the denominator on the left, where the sum of z is printed."""
-    parts = (
+def expanded_parts(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:
+    """Return the numerator of eq. 1.90."""
+    return np.asarray(
         (W0 * C).sum()
-        + (W0 * GAMMA).sum(axis=-1)
-        + (DELTA * C).sum(axis=-1)
-        + (DELTA * GAMMA).sum(axis=-1)
+        + (W0 * gamma).sum(axis=-1)
+        + (delta * C).sum(axis=-1)
+        + (delta * gamma).sum(axis=-1)
     )
-    expanded = parts / (TOTAL + DELTA.sum(axis=-1))
+
+
+def test_1_90_the_average_expanded() -> None:
+    """Errata: the sum of w is the denominator on the left, where the sum of z is printed.
+
+    Its least and greatest value at the corners are the exact reduction.
+    """
+    expanded = expanded_parts(GAMMA, DELTA) / (TOTAL + DELTA.sum(axis=-1))
     np.testing.assert_allclose(expanded, AVERAGE, rtol=1e-14)
     printed = ((C + GAMMA) * (W0 + DELTA)).sum(axis=-1) / (C + GAMMA).sum(axis=-1)
     assert (np.abs(printed - expanded) > 1.0).all()
+    at_corners = expanded_parts(*CORNERS) / (TOTAL + CORNERS[1].sum(axis=-1))
+    np.testing.assert_allclose(ends(at_corners), exact(), rtol=1e-13)
 
 
 def test_1_91_the_reciprocal_to_first_order() -> None:
-    """1/(1 + r) - (1 - r) = r²/(1 + r)."""
-    exact, first_order = 1.0 / (TOTAL + DELTA.sum(axis=-1)), (1.0 - R) / TOTAL
-    np.testing.assert_allclose(1.0 / (TOTAL * (1.0 + R)), exact, rtol=1e-14)
-    np.testing.assert_allclose(exact - first_order, R**2 / (1.0 + R) / TOTAL, atol=1e-15)
+    """1/(1 + r) - (1 - r) = r²/(1 + r).
+
+    With crisp points it is all that is approximated: the average differs from the center by what
+    the approximation says over 1 + r, at the corner where that is extreme.
+    """
+    exactly, first_order = 1.0 / (TOTAL + DELTA.sum(axis=-1)), (1.0 - R) / TOTAL
+    np.testing.assert_allclose(1.0 / (TOTAL * (1.0 + R)), exactly, rtol=1e-14)
+    np.testing.assert_allclose(exactly - first_order, R**2 / (1.0 + R) / TOTAL, atol=1e-15)
+    found = approximate_generalized_centroid(C, IntervalNumber(W0, D)).value.interval()
+    for end, sign in zip(found, (-1.0, 1.0), strict=True):
+        delta = sign * D * np.sign(C - XI)
+        assert (float(average(np.zeros(4), delta)) - XI) * (
+            1.0 + delta.sum() / TOTAL
+        ) == pytest.approx(end - XI, rel=1e-12)
 
 
-def by_1_92() -> np.ndarray:
-    parts = (
-        (W0 * C).sum()
-        + (W0 * GAMMA).sum(axis=-1)
-        + (DELTA * C).sum(axis=-1)
-        + (DELTA * GAMMA).sum(axis=-1)
+def by_1_92(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:
+    return np.asarray(expanded_parts(gamma, delta) / TOTAL * (1.0 - delta.sum(axis=-1) / TOTAL))
+
+
+def by_1_93(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:
+    c, slack, r = (
+        (W0 * C).sum() / TOTAL,
+        (W0 * gamma).sum(axis=-1) / TOTAL,
+        delta.sum(axis=-1) / TOTAL,
     )
-    return np.asarray(parts / TOTAL * (1.0 - R))
-
-
-def by_1_93() -> np.ndarray:
-    c, gamma = (W0 * C).sum() / TOTAL, (W0 * GAMMA).sum(axis=-1) / TOTAL
     return np.asarray(
         c
-        - R * c
-        + gamma
-        - R * gamma
-        + (DELTA * C).sum(axis=-1) / TOTAL
-        + (DELTA * GAMMA).sum(axis=-1) / TOTAL
+        - r * c
+        + slack
+        - r * slack
+        + (delta * C).sum(axis=-1) / TOTAL
+        + (delta * gamma).sum(axis=-1) / TOTAL
     )
 
 
 def test_1_92_the_average_to_first_order() -> None:
-    """What it leaves out is the average times r²."""
-    np.testing.assert_allclose(AVERAGE - by_1_92(), AVERAGE * R**2, atol=1e-14)
+    """What it leaves out is the average times r².
+
+    So its ends at the corners are those of the exact reduction but for the validity squared.
+    """
+    np.testing.assert_allclose(AVERAGE - by_1_92(GAMMA, DELTA), AVERAGE * R**2, atol=1e-14)
+    away = np.abs(ends(by_1_92(*CORNERS)) - exact())
+    validity = float(reduced().validity)
+    assert (away <= validity**2 * (C + S).max()).all()
+    assert (away > 0.0).all()
 
 
 def test_1_93_leaves_out_two_terms_of_the_second_order() -> None:
     left_out = -R * ((DELTA * C).sum(axis=-1) + (DELTA * GAMMA).sum(axis=-1)) / TOTAL
-    np.testing.assert_allclose(by_1_92() - by_1_93(), left_out, atol=1e-14)
-    assert np.abs(left_out).max() <= VALIDITY**2 * (C + S).max()
+    np.testing.assert_allclose(by_1_92(GAMMA, DELTA) - by_1_93(GAMMA, DELTA), left_out, atol=1e-14)
+    at_corners = np.abs(by_1_92(*CORNERS) - by_1_93(*CORNERS))
+    validity = float(reduced().validity)
+    assert np.abs(left_out).max() <= at_corners.max() <= validity**2 * (C + S).max()
 
 
-def by_1_94() -> np.ndarray:
-    gamma = (W0 * GAMMA).sum(axis=-1) / TOTAL
+def by_1_94(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:
+    slack, r = (W0 * gamma).sum(axis=-1) / TOTAL, delta.sum(axis=-1) / TOTAL
     return np.asarray(
         XI
-        - XI * R
-        + (DELTA * C).sum(axis=-1) / TOTAL
-        + gamma
-        - R * gamma
-        + (DELTA * GAMMA).sum(axis=-1) / TOTAL
+        - XI * r
+        + (delta * C).sum(axis=-1) / TOTAL
+        + slack
+        - r * slack
+        + (delta * gamma).sum(axis=-1) / TOTAL
     )
 
 
 def test_1_94_is_1_93_with_xi() -> None:
-    np.testing.assert_allclose(by_1_94(), by_1_93(), atol=1e-14)
+    """Without any slack it is the center that the library has."""
+    np.testing.assert_allclose(by_1_94(GAMMA, DELTA), by_1_93(GAMMA, DELTA), atol=1e-14)
+    assert float(by_1_94(np.zeros(4), np.zeros(4))) == pytest.approx(
+        float(reduced().value.center), rel=1e-14
+    )
 
 
 def test_1_95_is_bounded_by_the_sum_of_the_half_widths() -> None:
-    """Errata: |sum of delta| is printed, which can vanish while the left side does not."""
+    """Errata: |sum of delta| is printed, which can vanish while the left side does not.
+
+    At the corners the left side is greatest: the bound by the library's validity holds there, and
+    no bound of half its size does.
+    """
     left = np.abs((DELTA * GAMMA).sum(axis=-1)) / TOTAL
     assert (left <= S.max() * np.abs(DELTA).sum(axis=-1) / TOTAL + 1e-16).all()
-    assert (left <= S.max() * VALIDITY).all()
+    bound = S.max() * float(reduced().validity)
+    at_corners = np.abs((CORNERS[1] * CORNERS[0]).sum(axis=-1)) / TOTAL
+    assert left.max() <= at_corners.max() <= bound
+    assert at_corners.max() > 0.5 * bound
     assert (left > S.max() * np.abs(R)).any()
     delta, gamma, h = np.array([0.1, -0.1]), np.array([0.3, -0.3]), np.array([1.0, 1.0])
     assert abs((delta * gamma).sum()) / h.sum() == pytest.approx(0.03)
@@ -548,7 +668,12 @@ def test_1_95_is_bounded_by_the_sum_of_the_half_widths() -> None:
 
 
 def test_1_96_the_average_slack_of_the_points() -> None:
+    """It is all that is left where the weights are crisp: half the width of the reduction."""
     assert (np.abs((W0 * GAMMA).sum(axis=-1)) / TOTAL <= S.max()).all()
+    at_corners = np.abs((W0 * CORNERS[0]).sum(axis=-1)) / TOTAL
+    found = approximate_generalized_centroid(IntervalNumber(C, S), IntervalNumber(W0, 0.0)).value
+    assert float(found.spread) == pytest.approx(at_corners.max(), rel=1e-14)
+    assert float(found.spread) <= S.max()
 
 
 def test_1_97_both_terms_left_out_are_bounded() -> None:
@@ -558,8 +683,11 @@ def test_1_97_both_terms_left_out_are_bounded() -> None:
         np.abs(R * (W0 * GAMMA).sum(axis=-1) / TOTAL) + np.abs((DELTA * GAMMA).sum(axis=-1)) / TOTAL
     )
     assert (left <= apart + 1e-16).all()
-    assert (apart <= 2.0 * S.max() * VALIDITY).all()
+    bound = 2.0 * S.max() * float(reduced().validity)
+    assert (apart <= bound).all()
     assert (left > 2.0 * S.max() * np.abs(R)).any()
+    away = np.abs(by_1_94(*CORNERS) - by_1_98(*CORNERS))
+    assert 0.0 < left.max() <= away.max() <= bound
 
 
 def by_1_98(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:
@@ -569,30 +697,29 @@ def by_1_98(gamma: np.ndarray, delta: np.ndarray) -> np.ndarray:
 def test_1_98_the_affine_approximation() -> None:
     """It is eq. 1.94 without its last two terms.
 
-    A tenth of the uncertainty of the weights leaves a tenth of the error (their product).
+    Its ends over all corners are what the library returns. A tenth of the uncertainty of the
+    weights leaves a tenth of the error (their product).
     """
-    gamma = (W0 * GAMMA).sum(axis=-1) / TOTAL
+    found = reduced()
+    np.testing.assert_allclose(found.value.interval(), ends(by_1_98(*CORNERS)), rtol=1e-14)
+    validity = float(found.validity)
+    bound = 2.0 * S.max() * validity + 2.0 * validity**2 * (C + S).max()
+    assert (np.abs(found.value.interval() - exact()) <= bound).all()
+    slack = (W0 * GAMMA).sum(axis=-1) / TOTAL
     np.testing.assert_allclose(
         by_1_98(GAMMA, DELTA),
-        by_1_94() + R * gamma - (DELTA * GAMMA).sum(axis=-1) / TOTAL,
+        by_1_94(GAMMA, DELTA) + R * slack - (DELTA * GAMMA).sum(axis=-1) / TOTAL,
         atol=1e-14,
     )
-    assert (
-        np.abs(by_1_98(GAMMA, DELTA) - AVERAGE).max()
-        <= 2.0 * S.max() * VALIDITY + 2.0 * VALIDITY**2 * (C + S).max()
-    )
-    tenth = ((C + GAMMA) * (W0 + 0.1 * DELTA)).sum(axis=-1) / (W0 + 0.1 * DELTA).sum(axis=-1)
+    assert np.abs(by_1_98(GAMMA, DELTA) - AVERAGE).max() <= bound
     errors = (
         np.abs(by_1_98(GAMMA, DELTA) - AVERAGE).max(),
-        np.abs(by_1_98(GAMMA, 0.1 * DELTA) - tenth).max(),
+        np.abs(by_1_98(GAMMA, 0.1 * DELTA) - average(GAMMA, 0.1 * DELTA)).max(),
     )
     assert 9.0 < errors[0] / errors[1] < 11.0
     # With crisp points both terms vanish, and the error is of the second order.
     crisp = [
-        np.abs(
-            by_1_98(0.0 * GAMMA, share * DELTA)
-            - (C * (W0 + share * DELTA)).sum(axis=-1) / (W0 + share * DELTA).sum(axis=-1)
-        ).max()
+        np.abs(by_1_98(0.0 * GAMMA, share * DELTA) - average(0.0 * GAMMA, share * DELTA)).max()
         for share in (1.0, 0.1)
     ]
     assert 90.0 < crisp[0] / crisp[1] < 110.0

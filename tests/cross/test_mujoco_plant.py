@@ -54,6 +54,7 @@ def difference(
     return float(np.abs(theirs.heights - ours.heights).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CONTROLLERS)
 def test_every_controller_runs_unchanged_and_tracks_alike(name: str) -> None:
     """With one step of 2 ms to 1e-7 m, where the path is 40 mm wide and servo errors are 10 mm.
@@ -146,6 +147,7 @@ def test_dry_friction_holds_but_for_a_creep() -> None:
     np.testing.assert_allclose(speeds[1] / speeds[2], 4.0, rtol=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
 def test_other_robots(name: str) -> None:
     """Computed torque from 5 mm (or mrad) beside the path.

@@ -133,6 +133,7 @@ def grid_and_shapes(
     return grid, np.array([[triangle(grid, *low), triangle(grid, *high)] for low, high in corners])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fuzzifier", ["singleton", "noise within bounds"])
 @pytest.mark.parametrize(
     ("reduction", "conorm"), [*(("centroid", name) for name in CONORMS), ("center_of_sums", "max")]
@@ -220,6 +221,7 @@ def by_alpha_planes(
     return np.array(cuts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("reduction", ["centroid", "center_of_sums"])
 @settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), norm=st.sampled_from(["product", "min"]))
@@ -331,6 +333,7 @@ def test_zslices_as_consequents_are_joined_on_one_grid(
         assert cuts[1][1] <= cuts[0][1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("norm", ["product", "min"])
 def test_general_terms_and_fuzzy_inputs_plane_by_plane(norm: str) -> None:
     """Terms and noise of Gaussian slices, suprema on grids that close in on the best point.

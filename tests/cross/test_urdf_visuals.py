@@ -154,6 +154,7 @@ def test_the_machine_has_a_threefold_axis(model: pin.Model, visuals: pin.Geometr
     np.testing.assert_allclose(description(2.0 * np.pi / 3.0), description(0.0), atol=2e-4)
 
 
+@pytest.mark.slow
 def test_each_arm_slides_through_its_ball_and_sticks_out(
     model: pin.Model, visuals: pin.GeometryModel
 ) -> None:
@@ -182,6 +183,7 @@ def test_each_arm_slides_through_its_ball_and_sticks_out(
             assert abs(in_arm[2]) + ball.geometry.radius < arm.geometry.halfLength
 
 
+@pytest.mark.slow
 def test_arms_and_columns_stay_clear_of_each_other(
     model: pin.Model, visuals: pin.GeometryModel
 ) -> None:

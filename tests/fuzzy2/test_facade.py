@@ -81,6 +81,7 @@ def test_unknown_name_is_an_attribute_error() -> None:
         _ = fuzzy2.crisp_logic
 
 
+@pytest.mark.slow
 def test_the_cache_may_be_where_nothing_can_be_written() -> None:
     assert (
         run(COMPUTE, NUMBA_CACHE_DIR=UNWRITABLE, HOME=UNWRITABLE, XDG_CACHE_HOME=UNWRITABLE)
@@ -88,6 +89,7 @@ def test_the_cache_may_be_where_nothing_can_be_written() -> None:
     )
 
 
+@pytest.mark.slow
 def test_nothing_at_all_need_be_writable(tmp_path: Path) -> None:
     """The kernels are compiled anew then.
 

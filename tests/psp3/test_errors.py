@@ -232,6 +232,19 @@ def test_every_error_about_an_argument_has_an_example_here() -> None:
     )
 
 
+def test_a_warning_carries_its_values_and_the_remedy() -> None:
+    """Correlation 0.8 falls to a tenth within 11 samples, and 0.01 is less than that at once."""
+    warning = errors.CorrelatedResiduals("a1", 0.8, 7.25, 90, 10.0)
+    assert isinstance(warning, UserWarning)
+    assert (warning.joint, warning.correlation, warning.deviation) == ("a1", 0.8, 7.25)
+    assert (warning.samples, warning.effective, warning.step) == (90, 10.0, 11)
+    for word in ("'a1'", "0.80", "7.2", "90 samples", "10 independent", "every 11th sample"):
+        assert word in str(warning)
+    assert str(pickle.loads(pickle.dumps(warning))) == str(warning)
+    for correlation in (0.01, 1.0, -0.5):
+        assert errors.CorrelatedResiduals("a1", correlation, 3.0, 90, 90.0).step == 2
+
+
 def test_errors_about_files_are_caught_by_their_base() -> None:
     about_files = [error for error, _, _ in EXAMPLES if type(error).__name__.endswith("File")]
     assert len(about_files) == 6

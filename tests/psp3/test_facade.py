@@ -42,6 +42,7 @@ def test_importing_psp3_loads_nothing_heavy() -> None:
     )
 
 
+@pytest.mark.slow
 def test_loading_the_robot_draws_nothing_and_plots_nothing() -> None:
     """The compiled closed form needs numba (which looks for scipy).
 
@@ -67,6 +68,7 @@ def test_unknown_name_is_an_attribute_error() -> None:
         _ = psp3.delta_robot
 
 
+@pytest.mark.slow
 def test_psp3_works_from_any_directory_without_a_warning(tmp_path: Path) -> None:
     """Robot files are found from the code's place.
 

@@ -214,6 +214,7 @@ def assert_comes_back(system: Any, open_toolbox: bool = False, rtol: float = 0.0
         assert format_fis(read, open_toolbox=open_toolbox) == text
 
 
+@pytest.mark.slow
 @given(
     st.one_of(
         systems(Type1System, shapes, "numbers"),
@@ -227,6 +228,7 @@ def test_type_1_systems_come_back_the_same(system: Any) -> None:
     assert_comes_back(system)
 
 
+@pytest.mark.slow
 @given(
     st.one_of(
         systems(IntervalType2System, scaled, consequents)

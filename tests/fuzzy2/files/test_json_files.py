@@ -245,6 +245,7 @@ def systems(draw: st.DrawFn) -> Any:
     return kind(inputs, rules, consequents, **options, input_names=[f"größe {i}" for i in range(p)])
 
 
+@pytest.mark.slow
 @given(systems())
 @settings(max_examples=examples(100, of=2))
 def test_systems_come_back_bit_for_bit(system: Any) -> None:

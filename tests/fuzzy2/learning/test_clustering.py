@@ -76,6 +76,7 @@ def test_the_objective_never_rises_and_is_at_a_minimum(
             assert abs(rise / (2.0 * step)) < 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("power", [1.3, 2.0, 3.0])
 def test_no_other_centers_are_better_on_small_data(power: float) -> None:
     """Brute force: two centers at any two points of a fine grid.
@@ -105,6 +106,7 @@ def test_no_other_centers_are_better_on_small_data(power: float) -> None:
     assert found.objectives[-1] <= min(pairs)[0]
 
 
+@pytest.mark.slow
 def test_a_fuzzifier_near_1_is_k_means() -> None:
     """The clouds are 15 of their widths apart, so memberships are crisp to the last digit.
 

@@ -169,6 +169,37 @@ def test_average_completion_weighs_with_inverse_squares_of_distance() -> None:
     assert cells[0, 1] == 11.0
 
 
+@pytest.mark.parametrize("completion", ["nearest", "average"])
+def test_distances_between_cells_are_shares_of_the_ranges(completion: str) -> None:
+    """Two terms of one input and five of the other, so that steps of the grid are unlike shares.
+
+    Of cell (0, 3) the rule at (0, 0) is three steps off but 0.75 of a range, that at (1, 4) 1.4
+    steps but 1.03 of a range. Distances here are those of the terms' means.
+    """
+    samples, values = np.array([[0.0, -2.0], [5.0, 10.0]]), np.array([10.0, 20.0])
+    model = WangMendel(n_terms=[2, 5], learner="strict", completion=completion, kind="t1").fit(
+        samples, values
+    )
+    means = [np.array([term.mean for term in terms]) for terms in model.system_.inputs]
+    shares = np.stack(
+        [
+            (means[i][model.system_.rules[:, i]] - samples[0, i]) / np.ptp(samples[:, i])
+            for i in range(2)
+        ],
+        axis=1,
+    )
+    squares = ((shares[:, np.newaxis] - np.array([[0.0, 0.0], [1.0, 1.0]])) ** 2).sum(axis=-1)
+    if completion == "nearest":
+        expected = values[squares.argmin(axis=1)]
+        tied = np.isclose(*squares.T)
+        expected[tied] = values[0]  # equally near and equally strong: the first one
+        assert as_dictionary(model.system_.rules, model.system_.consequents[:, 0])[0, 3] == 10.0
+    else:
+        weights = 1.0 / np.maximum(squares, 1e-300)  # its own rule is all that counts in a cell
+        expected = weights @ values / weights.sum(axis=1)
+    np.testing.assert_allclose(model.system_.consequents[:, 0], expected, rtol=1e-13)
+
+
 def test_completion_with_output_terms() -> None:
     values = np.array([10.0, 11.0, 12.0, 13.0, 14.0])
     nearest = WangMendel(n_terms=3, learner="strict", output_terms=5).fit(L_SHAPE, values)
@@ -233,3 +264,15 @@ def test_blocks_of_samples_change_nothing(monkeypatch: pytest.MonkeyPatch) -> No
             after.system_.consequents, before.system_.consequents, rtol=0.0, atol=1e-12
         )
         np.testing.assert_array_equal(after.best_firing_, before.best_firing_)
+
+
+def test_the_first_of_equally_strong_samples_stays_across_blocks(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The same two inputs four times over, with other outputs, one sample in a block."""
+    X = np.tile([[0.0], [1.0]], (4, 1))
+    y = np.arange(8.0)
+    monkeypatch.setattr("fuzzy2.learning.consequents._BLOCK", 1)
+    model = WangMendel(n_terms=2, learner="strongest", kind="t1").fit(X, y)
+    np.testing.assert_array_equal(model.rule_samples_[:, 0], [0, 1])
+    np.testing.assert_array_equal(model.system_.consequents[:, 0], [0.0, 1.0])

@@ -18,6 +18,7 @@ from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 from tests.fuzzy2.learning.tunable import samples, systems
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["t1", "it2"])
 @pytest.mark.parametrize("output_terms", [None, 5])
 def test_tuning_lowers_the_error_of_a_learned_system(kind: str, output_terms: int | None) -> None:
@@ -42,6 +43,7 @@ def test_tuning_lowers_the_error_of_a_learned_system(kind: str, output_terms: in
     assert tuning.validation_errors[tuning.best_epoch] == tuning.validation_errors.min()
 
 
+@pytest.mark.slow
 def test_tuning_finds_back_a_system_from_nearby() -> None:
     """Samples without noise of a system, tuned from one with everything shifted.
 

@@ -279,6 +279,7 @@ NOT_APPLICABLE = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "options",
     [
@@ -328,6 +329,7 @@ def test_score_is_that_of_scikit_learn() -> None:
     )
 
 
+@pytest.mark.slow
 def test_nothing_is_imported_from_scikit_learn() -> None:
     """In its own process: learning, predicting and asking too early do not load scikit-learn."""
     script = (

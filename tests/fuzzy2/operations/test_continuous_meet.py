@@ -41,6 +41,7 @@ def dense_meet(f: Type1Set, g: Type1Set, name: str, grades: str, theta: Array) -
     return expected
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grades", ["min", "product"])
 @given(f=convex_functions(normal=False), g=convex_functions(normal=False))
 @settings(max_examples=100, deadline=None)
@@ -109,6 +110,7 @@ def test_product_meet_at_zero_and_outside_the_unit_interval() -> None:
     assert beyond(1.0) == pytest.approx(math.exp(-2.0), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("grades", ["min", "product"])
 @pytest.mark.parametrize("name", ["product", "lukasiewicz", "hamacher", "einstein"])
 def test_meets_and_joins_by_other_norms_against_a_grid(name: str, grades: str) -> None:

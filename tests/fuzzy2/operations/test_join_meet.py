@@ -195,6 +195,7 @@ def test_de_morgan_for_the_minimum_and_for_dual_pairs(
             np.testing.assert_array_equal(left.grades, right.grades)
 
 
+@pytest.mark.slow
 @given(first=unimodal_sets(), second=unimodal_sets(), third=unimodal_sets())
 @settings(max_examples=300, deadline=None)
 def test_absorption_and_the_rest_of_a_lattice_for_convex_normal_sets_under_the_minimum(
@@ -298,6 +299,7 @@ def test_theorem_1_1_agrees_with_all_pairs_and_with_the_general_formula(
         np.testing.assert_allclose(found(THETA), expected, rtol=0.0, atol=1e-14)
 
 
+@pytest.mark.slow
 @BOTH
 @GRADE_NORMS
 @given(sets=st.lists(convex_functions(normal=False), min_size=2, max_size=4))

@@ -48,6 +48,7 @@ RESULTS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", RESULTS)
 def test_results_are_sets_like_any_other(name: str) -> None:
     """Height, maxima, support, cuts and centroid against 20001 samples of the membership.

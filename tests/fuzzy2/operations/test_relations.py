@@ -5,6 +5,7 @@ Products and compositions against loops, and against each other where they must 
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -137,6 +138,51 @@ def test_extended_composition_of_discrete_secondaries_is_enumerated(
     np.testing.assert_allclose(
         found.grades, [expected[point] for point in sorted(expected)], atol=1e-15
     )
+
+
+def random_secondaries(rng: np.random.Generator, shape: tuple[int, int]) -> NDArray[Any]:
+    """Return a relation of normal discrete secondaries of two or three memberships."""
+    result = np.empty(shape, dtype=object)
+    for index in np.ndindex(shape):
+        size = int(rng.integers(2, 4))
+        grades = rng.integers(1, 9, size) / 8.0
+        grades[rng.integers(size)] = 1.0
+        result[index] = SampledSet(np.sort(rng.choice(9, size, replace=False)) / 8.0, grades)
+    return result
+
+
+@pytest.mark.parametrize(("name", "grades"), [("min", "min"), ("product", "product")])
+@pytest.mark.parametrize("seed", range(3))
+def test_extended_composition_is_that_of_all_embedded_relations(
+    seed: int, name: str, grades: str
+) -> None:
+    """Eq. 1.62b: one primary membership chosen for every entry of both relations, in all ways.
+
+    Each choice makes two type-1 relations, which are composed by loops and count with the grades of
+    all entries, combined; those that take no part have a grade of 1 in some choice, since
+    secondaries are normal. At the memberships that come out the best choice counts.
+    """
+    rng = np.random.default_rng(seed)
+    R, S = random_secondaries(rng, (1, 3)), random_secondaries(rng, (3, 2))
+    found = compose(R, S, t_norm=name, grade_t_norm=grades)
+    entries = [*R.ravel(), *S.ravel()]
+    member, combine = t_norm(name), t_norm(grades)
+    expected: list[dict[float, float]] = [{}, {}]
+    for choice in itertools.product(*(range(len(entry.points)) for entry in entries)):
+        picked = [float(entry.points[k]) for entry, k in zip(entries, choice, strict=True)]
+        grade = 1.0
+        for entry, k in zip(entries, choice, strict=True):
+            grade = float(combine(grade, entry.grades[k]))
+        for w in range(2):
+            value = max(float(member(picked[v], picked[3 + 2 * v + w])) for v in range(3))
+            expected[w][value] = max(expected[w].get(value, 0.0), grade)
+    for w in range(2):
+        points = sorted(expected[w])
+        assert isinstance(found[0, w], SampledSet)
+        np.testing.assert_allclose(found[0, w].points, points, rtol=0.0, atol=1e-15)
+        np.testing.assert_allclose(
+            found[0, w].grades, [expected[w][point] for point in points], rtol=0.0, atol=1e-15
+        )
 
 
 def test_general_composition_with_functional_secondaries_and_a_set() -> None:

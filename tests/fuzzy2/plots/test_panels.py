@@ -77,6 +77,7 @@ def test_figures_in_space_need_three_dimensional_axes(name: str) -> None:
         IN_SPACE[name](figure.add_subplot())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*FIGURES, *IN_SPACE])
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(name: str, theme: str) -> None:

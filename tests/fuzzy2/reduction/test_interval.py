@@ -69,6 +69,7 @@ def random_case(rng: np.random.Generator) -> tuple[Array, Array]:
     return z, w
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS)
 def test_every_method_agrees_with_enumeration(method: str) -> None:
     """3000 cases; 1e-12 of the largest point is the project's bar, 1e-15 is what is reached."""

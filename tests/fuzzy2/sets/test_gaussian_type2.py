@@ -31,6 +31,7 @@ def test_gaussian_slices_by_formula(x: float, u: float, sigma: float) -> None:
     principal = math.exp(-((x - 0.5) ** 2) / 8.0)
     expected = math.exp(-((u - principal) ** 2) / (2.0 * sigma**2))
     assert fuzzy_set.secondary_grade(x, u) == pytest.approx(expected, abs=1e-12)
+    assert float(fuzzy_set.secondary(x)(u)) == pytest.approx(expected, abs=1e-12)
     assert fuzzy_set.principal(x) == pytest.approx(principal, abs=1e-15)
     assert fuzzy_set.secondary_grade(x, -0.1) == fuzzy_set.secondary_grade(x, 1.1) == 0.0
 

@@ -222,6 +222,7 @@ def test_centroids_of_trapezoids_against_enumeration_on_a_fine_grid(
         )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(mean=st.tuples(st.floats(-5.0, 5.0), st.floats(0.0, 4.0)), sigma=st.floats(0.2, 3.0))
 def test_the_ends_of_the_centroid_are_centroids_of_embedded_sets_that_switch_there(

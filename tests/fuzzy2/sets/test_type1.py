@@ -206,6 +206,7 @@ def test_height_maxima_core_and_support_agree_with_the_membership(name: str) -> 
     assert fuzzy_set.is_convex()
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(fuzzy_set=parametric_sets(), share=st.floats(0.01, 0.99))
 def test_the_ends_of_a_cut_have_its_grade_and_what_is_outside_is_lower(

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.systems import IntervalType2System
+from fuzzy2.systems.embedded import embedded_averages
 from tests.fuzzy2.systems.by_hand import (
     GRID_RULES,
     uncertain,
@@ -25,3 +26,13 @@ def test_embedded_type_1_systems_fill_the_interval(consequents: Array, X: Array)
     assert (outputs >= interval[:, 0] - 1e-12).all()
     assert (outputs <= interval[:, 1] + 1e-12).all()
     np.testing.assert_allclose([outputs[:, 0].min(), outputs[:, 0].max()], interval[0], atol=1e-12)
+
+
+def test_a_single_rule_that_may_not_fire_has_both_ends_of_its_consequent() -> None:
+    """With no weight at all there is no average; with any weight it is an end."""
+    found = list(
+        embedded_averages(
+            np.array([[0.0, 0.5]]), np.array([[[1.0, 3.0]]]), 0, np.random.default_rng(0)
+        )
+    )
+    np.testing.assert_array_equal(found, [[1.0], [3.0]])

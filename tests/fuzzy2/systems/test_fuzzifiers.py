@@ -71,6 +71,7 @@ def on_a_grid(shape: Type1Set, term: Type1Set, x: float, name: str) -> float:
     return float(t_norm(name)(shape(points - x), term(points)).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*NORMS, "lukasiewicz"])
 @pytest.mark.parametrize("shape", SHAPES, ids=repr)
 def test_supremum_of_any_two_sets(shape: Type1Set, name: str) -> None:

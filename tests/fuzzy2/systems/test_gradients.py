@@ -264,6 +264,7 @@ def differences(system: FuzzySystem, x: Array, step: float) -> Array:
     return derivative(lambda t: outputs[round(t / step)], step).T
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", TERMS, ids=lambda kind: kind.__name__)
 @pytest.mark.parametrize("reduction", ["numbers", "linear", "height", "modified_height"])
 @settings(max_examples=examples(60, of=12))

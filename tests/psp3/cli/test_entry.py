@@ -132,6 +132,7 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
 # What is refused, and how
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -280,6 +281,7 @@ def wait_until_told(parent: Connection) -> None:
     parent.recv()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [

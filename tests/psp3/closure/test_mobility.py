@@ -128,6 +128,7 @@ def test_a_name_that_is_no_joint_is_refused(star: psp3.PSP3, name: str) -> None:
         mobility(star.model, star.constraint_models, ("a1", name), star.q0)
 
 
+@pytest.mark.slow
 def test_loops_that_cannot_be_closed_are_refused() -> None:
     parts = four_bar_closed_with_3d()
     parts.constraint_models[0].joint2_placement = pin.SE3(np.eye(3), np.array([9.0, 0.0, 0.0]))

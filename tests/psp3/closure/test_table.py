@@ -33,6 +33,7 @@ def tip_of(angles: Array) -> Array:
     return tip
 
 
+@pytest.mark.slow
 def test_every_pose_is_closed_in_the_assembly_mode_of_the_reference_or_refused() -> None:
     """2000 poses over the whole turn of both motors.
 

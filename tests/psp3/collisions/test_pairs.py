@@ -8,6 +8,7 @@ from __future__ import annotations
 from itertools import combinations
 from pathlib import Path
 
+import pinocchio as pin
 import pytest
 
 import psp3
@@ -81,6 +82,34 @@ def test_what_a_loop_joins(build: object, reason: str) -> None:
     pairs, exclusions = pairs_to_check(robot, ["base", "coupler", "end"], [0, 2, last])
     assert (0, 1) in pairs
     assert Exclusion("coupler", "end", reason) in exclusions
+
+
+def test_what_is_welded_in_any_order_is_one_body() -> None:
+    """The thirds of the star, with the second weld between the third and what was welded before."""
+    model, welds = ROBOT.model, ROBOT.constraint_models
+    ends = [
+        (
+            welds[0].joint2_id,
+            welds[0].joint2_placement,
+            welds[1].joint2_id,
+            welds[1].joint2_placement,
+        ),
+        (
+            welds[0].joint1_id,
+            welds[0].joint1_placement,
+            welds[0].joint2_id,
+            welds[0].joint2_placement,
+        ),
+    ]
+    other = pin.StdVec_RigidConstraintModel()
+    for end in ends:
+        other.append(
+            pin.RigidConstraintModel(
+                pin.ContactType.CONTACT_6D, model, *end, pin.ReferenceFrame.LOCAL
+            )
+        )
+    robot = psp3.ClosedLoopRobot(model, other, ROBOT.actuated, ROBOT.q0)
+    assert pairs_to_check(robot, LINKS, JOINTS)[0] == pairs_to_check(ROBOT, LINKS, JOINTS)[0]
 
 
 def test_a_link_has_no_pair_with_itself() -> None:

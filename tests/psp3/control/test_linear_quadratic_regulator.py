@@ -459,6 +459,24 @@ def test_leading_dimensions_are_kept(star: psp3.PSP3) -> None:
 INTEGRATOR = LinearSystem(np.array([[0.0, 1.0], [0.0, 0.0]]), np.array([[0.0], [1.0]]))
 SAMPLED = discretize(INTEGRATOR, 0.1)
 
+
+@pytest.mark.parametrize("period", [None, 0.1])
+def test_weights_that_are_symmetric_but_for_rounding_are_made_symmetric(
+    period: float | None,
+) -> None:
+    """By 1e-13 of their size, as a product of matrices may be: the gains are those without."""
+    system = INTEGRATOR if period is None else discretize(INTEGRATOR, period)
+    Q = np.array([[2.0, 0.5], [0.5, 1.0]])
+    uneven = Q + np.array([[0.0, 2e-13], [0.0, 0.0]])
+    assert_allclose(lqr(system, uneven, [[1.0]]).K, lqr(system, Q, [[1.0]]).K, rtol=1e-11)
+    assert_array_equal(
+        time_varying_lqr(
+            LinearSystem(np.eye(2)[np.newaxis], np.zeros((1, 2, 1)), 0.1), Q, [[1.0]], uneven
+        ).P[-1],
+        0.5 * (uneven + uneven.T),
+    )
+
+
 BAD_WEIGHTS = [
     (np.eye(3), np.eye(1), InvalidArray, "Q"),
     (np.eye(2), np.eye(2), InvalidArray, "R"),

@@ -356,6 +356,52 @@ def test_forces_at_the_fold_are_bounded() -> None:
     assert largest[0.0] > 20.0 * largest[0.15]
 
 
+def test_along_the_border_the_bend_of_the_border_counts() -> None:
+    """A fast motion along the border, below half of the threshold, with the goal outside.
+
+    There the law asks that the smallest singular value s of the tip's Jacobian, a pure number for
+    three screws and three coordinates, obey s'' = -2 w s' - w² (s - floor), w² = kp. s'' is taken
+    from s itself along the motion: differences in steps of 1 ms, with the closed form's Jacobian
+    and accelerations.
+    """
+    controller = TaskSpaceComputedTorque(
+        ROBOT, 100.0, 20.0, path=lambda _: point_motion(toward(0.3, REACH + 0.01))
+    )
+    azimuth, omega = 0.3, 10.0
+
+    def smallest(heights: Array) -> float:
+        return float(np.linalg.svd(ROBOT.tip_jacobian(heights), compute_uv=False)[-1])
+
+    outward = ROBOT.inverse_kinematics_tip(
+        toward(azimuth, float(ROBOT.tip_reach(azimuth)) * (1.0 - 2e-3))
+    )
+    inward = ROBOT.inverse_kinematics_tip(toward(azimuth, 0.8 * REACH))
+    goal, low, high = 0.4 * controller.threshold, outward, inward
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if smallest(middle) < goal else (low, middle)
+    heights = 0.5 * (low + high)
+    step = 1e-5
+    gradient = np.array(
+        [(smallest(heights + h) - smallest(heights - h)) / (2.0 * step) for h in step * np.eye(3)]
+    )
+    # Along the border and a little inward, so that it need not brake.
+    along = np.cross(gradient, [1.0, 1.0, 1.0])
+    speeds = 0.3 * along / np.linalg.norm(along) + 1e-3 * gradient / np.linalg.norm(gradient)
+    force = controller.torque(0.0, heights, speeds, NOWHERE)
+    accelerations = ROBOT.forward_dynamics(heights, speeds, force)
+    time = 1e-3
+    values = [
+        smallest(heights + t * speeds + 0.5 * t**2 * accelerations) for t in (-time, 0.0, time)
+    ]
+    rate, second = (values[2] - values[0]) / (2.0 * time), np.diff(values, 2)[0] / time**2
+    wanted = -2.0 * omega * rate - omega**2 * (values[1] - 0.25 * controller.threshold)
+    bend = np.diff([smallest(heights + t * speeds) for t in (-time, 0.0, time)], 2)[0] / time**2
+    assert rate > 0.0
+    assert abs(bend) > 0.5 * abs(wanted)
+    assert second == pytest.approx(wanted, abs=0.02 * abs(bend))
+
+
 @pytest.mark.parametrize("azimuth", np.radians([0.0, 25.0, 120.0, 200.0]))
 def test_beyond_the_fold_the_tip_stops_at_the_border_and_comes_back(azimuth: float) -> None:
     """A goal 5 mm out of reach: the tip comes to rest within 0.15 mm of the border.

@@ -120,8 +120,11 @@ def test_a_ball_joint_needs_a_unit_quaternion(tmp_path: Path) -> None:
     pose = "<group_state name='home' group='g'><joint name='ball' value='{}'/></group_state>"
     good = reference_poses(model, written(tmp_path / "good.srdf", pose.format("0.6 0 0 0.8")))
     assert_array_equal(good["home"], [0.6, 0.0, 0.0, 0.8])
-    with pytest.raises(InvalidRobotFile, match="no unit quaternion"):
-        reference_poses(model, written(tmp_path / "bad.srdf", pose.format("1 0 0 0.8")))
+    rounded = "0.60000001 0 0 0.8"
+    assert reference_poses(model, written(tmp_path / "good.srdf", pose.format(rounded)))
+    for bad in ("1 0 0 0.8", "0.6001 0 0 0.8"):
+        with pytest.raises(InvalidRobotFile, match="no unit quaternion"):
+            reference_poses(model, written(tmp_path / "bad.srdf", pose.format(bad)))
 
 
 def test_poses_name_the_joints_of_a_universal_joint(tmp_path: Path) -> None:

@@ -19,9 +19,10 @@ LINK = (
     "<mass value='2'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial>"
     "<visual><geometry><box size='1 2 3'/></geometry></visual></link>"
 )
+LIMIT = "<limit lower='-1' upper='1' effort='5' velocity='3'/>"
 JOINT = (
     "<joint name='j' type='revolute'><parent link='base'/><child link='arm'/><axis xyz='0 0 1'/>"
-    "<limit lower='-1' upper='1' effort='5' velocity='3'/></joint>"
+    f"{LIMIT}</joint>"
 )
 GOOD = f"<robot name='r'><link name='base'/>{LINK}{JOINT}</robot>"
 
@@ -71,10 +72,11 @@ def test_our_own_files_pass(path: Path) -> None:
         ("lower='-1'", "lower='2'", "its lower limit is above its upper one"),
         ("lower='-1'", "lower='nan'", "lower must be 1 finite number"),
         ("effort='5'", "", "<limit> lacks effort"),
+        (LIMIT, "", "a revolute joint needs a <limit>"),
         (
-            "<limit lower='-1' upper='1' effort='5' velocity='3'/>",
-            "",
-            "a revolute joint needs a <limit>",
+            f"{JOINT}</robot>",
+            f"{JOINT.replace('revolute', 'prismatic').replace(LIMIT, '')}</robot>",
+            "a prismatic joint needs a <limit>",
         ),
         ("<limit", "<mimic joint='k'/><limit", "follows another joint (<mimic>)"),
         (

@@ -205,12 +205,15 @@ def test_l_is_the_derivative_of_the_closed_configuration(case: Case) -> None:
 
 def test_rates_are_the_derivatives_along_the_motion(case: Case) -> None:
     """L_dot, K_dot and T_dot against L, K and T along q + v t."""
-    for name in ("L", "K", "T"):
-        function = getattr(case.noc, name)
+    noc = case.noc
+    for function, rate in ((noc.L, noc.L_dot), (noc.K, noc.K_dot), (noc.T, noc.T_dot)):
         expected = derivative(lambda t, function=function: function(case.q + t * case.v), 2e-3)
-        found = getattr(case.noc, f"{name}_dot")(case.q, case.v)
         assert_allclose(
-            found, expected, rtol=0, atol=1e-7 * max(1.0, np.abs(expected).max()), err_msg=name
+            rate(case.q, case.v),
+            expected,
+            rtol=0,
+            atol=1e-7 * max(1.0, np.abs(expected).max()),
+            err_msg=function.__name__,
         )
         assert np.abs(expected).max() > 1e-3
 
@@ -311,11 +314,17 @@ def test_m_total_holds_the_bodies_inertias_in_world_axes(case: Case) -> None:
 
 
 def test_twists_and_m_total_give_the_trees_kinetic_energy(case: Case) -> None:
-    """Half t' M_total t against Pinocchio's sum; 1e-13 relative."""
+    """Half t' M_total t against Pinocchio's sum; 1e-13 relative.
+
+    Twists from all joints' velocities, which need not close the loops, and from the motors' speeds.
+    """
     q, v = case.off[0], np.random.default_rng(5).normal(size=case.model.nv)
     twist = case.noc.K(q) @ v
     energy = pin.computeKineticEnergy(case.model, case.model.createData(), q, v)
     assert_allclose(0.5 * twist @ case.noc.M_total(q) @ twist, energy, rtol=1e-13)
+    q, twist = case.q[0], case.noc.T(case.q[0]) @ case.speeds[0]
+    energy = pin.computeKineticEnergy(case.model, case.model.createData(), q, case.v[0])
+    assert_allclose(0.5 * twist @ case.noc.M_total(q) @ twist, energy, rtol=1e-12)
 
 
 def test_weights_act_at_the_centers_of_mass(star: Case) -> None:
@@ -449,14 +458,83 @@ def test_rate_of_the_mass_matrix_minus_twice_c_is_skew(case: Case) -> None:
 
 
 def test_model_for_controllers_takes_positions_and_speeds(case: Case) -> None:
+    """At the configuration that it closes itself, whatever ``robot.configuration`` says."""
     found = case.noc.equation_of_motion(case.positions, case.speeds)
-    expected = (
-        case.noc.mass_matrix(case.q),
-        case.noc.coriolis_matrix(case.q, case.v),
-        case.noc.gravity(case.q),
-    )
+    q = case.noc.configuration(case.positions)
+    v = np.einsum("nij,nj->ni", case.noc.L(q), case.speeds)
+    expected = (case.noc.mass_matrix(q), case.noc.coriolis_matrix(q, v), case.noc.gravity(q))
     for one, other in zip(found, expected, strict=True):
         assert_allclose(one, other, rtol=0, atol=1e-13 * np.abs(other).max())
+
+
+class Astray(psp3.PSP3):
+    """The 3-PSP with a closed form that takes the second nut for 10 mm higher than it is.
+
+    Its configurations close the loops, so nothing is seen of it there.
+    """
+
+    def configuration(self, heights: Any, guess: Any = None) -> Array:
+        """Return that of other heights."""
+        return super().configuration(np.add(heights, [0.0, 0.010, 0.0]), guess)
+
+
+def test_a_wrong_closed_form_is_not_followed(star: Case) -> None:
+    """M, C and G stay those of the closed form that is right, to 1e-11 of the largest entry.
+
+    That is the bar of the three implementations at one state; with the wrong configurations M is
+    off by 1e-3 and more, which the last lines show.
+    """
+    robot = star.robot
+    astray = Astray(
+        robot.model,
+        robot.constraint_models,
+        robot.actuated,
+        robot.q0,
+        robot.visual_model,
+        robot.parameters,
+    )
+    noc = astray.dynamics("noc")
+    found = noc.equation_of_motion(star.positions, star.speeds)
+    for one, other in zip(
+        found, robot.equation_of_motion(star.positions, star.speeds), strict=True
+    ):
+        assert relative_error(one, other) < 1e-11
+    wrong = astray.configuration(star.positions)
+    assert np.abs(star.noc.constraint(wrong)).max() < 1e-13
+    assert relative_error(star.noc.mass_matrix(wrong), found[0]) > 1e-3
+
+
+def test_nothing_else_that_closes_loops_is_called(
+    star: Case, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Neither the closed form nor the compiled closure, nor any of their kernels."""
+    robot = psp3.load("psp3")
+    noc = robot.dynamics("noc")
+
+    def called(*arguments: Any, **more: Any) -> Any:
+        raise AssertionError("another implementation was called")
+
+    for name in (
+        "configuration",
+        "configurations_along",
+        "closure",
+        "_close",
+        "equation_of_motion",
+    ):
+        monkeypatch.setattr(robot, name, called)
+    monkeypatch.setattr(robot, "_kernels", None)
+    monkeypatch.setattr("psp3.robots.closed_loop_robot.close", called)
+    found = noc.equation_of_motion(star.positions, star.speeds)
+    assert_array_equal(found[0], star.noc.equation_of_motion(star.positions, star.speeds)[0])
+    forces = noc.actuator_forces(star.positions, star.speeds, np.zeros(3))
+    assert (
+        relative_error(
+            forces, star.robot.inverse_dynamics(star.positions, star.speeds, np.zeros(3))
+        )
+        < 1e-11
+    )
+    with pytest.raises(AssertionError, match="another implementation"):
+        robot.configuration(star.positions)
 
 
 # Shapes
@@ -534,10 +612,12 @@ def gimbal(robot: psp3.PSP3) -> Array:
     return q
 
 
-@pytest.mark.parametrize("method", ["L", "T"])
-def test_a_gimbal_configuration_is_refused(star: Case, method: str) -> None:
+@pytest.mark.parametrize(
+    "method", [psp3.NaturalOrthogonalComplement.L, psp3.NaturalOrthogonalComplement.T]
+)
+def test_a_gimbal_configuration_is_refused(star: Case, method: Any) -> None:
     with pytest.raises(SingularConfiguration, match="rank 11 of 12") as caught:
-        getattr(star.noc, method)(gimbal(star.robot))
+        method(star.noc, gimbal(star.robot))
     assert (caught.value.rank, caught.value.needed) == (11, 12)
     assert caught.value.condition > 1e9
 

@@ -69,6 +69,26 @@ def test_alarms_are_those_of_a_loop_online_and_afterwards(
     assert [monitor.update(PERIOD * k, value) for k, value in enumerate(signal)] == expected
 
 
+@pytest.mark.parametrize(
+    ("threshold", "hysteresis", "signal", "expected"),
+    [
+        # Without hysteresis the alarm is off at the threshold itself, before and after.
+        (1.0, 0.0, [1.0, 2.0, 1.0, 1.0], [False, True, False, False]),
+        # With it, off at the lower threshold itself, and on between the two.
+        (1.0, 0.25, [0.9, 2.0, 0.9, 0.75, 0.9], [False, True, True, False, False]),
+        # The lower threshold of a negative one is below it, too.
+        (-1.0, 0.25, [-1.1, 0.0, -1.1, -1.25, -1.1], [False, True, True, False, False]),
+    ],
+)
+def test_alarms_at_the_thresholds_themselves(
+    threshold: float, hysteresis: float, signal: list[float], expected: list[bool]
+) -> None:
+    """A time constant so short that the filtered signal is the signal to the last digit."""
+    monitor = Monitor(1.0, hysteresis, 1e-6).learn([([0.0], [threshold])])
+    assert monitor.watch(np.arange(len(signal)), signal).tolist() == expected
+    assert [monitor.update(k, value) for k, value in enumerate(signal)] == expected
+
+
 def test_an_alarm_does_not_flutter() -> None:
     """A signal that swings by 4 % about the threshold raises one alarm.
 

@@ -81,6 +81,7 @@ def test_it_tells_more_than_random_motions(base: BaseParameters, motion: Fourier
         assert information(base, shrunk, t).log_determinant < best
 
 
+@pytest.mark.slow
 def test_improving_helps_and_a_seed_repeats(base: BaseParameters) -> None:
     t = np.arange(14) * PERIOD / 14
 
@@ -134,6 +135,7 @@ def test_a_robot_at_rest_tells_next_to_nothing(base: BaseParameters) -> None:
     assert found.condition == np.inf
 
 
+@pytest.mark.slow
 def test_it_finds_its_way_where_most_of_the_range_is_unreachable() -> None:
     """The whole range of a five-bar's cranks, much of which does not close.
 

@@ -5,13 +5,14 @@ From noisy simulated measurements.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 import psp3
-from psp3.errors import InvalidArray, InvalidValue, PoorExcitation
+from psp3.errors import CorrelatedResiduals, InvalidArray, InvalidValue, PoorExcitation
 from psp3.identification.base_parameters import BaseParameters, base_parameters
 from psp3.identification.excitation import exciting_motion
 from psp3.identification.least_squares import Identified, _weighted_least_squares, identify
@@ -84,11 +85,14 @@ def repeated(base: BaseParameters, motion: FourierSeries) -> list[Identified]:
     """Both noises matter.
 
     Errors in position make a third to a half of the variances, forces of unlike quality the rest.
+    That one in a hundred warns of correlation by chance is tested below.
     """
-    return [
-        measured(base, motion, TIMES, 2e-4, np.array([0.03, 0.06, 0.12]), seed)
-        for seed in range(60)
-    ]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", CorrelatedResiduals)
+        return [
+            measured(base, motion, TIMES, 2e-4, np.array([0.03, 0.06, 0.12]), seed)
+            for seed in range(60)
+        ]
 
 
 def test_estimates_are_unbiased(base: BaseParameters, repeated: list[Identified]) -> None:
@@ -126,6 +130,24 @@ def test_noise_of_positions_is_in_the_standard_errors(
     of_forces = np.sqrt(np.diag(np.linalg.inv(weighted.T @ weighted)))
     spread = np.std([found.values for found in repeated], axis=0)
     assert (spread > 1.3 * of_forces).any()
+
+
+def test_a_share_of_the_samples_tells_how_positions_matter(
+    base: BaseParameters, motion: FourierSeries, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Of 400 samples every fourth stands for all: the standard errors are the same.
+
+    Nearly all of them is noise of the positions. The sums are means of smooth periodic functions,
+    but the last of the 100 points is a sample before the period's end, and not four: a weight of
+    1 % at one place, for which 2 % are allowed. Without the factor they would be a quarter.
+    """
+    times = np.arange(400) * PERIOD / 400
+    errors = []
+    for count in (400, 100):
+        monkeypatch.setattr("psp3.identification.least_squares.SENSITIVITY_SAMPLES", count)
+        found = measured(base, motion, times, 1e-3, np.full(3, 1e-4), 3)
+        errors.append(np.sqrt(np.diag(found.covariance)))
+    np.testing.assert_allclose(errors[1], errors[0], rtol=0.02)
 
 
 def test_intervals_hold_the_truth_as_often_as_they_say(
@@ -174,6 +196,68 @@ def test_least_squares_are_unbiased_and_cover_over_2000_seeds(
     assert (np.abs(np.mean(z, axis=0)) < 3.5 / np.sqrt(2000)).all()
     coverage = np.mean(np.abs(z) < 1.988, axis=0)  # Student, 85 degrees of freedom
     assert (np.abs(coverage - 0.95) < 0.02).all()
+
+
+def identified_with(
+    base: BaseParameters, motion: FourierSeries, correlation: float, count: int
+) -> tuple[list[Identified], list[CorrelatedResiduals]]:
+    """Many experiments with both noises, and the warnings: forces correlated from row to row."""
+    joints, rng = motion.joints(TIMES), np.random.default_rng(11)
+    exact = base.unknowns.robot.inverse_dynamics(*joints)
+    found = []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        for _ in range(count):
+            noise = rng.standard_normal(exact.shape)
+            for k in range(1, COUNT):
+                noise[k] *= np.sqrt(1.0 - correlation**2)
+                noise[k] += correlation * noise[k - 1]
+            forces = exact + np.array([0.3, 0.6, 1.2]) * noise
+            positions = joints[0] + 2e-4 * rng.standard_normal(exact.shape)
+            found.append(identify(base, TIMES, positions, forces, PERIOD, HARMONICS))
+    assert all(isinstance(warning.message, CorrelatedResiduals) for warning in caught)
+    return found, [warning.message for warning in caught]  # type: ignore[misc]
+
+
+def test_independent_noise_hardly_ever_warns(base: BaseParameters, motion: FourierSeries) -> None:
+    """1 % of 60: more than four come once in 3000 such tests."""
+    found, caught = identified_with(base, motion, 0.0, 60)
+    assert len(caught) <= 4
+    assert abs(np.mean([one.residual_correlation for one in found])) < 0.2
+
+
+def test_correlated_noise_always_warns(base: BaseParameters, motion: FourierSeries) -> None:
+    """Noise with a correlation of 0.8: 30 of 30, with the numbers and what to do."""
+    found, caught = identified_with(base, motion, 0.8, 30)
+    assert len(caught) == 30
+    warning = caught[0]
+    assert warning.joint in base.unknowns.robot.actuated
+    joint = base.unknowns.robot.actuated.index(warning.joint)
+    assert warning.correlation == found[0].residual_correlation[joint] > 0.4
+    assert warning.samples == COUNT
+    share = (1.0 - warning.correlation) / (1.0 + warning.correlation)
+    assert warning.effective == pytest.approx(COUNT * share)
+    assert warning.correlation**warning.step <= 0.1 < warning.correlation ** (warning.step - 1)
+    assert f"every {warning.step}th sample" in str(warning)
+
+
+def test_order_of_the_samples_does_not_matter(base: BaseParameters, motion: FourierSeries) -> None:
+    """Correlation is that of neighbors in time, wherever they stand in the table."""
+    rng = np.random.default_rng(12)
+    joints = motion.joints(TIMES)
+    forces = base.unknowns.robot.inverse_dynamics(*joints)
+    forces = forces + np.cumsum(rng.standard_normal(forces.shape), axis=0)
+    shuffled = rng.permutation(COUNT)
+    found = []
+    for rows in (np.arange(COUNT), shuffled):
+        with pytest.warns(CorrelatedResiduals) as caught:
+            found.append(
+                identify(base, TIMES[rows], joints[0][rows], forces[rows], PERIOD, HARMONICS)
+            )
+        assert len(caught) == 1
+    np.testing.assert_allclose(
+        found[0].residual_correlation, found[1].residual_correlation, atol=1e-9
+    )
 
 
 def test_weights_beat_equal_weights(base: BaseParameters, motion: FourierSeries) -> None:
@@ -257,7 +341,8 @@ def test_held_forces_belong_to_the_middle(base: BaseParameters, motion: FourierS
     t, held = TIMES, 0.02
     forces = base.unknowns.robot.inverse_dynamics(*motion.joints(t + 0.5 * held))
     right = identify(base, t, motion.joints(t)[0], forces, PERIOD, HARMONICS, held=held)
-    wrong = identify(base, t, motion.joints(t)[0], forces, PERIOD, HARMONICS)
+    with pytest.warns(CorrelatedResiduals):
+        wrong = identify(base, t, motion.joints(t)[0], forces, PERIOD, HARMONICS)
     np.testing.assert_allclose(right.values, base.believed, rtol=1e-9)
     assert np.abs(wrong.values / base.believed - 1.0).max() > 1e-3
 

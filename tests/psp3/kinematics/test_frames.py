@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
 
@@ -127,6 +128,21 @@ def test_shapes(shape: tuple[int, ...]) -> None:
     )
     point = point_motion(heights, np.ones(3))
     assert (point.placement.shape, point.velocity.shape) == ((*shape, 4, 4), (*shape, 6))
+
+
+def test_a_robot_of_a_single_degree_of_freedom() -> None:
+    """A crank of 0.5 m, for whose model Pinocchio returns Jacobians as vectors: r w and -r w²."""
+    model = pin.Model()
+    crank = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "crank")
+    place = pin.SE3(np.eye(3), np.array([0.5, 0.0, 0.0]))
+    model.addFrame(pin.Frame("tip", crank, 0, place, pin.FrameType.OP_FRAME))
+    robot = psp3.ClosedLoopRobot(model, [], ("crank",))
+    motion = frame_motion(robot, [0.7], [3.0], [2.0])
+    out, along = np.array([np.cos(0.7), np.sin(0.7), 0.0]), np.array([-np.sin(0.7), np.cos(0.7), 0])
+    assert_allclose(motion.placement[:3, 3], 0.5 * out, atol=1e-15)
+    assert_allclose(motion.velocity, [*(1.5 * along), 0.0, 0.0, 3.0], atol=1e-14)
+    assert_allclose(motion.acceleration, [*(1.0 * along - 4.5 * out), 0.0, 0.0, 2.0], atol=1e-14)
+    assert_allclose(robot.frame_jacobian([0.7], "tip")[:, 0], [*(0.5 * along), 0, 0, 1], atol=1e-14)
 
 
 def test_a_point_does_not_turn() -> None:

@@ -272,6 +272,22 @@ def test_arm_that_only_has_to_point_is_redundant_but_not_singular() -> None:
     assert analysis.measures([0.7, 0.3]).orientation == 0.0
 
 
+def test_arm_with_more_coordinates_than_motors_is_singular_only_where_a_motor_is_lost() -> None:
+    """Position and angle of the hand, with two motors: the rank cannot be three.
+
+    Both motors move the hand in every pose, since the angle is the sum of theirs and the elbow
+    moves the hand; with position alone the stretched arm is singular.
+    """
+    whole = SingularityAnalysis(arm(), "hand", ("x", "y", "rz"), length=0.4)
+    assert whole.classify([0.7, 0.3]).kinds == ()
+    assert whole.classify([0.7, 0.0]).kinds == ()
+    assert whole.classify([0.7, 0.3]).still.shape == (0, 2)
+    alone = SingularityAnalysis(arm(), "hand", ("x", "y"), length=0.4)
+    assert alone.classify([0.7, 0.0]).kinds == ("end_effector",)
+    one = SingularityAnalysis(arm(), "hand", ("rz",), length=0.4)
+    assert one.classify([0.7, 0.0]).kinds == ()
+
+
 # Singular poses that geometry knows
 
 

@@ -153,6 +153,34 @@ def test_it_goes_through_singularities_of_actuation(
     assert (height[-1] < 0.0).all()
 
 
+@pytest.mark.parametrize(("task", "order"), [(("x", "z", "rx"), "xzy"), (("y", "z", "ry"), "yzx")])
+def test_a_single_angle_is_the_last_turn_about_its_fixed_axis(
+    task: tuple[str, ...], order: str
+) -> None:
+    """So it is the first hinge from the base, and the other two follow.
+
+    The rotation away from the reference is the product of the three in that order, and in another
+    order it is another rotation by far.
+    """
+    star = psp3.load("psp3")
+    driven = TaskDrivenRobot(star, "tip", task)
+    q = star.configuration([0.06, -0.05, 0.02])
+    whole = driven.completed(q)
+    angle = {
+        axis: whole[driven.model.joints[driven.model.getJointId(f"task_r{axis}")].idx_q]
+        for axis in "xyz"
+    }
+    hinges = [pin.utils.rotate(axis, float(angle[axis])) for axis in order]
+    data = star.model.createData()
+    rotations = []
+    for configuration in (q, star.q0):
+        pin.framesForwardKinematics(star.model, data, configuration)
+        rotations.append(data.oMf[star.model.getFrameId("tip")].rotation.copy())
+    away = rotations[0] @ rotations[1].T
+    assert_allclose(hinges[0] @ hinges[1] @ hinges[2], away, atol=1e-12)
+    assert np.abs(hinges[2] @ hinges[1] @ hinges[0] - away).max() > 1e-2
+
+
 def test_tip_of_the_3_psp_as_in_closed_form() -> None:
     """Against the inverse kinematics of the tip, on the branch of home."""
     robot = psp3.load("psp3")

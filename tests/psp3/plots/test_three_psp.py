@@ -28,6 +28,7 @@ def _styled() -> Iterator[None]:
         yield
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("_styled")
 @pytest.mark.parametrize("over", ["tilt", "tip"])
 def test_figure_of_the_workspace_has_units_and_the_fold(over: str) -> None:
@@ -116,6 +117,7 @@ def test_figure_shows_the_numbers_with_their_units() -> None:
     assert "[s]" in panels[5].get_xlabel()
 
 
+@pytest.mark.slow
 def test_figure_of_a_tip_at_rest_and_of_one_sample_can_be_drawn() -> None:
     """Warnings are errors here: zeros on the logarithmic scale and empty limits would raise."""
     figure_of(screw_forces(Hold(robot=ROBOT), [0.0, 1.0]))

@@ -143,6 +143,7 @@ def test_lines_over_the_cranks(cranks: KinematicMap) -> None:
     assert np.nanmax(limits) < 0.01
 
 
+@pytest.mark.slow
 def test_legend_names_the_lines_that_there_are(plane: KinematicMap, cranks: KinematicMap) -> None:
     for poses, names in (
         (plane, ["singularity of actuation", "limit of a joint"]),
@@ -168,6 +169,7 @@ def test_coordinates_of_two_units_need_not_be_equally_long() -> None:
     assert panels[0].get_aspect() == "auto"
 
 
+@pytest.mark.slow
 def test_maps_that_hold_little_can_be_drawn(space: Workspace) -> None:
     """Nothing reachable; all values the same."""
     drawn(figure_of_map(space.map({"x": [2.0, 2.1], "z": [0.0, 0.1]})))

@@ -169,6 +169,7 @@ def test_positions_beyond_the_workspace_are_refused() -> None:
     assert caught.value.residual > 0.0
 
 
+@pytest.mark.slow
 def test_a_reference_pose_that_cannot_be_closed_is_refused() -> None:
     """Base hinges farther apart than all links together."""
     parts = ROBOTS_WITH_LOOPS[1]()

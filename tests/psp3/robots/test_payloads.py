@@ -8,6 +8,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import psp3
@@ -104,6 +105,38 @@ def test_other_robots_carry_payloads(name: str) -> None:
     np.testing.assert_allclose(
         with_payload(robot, 4.0).gravity(positions), expected, rtol=1e-11, atol=1e-11
     )
+
+
+def test_moments_are_along_the_axes_of_the_frame() -> None:
+    """A frame that is turned in its body: M grows by the formula, with R of the frame in the base.
+
+    The Jacobian and the rotation are Pinocchio's. 1e-11 of the largest entry is rounding.
+    """
+    robot = psp3.load("gough_stewart")
+    model = robot.model.copy()
+    tip = model.frames[model.getFrameId("tip")]
+    turned = pin.SE3(pin.utils.rpyToMatrix(0.4, -0.9, 1.3), np.array([0.02, -0.03, 0.05]))
+    model.addFrame(
+        pin.Frame("gripper", tip.parentJoint, tip.placement * turned, pin.FrameType.OP_FRAME)
+    )
+    held = psp3.ClosedLoopRobot(model, robot.constraint_models, robot.actuated, robot.q0)
+    moments, mass = np.array([0.1, 0.2, 0.29]), 1.5
+    positions = held.reference + 0.01 * np.arange(6)
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, held.configuration(positions))
+    rotation = data.oMf[model.getFrameId("gripper")].rotation
+    jacobian = held.frame_jacobian(positions, "gripper")
+    inertia = rotation @ np.diag(moments) @ rotation.T
+    expected = (
+        held.mass_matrix(positions)
+        + mass * jacobian[:3].T @ jacobian[:3]
+        + jacobian[3:].T @ inertia @ jacobian[3:]
+    )
+    found = with_payload(held, mass, moments, "gripper").mass_matrix(positions)
+    np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-11 * np.abs(expected).max())
+    # Along other axes it would be another matrix, by far.
+    as_the_body = jacobian[3:].T @ (inertia - np.diag(moments)) @ jacobian[3:]
+    assert np.abs(as_the_body).max() > 1e-3 * np.abs(expected).max()
 
 
 @pytest.mark.parametrize(

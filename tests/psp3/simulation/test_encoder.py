@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import psp3
+from psp3.simulation.encoder import Encoder
 from psp3.trajectories import Helix, Hold
 from tests.psp3.simulation.controllers import Recording
 
@@ -40,6 +41,16 @@ def test_encoders_count_and_their_speeds_are_differences() -> None:
         rtol=0.0,
         atol=2.5e-3 * (1.0 + 1e-6),
     )
+
+
+def test_the_first_reading_has_no_speed_wherever_it_is() -> None:
+    """Nothing was counted before; then it is the difference of two counts over the period."""
+    encoder = Encoder(np.array([0.1, 0.1]), 0.5)
+    seen, speeds = encoder.read(np.array([0.72, -0.31]), np.array([9.0, 9.0]))
+    np.testing.assert_allclose(seen, [0.7, -0.3], atol=1e-15)
+    np.testing.assert_array_equal(speeds, [0.0, 0.0])
+    seen, speeds = encoder.read(np.array([0.98, -0.33]), np.array([9.0, 9.0]))
+    np.testing.assert_allclose(speeds, [0.6, 0.0], atol=1e-15)
 
 
 def test_every_joint_can_have_its_own_encoder() -> None:

@@ -34,6 +34,15 @@ def test_sum_counts_one_sample_per_sampling_period() -> None:
     assert sum_of_squared_errors(made_up(), 0.5) == pytest.approx(9.0 * (0.25 + 1.0), rel=1e-12)
 
 
+def test_the_first_sample_counts() -> None:
+    """An error of (1, 0, 0) at the start and none after."""
+    t = np.arange(0.0, 0.2 + 1e-9, 0.01)
+    zero, positions = np.zeros((t.size, 3)), np.zeros((t.size, 3))
+    positions[0, 0] = -1.0
+    run = Result(t, positions, zero, Motion(zero, zero, zero, zero), zero, zero)
+    assert sum_of_squared_errors(run) == 1.0
+
+
 def test_integral_is_that_of_nine_t_squared() -> None:
     """3 exactly; the trapezoidal rule adds 9 h²/6 = 1.5e-4."""
     assert integral_of_squared_error(made_up()) == pytest.approx(3.0 + 1.5e-4, rel=1e-9)

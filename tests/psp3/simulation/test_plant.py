@@ -256,6 +256,7 @@ def test_every_joint_can_have_its_own_drive() -> None:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
 def test_plants_of_any_robot_agree_with_and_without_drives(name: str) -> None:
     """Computed torque on a path of 0.1 s.

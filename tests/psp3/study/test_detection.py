@@ -176,6 +176,7 @@ def test_signals_are_what_they_are_said_to_be() -> None:
     assert signals["residual"][~late & (run.t < EVENT)].max() < 1.0
 
 
+@pytest.mark.slow
 def test_the_interval_does_not_tell_that_the_robot_left_what_was_learned() -> None:
     """What was found, with four seeds.
 
@@ -219,6 +220,7 @@ def test_why_the_interval_does_not_grow_outside() -> None:
     assert max(shares[distance] for distance in (1.0, 1.5, 2.0, 3.0)) < shares[0.5] - 0.05
 
 
+@pytest.mark.slow
 def test_the_result_does_not_depend_on_threads_and_the_monitor_is_the_given_one() -> None:
     one, other = (detect(2, payloads=(), workers=workers) for workers in (1, 3))
     assert [(x.signal, x.threshold, x.excess) for x in one] == [

@@ -89,6 +89,9 @@ def test_percentiles_are_times_that_were_measured() -> None:
     times = np.random.default_rng(0).permutation(np.arange(1.0, 1001.0))
     assert summarize(times) == Latency(1000, 500.0, 990.0, 999.0, 1000.0)
     assert summarize(np.array([7.0])) == Latency(1, 7.0, 7.0, 7.0, 7.0)
+    # Ranks between two times are those of the later one: 1.5 of 3, and 148.5 and 149.85 of 150.
+    assert summarize(np.array([3.0, 1.0, 2.0])) == Latency(3, 2.0, 3.0, 3.0, 3.0)
+    assert summarize(np.arange(1.0, 151.0)) == Latency(150, 75.0, 149.0, 150.0, 150.0)
 
 
 def test_no_state_is_refused() -> None:

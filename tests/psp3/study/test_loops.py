@@ -33,6 +33,7 @@ KINDS: dict[str, dict[str, Any]] = {
     "t1": {"kind": "t1"},
     "it2": {"kind": "it2"},
     "gt2": {"kind": "gt2"},
+    "gt2 last": {"kind": "gt2", "defuzzify": "last"},
     "corollary": {"kind": "gt2", "reduction": "gaussian"},
     "crisp outside": {"kind": "it2", "outside": "crisp"},
 }
@@ -340,6 +341,11 @@ def test_online_noise_is_added_to_the_estimates_of_fuzzy_controllers(
         if fallbacks[-1]:
             M, C, G = unpack(controller.fallback_)
         servo = desired.accelerations + 10.0 * (desired.heights - a) + (desired.speeds - v)
+        if controller.order == "last" and not fallbacks[-1]:
+            # Of a fuzzy torque the noise, a crisp one, moves the centroid.
+            M, C, G = unpack(size * ADDED[k])
+            without = controller.defuzzify(controller.torque_number(a, v, desired))
+            return np.asarray(without + M @ servo + C @ v + G)
         return np.asarray(M @ servo + C @ v + G)
 
     expected = python_loop(torque, HELIX, 300)

@@ -97,6 +97,7 @@ def simulated(case: Case, name: str, seed: int, duration: float) -> Result:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CONTROLLERS)
 @pytest.mark.parametrize(
     "case",

@@ -388,6 +388,7 @@ def in_a_new_process(runs: list[Run], **environment: str) -> list[dict[str, floa
     return found
 
 
+@pytest.mark.slow
 def test_runs_are_the_same_in_a_new_process_whose_threads_start_at_once(
     expected: list[dict[str, float]],
 ) -> None:
@@ -396,6 +397,7 @@ def test_runs_are_the_same_in_a_new_process_whose_threads_start_at_once(
     )
 
 
+@pytest.mark.slow
 def test_runs_agree_with_those_of_another_processor() -> None:
     """An old processor's linear algebra sums in another order, where OpenBLAS is used.
 

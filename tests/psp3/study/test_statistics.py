@@ -76,6 +76,7 @@ def test_interval_of_a_normal_mean_is_nearly_students() -> None:
     assert estimate.high == pytest.approx(values.mean() + half, abs=0.06 * half)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("estimator", "truth"),
     [

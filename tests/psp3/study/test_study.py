@@ -204,6 +204,7 @@ def test_number_of_workers_changes_nothing(path: Path) -> None:
     assert "nan" not in tables[0]
 
 
+@pytest.mark.slow
 def test_first_runs_of_a_process_may_be_compiled_by_several_threads_at_once() -> None:
     code = """
 import threading

@@ -163,6 +163,7 @@ def test_figures_draw_into_the_axes_they_are_given(number: int) -> None:
         draw(axes[:1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", list(FIGURES))
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_text_is_inside_the_figure_and_does_not_lie_on_other_text(number: int, theme: str) -> None:

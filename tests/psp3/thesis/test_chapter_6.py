@@ -130,6 +130,7 @@ def test_latencies_beside_the_printed_times_and_the_budget() -> None:
         "in closed form 10 µs: 25,500 times less than printed, and 200 times within the budget"
         in table.note
     )
+    assert "with the loops closed in every call by Newton's method from home" in table.note
     assert "holds with the CTC" in table.note
     assert "does not hold with the CTC" in timed(t1=7e-6).tables[0].note
 

@@ -14,6 +14,8 @@ from psp3.thesis.findings import Reproduction
 from psp3.thesis.plan import DEFINITIONS, Outcomes
 from tests.psp3.thesis.outcomes import PLAN, rows
 
+pytestmark = pytest.mark.slow
+
 ROBOT = load("psp3")
 OURS = next(iter(DEFINITIONS))
 

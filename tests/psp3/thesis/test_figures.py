@@ -258,6 +258,7 @@ def test_new_figures_draw_into_the_axes_they_are_given(
         figures.figure_55(result, [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_text_of_new_figures_is_inside_and_does_not_lie_on_other_text(
     theme: str,

@@ -59,6 +59,7 @@ def test_a_fit_finds_a_series_again() -> None:
     assert fitted.noise.max() < 1e-13
 
 
+@pytest.mark.slow
 def test_noise_and_covariance_of_a_fit_are_those_of_many_fits() -> None:
     """1000 seeds: a standard deviation is uncertain by 1/sqrt(2000).
 

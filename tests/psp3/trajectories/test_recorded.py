@@ -47,6 +47,18 @@ def test_a_file_of_heights_and_one_of_tips_tell_the_same_motion(tmp_path: Path) 
     np.testing.assert_allclose(by_tip.heights, trajectories.Helix()(inside).heights, atol=1e-7)
 
 
+def test_a_recorded_motion_moves_at_both_of_its_ends_and_rests_beyond(tmp_path: Path) -> None:
+    """The spline of a straight line: 10 mm/s from the first row to the last, both included."""
+    times = np.linspace(1.0, 2.0, 11)
+    rows = "".join(f"{t:.1f},{0.01 * (t - 1.0):.6f},0,0.08\n" for t in times)
+    (tmp_path / "line.csv").write_text(f"t,x,y,z\n{rows}")
+    recorded = trajectories.FromCSV(tmp_path / "line.csv")
+    robot = psp3.load("psp3")
+    motion = recorded([0.9, 1.0, 1.5, 2.0, 2.1])
+    speeds = np.einsum("nij,nj->ni", robot.tip_jacobian(motion.heights), motion.speeds)
+    np.testing.assert_allclose(speeds[:, 0], [0.0, 0.01, 0.01, 0.01, 0.0], atol=1e-12)
+
+
 def test_a_file_for_another_robot_is_refused(tmp_path: Path) -> None:
     with pytest.raises(
         InvalidTrajectoryFile, match=r"must name the columns t,\w+,\w+; it has t, a1, a2, a3"

@@ -221,6 +221,7 @@ def wait_for_an_interrupt(rows: int, begun: Connection) -> None:
     study_command._study_progress = held
 
 
+@pytest.mark.slow
 def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(study: Run, tmp_path: Path) -> None:
     """A real SIGINT to a real process, as soon as the first results are in."""
     arguments = ["--duration", "2", "--seeds", "200", "--controller", "t1", "--snr", "20"]

@@ -13,6 +13,7 @@ from tests.psp3.cli.answers import Run, words
 ROBOT = psp3.load("psp3")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("over", ["tilt", "tip"])
 def test_map_of_the_workspace(psp3_command: Run, over: str) -> None:
     answer = psp3_command(

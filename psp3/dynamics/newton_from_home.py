@@ -1,0 +1,182 @@
+r"""Loops closed as the thesis closes them (eq. 3.15): by iteration, starting at home.
+
+The actuated joints are taken from home to where they are wanted in short steps. Each step predicts
+the other joints with L (eq. 3.16) and corrects them by Newton's method,
+
+.. math:: q^u \leftarrow q^u - (\Phi^u)^{-1} \phi(q),
+
+so that the assembly mode stays that of home. The thesis does not say how it gets from home to its
+goal. One iteration without steps in between is enough for the 3-PSP, but of a Delta it finds other
+assembly modes, or none.
+
+Nothing here is shared with the compiled closure of :mod:`psp3.closure` that
+:class:`psp3.ClosedLoopRobot` uses, nor with the closed form of the 3-PSP: constraints, Jacobian and
+complement are those that it is given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.closure.rank import RANK_TOLERANCE
+from psp3.errors import ClosureFailed, InvalidValue, SingularConfiguration
+
+LONGEST_STEP = 0.25
+"""No joint is predicted to move by more than this in one step [m, rad]."""
+
+LARGEST_CORRECTION = 0.3
+"""Newton's method may move a joint by this share of the step; more could be another assembly mode.
+"""
+
+LARGEST_REPAIR = 1.0
+"""Home is none if its loops close only after a joint has moved by more than this [m, rad]."""
+
+ON_THE_WAY = 1e-7
+"""Residual with which the next step is taken [m, rad]; only the last closure is exact."""
+
+CLOSED = 1e-11
+"""Residual that the last closure must reach [m, rad]; Newton's method usually ends at 1e-16."""
+
+LAST_CORRECTION = 1e-8
+"""Newton's method ends after a correction below this: it leaves the square of that, which is
+rounding [m, rad].
+"""
+
+MOST_CORRECTIONS = 25
+"""A predicted configuration that needs more corrections than this is not near a closed one."""
+
+SHORTEST_STEP = 1e-6
+"""The way ends where this share of it is still too long a step."""
+
+MOST_STEPS = 2000
+"""A way of more steps is none that a robot goes."""
+
+
+class _Closed(NamedTuple):
+    """A closed configuration with what the next step needs of it."""
+
+    q: Array
+    complement: Array
+    inverse: Array
+
+
+class NewtonFromHome:
+    """Newton's method on given constraints, from home in short steps.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The tree.
+    names : sequence of str
+        Its actuated joints, of one coordinate each, in the order of the positions.
+    home : (nq,) ndarray
+        Configuration to start from (eq. 3.15). It need only nearly close the loops.
+    constraint : callable
+        The residual of the loops, (m,), at a configuration (nq,).
+    constraint_jacobian : callable
+        Its derivative, (m, nv).
+    complement : callable
+        At a closed configuration L, (nv, n), the inverse of the Jacobian's un-actuated columns,
+        (nv − n, m), and the Jacobian.
+    """
+
+    def __init__(
+        self,
+        model: pin.Model,
+        names: Sequence[str],
+        home: Array,
+        constraint: Callable[[Array], Array],
+        constraint_jacobian: Callable[[Array], Array],
+        complement: Callable[[Array], tuple[Array, Array, Array]],
+    ) -> None:
+        self._model = model
+        joints = [model.joints[model.getJointId(name)] for name in names]
+        for name, joint in zip(names, joints, strict=True):
+            if joint.nq != 1:
+                raise InvalidValue("actuated joint", name, "a joint of one coordinate")
+        self._places = np.array([joint.idx_q for joint in joints], dtype=np.int64)
+        self._dependent = np.setdiff1d(np.arange(model.nv), [joint.idx_v for joint in joints])
+        self._constraint, self._constraint_jacobian = constraint, constraint_jacobian
+        self._complement = complement
+        q, residual, moved = self._corrected(home, exactly=True)
+        if not residual <= CLOSED or not moved <= LARGEST_REPAIR:
+            raise ClosureFailed(home[self._places], residual, 0.0)
+        self._home = _Closed(q, *self._complement(q)[:2])
+
+    def configuration(self, positions: Array) -> Array:
+        """Return the closed configuration at actuated positions, (n,) to (nq,).
+
+        Raises
+        ------
+        ClosureFailed
+            If the way from home ends before: at the border of the workspace, or at a singularity.
+        """
+        at, start = self._home, self._home.q[self._places]
+        way, done, step = positions - start, 0.0, 1.0
+        for _ in range(MOST_STEPS):
+            velocity = at.complement @ way
+            fastest = float(np.abs(velocity).max(initial=0.0))
+            step = min(step, LONGEST_STEP / max(fastest, LONGEST_STEP))
+            if step < SHORTEST_STEP:
+                break
+            goal = 1.0 if done + step > 1.0 - 1e-12 else done + step
+            predicted = pin.integrate(self._model, at.q, (goal - done) * velocity)
+            # Exactly the positions asked for, at the end.
+            predicted[self._places] = positions if goal == 1.0 else start + goal * way
+            found = self._next(at, predicted, (goal - done) * fastest, goal == 1.0)
+            if found is None:
+                step = 0.5 * (goal - done)
+                continue
+            if goal == 1.0:
+                return found.q
+            at, done, step = found, goal, 2.0 * (goal - done)
+        # How far apart the frames would be if only the motors went on.
+        stretched = at.q.copy()
+        stretched[self._places] = positions
+        raise ClosureFailed(positions, _size(self._constraint(stretched)), done)
+
+    def _next(self, at: _Closed, predicted: Array, length: float, last: bool) -> _Closed | None:
+        """Return the closed configuration near a predicted one, or None if the step is too long."""
+        q, residual, moved = self._corrected(predicted, exactly=last)
+        if not residual <= (CLOSED if last else ON_THE_WAY):
+            return None
+        if not moved <= LARGEST_CORRECTION * length + LAST_CORRECTION:
+            return None
+        try:
+            complement, inverse, jacobian = self._complement(q)
+        except SingularConfiguration:
+            return None
+        # Beyond a fold, and on the other branch before it, the determinant has the other sign.
+        if np.linalg.det(at.inverse @ jacobian[:, self._dependent]) <= 0.0:
+            return None
+        return _Closed(q, complement, inverse)
+
+    def _corrected(self, q: Array, exactly: bool) -> tuple[Array, float, float]:
+        """Return where Newton's method leads, moving the un-actuated joints only.
+
+        With the residual there, and how far a joint was moved in all. It stops where the residual
+        is small enough to go on or, for an exact answer, where a correction is small.
+        """
+        residual, moved = self._constraint(q), np.zeros(self._model.nv)
+        for _ in range(MOST_CORRECTIONS if self._dependent.size else 0):
+            if not exactly and _size(residual) <= ON_THE_WAY:
+                break
+            correction = np.zeros(self._model.nv)
+            correction[self._dependent] = -np.linalg.lstsq(
+                self._constraint_jacobian(q)[:, self._dependent], residual, rcond=RANK_TOLERANCE
+            )[0]
+            moved += correction
+            q = pin.integrate(self._model, q, correction)
+            residual = self._constraint(q)
+            if _size(correction) <= LAST_CORRECTION or not _size(moved) <= LARGEST_REPAIR:
+                break
+        return q, _size(residual), _size(moved)
+
+
+def _size(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))
