@@ -99,8 +99,10 @@ def expected_definitions(outcome: Reproduction) -> list[str]:
 
 
 def test_results_are_those_of_the_report(found: Reproduction) -> None:
-    assert shown("result") == expected_results(found)
+    expected = expected_results(found)
+    assert shown("result") == expected, "\n".join(["the rows are", *expected])
 
 
 def test_definitions_are_those_of_the_report(found: Reproduction) -> None:
-    assert shown("noise against") == expected_definitions(found)
+    expected = expected_definitions(found)
+    assert shown("noise against") == expected, "\n".join(["the rows are", *expected])
