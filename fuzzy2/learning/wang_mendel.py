@@ -1,4 +1,4 @@
-r"""Learning a rule base from samples by table look-up (Wang and Mendel).
+r"""Learning a rule base from samples: table look-up (Wang and Mendel), and three learners like it.
 
 For type-1, interval and general type-2 systems.
 
@@ -72,17 +72,17 @@ gigabyte.
 
 
 class WangMendel:
-    r"""Table look-up learning of fuzzy rules (Wang and Mendel), with scikit-learn's conventions.
+    r"""Learning of fuzzy rules from samples, with scikit-learn's conventions.
 
     The rules are the cells of the grid of all inputs' terms, or clusters of the samples.
     ``learner`` says what a rule's consequent is:
 
-    - ``"strongest"``: that of the sample that fires the rule most (the first of several), so that
-      no cell stays empty.
-    - ``"strict"``: the procedure as published. Every sample makes one rule, of the terms in which
-      its inputs (and output) have most membership; its degree is the t-norm of these memberships;
-      of rules for the same cell the one of the highest degree stays. Cells without a rule are
-      completed as ``completion`` says.
+    - ``"strongest"``, this package's default: that of the sample that fires the rule most (the
+      first of several), so that no cell stays empty.
+    - ``"strict"``: the table look-up of Wang and Mendel as published. Every sample makes one rule,
+      of the terms in which its inputs (and output) have most membership; its degree is the t-norm
+      of these memberships; of rules for the same cell the one of the highest degree stays. Cells
+      without a rule are completed as ``completion`` says.
     - ``"average"``: the average of all samples, weighted with how strongly they fire the rule.
     - ``"ridge"``: the consequents c that minimize
       :math:`\frac{1}{N} \sum_n \lVert y_n - \sum_r \phi_{nr} c_r \rVert^2

@@ -27,6 +27,7 @@ from psp3.thesis.plan import (
     percent,
     share_diverged,
     with_share,
+    won,
 )
 
 
@@ -94,9 +95,10 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             ],
             rows,
             "Reading 'parameters', two terms an input. Strongest sample: every rule keeps the "
-            "sample that fires it most (table look-up, the default). Weighted average: the mean "
-            "of all samples, weighted with how strongly they fire the rule. Strict table "
-            "look-up: as Wang and Mendel published it, empty cells take the nearest rule. Ridge: "
+            "sample that fires it most (the default of this package). Weighted average: the mean "
+            "of all samples, weighted with how strongly they fire the rule. Table look-up of "
+            "Wang and Mendel: the procedure that the thesis names, as it was published; empty "
+            "cells take the nearest rule. Ridge: "
             "least squares, held near the average. Diverged: shares for type-1, type-2 and "
             "general type-2. "
             + (
@@ -123,66 +125,95 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
 
 def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     """Add type-1 with wider terms: whether averaging over rules is what type-2 gains."""
-    rows, numbers, matched = [], {}, []
-    for snr in (math.inf, *plan.sweep_levels):
-        type1 = Run("t1", snr_db=snr)
-        type2 = replace(type1, controller="it2")
-        cells = [results.shown(type1, plan.seeds)]
-        differences = []
-        numbers[decibels(snr)] = entry = {"it2": as_numbers(results.mean(type2, plan.seeds))}
-        for width in plan.widths:
-            wider = replace(type1, term_width=width)
-            cells.append(results.shown(wider, plan.seeds))
-            differences.append(
-                statistics.paired_difference(
-                    results.values(wider, plan.seeds), results.values(type2, plan.seeds)
-                )
-            )
-            entry[f"{width:g}"] = as_numbers(results.mean(wider, plan.seeds))
-        words = [
-            better(difference, f"type-1 × {width:g}", "type-2")
-            for width, difference in zip(plan.widths, differences, strict=True)
-        ]
-        if math.isinf(snr):
-            words = ["type-2 is type-1 here"]
-        else:
-            matched.append(words[-1].startswith("type-1"))
-        rows.append([decibels(snr), *cells, results.shown(type2, plan.seeds), "; ".join(words)])
-    outcome.numbers["wider_type_1_terms"] = numbers
-    widest = plan.widths[-1]
+    rows: list[list[str]] = []
+    found = {
+        learner: _wider_terms(results, plan, learner, seeds, rows)
+        for learner, seeds in (("strongest", plan.seeds), ("average", plan.sweep_seeds))
+    }
+    outcome.numbers["wider_type_1_terms"] = found["strongest"]
+    outcome.numbers["wider_type_1_terms_average"] = found["average"]
+    widest = f"{plan.widths[-1]:g}"
     outcome.tables.append(
         Table(
             "Is it type-2, or averaging? Type-1 with wider terms, sum of squared errors [m²], "
-            f"{count(plan.seeds)}",
+            f"{count(plan.seeds)} ({plan.sweep_seeds} of rules that average)",
             [
+                "rules",
                 "SNR [dB]",
                 "type-1",
                 *(f"type-1, terms × {width:g}" for width in plan.widths),
                 "type-2",
+                f"type-1 × {widest} wins, seeds",
                 "verdict by seed, against type-2",
             ],
             rows,
             "Type-2 terms reach over more of each input's range, so more rules fire, and the "
             "noise in their consequents averages out. Type-1 terms with a greater standard "
-            "deviation do the same with the same rules. The first row is what wide terms cost "
-            "where there is no noise to average.",
+            "deviation do the same with the same rules. The row without noise is what wide terms "
+            "cost where there is no noise to average.",
             detail=True,
         )
     )
-    if all(matched):
-        levels, wide, type_2 = (
-            listed([say(decibels(snr)) for snr in plan.sweep_levels])
-            for say in (
-                str,
-                lambda at: significant(numbers[at][f"{widest:g}"]["value"]),
-                lambda at: significant(numbers[at]["it2"]["value"]),
+    levels = listed([decibels(snr) for snr in plan.sweep_levels])
+    sentences = []
+    for learner, label in (
+        ("strongest", "that keep the strongest sample"),
+        ("average", "that average their samples"),
+    ):
+        noisy = [found[learner][decibels(snr)] for snr in plan.sweep_levels]
+        if all(entry["type_1_wins"] > 0.5 * entry["seeds_compared"] for entry in noisy):
+            wide, type_2 = (
+                listed([significant(entry[name]["value"]) for entry in noisy])
+                for name in (widest, "it2")
             )
-        )
+            wins = listed(
+                [f"{entry['type_1_wins']} of {entry['seeds_compared']}" for entry in noisy]
+            )
+            sentences.append(
+                f"with rules {label} it leaves {wide} m² at {levels} dB, type-2 {type_2} m², and "
+                f"wins in {wins} seeds"
+            )
+    if sentences:
         outcome.answer.append(
-            "The gain is that of averaging over rules, and needs no type-2: plain type-1 with "
-            f"terms {widest:g} times as wide, on the same noisy rules, leaves {wide} m² at "
-            f"{levels} dB, type-2 {type_2} m²."
+            "The gain is that of averaging over rules, and needs no type-2. Plain type-1 with "
+            f"terms {widest} times as wide learns from the same noise: {'; '.join(sentences)}."
         )
+
+
+def _wider_terms(
+    results: Outcomes, plan: Plan, learner: str, seeds: int, rows: list[list[str]]
+) -> dict[str, dict[str, Any]]:
+    """Add a learner's rows of type-1 with wider terms, and return its numbers by noise level."""
+    numbers: dict[str, dict[str, Any]] = {}
+    for snr in (math.inf, *plan.sweep_levels):
+        type1 = Run("t1", snr_db=snr, learner=learner)
+        type2 = replace(type1, controller="it2")
+        cells, words = [results.shown(type1, seeds)], []
+        entry: dict[str, Any] = {"it2": as_numbers(results.mean(type2, seeds))}
+        for width in plan.widths:
+            wider = replace(type1, term_width=width)
+            cells.append(results.shown(wider, seeds))
+            difference = statistics.paired_difference(
+                results.values(wider, seeds), results.values(type2, seeds)
+            )
+            words.append(better(difference, f"type-1 × {width:g}", "type-2"))
+            entry[f"{width:g}"] = as_numbers(results.mean(wider, seeds))
+        wins, both = results.wins(replace(type1, term_width=plan.widths[-1]), type2, seeds)
+        numbers[decibels(snr)] = entry | {"type_1_wins": wins, "seeds_compared": both}
+        of_seeds = won(wins, both)
+        if math.isinf(snr):
+            words, of_seeds = ["type-2 is type-1 here"], "–"
+        rows.append(
+            [
+                LEARNERS[learner],
+                decibels(snr),
+                *cells,
+                results.shown(type2, seeds),
+                of_seeds,
+                "; ".join(words),
+            ]
+        )
+    return numbers
 
 
 def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
@@ -373,10 +404,10 @@ def numbers_of_terms(results: Outcomes, plan: Plan, outcome: Reproduction) -> No
                 *("no noise" if math.isinf(snr) else f"{snr:g} dB" for snr in levels),
             ],
             rows,
-            "Strict table look-up, because only it fills the cells that the helix never visits, "
-            "with the nearest rule: with three terms or more the other learners find rules that "
-            "no sample fires, and refuse. The thesis says that more terms 'do not offer "
-            f"significant improvements' and shows no numbers. Here {plan.terms[-1]} terms "
+            "Table look-up of Wang and Mendel, because only it fills the cells that the helix "
+            "never visits, with the nearest rule: with three terms or more the other learners "
+            "find rules that no sample fires, and refuse. The thesis says that more terms 'do not "
+            f"offer significant improvements' and shows no numbers. Here {plan.terms[-1]} terms "
             f"instead of {plan.terms[0]} leave {shares}.",
             detail=True,
         )

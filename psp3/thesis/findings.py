@@ -40,6 +40,8 @@ class Table:
         Names of the drawings that belong to it.
     detail : bool
         Whether it is for the report only, not for the terminal.
+    opening : bool
+        Whether the report opens with it, before the answer.
     """
 
     title: str
@@ -48,6 +50,7 @@ class Table:
     note: str = ""
     figures: tuple[str, ...] = ()
     detail: bool = False
+    opening: bool = False
 
 
 @dataclass(frozen=True)
@@ -96,15 +99,16 @@ class Reproduction:
     files: list[Path] = field(default_factory=list)
 
 
-def verdict(computed: float, printed: float, interval: tuple[float, float] | None = None) -> str:
+def verdict(computed: float, printed: float, spread: tuple[float, float] | None = None) -> str:
     """Say in words how a number compares with the printed one.
 
     Parameters
     ----------
     computed, printed : float
         The numbers, both positive.
-    interval : (2,) tuple of float, optional
-        Interval of the computed one; whether it holds the printed number is said.
+    spread : (2,) tuple of float, optional
+        Spread of single runs, where the computed number is a mean of many. The printed one is a
+        single run, so whether it lies within is said.
 
     Returns
     -------
@@ -118,11 +122,22 @@ def verdict(computed: float, printed: float, interval: tuple[float, float] | Non
         return f"reproduced ({100 * (ratio - 1):+.1f} %)"
     # Unbroken spaces, or the sign would end a line in narrow tables.
     times = f"×\N{NO-BREAK SPACE}{ratio:.2g}"
-    if interval is not None and interval[0] <= printed <= interval[1]:
-        times += ", within the interval"
+    said = "" if spread is None else place_in(spread, printed)
     return (
         f"{'same order' if 1.0 / SAME_ORDER <= ratio <= SAME_ORDER else 'not reproduced'} ({times})"
+        + (f"; printed {said}" if said else "")
     )
+
+
+def place_in(spread: tuple[float, float], printed: float) -> str:
+    """Say whether a printed number, one run, lies within the spread of single runs.
+
+    Nothing is said without a spread.
+    """
+    if not np.isfinite(spread).all():
+        return ""
+    within = spread[0] <= printed <= spread[1]
+    return f"{'within' if within else 'outside of'} the spread of single runs"
 
 
 def better(difference: Estimate, controller: str, baseline: str) -> str:

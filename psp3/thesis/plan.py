@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -32,10 +33,24 @@ FUZZY = ("t1", "it2", "gt2")
 LEARNERS = {
     "strongest": "strongest sample",
     "average": "weighted average",
-    "strict": "strict table look-up",
+    "strict": "table look-up of Wang and Mendel",
     "ridge": "ridge",
 }
-"""Learners as tables name them; the first is the default."""
+"""Learners as tables name them; the first is the default, the third is the one that the thesis
+names.
+"""
+
+DEFINITIONS: dict[str, dict[str, str]] = {
+    "mean square of each entry (taken here)": {},
+    "variance of each entry": {"snr_reference": "variance"},
+    "1 in each unit (0 dBW)": {"snr_reference": "unit"},
+    "mean square, on the recorded inputs": {"reading": "inputs"},
+    "mean square, on G alone": {"noisy_entries": "gravity"},
+    "mean square, on M and C alone": {"noisy_entries": "mass-coriolis"},
+}
+"""What the power of "noise of S dB" can be taken against, as tables name it, with the fields of a
+run; the first is the default.
+"""
 
 READINGS = {
     "measurement": "noise on measured heights and speeds",
@@ -74,6 +89,8 @@ class Plan:
         Numbers of terms of each input that are tried.
     widths : tuple of float
         Factors of the standard deviation of type-1 terms that are tried.
+    suited : tuple of float
+        Mean variations from which each definition of the noise gets the one that suits it best.
     trajectories : tuple of str
         Names of the trajectories, that of the training first.
     """
@@ -84,6 +101,7 @@ class Plan:
     variations: tuple[float, ...] = (0.05, 0.1, 0.2, 0.3, 0.4, 0.6)
     terms: tuple[int, ...] = (2, 3, 4)
     widths: tuple[float, ...] = (1.5, 2.0, 3.0)
+    suited: tuple[float, ...] = (0.02, 0.05, 0.2, 0.4, 0.6)
     trajectories: tuple[str, ...] = tuple(TRAJECTORIES)
 
     @classmethod
@@ -101,6 +119,7 @@ class Plan:
                 variations=(0.1, 0.4),
                 terms=(2, 3),
                 widths=(2.0,),
+                suited=(0.05, 0.2),
                 trajectories=("helix", "circle"),
             )
         return cls(seeds, min(seeds, MOST_SWEEP_SEEDS))
@@ -120,7 +139,15 @@ class Plan:
                 snr_db=self.sweep_levels,
                 seed=seeds,
             ),
+            *self.of_definitions(),
             *grid(controller="t1", term_width=self.widths, snr_db=levels, seed=all_seeds),
+            *grid(
+                controller="t1",
+                learner="average",
+                term_width=self.widths,
+                snr_db=levels,
+                seed=seeds,
+            ),
             *grid(controller="it2", mean_variation=self.variations, snr_db=levels, seed=seeds),
             *grid(
                 controller=("t1", "it2"),
@@ -133,6 +160,24 @@ class Plan:
             *grid(controller="t1", trajectory=self.trajectories, learner="ridge"),
             *grid(controller=("t1", "it2"), trajectory=self.trajectories, snr_db=20.0, seed=seeds),
         )
+
+    def seeds_of(self, definition: str) -> int:
+        """Return the seeds of a definition of the noise: all of them for the default one."""
+        return self.seeds if not DEFINITIONS[definition] else self.sweep_seeds
+
+    def of_definitions(self) -> tuple[Run, ...]:
+        """Return the runs of type-1 and type-2 under every definition of the noise."""
+        runs: list[Run] = []
+        for label, fields in DEFINITIONS.items():
+            of_all: dict[str, Any] = {"snr_db": self.sweep_levels, **fields}
+            runs += grid(controller=("t1", "it2"), seed=range(self.seeds_of(label)), **of_all)
+            runs += grid(
+                controller="it2",
+                mean_variation=self.suited,
+                seed=range(self.sweep_seeds),
+                **of_all,
+            )
+        return tuple(runs)
 
 
 class Outcomes:
@@ -178,6 +223,27 @@ class Outcomes:
         pair = self._pair(run, controller, seeds)
         return statistics.ratio_of_means(*(pair[::-1] if inverse else pair))
 
+    def spread(self, run: Run, seeds: int) -> tuple[float, float]:
+        """Return the 2.5 and 97.5 % points of single runs' errors, of those that did not diverge.
+
+        What one number, which a single run gave, is to be compared with.
+        """
+        return _spread(self.values(run, seeds))
+
+    def spread_of_ratios(self, run: Run, controller: str, seeds: int) -> tuple[float, float]:
+        """Return the 2.5 and 97.5 % points of that controller's error over type-1's by seed."""
+        first, second = self._pair(run, controller, seeds)
+        return _spread(first / second)
+
+    def wins(self, run: Run, other: Run, seeds: int) -> tuple[int, int]:
+        """Return in how many seeds a run has less error than another, and of how many.
+
+        Seeds with which one of the two diverged are not counted.
+        """
+        first, second = self.values(run, seeds), self.values(other, seeds)
+        both = np.isfinite(first) & np.isfinite(second)
+        return int((first[both] < second[both]).sum()), int(both.sum())
+
     def shown(self, run: Run, seeds: int) -> str:
         """Return the mean error with its interval, as tables show it.
 
@@ -189,6 +255,19 @@ class Outcomes:
         return tuple(
             self.values(replace(run, controller=name), seeds) for name in (controller, "t1")
         )  # type: ignore[return-value]
+
+
+def _spread(values: Array) -> tuple[float, float]:
+    finite = values[np.isfinite(values)]
+    if len(finite) < 2:
+        return math.nan, math.nan
+    low, high = np.percentile(finite, (2.5, 97.5))
+    return float(low), float(high)
+
+
+def won(wins: int, of: int) -> str:
+    """Return in how many of the seeds something won, as tables show it."""
+    return f"{wins} of {of}, {percent(wins / of)}" if of else "–"
 
 
 def decibels(snr_db: float) -> str:

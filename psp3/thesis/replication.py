@@ -24,7 +24,7 @@ from psp3.fuzzy_control.records import record
 from psp3.loading import load
 from psp3.study import latency, study
 from psp3.study.run import Run, simulate_run
-from psp3.thesis import beyond, chapter_5, chapter_6
+from psp3.thesis import beyond, chapter_5, chapter_6, definitions, figure_64
 from psp3.thesis.findings import Reproduction
 from psp3.thesis.plan import NOISY, Outcomes, Plan, Series, decibels
 from psp3.three_psp.parameters import PARAMETER_SETS
@@ -145,8 +145,9 @@ def _simulate(runs: study.Study, plan: Plan, outcome: Reproduction) -> None:
 
 def _chapter_6(runs: study.Study, plan: Plan, outcome: Reproduction) -> dict[str, Series]:
     robot, results = load("psp3"), Outcomes(runs.rows())
+    definitions.definitions(robot, results, plan, outcome)
     chapter_6.table_6_3(robot, results, plan, outcome)
-    chapter_6.type_2_against_type_1(results, plan, outcome)
+    figure_64.type_2_against_type_1(results, plan, outcome)
     beyond.averaging(results, plan, outcome)
     beyond.learners(results, plan, outcome)
     beyond.breaking_noise(results, plan, outcome)
@@ -156,7 +157,7 @@ def _chapter_6(runs: study.Study, plan: Plan, outcome: Reproduction) -> dict[str
     beyond.numbers_of_terms(results, plan, outcome)
     beyond.other_trajectories(results, plan, outcome)
     chapter_6.table_6_1(robot, outcome)
-    return {"figure_64": chapter_6.ratios_of_figure_64(results, plan), "mean_variation": variations}
+    return {"figure_64": figure_64.ratios_of_figure_64(results, plan), "mean_variation": variations}
 
 
 def _table_6_2(outcome: Reproduction, quick: bool) -> None:

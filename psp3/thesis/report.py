@@ -93,7 +93,14 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
         f"<li><a href='#table-{number}'>{escape(table.title)}</a></li>"
         for number, table in enumerate(outcome.tables)
     )
-    tables = "".join(_table(number, table, drawings) for number, table in enumerate(outcome.tables))
+    opening, tables = (
+        "".join(
+            _table(number, table, drawings)
+            for number, table in enumerate(outcome.tables)
+            if table.opening == first
+        )
+        for first in (True, False)
+    )
     versions = ", ".join(
         f"{name} {number}" for name, number in outcome.numbers.get("versions", {}).items()
     )
@@ -101,7 +108,7 @@ def write_report(outcome: Reproduction, path: Path) -> Path:
         "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
         "content='width=device-width, "
         f"initial-scale=1'><title>{escape(TITLE)}</title><style>{STYLE}</style></head><body>"
-        f"<main><h1>{escape(TITLE)}</h1><ul class='answer'>{answer}</ul>{animation}<nav "
+        f"<main><h1>{escape(TITLE)}</h1>{opening}<ul class='answer'>{answer}</ul>{animation}<nav "
         f"aria-label='Contents'><ul>{contents}<li><a "
         f"href='#figures'>Figures</a></li></ul></nav>{tables}<h2 "
         f"id='figures'>Figures</h2>{rest}<p class='note'>Computed with {escape(versions)}. All "

@@ -84,7 +84,8 @@ class RunOptions:
         typer.Option(
             metavar="NAME",
             rich_help_panel=RUNS,
-            help="How t1, it2 and gt2 learn their rules; strongest unless given.",
+            help="How t1, it2 and gt2 learn their rules: strongest (unless given), strict (table "
+            "look-up, as the thesis), average or ridge.",
         ),
     ] = None
     terms: Annotated[

@@ -120,14 +120,18 @@ def test_wider_type_1_terms_are_set_against_type_2(gain: float, said: int) -> No
     type2 = Outcomes(made_up)
     for row in made_up:
         if row["term_width"] != 1.0:
-            run = Run("it2", snr_db=row["snr_db"], seed=row["seed"])
+            run = Run("it2", snr_db=row["snr_db"], seed=row["seed"], learner=row["learner"])
             row[plan.ERROR] = gain * float(type2.values(run, row["seed"] + 1)[-1])
     outcome = Reproduction()
     beyond.averaging(Outcomes(made_up), PLAN, outcome)
     assert len(outcome.answer) == said
-    first, *noisy = outcome.tables[0].rows
-    assert all(("type-1 × 3 better" in row[-1]) == (gain < 1.0) for row in noisy)
-    assert (first[0], first[-1], len(noisy)) == ("∞", "type-2 is type-1 here", 3)
+    of_strongest, of_average = outcome.tables[0].rows[:4], outcome.tables[0].rows[4:]
+    for first, *noisy in (of_strongest, of_average):
+        assert all(("type-1 × 3 better" in row[-1]) == (gain < 1.0) for row in noisy)
+        assert all(row[-2] == ("6 of 6, 100 %" if said else "0 of 6, 0 %") for row in noisy)
+        assert (first[1], first[-1], len(noisy)) == ("∞", "type-2 is type-1 here", 3)
+    if said:
+        assert outcome.answer[0].count("wins in 6 of 6, 6 of 6 and 6 of 6 seeds") == 2
 
 
 def test_shares_of_broken_runs_are_those_of_the_runs() -> None:

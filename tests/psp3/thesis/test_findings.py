@@ -27,12 +27,12 @@ def test_verdicts_by_ratio(computed: float, printed: float, words: str) -> None:
     assert verdict(computed, printed).startswith(words)
 
 
-def test_verdict_says_whether_the_interval_holds_the_printed_number() -> None:
-    assert "within the interval" in verdict(2.0, 1.0, (0.9, 4.0))
-    assert "within the interval" not in verdict(2.0, 1.0, (1.1, 4.0))
-    # An interval that holds everything makes nothing agree.
+def test_verdict_says_whether_single_runs_spread_over_the_printed_number() -> None:
+    assert verdict(2.0, 1.0, (0.9, 4.0)).endswith("printed within the spread of single runs")
+    assert verdict(2.0, 1.0, (1.1, 4.0)).endswith("printed outside of the spread of single runs")
+    # A spread that holds everything makes nothing agree.
     assert verdict(10.0, 1.0, (0.0, 100.0)).startswith("not reproduced")
-    assert "within" not in verdict(2.0, 1.0, (math.nan, math.nan))
+    assert "spread" not in verdict(2.0, 1.0, (math.nan, math.nan))
 
 
 @pytest.mark.parametrize(

@@ -66,6 +66,15 @@ def outcome(tmp_path: Path) -> Reproduction:
     return found
 
 
+def test_the_report_opens_with_the_opening_table(outcome: Reproduction, tmp_path: Path) -> None:
+    """Before the answer; the others come after it, and each of them once."""
+    outcome.tables.append(Table("The opening", ["a"], [["cell of it"]], opening=True))
+    order = Page(write_report(outcome, tmp_path / "opening.html").read_text("utf-8")).order
+    places = [order.index(text) for text in ("cell of it", "The answer, in plain words.", "<b>")]
+    assert places == sorted(places)
+    assert [order.count(text) for text in ("cell of it", "<b>")] == [1, 1]
+
+
 @pytest.fixture
 def page(outcome: Reproduction, tmp_path: Path) -> Page:
     return Page(write_report(outcome, tmp_path / "report.html").read_text(encoding="utf-8"))
