@@ -1,13 +1,11 @@
-"""Figures: those of the thesis, one function each, named after the number there.
-
-Forces along a path; maps of the workspace.
+"""Figures of runs under control: tracking, differences, and the terms of fuzzy controllers.
 
 Every function draws into the axes it is given, or into those of a new figure, and returns them;
 ``axes[0].figure`` is the figure to save. Nothing here touches ``matplotlib.pyplot``. The look is
 that of matplotlib's settings in force::
 
     with fuzzy2.plots.style.style():
-        figure_34()[0].figure.savefig("figure_34.svg")
+        figure_of_tracking(result, "PD")[0].figure.savefig("tracking.svg")
 """
 
 from __future__ import annotations

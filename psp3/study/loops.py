@@ -1,6 +1,6 @@
-"""Compiled runs of the controllers that adaptive ones are compared with.
+"""Compiled runs: the loop of controller and plant for the 3-PSP, one for each kind of controller.
 
-Computed torque with an integral, and linear feedback.
+Classical and fuzzy controllers, adaptive ones, computed torque with an integral, linear feedback.
 """
 
 from __future__ import annotations
