@@ -62,7 +62,31 @@ def compiled(function: Function) -> Function:
         The compiled function. Where no directory for the cache can be written it is compiled anew
         in every process.
     """
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
+    return _compiled(function, {})
+
+
+def inner(function: Function) -> Function:
+    """Compile ``function`` as :func:`compiled` does, for calls from compiled functions only.
+
+    It has no entry from Python, and its code goes into that of its callers.
+
+    Parameters
+    ----------
+    function : callable
+        A short function of scalars and contiguous arrays.
+
+    Returns
+    -------
+    callable
+        The compiled function.
+    """
+    return _compiled(
+        function, {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+    )
+
+
+def _compiled(function: Function, more: dict[str, Any]) -> Function:
+    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", **more}
     try:
         compiled_function: Function = numba.njit(cache=True, **options)(function)
     except RuntimeError:  # "no locator available": site-packages and home are both read-only

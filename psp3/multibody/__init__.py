@@ -1,0 +1,1 @@
+"""The dynamics of any tree with loops, compiled: one core for all robots."""

@@ -1,0 +1,438 @@
+"""A tree of Pinocchio with closures, as the flat arrays of :mod:`psp3.multibody.tree`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array, Indices
+from psp3.errors import UnsupportedJoint
+from psp3.multibody.tree import (
+    BALL,
+    CLOSURES,
+    COORDINATES,
+    DEPENDENT,
+    DRIVEN,
+    ELEMENT_NUMBERS,
+    ELEMENTS,
+    FACTORS,
+    FRAME,
+    FREE,
+    GROUPS,
+    HEADER,
+    INDEPENDENT,
+    JOINT_NUMBERS,
+    LOCKED,
+    MEMORY_PARTS,
+    POINT,
+    ROWS,
+    ROWS_OF_KIND,
+    SCREW,
+    UNBOUNDED,
+    VELOCITIES,
+)
+
+CLOSURE_TOLERANCE = 1e-13
+"""Residual at which loops count as closed, per meter of robot [m, rad]; Newton's method usually
+ends at 1e-16.
+"""
+
+LARGEST_RESIDUAL = 1e-11
+"""Residual that loops may keep where Newton's method can do no better, per meter of robot [m,
+rad].
+"""
+
+
+class FlatTree(NamedTuple):
+    """The arrays of a tree, and what reads them in Python."""
+
+    integers: Indices
+    numbers: Array
+    groups: list[list[int]]
+    """Numbers of the closures in each group."""
+
+
+class _Element:
+    """One joint, or one screw of a joint that is a chain of them."""
+
+    def __init__(
+        self, kind: int, parent: int, index_q: int, index_v: int, placement: pin.SE3, screw: Array
+    ) -> None:
+        self.kind, self.parent, self.index_q, self.index_v = kind, parent, index_q, index_v
+        self.placement, self.screw = placement, screw
+        self.inertia: pin.Inertia | None = None
+
+    @property
+    def freedoms(self) -> int:
+        return {BALL: 3, FREE: 6}.get(self.kind, 1)
+
+    @property
+    def velocities(self) -> range:
+        return range(self.index_v, self.index_v + self.freedoms)
+
+
+class _Closure:
+    """One closure: the two elements that it joins, its frames in them, and those on either side."""
+
+    def __init__(self, elements: list[_Element], of_joint: list[int], constraint: Any) -> None:
+        self.kind = FRAME if constraint.type == pin.ContactType.CONTACT_6D else POINT
+        self.ends = of_joint[constraint.joint1_id], of_joint[constraint.joint2_id]
+        self.placements = constraint.joint1_placement, constraint.joint2_placement
+        ways = [_way(elements, end) for end in self.ends]
+        common = set(ways[0]) & set(ways[1])
+        self.sides = {
+            e: sign for way, sign in zip(ways, (-1, 1), strict=True) for e in way if e not in common
+        }
+
+
+def flattened(
+    model: pin.Model, constraint_models: Sequence[Any], independent_v: Indices
+) -> FlatTree:
+    """Return a tree with loops as the compiled kernels take it.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The tree.
+    constraint_models : sequence of pinocchio.RigidConstraintModel
+        The loop closures.
+    independent_v : (n,) ndarray of int
+        Velocity indices of the independent joints, in the order of the independent coordinates.
+
+    Returns
+    -------
+    FlatTree
+        Elements and closures, in groups that share no dependent joint.
+
+    Raises
+    ------
+    UnsupportedJoint
+        If a joint is not a chain of screws, a ball joint or a free flyer (mimic and planar joints
+        are not).
+    """
+    elements, of_joint = _elements(model)
+    closures = [_Closure(elements, of_joint, constraint) for constraint in constraint_models]
+    independent = {int(v): number for number, v in enumerate(independent_v)}
+    groups = _groups(elements, closures, independent)
+    return _packed(model, elements, closures, groups, independent)
+
+
+def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
+    """Return the elements of a tree, parents first, and the last element of joints.
+
+    For every joint; −1 is the universe.
+    """
+    data, neutral = model.createData(), pin.neutral(model)
+    pin.computeJointJacobians(model, data, neutral)
+    elements: list[_Element] = []
+    of_joint = [-1]
+    for index in range(1, model.njoints):
+        joint, name = model.joints[index], str(model.names[index])
+        parent = of_joint[model.parents[index]]
+        fixed = data.oMi[model.parents[index]].actInv(data.oMi[index])
+        # Of a model with a single degree of freedom Pinocchio returns a vector.
+        whole = pin.getJointJacobian(model, data, index, pin.ReferenceFrame.LOCAL).reshape(
+            6, model.nv
+        )
+        axes = whole[:, joint.idx_v : joint.idx_v + joint.nv]
+        kind = _kind(joint)
+        if kind in (BALL, FREE):
+            elements.append(_Element(kind, parent, joint.idx_q, joint.idx_v, fixed, np.zeros(6)))
+        elif kind == UNBOUNDED:
+            elements.append(
+                _Element(UNBOUNDED, parent, joint.idx_q, joint.idx_v, fixed, axes[:, 0].copy())
+            )
+        elif joint.nq == joint.nv and joint.nv > 0:
+            # A chain of screws, each seen from the end of the chain, which lets the first carry the
+            # whole fixed placement.
+            for k in range(joint.nv):
+                placement = fixed if k == 0 else pin.SE3.Identity()
+                at = joint.idx_q + k, joint.idx_v + k
+                elements.append(_Element(SCREW, parent, *at, placement, axes[:, k].copy()))
+                parent = len(elements) - 1
+        else:
+            raise UnsupportedJoint(name, joint.shortname())
+        elements[-1].inertia = model.inertias[index]
+        of_joint.append(len(elements) - 1)
+    _compare(model, elements, of_joint)
+    return elements, of_joint
+
+
+def _kind(joint: Any) -> int:
+    """Return the kind of a joint's element, or ``SCREW``."""
+    if (joint.nq, joint.nv) == (4, 3) and "Spherical" in joint.shortname():
+        return BALL
+    if (joint.nq, joint.nv) == (7, 6) and "FreeFlyer" in joint.shortname():
+        return FREE
+    return UNBOUNDED if (joint.nq, joint.nv) == (2, 1) else SCREW
+
+
+def _compare(model: pin.Model, elements: list[_Element], of_joint: list[int]) -> None:
+    """Refuse a joint whose elements do not move as Pinocchio moves it."""
+    data, rng = model.createData(), np.random.default_rng(0)
+    q = pin.integrate(model, pin.neutral(model), rng.uniform(-0.5, 0.5, model.nv))
+    pin.forwardKinematics(model, data, q)
+    placements: list[pin.SE3] = []
+    for element in elements:
+        at = element.index_q
+        if element.kind in (BALL, FREE):
+            joint = pin.XYZQUATToSE3(
+                np.concatenate([np.zeros(3), q[at : at + 4]])
+                if element.kind == BALL
+                else q[at : at + 7]
+            )
+        else:
+            joint = pin.exp6(
+                element.screw * (q[at] if element.kind == SCREW else np.arctan2(q[at + 1], q[at]))
+            )
+        parent = placements[element.parent] if element.parent >= 0 else pin.SE3.Identity()
+        placements.append(parent * element.placement * joint)
+    for index in range(1, model.njoints):
+        ours, theirs = placements[of_joint[index]], data.oMi[index]
+        turn = np.linalg.norm(elements[of_joint[index]].screw[3:])
+        # Every parent agrees, so the first joint that differs is the one that is not understood.
+        # Kernels take the rotation of a screw to be of unit length.
+        if min(turn, abs(turn - 1.0)) > 1e-12 or not np.allclose(
+            ours.homogeneous,
+            theirs.homogeneous,
+            rtol=0.0,
+            atol=1e-9 * (1.0 + np.abs(theirs.translation).max()),
+        ):
+            raise UnsupportedJoint(str(model.names[index]), model.joints[index].shortname())
+
+
+def _way(elements: list[_Element], end: int) -> list[int]:
+    """Return the elements from one to the root."""
+    way = []
+    while end >= 0:
+        way.append(end)
+        end = elements[end].parent
+    return way
+
+
+def _groups(
+    elements: list[_Element], closures: list[_Closure], independent: dict[int, int]
+) -> list[list[int]]:
+    """Return the closures in groups that share dependent elements."""
+    groups: list[tuple[set[int], list[int]]] = []
+    for number, closure in enumerate(closures):
+        passive = {e for e in closure.sides if elements[e].index_v not in independent}
+        mine = [number]
+        apart = []
+        for others, members in groups:
+            if passive & others:
+                passive |= others
+                mine = members + mine
+            else:
+                apart.append((others, members))
+        groups = [*apart, (passive, mine)]
+    return [sorted(members) for _, members in groups]
+
+
+def _flat(placement: pin.SE3) -> Array:
+    return np.concatenate([placement.rotation.ravel(), placement.translation])
+
+
+def _body(element: _Element) -> tuple[bool, Array]:
+    """Return whether an element has mass, and its numbers."""
+    numbers = np.zeros(ELEMENT_NUMBERS)
+    numbers[:12], numbers[12:18] = _flat(element.placement), element.screw
+    if element.inertia is not None:
+        moments = element.inertia.inertia
+        numbers[18], numbers[19:22] = element.inertia.mass, element.inertia.lever
+        numbers[22:] = moments[np.triu_indices(3)]
+    return bool(numbers[18:].any()), numbers
+
+
+class _Group:
+    """The arrays of one group."""
+
+    def __init__(
+        self, elements: list[_Element], closures: list[_Closure], members: list[int]
+    ) -> None:
+        self.closures = members
+        shares: dict[int, int] = {}
+        for number in members:
+            for e in closures[number].sides:
+                shares[e] = shares.get(e, 0) + 1
+        self.elements = sorted(shares)
+        # What many closures share comes last, so that the reflections of one leg leave the others
+        # alone.
+        first = {
+            e: min(k for k, number in enumerate(members) if e in closures[number].sides)
+            for e in self.elements
+        }
+        self.order = sorted(self.elements, key=lambda e: (shares[e], first[e], e))
+
+
+def _packed(
+    model: pin.Model,
+    elements: list[_Element],
+    closures: list[_Closure],
+    groups: list[list[int]],
+    independent: dict[int, int],
+) -> FlatTree:
+    """Return the arrays of a tree, of which all parts are known."""
+    order = [number for members in groups for number in members]
+    columns = np.full(model.nv, LOCKED, dtype=np.int64)
+    for v, number in independent.items():
+        columns[v] = -1 - number
+    dependent: list[int] = []
+    members_list: list[int] = []
+    paths: list[tuple[int, ...]] = []
+    drivers: list[int] = []
+    table: list[list[int]] = []
+    closure_rows: dict[int, int] = {}
+    tolerances: list[float] = []
+    ends: list[int] = []
+    row = factor_at = driven_at = 0
+    for members in groups:
+        group = _Group(elements, closures, members)
+        own = [v for e in group.elements for v in elements[e].velocities if v in independent]
+        driver = {v: place for place, v in enumerate(own)}
+        first = len(dependent)
+        for e in group.order:
+            for v in elements[e].velocities:
+                if v not in independent:
+                    columns[v] = len(dependent)
+                    dependent.append(v)
+        rows = 0
+        entry = [len(members_list), len(closure_rows), len(paths), len(drivers), row, first]
+        for number in members:
+            closure_rows[number] = rows
+            for e, sign in sorted(closures[number].sides.items()):
+                for v in elements[e].velocities:
+                    column = -1 - driver[v] if v in driver else int(columns[v]) - first
+                    paths.append((order.index(number), v, sign, column, e))
+            rows += ROWS_OF_KIND[closures[number].kind]
+        count = len(dependent) - first
+        ends += _ends(
+            rows,
+            count,
+            {
+                (closure_rows[order[path[0]]] + i, path[3])
+                for path in paths[entry[2] :]
+                if path[3] >= 0
+                for i in range(ROWS_OF_KIND[closures[order[path[0]]].kind])
+            },
+        )
+        entry += [rows, count, len(own), factor_at, driven_at, int(rows == count)]
+        table.append(entry)
+        members_list += group.elements
+        drivers += [independent[v] for v in own]
+        row, factor_at, driven_at = (
+            row + rows,
+            factor_at + rows * count,
+            driven_at + rows * len(own),
+        )
+        size = 1.0 + sum(
+            float(np.linalg.norm(elements[e].placement.translation)) for e in group.elements
+        )
+        tolerances += [LARGEST_RESIDUAL * size, CLOSURE_TOLERANCE * size]
+    table.append(
+        [len(members_list), len(closures), len(paths), len(drivers), row, len(dependent)]
+        + [0, 0, 0, factor_at, driven_at, 0]
+    )
+    # The last members are all elements.
+    members_list += range(len(elements))
+    bodies = [_body(element) for element in elements]
+    places = {joint.idx_v: joint.idx_q for joint in list(model.joints)[1:]}
+    element_rows = [(e.kind, e.parent, e.index_q, e.index_v, e.freedoms) for e in elements]
+    joined = [(closures[k].kind, *closures[k].ends, closure_rows[k], 0) for k in order]
+    massive = [e for e, (has_mass, _) in enumerate(bodies) if has_mass]
+    counts = [
+        len(elements),
+        len(massive),
+        len(closures),
+        len(groups),
+        len(members_list),
+        len(paths),
+    ]
+    counts += [len(drivers), model.nq, model.nv, len(independent), len(dependent), row]
+    counts += [factor_at, driven_at]
+    integers = [
+        np.reshape(element_rows, -1),
+        massive,
+        np.reshape(joined, -1),
+        np.reshape(table, -1),
+        members_list,
+        np.reshape(paths, -1),
+        drivers,
+        columns,
+        [places[v] for v in independent],
+        list(independent),
+        dependent,
+        ends,
+    ]
+    joints = np.zeros((model.nv, JOINT_NUMBERS))
+    joints[:, 0] = model.armature
+    frames = [np.concatenate([_flat(p) for p in closures[k].placements]) for k in order]
+    numbers = [
+        [number for _, row_numbers in bodies for number in row_numbers],
+        [number for frame in frames for number in frame],
+        tolerances,
+        joints.ravel(),
+        np.zeros(model.nq),
+        model.gravity.linear,
+    ]
+    offsets = [*_begins(integers, HEADER), *_begins(numbers, 0), *_memory_begins(counts)]
+    return FlatTree(
+        np.concatenate([np.asarray(part, dtype=np.int64) for part in (counts, offsets, *integers)]),
+        np.concatenate([np.asarray(part, dtype=np.float64) for part in numbers]),
+        groups,
+    )
+
+
+def _ends(rows: int, columns: int, entries: set[tuple[int, int]]) -> list[int]:
+    """Return, of each column of a group's Jacobian, the row below its last entry when factored.
+
+    A reflection spreads the entries of its rows over all of these.
+    """
+    filled = np.zeros((rows, columns), dtype=bool)
+    for row, column in entries:
+        filled[row, column] = True
+    ends = []
+    for k in range(columns):
+        below = np.flatnonzero(filled[k:, k])
+        end = k + 1 + (int(below[-1]) if len(below) else 0)
+        ends.append(max(end, k + 1))
+        touched = filled[k:end, k + 1 :].any(axis=0)
+        filled[k:end, k + 1 :] |= touched
+    return ends
+
+
+def _begins(parts: Sequence[Any], first: int) -> list[int]:
+    """Return where each part begins, of parts that follow on one another from ``first`` on."""
+    return [first + sum(len(part) for part in parts[:number]) for number in range(len(parts))]
+
+
+def _memory_begins(counts: list[int]) -> list[int]:
+    """Return where each part of the memory begins, and its size."""
+    elements, closures, groups, dependent = (
+        counts[ELEMENTS],
+        counts[CLOSURES],
+        counts[GROUPS],
+        counts[DEPENDENT],
+    )
+    n, nq, nv, rows = counts[INDEPENDENT], counts[COORDINATES], counts[VELOCITIES], counts[ROWS]
+    factors, driven, twists = counts[FACTORS], counts[DRIVEN], 6 * (elements + 1)
+    sizes = [nq, 12 * elements, 6 * nv, 24 * closures, factors, dependent, driven, groups]
+    sizes += [factors, dependent, nq, n, n, rows, max(rows, dependent), dependent, dependent, 9]
+    sizes += [
+        dependent * dependent,
+        nv,
+        nv,
+        nv,
+        10 * elements,
+        twists,
+        twists,
+        twists,
+        n * twists,
+        n * twists,
+    ]
+    sizes += [n * nv, n * n, 8 * n, 4]
+    assert len(sizes) == MEMORY_PARTS
+    return [sum(sizes[:number]) for number in range(len(sizes) + 1)]
