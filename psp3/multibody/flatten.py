@@ -35,7 +35,7 @@ from psp3.multibody.tree import (
     VELOCITIES,
 )
 
-CLOSURE_TOLERANCE = 1e-13
+CLOSURE_TOLERANCE = 1e-14
 """Residual at which loops count as closed, per meter of robot [m, rad]; Newton's method usually
 ends at 1e-16.
 """
@@ -376,6 +376,7 @@ def _packed(
         tolerances,
         joints.ravel(),
         np.zeros(model.nq),
+        _limits(model, independent).ravel(),
         model.gravity.linear,
     ]
     offsets = [*_begins(integers, HEADER), *_begins(numbers, 0), *_memory_begins(counts)]
@@ -402,6 +403,21 @@ def _ends(rows: int, columns: int, entries: set[tuple[int, int]]) -> list[int]:
         touched = filled[k:end, k + 1 :].any(axis=0)
         filled[k:end, k + 1 :] |= touched
     return ends
+
+
+def _limits(model: pin.Model, independent: dict[int, int]) -> Array:
+    """Return the lowest and highest value of every coordinate, (nq, 2).
+
+    Those of independent joints are the business of trajectories and of the simulation.
+    """
+    limits = np.tile([-np.inf, np.inf], (model.nq, 1))
+    for joint in list(model.joints)[1:]:
+        if joint.nq == 1 and joint.idx_v not in independent:
+            limits[joint.idx_q] = (
+                model.lowerPositionLimit[joint.idx_q],
+                model.upperPositionLimit[joint.idx_q],
+            )
+    return limits
 
 
 def _begins(parts: Sequence[Any], first: int) -> list[int]:

@@ -1,16 +1,16 @@
-r"""What a robot with loops answers, compiled: one function a question, of one state or of many rows.
+r"""What a robot with loops answers, compiled: one question about one state, or about many rows.
 
 With L the natural orthogonal complement of the loops (thesis eq. 3.17), the equation of motion of
 the tree :math:`f(q, \dot q, \ddot q)` becomes :math:`L^T f(q, L \dot q^a, L \ddot q^a + \dot L
 \dot q^a) = \tau` (thesis eq. 3.37).
 
-Every function takes the arrays of a tree, the pose from which a row starts that is not near the row
-before, and the memory, which begins with the pose from which the first row starts (see
-:mod:`psp3.multibody.tree`). It writes its answers, and returns the first row that has none, or −1;
-what became of that row is in the memory's report.
+All questions go through one function, because every compiled function that Python can call costs
+seconds to compile.
 """
 
 from __future__ import annotations
+
+import math
 
 from fuzzy2.support.compiled import compiled
 from psp3.multibody.bodies import weigh
@@ -28,7 +28,9 @@ from psp3.multibody.inertia import (
     complement,
     coriolis_matrix,
     gravity,
+    kinetic_energy,
     mass_matrix,
+    potential_energy,
     solve_positive,
 )
 from psp3.multibody.tree import (
@@ -40,6 +42,7 @@ from psp3.multibody.tree import (
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
+    AT_LIMITS,
     AT_MASS,
     AT_REPORT,
     AT_ROOM,
@@ -49,6 +52,25 @@ from psp3.multibody.tree import (
     INDEPENDENT,
     VELOCITIES,
 )
+
+(
+    CONFIGURATION,
+    COMPLEMENT,
+    INVERSE_DYNAMICS,
+    FORWARD_DYNAMICS,
+    EQUATION_OF_MOTION,
+    ENERGIES,
+    MOTION,
+) = range(7)
+"""Questions, and what their answers are: q (nq); q and L, column by column (n · nv); forces of a
+motion (n); accelerations under forces (n); M, C (n² each) and G (n); kinetic and potential energy;
+configuration, velocities and accelerations of all joints.
+"""
+
+BEYOND_LIMIT, NOT_FINITE = 3, 4
+"""What can become of a row besides what becomes of a closure: a dependent joint is beyond its
+limits; there is no finite answer.
+"""
 
 NEAR = 0.1
 """A row starts from the pose of the row before where no independent coordinate is farther from it
@@ -73,25 +95,36 @@ def assemble(tree, numbers, memory):
 
 
 @compiled
-def _aim(tree, reference, memory, positions, row):
-    """Make a row of positions the target, and choose the pose from which it is looked for."""
+def _aim(tree, memory, positions, row):
+    """Make a row of positions the target; return whether it is near the pose."""
     target, near = tree[AT_TARGET], True
     for j in range(tree[INDEPENDENT]):
         memory[target + j] = positions[row, j]
         at = memory[tree[AT_CONFIGURATION] + tree[tree[AT_INDEPENDENT_Q] + j]]
         near = near and abs(positions[row, j] - at) <= NEAR
-    if row > 0 and not near:
-        start_from(tree, reference, memory)
+    return near
 
 
 @compiled
 def _reach(tree, numbers, memory):
-    """Move to the target; return whether it was reached."""
+    """Move to the target, all loops closed; return what became of it."""
     outcome = moved_to(tree, numbers, memory)
-    memory[tree[AT_REPORT] + 3] = float(outcome)
     if outcome == CLOSED:
-        weigh(tree, numbers, memory)
-    return outcome == CLOSED
+        q, limits = tree[AT_CONFIGURATION], tree[AT_LIMITS]
+        for i in range(tree[COORDINATES]):
+            k = limits + 2 * i
+            if not numbers[k] <= memory[q + i] <= numbers[k + 1]:
+                return BEYOND_LIMIT
+    return outcome
+
+
+@compiled
+def _is_finite(out, row):
+    """Tell whether all numbers of a row are finite."""
+    for i in range(out.shape[1]):
+        if not abs(out[row, i]) < math.inf:
+            return False
+    return True
 
 
 @compiled
@@ -138,89 +171,81 @@ def _take(tree, memory, values, row, at):
 
 
 @compiled
-def inverse_dynamics(tree, numbers, reference, memory, positions, speeds, accelerations, out):
-    """Write the forces of motions, all (N, n)."""
-    n, room = tree[INDEPENDENT], tree[AT_ROOM]
-    for row in range(positions.shape[0]):
-        _aim(tree, reference, memory, positions, row)
-        if not _reach(tree, numbers, memory):
-            return row
-        _take(tree, memory, speeds, row, room)
-        _move_with(tree, memory, room)
-        _take(tree, memory, accelerations, row, room)
-        _forces_of(tree, numbers, memory, room, room + n)
-        for j in range(n):
-            out[row, j] = memory[room + n + j]
-    return -1
+def _copy(memory, at, count, out, row, column):
+    """Copy numbers of the memory into a row, from a column on."""
+    for i in range(count):
+        out[row, column + i] = memory[at + i]
 
 
 @compiled
-def forward_dynamics(tree, numbers, reference, memory, positions, speeds, forces, out):
-    """Write the accelerations under forces, all (N, n)."""
-    n, room = tree[INDEPENDENT], tree[AT_ROOM] + tree[INDEPENDENT]
-    for row in range(positions.shape[0]):
-        _aim(tree, reference, memory, positions, row)
-        if not _reach(tree, numbers, memory):
-            return row
-        _take(tree, memory, speeds, row, room)
-        _take(tree, memory, forces, row, room + n)
-        if not accelerate(tree, numbers, memory, room, room + n, room + 2 * n):
-            memory[tree[AT_REPORT] + 3] = float(SINGULAR)
-            return row
-        for j in range(n):
-            out[row, j] = memory[room + 2 * n + j]
-    return -1
-
-
-@compiled
-def equation_of_motion(tree, numbers, reference, memory, positions, speeds, out):
-    """Write M, C (n² each) and G (n), row by row."""
-    n, room = tree[INDEPENDENT], tree[AT_ROOM]
-    for row in range(positions.shape[0]):
-        _aim(tree, reference, memory, positions, row)
-        if not _reach(tree, numbers, memory):
-            return row
-        _take(tree, memory, speeds, row, room)
-        _move_with(tree, memory, room)
+def _answer(question, tree, numbers, memory, second, third, out, row):
+    """Write one row of the answer to a question about the pose; return what became of it."""
+    n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
+    if question <= COMPLEMENT:
+        _copy(memory, tree[AT_CONFIGURATION], nq, out, row, 0)
+        if question == COMPLEMENT:
+            complement(tree, numbers, memory, 0)
+            _copy(memory, tree[AT_COMPLEMENT], n * nv, out, row, nq)
+        return CLOSED
+    # The first vector of the room is taken by the complement.
+    speeds, others, result = room + n, room + 2 * n, room + 3 * n
+    _take(tree, memory, second, row, speeds)
+    weigh(tree, numbers, memory)
+    if question == FORWARD_DYNAMICS:
+        _take(tree, memory, third, row, others)
+        if not accelerate(tree, numbers, memory, speeds, others, result):
+            return SINGULAR
+        _copy(memory, result, n, out, row, 0)
+        return CLOSED
+    _move_with(tree, memory, speeds)
+    if question == EQUATION_OF_MOTION:
         complement(tree, numbers, memory, 1)
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
-        for i in range(n * n):
-            out[row, i] = memory[tree[AT_MASS] + i]
+        _copy(memory, tree[AT_MASS], n * n, out, row, 0)
         coriolis_matrix(tree, memory, tree[AT_MASS])
-        for i in range(n * n):
-            out[row, n * n + i] = memory[tree[AT_MASS] + i]
-        gravity(tree, numbers, memory, room)
-        for j in range(n):
-            out[row, 2 * n * n + j] = memory[room + j]
-    return -1
-
-
-@compiled
-def configurations(tree, numbers, reference, memory, positions, along, out):
-    """Write closed configurations (N, nq); ``along`` a path each starts from the one before."""
-    for row in range(positions.shape[0]):
-        if along:
-            _take(tree, memory, positions, row, tree[AT_TARGET])
+        _copy(memory, tree[AT_MASS], n * n, out, row, n * n)
+        gravity(tree, numbers, memory, result)
+        _copy(memory, result, n, out, row, 2 * n * n)
+    elif question == ENERGIES:
+        out[row, 0] = kinetic_energy(tree, numbers, memory)
+        out[row, 1] = potential_energy(tree, numbers, memory)
+    else:
+        _take(tree, memory, third, row, others)
+        _forces_of(tree, numbers, memory, others, result)
+        if question == INVERSE_DYNAMICS:
+            _copy(memory, result, n, out, row, 0)
         else:
-            _aim(tree, reference, memory, positions, row)
-        closed = _reach(tree, numbers, memory)
-        for i in range(tree[COORDINATES]):
-            out[row, i] = memory[tree[AT_CONFIGURATION] + i]
-        if not closed:
-            return row
-    return -1
+            _copy(memory, tree[AT_CONFIGURATION], nq, out, row, 0)
+            _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, row, nq)
+            _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, row, nq + nv)
+    return CLOSED
 
 
 @compiled
-def complements(tree, numbers, reference, memory, positions, out):
-    """Write L, column by column (N, n · nv)."""
+def answer(
+    question, tree, numbers, reference, memory, is_warm, is_path, positions, second, third, out
+):
+    """Write the answers to a question, row by row (N, w).
+
+    The second argument are speeds, the third accelerations or forces, all (N, n); where a question
+    needs fewer, they are not looked at. With ``is_warm`` the memory begins with a pose from which
+    the first row starts, and else that is the reference; the other rows start from it, too, but on
+    a path from the row before. Return the first row that has no answer, or −1.
+    """
+    if is_warm == 0:
+        start_from(tree, reference, memory)
     for row in range(positions.shape[0]):
-        _aim(tree, reference, memory, positions, row)
-        if not _reach(tree, numbers, memory):
+        near = _aim(tree, memory, positions, row)
+        if row > 0 and is_path == 0 and not near:
+            start_from(tree, reference, memory)
+        outcome = _reach(tree, numbers, memory)
+        if outcome == CLOSED:
+            outcome = _answer(question, tree, numbers, memory, second, third, out, row)
+        if outcome == CLOSED and not _is_finite(out, row):
+            outcome = NOT_FINITE
+        if outcome != CLOSED:
+            memory[tree[AT_REPORT] + 3] = float(outcome)
             return row
-        complement(tree, numbers, memory, 0)
-        for i in range(tree[INDEPENDENT] * tree[VELOCITIES]):
-            out[row, i] = memory[tree[AT_COMPLEMENT] + i]
     return -1
 
 
@@ -241,8 +266,11 @@ def runge_kutta(tree, numbers, memory, positions, speeds, forces, duration, step
             memory[target + j], memory[u + j] = positions[j], speeds[j]
             memory[moved + j] = memory[changed + j] = 0.0
         for stage in range(4):
-            if not _reach(tree, numbers, memory):
+            outcome = _reach(tree, numbers, memory)
+            if outcome != CLOSED:
+                memory[tree[AT_REPORT] + 3] = float(outcome)
                 return step
+            weigh(tree, numbers, memory)
             if not accelerate(tree, numbers, memory, u, force, k):
                 memory[tree[AT_REPORT] + 3] = float(SINGULAR)
                 return step

@@ -73,17 +73,18 @@ is its place among the dependent speeds, or −1 − its place among the indepen
 of each dependent one, and the row below the last entry of its column when that is factored.
 """
 
-NUMBER_PARTS = 6
+NUMBER_PARTS = 7
 (
     AT_BODIES,
     AT_CLOSURE_FRAMES,
     AT_TOLERANCES,
     AT_JOINTS,
     AT_RESTS,
+    AT_LIMITS,
     AT_FREE_FALL,
 ) = range(COUNTS + INTEGER_PARTS, COUNTS + INTEGER_PARTS + NUMBER_PARTS)
 """Where the parts of the other numbers begin: rows of elements, closures, groups and velocities, see
-below; the rest of the spring at each coordinate; and the acceleration of free fall (3) [m/s²].
+below; of each coordinate the rest of its spring, and its lowest and highest value; and the acceleration of free fall (3) [m/s²].
 """
 
 MEMORY_PARTS = 32
