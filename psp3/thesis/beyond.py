@@ -199,7 +199,11 @@ def _wider_terms(
             words.append(better(difference, f"type-1 × {width:g}", "type-2"))
             entry[f"{width:g}"] = as_numbers(results.mean(wider, seeds))
         wins, both = results.wins(replace(type1, term_width=plan.widths[-1]), type2, seeds)
-        numbers[decibels(snr)] = entry | {"type_1_wins": wins, "seeds_compared": both}
+        numbers[decibels(snr)] = entry | {
+            "type_1_wins": wins,
+            "seeds_compared": both,
+            "verdicts": dict(zip([f"{width:g}" for width in plan.widths], words, strict=True)),
+        }
         of_seeds = won(wins, both)
         if math.isinf(snr):
             words, of_seeds = ["type-2 is type-1 here"], "–"

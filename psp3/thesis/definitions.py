@@ -53,6 +53,9 @@ def definitions(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproductio
     gravity = _noise_on_gravity(robot)
     outcome.numbers["definitions"] = numbers
     outcome.numbers["noise_on_gravity_at_20_dB"] = gravity
+    outcome.numbers["mean_variation_by_rule"] = {
+        decibels(snr): float(mean_variation_from_snr(snr)) for snr in plan.sweep_levels
+    }
     rule = listed([f"{float(mean_variation_from_snr(snr)):.2f}" for snr in plan.sweep_levels])
     levels = listed([decibels(snr) for snr in plan.sweep_levels])
     outcome.tables.append(

@@ -1,0 +1,279 @@
+"""Where numbers of the documents come from.
+
+The job's ``results.json``, what the thesis prints, pages that other tests or programs write, and
+constants that tests assert.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from psp3 import published
+from psp3.study.file import Row
+from psp3.study.run import Run
+from psp3.thesis.findings import REPRODUCED, SAME_ORDER, Reproduction
+from psp3.thesis.plan import NOISY, Outcomes, decibels
+from tests.cross import test_mujoco_robots, test_pinocchio
+from tests.processes import ROOT
+
+LEVELS = [decibels(snr) for snr in NOISY]
+KINDS = ("t1", "it2")
+NOTEBOOK_SEEDS = 12
+"""Seeds of the studies in notebook 5."""
+
+
+def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) -> dict[str, Any]:
+    """Return all sources.
+
+    Parameters
+    ----------
+    outcome : Reproduction
+        What the job found, for its tables.
+    numbers : mapping
+        Its ``results.json``.
+    runs : list of Row
+        The runs in its study.
+    """
+    return {
+        **numbers,
+        "rows": {
+            "results": _result_rows(outcome),
+            "definitions": _definition_rows(numbers["definitions"]),
+        },
+        "printed": _printed(),
+        "derived": _derived(numbers),
+        "notebook": _of_the_notebook(Outcomes(runs)),
+        "µs": _times(),
+        "order": _tables("concepts/fuzzy_computed_torque.md", ("torque", "tracking"), r"\d+ dB"),
+        "holds": _tables("concepts/intervals.md", ("of pairs",), r"[a-z ]+")["of pairs"],
+        "bars": {
+            **test_pinocchio.BARS,
+            "states": sum(test_pinocchio.STATES.values()),
+            "mujoco": test_mujoco_robots.TOLERANCE,
+        },
+        "verdict": {"reproduced": REPRODUCED, "same order": SAME_ORDER},
+        "python": tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
+            "requires-python"
+        ].removeprefix(">="),
+    }
+
+
+def row(*cells: str) -> str:
+    return f"| {' | '.join(cells)} |"
+
+
+def _result_rows(outcome: Reproduction) -> list[str]:
+    """Return the rows of README's second table: Table 6.3 and Figure 64 of the report."""
+
+    def table(title: str) -> list[list[str]]:
+        return next(table.rows for table in outcome.tables if table.title.startswith(title))
+
+    rows = []
+    for name, snr, printed, mean, spread, _, verdict in table("Table 6.3:"):
+        if name not in ("PID", "general type-2"):
+            at = {"–": "", "∞": ", no noise"}.get(snr, f" at {snr} dB")
+            rows.append(row(name + at, printed, mean, spread, verdict))
+    for rules, snr, _, printed, ratio, spread, _, wins, lost, verdict in table("Figure 64"):
+        label = f"type-2 / type-1 at {snr} dB, {rules}"
+        more = f"{verdict}; type-1 wins in {wins}; {lost} left out"
+        rows.append(row(label, printed, ratio, spread, more))
+    # A line of Markdown has plain spaces.
+    return [line.replace("\N{NO-BREAK SPACE}", " ") for line in rows]
+
+
+def _definition_rows(numbers: Mapping[str, Any]) -> list[str]:
+    """Return the rows of README's first table: ratios by rule and at their best."""
+    return [
+        row(
+            label,
+            *(
+                f"{by_level[snr]['ratio']['value']:.2f} / "
+                f"{by_level[snr]['best_ratio']['value']:.2f}"
+                for snr in LEVELS
+            ),
+            f"{by_level['20']['type_1']['value']:.3f}",
+        )
+        for label, by_level in numbers.items()
+    ]
+
+
+def _printed() -> dict[str, Any]:
+    """Return what the thesis prints."""
+    fuzzy = {
+        decibels(snr): {**dict(zip(KINDS, pair, strict=True)), "ratio": pair[1] / pair[0]}
+        for snr, pair in published.TABLE_6_3_FUZZY.items()
+    }
+    return {
+        **published.TABLE_6_3,
+        **fuzzy,
+        "inverse": {snr: 1.0 / pair["ratio"] for snr, pair in fuzzy.items()},
+        "step": published.TABLE_6_2,
+        "budget": published.STEP_BUDGET,
+        "gains": {name: dict(zip("pv", pair, strict=True))
+                  for name, pair in published.TABLE_6_1.items()},
+        "terms": published.TABLE_6_1_TERMS,
+        "growth": fuzzy["10"]["t1"] / fuzzy["20"]["t1"],
+    }
+
+
+def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
+    """Return ratios and extremes of numbers of the job."""
+    fuzzy, learners = numbers["table_6_3"]["fuzzy"], numbers["learners"]
+    times = {
+        snr: {kind: fuzzy[snr][kind]["mean"]["value"] / fuzzy[snr][kind]["printed"]
+              for kind in KINDS}
+        for snr in ("∞", *LEVELS)
+    }
+    noisy = [times[snr][kind] for snr in LEVELS for kind in KINDS]
+
+    def value(learner: str, snr: str, kind: str) -> float:
+        return float(learners[f"{learner}, {snr}"][kind]["value"])
+
+    wide = numbers["wider_type_1_terms"]
+    averaged = [value("average", snr, "t1") / value("strongest", snr, "it2") for snr in LEVELS]
+    widened = [wide[snr]["3"]["value"] / wide[snr]["it2"]["value"] for snr in LEVELS]
+    others = [
+        by_level
+        for label, by_level in numbers["definitions"].items()
+        if label not in ("mean square of each entry (taken here)", "mean square, on G alone")
+    ]
+    whole = [
+        by_level
+        for label, by_level in numbers["definitions"].items()
+        if "taken here" not in label and "alone" not in label
+    ]
+    terms = {name: entry["value"] for name, entry in numbers["terms"].items()}
+    classical = {
+        name: numbers["table_6_3"][name]["sum_of_squared_errors"]
+        for name in ("PD", "CTC", "PD with gravity")
+    }
+    readings = numbers["readings"].values()
+    strongest = numbers["type_2_against_type_1"]
+    return {
+        "times": times,
+        "least times": min(noisy),
+        "most times": max(noisy),
+        "CTC": classical["CTC"] / published.TABLE_6_3["CTC"],
+        "PD": classical["PD"] / published.TABLE_6_3["PD"] - 1.0,
+        "growth": fuzzy["10"]["t1"]["mean"]["value"] / fuzzy["20"]["t1"]["mean"]["value"],
+        "better under": sum(
+            all(entry["verdict"] == "type-2 better" for entry in by_level.values())
+            for by_level in numbers["definitions"].values()
+        ),
+        "definitions": len(numbers["definitions"]),
+        "averaged": {"least": min(averaged), "most": max(averaged)},
+        "widened": {"least": min(widened), "most": max(widened)},
+        "ours": {
+            extreme.__name__: extreme(entry["ratio"]["value"] for entry in strongest.values())
+            for extreme in (min, max)
+        },
+        "others": {
+            extreme.__name__: extreme(
+                entry["ratio"]["value"] for by_level in others for entry in by_level.values()
+            )
+            for extreme in (min, max)
+        },
+        "whole": {
+            extreme.__name__: extreme(
+                entry["ratio"]["value"] for by_level in whole for entry in by_level.values()
+            )
+            for extreme in (min, max)
+        },
+        "type-1 under others": {
+            extreme.__name__: extreme(entry["20"]["type_1"]["value"] for entry in whole)
+            for extreme in (min, max)
+        },
+        "growth under others": {
+            extreme.__name__: extreme(
+                entry["10"]["type_1"]["value"] / entry["20"]["type_1"]["value"] for entry in whole
+            )
+            for extreme in (min, max)
+        },
+        "inverse of averages": {
+            snr: 1.0 / learners[f"average, {snr}"]["ratio_it2"]["value"] for snr in LEVELS
+        },
+        "four terms": {
+            kind: {snr: terms[f"4, {kind}, {snr}"] / terms[f"2, {kind}, {snr}"]
+                   for snr in ("∞", *LEVELS)}
+            for kind in KINDS
+        },
+        "left out": {
+            snr: numbers["seeds"]["table_6_3"] - entry["seeds_compared"]
+            for snr, entry in strongest.items()
+        },
+        "wins": {
+            snr: entry["type_1_wins"] / entry["seeds_compared"]
+            for snr, entry in strongest.items()
+        },
+        "worse readings": sum(entry["difference"]["low"] > 0.0 for entry in readings),
+        "readings": len(numbers["readings"]),
+        "gravity over CTC": classical["PD with gravity"] / classical["CTC"],
+        "PD over PD with gravity": classical["PD"] / classical["PD with gravity"],
+    }
+
+
+def _of_the_notebook(results: Outcomes) -> dict[str, Any]:
+    """Return what notebook 5 finds with its twelve seeds, from the same runs of the job."""
+    ratios = {
+        learner: {
+            snr: results.ratio(Run(learner=learner, snr_db=float(snr)), "it2", NOTEBOOK_SEEDS)
+            for snr in ("20", "10")
+        }
+        for learner in ("strongest", "average", "ridge")
+    }
+    clear = [ratios[learner][snr].value for learner in ("strongest", "average")
+             for snr in ("20", "10")]
+    runs = (
+        *(Run("t1", snr_db=20.0, term_width=width) for width in (1.0, 1.5, 2.0)),
+        Run("it2", snr_db=20.0),
+    )
+    spreads = []
+    for run in runs:
+        values = results.values(run, NOTEBOOK_SEEDS)
+        spreads.append(float(np.nanmax(values) / np.nanmin(values)))
+    return {
+        "seeds": NOTEBOOK_SEEDS,
+        "ratios": {name: {snr: estimate._asdict() if hasattr(estimate, "_asdict") else
+                          {"value": estimate.value, "low": estimate.low, "high": estimate.high}
+                          for snr, estimate in of.items()} for name, of in ratios.items()},
+        "least ratio": min(clear),
+        "most ratio": max(clear),
+        "least spread": min(spreads),
+        "most spread": max(spreads),
+        "diverged": results.average(Run("t1", snr_db=10.0), NOTEBOOK_SEEDS) * NOTEBOOK_SEEDS,
+    }
+
+
+def _times() -> dict[str, dict[str, str]]:
+    """Return the first column of every table of docs/benchmarks.md, by the section's heading."""
+    text = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+    found: dict[str, dict[str, str]] = {}
+    for section in text.split("\n## ")[1:]:
+        heading, _, rest = section.partition("\n")
+        found[heading] = dict(re.findall(r"^\| ([^|]+) \| ([^|]+) \|", rest, flags=re.MULTILINE))
+    return found
+
+
+def _tables(page: str, names: tuple[str, ...], first: str) -> dict[str, dict[str, list[str]]]:
+    """Return tables of a page by names and by the first cells of their rows, which match ``first``.
+
+    A table begins where a first cell comes again.
+    """
+    text = (ROOT / "docs" / Path(page)).read_text(encoding="utf-8")
+    tables: list[dict[str, list[str]]] = [{}]
+    for head, rest in re.findall(rf"^\| ({first}) \| (.*) \|$", text, flags=re.MULTILINE):
+        if head in tables[-1]:
+            tables.append({})
+        tables[-1][head] = [cell.strip() for cell in rest.split("|")]
+    return dict(zip(names, tables, strict=True))
+
+
+def is_finite(value: float | None) -> bool:
+    return value is not None and math.isfinite(value)
