@@ -28,12 +28,19 @@ UNITS = {"mm": 1e3, "%": 100.0, "ms": 1e3}
 EXEMPT = {
     r"\b[Tt]ype-[12]\b": "kinds of fuzzy logic",
     r"\b3-(?:PSP|RRR)\b": "names of robots",
+    r"\b0 dBW\b": "a unit of power",
+    r"\bPentium 4\b": "name of a processor",
+    r"\bconfigurations? \d(?:(?:, | and )\d)*": "columns of Table 5.1",
     r"\b[36]D\b": "kinds of closures",
-    r"\b(?:[Cc]hapters?|[Ss]ections?|eqs?\.|Tables?|Theorems?|Figures?|Figs?\.|Notebook|notebook)"
+    r"\b(?:[Cc]hapters?|[Ss]ections?|eqs?\.|Tables?|Theorems?|[Ff]igures?|Figs?\.|[Nn]otebook|steps|frame|tip)"
     r"[ \N{NO-BREAK SPACE}]\d[\d.]*[a-c]?(?:(?:, | and | to |–)\d[\d.]*[a-c]?)*": "places",
-    r"^\| \d\.[\d.]*[a-c]?(?:(?:, | and | to )\d\.[\d.]*[a-c]?)*(?= )": "places in a table",
+    r"^\| \d\.[\d.]*[a-c]?(?:(?:, | and | to )\d\.[\d.]*[a-c]?)*(?=[ ,])": "places in a table",
+    r"\[\d\](?!\()": "links to the maps of the chapters",
+    r"\b\d(?=√|mk\b)|(?<=[<>] )0\b|\[0, 0\]": "formulas",
+    r"`seed=range\(\d+\)`|\bfrom \d+ to \d+ seeds\b": "what exercises ask for",
     r"^#+ \d+(?= )": "numbers of headings",
     r"^\d+\.(?= )": "numbers of lists",
+    r"\b(?:20(?:, | and | to |/)|15(?:, | and | to |/))*(?:20|15|10) dB": "levels of Table 6.1",
     r"\b95 %": "level of every interval here",
     r"\b2\.5 (?:to|and) 97\.5 %": "points that span the spread of single runs",
 }
@@ -41,8 +48,9 @@ EXEMPT = {
 
 # Digits that are not part of a word, and words that measure.
 NUMBER = re.compile(
-    r"(?<![\w.])(?:\d[\d,]*(?:\.\d+)?(?:e[-+]?\d+)?|\.\d+)"
-    r"|\b(?:half|thirds?|quarters?|fifths?|tenths?|twice|twofold|doubled?|\w+fold)\b"
+    r"(?<![\w.])(?:\d+(?:,\d{3})*(?:\.\d+)?(?:e[-+]?\d+)?|\.\d+)"
+    r"|\b(?:half|twice|doubled?|\w+fold)\b"
+    r"|\b(?:an?|one|two|three) (?:third|quarter|fifth|sixth|eighth|tenth|hundredth)s?\b"
     r"|\b(?:two|three|four|five|six|seven|eight|nine|ten|twelve|hundred|thousand) times\b"
 )
 FIELD = re.compile(r"\{([^{}]+)\}")

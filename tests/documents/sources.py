@@ -6,14 +6,11 @@ constants that tests assert.
 
 from __future__ import annotations
 
-import math
 import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from psp3 import published
 from psp3.study.file import Row
@@ -51,6 +48,7 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
         "derived": _derived(numbers),
         "notebook": _of_the_notebook(Outcomes(runs)),
         "µs": _times(),
+        "timed system": _timed_system(),
         "order": _tables("concepts/fuzzy_computed_torque.md", ("torque", "tracking"), r"\d+ dB"),
         "holds": _tables("concepts/intervals.md", ("of pairs",), r"[a-z ]+")["of pairs"],
         "bars": {
@@ -114,12 +112,17 @@ def _printed() -> dict[str, Any]:
         **published.TABLE_6_3,
         **fuzzy,
         "inverse": {snr: 1.0 / pair["ratio"] for snr, pair in fuzzy.items()},
-        "step": published.TABLE_6_2,
+        "step": dict(published.TABLE_6_2),
         "budget": published.STEP_BUDGET,
-        "gains": {name: dict(zip("pv", pair, strict=True))
-                  for name, pair in published.TABLE_6_1.items()},
+        "gains": {
+            name: dict(zip("pv", pair, strict=True)) for name, pair in published.TABLE_6_1.items()
+        },
         "terms": published.TABLE_6_1_TERMS,
         "growth": fuzzy["10"]["t1"] / fuzzy["20"]["t1"],
+        "C11": published.TABLE_5_1_CORIOLIS[0, 0],
+        "C31": published.TABLE_5_1_CORIOLIS[2, 0],
+        "right C11": -published.TABLE_5_1_CORIOLIS[0, 1:].sum(),
+        "right C31": -published.TABLE_5_1_CORIOLIS[2, 1:].sum(),
     }
 
 
@@ -127,8 +130,9 @@ def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
     """Return ratios and extremes of numbers of the job."""
     fuzzy, learners = numbers["table_6_3"]["fuzzy"], numbers["learners"]
     times = {
-        snr: {kind: fuzzy[snr][kind]["mean"]["value"] / fuzzy[snr][kind]["printed"]
-              for kind in KINDS}
+        snr: {
+            kind: fuzzy[snr][kind]["mean"]["value"] / fuzzy[snr][kind]["printed"] for kind in KINDS
+        }
         for snr in ("∞", *LEVELS)
     }
     noisy = [times[snr][kind] for snr in LEVELS for kind in KINDS]
@@ -156,7 +160,23 @@ def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
     }
     readings = numbers["readings"].values()
     strongest = numbers["type_2_against_type_1"]
+    looked_up = [
+        value("strict", snr, kind) / fuzzy[snr][kind]["printed"] for snr in LEVELS for kind in KINDS
+    ]
+    worse = [
+        entry["verdict"] == "type-1 better" for by_level in others for entry in by_level.values()
+    ]
+    small = numbers["definitions"]["mean square, on M and C alone"]
     return {
+        "star": numbers["parameters"]["default"]["star_inertia"][0]
+        / numbers["parameters"]["table_3_1"]["star_inertia"][0],
+        "strict times": {"min": min(looked_up), "max": max(looked_up)},
+        "worse cells": sum(worse),
+        "other cells": len(worse),
+        "growth on M and C": small["10"]["type_1"]["value"] / small["20"]["type_1"]["value"],
+        "largest type-1 under others": max(
+            entry["type_1"]["value"] for by_level in whole for entry in by_level.values()
+        ),
         "times": times,
         "least times": min(noisy),
         "most times": max(noisy),
@@ -169,6 +189,9 @@ def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
         ),
         "definitions": len(numbers["definitions"]),
         "averaged": {"least": min(averaged), "most": max(averaged)},
+        "wide share": {
+            snr: wide[snr]["3"]["value"] / fuzzy[snr]["t1"]["mean"]["value"] for snr in LEVELS
+        },
         "widened": {"least": min(widened), "most": max(widened)},
         "ours": {
             extreme.__name__: extreme(entry["ratio"]["value"] for entry in strongest.values())
@@ -200,8 +223,10 @@ def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
             snr: 1.0 / learners[f"average, {snr}"]["ratio_it2"]["value"] for snr in LEVELS
         },
         "four terms": {
-            kind: {snr: terms[f"4, {kind}, {snr}"] / terms[f"2, {kind}, {snr}"]
-                   for snr in ("∞", *LEVELS)}
+            kind: {
+                snr: terms[f"4, {kind}, {snr}"] / terms[f"2, {kind}, {snr}"]
+                for snr in ("∞", *LEVELS)
+            }
             for kind in KINDS
         },
         "left out": {
@@ -209,8 +234,7 @@ def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
             for snr, entry in strongest.items()
         },
         "wins": {
-            snr: entry["type_1_wins"] / entry["seeds_compared"]
-            for snr, entry in strongest.items()
+            snr: entry["type_1_wins"] / entry["seeds_compared"] for snr, entry in strongest.items()
         },
         "worse readings": sum(entry["difference"]["low"] > 0.0 for entry in readings),
         "readings": len(numbers["readings"]),
@@ -220,34 +244,38 @@ def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _of_the_notebook(results: Outcomes) -> dict[str, Any]:
-    """Return what notebook 5 finds with its twelve seeds, from the same runs of the job."""
+    """Return what notebook 5 finds with its seeds, from the same runs of the job."""
+    levels, learners = {"20": 20.0, "10": 10.0}, ("strongest", "average", "ridge")
     ratios = {
         learner: {
-            snr: results.ratio(Run(learner=learner, snr_db=float(snr)), "it2", NOTEBOOK_SEEDS)
-            for snr in ("20", "10")
+            name: results.ratio(Run(learner=learner, snr_db=snr), "it2", NOTEBOOK_SEEDS)
+            for name, snr in levels.items()
         }
-        for learner in ("strongest", "average", "ridge")
+        for learner in learners
     }
-    clear = [ratios[learner][snr].value for learner in ("strongest", "average")
-             for snr in ("20", "10")]
+    clear = [ratio.value for learner in learners[:2] for ratio in ratios[learner].values()]
+
+    def type_1(learner: str, snr: float) -> float:
+        return results.mean(Run("t1", learner=learner, snr_db=snr), NOTEBOOK_SEEDS).value
+
     runs = (
         *(Run("t1", snr_db=20.0, term_width=width) for width in (1.0, 1.5, 2.0)),
         Run("it2", snr_db=20.0),
     )
-    spreads = []
-    for run in runs:
-        values = results.values(run, NOTEBOOK_SEEDS)
-        spreads.append(float(np.nanmax(values) / np.nanmin(values)))
+    errors = [results.values(run, NOTEBOOK_SEEDS) for run in runs]
+    spreads = [float(values.max() / values.min()) for values in errors]
     return {
         "seeds": NOTEBOOK_SEEDS,
-        "ratios": {name: {snr: estimate._asdict() if hasattr(estimate, "_asdict") else
-                          {"value": estimate.value, "low": estimate.low, "high": estimate.high}
-                          for snr, estimate in of.items()} for name, of in ratios.items()},
+        "ratios": ratios,
         "least ratio": min(clear),
         "most ratio": max(clear),
+        "learner": {
+            name: type_1("strongest", snr) / type_1("average", snr) for name, snr in levels.items()
+        },
+        "type": {name: 1.0 / ratios["strongest"][name].value for name in levels},
         "least spread": min(spreads),
         "most spread": max(spreads),
-        "diverged": results.average(Run("t1", snr_db=10.0), NOTEBOOK_SEEDS) * NOTEBOOK_SEEDS,
+        "diverged": round(results.average(Run("t1", snr_db=10.0), NOTEBOOK_SEEDS) * NOTEBOOK_SEEDS),
     }
 
 
@@ -259,6 +287,14 @@ def _times() -> dict[str, dict[str, str]]:
         heading, _, rest = section.partition("\n")
         found[heading] = dict(re.findall(r"^\| ([^|]+) \| ([^|]+) \|", rest, flags=re.MULTILINE))
     return found
+
+
+def _timed_system() -> dict[str, str]:
+    """Return the size of the fuzzy systems that docs/benchmarks.md times."""
+    text = (ROOT / "docs" / "benchmarks.md").read_text(encoding="utf-8")
+    match = re.search(r"(?P<rules>\d+) rules, (?P<outputs>\d+) outputs", text)
+    assert match is not None
+    return match.groupdict()
 
 
 def _tables(page: str, names: tuple[str, ...], first: str) -> dict[str, dict[str, list[str]]]:
@@ -273,7 +309,3 @@ def _tables(page: str, names: tuple[str, ...], first: str) -> dict[str, dict[str
             tables.append({})
         tables[-1][head] = [cell.strip() for cell in rest.split("|")]
     return dict(zip(names, tables, strict=True))
-
-
-def is_finite(value: float | None) -> bool:
-    return value is not None and math.isfinite(value)
