@@ -58,9 +58,9 @@ def tables_5_1_and_5_2(outcome: Reproduction) -> None:
             "printed, with the star inertia of Table 3.1 divided by ten and its large moment "
             "about an axis in the star's plane. A star with three equal arms cannot have that "
             "inertia: with the symmetric star of the default parameters M differs by "
-            f"{default_error:.2f} kg, with Table 3.1 as printed by {printed_error:.1f} kg. Printed C "
-            "cannot be reproduced under any convention that "
-            "was tried: C11 = 10.0159 is a misprint for 0.0159 and C31 = 0.0346 for 0.0436 "
+            f"{default_error:.2f} kg, with Table 3.1 as printed by {printed_error:.1f} kg. Printed "
+            "C cannot be reproduced under any convention that was tried: C11 = 10.0159 is a "
+            "misprint for 0.0159 and C31 = 0.0346 for 0.0436 "
             "(then its rows sum to zero, as they must), and even so its column sums miss the "
             f"rate of those of M by {column_gap:.3f} kg/s.",
         )

@@ -55,6 +55,7 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
             **test_pinocchio.BARS,
             "states": sum(test_pinocchio.STATES.values()),
             "mujoco": test_mujoco_robots.TOLERANCE,
+            "mujoco states": test_mujoco_robots.STATES,
         },
         "verdict": {"reproduced": REPRODUCED, "same order": SAME_ORDER},
         "python": tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
@@ -79,9 +80,10 @@ def _result_rows(outcome: Reproduction) -> list[str]:
             at = {"–": "", "∞": ", no noise"}.get(snr, f" at {snr} dB")
             rows.append(row(name + at, printed, mean, spread, verdict))
     for rules, snr, _, printed, ratio, spread, _, wins, lost, verdict in table("Figure 64"):
-        label = f"type-2 / type-1 at {snr} dB, {rules}"
-        more = f"{verdict}; type-1 wins in {wins}; {lost} left out"
+        label = f"type-2 / type-1 at {snr} dB, {rules.partition(' of ')[0]}"
+        more = f"{verdict}; type-1 wins in {wins.partition(',')[0]}; {lost} left out"
         rows.append(row(label, printed, ratio, spread, more))
+    rows = [line.replace("spread of single runs", "spread") for line in rows]
     # A line of Markdown has plain spaces.
     return [line.replace("\N{NO-BREAK SPACE}", " ") for line in rows]
 
@@ -238,7 +240,13 @@ def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
         },
         "worse readings": sum(entry["difference"]["low"] > 0.0 for entry in readings),
         "readings": len(numbers["readings"]),
-        "gravity over CTC": classical["PD with gravity"] / classical["CTC"],
+        "sags": {
+            extreme.__name__: extreme(
+                numbers["trajectories"][name]["PD"]["value"]
+                for name in ("circle", "line", "waypoints", "large-helix")
+            )
+            for extreme in (min, max)
+        },
         "PD over PD with gravity": classical["PD"] / classical["PD with gravity"],
     }
 

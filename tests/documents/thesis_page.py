@@ -14,13 +14,18 @@ TEMPLATES = (
         "{settings/control_period:ms.0f} ms."
     ),
     (
+        "even so only {table_6_3/fuzzy/∞/t1/coverage:%.0f} % of type-1's steps without noise, and"
+        " {table_6_3/fuzzy/20/t1/coverage:%.0f} % at 20 dB, are within the inputs that were "
+        "learned, and the others are clamped to these."
+    ),
+    (
         "**The robot** is that of Table 3.1 with {derived/star:.1f} of the printed star inertia, "
         "see chapter 5."
     ),
     (
-        "**Means** are over {seeds/table_6_3} seeds of Table 6.3, its definitions' first row, "
-        "learners and wide terms, and over {seeds/sweeps} of all else, less the seeds with which "
-        "a run diverged."
+        "**Means** are over {seeds/table_6_3} seeds (Table 6.3, type-2 against type-1, learners, "
+        "and wide terms of rules that keep the strongest sample) or over {seeds/sweeps} (all "
+        "else), less the seeds with which a run diverged."
     ),
     (
         "**Intervals of 95 %** held the true value in {holds/mean/2} of simulated sets (means), "
@@ -90,8 +95,8 @@ TEMPLATES = (
         "and rad"
     ),
     (
-        "feed-forward with the exact model, started at rest, has lost the robot after "
-        "{trajectories/helix/feed-forward/end_time:.1f} s on the helix:"
+        "feed-forward with the exact model, started at rest as all runs here, has lost the robot "
+        "after {trajectories/helix/feed-forward/end_time:.1f} s on the helix:"
     ),
     (
         "a star inertia of {derived/star:.1f} of the printed one gives Table 5.1's M, the printed"
@@ -131,10 +136,7 @@ TEMPLATES = (
         "square and up to {order/torque/20 dB/1} N at 20 dB, nearly all of it through the "
         "centroid and not through the order;"
     ),
-    (
-        "the errors are {order/tracking/20 dB/3} of the default's (geometric mean, 95 % interval,"
-        " seeds in which it is better)"
-    ),
+    "{order/tracking/20 dB/3} (geometric mean, 95 % interval, seeds in which it is less)",
     (
         "at 10 dB {table_6_3/fuzzy/10/t1/diverged:%.0f} % of type-1's runs diverge and "
         "{table_6_3/fuzzy/10/it2/diverged:%.0f} % of type-2's, and a nut leaves its screw in "
@@ -149,8 +151,9 @@ TEMPLATES = (
     "PD's error is {printed/PD} m²",
     "{table_6_3/PD/sum_of_squared_errors:.4f} m²;",
     (
-        "it is the sag of {table_6_3/PD/sag:mm.0f} mm under gravity, squared and summed, and "
-        "would be nearly the same on any slow path."
+        "it is the sag of {table_6_3/PD/sag:mm.0f} mm under gravity, squared and summed, and is "
+        "{derived/sags/min:.3f} to {derived/sags/max:.3f} m² on a circle, a line, a square and a "
+        "larger helix."
     ),
     (
         "with the exact gravity added the error falls to {table_6_3/PD with "
@@ -176,6 +179,11 @@ TEMPLATES = (
         "{learners/strict, ∞/t1/value:.4f} m²."
     ),
     (
+        "On the helix PD with exact gravity (gains {printed/gains/PD/p:.0f} and "
+        "{printed/gains/PD/v:.0f} against {printed/gains/CTC/p:.0f} and {printed/gains/CTC/v:.0f}"
+        " times M) leaves less than each;"
+    ),
+    (
         "on faster ones it leaves more ({trajectories/fast-helix/PD with gravity/value:.3f} "
         "against {trajectories/fast-helix/fuzzy/value:.3f} m²)"
     ),
@@ -192,7 +200,7 @@ TEMPLATES = (
         "With the look-up {learners/strict, 20/t1/value:sig}, {learners/strict, 15/t1/value:sig} "
         "and {learners/strict, 10/t1/value:sig} m²"
     ),
-    "{printed/20/it2}, {printed/15/it2}, {printed/10/it2} m²",
+    "{printed/20/it2:.4f}, {printed/15/it2:.4f}, {printed/10/it2:.4f} m²",
     (
         "{table_6_3/fuzzy/20/it2/mean/value:sig}, {table_6_3/fuzzy/15/it2/mean/value:sig} and "
         "{table_6_3/fuzzy/10/it2/mean/value:sig} m²:"
@@ -310,11 +318,11 @@ TEMPLATES = (
     "{µs/One control step/t1} and {µs/One control step/it2} µs;",
     "by five α-planes {µs/One control step/gt2, 5 α-planes} µs.",
     (
-        "general type-2 leaves {learners/strongest, 20/ratio_gt2/value:.2f}, {learners/strongest,"
-        " 15/ratio_gt2/value:.2f} and {learners/strongest, 10/ratio_gt2/value:.2f} of type-1's "
-        "error, interval type-2 less;"
+        "general type-2 in the default order leaves {learners/strongest, 20/ratio_gt2/value:.2f},"
+        " {learners/strongest, 15/ratio_gt2/value:.2f} and {learners/strongest, "
+        "10/ratio_gt2/value:.2f} of type-1's error, interval type-2 less;"
     ),
-    "defuzzified last it leaves {order/tracking/20 dB/4} of interval type-2's error at 20 dB",
+    "{order/tracking/20 dB/4}",
     (
         "noise on G is then {noise_on_gravity_at_20_dB/noise:.1f} N at 20 dB, on a quantity that "
         "varies by {noise_on_gravity_at_20_dB/standard_deviation:.1f} N (standard deviation) "
@@ -345,7 +353,7 @@ TEMPLATES = (
     ),
     (
         "type-1 with wide terms leaves {derived/wide share/20:.2f}, {derived/wide share/15:.2f} "
-        "and {derived/wide share/10:.2f} of type-1's."
+        "and {derived/wide share/10:.2f} of plain type-1's."
     ),
     (
         "under the product they fail by {asserted "
