@@ -107,6 +107,15 @@ class RunOptions:
             ),
         ),
     ] = None
+    defuzzify: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="What gt2 makes crisp: first M, C and G (unless given), or last the torque, as "
+            "the thesis.",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -225,6 +234,7 @@ def study(
         "mean_variation": runs.mean_variation,
         "snr_reference": runs.snr_reference,
         "noisy_entries": runs.noisy_entries,
+        "defuzzify": runs.defuzzify,
         **vars(plant),
         # The last vary fastest: what runs one after another differs in controller and noise only.
         "controller": runs.controller or ["pd", "ctc", "t1", "it2"],
@@ -286,6 +296,7 @@ def _study_tables(
         "learner": "learner",
         "n_terms": "terms",
         "mean_variation": "mean variation",
+        "defuzzify": "defuzzified",
         "payload": "payload (kg)",
         "coulomb_friction": "dry friction (N)",
         "viscous_friction": "viscous friction (N s/m)",

@@ -85,7 +85,7 @@ def test_defaults_are_those_of_table_6_3(study: Run) -> None:
 def test_every_option_reaches_the_runs(study: Run) -> None:
     arguments = (
         "--controller gt2 --reading plant --snr 15 --seeds 2 --trajectory line --learner strict "
-        "--terms 3 --mean-variation 0.2"
+        "--terms 3 --mean-variation 0.2 --defuzzify last"
     )
     status, out, _ = study(*arguments.split(), "--payload", 0.5, "--duration", 0.1, "--workers", 1)
     assert status == 0
@@ -99,6 +99,7 @@ def test_every_option_reaches_the_runs(study: Run) -> None:
         learner="strict",
         n_terms=3,
         mean_variation=0.2,
+        defuzzify="last",
         payload=0.5,
         duration=0.1,
     )
