@@ -223,6 +223,10 @@ class Outcomes:
         pair = self._pair(run, controller, seeds)
         return statistics.ratio_of_means(*(pair[::-1] if inverse else pair))
 
+    def typical_ratio(self, run: Run, controller: str, seeds: int) -> Estimate:
+        """Return the ratio of the geometric means over the same seeds: that of typical runs."""
+        return statistics.ratio_of_geometric_means(*self._pair(run, controller, seeds))
+
     def spread(self, run: Run, seeds: int) -> tuple[float, float]:
         """Return the 2.5 and 97.5 % points of single runs' errors, of those that did not diverge.
 

@@ -23,6 +23,7 @@ from psp3.errors import InvalidValue
 from psp3.fuzzy_control.records import record
 from psp3.loading import load
 from psp3.study import latency, study
+from psp3.study.intervals import MEASURED_COVERAGE, MEASURED_COVERAGE_OF_TEN
 from psp3.study.run import Run, simulate_run
 from psp3.thesis import beyond, chapter_5, chapter_6, definitions, figure_64
 from psp3.thesis.findings import Reproduction
@@ -208,6 +209,10 @@ def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
     for name in ("PD", "CTC"):
         outcome.files.append(outcome.results[name].save(directory / f"{name.lower()}.npz"))
     outcome.numbers["answer"] = outcome.answer
+    outcome.numbers["measured_coverage"] = {
+        "30 seeds": dict(MEASURED_COVERAGE),
+        "10 seeds": dict(MEASURED_COVERAGE_OF_TEN),
+    }
     outcome.numbers["seeds"] = {"table_6_3": plan.seeds, "sweeps": plan.sweep_seeds}
     outcome.numbers["parameters"] = {
         name: parameters.as_dict() for name, parameters in PARAMETER_SETS.items()

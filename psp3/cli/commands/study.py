@@ -284,7 +284,8 @@ def _study_tables(
 
     Every setting, then type-2 beside type-1.
     """
-    from psp3.study.statistics import MEASURED_COVERAGE, Estimate, compare, summarize
+    from psp3.study.intervals import coverage_in_words
+    from psp3.study.statistics import Estimate, compare, summarize
 
     headings = {
         "controller": "controller",
@@ -328,12 +329,7 @@ def _study_tables(
         )
         return f"{value}{unit} ({low} to {high})" if estimate.count > 1 else f"{value}{unit}"
 
-    def held(*estimands: str) -> str:
-        shares = ", ".join(
-            f"{100.0 * MEASURED_COVERAGE[name]:.0f} % ({name})" for name in estimands
-        )
-        return f"in simulations of 30 such seeds they held the truth in {shares}"
-
+    seeds = max(summary.diverged.count for summary in summaries)
     title = ", ".join(["Sum of squared errors, one sample per 0.05 s (m²)", *fixed])
     cells = [
         [
@@ -348,8 +344,8 @@ def _study_tables(
     shown = [headings[name] for name in names]
     note = (
         "In brackets 95 % intervals, by bootstrap and of shares Wilson's; "
-        f"{held('mean', 'median')}. Means and medians are over the seeds that did not diverge. "
-        "What does not depend on the seed is done once."
+        f"{coverage_in_words('mean', 'median', seeds=seeds)}. Means and medians are over the "
+        "seeds that did not diverge. What does not depend on the seed is done once."
     )
     yield title, [*shown, "mean", "median", "diverged", "seeds"], cells, note
     cells = [
@@ -364,11 +360,12 @@ def _study_tables(
         for comparison in compare(rows, name, "t1")
     ]
     if cells:
+        estimands = ("difference of means", "ratio of means", "ratio of geometric means")
         note = (
             "Paired by seed, over the seeds with which neither diverged: mean of type-2 minus "
             "type-1, ratio of their means, and ratio of their geometric means, which is the factor "
             "between typical runs. In brackets 95 % intervals; "
-            f"{held('difference of means', 'ratio of means', 'ratio of geometric means')}."
+            f"{coverage_in_words(*estimands, seeds=seeds)}."
         )
         yield (
             "Type-2 beside type-1",
