@@ -31,6 +31,8 @@ th, td { text-align: left; padding: .35rem .6rem; border-bottom: 1px solid var(-
 vertical-align: top; }
 th { line-height: 1.3; max-width: 9rem; } td.numbers { white-space: pre; }
 th, td { overflow-wrap: normal; } td:last-child { min-width: 7rem; }
+@media (max-width: 40rem) { th, td { padding: .3rem .4rem; }
+  :is(th, td):first-child { position: sticky; left: 0; background: var(--ground); } }
 .note { color: var(--muted); font-size: .9rem; max-width: 54rem; }
 figure { margin: 1.5rem 0; } figcaption { color: var(--muted); font-size: .9rem; max-width: 54rem; }
 img { width: 100%; min-width: 34rem; height: auto; background: #ffffff; border-radius: 4px; \

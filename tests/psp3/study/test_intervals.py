@@ -163,7 +163,7 @@ def test_what_is_printed_beside_intervals_is_what_the_page_says(page: ModuleType
     assert set(intervals.MEASURED_COVERAGE) == set(page.ESTIMATES)
     for name, least in intervals.MEASURED_COVERAGE.items():
         assert least == round(min(share[name] for share in shares), 2)
-    assert dict(intervals.MEASURED_COVERAGE_OF_TEN) == printed["20 dB, 10 pairs"]
+    assert dict(intervals.MEASURED_COVERAGE_OF_TEN) == pytest.approx(printed["20 dB, 10 pairs"])
 
 
 def test_coverage_in_words_is_that_of_so_many_seeds() -> None:
