@@ -14,7 +14,6 @@ import numpy as np
 from fuzzy2.learning.noise import mean_variation_from_snr
 from psp3 import published
 from psp3.fuzzy_control.records import RecordNoise, record
-from psp3.study.intervals import coverage_in_words
 from psp3.study.run import Run
 from psp3.thesis.findings import (
     Reproduction,
@@ -24,7 +23,16 @@ from psp3.thesis.findings import (
     significant,
     with_interval,
 )
-from psp3.thesis.plan import DEFINITIONS, Outcomes, Plan, count, decibels, listed, share_diverged
+from psp3.thesis.plan import (
+    DEFINITIONS,
+    Outcomes,
+    Plan,
+    count,
+    decibels,
+    in_brackets,
+    listed,
+    share_diverged,
+)
 from psp3.three_psp.robot import PSP3
 from psp3.trajectories.paths import Helix
 
@@ -37,6 +45,9 @@ CONTRADICTION = (
     "\u201con the recorded inputs\u201d take the section at its word."
 )
 """Where the thesis says two things, and which of them is taken."""
+
+ESTIMANDS = ("ratio of means", "ratio of geometric means", "difference of means")
+"""What the table estimates with intervals, or judges by them."""
 
 
 def definitions(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
@@ -82,8 +93,9 @@ def definitions(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproductio
             "type-2 becomes type-1, and the ratio 1: where the least one is the best, the best "
             "type-2 is nearly type-1. Ratios are over the seeds with which neither controller "
             "diverged: of means, which runs with large errors decide, and of geometric means, the "
-            "factor between typical runs. In brackets 95 % intervals; "
-            f"{_held(plan)}. The verdict is by the difference of means, seed by seed.",
+            "factor between typical runs. "
+            f"{in_brackets((plan.seeds, plan.sweep_seeds), *ESTIMANDS)} The verdict is by the "
+            "difference of means, seed by seed.",
             opening=True,
         )
     )
@@ -134,15 +146,6 @@ def _compared(results: Outcomes, plan: Plan, run: Run, seeds: int) -> dict[str, 
             f"{word}; {best_word}",
         ],
     }
-
-
-def _held(plan: Plan) -> str:
-    """Return how often intervals of the table held the truth, with both numbers of seeds."""
-    estimands = ("ratio of means", "ratio of geometric means", "difference of means")
-    return "; ".join(
-        coverage_in_words(*estimands, seeds=seeds)
-        for seeds in dict.fromkeys((plan.seeds, plan.sweep_seeds))
-    )
 
 
 def _noise_on_gravity(robot: PSP3) -> dict[str, float]:

@@ -209,16 +209,16 @@ def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
     for name in ("PD", "CTC"):
         outcome.files.append(outcome.results[name].save(directory / f"{name.lower()}.npz"))
     outcome.numbers["answer"] = outcome.answer
-    outcome.numbers["measured_coverage"] = {
-        "30 seeds": dict(MEASURED_COVERAGE),
-        "10 seeds": dict(MEASURED_COVERAGE_OF_TEN),
-    }
     outcome.numbers["seeds"] = {"table_6_3": plan.seeds, "sweeps": plan.sweep_seeds}
     outcome.numbers["parameters"] = {
         name: parameters.as_dict() for name, parameters in PARAMETER_SETS.items()
     }
     outcome.numbers["versions"] = {"python": platform.python_version()} | {
         name: version(name) for name in ("psp3", "pin", "numpy", "numba")
+    }
+    outcome.numbers["measured_coverage"] = {
+        "30 seeds": dict(MEASURED_COVERAGE),
+        "10 seeds": dict(MEASURED_COVERAGE_OF_TEN),
     }
     path = directory / "results.json"
     write_text(
