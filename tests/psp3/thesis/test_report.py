@@ -125,6 +125,21 @@ def test_text_is_text_and_links_have_targets(page: Page) -> None:
     assert {link["href"] for link in page.all("a")} <= targets
 
 
+def test_cells_wrap_between_words_and_keep_intervals_and_rows_of_numbers(
+    outcome: Reproduction, tmp_path: Path
+) -> None:
+    cells = ["0.473 (0.296 to 0.755), 30 % diverged", " 1.0000  -0.5000", "5 of 30, no difference"]
+    outcome.tables.append(Table("Cells", ["a", "b", "c"], [cells]))
+    page = Page(write_report(outcome, tmp_path / "cells.html").read_text(encoding="utf-8"))
+    unbroken = "0.473 (0.296~to~0.755), 30~% diverged".replace("~", "\N{NO-BREAK SPACE}")
+    place = page.order.index(unbroken)
+    assert page.order[place + 1] == cells[1]
+    assert page.order[place + 2] == cells[2].replace("5 of 30", "5~of~30").replace(
+        "~", "\N{NO-BREAK SPACE}"
+    )
+    assert [cell.get("class") for cell in page.all("td")[-3:]] == [None, "numbers", None]
+
+
 def opening_table() -> Table:
     """Return cells as long as those of the comparison under every definition of the noise."""
     cells = [
