@@ -43,7 +43,7 @@ a { color: var(--link); }
 
 NO_BREAK = "\N{NO-BREAK SPACE}"
 
-_UNBROKEN = re.compile(r"\([^()\s]+ to [^()\s]+\)|[\d.]+ (?:%|dB|mm?|to|of|at) ?[\d.]*")
+_UNBROKEN = re.compile(r"\([^()\s]+ to [^()\s]+\)|[\d.]+ (?:%|dB|m²?|(?:to|of|at) [\d.]+)")
 """Parts of a cell that are read as one."""
 
 TITLE = "3-PSP robot: the thesis's comparison, recomputed"
