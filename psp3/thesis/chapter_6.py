@@ -26,6 +26,7 @@ from psp3.simulation.metrics import (
 )
 from psp3.simulation.tracking import simulate
 from psp3.study import statistics
+from psp3.study.intervals import coverage_in_words
 from psp3.study.latency import Latency
 from psp3.study.run import Run
 from psp3.thesis.findings import (
@@ -302,9 +303,9 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
                 else ""
             )
             + (
-                "Intervals: bootstrap over seeds. Means leave out the runs that diverged, which "
-                "favors the controller that diverges. A printed noisy number is one run, so it is "
-                "compared with the spread of single runs."
+                f"Intervals of 95 %: {coverage_in_words('mean', seeds=plan.seeds)}. Means leave "
+                "out the runs that diverged, which favors the controller that diverges. A printed "
+                "noisy number is one run, so it is compared with the spread of single runs."
             ),
         ),
         Table(
@@ -322,7 +323,8 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
             "can take. Off stroke: share of those in which a nut passed the end of its screw, "
             "which the simulation, as the thesis, lets it do. Last column: mean share of the "
             "control steps whose four inputs lie within what the rules were learned on; "
-            "elsewhere they are clamped to it.",
+            "elsewhere they are clamped to it. Intervals of 95 %: "
+            f"{coverage_in_words('median', seeds=plan.seeds)}.",
             detail=True,
         ),
     ]

@@ -24,6 +24,7 @@ from psp3.fuzzy_control.records import record
 from psp3.loading import load
 from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
 from psp3.study import latency, study
+from psp3.study.intervals import MEASURED_COVERAGE, MEASURED_COVERAGE_OF_TEN
 from psp3.study.run import Run, simulate_run
 from psp3.thesis import beyond, chapter_5, chapter_6, definitions, figure_64
 from psp3.thesis.findings import Reproduction
@@ -227,6 +228,10 @@ def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
     }
     outcome.numbers["versions"] = {"python": platform.python_version()} | {
         name: version(name) for name in ("psp3", "pin", "numpy", "numba")
+    }
+    outcome.numbers["measured_coverage"] = {
+        "30 seeds": dict(MEASURED_COVERAGE),
+        "10 seeds": dict(MEASURED_COVERAGE_OF_TEN),
     }
     path = directory / "results.json"
     write_text(
