@@ -50,7 +50,6 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
         "µs": _times(),
         "timed system": _timed_system(),
         "order": _tables("concepts/fuzzy_computed_torque.md", ("torque", "tracking"), r"\d+ dB"),
-        "holds": _tables("concepts/intervals.md", ("of pairs",), r"[a-z ]+")["of pairs"],
         "bars": {
             **test_pinocchio.BARS,
             "states": sum(test_pinocchio.STATES.values()),
@@ -220,6 +219,9 @@ def _derived(numbers: Mapping[str, Any]) -> dict[str, Any]:
                 entry["10"]["type_1"]["value"] / entry["20"]["type_1"]["value"] for entry in whole
             )
             for extreme in (min, max)
+        },
+        "typical inverse": {
+            snr: 1.0 / strongest[snr]["ratio_of_geometric_means"]["value"] for snr in LEVELS
         },
         "inverse of averages": {
             snr: 1.0 / learners[f"average, {snr}"]["ratio_it2"]["value"] for snr in LEVELS
