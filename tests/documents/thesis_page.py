@@ -522,7 +522,8 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             ),
         ),
         (
-            "with intervals that include one at 15 and 10 dB, which those of geometric means do not",
+            "with intervals that include one at 15 and 10 dB, which those of geometric means do "
+            "not",
             [one for one in levels if ours[one]["best_ratio"]["high"] > 1.0] == ["15", "10"]
             and all(
                 entry["best_ratio_of_geometric_means"]["high"] < 1.0 for entry in ours.values()
