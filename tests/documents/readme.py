@@ -219,8 +219,8 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             table["fuzzy"]["10"]["t1"]["diverged"] > table["fuzzy"]["10"]["it2"]["diverged"],
         ),
         (
-            "its number for PD comes out, that for computed torque in order of magnitude, its noisy "
-            "ones do not",
+            "its number for PD comes out, that for computed torque in order of magnitude, its "
+            "noisy ones do not",
             abs(sources["derived"]["PD"]) < sources["verdict"]["reproduced"]
             and sources["derived"]["CTC"] > 1.0 / sources["verdict"]["same order"]
             and sources["derived"]["least times"] > sources["verdict"]["same order"],
