@@ -56,7 +56,6 @@ ELSEWHERE = {
     "psp3/cli/commands/reproduce.py": ("psp3/thesis/test_replication.py", OF_THE_JOB),
     "psp3/cli/option_groups.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
-    "psp3/cli/output.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/shared.py": ("psp3/cli/commands/test_torques.py", OF_EVERY_COMMAND),
     "psp3/control/controller.py": (
         "psp3/simulation/test_tracking.py",

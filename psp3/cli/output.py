@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,10 @@ import typer
 if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.table import Table
+
+
+KEYS = 2
+"""Columns that say what a row is about, repeated where a table is divided."""
 
 
 def new_table(title: str, *columns: str, note: str = "") -> Table:
@@ -34,58 +38,91 @@ def new_table(title: str, *columns: str, note: str = "") -> Table:
     return table
 
 
-def _narrow_table(headings: list[str], rows: list[list[str]]) -> Table:
-    """Return a table that fits 80 columns.
+def _is_number(word: str) -> bool:
+    return (
+        word.replace("\N{MINUS SIGN}", "-")
+        .lstrip("+-")
+        .replace(".", "", 1)
+        .replace("e-", "")
+        .isdigit()
+    )
 
-    It breaks headings and sentences between words, and numbers never.
-    """
+
+def _is_text(column: Sequence[str]) -> bool:
+    """Tell whether a column holds sentences, which may wrap, and not only rows of numbers."""
+    return any(" " in cell and not all(map(_is_number, cell.split())) for cell in column)
+
+
+def _least_width(heading: str, column: Sequence[str]) -> int:
+    """Return the length of the longest piece of a column that is not broken."""
+    pieces = [word for cell in column for word in cell.split()] if _is_text(column) else column
+    return max(map(len, (*heading.split(), *pieces)), default=0)
+
+
+def _room_of(widths: Sequence[int]) -> int:
+    """Return the width of a table: three spaces between two columns, and one at each end."""
+    return sum(width + 3 for width in widths) - 1
+
+
+def _widened(least: Sequence[int], columns: Sequence[Sequence[str]], room: int) -> list[int]:
+    """Return widths of columns that fit: sentences get what room there is, the longest first."""
+    widths = list(least)
+    longest = [max(map(len, column), default=0) if _is_text(column) else 0 for column in columns]
+    for _ in range(room - _room_of(widths)):
+        number = max(range(len(widths)), key=lambda k: longest[k] / max(widths[k], 1))
+        if longest[number] > widths[number]:
+            widths[number] += 1
+    return widths
+
+
+def _parts(widths: Sequence[int], room: int) -> list[list[int]]:
+    """Divide columns of least widths so that each part fits, every one with the first two."""
+    parts: list[list[int]] = [[]]
+    for number in range(len(widths)):
+        wanted = [*parts[-1], number]
+        if _room_of([widths[k] for k in wanted]) > room and len(parts[-1]) > KEYS:
+            parts.append([*range(KEYS), number])
+        else:
+            parts[-1] = wanted
+    return parts
+
+
+def _narrow_table(headings: Sequence[str], columns: Sequence[Sequence[str]], room: int) -> Table:
+    """Return a table that breaks headings and sentences between words, and numbers never."""
     import textwrap
 
     from rich import box
     from rich.table import Table
     from rich.text import Text
 
-    def is_number(word: str) -> bool:
-        return (
-            word.replace("\N{MINUS SIGN}", "-")
-            .lstrip("+-")
-            .replace(".", "", 1)
-            .replace("e-", "")
-            .isdigit()
-        )
-
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
-    cells = [[" ".join(cell.split()) for cell in row] for row in rows]
-    for heading, column in zip(headings, zip(*cells, strict=True), strict=True):
-        sentences = any(" " in cell and not all(map(is_number, cell.split())) for cell in column)
-        longest = max(
-            map(
-                len,
-                (
-                    *heading.split(),
-                    *(word for cell in column for word in (cell.split() if sentences else [cell])),
-                    "",
-                ),
-            )
-        )
-        table.add_column(
-            Text("\n".join(textwrap.wrap(heading, longest))),
-            no_wrap=not sentences,
-            min_width=longest,
-        )
-    for row in cells:
+    least = [_least_width(*both) for both in zip(headings, columns, strict=True)]
+    for heading, narrowest, width in zip(
+        headings, least, _widened(least, columns, room), strict=True
+    ):
+        # Fixed, for widths that are left to it may get less than their longest word.
+        table.add_column(Text("\n".join(textwrap.wrap(heading, narrowest))), width=width)
+    for row in zip(*columns, strict=True):
         table.add_row(*map(Text, row))
     return table
 
 
 def show_narrow(title: str, headings: list[str], rows: list[list[str]], note: str = "") -> None:
-    """Print a table that fits 80 columns between its title and a note."""
+    """Print a table between its title and a note.
+
+    What does not fit beside the rest, 80 columns or the terminal's, comes below it, with the first
+    two columns again.
+    """
     from rich.console import Console
     from rich.text import Text
 
     console = Console(highlight=False)
     console.print(Text(title, style="bold"))
-    console.print(_narrow_table(headings, rows))
+    columns = list(zip(*([" ".join(cell.split()) for cell in row] for row in rows), strict=True))
+    widths = [_least_width(*both) for both in zip(headings, columns, strict=True)]
+    for part in _parts(widths, console.width):
+        some = [headings[k] for k in part], [columns[k] for k in part]
+        console.print(_narrow_table(*some, console.width))
     if note:
         console.print(Text(note, style="dim"))
 

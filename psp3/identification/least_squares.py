@@ -178,7 +178,9 @@ def identify(
     -----
     CorrelatedResiduals
         If neighboring residuals of a joint are correlated, in time order, beyond what independent
-        noise of forces and positions shows in 1 % of identifications.
+        noise of forces and positions shows in 1 % of identifications. Of negative correlation
+        nothing is said: it makes intervals too wide, unless samples are hardly denser than the
+        harmonics.
     """
     robot = base.unknowns.robot
     measured = finite_rows("forces", forces, len(robot.actuated))

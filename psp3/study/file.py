@@ -48,9 +48,9 @@ SHARED = ("duration",)
 do not go into one table.
 """
 
-ADDED = ("snr_reference", "noisy_entries")
-"""Last fields of a run, which files that were written before do not have. A run with their defaults
-is the run that it was before them, and has the same key.
+ADDED = (("snr_reference", "noisy_entries"), ("defuzzify",))
+"""Last fields of a run, in the groups in which they were added: files that were written before lack
+one group or more. A run with their defaults is the run that it was before, and has the same key.
 """
 
 PATIENCE = 30.0
@@ -86,17 +86,21 @@ def contents(run: Run) -> dict[str, Value]:
 def key(run: Run) -> str:
     """Return the text that identifies a run: its contents as JSON.
 
-    Without the fields in :data:`ADDED` if all of them are at their defaults.
+    Without the last groups of :data:`ADDED` of which all fields are at their defaults.
     """
-    values = contents(run)
-    if all(values[name] == default for name, default in _defaults_of_added().items()):
-        values = {name: value for name, value in values.items() if name not in ADDED}
+    values, defaults = contents(run), _defaults_of_added()
+    for group in reversed(ADDED):
+        if any(values[name] != defaults[name] for name in group):
+            break
+        for name in group:
+            del values[name]
     return json.dumps(list(values.values()), ensure_ascii=False)
 
 
 @cache
 def _defaults_of_added() -> dict[str, str]:
-    return {field.name: str(field.default) for field in fields(Run) if field.name in ADDED}
+    added = {name for group in ADDED for name in group}
+    return {field.name: str(field.default) for field in fields(Run) if field.name in added}
 
 
 class StudyFile:
@@ -289,10 +293,14 @@ class StudyFile:
         }
 
     def _lacks(self, connection: sqlite3.Connection) -> tuple[str, ...]:
-        """Return the fields that were added after the file was written: all of them, or none."""
+        """Return the fields that were added after the file was written: whole groups of them."""
         written = self._notes(connection)["fields"]
         layout = self._layout()["fields"]
-        return ADDED if written == layout[: len(layout) - len(ADDED)] else ()
+        for first in range(len(ADDED)):
+            absent = tuple(name for group in ADDED[first:] for name in group)
+            if written == layout[: len(layout) - len(absent)]:
+                return absent
+        return ()
 
     def _add_columns(self, connection: sqlite3.Connection) -> None:
         """Give a file from before some fields their columns, with defaults in every row."""

@@ -42,7 +42,13 @@ from psp3.checks import Array, checked_count, checked_not_negative, checked_posi
 from psp3.drives.drive import Drive, drive_table
 from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_control import kernels
-from psp3.fuzzy_control.computed_torque import OUTSIDE, REDUCTIONS, FuzzyComputedTorque, checked_snr
+from psp3.fuzzy_control.computed_torque import (
+    ORDERS,
+    OUTSIDE,
+    REDUCTIONS,
+    FuzzyComputedTorque,
+    checked_snr,
+)
 from psp3.fuzzy_control.records import ENTRIES, REFERENCES, Record, RecordNoise, record
 from psp3.loading import load
 from psp3.published import DURATION, TABLE_6_1, THESIS_SAMPLING_PERIOD
@@ -165,7 +171,7 @@ class Run:
         One of ``TRAJECTORIES``.
     learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
         See :class:`psp3.FuzzyComputedTorque`. The rules are learned on the first trajectory. The
-        learner that the thesis names, table look-up, is ``"strict"``.
+        learner that the thesis cites, table look-up, is ``"strict"``.
     payload : float
         Mass on the star, at its center, that no controller knows of [kg]; of the reading
         ``"plant"``, as are the next six.
@@ -187,6 +193,10 @@ class Run:
     noisy_entries : str
         Which of M, C and G are noisy under the readings ``"parameters"`` and ``"online"``, one of
         :data:`psp3.fuzzy_control.records.ENTRIES`.
+    defuzzify : str
+        Whether M, C and G become crisp, ``"first"``, or the fuzzy torque, ``"last"``, see
+        :class:`psp3.FuzzyComputedTorque`. Of no meaning but to ``"gt2"`` by two α-planes or more:
+        other torques are the same number either way.
     """
 
     controller: str = "it2"
@@ -214,6 +224,7 @@ class Run:
     period: float = 0.002
     snr_reference: str = "mean-square"
     noisy_entries: str = "all"
+    defuzzify: str = "first"
 
     def __post_init__(self) -> None:
         # Of numpy's numbers, which grids are often made of, as of any other.
@@ -249,6 +260,7 @@ class Run:
             ("parameter set", self.parameters, tuple(PARAMETER_SETS)),
             ("reference of the signal-to-noise ratio", self.snr_reference, REFERENCES),
             ("choice of noisy entries", self.noisy_entries, ENTRIES),
+            ("order of defuzzification", self.defuzzify, ORDERS),
         ):
             if not isinstance(name, str) or name not in known:
                 raise UnknownName(what, name, known)
@@ -330,6 +342,7 @@ class Run:
                 "outside",
                 "term_width",
                 "samples",
+                "defuzzify",
             )
         else:
             if run.controller == "t1":
@@ -337,9 +350,12 @@ class Run:
             elif run.mean_variation is None:
                 run = replace(run, mean_variation=float(mean_variation_from_snr(run.snr_db)))
             if run.controller != "gt2":
-                run = reset("levels", "reduction")
+                run = reset("levels", "reduction", "defuzzify")
             elif run.reduction == "gaussian":
-                run = reset("levels")
+                run = reset("levels", "defuzzify")
+            elif run.levels == 1:
+                # The one cut's middle, by the same sums.
+                run = reset("defuzzify")
         if self.motor_inertia == 0.0:
             # All forces are those at the nuts.
             run = reset("lead")
@@ -602,6 +618,7 @@ def trained(run: Run, robot: PSP3, rng: np.random.Generator) -> FuzzyComputedTor
         reduction=run.reduction,
         outside=run.outside,
         term_width=run.term_width,
+        defuzzify=run.defuzzify,
     )
     return controller.learn(_record(run.parameters), run.samples, rng, run.noise)
 

@@ -23,6 +23,7 @@ from psp3.thesis.plan import (
     Series,
     count,
     decibels,
+    in_brackets,
     listed,
     percent,
     share_diverged,
@@ -57,16 +58,8 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
                 entry |= {f"ratio_{kind}": as_numbers(ratio) for kind, ratio in ratios.items()} | {
                     "verdict": word
                 }
-                rows.append(
-                    [
-                        label,
-                        decibels(snr),
-                        *cells,
-                        *map(with_interval, ratios.values()),
-                        diverged,
-                        word,
-                    ]
-                )
+                cells += map(with_interval, ratios.values())
+                rows.append([label, decibels(snr), *cells, diverged, word])
                 if word != "type-2 better":
                     not_better.append(
                         (label, snr, means[learner, snr]["t1"], means[learner, snr]["it2"], word)
@@ -97,10 +90,11 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             "Reading 'parameters', two terms an input. Strongest sample: every rule keeps the "
             "sample that fires it most (the default of this package). Weighted average: the mean "
             "of all samples, weighted with how strongly they fire the rule. Table look-up of "
-            "Wang and Mendel: the procedure that the thesis names, as it was published; empty "
+            "Wang and Mendel: the procedure that we take the thesis to cite, as published; empty "
             "cells take the nearest rule. Ridge: "
             "least squares, held near the average. Diverged: shares for type-1, type-2 and "
-            "general type-2. "
+            "general type-2. Verdict: by the difference of means, seed by seed. "
+            f"{in_brackets([plan.seeds], 'mean', 'ratio of means')} "
             + (
                 f"Where type-2 does not beat type-1: {said}."
                 if not_better
@@ -150,7 +144,8 @@ def averaging(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             "Type-2 terms reach over more of each input's range, so more rules fire, and the "
             "noise in their consequents averages out. Type-1 terms with a greater standard "
             "deviation do the same with the same rules. The row without noise is what wide terms "
-            "cost where there is no noise to average.",
+            "cost where there is no noise to average. "
+            f"{in_brackets([plan.seeds, plan.sweep_seeds], 'mean')}",
             detail=True,
         )
     )
@@ -199,7 +194,11 @@ def _wider_terms(
             words.append(better(difference, f"type-1 × {width:g}", "type-2"))
             entry[f"{width:g}"] = as_numbers(results.mean(wider, seeds))
         wins, both = results.wins(replace(type1, term_width=plan.widths[-1]), type2, seeds)
-        numbers[decibels(snr)] = entry | {"type_1_wins": wins, "seeds_compared": both}
+        numbers[decibels(snr)] = entry | {
+            "type_1_wins": wins,
+            "seeds_compared": both,
+            "verdicts": dict(zip([f"{width:g}" for width in plan.widths], words, strict=True)),
+        }
         of_seeds = won(wins, both)
         if math.isinf(snr):
             words, of_seeds = ["type-2 is type-1 here"], "–"
@@ -264,7 +263,8 @@ def readings(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             "Rules are learned without noise here, with the mean variation that belongs to the "
             "signal-to-noise ratio. Masses off: every mass and inertia of the robot by a factor "
             "exp(q ε), and a payload of 5 kg · q |ε| on the star, with q = 10^(−SNR/20) and ε "
-            "standard normal; no controller knows of it.",
+            "standard normal; no controller knows of it. "
+            f"{in_brackets([plan.sweep_seeds], 'difference of means')}",
             detail=True,
         )
     )
@@ -353,7 +353,7 @@ def mean_variations(results: Outcomes, plan: Plan, outcome: Reproduction) -> Ser
             rows,
             "Reading 'parameters', strongest sample. The rule of this package takes "
             f"{listed(rule)} at {at} dB; the least mean errors are at {listed(least)}, of what "
-            "was tried.",
+            f"was tried. {in_brackets([plan.sweep_seeds], 'mean')}",
             figures=("mean_variation",),
             detail=True,
         )
@@ -408,7 +408,8 @@ def numbers_of_terms(results: Outcomes, plan: Plan, outcome: Reproduction) -> No
             "never visits, with the nearest rule: with three terms or more the other learners "
             "find rules that no sample fires, and refuse. The thesis says that more terms 'do not "
             f"offer significant improvements' and shows no numbers. Here {plan.terms[-1]} terms "
-            f"instead of {plan.terms[0]} leave {shares}.",
+            f"instead of {plan.terms[0]} leave {shares}. "
+            f"{in_brackets([plan.sweep_seeds], 'mean')}",
             detail=True,
         )
     )
@@ -469,7 +470,8 @@ def other_trajectories(results: Outcomes, plan: Plan, outcome: Reproduction) -> 
             "heights as the helix, so to the rules it is no new path. Without noise type-1 and "
             "type-2 are the same. Open loop has nothing that holds the robot on its path, and is "
             "lost wherever it starts with the wrong speed. Outside of the trained range the "
-            "inputs are clamped to it (last column: without noise, default rules).",
+            "inputs are clamped to it (last column: without noise, default rules). "
+            f"{in_brackets([plan.sweep_seeds], 'mean')}",
             detail=True,
         )
     )

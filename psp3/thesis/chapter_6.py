@@ -15,6 +15,7 @@ import numpy as np
 
 from psp3 import published
 from psp3.control.classical import PD, PID, ComputedTorque
+from psp3.errors import SimulationDiverged
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
 from psp3.simulation.metrics import (
@@ -25,6 +26,7 @@ from psp3.simulation.metrics import (
 )
 from psp3.simulation.tracking import simulate
 from psp3.study import statistics
+from psp3.study.intervals import coverage_in_words
 from psp3.study.latency import Latency
 from psp3.study.run import Run
 from psp3.thesis.findings import (
@@ -203,6 +205,8 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
             else (f"{printed:.4f}", verdict(squares, printed))
         )
         rows.append([name, "–", shown, f"{squares:.4f}", "–", f"{1e3 * tip:.0f}", words])
+    numbers["PD"]["sag"] = _sag(robot)
+    numbers["PD with the gains of CTC"] = _soft_pd(robot)
     fuzzy: dict[str, Any] = {}
     ends: list[list[str]] = []
     for snr in (math.inf, *NOISY):
@@ -233,10 +237,9 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
             }
             shown, words = "–", "not in the thesis"
             if old is not None:
-                shown, words = (
-                    f"{old:.4f}",
-                    verdict(average.value, old, spread),
-                )
+                shown, words = f"{old:.4f}", verdict(average.value, old, spread)
+                if kind == "it2" and math.isinf(snr):
+                    words += "; type-1 by construction"
             mean = f"{average.value:.4f}" if math.isinf(snr) else with_share(average, diverged)
             rows.append(
                 [
@@ -300,9 +303,9 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
                 else ""
             )
             + (
-                "Intervals: bootstrap over seeds. Means leave out the runs that diverged, which "
-                "favors the controller that diverges. A printed noisy number is one run, so it is "
-                "compared with the spread of single runs."
+                f"Intervals of 95 %: {coverage_in_words('mean', seeds=plan.seeds)}. Means leave "
+                "out the runs that diverged, which favors the controller that diverges. A printed "
+                "noisy number is one run, so it is compared with the spread of single runs."
             ),
         ),
         Table(
@@ -320,7 +323,8 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
             "can take. Off stroke: share of those in which a nut passed the end of its screw, "
             "which the simulation, as the thesis, lets it do. Last column: mean share of the "
             "control steps whose four inputs lie within what the rules were learned on; "
-            "elsewhere they are clamped to it.",
+            "elsewhere they are clamped to it. Intervals of 95 %: "
+            f"{coverage_in_words('median', seeds=plan.seeds)}.",
             detail=True,
         ),
     ]
@@ -354,6 +358,16 @@ def answer_of_table_6_3(robot: PSP3, outcome: Reproduction) -> None:
 def _sag(robot: PSP3) -> float:
     """Return how far every screw sags under PD at rest [m]."""
     return float(robot.gravity(np.zeros(3)).mean()) / published.TABLE_6_1["PD"][0]
+
+
+def _soft_pd(robot: PSP3) -> dict[str, float]:
+    """Return when PD with the gains of computed torque has lost the robot [s]."""
+    controller = PD(*published.TABLE_6_1["CTC"])
+    try:
+        result = simulate(robot, controller, Helix(robot=robot), DURATION)
+    except SimulationDiverged as error:
+        result = error.result
+    return {"end_time": float(result.t[-1])}
 
 
 def typical_seed(results: Outcomes, plan: Plan) -> int:

@@ -188,13 +188,15 @@ def with_interval(estimate: Estimate, seeds: int | None = None) -> str:
     return text if seeds is None or estimate.count == seeds else f"{text}, n = {estimate.count}"
 
 
-def as_numbers(estimate: Estimate) -> dict[str, float | int]:
+def as_numbers(estimate: Estimate) -> dict[str, float | int | str]:
     """Return an estimate for a machine."""
     return {
         "value": estimate.value,
         "low": estimate.low,
         "high": estimate.high,
         "seeds": estimate.count,
+        "estimand": estimate.estimand,
+        "method": estimate.method,
     }
 
 

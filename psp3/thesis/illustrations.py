@@ -19,6 +19,7 @@ from psp3.plots import study
 from psp3.plots.panels import Panels
 from psp3.simulation.metrics import largest_tip_error, sum_of_squared_errors
 from psp3.simulation.result import Result
+from psp3.study.intervals import coverage_in_words
 from psp3.thesis import figures
 from psp3.thesis.findings import Drawing, significant
 from psp3.thesis.plan import NOISY, Plan, Series, count, decibels
@@ -171,9 +172,10 @@ def draw_all(
     yield saved(
         "figure_64",
         figures.figure_64(curves["figure_64"], printed),
-        "Figure 64: squared error of type-1 over that of type-2, means with 95 % intervals, for "
-        f"three learners, and as printed. Above one, type-2 is better. {count(plan.seeds)}, "
-        "without those with which one of the two diverged.",
+        "Figure 64: squared error of type-1 over that of type-2, ratios of means with 95 % "
+        "intervals, for three learners, and as printed. Above one, type-2 is better. "
+        f"{count(plan.seeds)}, without those with which one of the two diverged; "
+        f"{coverage_in_words('ratio of means', seeds=plan.seeds)}.",
         "; ".join(
             f"{name}: "
             + ", ".join(
@@ -192,7 +194,8 @@ def draw_all(
             curves["mean_variation"], "mean variation, share of each input's range"
         ),
         "Sum of squared errors against the mean variation of the type-2 terms; 0 is type-1. "
-        f"Means with 95 % intervals. {count(plan.sweep_seeds)}, without the runs that diverged.",
+        f"Means with 95 % intervals. {count(plan.sweep_seeds)}, without the runs that diverged; "
+        f"{coverage_in_words('mean', seeds=plan.sweep_seeds)}.",
         "; ".join(
             f"{name}: "
             + ", ".join(

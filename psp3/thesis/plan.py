@@ -12,6 +12,7 @@ import numpy as np
 from psp3.checks import Array
 from psp3.study import statistics
 from psp3.study.file import Row, field_types
+from psp3.study.intervals import coverage_in_words
 from psp3.study.run import TRAJECTORIES, Run
 from psp3.study.statistics import Estimate
 from psp3.study.study import grid
@@ -223,6 +224,10 @@ class Outcomes:
         pair = self._pair(run, controller, seeds)
         return statistics.ratio_of_means(*(pair[::-1] if inverse else pair))
 
+    def typical_ratio(self, run: Run, controller: str, seeds: int) -> Estimate:
+        """Return the ratio of the geometric means over the same seeds: that of typical runs."""
+        return statistics.ratio_of_geometric_means(*self._pair(run, controller, seeds))
+
     def spread(self, run: Run, seeds: int) -> tuple[float, float]:
         """Return the 2.5 and 97.5 % points of single runs' errors, of those that did not diverge.
 
@@ -293,6 +298,15 @@ def percent(share: float) -> str:
 def with_share(average: Estimate, diverged: float) -> str:
     """Return an estimate with its interval, and the share of runs that diverged."""
     return with_interval(average) + share_diverged(diverged)
+
+
+def in_brackets(seeds: Iterable[int], *estimands: str) -> str:
+    """Return what stands below a table with intervals: of what they are, and how often such held.
+
+    With so many seeds, or with each of these numbers of them.
+    """
+    held = dict.fromkeys(coverage_in_words(*estimands, seeds=one) for one in seeds)
+    return f"In brackets 95 % intervals; {'; '.join(held)}."
 
 
 def share_diverged(share: float) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import re
 from html import escape
 from pathlib import Path
 
@@ -28,8 +29,10 @@ margin-top: 2.4rem; }
 table { border-collapse: collapse; font-size: .88rem; font-variant-numeric: tabular-nums; }
 th, td { text-align: left; padding: .35rem .6rem; border-bottom: 1px solid var(--line); \
 vertical-align: top; }
-th { line-height: 1.3; min-width: 3.6rem; max-width: 9rem; } td { white-space: pre; }
-td:last-child { white-space: normal; min-width: 12rem; }
+th { line-height: 1.3; max-width: 9rem; } td.numbers { white-space: pre; }
+th, td { overflow-wrap: normal; } td:last-child { min-width: 7rem; }
+@media (max-width: 40rem) { th, td { padding: .3rem .4rem; }
+  :is(th, td):first-child { position: sticky; left: 0; background: var(--ground); } }
 .note { color: var(--muted); font-size: .9rem; max-width: 54rem; }
 figure { margin: 1.5rem 0; } figcaption { color: var(--muted); font-size: .9rem; max-width: 54rem; }
 img { width: 100%; min-width: 34rem; height: auto; background: #ffffff; border-radius: 4px; \
@@ -37,6 +40,11 @@ display: block; }
 nav li { margin: .15rem 0; } nav ul { padding-left: 1.2rem; columns: 2 22rem; font-size: .9rem; }
 a { color: var(--link); }
 """
+
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
+_UNBROKEN = re.compile(r"\([^()\s]+ to [^()\s]+\)|[\d.]+ (?:%|dB|m²?|(?:to|of|at) [\d.]+)")
+"""Parts of a cell that are read as one."""
 
 TITLE = "3-PSP robot: the thesis's comparison, recomputed"
 
@@ -51,11 +59,19 @@ def _figure(drawing: Drawing) -> str:
     )
 
 
+def _cell(text: str) -> str:
+    """Return a cell, whose words wrap, but no number leaves its unit, sign or interval.
+
+    Rows of numbers, which two spaces divide, stay as they are.
+    """
+    if "  " in text:
+        return f"<td class='numbers'>{escape(text)}</td>"
+    return f"<td>{escape(_UNBROKEN.sub(lambda found: found[0].replace(' ', NO_BREAK), text))}</td>"
+
+
 def _table(number: int, table: Table, drawings: dict[str, Drawing]) -> str:
     head = "".join(f"<th scope='col'>{escape(column)}</th>" for column in table.columns)
-    body = "".join(
-        "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in table.rows
-    )
+    body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in table.rows)
     figures = "".join(_figure(drawings[name]) for name in table.figures if name in drawings)
     return (
         f"<h2 id='table-{number}'>{escape(table.title)}</h2><div class='wide' tabindex='0' "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -253,6 +254,47 @@ def _samples(result: Result) -> dict[str, Any]:
     return columns
 
 
+@dataclass(frozen=True, kw_only=True)
+class RuleOptions:
+    """What is learned, and from what noise."""
+
+    kind: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="it2 (interval type-2), t1 (type-1) or gt2 (general type-2)."
+        ),
+    ] = "it2"
+    learner: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="How rules are learned: strongest, strict, average or ridge."
+        ),
+    ] = "strongest"
+    terms: Annotated[int, typer.Option(metavar="COUNT", help="Terms of every input.")] = 2
+    snr: Annotated[
+        float,
+        typer.Option(
+            metavar="DB",
+            help="Signal-to-noise ratio of the recorded M, C and G (dB); inf adds no noise.",
+        ),
+    ] = math.inf
+    mean_variation: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SHARE",
+            help="Mean variation as a share of each input's range; it follows --snr unless given.",
+        ),
+    ] = None
+    defuzzify: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="What gt2 makes crisp: first M, C and G, or last the torque, as the thesis.",
+        ),
+    ] = "first"
+    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="Of the noise.")] = 0
+
+
 @single_options
 def train(
     *,
@@ -262,34 +304,7 @@ def train(
             parser=output_file, metavar="FILE", help="JSON file to write.", show_default=False
         ),
     ],
-    kind: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME", help="it2 (interval type-2), t1 (type-1) or gt2 (general type-2)."
-        ),
-    ] = "it2",
-    learner: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME", help="How rules are learned: strongest, strict, average or ridge."
-        ),
-    ] = "strongest",
-    terms: Annotated[int, typer.Option(metavar="COUNT", help="Terms of every input.")] = 2,
-    snr: Annotated[
-        float,
-        typer.Option(
-            metavar="DB",
-            help="Signal-to-noise ratio of the recorded M, C and G (dB); inf adds no noise.",
-        ),
-    ] = math.inf,
-    mean_variation: Annotated[
-        float | None,
-        typer.Option(
-            metavar="SHARE",
-            help="Mean variation as a share of each input's range; it follows --snr unless given.",
-        ),
-    ] = None,
-    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="Of the noise.")] = 0,
+    rules: RuleOptions,
     kp: Annotated[float, typer.Option(metavar="GAIN", help="Proportional gain (1/s²).")] = 10.0,
     kv: Annotated[float, typer.Option(metavar="GAIN", help="Derivative gain (1/s).")] = 1.0,
     parameters: Parameters = ParametersName.DEFAULT,
@@ -309,20 +324,27 @@ def train(
     robot = load_robot(parameters)
     desired, seconds = trajectory_from_options(robot, trajectory, motion)
     controller = FuzzyComputedTorque(
-        kind,
+        rules.kind,
         robot,
         kp=kp,
         kv=kv,
-        n_terms=terms,
-        learner=learner,
-        snr_db=snr,
-        mean_variation=mean_variation,
+        n_terms=rules.terms,
+        learner=rules.learner,
+        snr_db=rules.snr,
+        mean_variation=rules.mean_variation,
+        defuzzify=rules.defuzzify,
     )
     recorded = record(robot, desired, seconds, kp=kp, kv=kv)
-    controller.learn(recorded, min(209, len(recorded.t)), np.random.default_rng(seed)).save(file)
+    rng = np.random.default_rng(rules.seed)
+    controller.learn(recorded, min(209, len(recorded.t)), rng).save(file)
     note = f"{len(controller.system_.rules)} rules, mean variation {controller.mean_variation:.3g}"
     table = new_table(
-        f"{kind}, learned on {trajectory}", "trained range", "least", "greatest", "unit", note=note
+        f"{rules.kind}, learned on {trajectory}",
+        "trained range",
+        "least",
+        "greatest",
+        "unit",
+        note=note,
     )
     for name, low, high, unit in zip(
         INPUT_NAMES, *controller.ranges_, ("m", "m", "m/s", "m/s"), strict=True

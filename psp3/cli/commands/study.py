@@ -107,6 +107,15 @@ class RunOptions:
             ),
         ),
     ] = None
+    defuzzify: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="What gt2 makes crisp: first M, C and G (unless given), or last the torque, as "
+            "the thesis.",
+        ),
+    ] = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -225,6 +234,7 @@ def study(
         "mean_variation": runs.mean_variation,
         "snr_reference": runs.snr_reference,
         "noisy_entries": runs.noisy_entries,
+        "defuzzify": runs.defuzzify,
         **vars(plant),
         # The last vary fastest: what runs one after another differs in controller and noise only.
         "controller": runs.controller or ["pd", "ctc", "t1", "it2"],
@@ -274,7 +284,8 @@ def _study_tables(
 
     Every setting, then type-2 beside type-1.
     """
-    from psp3.study.statistics import MEASURED_COVERAGE, Estimate, compare, summarize
+    from psp3.study.intervals import coverage_in_words
+    from psp3.study.statistics import Estimate, compare, summarize
 
     headings = {
         "controller": "controller",
@@ -286,6 +297,7 @@ def _study_tables(
         "learner": "learner",
         "n_terms": "terms",
         "mean_variation": "mean variation",
+        "defuzzify": "defuzzified",
         "payload": "payload (kg)",
         "coulomb_friction": "dry friction (N)",
         "viscous_friction": "viscous friction (N s/m)",
@@ -317,12 +329,7 @@ def _study_tables(
         )
         return f"{value}{unit} ({low} to {high})" if estimate.count > 1 else f"{value}{unit}"
 
-    def held(*estimands: str) -> str:
-        shares = ", ".join(
-            f"{100.0 * MEASURED_COVERAGE[name]:.0f} % ({name})" for name in estimands
-        )
-        return f"in simulations of 30 such seeds they held the truth in {shares}"
-
+    seeds = max(summary.diverged.count for summary in summaries)
     title = ", ".join(["Sum of squared errors, one sample per 0.05 s (m²)", *fixed])
     cells = [
         [
@@ -337,8 +344,8 @@ def _study_tables(
     shown = [headings[name] for name in names]
     note = (
         "In brackets 95 % intervals, by bootstrap and of shares Wilson's; "
-        f"{held('mean', 'median')}. Means and medians are over the seeds that did not diverge. "
-        "What does not depend on the seed is done once."
+        f"{coverage_in_words('mean', 'median', seeds=seeds)}. Means and medians are over the "
+        "seeds that did not diverge. What does not depend on the seed is done once."
     )
     yield title, [*shown, "mean", "median", "diverged", "seeds"], cells, note
     cells = [
@@ -353,11 +360,12 @@ def _study_tables(
         for comparison in compare(rows, name, "t1")
     ]
     if cells:
+        estimands = ("difference of means", "ratio of means", "ratio of geometric means")
         note = (
             "Paired by seed, over the seeds with which neither diverged: mean of type-2 minus "
             "type-1, ratio of their means, and ratio of their geometric means, which is the factor "
             "between typical runs. In brackets 95 % intervals; "
-            f"{held('difference of means', 'ratio of means', 'ratio of geometric means')}."
+            f"{coverage_in_words(*estimands, seeds=seeds)}."
         )
         yield (
             "Type-2 beside type-1",

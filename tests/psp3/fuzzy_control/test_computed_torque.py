@@ -38,7 +38,7 @@ from psp3.errors import (
 )
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import OUTPUT_NAMES, Record, pack, record, unpack
-from psp3.study import loops
+from psp3.study.run import Run, execute
 from psp3.three_psp.parameters import Parameters
 from psp3.trajectories import Circle, Helix, Hold, Line, Motion
 
@@ -263,31 +263,6 @@ def test_last_is_the_centroid_of_the_torque_by_the_extension_principle(
                 )
 
 
-def squared_errors(controller: FuzzyComputedTorque) -> float:
-    """Return the sum of squared errors of a run of the study on the helix, 10.4 s [m²].
-
-    NaN if it diverged.
-    """
-    desired, p = HELIX(0.002 * np.arange(5201)), ROBOT.parameters.as_array()
-    samples = np.empty((5201, 11))
-    done = loops.run(
-        controller.controller,
-        p,
-        p,
-        np.empty((0, 3)),
-        np.concatenate([desired.heights, desired.speeds, desired.accelerations], axis=1),
-        np.concatenate([desired.heights[0], np.zeros(3)]),
-        0.002,
-        0.0,
-        0,
-        np.empty((0, 6)),
-        np.empty((0, 18)),
-        samples,
-    )
-    error = (desired.heights - samples[:, :3])[::25]
-    return float((error**2).sum()) if done == len(samples) else math.nan
-
-
 def cuts_on_the_path(controller: FuzzyComputedTorque, recorded: Record) -> list[np.ndarray]:
     """Return α-cuts of M, C, G and the torque at every 50th state of the training run, in NumPy.
 
@@ -351,10 +326,11 @@ def what_the_order_does(recorded: Record, snr_db: float, seeds: int = 30) -> dic
     differences, errors = [], np.empty((seeds, 3))
     for seed in range(seeds):
         for k, (kind, order) in enumerate((("it2", "first"), ("gt2", "first"), ("gt2", "last"))):
-            controller = FuzzyComputedTorque(kind, ROBOT, snr_db=snr_db, defuzzify=order)
-            # The study's source of noise.
-            controller.learn(recorded, rng=np.random.default_rng([seed, 0]))
-            errors[seed, k] = squared_errors(controller)
+            run = Run(kind, snr_db=snr_db, seed=seed, defuzzify=order)
+            errors[seed, k] = execute(run)["sum_of_squared_errors"]
+        controller = FuzzyComputedTorque("gt2", ROBOT, snr_db=snr_db, defuzzify="last")
+        # The study's source of noise.
+        controller.learn(recorded, rng=np.random.default_rng([seed, 0]))
         *entries, torque, servo = cuts_on_the_path(controller, recorded)
         alphas = controller.system_.alphas  # type: ignore[attr-defined]
         last = cut_centroid(alphas, torque)

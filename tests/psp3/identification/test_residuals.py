@@ -99,7 +99,8 @@ def test_independent_noise_deviates_as_often_as_a_normal_law_says(
 def test_correlated_noise_is_seen(regressor: Array, shared: Array) -> None:
     """Correlation 0.8 in 95 % of 200 sets of 40 samples, of one joint.
 
-    And with negative correlation never: it makes no interval too narrow.
+    And with negative correlation never: of a slow motion it makes no interval too narrow, see the
+    tests of least squares.
     """
     rng = np.random.default_rng(4)
     for correlation, least, most in ((0.8, 0.95, 1.0), (-0.8, 0.0, 0.0)):

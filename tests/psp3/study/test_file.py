@@ -118,6 +118,8 @@ def test_key_is_the_content_of_a_run() -> None:
         Run(snr_reference="unit"),
         Run(noisy_entries="gravity"),
         Run(snr_reference="unit", noisy_entries="gravity"),
+        Run(defuzzify="last"),
+        Run(snr_reference="unit", defuzzify="last"),
         Run(snr_db=20.0),
         Run(snr_db=math.nextafter(20.0, 21.0)),
     ]
@@ -249,9 +251,8 @@ def test_other_fields_and_metrics_are_refused(path: Path, note: str, text: str) 
     assert refusal.value.found == [text]
 
 
-def without_later_fields(path: Path) -> None:
-    """Make of a file what was written before runs had a reference and a choice of entries."""
-    later = ("snr_reference", "noisy_entries")
+def without_later_fields(path: Path, later: tuple[str, ...]) -> None:
+    """Make of a file what was written before runs had some fields."""
     layout = [text for text in StudyFile._layout()["fields"] if text.split(":")[0] not in later]
     change(
         path,
@@ -260,27 +261,40 @@ def without_later_fields(path: Path) -> None:
     )
 
 
-def test_file_from_before_some_fields_is_read_and_extended(path: Path) -> None:
+ORDER = ("defuzzify",)
+REFERENCE = ("snr_reference", "noisy_entries")
+
+
+@pytest.mark.parametrize("later", [ORDER, (*REFERENCE, *ORDER)])
+def test_file_from_before_some_fields_is_read_and_extended(
+    path: Path, later: tuple[str, ...]
+) -> None:
     """Its runs are those of the defaults: they are not done again, others are added."""
     before = fill(path).rows()
-    without_later_fields(path)
+    without_later_fields(path, later)
     untouched = path.read_bytes()
     assert StudyFile(path, SHARED).rows() == before
     assert path.read_bytes() == untouched
-    others = [Run(seed=5, snr_reference="unit"), Run(seed=5, noisy_entries="gravity")]
+    others = [
+        Run(seed=5, snr_reference="unit"),
+        Run(seed=5, noisy_entries="gravity"),
+        Run("gt2", seed=5, defuzzify="last"),
+    ]
     with StudyFile(path, SHARED).adding() as additions:
         assert additions.keys == set(before)
         assert {key(run) for run in RUNS} == additions.keys
         additions.add([(run, invented(run)) for run in [*others, RUNS[0]]])
     after = StudyFile(path, SHARED).rows()
     assert {name: after[name] for name in before} == before
-    assert [
-        (after[key(run)]["snr_reference"], after[key(run)]["noisy_entries"]) for run in others
-    ] == [("unit", "all"), ("mean-square", "gravity")]
+    assert [tuple(after[key(run)][name] for name in (*REFERENCE, *ORDER)) for run in others] == [
+        ("unit", "all", "first"),
+        ("mean-square", "gravity", "first"),
+        ("mean-square", "all", "last"),
+    ]
     assert {name: after[key(others[0])][name] for name in METRICS} == invented(others[0])
     # What has the new columns, is a file like any other.
     fill(path, [Run(seed=6)])
-    assert len(StudyFile(path, SHARED).rows()) == len(RUNS) + 3
+    assert len(StudyFile(path, SHARED).rows()) == len(RUNS) + 4
 
 
 def test_key_of_a_run_that_files_of_before_can_hold_is_the_one_they_have() -> None:
@@ -289,6 +303,19 @@ def test_key_of_a_run_that_files_of_before_can_hold_is_the_one_they_have() -> No
         '["it2", "parameters", 20.0, 0, "helix", "strongest", 2, 0.25, 5, "alpha_planes", '
         '"clamp", 1.0, 209, 0.0, 0.0, 0.0, 0.0, null, 0.0, 0, "default", 10.4, 0.002]'
     )
+    assert key(Run(snr_db=20.0, mean_variation=0.25, noisy_entries="gravity")) == (
+        '["it2", "parameters", 20.0, 0, "helix", "strongest", 2, 0.25, 5, "alpha_planes", '
+        '"clamp", 1.0, 209, 0.0, 0.0, 0.0, 0.0, null, 0.0, 0, "default", 10.4, 0.002, '
+        '"mean-square", "gravity"]'
+    )
+
+
+def test_file_that_lacks_a_field_between_others_is_refused(path: Path) -> None:
+    """No version wrote one with the order of defuzzification, but without what came before."""
+    fill(path)
+    without_later_fields(path, REFERENCE)
+    with pytest.raises(StudyMismatch, match="list of fields"):
+        StudyFile(path)
 
 
 def test_study_of_other_duration_is_refused(path: Path) -> None:

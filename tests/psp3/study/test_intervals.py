@@ -12,7 +12,12 @@ import pytest
 from scipy import stats
 
 from psp3.study import intervals
-from psp3.study.intervals import bootstrap_t, percentiles_of_medians, student_of_logarithms
+from psp3.study.intervals import (
+    bootstrap_t,
+    coverage_in_words,
+    percentiles_of_medians,
+    student_of_logarithms,
+)
 from tests.helpers import Array
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -153,10 +158,27 @@ def test_intervals_hold_the_truth_as_often_as_the_page_says(
 
 def test_what_is_printed_beside_intervals_is_what_the_page_says(page: ModuleType) -> None:
     """The least share of the cases with 30 pairs, in whole percents."""
-    shares = [share for name, share in page.read().items() if page.CASES[name].pairs == 30]
+    printed = page.read()
+    shares = [share for name, share in printed.items() if page.CASES[name].pairs == 30]
     assert set(intervals.MEASURED_COVERAGE) == set(page.ESTIMATES)
-    for name, printed in intervals.MEASURED_COVERAGE.items():
-        assert printed == round(min(share[name] for share in shares), 2)
+    for name, least in intervals.MEASURED_COVERAGE.items():
+        assert least == round(min(share[name] for share in shares), 2)
+    assert dict(intervals.MEASURED_COVERAGE_OF_TEN) == pytest.approx(printed["20 dB, 10 pairs"])
+
+
+def test_coverage_in_words_is_that_of_so_many_seeds() -> None:
+    many = "in simulations of 30 such seeds they held the truth in "
+    few = "in simulations of 10 such seeds they held the truth in "
+    both = ("mean", "difference of means")
+    for seeds in (30, 31, 1000):
+        assert coverage_in_words(*both, seeds=seeds) == (
+            many + "94 % (mean), 92 % (difference of means)"
+        )
+    for seeds in (1, 10, 29):
+        assert coverage_in_words(*both, seeds=seeds) == (
+            few + "93.1 % (mean), 91.5 % (difference of means)"
+        )
+    assert coverage_in_words("median") == many + "94 % (median)"
 
 
 def test_page_says_that_intervals_hold_well_enough(page: ModuleType) -> None:

@@ -26,7 +26,7 @@ import psp3
 from fuzzy2.errors import Fuzzy2Error, UnsupportedRule
 from psp3.drives import Drive
 from psp3.errors import InvalidValue, StrokeExceeded, UnknownName, UnusableEstimate
-from psp3.fuzzy_control.computed_torque import OUTSIDE, REDUCTIONS
+from psp3.fuzzy_control.computed_torque import ORDERS, OUTSIDE, REDUCTIONS
 from psp3.fuzzy_control.records import ENTRIES, REFERENCES, record
 from psp3.simulation import metrics
 from psp3.simulation.runge_kutta import RungeKutta
@@ -71,6 +71,8 @@ def same(one: dict[str, float], other: dict[str, float]) -> bool:
         {"snr_reference": 1.0},
         {"noisy_entries": "G"},
         {"noisy_entries": None},
+        {"defuzzify": "middle"},
+        {"defuzzify": None},
         {"trajectory": "spiral"},
         {"trajectory": HELIX},
         {"trajectory": np.zeros(3)},
@@ -278,6 +280,7 @@ def a_run() -> st.SearchStrategy[Run]:
         duration=st.just(0.05),
         snr_reference=st.sampled_from(REFERENCES),
         noisy_entries=st.sampled_from(ENTRIES),
+        defuzzify=st.sampled_from(ORDERS),
     )
 
 
@@ -317,6 +320,11 @@ def test_what_cannot_matter_is_dropped_and_nothing_else() -> None:
     )
     assert Run("gt2", **noisy).canonical().levels == 3
     assert Run("gt2", "measurement", seed=9).canonical() == Run("gt2", mean_variation=0.0)
+    last = {"mean_variation": 0.0, "defuzzify": "last"}
+    for controller in CONTROLLERS:
+        kept = Run(controller, **last).canonical().defuzzify
+        assert kept == ("last" if controller == "gt2" else "first")
+    assert Run("gt2", reduction="gaussian", **last).canonical().defuzzify == "first"
     assert Run("ctc", "plant", payload=1.0, seed=9).canonical() == Run("ctc", "plant", payload=1.0)
     other = {"snr_reference": "unit", "noisy_entries": "mass-coriolis"}
     assert Run("t1", **other).canonical() == Run("t1", mean_variation=0.0)
@@ -499,6 +507,46 @@ def test_the_noise_of_the_readings_is_what_the_table_says() -> None:
     np.testing.assert_allclose(
         controller.system_.consequents, (samples + ratio * recorded.rms * draws)[source], rtol=1e-14
     )
+
+
+@pytest.mark.parametrize(
+    ("options", "matters"),
+    [
+        ({"controller": "t1"}, False),
+        ({"controller": "it2"}, False),
+        ({"controller": "gt2", "reduction": "gaussian"}, False),
+        ({"controller": "gt2"}, True),
+        ({"controller": "gt2", "levels": 1}, False),
+        ({"controller": "gt2", "levels": 2}, True),
+    ],
+)
+def test_the_order_of_defuzzification_is_that_of_the_controller(
+    options: dict[str, Any], matters: bool
+) -> None:
+    """First forces of a controller learned by the public way, bit for bit.
+
+    And it is the same number in either order where the canonical form drops it.
+    """
+    first, last = (
+        Run(snr_db=20.0, seed=5, duration=0.002, defuzzify=order, **options)
+        for order in ("first", "last")
+    )
+    controller = psp3.FuzzyComputedTorque(
+        options["controller"],
+        ROBOT,
+        snr_db=20.0,
+        defuzzify="last",
+        levels=options.get("levels", 5),
+        reduction=options.get("reduction", "alpha_planes"),
+    ).fit(HELIX, rng=np.random.default_rng([5, 0]))
+    desired = HELIX(0.0)
+    torque = simulate_run(last).result.torque[0]
+    np.testing.assert_array_equal(
+        torque, controller.torque(0.0, desired.heights, np.zeros(3), desired)
+    )
+    assert (first.canonical() != last.canonical()) is matters
+    differ = not np.array_equal(torque, simulate_run(first).result.torque[0])
+    assert differ is matters
 
 
 def test_noisy_inputs_are_what_the_rules_are_learned_from() -> None:

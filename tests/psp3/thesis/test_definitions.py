@@ -45,7 +45,8 @@ def test_the_definition_under_which_type_2_wins_is_named_and_no_other() -> None:
     for row in table.rows:
         ours = row[0] == OURS
         assert row[4].startswith("0.500" if ours else "2.00")
-        assert row[5] == ("0 of 6" if ours else "6 of 6")
+        assert row[5].startswith("0.500" if ours else "2.00")
+        assert row[6] == ("0 of 6" if ours else "6 of 6")
         assert row[-1].startswith("type-2 better; " if ours else "type-1 better; ")
     assert f"under 1 of 6 definitions, “{OURS}”." in outcome.answer[0]
     assert "0.50, 0.50 and 0.50" in outcome.answer[0]
@@ -89,6 +90,31 @@ def test_the_argument_has_the_noise_on_gravity_and_type_1s_errors() -> None:
     assert (
         f"ours by {grows:.1f}, under the others by {grows:.2f} to {grows:.2f}" in outcome.answer[1]
     )
+
+
+def test_the_factor_between_typical_runs_is_not_that_of_means() -> None:
+    """A seed in which type-1 errs a hundred times as much decides the means, and no typical run."""
+    made_up = rows(it2=0.5)
+    for row in made_up:
+        if row["controller"] == "t1" and row["seed"] == 2 and is_ours(row):
+            row["sum_of_squared_errors"] *= 100.0
+    outcome = found(made_up)
+    for entry in outcome.numbers["definitions"][OURS].values():
+        typical = entry["ratio_of_geometric_means"]
+        assert typical["value"] == pytest.approx(0.5 * 100.0 ** (-1.0 / 6.0), rel=1e-12)
+        assert typical["low"] < typical["value"] < typical["high"]
+        assert (typical["estimand"], typical["seeds"]) == ("ratio of geometric means", 6)
+        assert entry["ratio"]["estimand"] == "ratio of means"
+        assert entry["ratio"]["value"] < 0.05
+    assert outcome.tables[0].rows[0][5].startswith("0.232 (")
+
+
+def test_beside_the_intervals_stands_how_often_they_held() -> None:
+    """Once, for here all comparisons have six seeds, with the names of what is estimated."""
+    note = found(rows()).tables[0].note
+    assert "95 % intervals; in simulations of 10 such seeds" in note
+    for estimand in ("ratio of means", "ratio of geometric means", "difference of means"):
+        assert note.count(f"({estimand})") == 1
 
 
 def test_the_thesis_contradicting_itself_is_said_beside_the_table() -> None:

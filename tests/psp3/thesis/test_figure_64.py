@@ -21,12 +21,17 @@ def test_type_2_that_halves_the_error_is_said_to() -> None:
     ] * 3
     assert all(row[4].startswith("0.500") for row in table.rows)
     assert all(row[5] == "0.500 to 0.500" for row in table.rows)
-    assert all(row[6].startswith("2.00") for row in table.rows)
+    assert all(row[6].startswith("0.500") for row in table.rows)
+    for estimand in figure_64.ESTIMANDS:
+        assert table.note.count(f" % ({estimand})") == 1
     assert all(row[7:9] == ["0 of 6, 0 %", "0 of 6"] for row in table.rows)
     assert all(row[-1].startswith("type-2 better") for row in table.rows)
     assert "holds" in outcome.answer[0]
     assert outcome.answer[0].count("0.50, 0.50 and 0.50") == 2
-    assert outcome.numbers["type_2_against_type_1"]["20"]["difference"]["high"] < 0.0
+    at_20 = outcome.numbers["type_2_against_type_1"]["20"]
+    assert at_20["difference"]["high"] < 0.0
+    assert at_20["inverse"]["value"] == pytest.approx(2.0, rel=1e-12)
+    assert at_20["ratio_of_geometric_means"]["value"] == pytest.approx(0.5, rel=1e-12)
 
 
 def test_type_2_that_loses_is_said_to() -> None:

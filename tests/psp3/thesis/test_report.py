@@ -125,6 +125,55 @@ def test_text_is_text_and_links_have_targets(page: Page) -> None:
     assert {link["href"] for link in page.all("a")} <= targets
 
 
+def test_cells_wrap_between_words_and_keep_intervals_and_rows_of_numbers(
+    outcome: Reproduction, tmp_path: Path
+) -> None:
+    cells = ["0.473 (0.296 to 0.755), 30 % diverged", " 1.0000  -0.5000", "5 of 30, no difference"]
+    outcome.tables.append(Table("Cells", ["a", "b", "c"], [cells]))
+    page = Page(write_report(outcome, tmp_path / "cells.html").read_text(encoding="utf-8"))
+    unbroken = "0.473 (0.296~to~0.755), 30~% diverged".replace("~", "\N{NO-BREAK SPACE}")
+    place = page.order.index(unbroken)
+    assert page.order[place + 1] == cells[1]
+    assert page.order[place + 2] == cells[2].replace("5 of 30", "5~of~30").replace(
+        "~", "\N{NO-BREAK SPACE}"
+    )
+    assert [cell.get("class") for cell in page.all("td")[-3:]] == [None, "numbers", None]
+
+
+def opening_table() -> Table:
+    """Return cells as long as those of the comparison under every definition of the noise."""
+    cells = [
+        "mean square, on the recorded inputs",
+        "10",
+        "29.2, 30 % diverged",
+        "5.6517",
+        "0.473 (0.296 to 0.755)",
+        "0.440 (0.290 to 0.668)",
+        "10 of 10",
+        "1.000 at 0.02",
+        "no difference shown; no difference shown",
+    ]
+    return Table("The opening", [f"heading {k} of two" for k in range(9)], [cells], opening=True)
+
+
+def test_on_a_desktop_the_opening_table_shows_its_verdict_without_scrolling(
+    outcome: Reproduction, tmp_path: Path, browser: webdriver.Chrome
+) -> None:
+    """1200 px wide. Intervals are not broken, and the words of the verdict are."""
+    outcome.tables.append(opening_table())
+    browser.set_window_size(1200, 900)
+    browser.get(write_report(outcome, tmp_path / "report.html").as_uri())
+    inner, outer, lines = browser.execute_script(
+        "const box = document.querySelector('.wide'), range = document.createRange();"
+        "return [box.scrollWidth, box.clientWidth, [...box.querySelectorAll('td')].map(cell => {"
+        "range.selectNodeContents(cell); return range.getClientRects().length})]"
+    )
+    assert inner <= outer
+    # A ratio and its interval below it.
+    assert lines[4:6] == [2, 2]
+    assert lines[-1] >= 2
+
+
 def test_on_a_phone_the_page_does_not_scroll_sideways_and_wide_tables_do(
     outcome: Reproduction, tmp_path: Path, browser: webdriver.Chrome
 ) -> None:

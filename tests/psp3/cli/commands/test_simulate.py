@@ -141,6 +141,21 @@ def test_a_trained_controller_goes_to_a_file_and_back(psp3_command: Run, tmp_pat
     )
 
 
+def test_the_order_of_defuzzification_is_trained(psp3_command: Run) -> None:
+    options = ("--kind", "gt2", "--snr", 20)
+    for order in ("first", "last"):
+        assert psp3_command("train", f"{order}.json", *options, "--defuzzify", order).status == 0
+    found = {
+        order: psp3.FuzzyComputedTorque.load(f"{order}.json", ROBOT) for order in ("first", "last")
+    }
+    assert {order: controller.order for order, controller in found.items()} == {
+        "first": "first",
+        "last": "last",
+    }
+    assert psp3_command("train", "default.json", *options).status == 0
+    assert Path("default.json").read_bytes() == Path("first.json").read_bytes()
+
+
 def test_leaving_the_trained_range_shows_in_every_output(psp3_command: Run) -> None:
     options = (
         "simulate",
@@ -187,6 +202,7 @@ def test_fuzzy_controllers_learn_where_they_are_asked_for(psp3_command: Run) -> 
     [
         (("train", "a.json", "--kind", "t3"), "unknown kind of controller 't3'"),
         (("train", "a.json", "--terms", "3"), "fired by no sample"),
+        (("train", "a.json", "--defuzzify", "middle"), "unknown order of defuzzification 'middle'"),
         (("train", "a.json", "--snr", "nan"), "snr_db"),
         (("train", "a.json", "--trajectory", "hold"), "every difference input changes"),
         (("train", "missing/a.json"), "no directory"),
