@@ -174,6 +174,20 @@ class SingularConfiguration(PSP3Error, ValueError):
         )
 
 
+class NoFiniteAnswer(PSP3Error, ValueError):
+    """The dynamics of a pose has no finite answer.
+
+    Speeds or forces are too large for a floating-point number, or a motion has no inertia.
+    """
+
+    def __init__(self, positions: Any) -> None:
+        self.positions = positions
+        super().__init__(
+            f"there is no finite answer at the actuated positions {positions}: give smaller speeds "
+            "or forces, or every motion some mass or inertia"
+        )
+
+
 class MobilityMismatch(PSP3Error, ValueError):
     """The actuated joints do not command each degree of freedom exactly once.
 

@@ -6,24 +6,41 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array
-from psp3.closure.kernels import LARGEST_REPAIR, Table, jacobian, residuals
 from psp3.errors import ClosureFailed
+from psp3.multibody.closing import LARGEST_REPAIR
+from psp3.multibody.constraint import closure_equations
+from psp3.multibody.flatten import FlatTree
+from psp3.multibody.tree import ROWS, SIZE, VELOCITIES
 
 ASSEMBLED = 1e-9
 """Residual at which a first configuration is handed to the exact closure [m, rad]."""
 
 
-def residual(table: Table, q: Array) -> Array:
+def residual(flat: FlatTree, q: Array) -> Array:
     """Return the residuals of all closures at a configuration [m, rad].
 
     In the order of the groups.
     """
-    out = np.empty(int(table.closure_rows.sum()))
-    residuals(table, q, out)
-    return out
+    return _equations(flat, q, 0)[0]
 
 
-def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
+def jacobian(flat: FlatTree, q: Array) -> Array:
+    """Return the derivative of all residuals by all dependent joints, (m, nv).
+
+    In the order of the groups.
+    """
+    return _equations(flat, q, int(flat.integers[ROWS]))[1]
+
+
+def _equations(flat: FlatTree, q: Array, rows: int) -> tuple[Array, Array]:
+    gap = np.empty(int(flat.integers[ROWS]))
+    slope = np.zeros((rows, int(flat.integers[VELOCITIES])))
+    memory = np.empty(int(flat.integers[SIZE]))
+    closure_equations(flat.integers, flat.numbers, memory, np.array(q, dtype=float), gap, slope)
+    return gap, slope
+
+
+def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
     """Return a configuration near ``q0``, within the joint limits, that closes the loops.
 
     All joints move, also the actuated ones.
@@ -36,8 +53,8 @@ def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
     ----------
     model : pinocchio.Model
         The tree.
-    table : Table
-        Its loops, flattened without motors.
+    flat : FlatTree
+        It and its loops, flattened without motors.
     q0 : (nq,) ndarray
         Where to start.
 
@@ -52,7 +69,7 @@ def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
         If no start leads to a closed configuration.
     """
     lower, upper = _tangent_limits(model, q0)
-    nearest = _by_short_steps(model, table, q0)
+    nearest = _by_short_steps(model, flat, q0)
     if nearest is not None:
         way = pin.difference(model, q0, nearest)
         if (lower <= way).all() and (way <= upper).all():
@@ -68,7 +85,7 @@ def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
         inside = 1e-6 * np.minimum(upper - lower, 1.0)
         start = np.clip(spread * rng.uniform(-1.0, 1.0, model.nv), lower + inside, upper - inside)
         solution = least_squares(
-            lambda step: residual(table, pin.integrate(model, q0, step)),
+            lambda step: residual(flat, pin.integrate(model, q0, step)),
             start,
             bounds=(lower, upper),
             xtol=1e-15,
@@ -79,21 +96,20 @@ def assembled(model: pin.Model, table: Table, q0: Array) -> Array:
         least = min(least, size)
         if size < ASSEMBLED:
             return np.asarray(pin.integrate(model, q0, solution.x))
-    raise ClosureFailed(q0[table.actuated_q], least, 0.0)
+    raise ClosureFailed(q0, least, 0.0)
 
 
-def _by_short_steps(model: pin.Model, table: Table, q: Array) -> Array | None:
+def _by_short_steps(model: pin.Model, flat: FlatTree, q: Array) -> Array | None:
     """Return where Newton's method leads, or None if that is too far.
 
     Its steps are those of least length. Too far is farther than a guess may be off.
     """
-    moved, slope = np.zeros(model.nv), np.empty((int(table.closure_rows.sum()), model.nv))
+    moved = np.zeros(model.nv)
     for _ in range(20):
-        gap = residual(table, q)
+        gap = residual(flat, q)
         if np.abs(gap).max(initial=0.0) < ASSEMBLED:
             return q
-        jacobian(table, q, slope)
-        step = -np.linalg.lstsq(slope, gap, rcond=1e-9)[0]
+        step = -np.linalg.lstsq(jacobian(flat, q), gap, rcond=1e-9)[0]
         moved += np.abs(step)
         if not moved.max() <= LARGEST_REPAIR:
             return None

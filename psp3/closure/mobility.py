@@ -21,11 +21,11 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, one_row
-from psp3.closure.assembly import assembled
-from psp3.closure.kernels import Table, jacobian
+from psp3.closure.assembly import assembled, jacobian
 from psp3.closure.rank import ASSEMBLED_RANK_TOLERANCE, null_space
-from psp3.closure.table import NO_MOTORS, flattened
 from psp3.errors import ClosureFailed, UnknownName
+from psp3.multibody.flatten import NO_MOTORS, FlatTree, flattened
+from psp3.multibody.tree import ROWS
 
 STEP = 0.02
 """The rank is also taken this far from the given configuration [m, rad], so that a singular one
@@ -132,14 +132,14 @@ def mobility(
     for name in actuated:
         if not model.existJointName(name) or name == model.names[0]:
             raise UnknownName("actuated joint", name, tuple(model.names)[1:])
-    table = flattened(model, constraint_models, NO_MOTORS)
-    start = assembled(model, table, pin.neutral(model) if q is None else one_row("q", q, model.nq))
-    motions, rank = _motions(model, table, start)
+    flat = flattened(model, constraint_models, NO_MOTORS)
+    start = assembled(model, flat, pin.neutral(model) if q is None else one_row("q", q, model.nq))
+    motions, rank = _motions(model, flat, start)
     direction = motions @ np.random.default_rng(0).uniform(0.5, 1.0, motions.shape[1])
     if motions.shape[1]:
         away = pin.integrate(model, start, STEP / np.abs(direction).max() * direction)
         try:
-            elsewhere = _motions(model, table, assembled(model, table, away))
+            elsewhere = _motions(model, flat, assembled(model, flat, away))
         except ClosureFailed:
             # At the end of its way; the given configuration has to do.
             elsewhere = motions, rank
@@ -155,18 +155,16 @@ def mobility(
         actuators=len(joints),
         commanded=commanded,
         joint_velocities=model.nv,
-        closure_equations=int(table.closure_rows.sum()),
+        closure_equations=int(flat.integers[ROWS]),
         rank=rank,
         free_joints=_moving(model, names, motions, driven),
         dependent_actuators=_dependent(driven, list(actuated)),
     )
 
 
-def _motions(model: pin.Model, table: Table, q: Array) -> tuple[Array, int]:
+def _motions(model: pin.Model, flat: FlatTree, q: Array) -> tuple[Array, int]:
     """Return a basis of the velocities that keep the loops closed, and the rank of the closures."""
-    out = np.zeros((int(table.closure_rows.sum()), model.nv))
-    jacobian(table, q, out)
-    motions = null_space(out, ASSEMBLED_RANK_TOLERANCE)
+    motions = null_space(jacobian(flat, q), ASSEMBLED_RANK_TOLERANCE)
     return motions, model.nv - motions.shape[1]
 
 

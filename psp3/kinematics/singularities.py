@@ -47,10 +47,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, checked_positive, finite_rows, one_row
-from psp3.closure.assembly import residual
-from psp3.closure.kernels import jacobian
+from psp3.closure.assembly import jacobian, residual
 from psp3.closure.rank import RANK_TOLERANCE, null_space
-from psp3.closure.table import flattened
 from psp3.errors import OpenLoops
 from psp3.kinematics.tasks import (
     TASK_COORDINATES,
@@ -59,6 +57,7 @@ from psp3.kinematics.tasks import (
     checked_task,
     rotating,
 )
+from psp3.multibody.flatten import NO_MOTORS, flattened
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 OPEN = 1e-6
@@ -171,7 +170,7 @@ class SingularityAnalysis:
         self._index = robot.model.getFrameId(frame)
         self._rows = [TASK_COORDINATES.index(name) for name in self.task]
         # Here the motors are joints like any other.
-        self._table = flattened(robot.model, robot.constraint_models, np.zeros(0, dtype=np.int64))
+        self._table = flattened(robot.model, robot.constraint_models, NO_MOTORS)
         # Multiplied by these, velocities are in m/s; divided by those of the joints, so are the
         # columns of Jacobians.
         self._joint_scale = np.where(rotating(robot.model), self.length, 1.0)
@@ -180,7 +179,7 @@ class SingularityAnalysis:
             [
                 np.zeros(0),
                 *(
-                    np.array([1.0] * 3 + [self.length] * (int(rows) - 3))
+                    np.array([1.0] * 3 + [self.length] * (rows - 3))
                     for rows in self._table.closure_rows
                 ),
             ]
@@ -316,7 +315,7 @@ class SingularityAnalysis:
             opening = float(np.abs(residual(self._table, q)).max(initial=0.0))
             if not opening <= OPEN:
                 raise OpenLoops(opening, OPEN)
-            jacobian(self._table, q, closure)
+            closure[:] = jacobian(self._table, q)
             pin.computeJointJacobians(model, data, q)
             pin.updateFramePlacement(model, data, self._index)
             whole = pin.getFrameJacobian(

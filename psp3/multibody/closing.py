@@ -84,6 +84,11 @@ ENOUGH = 0.03
 Jacobian.
 """
 
+GUESSED = 10.0
+"""A guess counts as closed with a residual so many times larger than what is asked of a motion: a
+correction by rounding could lead past a singular pose nearby.
+"""
+
 MANY = 8
 """Of a group with fewer dependent joints a new Jacobian costs less than one more correction."""
 
@@ -133,11 +138,11 @@ def factored(tree, numbers, memory, group):
 
 
 @compiled
-def newton(tree, numbers, memory, group, most):
+def newton(tree, numbers, memory, group, most, enough):
     """Close a group's loops with its dependent joints.
 
-    Leave its Jacobian factored there. Return what became of it; it is open where a joint has moved
-    by more than ``most``.
+    Leave its Jacobian factored there. Return what became of it; it is closed where the residual is
+    at most ``enough``, and open where a joint has moved by more than ``most``.
     """
     configuration = tree[AT_CONFIGURATION]
     moved = tree[AT_MOVED]
@@ -151,22 +156,23 @@ def newton(tree, numbers, memory, group, most):
     rows, columns = tree[g + GROUP_ROWS], tree[g + GROUP_COLUMNS]
     row, column = tree[g + GROUP_ROW], tree[g + GROUP_COLUMN]
     largest = numbers[tolerances + GROUP_NUMBERS * group]
-    smallest = numbers[tolerances + GROUP_NUMBERS * group + 1]
     for k in range(columns):
         memory[moved + column + k] = 0.0
-    before, is_fresh = math.inf, False
+    before = math.inf
     for _ in range(MOST_ITERATIONS):
         place(tree, numbers, memory, first, last)
         size = residual_of(tree, numbers, memory, group)
-        if not size < 1e300:
+        if not size < math.inf:
             return OPEN
+        # Near a singular pose rounding may be all that a step corrects.
+        is_closed = size <= enough or (size >= before and size <= largest)
         # The Jacobian of a pose before is good for a correction where it has led far.
-        is_fresh = columns < MANY or size > ENOUGH * before or size <= smallest
+        is_fresh = columns < MANY or size > ENOUGH * before or is_closed
         if is_fresh:
             memory[signs + group] = factored(tree, numbers, memory, group)
             if memory[signs + group] == 0.0:
                 return SINGULAR
-            if size <= smallest:
+            if is_closed:
                 return CLOSED
         before = size
         for i in range(rows):
@@ -177,7 +183,7 @@ def newton(tree, numbers, memory, group, most):
             memory[moved + column + k] += memory[right + k]
             step = max(step, abs(memory[right + k]))
             farthest = max(farthest, abs(memory[moved + column + k]))
-        if step <= smallest and is_fresh:
+        if step <= enough and is_fresh:
             return CLOSED if size <= largest else OPEN
         if not farthest <= most:
             return OPEN
@@ -288,6 +294,7 @@ def _follow(tree, numbers, memory, group):
     first_driver = drivers + tree[g + FIRST_DRIVER]
     column = tree[g + GROUP_COLUMN]
     is_square = tree[g + IS_SQUARE]
+    enough = numbers[tree[AT_TOLERANCES] + GROUP_NUMBERS * group + 1]
     done, step = 0.0, 1.0
     while done < 1.0:
         fastest = _speeds_along(tree, memory, group)
@@ -308,7 +315,7 @@ def _follow(tree, numbers, memory, group):
                     end if goal == 1.0 else start + goal * (end - start)
                 )
             most = LARGEST_CORRECTION * (goal - done) * fastest + SMALLEST_CORRECTION
-            good = newton(tree, numbers, memory, group, most) == CLOSED and (
+            good = newton(tree, numbers, memory, group, most, enough) == CLOSED and (
                 memory[signs + group] == sign if is_square else not _is_turned(tree, memory, group)
             )
             if not good:
@@ -357,7 +364,8 @@ def settled(tree, numbers, memory):
     all_members = tree[MEMBERS] - elements
     place(tree, numbers, memory, all_members, all_members + elements)
     for group in range(tree[GROUPS]):
-        outcome = newton(tree, numbers, memory, group, LARGEST_REPAIR)
+        enough = GUESSED * numbers[tree[AT_TOLERANCES] + GROUP_NUMBERS * group + 1]
+        outcome = newton(tree, numbers, memory, group, LARGEST_REPAIR, enough)
         if outcome != CLOSED:
             memory[report], memory[report + 2] = 0.0, float(group)
             memory[report + 1] = residual_of(tree, numbers, memory, group)

@@ -12,7 +12,7 @@ from psp3.checks import Array, Indices
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.flatten import flattened
 from psp3.multibody.motion import answer, assemble
-from psp3.multibody.tree import AT_CONFIGURATION, AT_REPORT, SIZE
+from psp3.multibody.tree import AT_CONFIGURATION, AT_FREE_FALL, AT_REPORT, SIZE
 
 
 class NoAnswer(Exception):
@@ -75,13 +75,20 @@ class Core:
         flat = flattened(model, constraint_models, independent_v)
         self.tree, self.numbers = flat.integers, flat.numbers
         self.coordinates = model.nq
+        # A view of the model's own: who changes gravity there changes it here.
+        self._free_fall = model.gravity.linear
+        self._model = model
         self._size = int(self.tree[SIZE])
         self._spare: list[Array] = []
         self._reference = np.empty(self._size)
         self._settle(guess, self._reference)
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_spare": []}
+        return {**self.__dict__, "_spare": [], "_free_fall": None}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._free_fall = self._model.gravity.linear
 
     @property
     def q0(self) -> Array:
@@ -149,6 +156,8 @@ class Core:
             is_warm = guess is not None
             if guess is not None:
                 self._settle(guess, memory)
+        at = int(self.tree[AT_FREE_FALL])
+        self.numbers[at : at + 3] = self._free_fall
         row = answer(
             question,
             self.tree,

@@ -46,13 +46,17 @@ rad].
 """
 
 
+NO_MOTORS = np.zeros(0, dtype=np.int64)
+"""For :func:`flattened`, where no joint counts as independent."""
+
+
 class FlatTree(NamedTuple):
     """The arrays of a tree, and what reads them in Python."""
 
     integers: Indices
     numbers: Array
-    groups: list[list[int]]
-    """Numbers of the closures in each group."""
+    closure_rows: list[int]
+    """Equations of each closure, in the order of the groups."""
 
 
 class _Element:
@@ -332,10 +336,8 @@ def _packed(
             float(np.linalg.norm(elements[e].placement.translation)) for e in group.elements
         )
         tolerances += [LARGEST_RESIDUAL * size, CLOSURE_TOLERANCE * size]
-    table.append(
-        [len(members_list), len(closures), len(paths), len(drivers), row, len(dependent)]
-        + [0, 0, 0, factor_at, driven_at, 0]
-    )
+    last = [len(members_list), len(closures), len(paths), len(drivers), row, len(dependent)]
+    table.append([*last, 0, 0, 0, factor_at, driven_at, 0])
     # The last members are all elements.
     members_list += range(len(elements))
     bodies = [_body(element) for element in elements]
@@ -383,7 +385,7 @@ def _packed(
     return FlatTree(
         np.concatenate([np.asarray(part, dtype=np.int64) for part in (counts, offsets, *integers)]),
         np.concatenate([np.asarray(part, dtype=np.float64) for part in numbers]),
-        groups,
+        [ROWS_OF_KIND[closures[k].kind] for k in order],
     )
 
 

@@ -1,7 +1,7 @@
-"""A tree with loops as flat arrays: what the compiled kernels of :mod:`psp3.multibody` take.
+r"""A tree with loops as flat arrays: what the compiled kernels of :mod:`psp3.multibody` take.
 
 The tree comes as *elements*: joints of one degree of freedom are constant screws :math:`S`, of
-placement :math:`M_0 \\exp(S q)`; ball joints and free flyers are elements of their own. A *group* is
+placement :math:`M_0 \exp(S q)`; ball joints and free flyers are elements of their own. A *group* is
 a set of closures that share joints which are not independent; groups do not depend on one another,
 so the cost grows with their number and not with its cube.
 

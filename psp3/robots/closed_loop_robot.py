@@ -25,19 +25,33 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, applied_to_rows, finite_rows, one_row
+from psp3.checks import Array, applied_to_rows, finite_rows, one_row, together
 from psp3.closure.assembly import assembled
-from psp3.closure.kernels import SINGULAR, close, drift
 from psp3.closure.mobility import mobility
 from psp3.closure.rank import dependent_solver
-from psp3.closure.table import NO_MOTORS, flattened
 from psp3.description.urdf import read_robot
 from psp3.errors import (
     ClosureFailed,
-    DisorderedJoints,
     InvalidValue,
+    JointLimitExceeded,
     MobilityMismatch,
+    NoFiniteAnswer,
+    SingularConfiguration,
     UnknownName,
+)
+from psp3.multibody.closing import SINGULAR
+from psp3.multibody.core import Core, LastPose, NoAnswer
+from psp3.multibody.flatten import NO_MOTORS, flattened
+from psp3.multibody.motion import (
+    BEYOND_LIMIT,
+    COMPLEMENT,
+    CONFIGURATION,
+    ENERGIES,
+    EQUATION_OF_MOTION,
+    FORWARD_DYNAMICS,
+    INVERSE_DYNAMICS,
+    MOTION,
+    NOT_FINITE,
 )
 from psp3.robots.closed_pose import ClosedPose
 from psp3.robots.passive_limits import PassiveLimits
@@ -48,7 +62,8 @@ class ClosedLoopRobot:
 
     Arguments and results are in actuated coordinates.
 
-    One object serves one thread at a time, because it computes in one ``data``.
+    What Pinocchio computes (frames and their Jacobians) serves one thread at a time, because it is
+    computed in one ``data``; everything else serves many.
 
     Parameters
     ----------
@@ -76,8 +91,6 @@ class ClosedLoopRobot:
     ------
     ClosureFailed
         If the loops cannot be closed near the reference configuration.
-    DisorderedJoints
-        If the tree's joints are not chain by chain.
     MobilityMismatch
         If the number of actuated joints is not the number of degrees of freedom that the loops
         leave.
@@ -98,13 +111,8 @@ class ClosedLoopRobot:
         q0: ArrayLike | None = None,
         visual_model: Any = None,
     ) -> None:
-        _check_order(model)
         self.model = model
         self.data = model.createData()
-        # Velocity forces are read off a copy without gravity: beside the weight they would lose
-        # half their digits.
-        self._weightless = model.copy()
-        self._weightless.gravity = pin.Motion.Zero()
         self.visual_model = visual_model if visual_model is not None else pin.GeometryModel()
         self.constraint_models = pin.StdVec_RigidConstraintModel()
         self.constraint_models.extend(list(constraint_models))
@@ -124,17 +132,21 @@ class ClosedLoopRobot:
             # silently wrong.
             self._dynamics_data.append(constraint.createData())
         self._limited = PassiveLimits(model, self.actuated)
-        self._table = flattened(model, self.constraint_models, self.actuated_v)
-        if q0 is None:
-            start = assembled(
+        start = (
+            assembled(
                 model, flattened(model, self.constraint_models, NO_MOTORS), pin.neutral(model)
             )
-        else:
-            start = one_row("q0", q0, model.nq)
+            if q0 is None
+            else one_row("q0", q0, model.nq)
+        )
         self.mobility = mobility(model, self.constraint_models, self.actuated, start)
         if self.mobility.under_actuation or self.mobility.over_actuation:
             raise MobilityMismatch(self.mobility, self.actuated)
-        self.q0: Array = self._close(start[self.actuated_q][np.newaxis], start)[0][0]
+        try:
+            self._core = Core(model, self.constraint_models, self.actuated_v, start)
+        except NoAnswer as failed:
+            raise self._refused(failed, start[self.actuated_q][np.newaxis]) from None
+        self.q0: Array = self._core.q0
 
     @classmethod
     def from_urdf(
@@ -232,24 +244,66 @@ class ClosedLoopRobot:
         )
         return jacobian
 
-    def _close(
-        self, rows: Array, guess: Array, along: bool = False, complements: bool = False
-    ) -> tuple[Array, Array]:
-        """Return configurations, and on demand complements L, for actuated positions (N, n)."""
-        nv, n = self.model.nv, len(self.actuated)
-        configurations, report = np.empty((len(rows), self.model.nq)), np.empty(4)
-        out = np.zeros((len(rows) if complements else 0, nv, n))
-        if complements:
-            out[:, self.actuated_v, np.arange(n)] = 1.0
-        # Numba would compile the kernel anew for an array that is read-only.
-        start = np.array(guess)
-        failed = close(self._table, start, rows, along, configurations, out, report)
-        if failed < 0:
-            return configurations, out
-        if report[0] == SINGULAR:
-            # What is wrong is told by Pinocchio's Jacobian.
-            self._dependent_inverse(configurations[failed])
-        raise ClosureFailed(rows[failed], float(report[2]), float(report[1]))
+    def last_pose(self) -> LastPose:
+        """Return a memory of the pose that the caller was in last.
+
+        Given as ``guess``, closing the loops starts from there, which is faster where the robot
+        moves little between two calls. It belongs to one thread at a time.
+        """
+        return self._core.last_pose()
+
+    def _refused(self, failed: NoAnswer, positions: Array) -> Exception:
+        """Return the error that says why a row of positions (N, n) has no answer."""
+        try:
+            if failed.outcome == BEYOND_LIMIT:
+                self._limited.check(failed.q[np.newaxis])
+            if failed.outcome == SINGULAR:
+                # What is wrong is told by Pinocchio's Jacobian.
+                self._dependent_inverse(failed.q)
+        except (JointLimitExceeded, SingularConfiguration) as error:
+            return error
+        if failed.outcome == NOT_FINITE:
+            return NoFiniteAnswer(positions[failed.row])
+        return ClosureFailed(positions[failed.row], failed.residual, failed.share)
+
+    def _ask(
+        self,
+        question: int,
+        width: int,
+        guess: ArrayLike | LastPose | None = None,
+        **arguments: ArrayLike,
+    ) -> Array:
+        """Return the answers of the core, (..., width), for arguments (..., n)."""
+        n = len(self.actuated)
+        values = list(arguments.values())
+        try:
+            # One state, as control loops ask for it: nothing to check that the kernels do not.
+            rows = [value[np.newaxis] for value in values]  # type: ignore[index, call-overload]
+            single = all(row.shape == (1, n) for row in rows)
+        except (TypeError, IndexError, AttributeError):
+            single = False
+        if single:
+            out = np.empty((1, width))
+            try:
+                self._core.ask(question, *_three(rows), out, guess)  # type: ignore[arg-type]
+            except (TypeError, NoAnswer):
+                # Said below, of what has been checked.
+                pass
+            else:
+                return out[0]
+        arrays = together(
+            **{name: finite_rows(name, value, n) for name, value in arguments.items()}
+        )
+        shape = arrays[0].shape[:-1]
+        rows = [array.reshape(-1, n) for array in arrays]
+        if guess is not None and not isinstance(guess, LastPose):
+            guess = np.array(one_row("guess", guess, self.model.nq))
+        out = np.empty((len(rows[0]), width))
+        try:
+            self._core.ask(question, *_three(rows), out, guess)
+        except NoAnswer as failed:
+            raise self._refused(failed, rows[0]) from None
+        return out.reshape(*shape, width)
 
     def _map(
         self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: ArrayLike
@@ -263,7 +317,9 @@ class ClosedLoopRobot:
             function, shape, **{name: (values, width) for name, values in arguments.items()}
         )
 
-    def configuration(self, positions: ArrayLike, guess: ArrayLike | None = None) -> Array:
+    def configuration(
+        self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None
+    ) -> Array:
         """Return the configurations that close the loops at the given actuated positions.
 
         Newton's method with continuation from the reference pose, so the assembly mode is that of
@@ -273,7 +329,7 @@ class ClosedLoopRobot:
         ----------
         positions : (..., n) array_like
             Positions of the actuated joints [m or rad].
-        guess : (nq,) array_like, optional
+        guess : (nq,) array_like or LastPose, optional
             A configuration of the wanted assembly mode to start from; ``q0`` by default.
 
         Returns
@@ -290,7 +346,7 @@ class ClosedLoopRobot:
         JointLimitExceeded
             If an un-actuated joint would be beyond its limits.
         """
-        return self._configurations(positions, guess, along=False)
+        return self._ask(CONFIGURATION, self.model.nq, guess, positions=positions)
 
     def configurations_along(self, path: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations along a path.
@@ -314,15 +370,14 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, JointLimitExceeded
             See :meth:`configuration`.
         """
-        return self._configurations(path, guess, along=True)
-
-    def _configurations(self, positions: ArrayLike, guess: ArrayLike | None, along: bool) -> Array:
-        rows = finite_rows("positions", positions, len(self.actuated))
-        start = self.q0 if guess is None else one_row("guess", guess, self.model.nq)
-        configurations, _ = self._close(rows.reshape(-1, len(self.actuated)), start, along)
-        self._limited.check(configurations)
-        shaped: Array = configurations.reshape(*rows.shape[:-1], self.model.nq)
-        return shaped
+        rows = finite_rows("positions", path, len(self.actuated)).reshape(-1, len(self.actuated))
+        start = None if guess is None else np.array(one_row("guess", guess, self.model.nq))
+        out = np.empty((len(rows), self.model.nq))
+        try:
+            self._core.ask(CONFIGURATION, rows, rows, rows, out, start, is_path=True)
+        except NoAnswer as failed:
+            raise self._refused(failed, rows) from None
+        return out.reshape(*np.shape(path)[:-1], self.model.nq)
 
     def closure(self, positions: ArrayLike) -> ClosedPose:
         """Return the closed configuration of one pose together with L.
@@ -346,18 +401,13 @@ class ClosedLoopRobot:
             If the actuated joints do not determine the others here.
         """
         row = one_row("positions", positions, len(self.actuated))
-        configurations, complements = self._close(
-            row[np.newaxis], self._start(row), complements=True
-        )
-        self._limited.check(configurations)
-        return ClosedPose(configurations[0], complements[0], self._dependent_inverse)
+        nq, n = self.model.nq, len(self.actuated)
+        both = self._ask(COMPLEMENT, nq + self.model.nv * n, positions=row)
+        complement = np.ascontiguousarray(both[nq:].reshape(n, self.model.nv).T)
+        return ClosedPose(both[:nq].copy(), complement, self._dependent_inverse)
 
     def _dependent_inverse(self, q: Array) -> Array:
         return dependent_solver(self.constraint_jacobian(q)[:, self.dependent_v])
-
-    def _start(self, row: Array) -> Array:
-        """Return the configuration from which the loops are closed."""
-        return self.q0
 
     def velocity(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         r"""Return the velocities of all joints, :math:`\dot q = L \dot q^a` (eq. 3.16).
@@ -377,18 +427,14 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        return self._map(
-            lambda position, speed: self.closure(position).complement @ speed,
-            (self.model.nv,),
-            positions=positions,
-            speeds=speeds,
+        nq, nv = self.model.nq, self.model.nv
+        rest = np.zeros(len(self.actuated))
+        motion = self._ask(
+            MOTION, nq + 2 * nv, positions=positions, speeds=speeds, accelerations=rest
         )
+        return motion[..., nq : nq + nv]
 
     # Projected dynamics
-
-    def _at(self, position: Array) -> tuple[Array, Array]:
-        closure = self.closure(position)
-        return closure.configuration, closure.complement
 
     def drift(self, q: Array, v: Array) -> Array:
         r"""Return the joint accelerations, :math:`\dot L \dot q^a`.
@@ -412,35 +458,35 @@ class ClosedLoopRobot:
         SingularConfiguration
             If the actuated joints do not determine the others here.
         """
-        accelerations = np.zeros(self.model.nv)
-        if not drift(self._table, q, v, accelerations):
-            self._dependent_inverse(q)
-        return accelerations
-
-    def _velocity_forces(self, q: Array, complement: Array, speeds: Array) -> Array:
-        """C(q, speeds) speeds by RNEA.
-
-        It is the projected RNEA of the uniform motion of the actuated joints, without gravity.
-        """
-        v = complement @ speeds
-        forces: Array = complement.T @ pin.rnea(self._weightless, self.data, q, v, self.drift(q, v))
-        return forces
+        nq, nv = self.model.nq, self.model.nv
+        motion = self._ask(
+            MOTION,
+            nq + 2 * nv,
+            q,
+            positions=q[self.actuated_q],
+            speeds=v[self.actuated_v],
+            accelerations=np.zeros(len(self.actuated)),
+        )
+        return motion[nq + nv :]
 
     def equation_of_motion(
-        self, positions: ArrayLike, speeds: ArrayLike
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity in actuated coordinates.
 
         .. math:: M = L^T M_\text{tree} L, \qquad G = L^T g_\text{tree},
 
-        and C as the unique matrix of Christoffel symbols: the quadratic form
-        :math:`h(v) = C(v)\,v`, projected from RNEA, gives its columns by polarization,
-        :math:`C(v) e_j = \tfrac12 [h(v + e_j) - h(v) - h(e_j)]`.
+        and C as the unique matrix of Christoffel symbols, see :mod:`psp3.multibody.inertia`.
 
         Parameters
         ----------
         positions, speeds : (..., n) array_like
             Actuated positions and speeds [m, m/s or rad, rad/s].
+        guess : (nq,) array_like or LastPose, optional
+            Where closing the loops starts; ``q0`` by default.
 
         Returns
         -------
@@ -454,26 +500,9 @@ class ClosedLoopRobot:
             See :meth:`configuration`.
         """
         n = len(self.actuated)
-
-        def one(position: Array, speed: Array) -> Array:
-            q, complement = self._at(position)
-            tree = pin.crba(self.model, self.data, q)
-            tree = np.triu(tree) + np.triu(tree, 1).T
-            mass = complement.T @ tree @ complement
-            gravity = complement.T @ pin.computeGeneralizedGravity(self.model, self.data, q)
-            coriolis = np.zeros((n, n))
-            # The unit vectors are scaled to the speed: subtracting forms of very different size
-            # would lose digits.
-            scale = float(np.abs(speed).max(initial=0.0))
-            if scale > 0.0:
-                base = self._velocity_forces(q, complement, speed)
-                for j, unit in enumerate(scale * np.eye(n)):
-                    both = self._velocity_forces(q, complement, speed + unit)
-                    alone = self._velocity_forces(q, complement, unit)
-                    coriolis[:, j] = (both - base - alone) / (2.0 * scale)
-            return np.concatenate([mass.ravel(), coriolis.ravel(), gravity])
-
-        packed = self._map(one, (2 * n * n + n,), positions=positions, speeds=speeds)
+        packed = self._ask(
+            EQUATION_OF_MOTION, 2 * n * n + n, guess, positions=positions, speeds=speeds
+        )
         square = (*packed.shape[:-1], n, n)
         return (
             packed[..., : n * n].reshape(square),
@@ -494,7 +523,11 @@ class ClosedLoopRobot:
         return self.equation_of_motion(positions, np.zeros(len(self.actuated)))[2]
 
     def inverse_dynamics(
-        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         r"""Return the actuator forces of a motion.
 
@@ -504,6 +537,8 @@ class ClosedLoopRobot:
         ----------
         positions, speeds, accelerations : (..., n) array_like
             Motion of the actuated joints.
+        guess : (nq,) array_like or LastPose, optional
+            Where closing the loops starts; ``q0`` by default.
 
         Returns
         -------
@@ -515,18 +550,10 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-
-        def one(position: Array, speed: Array, acceleration: Array) -> Array:
-            q, complement = self._at(position)
-            v = complement @ speed
-            forces: Array = complement.T @ pin.rnea(
-                self.model, self.data, q, v, complement @ acceleration + self.drift(q, v)
-            )
-            return forces
-
-        return self._map(
-            one,
-            (len(self.actuated),),
+        return self._ask(
+            INVERSE_DYNAMICS,
+            len(self.actuated),
+            guess,
             positions=positions,
             speeds=speeds,
             accelerations=accelerations,
@@ -578,15 +605,23 @@ class ClosedLoopRobot:
         )
         return np.array(acceleration)
 
-    def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+    def forward_dynamics(
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        forces: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> Array:
         """Return the accelerations of the actuated joints under actuator forces.
 
-        From Pinocchio's ``constraintDynamics``.
+        They solve the equation of motion in actuated coordinates, see :meth:`equation_of_motion`.
 
         Parameters
         ----------
         positions, speeds, forces : (..., n) array_like
             State and actuator forces.
+        guess : (nq,) array_like or LastPose, optional
+            Where closing the loops starts; ``q0`` by default.
 
         Returns
         -------
@@ -598,16 +633,13 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-
-        def one(position: Array, speed: Array, force: Array) -> Array:
-            q, complement = self._at(position)
-            accelerations: Array = self.constrained_accelerations(q, complement @ speed, force)[
-                self.actuated_v
-            ]
-            return accelerations
-
-        return self._map(
-            one, (len(self.actuated),), positions=positions, speeds=speeds, forces=forces
+        return self._ask(
+            FORWARD_DYNAMICS,
+            len(self.actuated),
+            guess,
+            positions=positions,
+            speeds=speeds,
+            forces=forces,
         )
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
@@ -635,7 +667,8 @@ class ClosedLoopRobot:
         index = self._frame(frame)
 
         def one(position: Array) -> Array:
-            q, complement = self._at(position)
+            closure = self.closure(position)
+            q, complement = closure.configuration, closure.complement
             pin.computeJointJacobians(self.model, self.data, q)
             pin.updateFramePlacements(self.model, self.data)
             jacobian = pin.getFrameJacobian(
@@ -736,39 +769,17 @@ class ClosedLoopRobot:
 
     def kinetic_energy(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the kinetic energy [J], of shape (...,)."""
-
-        def one(position: Array, speed: Array) -> Array:
-            q, complement = self._at(position)
-            return np.asarray(
-                pin.computeKineticEnergy(self.model, self.data, q, complement @ speed)
-            )
-
-        return self._map(one, (), positions=positions, speeds=speeds)
+        return self._ask(ENERGIES, 2, positions=positions, speeds=speeds)[..., 0]
 
     def potential_energy(self, positions: ArrayLike) -> Array:
         """Return the potential energy in the field of gravity [J], of shape (...,).
 
         Zero with all masses at the base's height.
         """
-
-        def one(position: Array) -> Array:
-            return np.asarray(
-                pin.computePotentialEnergy(self.model, self.data, self.configuration(position))
-            )
-
-        return self._map(one, (), positions=positions)
+        rest = np.zeros(len(self.actuated))
+        return self._ask(ENERGIES, 2, positions=positions, speeds=rest)[..., 1]
 
 
-def _check_order(model: pin.Model) -> None:
-    """Refuse a tree in which a joint does not follow its parent's other descendants.
-
-    ``crba`` takes subtrees for contiguous.
-    """
-    branch = [0]
-    for joint in range(1, model.njoints):
-        parent = int(model.parents[joint])
-        while branch and branch[-1] != parent:
-            branch.pop()
-        if not branch:
-            raise DisorderedJoints(str(model.names[joint]), str(model.names[parent]))
-        branch.append(joint)
+def _three(rows: list[Array]) -> tuple[Array, Array, Array]:
+    """Return three arguments for a question that needs up to three."""
+    return rows[0], rows[min(1, len(rows) - 1)], rows[-1]

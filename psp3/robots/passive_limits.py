@@ -39,7 +39,8 @@ class PassiveLimits:
     def check(self, configurations: Array) -> None:
         """Raise :class:`JointLimitExceeded` for the first of configurations (N, nq) beyond one."""
         values = configurations[:, self._index]
-        beyond = (values < self._lower) | (values > self._upper)
+        # Written so that NaN counts as beyond.
+        beyond = ~((self._lower <= values) & (values <= self._upper))
         if beyond.any():
             row, k = np.argwhere(beyond)[0]
             raise JointLimitExceeded(

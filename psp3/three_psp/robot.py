@@ -17,8 +17,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats, finite_rows, together
+from psp3.checks import Array, applied_to_rows, as_floats, finite_rows, together
 from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
+from psp3.multibody.core import LastPose
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.dynamics_model import DynamicsModel
 from psp3.three_psp.geometry import arm_lengths, heights_of_tilt, tip_reach
@@ -144,8 +145,24 @@ class PSP3(ClosedLoopRobot):
 
         return functools.partial(ClosedFormSteps, self._p)
 
-    def _start(self, row: Array) -> Array:
-        return self.configuration(row)
+    def _ask(
+        self,
+        question: int,
+        width: int,
+        guess: ArrayLike | LastPose | None = None,
+        **arguments: ArrayLike,
+    ) -> Array:
+        """Return answers of the core, each from the pose in closed form."""
+
+        def one(**row: Array) -> Array:
+            start = self.configuration(row["positions"]) if guess is None else guess
+            return super(PSP3, self)._ask(question, width, start, **row)
+
+        return applied_to_rows(
+            lambda *row: one(**dict(zip(arguments, row, strict=True))),
+            (width,),
+            **{name: (values, 3) for name, values in arguments.items()},
+        )
 
     def dynamics(self, name: str) -> DynamicsModel:
         """Return one of the three implementations of the equation of motion.
