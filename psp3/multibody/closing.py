@@ -76,6 +76,12 @@ LARGEST_REPAIR = 1.0
 rad].
 """
 
+LARGEST_BEND = 0.1
+"""Near a singular pose no step may change the speeds along the way by more than this share: behind
+one, branches lie so close to each other that Newton's method may take either, but they part in
+different directions.
+"""
+
 SMALLEST_STEP = 1e-6
 """A motion is given up where this share of the way is still too long a step."""
 
@@ -87,6 +93,12 @@ Jacobian.
 GUESSED = 10.0
 """A guess counts as closed with a residual so many times larger than what is asked of a motion: a
 correction by rounding could lead past a singular pose nearby.
+"""
+
+NEARBY = 3e-3
+"""If Newton's method may move joints by more than this, every step has a Jacobian of its own, whose
+sign is looked at: near a singular pose a step may lead to another branch with the old sign [m,
+rad].
 """
 
 MANY = 8
@@ -120,7 +132,7 @@ def solved(tree, memory, group):
 
 @compiled
 def factored(tree, numbers, memory, group):
-    """Write and factor the Jacobian of a group; return the sign of its determinant, or 0."""
+    """Write and factor the Jacobian of a group; return its smallest pivot, with a sign, or 0."""
     factors = tree[AT_FACTORS]
     reflections = tree[AT_REFLECTIONS]
     groups = tree[AT_GROUPS]
@@ -138,11 +150,12 @@ def factored(tree, numbers, memory, group):
 
 
 @compiled
-def newton(tree, numbers, memory, group, most, enough):
+def newton(tree, numbers, memory, group, most, enough, sign):
     """Close a group's loops with its dependent joints.
 
     Leave its Jacobian factored there. Return what became of it; it is closed where the residual is
-    at most ``enough``, and open where a joint has moved by more than ``most``.
+    at most ``enough``, and open where a joint has moved by more than ``most``, or the determinant's
+    sign was not ``sign`` somewhere on the way, unless that is 0.
     """
     configuration = tree[AT_CONFIGURATION]
     moved = tree[AT_MOVED]
@@ -167,11 +180,13 @@ def newton(tree, numbers, memory, group, most, enough):
         # Near a singular pose rounding may be all that a step corrects.
         is_closed = size <= enough or (size >= before and size <= largest)
         # The Jacobian of a pose before is good for a correction where it has led far.
-        is_fresh = columns < MANY or size > ENOUGH * before or is_closed
+        is_fresh = columns < MANY or most > NEARBY or size > ENOUGH * before or is_closed
         if is_fresh:
             memory[signs + group] = factored(tree, numbers, memory, group)
             if memory[signs + group] == 0.0:
                 return SINGULAR
+            if memory[signs + group] * sign < 0.0:
+                return OPEN
             if is_closed:
                 return CLOSED
         before = size
@@ -195,8 +210,8 @@ def newton(tree, numbers, memory, group, most, enough):
 def _is_turned(tree, memory, group):
     """Tell whether a group's closure equations have turned over since the pose before.
 
-    Where they are as many as the dependent speeds, the sign of their determinant says it.
-    Otherwise it is the sign of the motion between the spaces of their columns.
+    Where they are more than the dependent speeds, the sign of the motion between the spaces of
+    their columns says it.
     """
     across = tree[AT_ACROSS]
     before = tree[AT_BEFORE]
@@ -274,6 +289,22 @@ def _speeds_along(tree, memory, group):
 
 
 @compiled
+def _is_bent(tree, memory, group, fastest):
+    """Tell whether the speeds along the way are others than at the pose before; leave those."""
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
+    column, columns = tree[g + GROUP_COLUMN], tree[g + GROUP_COLUMNS]
+    speed, before = tree[AT_SPEED] + column, tree[AT_MOVED] + column
+    for k in range(columns):
+        memory[before + k] = memory[speed + k]
+    fastest = max(fastest, _speeds_along(tree, memory, group))
+    bend = 0.0
+    for k in range(columns):
+        bend = max(bend, abs(memory[speed + k] - memory[before + k]))
+        memory[speed + k] = memory[before + k]
+    return bend > LARGEST_BEND * fastest
+
+
+@compiled
 def _follow(tree, numbers, memory, group):
     """Move a closed group's independent joints from where they are to the target.
 
@@ -294,14 +325,18 @@ def _follow(tree, numbers, memory, group):
     first_driver = drivers + tree[g + FIRST_DRIVER]
     column = tree[g + GROUP_COLUMN]
     is_square = tree[g + IS_SQUARE]
-    enough = numbers[tree[AT_TOLERANCES] + GROUP_NUMBERS * group + 1]
+    tolerances = tree[AT_TOLERANCES] + GROUP_NUMBERS * group
+    near = numbers[tolerances + 2]
     done, step = 0.0, 1.0
     while done < 1.0:
         fastest = _speeds_along(tree, memory, group)
         if fastest == 0.0:
             return CLOSED
         _remember(tree, memory, group)
-        sign = memory[signs + group]
+        # Beyond a fold, and on the other branch before it, the determinant has the other sign.
+        pivot = memory[signs + group]
+        # Near a singular pose what is left open moves joints by much: nothing is left but rounding.
+        enough = numbers[tolerances + 1] if abs(pivot) >= near else 0.0
         good = False
         while not good:
             step = min(step, 1.0 - done, LARGEST_PREDICTED_STEP / fastest)
@@ -315,9 +350,14 @@ def _follow(tree, numbers, memory, group):
                     end if goal == 1.0 else start + goal * (end - start)
                 )
             most = LARGEST_CORRECTION * (goal - done) * fastest + SMALLEST_CORRECTION
-            good = newton(tree, numbers, memory, group, most, enough) == CLOSED and (
-                memory[signs + group] == sign if is_square else not _is_turned(tree, memory, group)
+            good = (
+                newton(tree, numbers, memory, group, most, enough, pivot if is_square else 0.0)
+                == CLOSED
             )
+            if good and abs(memory[signs + group]) < near:
+                good = not _is_bent(tree, memory, group, fastest)
+            if good and not is_square:
+                good = not _is_turned(tree, memory, group)
             if not good:
                 step = 0.5 * (goal - done)
                 if step < SMALLEST_STEP:
@@ -365,7 +405,7 @@ def settled(tree, numbers, memory):
     place(tree, numbers, memory, all_members, all_members + elements)
     for group in range(tree[GROUPS]):
         enough = GUESSED * numbers[tree[AT_TOLERANCES] + GROUP_NUMBERS * group + 1]
-        outcome = newton(tree, numbers, memory, group, LARGEST_REPAIR, enough)
+        outcome = newton(tree, numbers, memory, group, LARGEST_REPAIR, enough, 0.0)
         if outcome != CLOSED:
             memory[report], memory[report + 2] = 0.0, float(group)
             memory[report + 1] = residual_of(tree, numbers, memory, group)

@@ -12,7 +12,21 @@ from psp3.checks import Array, Indices
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.flatten import flattened
 from psp3.multibody.motion import answer, assemble
-from psp3.multibody.tree import AT_CONFIGURATION, AT_FREE_FALL, AT_REPORT, SIZE
+from psp3.multibody.tree import (
+    AT_CONFIGURATION,
+    AT_FREE_FALL,
+    AT_REPORT,
+    AT_SIGNS,
+    AT_TOLERANCES,
+    GROUP_NUMBERS,
+    GROUPS,
+    SIZE,
+)
+
+NEAR_SINGULAR = 0.02
+"""A pose whose smallest pivot is smaller than this share of the reference pose's is near a singular
+one.
+"""
 
 
 class NoAnswer(Exception):
@@ -82,6 +96,10 @@ class Core:
         self._spare: list[Array] = []
         self._reference = np.empty(self._size)
         self._settle(guess, self._reference)
+        for group in range(int(self.tree[GROUPS])):
+            pivot = abs(self._reference[int(self.tree[AT_SIGNS]) + group])
+            at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
+            self.numbers[at + 2] = NEAR_SINGULAR * pivot
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_spare": [], "_free_fall": None}

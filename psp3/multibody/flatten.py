@@ -335,7 +335,7 @@ def _packed(
         size = 1.0 + sum(
             float(np.linalg.norm(elements[e].placement.translation)) for e in group.elements
         )
-        tolerances += [LARGEST_RESIDUAL * size, CLOSURE_TOLERANCE * size]
+        tolerances += [LARGEST_RESIDUAL * size, CLOSURE_TOLERANCE * size, 0.0]
     last = [len(members_list), len(closures), len(paths), len(drivers), row, len(dependent)]
     table.append([*last, 0, 0, 0, factor_at, driven_at, 0])
     # The last members are all elements.

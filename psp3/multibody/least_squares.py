@@ -21,7 +21,8 @@ def factor(tree, memory, ends, at, into, rows, columns):
     """Factor the matrix that begins at ``at`` in place, Q R; weights of reflections go to ``into``.
 
     ``ends`` is where the whole numbers say, of each column, the row below its last entry. Return
-    the sign of the determinant, if the matrix is square; 0 if its columns are not independent.
+    the smallest pivot, with the sign of the determinant if the matrix is
+    square; 0 if its columns are not independent.
     """
     sign, largest, least = 1.0, 0.0, math.inf
     for k in range(columns):
@@ -58,7 +59,7 @@ def factor(tree, memory, ends, at, into, rows, columns):
         largest = max(largest, size)
         # Written so that NaN counts as small.
         least = least if size >= least else size
-    return sign if least > SMALLEST_PIVOT * largest else 0.0
+    return sign * least if least > SMALLEST_PIVOT * largest else 0.0
 
 
 @inner

@@ -130,8 +130,8 @@ stays true of it, and can be copied as a whole:
 configuration; placements of the elements in the base (12: rotation, row by row, and position);
 screws of the velocities (6: linear part at the base's origin, and angular part); the two frames of
 each closure in the base (24); Jacobians of the groups by their dependent speeds, factored, column by
-column, with the weights of the reflections; by their independent speeds; and the sign of each
-group's determinant.
+column, with the weights of the reflections; by their independent speeds; and each
+group's smallest pivot, with the sign of its determinant.
 
 Then factors, weights and configuration of the pose from which the next is looked for; independent
 coordinates from which and to which a motion goes; residual; right side of a group's equations, then
@@ -205,9 +205,10 @@ group's independent ones; its element.
 LOCKED = -1_000_000
 """In place of a column: a velocity that is held at zero."""
 
-GROUP_NUMBERS = 2
-"""Of each group: the largest residual of a closed group [m, rad], and the largest step of a joint
-at which Newton's method has arrived [m, rad].
+GROUP_NUMBERS = 3
+"""Of each group: the largest residual of a closed group [m, rad], the residual or step of a joint at
+which Newton's method has arrived [m, rad], and the smallest pivot below which a pose counts as near
+a singular one.
 """
 
 JOINT_NUMBERS = 3

@@ -276,6 +276,8 @@ class ClosedLoopRobot:
         """Return the answers of the core, (..., width), for arguments (..., n)."""
         n = len(self.actuated)
         values = list(arguments.values())
+        if guess is not None and not isinstance(guess, LastPose):
+            guess = np.array(one_row("guess", guess, self.model.nq))
         try:
             # One state, as control loops ask for it: nothing to check that the kernels do not.
             rows = [value[np.newaxis] for value in values]  # type: ignore[index, call-overload]
@@ -296,8 +298,6 @@ class ClosedLoopRobot:
         )
         shape = arrays[0].shape[:-1]
         rows = [array.reshape(-1, n) for array in arrays]
-        if guess is not None and not isinstance(guess, LastPose):
-            guess = np.array(one_row("guess", guess, self.model.nq))
         out = np.empty((len(rows[0]), width))
         try:
             self._core.ask(question, *_three(rows), out, guess)

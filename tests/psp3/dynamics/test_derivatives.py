@@ -487,7 +487,7 @@ def test_batches_are_loops_of_singles(function: Callable[..., tuple[Array, Array
         for one, part in zip(
             whole, function(robot, positions[index], speeds[index[1]], third), strict=True
         ):
-            assert_array_equal(one[index], part)
+            assert_allclose(one[index], part, rtol=0.0, atol=1e-11 * np.abs(part).max())
     assert [
         matrix.shape for matrix in function(robot, np.zeros((2, 0, 2)), np.zeros(2), third)
     ] == [(2, 0, 2, 2)] * 3
