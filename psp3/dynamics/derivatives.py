@@ -41,8 +41,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, finite_rows, together
+from psp3.dynamics.closed_pose import ClosedPose
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
-from psp3.robots.closed_pose import ClosedPose
 
 
 class InverseDynamicsDerivatives(NamedTuple):

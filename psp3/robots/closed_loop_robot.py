@@ -29,9 +29,11 @@ from psp3.checks import Array, applied_to_rows, finite_rows, one_row
 from psp3.closure.assembly import assembled
 from psp3.closure.kernels import SINGULAR, close, drift
 from psp3.closure.mobility import mobility
+from psp3.closure.passive_limits import PassiveLimits
 from psp3.closure.rank import dependent_solver
 from psp3.closure.table import NO_MOTORS, flattened
 from psp3.description.urdf import read_robot
+from psp3.dynamics.closed_pose import ClosedPose
 from psp3.errors import (
     ClosureFailed,
     DisorderedJoints,
@@ -39,8 +41,6 @@ from psp3.errors import (
     MobilityMismatch,
     UnknownName,
 )
-from psp3.robots.closed_pose import ClosedPose
-from psp3.robots.passive_limits import PassiveLimits
 
 
 class ClosedLoopRobot:

@@ -18,9 +18,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats, finite_rows, together
+from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
-from psp3.robots.dynamics_model import DynamicsModel
 from psp3.three_psp.geometry import arm_lengths, heights_of_tilt, tip_reach
 from psp3.three_psp.parameters import Parameters
 

@@ -10,8 +10,8 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.description.parts import ROBOTS
+from psp3.dynamics.dynamics_model import DynamicsModel, equation_of_motion_of
 from psp3.errors import InvalidArray, InvalidValue
-from psp3.robots.dynamics_model import DynamicsModel, equation_of_motion_of
 from psp3.three_psp.robot import DYNAMICS_MODELS
 from tests.helpers import random_states
 
