@@ -8,7 +8,14 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array, Indices, one_row
-from psp3.errors import UnknownName
+from psp3.closure.mobility import mobility
+from psp3.closure.rank import dependent_solver
+from psp3.errors import DisorderedJoints, MobilityMismatch, UnknownName
+
+MOBILITY_TOLERANCE = 1e-5
+"""L must satisfy the loops' velocity equations to this share; far above rounding, far below a wrong
+number of actuators.
+"""
 
 
 class HasTree(Protocol):
@@ -80,3 +87,52 @@ class Mechanism:
         """
         home = getattr(self._robot, "q0", None)
         return pin.neutral(self.model) if home is None else one_row("q0", home, self.model.nq)
+
+    def complement(self, q: Array, jacobian: Array) -> tuple[Array, Array]:
+        r"""Return L (eq. 3.17), (nv, n), and the inverse of :math:`\Phi^u`, (nv − n, m).
+
+        Parameters
+        ----------
+        q : (nq,) ndarray
+            A configuration.
+        jacobian : (m, nv) ndarray
+            The constraint Jacobian :math:`\Phi` there.
+
+        Raises
+        ------
+        SingularConfiguration
+            If the actuated joints do not determine the others here.
+        MobilityMismatch
+            If they determine each other.
+        """
+        inverse = dependent_solver(jacobian[:, self.dependent])
+        complement = np.zeros((self.model.nv, self.actuated.size))
+        complement[self.actuated, np.arange(self.actuated.size)] = 1.0
+        complement[self.dependent] = -inverse @ jacobian[:, self.actuated]
+        # With more actuated joints than degrees of freedom no L keeps the loops closed, and the
+        # pseudo-inverse only comes near. An inverse solves every equation.
+        if len(jacobian) > self.dependent.size:
+            missed = np.abs(jacobian @ complement).max(initial=0.0)
+            if missed > MOBILITY_TOLERANCE * np.abs(jacobian).max(initial=1.0):
+                raise MobilityMismatch(mobility(self.model, self.loops, self.names, q), self.names)
+        return complement, inverse
+
+
+def check_order(model: pin.Model) -> None:
+    """Refuse a tree in which a joint does not follow its parent's other descendants.
+
+    Pinocchio's ``crba`` and ``constraintDynamics`` take subtrees for contiguous.
+
+    Raises
+    ------
+    DisorderedJoints
+        If one does not.
+    """
+    branch = [0]
+    for joint in range(1, model.njoints):
+        parent = int(model.parents[joint])
+        while branch and branch[-1] != parent:
+            branch.pop()
+        if not branch:
+            raise DisorderedJoints(str(model.names[joint]), str(model.names[parent]))
+        branch.append(joint)

@@ -29,20 +29,13 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, applied_to_rows
-from psp3.closure.mobility import mobility
 from psp3.closure.passive_limits import PassiveLimits
-from psp3.closure.rank import dependent_solver
 from psp3.dynamics.mechanism import HasTree, Mechanism
-from psp3.dynamics.newton_from_home import NewtonFromHome
-from psp3.errors import InconsistentVelocity, MobilityMismatch, OpenLoops
+from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
+from psp3.errors import InconsistentVelocity, OpenLoops
 
 CLOSURE_TOLERANCE = 1e-6
 """Dynamics is refused where a loop is open by more than this [m, rad]."""
-
-MOBILITY_TOLERANCE = 1e-5
-"""L must satisfy the loops' velocity equations to this share; far above rounding, far below a wrong
-number of actuators.
-"""
 
 VELOCITY_TOLERANCE = 1e-8
 """A velocity is refused where it violates the loops by more than this share of its size."""
@@ -51,7 +44,7 @@ VELOCITY_TOLERANCE = 1e-8
 def _skew(vectors: Array) -> Array:
     """Cross-product matrices, (..., 3) to (..., 3, 3)."""
     matrices = np.zeros((*vectors.shape, 3))
-    x, y, z = np.moveaxis(vectors, -1, 0)
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     matrices[..., 0, 1], matrices[..., 0, 2], matrices[..., 1, 2] = -z, y, -x
     matrices[..., 1, 0], matrices[..., 2, 0], matrices[..., 2, 1] = z, -y, x
     return matrices
@@ -85,9 +78,9 @@ class _Tree:
     """What of a tree does not change: joints, bodies, loops, and Pinocchio's room to compute in."""
 
     def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
         self.model = model = mechanism.model
         self.data = model.createData()
-        self.names = mechanism.names
         self.actuated, self.dependent = mechanism.actuated, mechanism.dependent
         self.joints = range(1, model.njoints)
         # Joint j moves body i if it lies between the base and body i.
@@ -97,7 +90,10 @@ class _Tree:
                 joint = model.joints[ancestor]
                 moves[body, joint.idx_v : joint.idx_v + joint.nv] = 1.0
         self.moves = moves[1:, np.newaxis, :]
-        self.constraint_models = mechanism.loops
+        bodies = [model.inertias[joint] for joint in self.joints]
+        self.masses = np.array([body.mass for body in bodies])
+        self.levers = np.array([body.lever for body in bodies])
+        self.inertias = np.array([body.inertia for body in bodies])
         self.rows, self.loops = 0, list[_Loop]()
         for loop in mechanism.loops:
             self.loops.append(_Loop(loop, moves, self.rows))
@@ -132,24 +128,9 @@ class _Tree:
 
     def weights(self) -> Array:
         """Return the weights of the bodies as wrenches, (6 r,) (eq. 3.36a)."""
-        masses = [self.model.inertias[joint].mass for joint in self.joints]
-        wrenches = np.zeros((len(masses), 6))
-        wrenches[:, 3:] = np.outer(masses, self.model.gravity.linear)
+        wrenches = np.zeros((len(self.masses), 6))
+        wrenches[:, 3:] = np.outer(self.masses, self.model.gravity.linear)
         return wrenches.ravel()
-
-    def complement(self, q: Array, jacobian: Array) -> tuple[Array, Array]:
-        """Return L and the inverse of Φ^u from Φ at one configuration."""
-        inverse = dependent_solver(jacobian[:, self.dependent])
-        complement = np.zeros((self.model.nv, self.actuated.size))
-        complement[self.actuated, np.arange(self.actuated.size)] = 1.0
-        complement[self.dependent] = -inverse @ jacobian[:, self.actuated]
-        # With more actuated joints than degrees of freedom no L keeps the loops closed, and the
-        # pseudo-inverse only comes near.
-        if _size(jacobian @ complement) > MOBILITY_TOLERANCE * max(_size(jacobian), 1.0):
-            raise MobilityMismatch(
-                mobility(self.model, self.constraint_models, self.names, q), self.names
-            )
-        return complement, inverse
 
 
 class _State:
@@ -163,6 +144,15 @@ class _State:
         self._tree, self._q = tree, q
         self.constraint, self.jacobian = tree.constraint(q)
         self._joint_jacobian = np.array(tree.data.J)
+
+    @classmethod
+    def where_closed(cls, tree: _Tree, found: Closed) -> _State:
+        """Return the state where the loops have just been closed."""
+        state = cls.__new__(cls)
+        state._tree, state._q, state.jacobian = tree, found.q, found.jacobian
+        state._joint_jacobian = np.array(tree.data.J)
+        state._solved = found.complement, found.inverse
+        return state
 
     def moving(self, v: Array) -> _State:
         """Take a velocity, which must keep the loops closed."""
@@ -186,7 +176,7 @@ class _State:
 
     @functools.cached_property
     def _solved(self) -> tuple[Array, Array]:
-        return self._tree.complement(self._q, self.jacobian)
+        return self._tree.mechanism.complement(self._q, self.jacobian)
 
     @property
     def L(self) -> Array:
@@ -235,10 +225,8 @@ class _State:
     @functools.cached_property
     def _lever(self) -> Array:
         """Cross-product matrices of the centers of mass in world axes, (r, 3, 3)."""
-        inertias, placements = self._tree.model.inertias, self._placements
-        levers = np.array([inertias[joint].lever for joint in self._tree.joints])
-        centers = (placements[:, :3, :3] @ levers[..., np.newaxis])[..., 0] + placements[:, :3, 3]
-        return _skew(centers)
+        rotations, origins = self._placements[:, :3, :3], self._placements[:, :3, 3]
+        return _skew((rotations @ self._tree.levers[..., np.newaxis])[..., 0] + origins)
 
     @functools.cached_property
     def K(self) -> Array:
@@ -288,13 +276,10 @@ class _State:
     def M_total(self) -> Array:
         """Eq. 3.36b."""
         rotations, bodies = self._placements[:, :3, :3], np.arange(len(self._placements))
-        inertias = [self._tree.model.inertias[joint] for joint in self._tree.joints]
-        own = np.array([inertia.inertia for inertia in inertias])
         total = np.zeros((len(bodies), 6, len(bodies), 6))
-        total[bodies, :3, bodies, :3] = rotations @ own @ rotations.swapaxes(1, 2)
-        masses = [inertia.mass for inertia in inertias]
+        total[bodies, :3, bodies, :3] = rotations @ self._tree.inertias @ rotations.swapaxes(1, 2)
         for axis in (3, 4, 5):
-            total[bodies, axis, bodies, axis] = masses
+            total[bodies, axis, bodies, axis] = self._tree.masses
         return total.reshape(6 * len(bodies), -1)
 
     @functools.cached_property
@@ -370,7 +355,7 @@ class NaturalOrthogonalComplement:
             self._mechanism.names,
             self._mechanism.home(),
             self._tree.constraint,
-            self._tree.complement,
+            self._mechanism.complement,
         )
 
     @functools.cached_property
@@ -400,15 +385,16 @@ class NaturalOrthogonalComplement:
             v=(v, self.model.nv),
         )
 
-    def _configuration(self, positions: Array) -> Array:
-        q = self._from_home.configuration(positions)
-        self._limited.check(q[np.newaxis])
-        return q
+    def _found(self, positions: Array) -> Closed:
+        """Return where the loops are closed at one row of actuated positions."""
+        found = self._from_home.closed(positions)
+        self._limited.check(found.q[np.newaxis])
+        return found
 
     def _closed(self, positions: Array, speeds: Array) -> _State:
-        """Return the state with closed loops at one row of actuated positions and speeds."""
-        state = _State(self._tree, self._configuration(positions)).closed()
-        return state.moving(state.L @ speeds)
+        """Return the state there that moves at actuated speeds."""
+        found = self._found(positions)
+        return _State.where_closed(self._tree, found).moving(found.complement @ speeds)
 
     # The thesis's quantities
 
@@ -494,7 +480,9 @@ class NaturalOrthogonalComplement:
         # First of all, so that a home that is none is found without a pose, too.
         _ = self._from_home
         return applied_to_rows(
-            self._configuration, (self.model.nq,), positions=(positions, self._actuated.size)
+            lambda row: self._found(row).q,
+            (self.model.nq,),
+            positions=(positions, self._actuated.size),
         )
 
     def L(self, q: ArrayLike) -> Array:

@@ -59,12 +59,17 @@ MOST_STEPS = 2000
 """A way of more steps is none that a robot goes."""
 
 
-class _Closed(NamedTuple):
-    """A closed configuration with what the next step needs of it."""
+class Closed(NamedTuple):
+    """A closed configuration, and what was found on the way there."""
 
     q: Array
+    """Joint positions, (nq,)."""
+    jacobian: Array
+    """Constraint Jacobian, (m, nv)."""
     complement: Array
+    """L, (nv, n)."""
     inverse: Array
+    """The inverse of the Jacobian's un-actuated columns, (nv − n, m)."""
 
 
 class NewtonFromHome:
@@ -105,10 +110,12 @@ class NewtonFromHome:
         q, residual, moved, jacobian = self._corrected(home, exactly=True)
         if not residual <= CLOSED or not moved <= LARGEST_REPAIR:
             raise ClosureFailed(home[self._places], residual, 0.0)
-        self._home = _Closed(q, *self._complement(q, jacobian))
+        self._home = Closed(q, jacobian, *self._complement(q, jacobian))
 
-    def configuration(self, positions: Array) -> Array:
-        """Return the closed configuration at actuated positions, (n,) to (nq,).
+    def closed(self, positions: Array) -> Closed:
+        """Return the closed configuration at actuated positions (n,).
+
+        It is also the last one at which the constraint was asked for.
 
         Raises
         ------
@@ -132,14 +139,14 @@ class NewtonFromHome:
                 step = 0.5 * (goal - done)
                 continue
             if goal == 1.0:
-                return found.q
+                return found
             at, done, step = found, goal, 2.0 * (goal - done)
         # How far apart the frames would be if only the motors went on.
         stretched = at.q.copy()
         stretched[self._places] = positions
         raise ClosureFailed(positions, _size(self._constraint(stretched)[0]), done)
 
-    def _next(self, at: _Closed, predicted: Array, length: float, last: bool) -> _Closed | None:
+    def _next(self, at: Closed, predicted: Array, length: float, last: bool) -> Closed | None:
         """Return the closed configuration near a predicted one, or None if the step is too long."""
         q, residual, moved, jacobian = self._corrected(predicted, exactly=last)
         if not residual <= (CLOSED if last else ON_THE_WAY):
@@ -153,7 +160,7 @@ class NewtonFromHome:
         # Beyond a fold, and on the other branch before it, the determinant has the other sign.
         if np.linalg.det(at.inverse @ jacobian[:, self._dependent]) <= 0.0:
             return None
-        return _Closed(q, complement, inverse)
+        return Closed(q, jacobian, complement, inverse)
 
     def _corrected(self, q: Array, exactly: bool) -> tuple[Array, float, float, Array]:
         """Return where Newton's method leads, moving the un-actuated joints only.

@@ -34,9 +34,9 @@ from psp3.closure.rank import dependent_solver
 from psp3.closure.table import NO_MOTORS, flattened
 from psp3.description.urdf import read_robot
 from psp3.dynamics.closed_pose import ClosedPose
+from psp3.dynamics.mechanism import check_order
 from psp3.errors import (
     ClosureFailed,
-    DisorderedJoints,
     InvalidValue,
     MobilityMismatch,
     UnknownName,
@@ -98,7 +98,7 @@ class ClosedLoopRobot:
         q0: ArrayLike | None = None,
         visual_model: Any = None,
     ) -> None:
-        _check_order(model)
+        check_order(model)
         self.model = model
         self.data = model.createData()
         # Velocity forces are read off a copy without gravity: beside the weight they would lose
@@ -757,18 +757,3 @@ class ClosedLoopRobot:
             )
 
         return self._map(one, (), positions=positions)
-
-
-def _check_order(model: pin.Model) -> None:
-    """Refuse a tree in which a joint does not follow its parent's other descendants.
-
-    ``crba`` takes subtrees for contiguous.
-    """
-    branch = [0]
-    for joint in range(1, model.njoints):
-        parent = int(model.parents[joint])
-        while branch and branch[-1] != parent:
-            branch.pop()
-        if not branch:
-            raise DisorderedJoints(str(model.names[joint]), str(model.names[parent]))
-        branch.append(joint)

@@ -215,7 +215,7 @@ class Waves:
         way = NewtonFromHome(
             self.model, ["x"], np.zeros(2), self.constraint, self.complement
         )
-        return float(way.configuration(np.array([x]))[1])
+        return float(way.closed(np.array([x])).q[1])
 
 
 @pytest.mark.parametrize("x", [0.3, -1.0, 2.0])
@@ -237,7 +237,7 @@ def shifted(away: float) -> Array:
         lambda q: (np.array([q[1] - q[0] - away]), slope),
         lambda q, slope: (np.ones((2, 1)), np.ones((1, 1))),
     )
-    return way.configuration(np.array([0.5]))
+    return way.closed(np.array([0.5])).q
 
 
 def test_a_home_that_closes_far_away_is_refused() -> None:
