@@ -53,9 +53,17 @@ def _skew(vectors: Array) -> Array:
 def _motion_cross(twist: Array) -> Array:
     """Matrix of the cross product of motions, for twists ordered [v; ω] as in Pinocchio."""
     matrix = np.zeros((6, 6))
-    matrix[:3, :3] = matrix[3:, 3:] = _skew(twist[3:])
-    matrix[:3, 3:] = _skew(twist[:3])
+    matrix[:3, :3] = matrix[3:, 3:] = pin.skew(twist[3:])
+    matrix[:3, 3:] = pin.skew(twist[:3])
     return matrix
+
+
+def _block_diagonal(blocks: Array) -> Array:
+    """Matrix of blocks (r, 6, 6), (6 r, 6 r)."""
+    bodies = np.arange(len(blocks))
+    matrix = np.zeros((len(blocks), 6, len(blocks), 6))
+    matrix[bodies, :, bodies, :] = blocks
+    return matrix.reshape(6 * len(blocks), -1)
 
 
 def _size(values: Array) -> float:
@@ -272,37 +280,40 @@ class _State:
             + self.K[:, dependent] @ (self._solved[1] @ turned)
         )
 
-    @functools.cached_property
-    def M_total(self) -> Array:
-        """Eq. 3.36b."""
-        rotations, bodies = self._placements[:, :3, :3], np.arange(len(self._placements))
-        total = np.zeros((len(bodies), 6, len(bodies), 6))
-        total[bodies, :3, bodies, :3] = rotations @ self._tree.inertias @ rotations.swapaxes(1, 2)
-        for axis in (3, 4, 5):
-            total[bodies, axis, bodies, axis] = self._tree.masses
-        return total.reshape(6 * len(bodies), -1)
+    # Matrices of the free bodies are kept block by block, (r, 6, 6): all else in them is zero.
 
     @functools.cached_property
-    def Omega(self) -> Array:
+    def M_blocks(self) -> Array:
+        """Eq. 3.36b."""
+        rotations, blocks = self._placements[:, :3, :3], np.zeros((len(self._placements), 6, 6))
+        blocks[:, :3, :3] = rotations @ self._tree.inertias @ rotations.swapaxes(1, 2)
+        for axis in (3, 4, 5):
+            blocks[:, axis, axis] = self._tree.masses
+        return blocks
+
+    @property
+    def Omega_blocks(self) -> Array:
         """Eq. 3.36c."""
-        bodies = np.arange(len(self._twists))
-        spin = np.zeros((len(bodies), 6, len(bodies), 6))
-        spin[bodies, :3, bodies, :3] = _skew(self._twists[:, :3])
-        return spin.reshape(6 * len(bodies), -1)
+        blocks = np.zeros((len(self._twists), 6, 6))
+        blocks[:, :3, :3] = _skew(self._twists[:, :3])
+        return blocks
 
     @functools.cached_property
     def _momentum(self) -> Array:
-        return self.M_total @ self.T
+        """The product of M_total and T, body by body, (r, 6, n)."""
+        return self.M_blocks @ self.T.reshape(-1, 6, self.T.shape[1])
 
     @property
     def mass(self) -> Array:
         """Eq. 3.2."""
-        return self.T.T @ self._momentum
+        return self.T.T @ self._momentum.reshape(self.T.shape)
 
     @property
     def coriolis(self) -> Array:
         """Eq. 3.3."""
-        return self.T.T @ (self.M_total @ self.T_dot + self.Omega @ self._momentum)
+        rate = self.T_dot.reshape(self._momentum.shape)
+        forces = self.M_blocks @ rate + self.Omega_blocks @ self._momentum
+        return self.T.T @ forces.reshape(self.T.shape)
 
     @property
     def gravity(self) -> Array:
@@ -640,7 +651,9 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._at(lambda state: state.M_total, (self._twist_rows, self._twist_rows), q)
+        return self._at(
+            lambda state: _block_diagonal(state.M_blocks), (self._twist_rows, self._twist_rows), q
+        )
 
     def Omega(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the angular velocities in blocks (eq. 3.36c).
@@ -663,7 +676,12 @@ class NaturalOrthogonalComplement:
         InvalidArray, InconsistentVelocity, SingularConfiguration
             See :meth:`L_dot`.
         """
-        return self._moving(lambda state: state.Omega, (self._twist_rows, self._twist_rows), q, v)
+        return self._moving(
+            lambda state: _block_diagonal(state.Omega_blocks),
+            (self._twist_rows, self._twist_rows),
+            q,
+            v,
+        )
 
     def w_g(self) -> Array:
         r"""Return the weights of the bodies as wrenches, :math:`w^g_i = [0; m_i g]` (eq. 3.36a).

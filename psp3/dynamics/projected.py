@@ -63,6 +63,8 @@ class ProjectedDynamics:
         self._constraint_data = pin.StdVec_RigidConstraintData()
         for loop in self.constraint_models:
             self._constraint_data.append(loop.createData())
+        # What a vector of Pinocchio yields is slow to make, so that it is made once.
+        self._states = [self._constraint_data[i] for i in range(len(self._constraint_data))]
         self.actuated = self._mechanism.names
         self.actuated_v = self._mechanism.actuated
         self.dependent_v = self._mechanism.dependent
@@ -84,14 +86,14 @@ class ProjectedDynamics:
         pin.computeJointJacobians(self.model, self.data, q)
         if not self._mechanism.loops:
             return np.zeros(0), np.zeros((0, self.model.nv))
-        for loop, data in zip(self._mechanism.loops, self._constraint_data, strict=True):
+        for loop, state in zip(self._mechanism.loops, self._states, strict=True):
             # Without this call the Jacobian below is silently wrong.
-            loop.calc(self.model, self.data, data)
+            loop.calc(self.model, self.data, state)
         jacobian = pin.getConstraintsJacobian(
             self.model, self.data, self.constraint_models, self._constraint_data
         )
         # Of a model with a single degree of freedom Pinocchio returns a vector.
-        return self._frames.opening(self._constraint_data), jacobian.reshape(-1, self.model.nv)
+        return self._frames.opening(self._states), jacobian.reshape(-1, self.model.nv)
 
     @functools.cached_property
     def _from_home(self) -> NewtonFromHome:
@@ -202,7 +204,7 @@ class ProjectedDynamics:
         for k, v in enumerate(velocities.T):
             forces[:, k] = pin.rnea(self._weightless, self.data, q, v, self._rest)
             moving.append(self._frames.motion(self.data))
-        return forces, self._frames.accelerations(moving, self._constraint_data)
+        return forces, self._frames.accelerations(moving, self._states)
 
     # Dynamics
 
@@ -422,7 +424,7 @@ class _JoinedFrames:
             for loop in self._loops
         ]
 
-    def opening(self, states: pin.StdVec_RigidConstraintData) -> Array:
+    def opening(self, states: list[pin.RigidConstraintData]) -> Array:
         """Return the first frames' placements in the second ones, (m,), as small motions."""
         opening = np.empty(self._rows[-1].stop)
         for rows, is_point, state in zip(self._rows, self._is_point, states, strict=True):
@@ -442,7 +444,7 @@ class _JoinedFrames:
         ]
 
     def accelerations(
-        self, moving: list[list[list[Array]]], states: pin.StdVec_RigidConstraintData
+        self, moving: list[list[list[Array]]], states: list[pin.RigidConstraintData]
     ) -> Array:
         """Return how the first frames accelerate against the second ones, (m, k).
 
@@ -469,7 +471,8 @@ class _JoinedFrames:
 
 def _of_origin(twists: Array, accelerations: Array) -> Array:
     """Return the accelerations of the origins of frames, (k, 3), from spatial motions (k, 6)."""
-    return accelerations[:, :3] + np.cross(twists[:, 3:], twists[:, :3])
+    (x, y, z), (p, q, r) = twists[:, :3].T, twists[:, 3:].T
+    return accelerations[:, :3] + np.stack([q * z - r * y, r * x - p * z, p * y - q * x], axis=1)
 
 
 class _ConstraintDynamics:
