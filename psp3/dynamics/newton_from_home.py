@@ -17,12 +17,12 @@ complement are those that it is given. The natural orthogonal complement gives i
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dgesv
 
 from psp3.checks import Array
 from psp3.closure.rank import RANK_TOLERANCE
@@ -192,16 +192,14 @@ def _least_squares(slope: Array, residual: Array) -> Array:
     correction brings back.)
     """
     rows, columns = slope.shape
-    solution = None
     if rows >= columns:
-        square, right = slope, residual
-        if rows > columns:
-            square, right = slope.T @ slope, slope.T @ residual
-        with contextlib.suppress(np.linalg.LinAlgError):
-            solution = np.linalg.solve(square, right)
-    if solution is None or not _size(solution) <= LARGEST_REPAIR:
-        solution = np.linalg.lstsq(slope, residual, rcond=RANK_TOLERANCE)[0]
-    return np.asarray(solution)
+        square, right = (
+            (slope, residual) if rows == columns else (slope.T @ slope, slope.T @ residual)
+        )
+        _, _, solution, failed = dgesv(square, right)
+        if not failed and _size(solution) <= LARGEST_REPAIR:
+            return np.asarray(solution)
+    return np.asarray(np.linalg.lstsq(slope, residual, rcond=RANK_TOLERANCE)[0])
 
 
 def _size(values: Array) -> float:
