@@ -15,8 +15,8 @@ from psp3.errors import InvalidValue
 class DynamicsModel(Protocol):
     """The equation of motion in actuated coordinates (eq. 3.1).
 
-    A robot is one, and so is each of ``robot.dynamics(name)``: closed form, Pinocchio, natural
-    orthogonal complement.
+    A robot is one, and so is each of ``robot.dynamics(name)``: closed form, core, Pinocchio,
+    natural orthogonal complement.
     """
 
     def equation_of_motion(

@@ -14,6 +14,7 @@ residuals and Jacobian from Pinocchio.
 from __future__ import annotations
 
 import functools
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -410,7 +411,7 @@ class _JoinedFrames:
         self._loops = mechanism.loops
         self._is_point = [loop.type == pin.ContactType.CONTACT_3D for loop in self._loops]
         ends = np.cumsum([0, *(int(loop.residualSize()) for loop in self._loops)])
-        self._rows = [slice(*pair) for pair in zip(ends, ends[1:], strict=False)]
+        self._rows = [slice(*pair) for pair in itertools.pairwise(ends)]
         self._joints = sorted(
             {joint for loop in self._loops for joint in (loop.joint1_id, loop.joint2_id)}
         )
@@ -472,7 +473,8 @@ class _JoinedFrames:
 def _of_origin(twists: Array, accelerations: Array) -> Array:
     """Return the accelerations of the origins of frames, (k, 3), from spatial motions (k, 6)."""
     (x, y, z), (p, q, r) = twists[:, :3].T, twists[:, 3:].T
-    return accelerations[:, :3] + np.stack([q * z - r * y, r * x - p * z, p * y - q * x], axis=1)
+    turning = np.stack([q * z - r * y, r * x - p * z, p * y - q * x], axis=1)
+    return np.asarray(accelerations[:, :3] + turning)
 
 
 class _ConstraintDynamics:

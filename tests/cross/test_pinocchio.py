@@ -1,9 +1,9 @@
-"""Closed form, Pinocchio path and natural orthogonal complement.
+"""Closed form, core, Pinocchio path and natural orthogonal complement.
 
 Against each other, and against bare Pinocchio.
 
-The closed form shares its parameters with the other two, and nothing else; these share the tree and
-Pinocchio's joints, but neither their closures nor their dynamics. The tests at the end use none of
+The closed form shares its parameters with the others, and nothing else; these share the tree and
+Pinocchio's joints, but neither their constraints nor their dynamics. The tests at the end use none of
 ours but the answer: loops, projection and constraint forces there are Pinocchio's or written out
 with numpy.
 """
@@ -18,6 +18,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import psp3
+from psp3.dynamics.projected import ProjectedDynamics
 from tests.helpers import Array, random_heights, random_states, relative_error
 
 SETS = tuple(psp3.PARAMETER_SETS)
@@ -75,7 +76,7 @@ def test_pose_equals_the_frames_of_the_tree_closed_by_newton(
 def test_tip_jacobian_equals_that_of_the_tree(robot: psp3.PSP3) -> None:
     """Pinocchio's frame Jacobian times L; 1e-11 as for the closures."""
     heights = random_heights(np.random.default_rng(6), 100)
-    expected = robot.dynamics("pinocchio").frame_jacobian(heights, "tip")
+    expected = robot.dynamics("core").frame_jacobian(heights, "tip")
     assert_allclose(robot.tip_jacobian(heights), expected[:, :3], rtol=0, atol=1e-11)
 
 
@@ -98,7 +99,7 @@ def test_three_implementations_agree_on_the_equation_of_motion(parameters: str, 
     accelerations = rng.normal(size=(count, 3))
     mass, coriolis, gravity = robot.equation_of_motion(heights, speeds)
     forces = robot.inverse_dynamics(heights, speeds, accelerations)
-    for name in ("pinocchio", "noc"):
+    for name in ("core", "pinocchio", "noc"):
         other_mass, other_coriolis, other_gravity = robot.dynamics(name).equation_of_motion(
             heights, speeds
         )
@@ -118,7 +119,7 @@ def test_inverse_dynamics_equals_projected_rnea_and_noc(robot: psp3.PSP3) -> Non
     heights, speeds = random_states(rng := np.random.default_rng(8), 200)
     accelerations = rng.normal(size=(200, 3))
     forces = robot.inverse_dynamics(heights, speeds, accelerations)
-    for name in ("pinocchio", "noc"):
+    for name in ("core", "pinocchio", "noc"):
         found = robot.dynamics(name).actuator_forces(heights, speeds, accelerations)
         assert relative_error(forces, found) < 1e-9, name
 
@@ -127,24 +128,29 @@ def test_inverse_dynamics_equals_projected_rnea_and_noc(robot: psp3.PSP3) -> Non
     ("parameters", "count"), [("default", 500), ("table_3_1", 50), ("table_5_1", 50)]
 )
 def test_forward_dynamics_equals_constraint_dynamics(parameters: str, count: int) -> None:
-    """Pinocchio's constraintDynamics on the tree with its loops.
+    """Pinocchio's constraintDynamics on the tree with its loops, and the projection.
 
-    1e-8 relative (its constraint inertia has condition number 1e4).
+    1e-8 relative (its constraint inertia has condition number 1e4), and 1e-12, rounding.
     """
     robot = psp3.load("psp3", parameters)
     heights, speeds = random_states(rng := np.random.default_rng(9), count)
     forces = rng.normal(scale=100.0, size=(count, 3))
     found = robot.forward_dynamics(heights, speeds, forces)
-    assert (
-        relative_error(found, robot.dynamics("pinocchio").forward_dynamics(heights, speeds, forces))
-        < 1e-8
-    )
+    tree = ProjectedDynamics(robot)
+    motors = [
+        tree.constrained_accelerations(*state, force)[tree.actuated_v]
+        for *state, force in zip(
+            robot.configuration(heights), robot.velocity(heights, speeds), forces, strict=True
+        )
+    ]
+    assert relative_error(found, np.array(motors)) < 1e-8
+    assert relative_error(found, tree.forward_dynamics(heights, speeds, forces)) < 1e-12
 
 
 def test_energies_equal_those_of_the_tree(robot: psp3.PSP3) -> None:
     """Pinocchio's sums over all fifteen bodies; 1e-12 relative."""
     heights, speeds = random_states(np.random.default_rng(11), 100)
-    tree = robot.dynamics("pinocchio")
+    tree = robot.dynamics("core")
     assert_allclose(
         robot.kinetic_energy(heights, speeds), tree.kinetic_energy(heights, speeds), rtol=1e-12
     )
@@ -229,14 +235,14 @@ class BarePinocchio:
 
 
 def test_configuration_equals_newton_from_home_step_by_step(robot: psp3.PSP3) -> None:
-    """Both our routes to a configuration against a plain Newton's method; 1e-11 m, rad."""
+    """All our routes to a configuration against a plain Newton's method; 1e-11 m, rad."""
     bare = BarePinocchio(robot.model)
     heights = random_heights(np.random.default_rng(20), 60)
     expected = np.array([bare.closed(row) for row in heights])
     assert_allclose(robot.configuration(heights), expected, rtol=0, atol=1e-11)
-    assert_allclose(
-        robot.dynamics("pinocchio").configuration(heights), expected, rtol=0, atol=1e-11
-    )
+    for name in ("core", "pinocchio", "noc"):
+        found = robot.dynamics(name).configuration(heights)
+        assert_allclose(found, expected, rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize("parameters", SETS)

@@ -212,9 +212,7 @@ class Waves:
 
     def closed_at(self, x: float) -> float:
         """Return y at x."""
-        way = NewtonFromHome(
-            self.model, ["x"], np.zeros(2), self.constraint, self.complement
-        )
+        way = NewtonFromHome(self.model, ["x"], np.zeros(2), self.constraint, self.complement)
         return float(way.closed(np.array([x])).q[1])
 
 
