@@ -3,8 +3,8 @@
 Against each other, and against bare Pinocchio.
 
 The closed form shares its parameters with the others, and nothing else; these share the tree and
-Pinocchio's joints, but neither their constraints nor their dynamics. The tests at the end use none of
-ours but the answer: loops, projection and constraint forces there are Pinocchio's or written out
+Pinocchio's joints, but neither their constraints nor their dynamics. The tests at the end use none
+of ours but the answer: loops, projection and constraint forces there are Pinocchio's or written out
 with numpy.
 """
 

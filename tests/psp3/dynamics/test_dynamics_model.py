@@ -39,7 +39,7 @@ def test_forces_of_the_four_paths_agree(name: str) -> None:
 
 @pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
 def test_forces_of_other_robots_agree(name: str) -> None:
-    """By RNEA, in two ways, and by the thesis's matrices; 1e-10 of the largest force is rounding."""
+    """By RNEA in two ways, and by the thesis's matrices; 1e-10 of the largest force is rounding."""
     robot = psp3.load(name)
     rng, n = np.random.default_rng(4), len(robot.actuated)
     positions = robot.reference + rng.uniform(-0.02, 0.02, (5, n))

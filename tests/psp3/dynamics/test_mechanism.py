@@ -49,7 +49,7 @@ def test_motors_are_in_the_order_of_their_names() -> None:
 def test_names_and_homes_that_are_none_are_refused() -> None:
     parts = four_bar_closed_with_6d()
     parts.actuated = ("crank",)
-    with pytest.raises(UnknownName, match="crank.*j1"):
+    with pytest.raises(UnknownName, match=r"crank.*j1"):
         Mechanism(parts)
     parts.actuated, parts.q0 = ("j1",), np.zeros(3)
     with pytest.raises(InvalidArray, match="q0"):
@@ -83,14 +83,13 @@ def test_motors_too_few_or_too_many_are_refused() -> None:
 
 
 def test_the_order_of_joints_is_checked_as_pinocchio_checks_it() -> None:
-    """Trees of up to six joints, every order: refused where ``model.check`` says no, and only there."""
+    """All trees of six joints: refused where ``model.check`` says no, and only there."""
     refused = 0
     for number in range(720):
-        model, count, rest = pin.Model(), 0, number
-        for size in range(1, 7):
-            rest, parent = divmod(rest, size)
-            count += 1
-            model.addJoint(parent, pin.JointModelRZ(), pin.SE3.Identity(), f"j{count}")
+        model, rest = pin.Model(), number
+        for joint in range(1, 7):
+            rest, parent = divmod(rest, joint)
+            model.addJoint(parent, pin.JointModelRZ(), pin.SE3.Identity(), f"j{joint}")
         if model.check(model.createData()):
             check_order(model)
         else:

@@ -109,7 +109,7 @@ def test_steps_keep_the_assembly_mode_where_one_iteration_does_not() -> None:
 
 def folding() -> tuple[psp3.ClosedLoopRobot, Array]:
     """Return a five-bar and cranks so far apart that its rods do not meet."""
-    return psp3.load("five_bar"), np.array([1.5, -1.5])
+    return psp3.load("five_bar"), np.array([-1.5, 1.5])
 
 
 def test_the_border_of_the_workspace_ends_the_way() -> None:

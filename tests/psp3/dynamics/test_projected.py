@@ -1,4 +1,7 @@
-"""Pinocchio's projected dynamics against the closed form, and against what must hold for any robot."""
+"""Pinocchio's projected dynamics.
+
+Against the closed form, and against what must hold for any robot.
+"""
 
 from __future__ import annotations
 
@@ -313,16 +316,17 @@ def test_branches_may_alternate_where_crba_is_wrong() -> None:
 
 def test_the_border_of_the_workspace_and_limits_of_joints_are_kept(star: Case) -> None:
     with pytest.raises(ClosureFailed):
-        psp3.load("five_bar").dynamics("pinocchio").actuator_forces([1.5, -1.5], *np.zeros((2, 2)))
+        psp3.load("five_bar").dynamics("pinocchio").actuator_forces([-1.5, 1.5], *np.zeros((2, 2)))
     with pytest.raises(JointLimitExceeded) as caught:
         star.tree.configuration([0.0, -0.5, 0.5])
     assert caught.value.joint == "b1"
 
 
 def test_a_home_that_is_none_is_refused_without_a_pose_too() -> None:
+    """Elbows 0.60 m apart, and two rods of 0.28 m."""
     robot = psp3.load("five_bar")
     q0 = np.array(robot.q0)
-    q0[robot.actuated_q] = [1.5, -1.5]
+    q0[robot.actuated_q] = [-1.5, 1.5]
     tree = ProjectedDynamics(
         SimpleNamespace(
             model=robot.model,
