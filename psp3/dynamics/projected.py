@@ -191,8 +191,9 @@ class ProjectedDynamics:
 
     def _drift(self, q: Array, v: Array, inverse: Array) -> Array:
         accelerations = np.zeros(self.model.nv)
-        _, openings = self._uniform(q, v[:, np.newaxis])
-        accelerations[self.dependent_v] = -inverse @ openings[:, 0]
+        pin.rnea(self._weightless, self.data, q, v, self._rest)
+        opening = self._frames.accelerations(self.data, self._states)
+        accelerations[self.dependent_v] = -inverse @ opening
         return accelerations
 
     def _uniform(self, q: Array, velocities: Array) -> tuple[Array, Array]:
@@ -201,11 +202,12 @@ class ProjectedDynamics:
         The forces that this takes without gravity, (nv, k), and the accelerations with which the
         loops open, (m, k).
         """
-        forces, moving = np.empty_like(velocities), []
+        count = velocities.shape[1]
+        forces, openings = np.empty_like(velocities), np.empty((self._frames.rows, count))
         for k, v in enumerate(velocities.T):
             forces[:, k] = pin.rnea(self._weightless, self.data, q, v, self._rest)
-            moving.append(self._frames.motion(self.data))
-        return forces, self._frames.accelerations(moving, self._states)
+            openings[:, k] = self._frames.accelerations(self.data, self._states)
+        return forces, openings
 
     # Dynamics
 
@@ -408,73 +410,46 @@ class _JoinedFrames:
     """The two frames of every loop: how far they are apart, and how they come apart."""
 
     def __init__(self, mechanism: Mechanism) -> None:
-        self._loops = mechanism.loops
-        self._is_point = [loop.type == pin.ContactType.CONTACT_3D for loop in self._loops]
-        ends = np.cumsum([0, *(int(loop.residualSize()) for loop in self._loops)])
-        self._rows = [slice(*pair) for pair in itertools.pairwise(ends)]
-        self._joints = sorted(
-            {joint for loop in self._loops for joint in (loop.joint1_id, loop.joint2_id)}
-        )
-        self._sides = [
+        ends = np.cumsum([0, *(int(loop.residualSize()) for loop in mechanism.loops)])
+        self.rows = int(ends[-1])
+        self._loops = [
             (
-                self._joints.index(loop.joint1_id),
-                loop.joint1_placement.toActionMatrixInverse(),
-                self._joints.index(loop.joint2_id),
-                loop.joint2_placement.toActionMatrixInverse(),
+                slice(*rows),
+                loop.type == pin.ContactType.CONTACT_3D,
+                (loop.joint1_id, loop.joint1_placement),
+                (loop.joint2_id, loop.joint2_placement),
             )
-            for loop in self._loops
+            for rows, loop in zip(itertools.pairwise(ends), mechanism.loops, strict=True)
         ]
 
     def opening(self, states: list[pin.RigidConstraintData]) -> Array:
         """Return the first frames' placements in the second ones, (m,), as small motions."""
-        opening = np.empty(self._rows[-1].stop)
-        for rows, is_point, state in zip(self._rows, self._is_point, states, strict=True):
+        opening = np.empty(self.rows)
+        for (rows, is_point, _, _), state in zip(self._loops, states, strict=True):
             relative = state.c1Mc2
             opening[rows] = relative.translation if is_point else pin.log6(relative).vector
         return -opening
 
-    def motion(self, data: pin.Data) -> list[list[Array]]:
-        """Return velocities and accelerations of the joints that carry the frames.
+    def accelerations(self, data: pin.Data, states: list[pin.RigidConstraintData]) -> Array:
+        """Return how the first frames accelerate against the second ones, (m,).
 
-        As the weightless tree moves; each is spatial, in the axes of its joint.
+        In axes of the first, in the motion of the tree without weight that RNEA has just been asked
+        for, which keeps the loops closed.
         """
-        velocities, accelerations = data.v, data.a_gf
-        return [
-            [np.array(motions[joint].vector) for joint in self._joints]
-            for motions in (velocities, accelerations)
-        ]
-
-    def accelerations(
-        self, moving: list[list[list[Array]]], states: list[pin.RigidConstraintData]
-    ) -> Array:
-        """Return how the first frames accelerate against the second ones, (m, k).
-
-        In axes of the first, in k motions that keep the loops closed.
-        """
-        if not self._loops:
-            return np.zeros((0, len(moving)))
-        # Twists and accelerations (2, joints, k, 6).
-        motions = np.array(moving).transpose(1, 2, 0, 3)
-        out = np.empty((self._rows[-1].stop, len(moving)))
-        for rows, is_point, (first, to_first, second, to_second), state in zip(
-            self._rows, self._is_point, self._sides, states, strict=True
-        ):
-            relative = state.c1Mc2
-            one, other = motions[:, first] @ to_first.T, motions[:, second] @ to_second.T
+        velocities, accelerations, out = data.v, data.a_gf, np.empty(self.rows)
+        for (rows, is_point, *sides), state in zip(self._loops, states, strict=True):
+            one, other = (placement.actInv(accelerations[joint]) for joint, placement in sides)
             if is_point:
-                difference = _of_origin(*one) - _of_origin(*other) @ relative.rotation.T
+                turning, turning_other = (
+                    placement.actInv(velocities[joint]) for joint, placement in sides
+                )
+                there = pin.classicAcceleration(turning_other, other)
+                here = pin.classicAcceleration(turning, one)
+                out[rows] = here - state.c1Mc2.rotation @ there
             else:
                 # Both frames move as one, so that neither turns against the other.
-                difference = one[1] - other[1] @ relative.action.T
-            out[rows] = difference.T
+                out[rows] = (one - state.c1Mc2.act(other)).vector
         return out
-
-
-def _of_origin(twists: Array, accelerations: Array) -> Array:
-    """Return the accelerations of the origins of frames, (k, 3), from spatial motions (k, 6)."""
-    (x, y, z), (p, q, r) = twists[:, :3].T, twists[:, 3:].T
-    turning = np.stack([q * z - r * y, r * x - p * z, p * y - q * x], axis=1)
-    return np.asarray(accelerations[:, :3] + turning)
 
 
 class _ConstraintDynamics:
