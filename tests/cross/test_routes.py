@@ -4,9 +4,8 @@ The natural orthogonal complement and Pinocchio's projection close the loops on 
 own and share no compiled function with the robot.
 
 All are compared relative to the largest entry of each state's array. Poses keep 5 % of home's
-determinants, so that the closures' condition numbers are some hundreds at most: 1e-10 is that times
-rounding, squared once in the accelerations of the loops. 3e-13 is reached, of forward dynamics
-1e-11, which also divides by the smallest mass.
+determinants, so that the closures' condition numbers are some hundreds at most: 1e-10 is rounding
+times the square of that, which enters with the accelerations of the loops. 1e-12 is reached.
 """
 
 from __future__ import annotations
@@ -104,7 +103,7 @@ def test_accelerations_agree(case: Case) -> None:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_routes_agree_with_mujoco(name: str) -> None:
-    """M, C v and G of MuJoCo, projected with numpy alone; of C v 1e-11 is reached."""
+    """M, C v and G of MuJoCo, projected with numpy alone; of C v 5e-12 is reached."""
     from tests.mujoco_projection import Projection, engine
 
     robot: Any = psp3.load(name).dynamics("core")
