@@ -55,7 +55,7 @@ def state_of(robot: psp3.ClosedLoopRobot, rng: np.random.Generator) -> tuple[np.
 def contenders(name: str) -> dict[str, Callable[[], object]]:
     """Functions to time on one robot, by name, all at the same state."""
     robot = psp3.load(name)
-    tree = robot.dynamics("pinocchio") if isinstance(robot, psp3.PSP3) else robot
+    tree = robot.dynamics("core") if isinstance(robot, psp3.PSP3) else robot
     rng = np.random.default_rng(0)
     positions, speeds, accelerations, forces = state_of(tree, rng)
     closure = tree.closure(positions)

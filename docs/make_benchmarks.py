@@ -38,8 +38,7 @@ ROBOT = """## The robot
 One call from Python at one state. The same tree in Pinocchio and MuJoCo does not close the loops \
 where "tree only" is said. The two other
 implementations of the equation of motion are there to be compared with, not for speed: they close \
-the loops by iteration from home, the
-Pinocchio path compiled, the NOC in NumPy.
+the loops by iteration from home, in NumPy.
 
 {table}
 

@@ -57,6 +57,7 @@ ELSEWHERE = {
     "psp3/cli/option_groups.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/shared.py": ("psp3/cli/commands/test_torques.py", OF_EVERY_COMMAND),
+    "psp3/closure/passive_limits.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/control/controller.py": (
         "psp3/simulation/test_tracking.py",
         "a protocol; controllers of one's own are simulated there",
@@ -64,6 +65,7 @@ ELSEWHERE = {
     "psp3/description/mjcf_document.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_tree.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/parts.py": ("psp3/test_loading.py", NAMES_ONLY),
+    "psp3/dynamics/closed_pose.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/fuzzy_control/adaptive_kernels.py": (
         "psp3/fuzzy_control/test_adaptive.py",
         THROUGH_ITS_FACE,
@@ -75,8 +77,10 @@ ELSEWHERE = {
     "psp3/kinematics/border.py": ("psp3/kinematics/test_workspace.py", THROUGH_ITS_FACE),
     "psp3/plots/panels.py": ("psp3/thesis/test_figures.py", THROUGH_ITS_FACE),
     "psp3/published.py": ("psp3/thesis/test_replication.py", NAMES_ONLY),
-    "psp3/robots/closed_pose.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
-    "psp3/robots/passive_limits.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
+    "psp3/robots/dynamics_model.py": (
+        "psp3/dynamics/test_dynamics_model.py",
+        "the first path of the names of a module that moved",
+    ),
     "psp3/simulation/dormand_prince.py": (
         "psp3/simulation/test_plant.py",
         "plants are compared with one another",

@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats, checked_not_negative, checked_positive
 from psp3.control.controller import Stateless
+from psp3.dynamics.dynamics_model import DynamicsModel, equation_of_motion_of
 from psp3.errors import InvalidArray
-from psp3.robots.dynamics_model import DynamicsModel, equation_of_motion_of
 from psp3.trajectories.motion import Motion
 
 

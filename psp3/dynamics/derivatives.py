@@ -34,15 +34,45 @@ loops closed at a point, is not used.
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, finite_rows, together
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
-from psp3.robots.closed_pose import ClosedPose
+from psp3.checks import Array, Indices, finite_rows, together
+from psp3.dynamics.closed_pose import ClosedPose
+
+
+class ClosedDynamics(Protocol):
+    """What is differentiated: a tree whose loops are closed, and its forward dynamics.
+
+    A :class:`psp3.ClosedLoopRobot` is one, and so is its ``robot.dynamics("pinocchio")``.
+    """
+
+    model: pin.Model
+    """The tree."""
+    data: pin.Data
+    """Where it is computed."""
+    constraint_models: Sequence[Any]
+    """The loop closures."""
+    actuated: tuple[str, ...]
+    """Names of the actuated joints."""
+    dependent_v: Indices
+    """Places of the other joints in joint velocities."""
+
+    def closure(self, positions: ArrayLike) -> ClosedPose:
+        """Return the closed configuration of one pose (n,) together with L."""
+        ...
+
+    def drift(self, q: Array, v: Array) -> Array:
+        """Return the joint accelerations (nv,) while the actuated joints move uniformly."""
+        ...
+
+    def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+        """Return the accelerations (..., n) under forces (..., n)."""
+        ...
 
 
 class InverseDynamicsDerivatives(NamedTuple):
@@ -74,7 +104,7 @@ class ForwardDynamicsDerivatives(NamedTuple):
 
 
 def inverse_dynamics_derivatives(
-    robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    robot: ClosedDynamics, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
 ) -> InverseDynamicsDerivatives:
     r"""Return the derivatives of :math:`\tau(a, \dot a, \ddot a)`, the actuator forces of a motion.
 
@@ -86,7 +116,7 @@ def inverse_dynamics_derivatives(
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : ClosedDynamics
         Any robot, with or without loops.
     positions, speeds, accelerations : (..., n) array_like
         Motion of the actuated joints [m, m/s, m/s² or rad, rad/s, rad/s²].
@@ -114,7 +144,7 @@ def inverse_dynamics_derivatives(
 
 
 def forward_dynamics_derivatives(
-    robot: ClosedLoopRobot, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike
+    robot: ClosedDynamics, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike
 ) -> ForwardDynamicsDerivatives:
     r"""Return the derivatives of :math:`\ddot a(a, \dot a, \tau)`.
 
@@ -128,7 +158,7 @@ def forward_dynamics_derivatives(
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : ClosedDynamics
         Any robot, with or without loops.
     positions, speeds, forces : (..., n) array_like
         State of the actuated joints [m, m/s or rad, rad/s] and their forces [N or N m].
@@ -152,7 +182,7 @@ def forward_dynamics_derivatives(
 
 
 def _at(
-    robot: ClosedLoopRobot, closure: ClosedPose, speed: Array, acceleration: Array
+    robot: ClosedDynamics, closure: ClosedPose, speed: Array, acceleration: Array
 ) -> tuple[Array, Array, Array]:
     """Return the derivatives of the inverse dynamics at one state."""
     model, data, dependent = robot.model, robot.data, robot.dependent_v
@@ -193,7 +223,7 @@ class _Frame:
     are (6, nv).
     """
 
-    def __init__(self, robot: ClosedLoopRobot, joint: int, placement: Any) -> None:
+    def __init__(self, robot: ClosedDynamics, joint: int, placement: Any) -> None:
         self.joint, self.in_joint = joint, placement
         frame = robot.model, robot.data, joint, placement, pin.ReferenceFrame.LOCAL
         self.in_base = robot.data.oMi[joint] * placement
@@ -241,7 +271,7 @@ class _Loop:
     And whether only their origins coincide.
     """
 
-    def __init__(self, robot: ClosedLoopRobot, loop: Any) -> None:
+    def __init__(self, robot: ClosedDynamics, loop: Any) -> None:
         self.first = _Frame(robot, loop.joint1_id, loop.joint1_placement)
         self.second = _Frame(robot, loop.joint2_id, loop.joint2_placement)
         self.relative = self.first.in_base.actInv(self.second.in_base)

@@ -14,9 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats, checked_positive
-from psp3.dynamics.derivatives import inverse_dynamics_derivatives
+from psp3.dynamics.derivatives import ClosedDynamics, inverse_dynamics_derivatives
 from psp3.errors import InvalidArray, InvalidValue
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 
 class LinearSystem(NamedTuple):
@@ -33,7 +32,7 @@ class LinearSystem(NamedTuple):
 
 
 def linearize(
-    robot: ClosedLoopRobot,
+    robot: ClosedDynamics,
     positions: ArrayLike,
     speeds: ArrayLike | None = None,
     accelerations: ArrayLike | None = None,
@@ -52,7 +51,7 @@ def linearize(
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : ClosedDynamics
         Any robot, with or without loops.
     positions : (..., n) array_like
         Actuated positions [m or rad]. The rows of a motion along a trajectory give a system for

@@ -28,20 +28,14 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, applied_to_rows, finite_rows, one_row, together
-from psp3.closure.mobility import mobility
-from psp3.closure.rank import dependent_solver
-from psp3.dynamics.newton_from_home import NewtonFromHome
-from psp3.errors import InconsistentVelocity, MobilityMismatch, OpenLoops, UnknownName
-from psp3.robots.passive_limits import PassiveLimits
+from psp3.checks import Array, applied_to_rows
+from psp3.closure.passive_limits import PassiveLimits
+from psp3.dynamics.mechanism import HasTree, Mechanism
+from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
+from psp3.errors import InconsistentVelocity, OpenLoops
 
 CLOSURE_TOLERANCE = 1e-6
 """Dynamics is refused where a loop is open by more than this [m, rad]."""
-
-MOBILITY_TOLERANCE = 1e-5
-"""L must satisfy the loops' velocity equations to this share; far above rounding, far below a wrong
-number of actuators.
-"""
 
 VELOCITY_TOLERANCE = 1e-8
 """A velocity is refused where it violates the loops by more than this share of its size."""
@@ -50,7 +44,7 @@ VELOCITY_TOLERANCE = 1e-8
 def _skew(vectors: Array) -> Array:
     """Cross-product matrices, (..., 3) to (..., 3, 3)."""
     matrices = np.zeros((*vectors.shape, 3))
-    x, y, z = np.moveaxis(vectors, -1, 0)
+    x, y, z = vectors[..., 0], vectors[..., 1], vectors[..., 2]
     matrices[..., 0, 1], matrices[..., 0, 2], matrices[..., 1, 2] = -z, y, -x
     matrices[..., 1, 0], matrices[..., 2, 0], matrices[..., 2, 1] = z, -y, x
     return matrices
@@ -59,9 +53,276 @@ def _skew(vectors: Array) -> Array:
 def _motion_cross(twist: Array) -> Array:
     """Matrix of the cross product of motions, for twists ordered [v; ω] as in Pinocchio."""
     matrix = np.zeros((6, 6))
-    matrix[:3, :3] = matrix[3:, 3:] = _skew(twist[3:])
-    matrix[:3, 3:] = _skew(twist[:3])
+    matrix[:3, :3] = matrix[3:, 3:] = pin.skew(twist[3:])
+    matrix[:3, 3:] = pin.skew(twist[:3])
     return matrix
+
+
+def _block_diagonal(blocks: Array) -> Array:
+    """Matrix of blocks (r, 6, 6), (6 r, 6 r)."""
+    bodies = np.arange(len(blocks))
+    matrix = np.zeros((len(blocks), 6, len(blocks), 6))
+    matrix[bodies, :, bodies, :] = blocks
+    return matrix.reshape(6 * len(blocks), -1)
+
+
+def _size(values: Array) -> float:
+    return float(np.abs(values).max(initial=0.0))
+
+
+class _Loop:
+    """A loop closure: its two frames, and the joints that move them."""
+
+    def __init__(self, loop: Any, moves: Array, first_row: int) -> None:
+        self.first, self.second = loop.joint1_id, loop.joint2_id
+        self.in_first, self.in_second = loop.joint1_placement, loop.joint2_placement
+        self.is_6d = loop.type == pin.ContactType.CONTACT_6D
+        self.rows = slice(first_row, first_row + int(loop.residualSize()))
+        self.moves_second = moves[self.second]
+        self.difference = moves[self.second] - moves[self.first]
+
+
+class _Tree:
+    """What of a tree does not change: joints, bodies, loops, and Pinocchio's room to compute in."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        self.mechanism = mechanism
+        self.model = model = mechanism.model
+        self.data = model.createData()
+        self.actuated, self.dependent = mechanism.actuated, mechanism.dependent
+        self.joints = range(1, model.njoints)
+        # Joint j moves body i if it lies between the base and body i.
+        moves = np.zeros((model.njoints, model.nv))
+        for body in self.joints:
+            for ancestor in list(model.supports[body])[1:]:
+                joint = model.joints[ancestor]
+                moves[body, joint.idx_v : joint.idx_v + joint.nv] = 1.0
+        self.moves = moves[1:, np.newaxis, :]
+        bodies = [model.inertias[joint] for joint in self.joints]
+        self.masses = np.array([body.mass for body in bodies])
+        self.levers = np.array([body.lever for body in bodies])
+        self.inertias = np.array([body.inertia for body in bodies])
+        self.rows, self.loops = 0, list[_Loop]()
+        for loop in mechanism.loops:
+            self.loops.append(_Loop(loop, moves, self.rows))
+            self.rows += int(loop.residualSize())
+
+    def frames(self) -> list[tuple[Any, Any]]:
+        """Return the placements of the two frames of every loop, where Pinocchio is now."""
+        placements = self.data.oMi
+        return [
+            (placements[loop.first] * loop.in_first, placements[loop.second] * loop.in_second)
+            for loop in self.loops
+        ]
+
+    def constraint(self, q: Array) -> tuple[Array, Array]:
+        """Return φ and Φ at one configuration, and leave Pinocchio's placements there."""
+        jacobian = pin.computeJointJacobians(self.model, self.data, q)
+        residual, derivative = np.empty(self.rows), np.empty((self.rows, self.model.nv))
+        for loop, (first, second) in zip(self.loops, self.frames(), strict=True):
+            relative = first.actInv(second)
+            # Twist of the second frame relative to the first, in axes of the second, per unit of
+            # joint velocity.
+            change, moved = second.toActionMatrixInverse(), jacobian * loop.difference
+            if loop.is_6d:
+                residual[loop.rows] = pin.log6(relative).vector
+                # Jlog6 makes this the derivative of the logarithm away from closure too, where
+                # Pinocchio's is not.
+                derivative[loop.rows] = (pin.Jlog6(relative) @ change) @ moved
+            else:
+                residual[loop.rows] = relative.translation
+                derivative[loop.rows] = (relative.rotation @ change[:3]) @ moved
+        return residual, derivative
+
+    def weights(self) -> Array:
+        """Return the weights of the bodies as wrenches, (6 r,) (eq. 3.36a)."""
+        wrenches = np.zeros((len(self.masses), 6))
+        wrenches[:, 3:] = np.outer(self.masses, self.model.gravity.linear)
+        return wrenches.ravel()
+
+
+class _State:
+    """The thesis's quantities at one configuration, and at one velocity, each computed once.
+
+    Pinocchio's placements are read when they are first needed, so that only the last state that was
+    made may be asked.
+    """
+
+    def __init__(self, tree: _Tree, q: Array) -> None:
+        self._tree, self._q = tree, q
+        self.constraint, self.jacobian = tree.constraint(q)
+        self._joint_jacobian = np.array(tree.data.J)
+
+    @classmethod
+    def where_closed(cls, tree: _Tree, found: Closed) -> _State:
+        """Return the state where the loops have just been closed."""
+        state = cls.__new__(cls)
+        state._tree, state._q, state.jacobian = tree, found.q, found.jacobian
+        state._joint_jacobian = np.array(tree.data.J)
+        state._solved = found.complement, found.inverse
+        return state
+
+    def moving(self, v: Array) -> _State:
+        """Take a velocity, which must keep the loops closed."""
+        # L first, so that a singular configuration is reported as what it is.
+        _ = self._solved
+        residual, tolerance = _size(self.jacobian @ v), VELOCITY_TOLERANCE * _size(v)
+        if not residual <= tolerance:
+            raise InconsistentVelocity(residual, tolerance)
+        self._v = v
+        tree = self._tree
+        pin.computeJointJacobiansTimeVariation(tree.model, tree.data, self._q, v)
+        self._joint_jacobian_dot = np.array(tree.data.dJ)
+        return self
+
+    def closed(self) -> _State:
+        """Refuse loops that are open."""
+        residual = _size(self.constraint)
+        if not residual <= CLOSURE_TOLERANCE:
+            raise OpenLoops(residual, CLOSURE_TOLERANCE)
+        return self
+
+    @functools.cached_property
+    def _solved(self) -> tuple[Array, Array]:
+        return self._tree.mechanism.complement(self._q, self.jacobian)
+
+    @property
+    def L(self) -> Array:
+        """Eq. 3.17."""
+        return self._solved[0]
+
+    @functools.cached_property
+    def _ratio(self) -> Array:
+        """The product of the inverse of Φ^u and Φ^a."""
+        return self._solved[1] @ self.jacobian[:, self._tree.actuated]
+
+    @functools.cached_property
+    def _jacobian_dot(self) -> Array:
+        tree, jacobian, rate = self._tree, self._joint_jacobian, self._joint_jacobian_dot
+        rows = np.empty((tree.rows, tree.model.nv))
+        for loop, (first, second) in zip(tree.loops, tree.frames(), strict=True):
+            relative = first.actInv(second)
+            # The axes of the second frame turn with it.
+            turning = _motion_cross(jacobian @ (loop.moves_second * self._v))
+            twist_rate = second.toActionMatrixInverse() @ (
+                (rate - turning @ jacobian) * loop.difference
+            )
+            if loop.is_6d:
+                # A velocity that keeps the loops closed leaves the relative placement, and so
+                # Jlog6, constant.
+                rows[loop.rows] = pin.Jlog6(relative) @ twist_rate
+            else:
+                # The relative rotation turns the rows, too, but what it turns vanishes for every
+                # velocity that keeps the loops closed, and only its product with L is ever used.
+                rows[loop.rows] = relative.rotation @ twist_rate[:3]
+        return rows
+
+    @property
+    def L_dot(self) -> Array:
+        """From Φ L = 0."""
+        rate = np.zeros_like(self.L)
+        rate[self._tree.dependent] = -self._solved[1] @ (self._jacobian_dot @ self.L)
+        return rate
+
+    @functools.cached_property
+    def _placements(self) -> Array:
+        """Placements of the bodies, (r, 4, 4)."""
+        placements = self._tree.data.oMi
+        return np.array([placements[joint].homogeneous for joint in self._tree.joints])
+
+    @functools.cached_property
+    def _lever(self) -> Array:
+        """Cross-product matrices of the centers of mass in world axes, (r, 3, 3)."""
+        rotations, origins = self._placements[:, :3, :3], self._placements[:, :3, 3]
+        return _skew((rotations @ self._tree.levers[..., np.newaxis])[..., 0] + origins)
+
+    @functools.cached_property
+    def K(self) -> Array:
+        """Eq. 3.27 to 3.30."""
+        jacobian, moves = self._joint_jacobian, self._tree.moves
+        twists = np.empty((len(moves), 6, moves.shape[-1]))
+        twists[:, :3] = moves * jacobian[3:]
+        # Pinocchio's columns are twists at the world's origin: e_j × (0 − r_0j) becomes e_j × r_j
+        # at the center of mass.
+        twists[:, 3:] = moves * (jacobian[:3] - self._lever @ jacobian[3:])
+        return twists.reshape(-1, moves.shape[-1])
+
+    @functools.cached_property
+    def _twists(self) -> Array:
+        """The twists of the bodies, (r, 6)."""
+        twists: Array = (self.K @ self._v).reshape(-1, 6)
+        return twists
+
+    @functools.cached_property
+    def K_dot(self) -> Array:
+        """Rate of K."""
+        jacobian, rate, moves = self._joint_jacobian, self._joint_jacobian_dot, self._tree.moves
+        twists = np.empty((len(moves), 6, moves.shape[-1]))
+        twists[:, :3] = moves * rate[3:]
+        twists[:, 3:] = moves * (
+            rate[:3] - self._lever @ rate[3:] - _skew(self._twists[:, 3:]) @ jacobian[3:]
+        )
+        return twists.reshape(-1, moves.shape[-1])
+
+    @functools.cached_property
+    def T(self) -> Array:
+        """Eq. 3.33."""
+        return self.K[:, self._tree.actuated] - self.K[:, self._tree.dependent] @ self._ratio
+
+    @functools.cached_property
+    def T_dot(self) -> Array:
+        """Eq. 3.35, its third and fourth term together."""
+        actuated, dependent = self._tree.actuated, self._tree.dependent
+        turned = self._jacobian_dot[:, dependent] @ self._ratio - self._jacobian_dot[:, actuated]
+        return (
+            self.K_dot[:, actuated]
+            - self.K_dot[:, dependent] @ self._ratio
+            + self.K[:, dependent] @ (self._solved[1] @ turned)
+        )
+
+    # Matrices of the free bodies are kept block by block, (r, 6, 6): all else in them is zero.
+
+    @functools.cached_property
+    def M_blocks(self) -> Array:
+        """Eq. 3.36b."""
+        rotations, blocks = self._placements[:, :3, :3], np.zeros((len(self._placements), 6, 6))
+        blocks[:, :3, :3] = rotations @ self._tree.inertias @ rotations.swapaxes(1, 2)
+        for axis in (3, 4, 5):
+            blocks[:, axis, axis] = self._tree.masses
+        return blocks
+
+    @property
+    def Omega_blocks(self) -> Array:
+        """Eq. 3.36c."""
+        blocks = np.zeros((len(self._twists), 6, 6))
+        blocks[:, :3, :3] = _skew(self._twists[:, :3])
+        return blocks
+
+    @functools.cached_property
+    def _momentum(self) -> Array:
+        """The product of M_total and T, body by body, (r, 6, n)."""
+        return self.M_blocks @ self.T.reshape(-1, 6, self.T.shape[1])
+
+    @property
+    def mass(self) -> Array:
+        """Eq. 3.2."""
+        return self.T.T @ self._momentum.reshape(self.T.shape)
+
+    @property
+    def coriolis(self) -> Array:
+        """Eq. 3.3."""
+        rate = self.T_dot.reshape(self._momentum.shape)
+        forces = self.M_blocks @ rate + self.Omega_blocks @ self._momentum
+        return self.T.T @ forces.reshape(self.T.shape)
+
+    @property
+    def gravity(self) -> Array:
+        """Eq. 3.4."""
+        return -self.T.T @ self._tree.weights()
+
+    def forces(self, speeds: Array, accelerations: Array) -> Array:
+        """Eq. 3.1."""
+        return self.mass @ accelerations + self.coriolis @ speeds + self.gravity
 
 
 class NaturalOrthogonalComplement:
@@ -74,40 +335,21 @@ class NaturalOrthogonalComplement:
 
     Parameters
     ----------
-    robot : object
+    robot : HasTree
         Anything with a Pinocchio ``model``; ``constraint_models`` (none: no loops) and ``actuated``
         (none: every joint), as :class:`psp3.ClosedLoopRobot` and the robots of example-robot-data
         have them; and ``q0``, the configuration from which the loops are closed (none: ``neutral``
         of the model).
     """
 
-    def __init__(self, robot: Any) -> None:
+    def __init__(self, robot: HasTree) -> None:
         self.robot = robot
         self.model = robot.model
-        self._data = self.model.createData()
-        # The robots of example-robot-data say None where they have no loops.
-        self._loops = list(getattr(robot, "constraint_models", None) or ())
-        known = tuple(self.model.names)[1:]
-        self._names = tuple(getattr(robot, "actuated", None) or known)
-        for name in self._names:
-            if name not in known:
-                raise UnknownName("actuated joint", name, known)
-        joints = [self.model.joints[self.model.getJointId(name)] for name in self._names]
-        self._actuated = np.concatenate(
-            [np.arange(joint.idx_v, joint.idx_v + joint.nv) for joint in joints]
-        )
-        self._dependent = np.setdiff1d(np.arange(self.model.nv), self._actuated)
-        bodies = self.model.njoints - 1
-        self._rows = sum(loop.residualSize() for loop in self._loops)
-        self._twist_rows = 6 * bodies
-        self._joints = range(1, bodies + 1)
-        # Joint j moves body i if it lies between the base and body i.
-        self._moves = np.zeros((bodies + 1, self.model.nv))
-        for body in self._joints:
-            for ancestor in list(self.model.supports[body])[1:]:
-                joint = self.model.joints[ancestor]
-                self._moves[body, joint.idx_v : joint.idx_v + joint.nv] = 1.0
-        self.body_names: tuple[str, ...] = tuple(self._body_name(joint) for joint in self._joints)
+        self._mechanism = Mechanism(robot)
+        self._tree = _Tree(self._mechanism)
+        self._actuated = self._mechanism.actuated
+        self._twist_rows = 6 * len(self._tree.joints)
+        self.body_names: tuple[str, ...] = tuple(map(self._body_name, self._tree.joints))
         """Names of the bodies, in the order of the rows of K and T."""
 
     def _body_name(self, joint: int) -> str:
@@ -119,230 +361,51 @@ class NaturalOrthogonalComplement:
     @functools.cached_property
     def _from_home(self) -> NewtonFromHome:
         # Only when it is asked for: whoever has configurations needs no home that closes the loops.
-        home = getattr(self.robot, "q0", None)
         return NewtonFromHome(
             self.model,
-            self._names,
-            pin.neutral(self.model) if home is None else one_row("q0", home, self.model.nq),
-            self._constraint,
-            self._constraint_jacobian,
-            self._complement,
+            self._mechanism.names,
+            self._mechanism.home(),
+            self._tree.constraint,
+            self._mechanism.complement,
         )
 
     @functools.cached_property
     def _limited(self) -> PassiveLimits:
-        return PassiveLimits(self.model, self._names)
+        return PassiveLimits(self.model, self._mechanism.names)
 
     # Rows: one configuration at a time, because Pinocchio takes one at a time
 
     def _at(
-        self, function: Callable[[Array], Array], shape: tuple[int, ...], q: ArrayLike
+        self, function: Callable[[_State], Array], shape: tuple[int, ...], q: ArrayLike
     ) -> Array:
-        return applied_to_rows(function, shape, q=(q, self.model.nq))
+        return applied_to_rows(
+            lambda row: function(_State(self._tree, row)), shape, q=(q, self.model.nq)
+        )
 
     def _moving(
         self,
-        function: Callable[[Array, Array], Array],
+        function: Callable[[_State], Array],
         shape: tuple[int, ...],
         q: ArrayLike,
         v: ArrayLike,
     ) -> Array:
-        return applied_to_rows(function, shape, q=(q, self.model.nq), v=(v, self.model.nv))
-
-    def _place(self, q: Array, v: Array | None = None) -> None:
-        """Let Pinocchio compute placements and joint Jacobians at q, with rates if v is given."""
-        if v is None:
-            pin.computeJointJacobians(self.model, self._data, q)
-        else:
-            pin.computeJointJacobiansTimeVariation(self.model, self._data, q, v)
-
-    def _closure_frames(self, loop: Any) -> list[tuple[Any, Array]]:
-        """Placement of the two frames of a loop and the joints that move each."""
-        return [
-            (self._data.oMi[joint] * placement, self._moves[joint])
-            for joint, placement in (
-                (loop.joint1_id, loop.joint1_placement),
-                (loop.joint2_id, loop.joint2_placement),
-            )
-        ]
-
-    def _constraint(self, q: Array) -> Array:
-        self._place(q)
-        residuals = [np.zeros(0)]
-        for loop in self._loops:
-            (first, _), (second, _) = self._closure_frames(loop)
-            relative = first.actInv(second)
-            residuals.append(
-                pin.log6(relative).vector
-                if loop.type == pin.ContactType.CONTACT_6D
-                else relative.translation
-            )
-        return np.concatenate(residuals)
-
-    def _constraint_jacobian(self, q: Array) -> Array:
-        self._place(q)
-        jacobian = np.array(self._data.J)
-        rows = [np.zeros((0, self.model.nv))]
-        for loop in self._loops:
-            (first, moves_first), (second, moves_second) = self._closure_frames(loop)
-            relative = first.actInv(second)
-            # Twist of the second frame relative to the first, in axes of the second, per unit of
-            # joint velocity.
-            twist = second.toActionMatrixInverse() @ (
-                jacobian * moves_second - jacobian * moves_first
-            )
-            if loop.type == pin.ContactType.CONTACT_6D:
-                # Jlog6 makes this the derivative of the logarithm away from closure too, where
-                # Pinocchio's is not.
-                rows.append(pin.Jlog6(relative) @ twist)
-            else:
-                rows.append(relative.rotation @ twist[:3])
-        return np.concatenate(rows)
-
-    def _constraint_jacobian_dot(self, q: Array, v: Array) -> Array:
-        self._place(q, v)
-        jacobian, rate = np.array(self._data.J), np.array(self._data.dJ)
-        rows = [np.zeros((0, self.model.nv))]
-        for loop in self._loops:
-            (first, moves_first), (second, moves_second) = self._closure_frames(loop)
-            relative = first.actInv(second)
-            to_second = second.toActionMatrixInverse()
-            difference = jacobian * moves_second - jacobian * moves_first
-            # The axes of the second frame turn with it.
-            twist_rate = to_second @ (
-                rate * moves_second
-                - rate * moves_first
-                - _motion_cross((jacobian * moves_second) @ v) @ difference
-            )
-            if loop.type == pin.ContactType.CONTACT_6D:
-                # A velocity that keeps the loops closed leaves the relative placement, and so
-                # Jlog6, constant.
-                rows.append(pin.Jlog6(relative) @ twist_rate)
-            else:
-                # The relative rotation turns the rows, too, but what it turns vanishes for every
-                # velocity that keeps the loops closed, and only its product with L is ever used.
-                rows.append(relative.rotation @ twist_rate[:3])
-        return np.concatenate(rows)
-
-    def _complement(self, q: Array) -> tuple[Array, Array, Array]:
-        """L, the inverse of Φ^u and Φ at one configuration."""
-        jacobian = self._constraint_jacobian(q)
-        inverse = dependent_solver(jacobian[:, self._dependent])
-        complement = np.zeros((self.model.nv, self._actuated.size))
-        complement[self._actuated] = np.eye(self._actuated.size)
-        complement[self._dependent] = -inverse @ jacobian[:, self._actuated]
-        # With more actuated joints than degrees of freedom no L keeps the loops closed, and the
-        # pseudo-inverse only comes near.
-        if np.abs(jacobian @ complement).max(initial=0.0) > MOBILITY_TOLERANCE * np.abs(
-            jacobian
-        ).max(initial=1.0):
-            raise MobilityMismatch(mobility(self.model, self._loops, self._names, q), self._names)
-        return complement, inverse, jacobian
-
-    def _check_velocity(self, q: Array, v: Array) -> None:
-        # L itself, not only Φ, so that a singular configuration is reported as what it is.
-        _, _, jacobian = self._complement(q)
-        residual = float(np.abs(jacobian @ v).max(initial=0.0))
-        tolerance = VELOCITY_TOLERANCE * float(np.abs(v).max(initial=0.0))
-        if not residual <= tolerance:
-            raise InconsistentVelocity(residual, tolerance)
-
-    def _check_closed(self, q: Array) -> None:
-        residual = float(np.abs(self._constraint(q)).max(initial=0.0))
-        if not residual <= CLOSURE_TOLERANCE:
-            raise OpenLoops(residual, CLOSURE_TOLERANCE)
-
-    def _complement_dot(self, q: Array, v: Array) -> Array:
-        self._check_velocity(q, v)
-        complement, inverse, _ = self._complement(q)
-        rate = np.zeros_like(complement)
-        rate[self._dependent] = -inverse @ (self._constraint_jacobian_dot(q, v) @ complement)
-        return rate
-
-    def _centers(self) -> Array:
-        """Centers of mass of the bodies in world axes, (r, 3)."""
-        return np.array(
-            [self._data.oMi[joint].act(self.model.inertias[joint].lever) for joint in self._joints]
+        return applied_to_rows(
+            lambda q, v: function(_State(self._tree, q).moving(v)),
+            shape,
+            q=(q, self.model.nq),
+            v=(v, self.model.nv),
         )
 
-    def _twists(self, q: Array) -> Array:
-        """K at one configuration."""
-        self._place(q)
-        jacobian = np.array(self._data.J)
-        moves = self._moves[1:, np.newaxis, :]
-        angular = moves * jacobian[3:]
-        # Pinocchio's columns are twists at the world's origin: e_j × (0 − r_0j) becomes e_j × r_j
-        # at the center of mass.
-        linear = moves * (jacobian[:3] - _skew(self._centers()) @ jacobian[3:])
-        return np.concatenate([angular, linear], axis=1).reshape(-1, self.model.nv)
+    def _found(self, positions: Array) -> Closed:
+        """Return where the loops are closed at one row of actuated positions."""
+        found = self._from_home.closed(positions)
+        self._limited.check(found.q[np.newaxis])
+        return found
 
-    def _twists_dot(self, q: Array, v: Array) -> Array:
-        self._check_velocity(q, v)
-        velocities = (self._twists(q) @ v).reshape(-1, 6)[:, 3:]
-        self._place(q, v)
-        jacobian, rate = np.array(self._data.J), np.array(self._data.dJ)
-        moves = self._moves[1:, np.newaxis, :]
-        angular = moves * rate[3:]
-        linear = moves * (
-            rate[:3] - _skew(self._centers()) @ rate[3:] - _skew(velocities) @ jacobian[3:]
-        )
-        return np.concatenate([angular, linear], axis=1).reshape(-1, self.model.nv)
-
-    def _natural(self, q: Array) -> Array:
-        twists = self._twists(q)
-        _, inverse, jacobian = self._complement(q)
-        dependent, actuated = self._dependent, self._actuated
-        return twists[:, actuated] - twists[:, dependent] @ inverse @ jacobian[:, actuated]
-
-    def _natural_dot(self, q: Array, v: Array) -> Array:
-        twists, rate = self._twists(q), self._twists_dot(q, v)
-        _, inverse, jacobian = self._complement(q)
-        jacobian_dot = self._constraint_jacobian_dot(q, v)
-        dependent, actuated = self._dependent, self._actuated
-        ratio = inverse @ jacobian[:, actuated]
-        return (
-            rate[:, actuated]
-            - rate[:, dependent] @ ratio
-            + twists[:, dependent] @ inverse @ jacobian_dot[:, dependent] @ ratio
-            - twists[:, dependent] @ inverse @ jacobian_dot[:, actuated]
-        )
-
-    def _total_mass(self, q: Array) -> Array:
-        self._place(q)
-        total = np.zeros((6 * len(self._joints), 6 * len(self._joints)))
-        for i, joint in enumerate(self._joints):
-            inertia, rotation = self.model.inertias[joint], self._data.oMi[joint].rotation
-            block = slice(6 * i, 6 * i + 3)
-            total[block, block] = rotation @ inertia.inertia @ rotation.T
-            block = slice(6 * i + 3, 6 * i + 6)
-            total[block, block] = inertia.mass * np.eye(3)
-        return total
-
-    def _spin(self, q: Array, v: Array) -> Array:
-        self._check_velocity(q, v)
-        rates = (self._twists(q) @ v).reshape(-1, 6)[:, :3]
-        spin = np.zeros((6 * len(rates), 6 * len(rates)))
-        for i, block in enumerate(_skew(rates)):
-            spin[6 * i : 6 * i + 3, 6 * i : 6 * i + 3] = block
-        return spin
-
-    def _mass(self, q: Array) -> Array:
-        self._check_closed(q)
-        natural = self._natural(q)
-        mass: Array = natural.T @ self._total_mass(q) @ natural
-        return mass
-
-    def _coriolis(self, q: Array, v: Array) -> Array:
-        self._check_closed(q)
-        natural, total = self._natural(q), self._total_mass(q)
-        coriolis: Array = natural.T @ (
-            total @ self._natural_dot(q, v) + self._spin(q, v) @ total @ natural
-        )
-        return coriolis
-
-    def _weight(self, q: Array) -> Array:
-        self._check_closed(q)
-        return -self._natural(q).T @ self.w_g()
+    def _closed(self, positions: Array, speeds: Array) -> _State:
+        """Return the state there that moves at actuated speeds."""
+        found = self._found(positions)
+        return _State.where_closed(self._tree, found).moving(found.complement @ speeds)
 
     # The thesis's quantities
 
@@ -369,7 +432,7 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._at(self._constraint, (self._rows,), q)
+        return self._at(lambda state: state.constraint, (self._tree.rows,), q)
 
     def constraint_jacobian(self, q: ArrayLike) -> Array:
         r"""Return the constraint Jacobian :math:`\Phi = \partial\phi/\partial q` (eq. 3.19).
@@ -393,7 +456,7 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._at(self._constraint_jacobian, (self._rows, self.model.nv), q)
+        return self._at(lambda state: state.jacobian, (self._tree.rows, self.model.nv), q)
 
     def configuration(self, positions: ArrayLike) -> Array:
         r"""Return the configurations that close the loops, by iteration from home (eq. 3.15).
@@ -425,13 +488,13 @@ class NaturalOrthogonalComplement:
         SingularConfiguration, MobilityMismatch
             If the actuated joints do not determine the others at home, or determine each other.
         """
-        closed = applied_to_rows(
-            self._from_home.configuration,
+        # First of all, so that a home that is none is found without a pose, too.
+        _ = self._from_home
+        return applied_to_rows(
+            lambda row: self._found(row).q,
             (self.model.nq,),
             positions=(positions, self._actuated.size),
         )
-        self._limited.check(closed.reshape(-1, self.model.nq))
-        return closed
 
     def L(self, q: ArrayLike) -> Array:
         r"""Return the joint orthogonal complement, :math:`\dot q = L \dot q^a` (eq. 3.16).
@@ -455,9 +518,7 @@ class NaturalOrthogonalComplement:
         SingularConfiguration
             If the actuated joints do not determine the others, as in a gimbal configuration.
         """
-        return self._at(
-            lambda row: self._complement(row)[0], (self.model.nv, self._actuated.size), q
-        )
+        return self._at(lambda state: state.L, (self.model.nv, self._actuated.size), q)
 
     def L_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the rate of L, from :math:`\Phi L = 0`.
@@ -479,7 +540,7 @@ class NaturalOrthogonalComplement:
             If an argument is malformed, the velocity would open the loops, or the configuration is
             singular.
         """
-        return self._moving(self._complement_dot, (self.model.nv, self._actuated.size), q, v)
+        return self._moving(lambda state: state.L_dot, (self.model.nv, self._actuated.size), q, v)
 
     def K(self, q: ArrayLike) -> Array:
         r"""Return the twists of all bodies per unit of joint velocity (eq. 3.27–3.30).
@@ -506,14 +567,14 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._at(self._twists, (self._twist_rows, self.model.nv), q)
+        return self._at(lambda state: state.K, (self._twist_rows, self.model.nv), q)
 
     def K_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
         """Return the rate of K, of shape (..., 6 r, nv).
 
         Arguments and errors as in :meth:`L_dot`.
         """
-        return self._moving(self._twists_dot, (self._twist_rows, self.model.nv), q, v)
+        return self._moving(lambda state: state.K_dot, (self._twist_rows, self.model.nv), q, v)
 
     def T(self, q: ArrayLike) -> Array:
         r"""Return the natural orthogonal complement, :math:`t = T \dot q^a` (eq. 3.31).
@@ -536,7 +597,7 @@ class NaturalOrthogonalComplement:
         InvalidArray, SingularConfiguration
             See :meth:`L`.
         """
-        return self._at(self._natural, (self._twist_rows, self._actuated.size), q)
+        return self._at(lambda state: state.T, (self._twist_rows, self._actuated.size), q)
 
     def T_dot(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the rate of T (eq. 3.35).
@@ -564,7 +625,9 @@ class NaturalOrthogonalComplement:
         InvalidArray, InconsistentVelocity, SingularConfiguration
             See :meth:`L_dot`.
         """
-        return self._moving(self._natural_dot, (self._twist_rows, self._actuated.size), q, v)
+        return self._moving(
+            lambda state: state.T_dot, (self._twist_rows, self._actuated.size), q, v
+        )
 
     def M_total(self, q: ArrayLike) -> Array:
         r"""Return the block-diagonal mass matrix of the free bodies (eq. 3.36b).
@@ -588,7 +651,9 @@ class NaturalOrthogonalComplement:
         InvalidArray
             If q is not finite or of another shape.
         """
-        return self._at(self._total_mass, (self._twist_rows, self._twist_rows), q)
+        return self._at(
+            lambda state: _block_diagonal(state.M_blocks), (self._twist_rows, self._twist_rows), q
+        )
 
     def Omega(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return the angular velocities in blocks (eq. 3.36c).
@@ -611,7 +676,12 @@ class NaturalOrthogonalComplement:
         InvalidArray, InconsistentVelocity, SingularConfiguration
             See :meth:`L_dot`.
         """
-        return self._moving(self._spin, (self._twist_rows, self._twist_rows), q, v)
+        return self._moving(
+            lambda state: _block_diagonal(state.Omega_blocks),
+            (self._twist_rows, self._twist_rows),
+            q,
+            v,
+        )
 
     def w_g(self) -> Array:
         r"""Return the weights of the bodies as wrenches, :math:`w^g_i = [0; m_i g]` (eq. 3.36a).
@@ -623,13 +693,7 @@ class NaturalOrthogonalComplement:
         (6 r,) ndarray
             [N m] and [N], in world axes.
         """
-        gravity = self.model.gravity.linear
-        return np.concatenate(
-            [
-                np.concatenate([np.zeros(3), self.model.inertias[joint].mass * gravity])
-                for joint in self._joints
-            ]
-        )
+        return self._tree.weights()
 
     def mass_matrix(self, q: ArrayLike) -> Array:
         r"""Return :math:`M = T^T M_\text{total} T` (eq. 3.2).
@@ -648,7 +712,9 @@ class NaturalOrthogonalComplement:
         InvalidArray, OpenLoops, SingularConfiguration
             If q is malformed, does not close the loops, or is singular.
         """
-        return self._at(self._mass, (self._actuated.size, self._actuated.size), q)
+        return self._at(
+            lambda state: state.closed().mass, (self._actuated.size, self._actuated.size), q
+        )
 
     def coriolis_matrix(self, q: ArrayLike, v: ArrayLike) -> Array:
         r"""Return :math:`C = T^T M_\text{total} \dot T + T^T \Omega M_\text{total} T` (eq. 3.3).
@@ -667,14 +733,20 @@ class NaturalOrthogonalComplement:
         InvalidArray, OpenLoops, InconsistentVelocity, SingularConfiguration
             See :meth:`mass_matrix` and :meth:`L_dot`.
         """
-        return self._moving(self._coriolis, (self._actuated.size, self._actuated.size), q, v)
+        n = self._actuated.size
+        return applied_to_rows(
+            lambda q, v: _State(self._tree, q).closed().moving(v).coriolis,
+            (n, n),
+            q=(q, self.model.nq),
+            v=(v, self.model.nv),
+        )
 
     def gravity(self, q: ArrayLike) -> Array:
         r"""Return :math:`G = -T^T w^g` (eq. 3.4), of shape (..., n).
 
         Errors as in :meth:`mass_matrix`.
         """
-        return self._at(self._weight, (self._actuated.size,), q)
+        return self._at(lambda state: state.closed().gravity, (self._actuated.size,), q)
 
     def inverse_dynamics(self, q: ArrayLike, v: ArrayLike, accelerations: ArrayLike) -> Array:
         r"""Return the actuator forces :math:`\tau = M \ddot q^a + C \dot q^a + G` (eq. 3.1).
@@ -697,12 +769,8 @@ class NaturalOrthogonalComplement:
         """
 
         def one(q: Array, v: Array, accelerations: Array) -> Array:
-            forces: Array = (
-                self._mass(q) @ accelerations
-                + self._coriolis(q, v) @ v[self._actuated]
-                + self._weight(q)
-            )
-            return forces
+            state = _State(self._tree, q).closed().moving(v)
+            return state.forces(v[self._actuated], accelerations)
 
         n = self._actuated.size
         return applied_to_rows(
@@ -735,8 +803,21 @@ class NaturalOrthogonalComplement:
         ClosureFailed, JointLimitExceeded, SingularConfiguration
             If the robot has no closed configuration there, see :meth:`configuration`.
         """
-        q, v, _ = self._state(positions=positions, speeds=speeds)
-        return self.mass_matrix(q), self.coriolis_matrix(q, v), self.gravity(q)
+        n = self._actuated.size
+
+        def one(positions: Array, speeds: Array) -> Array:
+            state = self._closed(positions, speeds)
+            return np.concatenate([state.mass.ravel(), state.coriolis.ravel(), state.gravity])
+
+        packed = applied_to_rows(
+            one, (2 * n * n + n,), positions=(positions, n), speeds=(speeds, n)
+        )
+        square = (*packed.shape[:-1], n, n)
+        return (
+            packed[..., : n * n].reshape(square),
+            packed[..., n * n : 2 * n * n].reshape(square),
+            packed[..., 2 * n * n :],
+        )
 
     def actuator_forces(
         self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
@@ -760,16 +841,15 @@ class NaturalOrthogonalComplement:
         InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
             See :meth:`equation_of_motion`.
         """
-        q, v, (acceleration,) = self._state(
-            positions=positions, speeds=speeds, accelerations=accelerations
-        )
-        return self.inverse_dynamics(q, v, acceleration)
-
-    def _state(self, **motion: ArrayLike) -> tuple[Array, Array, list[Array]]:
-        """Return q and v at actuated positions and speeds, and what else of the motion is given."""
         n = self._actuated.size
-        positions, rates, *others = together(
-            **{name: finite_rows(name, values, n) for name, values in motion.items()}
+
+        def one(positions: Array, speeds: Array, accelerations: Array) -> Array:
+            return self._closed(positions, speeds).forces(speeds, accelerations)
+
+        return applied_to_rows(
+            one,
+            (n,),
+            positions=(positions, n),
+            speeds=(speeds, n),
+            accelerations=(accelerations, n),
         )
-        q = self.configuration(positions)
-        return q, np.einsum("...ij,...j->...i", self.L(q), rates), others

@@ -11,7 +11,8 @@ assembly modes, or none.
 
 Nothing here is shared with the compiled closure of :mod:`psp3.closure` that
 :class:`psp3.ClosedLoopRobot` uses, nor with the closed form of the 3-PSP: constraints, Jacobian and
-complement are those that it is given.
+complement are those that it is given. The natural orthogonal complement gives its own, and
+:mod:`psp3.dynamics.projected` those of Pinocchio.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from scipy.linalg.lapack import dgesv
 
 from psp3.checks import Array
 from psp3.closure.rank import RANK_TOLERANCE
@@ -57,12 +59,17 @@ MOST_STEPS = 2000
 """A way of more steps is none that a robot goes."""
 
 
-class _Closed(NamedTuple):
-    """A closed configuration with what the next step needs of it."""
+class Closed(NamedTuple):
+    """A closed configuration, and what was found on the way there."""
 
     q: Array
+    """Joint positions, (nq,)."""
+    jacobian: Array
+    """Constraint Jacobian, (m, nv)."""
     complement: Array
+    """L, (nv, n)."""
     inverse: Array
+    """The inverse of the Jacobian's un-actuated columns, (nv − n, m)."""
 
 
 class NewtonFromHome:
@@ -77,12 +84,11 @@ class NewtonFromHome:
     home : (nq,) ndarray
         Configuration to start from (eq. 3.15). It need only nearly close the loops.
     constraint : callable
-        The residual of the loops, (m,), at a configuration (nq,).
-    constraint_jacobian : callable
-        Its derivative, (m, nv).
+        The residual of the loops, (m,), and its derivative, (m, nv), at a configuration (nq,). Away
+        from closure the derivative may be wrong by as much as the residual is off.
     complement : callable
-        At a closed configuration L, (nv, n), the inverse of the Jacobian's un-actuated columns,
-        (nv − n, m), and the Jacobian.
+        At a closed configuration, given with that derivative, L, (nv, n), and the inverse of the
+        derivative's un-actuated columns, (nv − n, m).
     """
 
     def __init__(
@@ -90,9 +96,8 @@ class NewtonFromHome:
         model: pin.Model,
         names: Sequence[str],
         home: Array,
-        constraint: Callable[[Array], Array],
-        constraint_jacobian: Callable[[Array], Array],
-        complement: Callable[[Array], tuple[Array, Array, Array]],
+        constraint: Callable[[Array], tuple[Array, Array]],
+        complement: Callable[[Array, Array], tuple[Array, Array]],
     ) -> None:
         self._model = model
         joints = [model.joints[model.getJointId(name)] for name in names]
@@ -101,15 +106,16 @@ class NewtonFromHome:
                 raise InvalidValue("actuated joint", name, "a joint of one coordinate")
         self._places = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         self._dependent = np.setdiff1d(np.arange(model.nv), [joint.idx_v for joint in joints])
-        self._constraint, self._constraint_jacobian = constraint, constraint_jacobian
-        self._complement = complement
-        q, residual, moved = self._corrected(home, exactly=True)
+        self._constraint, self._complement = constraint, complement
+        q, residual, moved, jacobian = self._corrected(home, exactly=True)
         if not residual <= CLOSED or not moved <= LARGEST_REPAIR:
             raise ClosureFailed(home[self._places], residual, 0.0)
-        self._home = _Closed(q, *self._complement(q)[:2])
+        self._home = Closed(q, jacobian, *self._complement(q, jacobian))
 
-    def configuration(self, positions: Array) -> Array:
-        """Return the closed configuration at actuated positions, (n,) to (nq,).
+    def closed(self, positions: Array) -> Closed:
+        """Return the closed configuration at actuated positions (n,).
+
+        It is also the last one at which the constraint was asked for.
 
         Raises
         ------
@@ -133,50 +139,68 @@ class NewtonFromHome:
                 step = 0.5 * (goal - done)
                 continue
             if goal == 1.0:
-                return found.q
+                return found
             at, done, step = found, goal, 2.0 * (goal - done)
         # How far apart the frames would be if only the motors went on.
         stretched = at.q.copy()
         stretched[self._places] = positions
-        raise ClosureFailed(positions, _size(self._constraint(stretched)), done)
+        raise ClosureFailed(positions, _size(self._constraint(stretched)[0]), done)
 
-    def _next(self, at: _Closed, predicted: Array, length: float, last: bool) -> _Closed | None:
+    def _next(self, at: Closed, predicted: Array, length: float, last: bool) -> Closed | None:
         """Return the closed configuration near a predicted one, or None if the step is too long."""
-        q, residual, moved = self._corrected(predicted, exactly=last)
+        q, residual, moved, jacobian = self._corrected(predicted, exactly=last)
         if not residual <= (CLOSED if last else ON_THE_WAY):
             return None
         if not moved <= LARGEST_CORRECTION * length + LAST_CORRECTION:
             return None
         try:
-            complement, inverse, jacobian = self._complement(q)
+            complement, inverse = self._complement(q, jacobian)
         except SingularConfiguration:
             return None
         # Beyond a fold, and on the other branch before it, the determinant has the other sign.
         if np.linalg.det(at.inverse @ jacobian[:, self._dependent]) <= 0.0:
             return None
-        return _Closed(q, complement, inverse)
+        return Closed(q, jacobian, complement, inverse)
 
-    def _corrected(self, q: Array, exactly: bool) -> tuple[Array, float, float]:
+    def _corrected(self, q: Array, exactly: bool) -> tuple[Array, float, float, Array]:
         """Return where Newton's method leads, moving the un-actuated joints only.
 
-        With the residual there, and how far a joint was moved in all. It stops where the residual
-        is small enough to go on or, for an exact answer, where a correction is small.
+        With the residual there, how far a joint was moved in all, and the Jacobian there. It stops
+        where the residual is small enough to go on or, for an exact answer, where a correction is
+        small.
         """
-        residual, moved = self._constraint(q), np.zeros(self._model.nv)
+        residual, jacobian = self._constraint(q)
+        moved = np.zeros(self._model.nv)
         for _ in range(MOST_CORRECTIONS if self._dependent.size else 0):
             if not exactly and _size(residual) <= ON_THE_WAY:
                 break
             correction = np.zeros(self._model.nv)
-            correction[self._dependent] = -np.linalg.lstsq(
-                self._constraint_jacobian(q)[:, self._dependent], residual, rcond=RANK_TOLERANCE
-            )[0]
+            correction[self._dependent] = -_least_squares(jacobian[:, self._dependent], residual)
             moved += correction
             q = pin.integrate(self._model, q, correction)
-            residual = self._constraint(q)
+            residual, jacobian = self._constraint(q)
             if _size(correction) <= LAST_CORRECTION or not _size(moved) <= LARGEST_REPAIR:
                 break
-        return q, _size(residual), _size(moved)
+        return q, _size(residual), _size(moved), jacobian
+
+
+def _least_squares(slope: Array, residual: Array) -> Array:
+    """Return the shortest x for which slope x is nearest to the residual.
+
+    By elimination; where that fails, or wants to move a joint by more than is allowed, by singular
+    values, of which the small ones are left out. (The normal equations lose digits, which the next
+    correction brings back.)
+    """
+    rows, columns = slope.shape
+    if rows >= columns:
+        square, right = (
+            (slope, residual) if rows == columns else (slope.T @ slope, slope.T @ residual)
+        )
+        _, _, solution, failed = dgesv(square, right)
+        if not failed and _size(solution) <= LARGEST_REPAIR:
+            return np.asarray(solution)
+    return np.asarray(np.linalg.lstsq(slope, residual, rcond=RANK_TOLERANCE)[0])
 
 
 def _size(values: Array) -> float:
-    return float(np.abs(values).max(initial=0.0))
+    return float(np.maximum.reduce(np.abs(values), axis=None, initial=0.0))

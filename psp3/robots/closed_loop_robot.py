@@ -10,9 +10,9 @@ eq. 3.16–3.17),
           L = \begin{bmatrix} 1 \\ -(\Phi^u)^{-1} \Phi^a \end{bmatrix},
 
 and the tree's dynamics, from Pinocchio's RNEA and CRBA, is projected with :math:`L`. Nothing here
-uses the closed form of the 3-PSP or the thesis's natural orthogonal complement, so each of the
-three checks the others. (What this path and the complement share is the tree, and how Pinocchio's
-joints place and move bodies.)
+uses the closed form of the 3-PSP, the thesis's natural orthogonal complement or the projection of
+:mod:`psp3.dynamics.projected`, so each of them checks the others, see
+:meth:`ClosedLoopRobot.dynamics`.
 """
 
 from __future__ import annotations
@@ -28,8 +28,11 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, applied_to_rows, finite_rows, one_row, together
 from psp3.closure.assembly import assembled
 from psp3.closure.mobility import mobility
+from psp3.closure.passive_limits import PassiveLimits
 from psp3.closure.rank import dependent_solver
 from psp3.description.urdf import read_robot
+from psp3.dynamics.closed_pose import ClosedPose
+from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import (
     ClosureFailed,
     InvalidValue,
@@ -53,8 +56,9 @@ from psp3.multibody.motion import (
     MOTION,
     NOT_FINITE,
 )
-from psp3.robots.closed_pose import ClosedPose
-from psp3.robots.passive_limits import PassiveLimits
+
+DYNAMICS_MODELS = ("core", "pinocchio", "noc")
+"""Names of the implementations of the equation of motion of any robot."""
 
 
 class ClosedLoopRobot:
@@ -225,6 +229,38 @@ class ClosedLoopRobot:
         return self.model.lowerPositionLimit[self.actuated_q], self.model.upperPositionLimit[
             self.actuated_q
         ]
+
+    def dynamics(self, name: str) -> DynamicsModel:
+        """Return one of the implementations of the equation of motion.
+
+        Each closes the loops in its own way. They share the tree and Pinocchio's joints, and no
+        compiled function.
+
+        Parameters
+        ----------
+        name : str
+            ``"core"`` (this object), ``"pinocchio"`` (the tree's RNEA and CRBA projected, see
+            :class:`psp3.dynamics.projected.ProjectedDynamics`) or ``"noc"`` (the thesis's natural
+            orthogonal complement, eq. 3.2–3.4, see :class:`psp3.NaturalOrthogonalComplement`). The
+            latter two close the loops by Newton's method from home (eq. 3.15), each on its own
+            constraints.
+
+        Raises
+        ------
+        UnknownName
+            If there is no implementation of that name; the error lists the known ones.
+        """
+        if name == "core":
+            return self
+        if name == "pinocchio":
+            from psp3.dynamics.projected import ProjectedDynamics
+
+            return ProjectedDynamics(self)
+        if name == "noc":
+            from psp3.dynamics.natural_orthogonal_complement import NaturalOrthogonalComplement
+
+            return NaturalOrthogonalComplement(self)
+        raise UnknownName("dynamics model", name, DYNAMICS_MODELS)
 
     # Closing the loops
 

@@ -10,7 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, Indices
-from psp3.robots.dynamics_model import DynamicsModel
+from psp3.dynamics.dynamics_model import DynamicsModel
 
 
 @runtime_checkable

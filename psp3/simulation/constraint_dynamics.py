@@ -8,8 +8,10 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array, checked_not_negative
+from psp3.description.parts import RobotParts
 from psp3.drives.drive import NO_DRIVE, Drive, drive_table
-from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.dynamics.projected import ProjectedDynamics
+from psp3.robots.robot import Robot
 from psp3.simulation.runge_kutta import FixedSteps
 
 
@@ -24,7 +26,7 @@ class ConstraintDynamics(FixedSteps):
 
     Parameters
     ----------
-    robot : ClosedLoopRobot
+    robot : Robot
         Any robot with loops.
     frequency : float
         :math:`\omega` [1/s]; critically damped. Zero switches stabilization off.
@@ -36,7 +38,7 @@ class ConstraintDynamics(FixedSteps):
 
     def __init__(
         self,
-        robot: ClosedLoopRobot,
+        robot: Robot,
         frequency: float = 20.0,
         steps: int = 1,
         drive: Drive | Sequence[Drive] = NO_DRIVE,
@@ -58,8 +60,10 @@ class ConstraintDynamics(FixedSteps):
         armature = np.array(model.armature)
         armature[rows] += drive_table(drive, len(joints))[:, 0]
         model.armature = armature
-        self._tree = ClosedLoopRobot(model, closures, robot.actuated, robot.q0)
-        super().__init__(self._tree, steps, drive)
+        self._tree = ProjectedDynamics(
+            RobotParts(model, closures, robot.actuated, robot.q0, robot.visual_model)
+        )
+        super().__init__(robot, steps, drive)
         self._places, self._rows = places, rows
         self.q, self.v = robot.q0, np.zeros(model.nv)
 

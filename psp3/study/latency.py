@@ -22,7 +22,7 @@ from psp3.errors import InvalidValue
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import Record
 from psp3.published import TABLE_6_1
-from psp3.three_psp.robot import DYNAMICS_MODELS, PSP3
+from psp3.three_psp.robot import PSP3
 from psp3.trajectories.motion import Motion
 
 WARM_UP = 50
@@ -141,7 +141,7 @@ def controllers_of_table_6_2(robot: PSP3, recorded: Record) -> dict[str, Control
         needs to; ``"t1"``, ``"it2"``, ``"gt2"``.
     """
     controllers: dict[str, Controller] = {"PD": PD(*TABLE_6_1["PD"])}
-    for name in reversed(DYNAMICS_MODELS):
+    for name in ("noc", "pinocchio", "closed_form"):
         model = robot if name == "closed_form" else robot.dynamics(name)
         controllers[f"CTC, {name}"] = ComputedTorque(model, *TABLE_6_1["CTC"])
     for kind in ("t1", "it2", "gt2"):

@@ -4,7 +4,7 @@ Three vertical ball screws, a ball joint on each nut, a slider along each arm of
 
 One object holds the robot as Pinocchio sees it (tree, loop closures, poses, visuals) and answers
 every question about its kinematics and dynamics in the nut heights :math:`a`, through the compiled
-closed form of :mod:`psp3.three_psp.closed_form`. Two other implementations of its dynamics are to
+closed form of :mod:`psp3.three_psp.closed_form`. Three other implementations of its dynamics are to
 be had, see :meth:`PSP3.dynamics`.
 """
 
@@ -18,18 +18,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, applied_to_rows, as_floats, finite_rows, together
+from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
 from psp3.multibody.core import LastPose
+from psp3.robots import closed_loop_robot
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
-from psp3.robots.dynamics_model import DynamicsModel
 from psp3.three_psp.geometry import arm_lengths, heights_of_tilt, tip_reach
 from psp3.three_psp.parameters import Parameters
 
 if TYPE_CHECKING:
     import pinocchio as pin
 
-DYNAMICS_MODELS = ("closed_form", "pinocchio", "noc")
-"""Names of the three implementations of the equation of motion."""
+DYNAMICS_MODELS = ("closed_form", *closed_loop_robot.DYNAMICS_MODELS)
+"""Names of the four implementations of the equation of motion."""
 
 SCREW_IN_NUT = np.array([0.0, -0.055, 0.0])
 """Where the screw passes through the nut, in the axes of the leg [m]; see the visuals of
@@ -165,18 +166,17 @@ class PSP3(ClosedLoopRobot):
         )
 
     def dynamics(self, name: str) -> DynamicsModel:
-        """Return one of the three implementations of the equation of motion.
+        """Return one of the four implementations of the equation of motion.
 
-        Each closes the loops in its own way. The closed form shares its parameters with the other
-        two, and nothing else; these share the tree and Pinocchio's joints.
+        The closed form shares its parameters with the others, and nothing else; these share the
+        tree and Pinocchio's joints, and each closes the loops in its own way.
 
         Parameters
         ----------
         name : str
-            ``"closed_form"`` (this object), ``"pinocchio"`` (the tree projected with RNEA and CRBA,
-            loops closed by compiled Newton's method) or ``"noc"`` (the thesis's natural orthogonal
-            complement, eq. 3.2–3.4, loops closed by Newton's method on its own constraints from
-            home, eq. 3.15).
+            ``"closed_form"`` (this object), ``"core"`` (the same parts as a
+            :class:`psp3.ClosedLoopRobot`, as any robot is computed), or ``"pinocchio"`` or
+            ``"noc"``, see :meth:`psp3.ClosedLoopRobot.dynamics`.
 
         Raises
         ------
@@ -185,15 +185,13 @@ class PSP3(ClosedLoopRobot):
         """
         if name == "closed_form":
             return self
-        if name == "pinocchio":
+        if name == "core":
             return ClosedLoopRobot(
                 self.model, self.constraint_models, self.actuated, self.q0, self.visual_model
             )
-        if name == "noc":
-            from psp3.dynamics.natural_orthogonal_complement import NaturalOrthogonalComplement
-
-            return NaturalOrthogonalComplement(self)
-        raise UnknownName("dynamics model", name, DYNAMICS_MODELS)
+        if name not in DYNAMICS_MODELS:
+            raise UnknownName("dynamics model", name, DYNAMICS_MODELS)
+        return super().dynamics(name)
 
     # Kinematics
 

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array
+from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import InvalidArray
-from psp3.robots.dynamics_model import DynamicsModel
 from psp3.trajectories.motion import Motion, finite_times
 from psp3.trajectories.trajectory import Trajectory
 

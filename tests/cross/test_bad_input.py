@@ -213,13 +213,13 @@ def test_absurd_speeds_are_not_blamed_on_the_heights(robot: psp3.PSP3) -> None:
     assert not isinstance(caught.value, UnreachablePose)
 
 
-@pytest.mark.parametrize("model", ["closed_form", "noc", "pinocchio"])
+@pytest.mark.parametrize("model", ["closed_form", "core", "noc", "pinocchio"])
 def test_models_of_the_machine_refuse_a_folded_triangle(robot: psp3.PSP3, model: str) -> None:
     with pytest.raises(UnreachablePose if model == "closed_form" else JointLimitExceeded):
         robot.dynamics(model).equation_of_motion(FOLDED, np.zeros(3))
 
 
-@pytest.mark.parametrize("model", ["closed_form", "pinocchio", "noc"])
+@pytest.mark.parametrize("model", ["closed_form", "core", "pinocchio", "noc"])
 @pytest.mark.parametrize("bad", [[np.nan, 0, 0], [0, 0], "abc", None, np.zeros((3, 1))])
 def test_every_model_refuses_malformed_states(robot: psp3.PSP3, model: str, bad: Any) -> None:
     dynamics = robot.dynamics(model)

@@ -372,7 +372,7 @@ def test_torsion_is_exactly_zero(default: psp3.PSP3) -> None:
         rotation[:, 1, 0] - rotation[:, 0, 1], rotation[:, 0, 0] + rotation[:, 1, 1]
     )
     assert np.abs(torsion).max() < 1e-15
-    jacobian = default.dynamics("pinocchio").frame_jacobian(np.zeros(3), "star1_center")
+    jacobian = default.dynamics("core").frame_jacobian(np.zeros(3), "star1_center")
     assert_allclose(jacobian[5], 0.0, atol=1e-13)
 
 

@@ -1,10 +1,10 @@
-"""Closed form, Pinocchio path and natural orthogonal complement.
+"""Closed form, core, Pinocchio path and natural orthogonal complement.
 
 Against each other, and against bare Pinocchio.
 
-The closed form shares its parameters with the other two, and nothing else; these share the tree and
-Pinocchio's joints, but neither their closures nor their dynamics. The tests at the end use none of
-ours but the answer: loops, projection and constraint forces there are Pinocchio's or written out
+The closed form shares its parameters with the others, and nothing else; these share the tree and
+Pinocchio's joints, but neither their constraints nor their dynamics. The tests at the end use none
+of ours but the answer: loops, projection and constraint forces there are Pinocchio's or written out
 with numpy.
 """
 
@@ -19,6 +19,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import psp3
+from psp3.dynamics.projected import ProjectedDynamics
 from tests.helpers import Array, random_heights, random_states, relative_error
 
 SETS = tuple(psp3.PARAMETER_SETS)
@@ -29,8 +30,8 @@ STATES = {"default": 500, "table_3_1": 100, "table_5_1": 100}
 BARS = {"M": 1e-13, "C": 6e-12, "G": 1e-13, "forces": 1e-13}
 """Largest differences of any two implementations, relative to the largest entry in that state.
 
-M, G and the forces reach 5e-15; C, which is small where the star hardly tilts, 3e-13. The bars are
-some twenty times that.
+M, G and the forces reach 5e-15; C, which is small where the star hardly tilts, 3e-13, by the core
+3e-12. The bars are some twenty times what the other three reach.
 """
 
 
@@ -86,7 +87,7 @@ def test_pose_equals_the_frames_of_the_tree_closed_by_newton(
 def test_tip_jacobian_equals_that_of_the_tree(robot: psp3.PSP3) -> None:
     """Pinocchio's frame Jacobian times L; 1e-11 as for the closures."""
     heights = random_heights(np.random.default_rng(6), 100)
-    expected = robot.dynamics("pinocchio").frame_jacobian(heights, "tip")
+    expected = robot.dynamics("core").frame_jacobian(heights, "tip")
     assert_allclose(robot.tip_jacobian(heights), expected[:, :3], rtol=0, atol=1e-11)
 
 
@@ -102,7 +103,7 @@ def test_three_implementations_agree_on_the_equation_of_motion(parameters: str) 
     heights, speeds = random_states(rng := np.random.default_rng(7), count)
     accelerations = rng.normal(size=(count, 3))
     found = {}
-    for name in ("closed_form", "pinocchio", "noc"):
+    for name in ("closed_form", "core", "pinocchio", "noc"):
         M, C, G = robot.dynamics(name).equation_of_motion(heights, speeds)
         forces = np.einsum("nij,nj->ni", M, accelerations) + np.einsum("nij,nj->ni", C, speeds) + G
         found[name] = {"M": M, "C": C, "G": G, "forces": forces}
@@ -119,7 +120,7 @@ def test_inverse_dynamics_equals_projected_rnea_and_noc(robot: psp3.PSP3) -> Non
     heights, speeds = random_states(rng := np.random.default_rng(8), 200)
     accelerations = rng.normal(size=(200, 3))
     forces = robot.inverse_dynamics(heights, speeds, accelerations)
-    for name in ("pinocchio", "noc"):
+    for name in ("core", "pinocchio", "noc"):
         found = robot.dynamics(name).actuator_forces(heights, speeds, accelerations)
         assert relative_error(forces, found) < 1e-9, name
 
@@ -128,24 +129,29 @@ def test_inverse_dynamics_equals_projected_rnea_and_noc(robot: psp3.PSP3) -> Non
     ("parameters", "count"), [("default", 500), ("table_3_1", 50), ("table_5_1", 50)]
 )
 def test_forward_dynamics_equals_constraint_dynamics(parameters: str, count: int) -> None:
-    """Pinocchio's constraintDynamics on the tree with its loops.
+    """Pinocchio's constraintDynamics on the tree with its loops, and the projection.
 
-    1e-8 relative (its constraint inertia has condition number 1e4).
+    1e-8 relative (its constraint inertia has condition number 1e4), and 1e-12, rounding.
     """
     robot = psp3.load("psp3", parameters)
     heights, speeds = random_states(rng := np.random.default_rng(9), count)
     forces = rng.normal(scale=100.0, size=(count, 3))
     found = robot.forward_dynamics(heights, speeds, forces)
-    assert (
-        relative_error(found, robot.dynamics("pinocchio").forward_dynamics(heights, speeds, forces))
-        < 1e-8
-    )
+    tree = ProjectedDynamics(robot)
+    motors = [
+        tree.constrained_accelerations(*state, force)[tree.actuated_v]
+        for *state, force in zip(
+            robot.configuration(heights), robot.velocity(heights, speeds), forces, strict=True
+        )
+    ]
+    assert relative_error(found, np.array(motors)) < 1e-8
+    assert relative_error(found, tree.forward_dynamics(heights, speeds, forces)) < 1e-12
 
 
 def test_energies_equal_those_of_the_tree(robot: psp3.PSP3) -> None:
     """Pinocchio's sums over all fifteen bodies; 1e-12 relative."""
     heights, speeds = random_states(np.random.default_rng(11), 100)
-    tree = robot.dynamics("pinocchio")
+    tree = robot.dynamics("core")
     assert_allclose(
         robot.kinetic_energy(heights, speeds), tree.kinetic_energy(heights, speeds), rtol=1e-12
     )
@@ -230,14 +236,14 @@ class BarePinocchio:
 
 
 def test_configuration_equals_newton_from_home_step_by_step(robot: psp3.PSP3) -> None:
-    """Both our routes to a configuration against a plain Newton's method; 1e-11 m, rad."""
+    """All our routes to a configuration against a plain Newton's method; 1e-11 m, rad."""
     bare = BarePinocchio(robot.model)
     heights = random_heights(np.random.default_rng(20), 60)
     expected = np.array([bare.closed(row) for row in heights])
     assert_allclose(robot.configuration(heights), expected, rtol=0, atol=1e-11)
-    assert_allclose(
-        robot.dynamics("pinocchio").configuration(heights), expected, rtol=0, atol=1e-11
-    )
+    for name in ("core", "pinocchio", "noc"):
+        found = robot.dynamics(name).configuration(heights)
+        assert_allclose(found, expected, rtol=0, atol=1e-11)
 
 
 @pytest.mark.parametrize("parameters", SETS)

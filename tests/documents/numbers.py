@@ -36,7 +36,7 @@ EXEMPT = {
     r"[ \N{NO-BREAK SPACE}]\d[\d.]*[a-c]?(?:(?:, | and | to |–)\d[\d.]*[a-c]?)*": "places",
     r"^\| \d\.[\d.]*[a-c]?(?:(?:, | and | to )\d\.[\d.]*[a-c]?)*(?=[ ,])": "places in a table",
     r"\[\d\](?!\()": "links to the maps of the chapters",
-    r"\b\d(?=√|mk\b)|(?<=[<>] )0\b|\[0, 0\]": "formulas",
+    r"\b\d(?=√|mk\b|ac\b)|(?<=[<>] )0\b|\[0, 0\]": "formulas",
     r"`seed=range\(\d+\)`|\bfrom \d+ to \d+ seeds\b": "what exercises ask for",
     r"^#+ \d+(?= )": "numbers of headings",
     r"^\d+\.(?= )": "numbers of lists",

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from tests.documents.sources import OTHER_PATHS, beaten_on, rises, rises_beyond_intervals
+
 TEMPLATES = (
     (
         "**Error** is the sum over time of the squared errors of the three screws [m²], one "
@@ -14,9 +16,9 @@ TEMPLATES = (
         "{settings/control_period:ms.0f} ms."
     ),
     (
-        "even so only {table_6_3/fuzzy/∞/t1/coverage:%.0f} % of type-1's steps without noise, and"
-        " {table_6_3/fuzzy/20/t1/coverage:%.0f} % at 20 dB, are within the inputs that were "
-        "learned, and the others are clamped to these."
+        "even so type-1's inputs are within what was learned in only "
+        "{table_6_3/fuzzy/∞/t1/coverage:%.0f} % of its steps without noise, and in "
+        "{table_6_3/fuzzy/20/t1/coverage:%.0f} % at 20 dB; outside they are clamped."
     ),
     (
         "**The robot** is that of Table 3.1 with {derived/star:.1f} of the printed star inertia, "
@@ -29,20 +31,20 @@ TEMPLATES = (
     ),
     (
         "**Intervals of 95 %** of {seeds/table_6_3} seeds held the true value in "
-        "{measured_coverage/30 seeds/mean:%.0f} % of simulated sets like ours (means), "
-        "{measured_coverage/30 seeds/ratio of means:%.0f} % (ratios of means), "
-        "{measured_coverage/30 seeds/ratio of geometric means:%.0f} % (ratios of geometric means)"
-        " and {measured_coverage/30 seeds/difference of means:%.0f} % (differences of means), of "
-        "{seeds/sweeps} seeds in {measured_coverage/10 seeds/mean:%.1f}, {measured_coverage/10 "
-        "seeds/ratio of means:%.1f}, {measured_coverage/10 seeds/ratio of geometric means:%.1f} "
-        "and {measured_coverage/10 seeds/difference of means:%.1f} % ([how that was found])."
+        "{derived/coverage/30 seeds/least:%.0f} to {derived/coverage/30 seeds/most:%.0f} % of "
+        "simulated sets like ours, of {seeds/sweeps} seeds in "
+        "{derived/coverage/10 seeds/least:%.1f} to {derived/coverage/10 seeds/most:%.1f} % "
+        "([each kind of interval])."
     ),
-    "*reproduced*, within {verdict/reproduced:%.0f} %;",
+    (
+        'speaks of "a {printed/noise of Figure 51:%.0f}% noise in the system parameters", which '
+        "would be 20 dB against the mean square"
+    ),
     "*same order*, within a factor of {verdict/same order:.0f};",
     (
         "off by up to {asserted cross/test_derivations.py::test_1_30_is_an_approximation 0.033} "
         "of a grade for narrow sets and {asserted "
-        "cross/test_derivations.py::test_1_30_is_an_approximation 0.234} near zero;"
+        "cross/test_derivations.py::test_1_30_is_an_approximation 0.234} near zero"
     ),
     (
         "at a validity of {asserted "
@@ -87,7 +89,7 @@ TEMPLATES = (
         "inference/fuzzy2, type-1} µs"
     ),
     (
-        "corrected, M and G of any two of closed form, projected Pinocchio and complement agree "
+        "M and G of any two of closed form, projected Pinocchio and complement agree "
         "to {bars/M} and C to {bars/C} of the largest entry in {bars/states} random states."
     ),
     (
@@ -96,18 +98,20 @@ TEMPLATES = (
         "and rad"
     ),
     (
-        "feed-forward with the exact model, started at rest as all runs here, has lost the robot "
-        "after {trajectories/helix/feed-forward/end_time:.1f} s on the helix:"
+        "feed-forward with the exact model has lost the robot after "
+        "{trajectories/helix/feed-forward/end_time:.1f} s on the helix:"
     ),
     (
-        "a star inertia of {derived/star:.1f} of the printed one gives Table 5.1's M, the printed"
-        " one misses it by {table_5_1/largest_mass_error_of_table_3_1:.1f} kg;"
+        "with {derived/star:.1f} of the printed star inertia M misses Table 5.1's by "
+        "{table_5_1/largest_mass_error_of_default_parameters:.2f} kg, or, with two axes exchanged, "
+        "{table_5_1/largest_mass_error:.4f} kg; as printed by "
+        "{table_5_1/largest_mass_error_of_table_3_1:.1f} kg"
     ),
     (
         "with masses and inertias that are off and an unknown payload, at 20 dB, type-2 leaves "
-        "{readings/plant, 20/it2/value:sig} m², type-1 {readings/plant, 20/t1/value:sig}, exact "
-        "computed torque {readings/plant, 20/ctc/value:sig}, and PD with the nominal gravity "
-        "{readings/plant, 20/pd-gravity/value:sig};"
+        "{readings/plant, 20/it2/value:sig} m², type-1 {readings/plant, 20/t1/value:sig}, computed "
+        "torque with the nominal model {readings/plant, 20/ctc/value:sig}, and PD with the nominal "
+        "gravity {readings/plant, 20/pd-gravity/value:sig};"
     ),
     (
         "to {table_5_1/largest_mass_error:.4f} kg at configuration 2, with {derived/star:.1f} of "
@@ -130,7 +134,9 @@ TEMPLATES = (
     ),
     (
         "with ridge regression, the best learner, {estimates/ridge/M:%.2f}, "
-        "{estimates/ridge/C:%.0f} and {estimates/ridge/G:%.2f} %"
+        "{estimates/ridge/C:%.0f} and {estimates/ridge/G:%.2f} %. G hardly varies: of its "
+        "standard deviation along the helix its error is {derived/of what G varies/strongest:%.0f} "
+        "and {derived/of what G varies/ridge:%.0f} %"
     ),
     (
         "by α-planes the torque differs from the default's by {order/torque/20 dB/0} N root mean "
@@ -182,7 +188,7 @@ TEMPLATES = (
     (
         "On the helix PD with exact gravity (gains {printed/gains/PD/p:.0f} and "
         "{printed/gains/PD/v:.0f} against {printed/gains/CTC/p:.0f} and {printed/gains/CTC/v:.0f}"
-        " times M) leaves less than each;"
+        " times M) leaves less than each,"
     ),
     (
         "on faster ones it leaves more ({trajectories/fast-helix/PD with gravity/value:.3f} "
@@ -221,10 +227,7 @@ TEMPLATES = (
         "{type_2_against_type_1/10/ratio/value:.2f} against the mean square, {definitions/mean "
         "square, on G alone/20/ratio/value:.2f}, {definitions/mean square, on G "
         "alone/15/ratio/value:.2f} and {definitions/mean square, on G alone/10/ratio/value:.2f} "
-        "with noise on G alone (of geometric means, the factor between typical runs, "
-        "{type_2_against_type_1/20/ratio_of_geometric_means/value:.2f}, "
-        "{type_2_against_type_1/15/ratio_of_geometric_means/value:.2f} and "
-        "{type_2_against_type_1/10/ratio_of_geometric_means/value:.2f} in the first);"
+        "with noise on G alone;"
     ),
     (
         "{derived/others/min:.2f} to {derived/others/max:.2f} under the others, worse in "
@@ -259,8 +262,9 @@ TEMPLATES = (
         "{type_2_against_type_1_strict/10/inverse/value:.2f}:"
     ),
     (
-        "of geometric means {derived/typical inverse/20:.2f}, {derived/typical inverse/15:.2f} "
-        "and {derived/typical inverse/10:.2f}, less than their intervals."
+        "of geometric means (the factor between typical runs) {derived/typical inverse/20:.2f}, "
+        "{derived/typical inverse/15:.2f} and {derived/typical inverse/10:.2f}, a rise within "
+        "their intervals."
     ),
     (
         "With rules that average {derived/inverse of averages/20:.2f}, {derived/inverse of "
@@ -286,19 +290,17 @@ TEMPLATES = (
         "15/ratio_it2/value:.2f} and {learners/average, 10/ratio_it2/value:.2f};"
     ),
     (
-        "against wide type-1 terms no difference of means is shown, though these win in "
-        "{wider_type_1_terms_average/20/type_1_wins} of "
-        "{wider_type_1_terms_average/20/seeds_compared} seeds at each level."
+        "against type-1 terms {settings/widths/2:g} times as wide no difference of means is shown, "
+        "though these win in {wider_type_1_terms_average/20/type_1_wins} of "
+        "{wider_type_1_terms_average/20/seeds_compared} seeds at each level ({settings/widths/1:g} "
+        "times: better at 20 dB; {settings/widths/0:g} times: worse at 15 and 10 dB)."
     ),
     (
         "With ridge regression no difference is shown at 20 and 15 dB ({learners/ridge, "
         "20/ratio_it2/value:.2f} and {learners/ridge, 15/ratio_it2/value:.2f}), and type-2 is "
         "better at 10 dB ({learners/ridge, 10/ratio_it2/value:.2f})"
     ),
-    (
-        "type-2 is worse in {derived/worse readings} of {derived/readings} cases (three kinds, "
-        "three levels);"
-    ),
+    ("type-2 is worse in {derived/worse readings} of {derived/readings} cases;"),
     (
         "on the recorded inputs, which section 5.4 speaks of, {definitions/mean square, on the "
         "recorded inputs/20/ratio/value:.2f}, {definitions/mean square, on the recorded "
@@ -308,7 +310,7 @@ TEMPLATES = (
     "four terms leave {derived/four terms/it2/∞:.2f} of the error of two without noise;",
     (
         "at 20 dB {derived/four terms/t1/20:.2f} for type-1 and {derived/four terms/it2/20:.2f} "
-        "for type-2"
+        "for type-2, at 10 dB {derived/four terms/t1/10:.2f} and {derived/four terms/it2/10:.2f}"
     ),
     (
         "Computed torque takes {printed/step/CTC:ms.0f} ms and cannot run in real time on a "
@@ -332,7 +334,7 @@ TEMPLATES = (
     ),
     "{order/tracking/20 dB/4} (geometric mean, 95 % interval, seeds)",
     (
-        "noise on G is then {noise_on_gravity_at_20_dB/noise:.1f} N at 20 dB, on a quantity that "
+        "noise on G is then {noise_on_gravity_at_20_dB/noise:.1f} N at 20 dB, on what "
         "varies by {noise_on_gravity_at_20_dB/standard_deviation:.1f} N (standard deviation) "
         "along the helix."
     ),
@@ -394,7 +396,7 @@ TEMPLATES = (
         "at differences of {asserted "
         "maps/test_chapter_3.py::test_the_cayley_form_nears_its_singularity 0.5} m"
     ),
-    "Table 5.1 needs {derived/star:.1f} of it",
+    "Table 5.1 needs {derived/star:.1f} of it, two axes exchanged",
     (
         "{parameters/table_3_1/nut_inertia/0:g} + {parameters/table_3_1/nut_inertia/2:g} < "
         "{parameters/table_3_1/nut_inertia/1:g}:"
@@ -463,8 +465,10 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             ctc < min(gravity, *without, *(entry["mean"]["value"] for entry in noisy)),
         ),
         (
-            "leaves less than each; on faster ones it leaves more",
-            gravity < min(*without, learners["strict, ∞"]["t1"]["value"]),
+            "leaves less than each, and than the first on a circle, a line, a square and a larger "
+            "helix; on faster ones it leaves more",
+            gravity < min(*without, learners["strict, ∞"]["t1"]["value"])
+            and beaten_on(sources["trajectories"]) == ["helix", *OTHER_PATHS],
         ),
         (
             "each printed number is outside of the spread of single runs",
@@ -483,22 +487,39 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             == ["15", "10"],
         ),
         (
+            "On the fastest helix a fuzzy controller leaves less",
+            (fastest := sources["trajectories"]["fastest-helix"])["fuzzy"]["value"]
+            < fastest["CTC"]["value"],
+        ),
+        (
             "no trend; of geometric means",
             all(found != sorted(found) for found in (inverses, of_strict)),
         ),
         (
-            "less than their intervals",
+            "a rise within their intervals",
             against["10"]["ratio_of_geometric_means"]["high"]
             > against["20"]["ratio_of_geometric_means"]["value"],
         ),
         (
-            "it rises",
-            (rising := [1.0 / entry["ratio_it2"]["value"] for entry in averaged]) == sorted(rising),
+            "it rises; with ridge regression, too, but within its intervals",
+            all(rises(learners, learner) for learner in ("average", "ridge"))
+            and rises_beyond_intervals(learners, "average")
+            and not rises_beyond_intervals(learners, "ridge"),
         ),
         (
             "no difference of means is shown, though these win",
             all(wide[level]["verdicts"]["3"] == "no difference shown" for level in levels)
             and len({wide[level]["type_1_wins"] for level in levels}) == 1,
+        ),
+        (
+            "times: better at 20 dB",
+            [wide[level]["verdicts"]["2"] for level in levels]
+            == ["type-1 × 2 better", "no difference shown", "no difference shown"],
+        ),
+        (
+            "times: worse at 15 and 10 dB",
+            [wide[level]["verdicts"]["1.5"] for level in levels]
+            == ["no difference shown", "type-2 better", "type-2 better"],
         ),
         (
             "With ridge regression no difference is shown at 20 and 15 dB",

@@ -157,7 +157,7 @@ BUILDERS: dict[str, Callable[[], ClosedLoopRobot]] = {
     "rotors": lambda: geared(ROBOTS_WITH_LOOPS[2]()),
     "arm without loops": arm_without_loops,
     **{name: (lambda name=name: psp3.load(name)) for name in ROBOTS},
-    "psp3 by Newton": lambda: psp3.load("psp3").dynamics("pinocchio"),  # type: ignore[return-value]
+    "psp3 by Newton": lambda: psp3.load("psp3").dynamics("core"),  # type: ignore[return-value]
 }
 
 

@@ -140,7 +140,7 @@ def test_far_poses_are_reached_from_home_without_wrapping_an_angle(star: psp3.PS
         [5.0, 5.1, 4.9],
     ]
     assert_allclose(
-        star.dynamics("pinocchio").configuration(heights),
+        star.dynamics("core").configuration(heights),
         star.configuration(heights),
         rtol=0,
         atol=1e-10,
@@ -308,7 +308,7 @@ def test_coriolis_matrix_at_rest_is_zero(robot: ClosedLoopRobot) -> None:
 
 def test_frame_jacobian_is_the_derivative_of_the_frame(star: psp3.PSP3) -> None:
     """Tip position by differences and angular velocity by the rotation's rate; 1e-8."""
-    tree = star.dynamics("pinocchio")
+    tree = star.dynamics("core")
     heights, frame = np.array([0.03, -0.05, 0.1]), star.model.getFrameId("tip")
 
     def placement(a: Array) -> Any:
@@ -380,7 +380,7 @@ SHAPES = {
 
 @pytest.mark.parametrize("shape", [(), (2,), (1, 2)])
 def test_leading_dimensions_are_kept(star: psp3.PSP3, shape: tuple[int, ...]) -> None:
-    tree = star.dynamics("pinocchio")
+    tree = star.dynamics("core")
     for method, (count, tail) in SHAPES.items():
         assert np.shape(getattr(tree, method)(*[np.zeros((*shape, 3))] * count)) == (
             *shape,
@@ -390,7 +390,7 @@ def test_leading_dimensions_are_kept(star: psp3.PSP3, shape: tuple[int, ...]) ->
 
 
 def test_an_empty_batch_keeps_its_shape(star: psp3.PSP3) -> None:
-    tree, empty = star.dynamics("pinocchio"), np.zeros((2, 0, 3))
+    tree, empty = star.dynamics("core"), np.zeros((2, 0, 3))
     for method, (count, tail) in SHAPES.items():
         assert np.shape(getattr(tree, method)(*[empty] * count)) == (2, 0, *tail), method
     assert tree.frame_jacobian(empty, "tip").shape == (2, 0, 6, 3)
@@ -443,7 +443,7 @@ def test_a_malformed_reference_pose_is_refused(star: psp3.PSP3, q0: Any) -> None
 @pytest.mark.parametrize("guess", [np.zeros(3), np.full(15, np.nan)])
 def test_a_malformed_guess_is_refused(star: psp3.PSP3, guess: Array) -> None:
     with pytest.raises(PSP3Error):
-        star.dynamics("pinocchio").configuration(np.zeros(3), guess=guess)
+        star.dynamics("core").configuration(np.zeros(3), guess=guess)
 
 
 def test_joints_in_an_order_that_pinocchio_gets_wrong() -> None:
@@ -489,7 +489,7 @@ def test_joints_in_an_order_that_pinocchio_gets_wrong() -> None:
 
 def test_unknown_frame_is_refused(star: psp3.PSP3) -> None:
     with pytest.raises(UnknownName, match=r"elbow.*star1_center") as caught:
-        star.dynamics("pinocchio").frame_jacobian(np.zeros(3), "elbow")
+        star.dynamics("core").frame_jacobian(np.zeros(3), "elbow")
     assert caught.value.name == "elbow"
 
 
@@ -504,7 +504,7 @@ def test_arguments_that_are_not_finite_rows_are_refused(
     star: psp3.PSP3, method: str, count: int, bad: Any
 ) -> None:
     """In every position."""
-    tree = star.dynamics("pinocchio")
+    tree = star.dynamics("core")
     for position in range(count):
         arguments: list[Any] = [np.zeros(3)] * count
         arguments[position] = bad
@@ -514,7 +514,7 @@ def test_arguments_that_are_not_finite_rows_are_refused(
 
 def test_shapes_that_do_not_go_together_are_refused(star: psp3.PSP3) -> None:
     with pytest.raises(InvalidArray):
-        star.dynamics("pinocchio").equation_of_motion(np.zeros((2, 3)), np.zeros((5, 3)))
+        star.dynamics("core").equation_of_motion(np.zeros((2, 3)), np.zeros((5, 3)))
 
 
 # Files

@@ -35,7 +35,7 @@ def test_energies_are_those_of_robot_and_payload() -> None:
     heights, speeds = states(20)
     pose, jacobian = ROBOT.forward_kinematics(heights), ROBOT.tip_jacobian(heights)
     spin = ROBOT.dynamics(
-        "pinocchio"
+        "core"
     ).frame_jacobian(  # type: ignore[attr-defined]
         heights, "tip"
     )[:, 3:]

@@ -21,6 +21,7 @@ from tests.psp3.simulation.plants import after
 
 ROBOT = psp3.load("psp3")
 
+CORE = ROBOT.dynamics("core")
 PINOCCHIO = ROBOT.dynamics("pinocchio")
 
 MASS, WEIGHT = ROBOT.parameters.total_mass, ROBOT.parameters.total_mass * 9.81
@@ -30,7 +31,7 @@ DRIVE = Drive(coulomb_friction=20.0, viscous_friction=5.0, motor_inertia=1e-5, l
 PLANTS: dict[str, Callable[..., Plant]] = {
     "closed form": lambda drive: RungeKutta(ROBOT, drive=drive),
     "actuated coordinates": lambda drive: RungeKutta(
-        PINOCCHIO,  # type: ignore[arg-type]
+        CORE,  # type: ignore[arg-type]
         drive=drive,
     ),
     "reference": lambda drive: DormandPrince(ROBOT, drive=drive),
@@ -68,7 +69,7 @@ def test_without_a_drive_nothing_changes(name: str) -> None:
     """Not a bit of it."""
     plain = {
         "closed form": RungeKutta(ROBOT),
-        "actuated coordinates": RungeKutta(PINOCCHIO),  # type: ignore[arg-type]
+        "actuated coordinates": RungeKutta(CORE),  # type: ignore[arg-type]
         "reference": DormandPrince(ROBOT),
         "tree": ConstraintDynamics(ROBOT),
     }

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
+from psp3.dynamics.projected import ProjectedDynamics
 from psp3.errors import UnknownName, UnreachableTip
 from tests.helpers import (
     SCREW_AZIMUTHS,
@@ -106,7 +107,7 @@ def test_other_lengths_reach_both_implementations(numbers: dict[str, float]) -> 
     Heights scale with the radius. 1e-11, 1e-9 as for the default.
     """
     other = psp3.load("psp3", psp3.Parameters(**numbers))
-    tree = other.dynamics("pinocchio")
+    tree = other.dynamics("core")
     heights, speeds = random_states(np.random.default_rng(4), 30)
     heights *= numbers["screw_radius"] / 0.181
     assert_allclose(other.configuration(heights), tree.configuration(heights), rtol=0, atol=1e-11)
@@ -307,9 +308,9 @@ def test_single_answers_are_the_parts_of_the_equation_of_motion(robot: psp3.PSP3
     assert_array_equal(robot.gravity(heights), gravity)
 
 
-@pytest.mark.parametrize("name", ["closed_form", "pinocchio", "noc"])
+@pytest.mark.parametrize("name", ["closed_form", "core", "pinocchio", "noc"])
 def test_each_dynamics_model_is_to_be_had_by_name(robot: psp3.PSP3, name: str) -> None:
-    """At one state, against the closed form: a controller may take any of the three."""
+    """At one state, against the closed form: a controller may take any of the four."""
     model = robot.dynamics(name)
     heights, speeds = [0.02, -0.05, 0.1], [0.1, 0.2, -0.3]
     expected = robot.equation_of_motion(heights, speeds)
@@ -318,11 +319,12 @@ def test_each_dynamics_model_is_to_be_had_by_name(robot: psp3.PSP3, name: str) -
         assert_allclose(found, part, rtol=0, atol=1e-11 * np.abs(part).max())
 
 
-def test_the_three_models_are_different_implementations(robot: psp3.PSP3) -> None:
+def test_the_four_models_are_different_implementations(robot: psp3.PSP3) -> None:
     """The comparisons above would be empty if a name led to the closed form by another way."""
-    tree = robot.dynamics("pinocchio")
+    tree = robot.dynamics("core")
     assert type(tree) is psp3.ClosedLoopRobot
     assert isinstance(robot.dynamics("noc"), psp3.NaturalOrthogonalComplement)
+    assert isinstance(robot.dynamics("pinocchio"), ProjectedDynamics)
     assert robot.dynamics("closed_form") is robot
     assert not any(
         vars(psp3.ClosedLoopRobot).get(name) is vars(psp3.PSP3)[name]
@@ -331,7 +333,7 @@ def test_the_three_models_are_different_implementations(robot: psp3.PSP3) -> Non
 
 
 def test_unknown_dynamics_model_is_refused(robot: psp3.PSP3) -> None:
-    with pytest.raises(UnknownName, match="closed_form, pinocchio, noc") as caught:
+    with pytest.raises(UnknownName, match="closed_form, core, pinocchio, noc") as caught:
         robot.dynamics("lagrange")
     assert caught.value.name == "lagrange"
 

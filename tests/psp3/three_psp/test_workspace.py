@@ -34,7 +34,7 @@ AROUND = np.radians(np.arange(-180.0, 180.0, 15.0))
 @pytest.fixture(scope="module")
 def newton() -> ClosedLoopRobot:
     """Close the loops with Newton's method, which knows nothing of the closed form."""
-    robot = ROBOT.dynamics("pinocchio")
+    robot = ROBOT.dynamics("core")
     assert type(robot) is ClosedLoopRobot
     return robot
 

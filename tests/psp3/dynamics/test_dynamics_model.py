@@ -1,4 +1,4 @@
-"""Models that controllers take: the three of the 3-PSP, those of other robots, and users' own."""
+"""Models that controllers take: the four of the 3-PSP, those of other robots, and users' own."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.description.parts import ROBOTS
+from psp3.dynamics.dynamics_model import DynamicsModel, equation_of_motion_of
 from psp3.errors import InvalidArray, InvalidValue
-from psp3.robots.dynamics_model import DynamicsModel, equation_of_motion_of
+from psp3.robots import dynamics_model as first_path
 from psp3.three_psp.robot import DYNAMICS_MODELS
 from tests.helpers import random_states
 
@@ -19,7 +20,7 @@ STAR = psp3.load("psp3")
 
 
 @pytest.mark.parametrize("name", DYNAMICS_MODELS)
-def test_forces_of_the_three_paths_agree(name: str) -> None:
+def test_forces_of_the_four_paths_agree(name: str) -> None:
     """With the closed form's M, C and G multiplied out; 1e-10 N of some 100 N is rounding."""
     rng = np.random.default_rng(3)
     heights, speeds = random_states(rng, 20)
@@ -37,16 +38,18 @@ def test_forces_of_the_three_paths_agree(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
-def test_forces_of_other_robots_agree_with_the_natural_orthogonal_complement(name: str) -> None:
-    """By RNEA and by the thesis's matrices; 1e-10 of the largest force is rounding."""
+def test_forces_of_other_robots_agree(name: str) -> None:
+    """By RNEA in two ways, and by the thesis's matrices; 1e-10 of the largest force is rounding."""
     robot = psp3.load(name)
     rng, n = np.random.default_rng(4), len(robot.actuated)
     positions = robot.reference + rng.uniform(-0.02, 0.02, (5, n))
     speeds, accelerations = rng.normal(size=(2, 5, n))
     found = robot.actuator_forces(positions, speeds, accelerations)
-    complement: DynamicsModel = psp3.NaturalOrthogonalComplement(robot)
-    expected = complement.actuator_forces(positions, speeds, accelerations)
-    assert_allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
+    for other in ("pinocchio", "noc"):
+        model = robot.dynamics(other)
+        assert isinstance(model, DynamicsModel)
+        expected = model.actuator_forces(positions, speeds, accelerations)
+        assert_allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
     assert_array_equal(found, robot.inverse_dynamics(positions, speeds, accelerations))
 
 
@@ -77,6 +80,11 @@ class OfThreeMethods:
 def test_a_model_of_three_methods_will_do() -> None:
     M, C, G = equation_of_motion_of(OfThreeMethods())(np.zeros(2), np.zeros(2))  # type: ignore[arg-type]
     assert (M[0, 0], C[0, 0], G[0]) == (1.0, 2.0, 3.0)
+
+
+def test_the_path_by_which_the_names_were_public_first_still_leads_to_them() -> None:
+    assert first_path.DynamicsModel is DynamicsModel
+    assert first_path.equation_of_motion_of is equation_of_motion_of
 
 
 def test_what_is_no_model_is_refused() -> None:

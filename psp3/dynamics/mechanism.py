@@ -1,0 +1,138 @@
+"""What a route through the dynamics needs of a robot: tree, loops, motors and home."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array, Indices, one_row
+from psp3.closure.mobility import mobility
+from psp3.closure.rank import dependent_solver
+from psp3.errors import DisorderedJoints, MobilityMismatch, UnknownName
+
+MOBILITY_TOLERANCE = 1e-5
+"""L must satisfy the loops' velocity equations to this share; far above rounding, far below a wrong
+number of actuators.
+"""
+
+
+class HasTree(Protocol):
+    """Anything with a Pinocchio ``model``.
+
+    What else it may have is read if it is there and not None, as of the robots of
+    example-robot-data: ``constraint_models`` (none: no loops), ``actuated`` (none: every joint),
+    and ``q0``, a configuration that closes the loops, or nearly (none: ``neutral`` of the model).
+    """
+
+    @property
+    def model(self) -> pin.Model:
+        """The tree."""
+        ...
+
+
+class Mechanism:
+    """Tree, loops and motors of a robot.
+
+    Parameters
+    ----------
+    robot : HasTree
+        A robot, or what else has a tree.
+
+    Attributes
+    ----------
+    model : pinocchio.Model
+        The tree.
+    loops : list of pinocchio.RigidConstraintModel
+        The loop closures.
+    names : tuple of str
+        The actuated joints.
+    actuated, dependent : ndarray of int
+        Places of the actuated joints in joint velocities, and of the others.
+
+    Raises
+    ------
+    UnknownName
+        If the tree has no joint of the name of a motor.
+    """
+
+    def __init__(self, robot: HasTree) -> None:
+        self._robot = robot
+        self.model = robot.model
+        self.loops: list[Any] = list(getattr(robot, "constraint_models", None) or ())
+        known = tuple(str(name) for name in self.model.names)[1:]
+        self.names: tuple[str, ...] = tuple(getattr(robot, "actuated", None) or known)
+        for name in self.names:
+            if name not in known:
+                raise UnknownName("actuated joint", name, known)
+        joints = [self.model.joints[self.model.getJointId(name)] for name in self.names]
+        self.actuated: Indices = np.concatenate(
+            [np.arange(joint.idx_v, joint.idx_v + joint.nv) for joint in joints]
+        )
+        self.dependent: Indices = np.setdiff1d(np.arange(self.model.nv), self.actuated)
+
+    @property
+    def rows(self) -> int:
+        """How many closure equations there are: three or six a loop."""
+        return sum(int(loop.residualSize()) for loop in self.loops)
+
+    def home(self) -> Array:
+        """Return the configuration from which the loops are closed, (nq,).
+
+        Raises
+        ------
+        InvalidArray
+            If ``q0`` is not finite or of another shape.
+        """
+        home = getattr(self._robot, "q0", None)
+        return pin.neutral(self.model) if home is None else one_row("q0", home, self.model.nq)
+
+    def complement(self, q: Array, jacobian: Array) -> tuple[Array, Array]:
+        r"""Return L (eq. 3.17), (nv, n), and the inverse of :math:`\Phi^u`, (nv − n, m).
+
+        Parameters
+        ----------
+        q : (nq,) ndarray
+            A configuration.
+        jacobian : (m, nv) ndarray
+            The constraint Jacobian :math:`\Phi` there.
+
+        Raises
+        ------
+        SingularConfiguration
+            If the actuated joints do not determine the others here.
+        MobilityMismatch
+            If they determine each other.
+        """
+        inverse = dependent_solver(jacobian[:, self.dependent])
+        complement = np.zeros((self.model.nv, self.actuated.size))
+        complement[self.actuated, np.arange(self.actuated.size)] = 1.0
+        complement[self.dependent] = -inverse @ jacobian[:, self.actuated]
+        # With more actuated joints than degrees of freedom no L keeps the loops closed, and the
+        # pseudo-inverse only comes near. An inverse solves every equation.
+        if len(jacobian) > self.dependent.size:
+            missed = np.abs(jacobian @ complement).max(initial=0.0)
+            if missed > MOBILITY_TOLERANCE * np.abs(jacobian).max(initial=1.0):
+                raise MobilityMismatch(mobility(self.model, self.loops, self.names, q), self.names)
+        return complement, inverse
+
+
+def check_order(model: pin.Model) -> None:
+    """Refuse a tree in which a joint does not follow its parent's other descendants.
+
+    Pinocchio's ``crba`` and ``constraintDynamics`` take subtrees for contiguous.
+
+    Raises
+    ------
+    DisorderedJoints
+        If one does not.
+    """
+    branch = [0]
+    for joint in range(1, model.njoints):
+        parent = int(model.parents[joint])
+        while branch and branch[-1] != parent:
+            branch.pop()
+        if not branch:
+            raise DisorderedJoints(str(model.names[joint]), str(model.names[parent]))
+        branch.append(joint)

@@ -1,0 +1,494 @@
+r"""The tree's dynamics by Pinocchio's RNEA and CRBA, projected on the motions that the loops leave.
+
+With :math:`L` from Pinocchio's constraint Jacobian, :math:`\dot q = L \dot q^a`, and the drift
+:math:`\dot L \dot q^a` from the accelerations of the joined frames,
+
+.. math:: M = L^T M_\text{tree} L, \qquad G = L^T g_\text{tree}, \qquad
+          \tau = L^T \operatorname{RNEA}(q, L \dot q^a, L \ddot q^a + \dot L \dot q^a).
+
+What every other computation of a robot is checked with, the natural orthogonal complement aside: it
+uses nothing compiled here. Loops are closed by :mod:`psp3.dynamics.newton_from_home`, with
+residuals and Jacobian from Pinocchio.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Callable
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from psp3.checks import Array, applied_to_rows, one_row
+from psp3.closure.passive_limits import PassiveLimits
+from psp3.dynamics.closed_pose import ClosedPose
+from psp3.dynamics.mechanism import HasTree, Mechanism, check_order
+from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
+
+
+class ProjectedDynamics:
+    r"""Projected RNEA and CRBA of a tree with loops, in actuated coordinates.
+
+    One object serves one thread at a time, because it computes in one ``data``.
+
+    Parameters
+    ----------
+    robot : HasTree
+        A robot, or what else has a Pinocchio ``model``; loops, motors and home as
+        :class:`psp3.NaturalOrthogonalComplement` reads them. Motors are joints of one coordinate.
+
+    Attributes
+    ----------
+    model, data : pinocchio.Model, pinocchio.Data
+        The tree, and where it is computed.
+    constraint_models : pinocchio.StdVec_RigidConstraintModel
+        The loop closures.
+    actuated : tuple of str
+        Names of the actuated joints, in the order of all actuated coordinates.
+    actuated_v, dependent_v : ndarray of int
+        Places of the actuated joints in joint velocities, and of the others.
+    """
+
+    def __init__(self, robot: HasTree) -> None:
+        self._mechanism = Mechanism(robot)
+        self.model = self._mechanism.model
+        self.data = self.model.createData()
+        # Velocity forces are read off a copy without gravity: beside the weight they would lose
+        # half their digits.
+        self._weightless = self.model.copy()
+        self._weightless.gravity = pin.Motion.Zero()
+        self.constraint_models = pin.StdVec_RigidConstraintModel()
+        self.constraint_models.extend(self._mechanism.loops)
+        self._constraint_data = pin.StdVec_RigidConstraintData()
+        for loop in self.constraint_models:
+            self._constraint_data.append(loop.createData())
+        # What a vector of Pinocchio yields is slow to make, so that it is made once.
+        self._states = [self._constraint_data[i] for i in range(len(self._constraint_data))]
+        self.actuated = self._mechanism.names
+        self.actuated_v = self._mechanism.actuated
+        self.dependent_v = self._mechanism.dependent
+        self._limited = PassiveLimits(self.model, self.actuated)
+        self._frames = _JoinedFrames(self._mechanism)
+        # Where subtrees are not contiguous, CRBA is silently wrong and RNEA is not.
+        self._crba_holds = bool(self.model.check(self.data))
+        self._upper = np.triu(np.ones((self.model.nv, self.model.nv)))
+        self._rest = np.zeros(self.model.nv)
+
+    # Closing the loops
+
+    def _constraint(self, q: Array) -> tuple[Array, Array]:
+        """Return what Pinocchio's constraint Jacobian is the derivative of, and that Jacobian.
+
+        They are minus the residual and minus its derivative at closure; away from it the Jacobian
+        is not quite the derivative, which Newton's method does not mind.
+        """
+        pin.computeJointJacobians(self.model, self.data, q)
+        if not self._mechanism.loops:
+            return np.zeros(0), np.zeros((0, self.model.nv))
+        for loop, state in zip(self._mechanism.loops, self._states, strict=True):
+            # Without this call the Jacobian below is silently wrong.
+            loop.calc(self.model, self.data, state)
+        jacobian = pin.getConstraintsJacobian(
+            self.model, self.data, self.constraint_models, self._constraint_data
+        )
+        # Of a model with a single degree of freedom Pinocchio returns a vector.
+        return self._frames.opening(self._states), jacobian.reshape(-1, self.model.nv)
+
+    @functools.cached_property
+    def _from_home(self) -> NewtonFromHome:
+        return NewtonFromHome(
+            self.model,
+            self.actuated,
+            self._mechanism.home(),
+            self._constraint,
+            self._mechanism.complement,
+        )
+
+    def _closed(self, positions: Array) -> Closed:
+        found = self._from_home.closed(positions)
+        self._limited.check(found.q[np.newaxis])
+        return found
+
+    def _map(
+        self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: ArrayLike
+    ) -> Array:
+        n = self.actuated_v.size
+        # First of all, so that a home that is none is found without a pose, too.
+        _ = self._from_home
+        return applied_to_rows(
+            function, shape, **{name: (values, n) for name, values in arguments.items()}
+        )
+
+    def configuration(self, positions: ArrayLike) -> Array:
+        """Return the configurations that close the loops, by Newton's method from home.
+
+        Parameters
+        ----------
+        positions : (..., n) array_like
+            Positions of the actuated joints [m or rad].
+
+        Returns
+        -------
+        (..., nq) ndarray
+            Configurations, closed to rounding, in the assembly mode of home.
+
+        Raises
+        ------
+        InvalidArray
+            If the positions are not finite or of another shape.
+        InvalidValue
+            If an actuated joint has more than one coordinate.
+        ClosureFailed
+            If a pose cannot be reached from home without opening a loop.
+        JointLimitExceeded
+            If an un-actuated joint would be beyond its limits.
+        SingularConfiguration, MobilityMismatch
+            If the actuated joints do not determine the others at home, or determine each other.
+        """
+        return self._map(lambda row: self._closed(row).q, (self.model.nq,), positions=positions)
+
+    def complement(self, positions: ArrayLike) -> Array:
+        """Return L, all joint velocities per unit of actuated speed (eq. 3.17), (..., nv, n).
+
+        Argument and errors as in :meth:`configuration`.
+        """
+        shape = self.model.nv, self.actuated_v.size
+        return self._map(lambda row: self._closed(row).complement, shape, positions=positions)
+
+    def closure(self, positions: ArrayLike) -> ClosedPose:
+        """Return the closed configuration of one pose, (n,), together with L.
+
+        Errors as in :meth:`configuration`.
+        """
+        found = self._closed(one_row("positions", positions, self.actuated_v.size))
+        return ClosedPose(found.q, found.complement, lambda q: found.inverse)
+
+    def drift(self, q: Array, v: Array) -> Array:
+        r"""Return the joint accelerations :math:`\dot L \dot q^a`, while the motors move uniformly.
+
+        Parameters
+        ----------
+        q : (nq,) ndarray
+            A closed configuration.
+        v : (nv,) ndarray
+            Joint velocities that keep the loops closed.
+
+        Returns
+        -------
+        (nv,) ndarray
+            Joint accelerations, zero for the actuated joints.
+
+        Raises
+        ------
+        SingularConfiguration
+            If the actuated joints do not determine the others here.
+        """
+        _, jacobian = self._constraint(q)
+        _, inverse = self._mechanism.complement(q, jacobian)
+        return self._drift(q, v, inverse)
+
+    def _drift(self, q: Array, v: Array, inverse: Array) -> Array:
+        accelerations = np.zeros(self.model.nv)
+        pin.rnea(self._weightless, self.data, q, v, self._rest)
+        opening = self._frames.accelerations(self.data, self._states)
+        accelerations[self.dependent_v] = -inverse @ opening
+        return accelerations
+
+    def _uniform(self, q: Array, velocities: Array) -> tuple[Array, Array]:
+        """Return what a tree does that moves at velocities (nv, k) with all joints uniform.
+
+        The forces that this takes without gravity, (nv, k), and the accelerations with which the
+        loops open, (m, k).
+        """
+        count = velocities.shape[1]
+        forces, openings = np.empty_like(velocities), np.empty((self._frames.rows, count))
+        for k, v in enumerate(velocities.T):
+            forces[:, k] = pin.rnea(self._weightless, self.data, q, v, self._rest)
+            openings[:, k] = self._frames.accelerations(self.data, self._states)
+        return forces, openings
+
+    # Dynamics
+
+    def _tree_mass(self, q: Array, complement: Array) -> Array:
+        """Return the product of the tree's mass matrix and L, (nv, n)."""
+        if self._crba_holds:
+            upper = pin.crba(self.model, self.data, q) * self._upper
+            product = upper @ complement + upper.T @ complement
+            product -= upper.diagonal()[:, np.newaxis] * complement
+            return np.asarray(product)
+        columns = [
+            pin.rnea(self._weightless, self.data, q, self._rest, column) for column in complement.T
+        ]
+        return np.stack(columns, axis=1)
+
+    def equation_of_motion(
+        self, positions: ArrayLike, speeds: ArrayLike
+    ) -> tuple[Array, Array, Array]:
+        r"""Return mass matrix, Coriolis matrix and gravity in actuated coordinates.
+
+        .. math:: M = L^T M_\text{tree} L, \qquad G = L^T g_\text{tree},
+
+        and C as the unique matrix of Christoffel symbols: the quadratic form
+        :math:`h(v) = C(v)\,v`, projected from RNEA, gives its columns by polarization,
+        :math:`C(v) e_j = \tfrac12 [h(v + e_j) - h(v) - h(e_j)]`.
+
+        Parameters
+        ----------
+        positions, speeds : (..., n) array_like
+            Actuated positions and speeds [m, m/s or rad, rad/s].
+
+        Returns
+        -------
+        M : (..., n, n) ndarray
+        C : (..., n, n) ndarray
+        G : (..., n) ndarray
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
+            See :meth:`configuration`.
+        """
+        n = self.actuated_v.size
+
+        def one(position: Array, speed: Array) -> Array:
+            q, _, complement, inverse = self._closed(position)
+            tree = self._tree_mass(q, complement)
+            coriolis = np.zeros((n, n))
+            # The unit vectors are scaled to the speed: subtracting forms of very different size
+            # would lose digits.
+            scale = float(np.abs(speed).max(initial=0.0))
+            if scale > 0.0:
+                units = scale * np.eye(n)
+                motions = np.concatenate([speed[np.newaxis], speed + units, units]).T
+                forces, openings = self._uniform(q, complement @ motions)
+                form = complement.T @ forces - tree[self.dependent_v].T @ (inverse @ openings)
+                coriolis = (form[:, 1 : n + 1] - form[:, :1] - form[:, n + 1 :]) / (2.0 * scale)
+            gravity = pin.computeGeneralizedGravity(self.model, self.data, q)
+            return np.concatenate(
+                [(complement.T @ tree).ravel(), coriolis.ravel(), complement.T @ gravity]
+            )
+
+        packed = self._map(one, (2 * n * n + n,), positions=positions, speeds=speeds)
+        square = (*packed.shape[:-1], n, n)
+        return (
+            packed[..., : n * n].reshape(square),
+            packed[..., n * n : 2 * n * n].reshape(square),
+            packed[..., 2 * n * n :],
+        )
+
+    def mass_matrix(self, positions: ArrayLike) -> Array:
+        """Return the mass matrix M, of shape (..., n, n); see :meth:`equation_of_motion`."""
+        return self.equation_of_motion(positions, np.zeros(self.actuated_v.size))[0]
+
+    def coriolis_matrix(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
+        """Return the Coriolis matrix C, of shape (..., n, n); see :meth:`equation_of_motion`."""
+        return self.equation_of_motion(positions, speeds)[1]
+
+    def gravity(self, positions: ArrayLike) -> Array:
+        """Return the gravity vector G, of shape (..., n); see :meth:`equation_of_motion`."""
+        return self.equation_of_motion(positions, np.zeros(self.actuated_v.size))[2]
+
+    def inverse_dynamics(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        r"""Return the actuator forces of a motion, :math:`\tau = L^T \operatorname{RNEA}`.
+
+        Parameters
+        ----------
+        positions, speeds, accelerations : (..., n) array_like
+            Motion of the actuated joints.
+
+        Returns
+        -------
+        (..., n) ndarray
+            Forces [N] or torques [N m] of the actuated joints.
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
+            See :meth:`configuration`.
+        """
+
+        def one(position: Array, speed: Array, acceleration: Array) -> Array:
+            return self._forces(self._closed(position), speed, acceleration)
+
+        return self._map(
+            one,
+            (self.actuated_v.size,),
+            positions=positions,
+            speeds=speeds,
+            accelerations=accelerations,
+        )
+
+    def _forces(self, found: Closed, speed: Array, acceleration: Array) -> Array:
+        """Return the actuator forces of a motion at one closed configuration."""
+        q, L = found.q, found.complement
+        v = L @ speed
+        joints = L @ acceleration + self._drift(q, v, found.inverse)
+        return np.asarray(L.T @ pin.rnea(self.model, self.data, q, v, joints))
+
+    def actuator_forces(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        """Return the forces of the motors for a motion; see :meth:`inverse_dynamics`.
+
+        The motors are as many as the coordinates, so that both are the same.
+        """
+        return self.inverse_dynamics(positions, speeds, accelerations)
+
+    def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+        r"""Return the accelerations of the actuated joints under actuator forces.
+
+        They solve :math:`L^T M_\text{tree} L\, \ddot q^a = \tau - L^T \operatorname{RNEA}` of the
+        uniform motion.
+
+        Parameters
+        ----------
+        positions, speeds, forces : (..., n) array_like
+            State and actuator forces.
+
+        Returns
+        -------
+        (..., n) ndarray
+            Accelerations of the actuated joints.
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
+            See :meth:`configuration`.
+        """
+
+        def one(position: Array, speed: Array, force: Array) -> Array:
+            found = self._closed(position)
+            left = force - self._forces(found, speed, np.zeros_like(speed))
+            mass = found.complement.T @ self._tree_mass(found.q, found.complement)
+            return np.asarray(np.linalg.solve(mass, left))
+
+        return self._map(
+            one, (self.actuated_v.size,), positions=positions, speeds=speeds, forces=forces
+        )
+
+    # The whole tree
+
+    @functools.cached_property
+    def _solver(self) -> _ConstraintDynamics:
+        check_order(self.model)
+        return _ConstraintDynamics(self._mechanism, self.constraint_models)
+
+    def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
+        """Return all joint accelerations of the tree under actuator forces.
+
+        From Pinocchio's ``constraintDynamics``, which is exact where the loops close exactly. Of a
+        redundant loop whose numbers are rounded it is not; :meth:`forward_dynamics` is.
+
+        Parameters
+        ----------
+        q : (nq,) ndarray
+            Configuration. Where it leaves the loops a little open, the constraint models' Baumgarte
+            gains close them again.
+        v : (nv,) ndarray
+            Joint velocities.
+        forces : (n,) ndarray
+            Actuator forces.
+
+        Returns
+        -------
+        (nv,) ndarray
+            Joint accelerations.
+
+        Raises
+        ------
+        DisorderedJoints
+            If the tree's joints are not chain by chain, for which the answer would be wrong.
+        """
+        return self._solver.accelerations(q, v, forces)
+
+
+class _JoinedFrames:
+    """The two frames of every loop: how far they are apart, and how they come apart."""
+
+    def __init__(self, mechanism: Mechanism) -> None:
+        ends = np.cumsum([0, *(int(loop.residualSize()) for loop in mechanism.loops)])
+        self.rows = int(ends[-1])
+        self._loops = [
+            (
+                slice(*rows),
+                loop.type == pin.ContactType.CONTACT_3D,
+                (loop.joint1_id, loop.joint1_placement),
+                (loop.joint2_id, loop.joint2_placement),
+            )
+            for rows, loop in zip(itertools.pairwise(ends), mechanism.loops, strict=True)
+        ]
+
+    def opening(self, states: list[pin.RigidConstraintData]) -> Array:
+        """Return the first frames' placements in the second ones, (m,), as small motions."""
+        opening = np.empty(self.rows)
+        for (rows, is_point, _, _), state in zip(self._loops, states, strict=True):
+            relative = state.c1Mc2
+            opening[rows] = relative.translation if is_point else pin.log6(relative).vector
+        return -opening
+
+    def accelerations(self, data: pin.Data, states: list[pin.RigidConstraintData]) -> Array:
+        """Return how the first frames accelerate against the second ones, (m,).
+
+        In axes of the first, in the motion of the tree without weight that RNEA has just been asked
+        for, which keeps the loops closed.
+        """
+        velocities, accelerations, out = data.v, data.a_gf, np.empty(self.rows)
+        for (rows, is_point, *sides), state in zip(self._loops, states, strict=True):
+            one, other = (placement.actInv(accelerations[joint]) for joint, placement in sides)
+            if is_point:
+                turning, turning_other = (
+                    placement.actInv(velocities[joint]) for joint, placement in sides
+                )
+                there = pin.classicAcceleration(turning_other, other)
+                here = pin.classicAcceleration(turning, one)
+                out[rows] = here - state.c1Mc2.rotation @ there
+            else:
+                # Both frames move as one, so that neither turns against the other.
+                out[rows] = (one - state.c1Mc2.act(other)).vector
+        return out
+
+
+class _ConstraintDynamics:
+    """Pinocchio's ``constraintDynamics``, prepared once, with data that nothing else computes in.
+
+    Shared between algorithms of Pinocchio, constraint data would make results silently wrong.
+    """
+
+    def __init__(
+        self, mechanism: Mechanism, constraint_models: pin.StdVec_RigidConstraintModel
+    ) -> None:
+        self._model, self._actuated = mechanism.model, mechanism.actuated
+        self._data, self._constraint_models = mechanism.model.createData(), constraint_models
+        self._constraint_data = pin.StdVec_RigidConstraintData()
+        for loop in constraint_models:
+            self._constraint_data.append(loop.createData())
+        # Redundant closures make the constraint inertia singular; the proximal iteration then
+        # converges to the same motion.
+        redundant = mechanism.rows > mechanism.dependent.size
+        self._settings = pin.ProximalSettings(
+            1e-12, 1e-12, 1e-6 if redundant else 0.0, 50 if redundant else 1
+        )
+        pin.initConstraintDynamics(
+            self._model, self._data, self._constraint_models, self._constraint_data
+        )
+
+    def accelerations(self, q: Array, v: Array, forces: Array) -> Array:
+        """Return all joint accelerations."""
+        tau = np.zeros(self._model.nv)
+        tau[self._actuated] = forces
+        return np.array(
+            pin.constraintDynamics(
+                self._model,
+                self._data,
+                q,
+                v,
+                tau,
+                self._constraint_models,
+                self._constraint_data,
+                self._settings,
+            )
+        )
