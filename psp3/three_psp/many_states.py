@@ -207,12 +207,12 @@ def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, out
 
 # Kernel of each quantity, and how many rows it computes in about 50 µs.
 _KERNELS = {
-    "forward_kinematics": (closed_form.forward_kinematics, 1500),
+    "forward_kinematics": (closed_form.forward_kinematics, 2000),
     "configuration": (closed_form.configuration, 400),
     "inverse_kinematics_tip": (closed_form.inverse_kinematics_tip, 100),
-    "tip_jacobian": (closed_form.tip_jacobian, 600),
-    "tip_rates": (closed_form.tip_rates, 600),
-    "energies": (closed_form.energies, 400),
+    "tip_jacobian": (closed_form.tip_jacobian, 1000),
+    "tip_rates": (closed_form.tip_rates, 800),
+    "energies": (closed_form.energies, 700),
     "equation_of_motion": (equation_of_motion, 1500),
     "inverse_dynamics": (inverse_dynamics, 1500),
     "forward_dynamics": (forward_dynamics, 1000),
@@ -234,19 +234,18 @@ def first_refused_row(name: str, inputs: Sequence[Array], p: Array, *outs: Array
         What it writes to, contiguous, with the leading dimensions of the inputs.
     """
     rows = inputs[0].size // 3
+    before, after = [a.reshape(-1) for a in inputs], [a.reshape(-1) for a in outs]
     if rows < FEWEST:
-        kernel = getattr(closed_form, name)
-        row: int = kernel(*(a.reshape(-1) for a in inputs), p, *(a.reshape(-1) for a in outs))
+        row: int = getattr(closed_form, name)(*before, p, *after)
         return row
     kernel, grain = _KERNELS[name]
-    before = [a.reshape(rows, -1) for a in inputs]
-    after = [a.reshape(rows, -1) for a in outs]
+    widths = [a.size // rows for a in after]
 
     def part(first: int, last: int) -> int:
         row: int = kernel(
-            *(a[first:last].reshape(-1) for a in before),
+            *[a[3 * first : 3 * last] for a in before],
             p,
-            *(a[first:last].reshape(-1) for a in after),
+            *[a[n * first : n * last] for a, n in zip(after, widths, strict=True)],
         )
         return row
 
