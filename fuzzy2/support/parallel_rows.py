@@ -15,8 +15,9 @@ from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 
 # A part has at least as many rows as take about 50 µs. To hand rows to another thread takes about
-# 40 µs of CPU time, however many they are: from ten such parts on that is less than a tenth.
-PARTS_THAT_PAY = 10
+# 40 µs of CPU time, however many they are. So each thread should have five such parts: a batch that
+# two threads share costs less than a tenth more.
+PARTS_A_THREAD = 5
 # A part has at most this many times as many rows, so that Ctrl-C is heard within a second even on
 # a machine that is ten times slower.
 LARGEST_PART = 1000
@@ -50,14 +51,18 @@ def first_refused_row(part: Callable[[int, int], int], rows: int, grain: int) ->
     Exception
         What ``part`` raises, where no row before that part is refused.
     """
-    helpers = len(os.sched_getaffinity(0)) - 1 if rows >= PARTS_THAT_PAY * grain else 0
-    parts = _Parts(part, rows, grain, helpers + 1)
+    threads, cores = max(1, rows // (PARTS_A_THREAD * grain)), 1
+    if threads > 1:
+        cores = len(os.sched_getaffinity(0))
+        threads = min(threads, cores)
+    parts = _Parts(part, rows, grain, threads)
     futures: list[Future[None]] = []
     try:
         # At the interpreter's end, or where the system gives no more threads, this one does it all.
         with contextlib.suppress(RuntimeError):
-            for _ in range(helpers):
-                futures.append(_pool(os.getpid(), helpers).submit(parts.work))
+            for _ in range(threads - 1):
+                # One by one: those before an error are waited for.
+                futures.append(_pool(os.getpid(), cores - 1).submit(parts.work))  # noqa: PERF401
         parts.work()
     finally:
         parts.stop()

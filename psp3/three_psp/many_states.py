@@ -11,7 +11,7 @@ computed: by these kernels, or those of the closed form where there are none, on
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -206,7 +206,7 @@ def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, out
 
 
 # Kernel of each quantity, and how many rows it computes in about 50 µs.
-_KERNELS = {
+_KERNELS: dict[str, tuple[Callable[..., int], int]] = {
     "forward_kinematics": (closed_form.forward_kinematics, 2000),
     "configuration": (closed_form.configuration, 400),
     "inverse_kinematics_tip": (closed_form.inverse_kinematics_tip, 100),
@@ -242,11 +242,10 @@ def first_refused_row(name: str, inputs: Sequence[Array], p: Array, *outs: Array
     widths = [a.size // rows for a in after]
 
     def part(first: int, last: int) -> int:
-        row: int = kernel(
+        return kernel(
             *[a[3 * first : 3 * last] for a in before],
             p,
             *[a[n * first : n * last] for a, n in zip(after, widths, strict=True)],
         )
-        return row
 
     return parallel_rows.first_refused_row(part, rows, grain)

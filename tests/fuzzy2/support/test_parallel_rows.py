@@ -14,6 +14,7 @@ import threading
 import time
 import weakref
 from collections.abc import Callable
+from concurrent.futures import Future
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzy2.support import parallel_rows
-from fuzzy2.support.parallel_rows import LARGEST_PART, PARTS_THAT_PAY, first_refused_row
+from fuzzy2.support.parallel_rows import LARGEST_PART, PARTS_A_THREAD, first_refused_row
 
 ROOT = Path(__file__).resolve().parents[3]
 # Whoever waits for another thread as long as this [s] has found a mistake.
@@ -52,6 +53,7 @@ class Batch:
         self.refused, self.raising = refused, raising
 
     def part(self, first: int, last: int) -> int:
+        """Compute rows up to the first bad one."""
         for row in range(first, last):
             if row in self.raising:
                 raise ArithmeticError(row)
@@ -140,7 +142,7 @@ def test_parts_are_computed_side_by_side(cores: Callable[[int], None], count: in
     assert threading.get_ident() in threads
 
 
-@pytest.mark.parametrize(("count", "rows"), [(1, 100_000), (4, PARTS_THAT_PAY * 10 - 1)])
+@pytest.mark.parametrize(("count", "rows"), [(1, 100_000), (4, 2 * PARTS_A_THREAD * 10 - 1)])
 def test_one_core_and_short_batches_stay_in_the_thread_of_the_caller(
     cores: Callable[[int], None], count: int, rows: int
 ) -> None:
@@ -158,6 +160,24 @@ def test_one_core_and_short_batches_stay_in_the_thread_of_the_caller(
     assert limits[-1] == rows
     assert max(np.diff(limits)) <= LARGEST_PART * 10
     assert len(parts) == -(-rows // (LARGEST_PART * 10))
+
+
+@pytest.mark.parametrize(("parts", "threads"), [(9, 1), (10, 2), (29, 5), (1000, 64)])
+def test_as_many_threads_as_the_rows_are_worth_and_no_more(
+    cores: Callable[[int], None], monkeypatch: pytest.MonkeyPatch, parts: int, threads: int
+) -> None:
+    """On a machine of 64 cores; no thread is started here."""
+    cores(64)
+    asked = []
+
+    class Pool:
+        def submit(self, work: Callable[[], None]) -> Future[None]:
+            asked.append(work)
+            return Future()
+
+    monkeypatch.setattr(parallel_rows, "_pool", lambda process, threads: Pool())
+    assert first_refused_row(lambda first, last: -1, parts * 10, 10) == -1
+    assert len(asked) == threads - 1
 
 
 def test_a_batch_does_not_wait_for_a_thread_that_has_not_begun_nor_leaves_it_its_arrays(

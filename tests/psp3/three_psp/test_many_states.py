@@ -50,7 +50,9 @@ def flat(arrays: list[Array]) -> list[Array]:
     rows=st.integers(0, 300),
     seed=st.integers(0, 1000),
     parameters=st.sampled_from(["default", "table_3_1", "table_5_1"]),
-    bad=st.lists(st.tuples(st.integers(0, 299), st.sampled_from(BAD), st.integers(0, 2)), max_size=3),
+    bad=st.lists(
+        st.tuples(st.integers(0, 299), st.sampled_from(BAD), st.integers(0, 2)), max_size=3
+    ),
 )
 def test_kernels_answer_as_those_of_the_closed_form(
     name: str,
