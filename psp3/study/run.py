@@ -171,7 +171,7 @@ class Run:
         One of ``TRAJECTORIES``.
     learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
         See :class:`psp3.FuzzyComputedTorque`. The rules are learned on the first trajectory. The
-        learner that the thesis names, table look-up, is ``"strict"``.
+        learner that the thesis cites, table look-up, is ``"strict"``.
     payload : float
         Mass on the star, at its center, that no controller knows of [kg]; of the reading
         ``"plant"``, as are the next six.

@@ -90,7 +90,7 @@ def learners(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
             "Reading 'parameters', two terms an input. Strongest sample: every rule keeps the "
             "sample that fires it most (the default of this package). Weighted average: the mean "
             "of all samples, weighted with how strongly they fire the rule. Table look-up of "
-            "Wang and Mendel: the procedure that the thesis names, as it was published; empty "
+            "Wang and Mendel: the procedure that we take the thesis to cite, as published; empty "
             "cells take the nearest rule. Ridge: "
             "least squares, held near the average. Diverged: shares for type-1, type-2 and "
             "general type-2. Verdict: by the difference of means, seed by seed. "
@@ -194,7 +194,11 @@ def _wider_terms(
             words.append(better(difference, f"type-1 × {width:g}", "type-2"))
             entry[f"{width:g}"] = as_numbers(results.mean(wider, seeds))
         wins, both = results.wins(replace(type1, term_width=plan.widths[-1]), type2, seeds)
-        numbers[decibels(snr)] = entry | {"type_1_wins": wins, "seeds_compared": both}
+        numbers[decibels(snr)] = entry | {
+            "type_1_wins": wins,
+            "seeds_compared": both,
+            "verdicts": dict(zip([f"{width:g}" for width in plan.widths], words, strict=True)),
+        }
         of_seeds = won(wins, both)
         if math.isinf(snr):
             words, of_seeds = ["type-2 is type-1 here"], "–"

@@ -15,6 +15,7 @@ import numpy as np
 
 from psp3 import published
 from psp3.control.classical import PD, PID, ComputedTorque
+from psp3.errors import SimulationDiverged
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
 from psp3.simulation.metrics import (
@@ -204,6 +205,8 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
             else (f"{printed:.4f}", verdict(squares, printed))
         )
         rows.append([name, "–", shown, f"{squares:.4f}", "–", f"{1e3 * tip:.0f}", words])
+    numbers["PD"]["sag"] = _sag(robot)
+    numbers["PD with the gains of CTC"] = _soft_pd(robot)
     fuzzy: dict[str, Any] = {}
     ends: list[list[str]] = []
     for snr in (math.inf, *NOISY):
@@ -234,10 +237,9 @@ def table_6_3(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproduction)
             }
             shown, words = "–", "not in the thesis"
             if old is not None:
-                shown, words = (
-                    f"{old:.4f}",
-                    verdict(average.value, old, spread),
-                )
+                shown, words = f"{old:.4f}", verdict(average.value, old, spread)
+                if kind == "it2" and math.isinf(snr):
+                    words += "; type-1 by construction"
             mean = f"{average.value:.4f}" if math.isinf(snr) else with_share(average, diverged)
             rows.append(
                 [
@@ -356,6 +358,16 @@ def answer_of_table_6_3(robot: PSP3, outcome: Reproduction) -> None:
 def _sag(robot: PSP3) -> float:
     """Return how far every screw sags under PD at rest [m]."""
     return float(robot.gravity(np.zeros(3)).mean()) / published.TABLE_6_1["PD"][0]
+
+
+def _soft_pd(robot: PSP3) -> dict[str, float]:
+    """Return when PD with the gains of computed torque has lost the robot [s]."""
+    controller = PD(*published.TABLE_6_1["CTC"])
+    try:
+        result = simulate(robot, controller, Helix(robot=robot), DURATION)
+    except SimulationDiverged as error:
+        result = error.result
+    return {"end_time": float(result.t[-1])}
 
 
 def typical_seed(results: Outcomes, plan: Plan) -> int:

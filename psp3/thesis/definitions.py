@@ -37,12 +37,14 @@ from psp3.three_psp.robot import PSP3
 from psp3.trajectories.paths import Helix
 
 CONTRADICTION = (
-    "The thesis contradicts itself on what is noisy. Its section \u201cType-I Equivalent "
-    "System\u201d considers numerical uncertainty alone, which \u201cleads to uncertain inputs; "
-    "contrary to linguistic uncertainty which leads to uncertain rules\u201d. Its chapter 6 "
-    "injects the noise \u201cinto the system parameters\u201d, M, C and G, from which the rules "
-    "are learned, so the rules are uncertain. This package takes chapter 6 at its word; the rows "
-    "\u201con the recorded inputs\u201d take the section at its word."
+    "The thesis is not consistent on what is noisy. In its section \u201cType-I Equivalent "
+    "System\u201d \u201cthe numerical uncertainty leads to uncertain inputs; contrary to "
+    "linguistic uncertainty which leads to uncertain rules\u201d. In its chapter 6 noises are "
+    "\u201cinjected into the system parameters (recall that we named this type of uncertainty, "
+    "the numerical uncertainty\u201d; whether before rules are learned, which are uncertain "
+    "then, or at run time, it does not say. This package puts the noise on the M, C and G that "
+    "rules are learned from; the rows \u201con the recorded inputs\u201d take the section at its "
+    "word."
 )
 """Where the thesis says two things, and which of them is taken."""
 
@@ -65,6 +67,9 @@ def definitions(robot: PSP3, results: Outcomes, plan: Plan, outcome: Reproductio
     gravity = _noise_on_gravity(robot)
     outcome.numbers["definitions"] = numbers
     outcome.numbers["noise_on_gravity_at_20_dB"] = gravity
+    outcome.numbers["mean_variation_by_rule"] = {
+        decibels(snr): float(mean_variation_from_snr(snr)) for snr in plan.sweep_levels
+    }
     rule = listed([f"{float(mean_variation_from_snr(snr)):.2f}" for snr in plan.sweep_levels])
     levels = listed([decibels(snr) for snr in plan.sweep_levels])
     outcome.tables.append(

@@ -39,7 +39,7 @@ ESTIMANDS = ("difference of means", "ratio of means", "ratio of geometric means"
 def type_2_against_type_1(results: Outcomes, plan: Plan, outcome: Reproduction) -> None:
     """Add the paired differences and ratios behind Figure 64.
 
-    For rules that keep the strongest sample, and for the table look-up that the thesis names.
+    For rules that keep the strongest sample, and for the table look-up that the thesis cites.
     """
     rows: list[list[str]] = []
     found = {
@@ -161,9 +161,8 @@ def _main_claim(found: dict[str, dict[str, Any]], plan: Plan, levels: str) -> st
         f"({count(plan.seeds)}; {proof}). In single runs type-1 wins in {listed(wins)} of the "
         f"seeds, and {listed(lost)} of {plan.seeds} seeds are left out because a run diverged. "
         f"The printed 0.51, 0.28 and 0.25 are one run each; single runs here give "
-        f"{listed(spreads)}. With the table look-up of Wang and Mendel, which the thesis names, "
-        f"the ratio of means is {listed(of_strict)} at "
-        f"{listed(list(strict))} dB."
+        f"{listed(spreads)}. With the table look-up of Wang and Mendel, which we take the thesis "
+        f"to cite, the ratio of means is {listed(of_strict)} at {listed(list(strict))} dB."
     )
 
 

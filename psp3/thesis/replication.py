@@ -22,6 +22,7 @@ from fuzzy2.support.text_files import write_text
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control.records import record
 from psp3.loading import load
+from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
 from psp3.study import latency, study
 from psp3.study.intervals import MEASURED_COVERAGE, MEASURED_COVERAGE_OF_TEN
 from psp3.study.run import Run, simulate_run
@@ -210,6 +211,18 @@ def _write(outcome: Reproduction, plan: Plan, directory: Path) -> None:
         outcome.files.append(outcome.results[name].save(directory / f"{name.lower()}.npz"))
     outcome.numbers["answer"] = outcome.answer
     outcome.numbers["seeds"] = {"table_6_3": plan.seeds, "sweeps": plan.sweep_seeds}
+    helix = Helix()
+    outcome.numbers["settings"] = {
+        "radius": helix.radius,
+        "turn": helix.period,
+        "rise": helix.rise,
+        "duration": DURATION,
+        "control_period": Run("pd").period,
+        "sampling_period": THESIS_SAMPLING_PERIOD,
+        "levels": plan.sweep_levels,
+        "widths": plan.widths,
+        "suited": plan.suited,
+    }
     outcome.numbers["parameters"] = {
         name: parameters.as_dict() for name, parameters in PARAMETER_SETS.items()
     }

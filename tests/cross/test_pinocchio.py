@@ -10,6 +10,7 @@ with numpy.
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,16 @@ import psp3
 from tests.helpers import Array, random_heights, random_states, relative_error
 
 SETS = tuple(psp3.PARAMETER_SETS)
+
+STATES = {"default": 500, "table_3_1": 100, "table_5_1": 100}
+"""Random states in which the equation of motion is compared, by the set of parameters."""
+
+BARS = {"M": 1e-13, "C": 6e-12, "G": 1e-13, "forces": 1e-13}
+"""Largest differences of any two implementations, relative to the largest entry in that state.
+
+M, G and the forces reach 5e-15; C, which is small where the star hardly tilts, 3e-13. The bars are
+some twenty times that.
+"""
 
 
 @pytest.fixture(scope="module")
@@ -83,34 +94,24 @@ def test_tip_jacobian_equals_that_of_the_tree(robot: psp3.PSP3) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("parameters", "count"), [("default", 500), ("table_3_1", 100), ("table_5_1", 100)]
-)
-def test_three_implementations_agree_on_the_equation_of_motion(parameters: str, count: int) -> None:
-    """M, C, G and tau of random states, each relative to the largest entry of its array.
-
-    M, G and tau reach 5e-15; C, which is small where the star hardly tilts, 3e-13. The bars are
-    some twenty times that; 500 states of the default robot, 100 of each other one. Each closes the
-    loops itself.
-    """
+@pytest.mark.parametrize("parameters", STATES)
+def test_three_implementations_agree_on_the_equation_of_motion(parameters: str) -> None:
+    """M, C, G and forces of random states, of any two. Each closes the loops itself."""
     robot = psp3.load("psp3", parameters)
+    count = STATES[parameters]
     heights, speeds = random_states(rng := np.random.default_rng(7), count)
     accelerations = rng.normal(size=(count, 3))
-    mass, coriolis, gravity = robot.equation_of_motion(heights, speeds)
-    forces = robot.inverse_dynamics(heights, speeds, accelerations)
-    for name in ("pinocchio", "noc"):
-        other_mass, other_coriolis, other_gravity = robot.dynamics(name).equation_of_motion(
-            heights, speeds
-        )
-        assert relative_error(mass, other_mass) < 1e-13, name
-        assert relative_error(coriolis, other_coriolis) < 6e-12, name
-        assert relative_error(gravity, other_gravity) < 1e-13, name
-        other_forces = (
-            np.einsum("nij,nj->ni", other_mass, accelerations)
-            + np.einsum("nij,nj->ni", other_coriolis, speeds)
-            + other_gravity
-        )
-        assert relative_error(forces, other_forces) < 1e-13, name
+    found = {}
+    for name in ("closed_form", "pinocchio", "noc"):
+        M, C, G = robot.dynamics(name).equation_of_motion(heights, speeds)
+        forces = np.einsum("nij,nj->ni", M, accelerations) + np.einsum("nij,nj->ni", C, speeds) + G
+        found[name] = {"M": M, "C": C, "G": G, "forces": forces}
+    own = robot.inverse_dynamics(heights, speeds, accelerations)
+    assert relative_error(found["closed_form"]["forces"], own) < BARS["forces"]
+    for one, other in itertools.combinations(found, 2):
+        for name, bar in BARS.items():
+            gap = relative_error(found[one][name], found[other][name])
+            assert gap < bar, f"{name} of {one} and {other}"
 
 
 def test_inverse_dynamics_equals_projected_rnea_and_noc(robot: psp3.PSP3) -> None:

@@ -1,0 +1,1 @@
+"""What the documents say in numbers, and where each number comes from."""
