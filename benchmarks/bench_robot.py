@@ -157,9 +157,9 @@ def print_batches(batches: dict[str, dict[str, dict[str, float]]]) -> None:
         one, two = times[ONE_CORE], times[ALL_CORES]
         ratio = one["cpu"] / times[STATE_BY_STATE]["cpu"]
         print(f"{'CPU beside state by state':45s}{ratio:9.2f}{bar_and_verdict(ratio, BATCH_BAR)}")
-        # The bars are those of two cores.
+        # The bars are those of two cores; the short batch is too short for a second thread.
         speed_up, cpu = one["wall"] / two["wall"], two["cpu"] / one["cpu"]
-        bars = (SPEED_UP_BAR, CPU_BAR) if cores == 2 else (None, None)
+        bars = (SPEED_UP_BAR, CPU_BAR) if cores == 2 and int(rows) == max(BATCHES) else (None, None)
         print(
             f"{'speed-up by all cores':45s}{speed_up:9.2f}"
             f"{bar_and_verdict(speed_up, bars[0], at_least=True)}"

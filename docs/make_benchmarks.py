@@ -47,7 +47,7 @@ A simulation of 10 s at 2 ms with Runge–Kutta steps takes {simulations}.
 
 Inverse dynamics of a batch, a state: by the kernel of single calls, state by state; by the one \
 that takes several states in one instruction,
-on one core and on {cores}. CPU time is that of all threads.
+on one core, and on all {cores} where that pays. CPU time is that of all threads.
 
 {batches}
 """
