@@ -62,30 +62,29 @@ def compiled(function: Function) -> Function:
         The compiled function. Where no directory for the cache can be written it is compiled anew
         in every process.
     """
-    return _compiled(function, {})
+    return _compiled(function)
 
 
-def inner(function: Function) -> Function:
-    """Compile ``function`` as :func:`compiled` does, for calls from compiled functions only.
+def inlined(function: Function) -> Function:
+    """Compile ``function`` as :func:`compiled` does, and put it into each function that calls it.
 
-    It has no entry from Python, and its code goes into that of its callers.
+    For what is called in a loop over many states: the compiler takes several of them in one
+    instruction only where the loop calls nothing.
 
     Parameters
     ----------
     function : callable
-        A short function of scalars and contiguous arrays.
+        As for :func:`compiled`. All compiled functions that it calls must be inlined, too.
 
     Returns
     -------
     callable
         The compiled function.
     """
-    return _compiled(
-        function, {"forceinline": True, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-    )
+    return _compiled(function, forceinline=True)
 
 
-def _compiled(function: Function, more: dict[str, Any]) -> Function:
+def _compiled(function: Function, **more: Any) -> Function:
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", **more}
     try:
         compiled_function: Function = numba.njit(cache=True, **options)(function)

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inner
+from fuzzy2.support.compiled import compiled, inlined
 from psp3.multibody.bodies import momentum
 from psp3.multibody.forces import (
     add_change,
@@ -85,7 +85,7 @@ def complement(tree, numbers, memory, with_rates):
             add_change(tree, memory, change, rate)
 
 
-@inner
+@inlined
 def _power(tree, memory, X, P):
     """Return the sum over all elements of twists times wrenches."""
     value = 0.0
@@ -172,7 +172,7 @@ def coriolis_matrix(tree, memory, out):
             memory[out + n * i + j] = _power(tree, memory, X + wide * i, P)
 
 
-@inner
+@inlined
 def _coriolis_wrench(tree, memory, e, X, rate, H, out):
     """Write the wrench of one element for one column of the Coriolis matrix.
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inner
+from fuzzy2.support.compiled import compiled, inlined
 
 SMALLEST_PIVOT = 1e-9
 """Columns whose part that is new is smaller than this share of the largest do not count as
@@ -62,7 +62,7 @@ def factor(tree, memory, ends, at, into, rows, columns):
     return sign * least if least > SMALLEST_PIVOT * largest else 0.0
 
 
-@inner
+@inlined
 def reflect(tree, memory, ends, at, into, rows, k, row):
     """Apply the reflection of column k to the entries that begin at ``row``."""
     weight = memory[into + k]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inner
+from fuzzy2.support.compiled import compiled, inlined
 from psp3.multibody.tree import (
     AT_BODIES,
     AT_COLUMN_OF,
@@ -26,7 +26,7 @@ from psp3.multibody.tree import (
 )
 
 
-@inner
+@inlined
 def compose(a, i, b, j, out, k):
     """Write the product of two placements, a from its entry i on and b from its entry j on."""
     for row in range(3):
@@ -38,7 +38,7 @@ def compose(a, i, b, j, out, k):
         out[k + 9 + row] = x * b[j + 9] + y * b[j + 10] + z * b[j + 11] + a[i + 9 + row]
 
 
-@inner
+@inlined
 def _turn_by_screw(numbers, at, amount, memory, o, s):
     """Move an element along its screw, which is of unit length or without rotation.
 
