@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, as_floats, checked_positive, one_row
+from psp3.dynamics.dynamics_model import ForcesOfMotions
 from psp3.dynamics.linearization import LinearSystem, checked_matrices, discretize, linearize
 from psp3.errors import InvalidArray, InvalidValue, NoStabilizingSolution
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -236,16 +237,18 @@ class LinearQuadraticRegulator:
             if positions is None
             else one_row("positions", positions, len(robot.actuated))
         )
-        self.robot = robot
+        self.robot, self._forces_of = robot, ForcesOfMotions(robot)
         self.system = discretize(linearize(robot, pose), period)
         self.regulator = lqr(self.system, Q, R)
 
     def reset(self) -> None:
-        """Forget nothing: this controller remembers nothing."""
+        """Forget the pose of the last call, which changes nothing but rounding."""
+        self._forces_of.forget()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
-        return _forces(self.robot, self.regulator.K, positions, speeds, desired)
+        K = self.regulator.K
+        return _forces(self._forces_of, K, positions, speeds, desired)
 
 
 class TimeVaryingLinearQuadraticRegulator:
@@ -295,6 +298,7 @@ class TimeVaryingLinearQuadraticRegulator:
         terminal: ArrayLike | None = None,
     ) -> None:
         self.robot, self.period = robot, checked_positive("period", period)
+        self._forces_of = ForcesOfMotions(robot)
         self.t = self.period * np.arange(
             int(checked_positive("duration", duration) / self.period + 1e-9) + 1
         )
@@ -305,20 +309,20 @@ class TimeVaryingLinearQuadraticRegulator:
         self.regulator = time_varying_lqr(self.system, Q, R, terminal)
 
     def reset(self) -> None:
-        """Forget nothing: the gains depend on time alone."""
+        """Forget the pose of the last call, which changes nothing but rounding."""
+        self._forces_of.forget()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
         # The small excess keeps rounding from taking the gains of the sample before.
         sample = min(max(int(t / self.period + 1e-6), 0), len(self.t) - 1)
-        return _forces(self.robot, self.regulator.K[sample], positions, speeds, desired)
+        K = self.regulator.K[sample]
+        return _forces(self._forces_of, K, positions, speeds, desired)
 
 
 def _forces(
-    robot: ClosedLoopRobot, K: Array, positions: Array, speeds: Array, desired: Motion
+    forces_of: ForcesOfMotions, K: Array, positions: Array, speeds: Array, desired: Motion
 ) -> Array:
     error = np.concatenate([desired.positions - positions, desired.speeds - speeds])
-    forces: Array = (
-        robot.inverse_dynamics(desired.positions, desired.speeds, desired.accelerations) + K @ error
-    )
+    forces: Array = forces_of(desired.positions, desired.speeds, desired.accelerations) + K @ error
     return forces

@@ -280,11 +280,12 @@ class ClosedLoopRobot:
         )
         return jacobian
 
-    def last_pose(self) -> LastPose:
+    def last_pose(self) -> LastPose | None:
         """Return a memory of the pose that the caller was in last.
 
         Given as ``guess``, closing the loops starts from there, which is faster where the robot
-        moves little between two calls. It belongs to one thread at a time.
+        moves little between two calls. It belongs to one thread at a time. None, which is no guess,
+        of a robot in closed form: it has nothing to look for.
         """
         return self._core.last_pose()
 
@@ -546,9 +547,9 @@ class ClosedLoopRobot:
             packed[..., 2 * n * n :],
         )
 
-    def mass_matrix(self, positions: ArrayLike) -> Array:
+    def mass_matrix(self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         """Return the mass matrix M, of shape (..., n, n); see :meth:`equation_of_motion`."""
-        return self.equation_of_motion(positions, np.zeros(len(self.actuated)))[0]
+        return self.equation_of_motion(positions, np.zeros(len(self.actuated)), guess)[0]
 
     def coriolis_matrix(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the Coriolis matrix C, of shape (..., n, n); see :meth:`equation_of_motion`."""
@@ -596,13 +597,17 @@ class ClosedLoopRobot:
         )
 
     def actuator_forces(
-        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         """Return the forces of the motors for a motion; see :meth:`inverse_dynamics`.
 
         The motors are as many as the coordinates, so that both are the same.
         """
-        return self.inverse_dynamics(positions, speeds, accelerations)
+        return self.inverse_dynamics(positions, speeds, accelerations, guess)
 
     def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return all joint accelerations of the tree under actuator forces.

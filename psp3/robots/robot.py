@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, Indices
 from psp3.dynamics.dynamics_model import DynamicsModel
+from psp3.multibody.core import LastPose
 
 
 @runtime_checkable
@@ -71,7 +72,13 @@ class Robot(DynamicsModel, Protocol):
         """How to make a compiled plant from a number of steps and drives; None if there is none."""
         ...
 
-    def configuration(self, positions: ArrayLike, guess: ArrayLike | None = None) -> Array:
+    def last_pose(self) -> LastPose | None:
+        """Return a memory of the caller's last pose, to be given as ``guess``."""
+        ...
+
+    def configuration(
+        self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None
+    ) -> Array:
         """Return the configurations (..., nq) that close the loops at positions (..., n)."""
         ...
 
@@ -97,16 +104,26 @@ class Robot(DynamicsModel, Protocol):
         """Return the placement of a frame in base axes, (..., 4, 4)."""
         ...
 
-    def mass_matrix(self, positions: ArrayLike) -> Array:
+    def mass_matrix(self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         """Return the mass matrix, (..., n, n)."""
         ...
 
     def inverse_dynamics(
-        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         """Return the forces (..., n) of a motion."""
         ...
 
-    def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+    def forward_dynamics(
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        forces: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> Array:
         """Return the accelerations (..., n) under forces (..., n)."""
         ...

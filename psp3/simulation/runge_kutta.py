@@ -87,6 +87,7 @@ class FixedSteps(DrivenPlant):
 
         Positions [m, rad] and speeds of the actuated joints, each (n,).
         """
+        self._states.forget()
         self.q, self.v = np.array(positions), np.array(speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
@@ -103,9 +104,8 @@ class FixedSteps(DrivenPlant):
 
     def _is_pose(self) -> bool:
         # A state is refused where it is reached, not in the next period.
-        return bool(
-            np.isfinite(self._robot.configuration(self.q)).all() and np.isfinite(self.v).all()
-        )
+        configuration = self._states.ask(self._robot.configuration, self.q)
+        return bool(np.isfinite(configuration).all() and np.isfinite(self.v).all())
 
     def _moved(self, q: Array, way: Array) -> Array:
         """Return q after a way along the velocity."""

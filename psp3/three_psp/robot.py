@@ -147,6 +147,9 @@ class PSP3(ClosedLoopRobot):
 
         return functools.partial(ClosedFormSteps, self._p)
 
+    def last_pose(self) -> None:
+        """Return None: a closed form has no pose to look for."""
+
     def _ask(
         self,
         question: int,
@@ -435,7 +438,7 @@ class PSP3(ClosedLoopRobot):
     # Dynamics
 
     def equation_of_motion(
-        self, heights: ArrayLike, speeds: ArrayLike
+        self, heights: ArrayLike, speeds: ArrayLike, guess: object = None
     ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity vector in one call (eq. 3.1–3.4).
 
@@ -445,6 +448,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds : (..., 3) array_like
             Nut heights [m] and speeds [m/s].
+        guess : object, optional
+            Any robot takes one; the closed form has no need of it.
 
         Returns
         -------
@@ -477,7 +482,7 @@ class PSP3(ClosedLoopRobot):
         square = (*a.shape[:-1], 3, 3)
         return out[..., :9].reshape(square), out[..., 9:18].reshape(square), out[..., 18:]
 
-    def mass_matrix(self, heights: ArrayLike) -> Array:
+    def mass_matrix(self, heights: ArrayLike, guess: object = None) -> Array:
         """Return the mass matrix M (eq. 3.2), of shape (..., 3, 3) [kg].
 
         See :meth:`equation_of_motion`.
@@ -499,7 +504,11 @@ class PSP3(ClosedLoopRobot):
         return self.equation_of_motion(heights, _REST)[2]
 
     def inverse_dynamics(
-        self, heights: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: object = None,
     ) -> Array:
         r"""Return the screw forces of a motion, :math:`\tau = M \ddot a + C \dot a + G` (eq. 3.1).
 
@@ -507,6 +516,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, accelerations : (..., 3) array_like
             Nut heights [m], speeds [m/s] and accelerations [m/s²].
+        guess : object, optional
+            Any robot takes one; the closed form has no need of it.
 
         Returns
         -------
@@ -534,7 +545,9 @@ class PSP3(ClosedLoopRobot):
             self._refuse(row, heights=a, speeds=v, accelerations=w)
         return out
 
-    def forward_dynamics(self, heights: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+    def forward_dynamics(
+        self, heights: ArrayLike, speeds: ArrayLike, forces: ArrayLike, guess: object = None
+    ) -> Array:
         r"""Return the accelerations under given screw forces.
 
         They are :math:`\ddot a = M^{-1} (\tau - C \dot a - G)`.
@@ -543,6 +556,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, forces : (..., 3) array_like
             Nut heights [m], speeds [m/s] and forces along the screws [N].
+        guess : object, optional
+            Any robot takes one; the closed form has no need of it.
 
         Returns
         -------
