@@ -87,7 +87,7 @@ class ForcesOfMotions(StateAfterState):
 
     def __init__(self, model: DynamicsModel) -> None:
         super().__init__(model)
-        self._forces = getattr(model, "actuator_forces", None)
+        self._forces: Any = getattr(model, "actuator_forces", None)
         self._equation = None if self._forces is not None else equation_of_motion_of(model)
 
     def __call__(self, positions: Array, speeds: Array, accelerations: Array) -> Array:

@@ -230,7 +230,7 @@ class PSP3(ClosedLoopRobot):
             self._refuse(row, heights=a)
         return Pose(out)
 
-    def configuration(self, heights: ArrayLike, guess: ArrayLike | None = None) -> Array:
+    def configuration(self, heights: ArrayLike, guess: object = None) -> Array:
         r"""Return the Pinocchio configuration that closes the loops (eq. 3.5).
 
         With :math:`(x, y)` the star's slope in the axes of leg k: :math:`\tan\varphi_k = x`,

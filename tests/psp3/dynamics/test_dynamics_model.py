@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
@@ -133,5 +132,3 @@ def test_a_refused_state_does_not_spoil_the_next() -> None:
     with pytest.raises(ClosureFailed):
         forces(robot.reference + np.array([3.0, -3.0]), rest, rest)
     assert_allclose(forces(robot.reference, rest, rest), before, rtol=1e-12)
-    again = pickle.loads(pickle.dumps(forces))
-    assert_allclose(again(robot.reference, rest, rest), before, rtol=1e-12)
