@@ -121,6 +121,7 @@ def _certain_inverse(matrix: Array) -> Array | None:
     except np.linalg.LinAlgError:
         return None
     flat, other = square.ravel(), inverse.ravel()
-    if not (flat @ flat) * (other @ other) * RANK_TOLERANCE**2 < 1.0:
+    # Products of arrays by ``dot``, and of numbers by Python, overflow without a warning.
+    if not float(flat.dot(flat)) * float(other.dot(other)) * RANK_TOLERANCE**2 < 1.0:
         return None
     return inverse if left is None else inverse @ left.T
