@@ -1,6 +1,7 @@
 """Measure one call from Python of the robot's functions.
 
-Beside Pinocchio and MuJoCo on the same tree. Run by ``make bench``.
+Beside Pinocchio and MuJoCo on the same tree, and of batches, state by state and many at a time, on
+one core and on all. Run by ``make bench``.
 
 See ``timing.py`` for how.
 """
@@ -8,6 +9,7 @@ See ``timing.py`` for how.
 from __future__ import annotations
 
 import argparse
+import os
 import statistics
 import time
 from collections.abc import Callable
@@ -27,6 +29,7 @@ from timing import (
 
 import psp3
 from psp3.description.parts import ROBOT_FILES
+from psp3.three_psp import closed_form
 
 # [us]
 BARS = {
@@ -35,6 +38,13 @@ BARS = {
     "inverse_dynamics": 4.0,
     "forward_dynamics": 5.0,
 }
+
+BATCHES = (10_000, 100_000)
+STATE_BY_STATE, ONE_CORE, ALL_CORES = "state by state", "many states, one core", "all cores"
+# Of many states on one core beside state by state; in CPU time.
+BATCH_BAR = 0.3
+# Of two cores, beside one: in wall time on a machine with nothing else to do, and in CPU time.
+SPEED_UP_BAR, CPU_BAR = 1.7, 1.1
 
 
 def contenders() -> dict[str, Callable[[], object]]:
@@ -90,6 +100,73 @@ def contenders() -> dict[str, Callable[[], object]]:
     return functions
 
 
+def batch_times(rows: int, rounds: int = 200) -> dict[str, dict[str, float]]:
+    """Median wall and CPU time of inverse dynamics in microseconds a state, by how it is done.
+
+    CPU time is that of all threads. One core is what this thread is bound to while it is measured.
+    """
+    robot, rng = psp3.load("psp3"), np.random.default_rng(0)
+    heights, speeds = rng.uniform(0.1, 0.3, (rows, 3)), rng.uniform(-0.3, 0.3, (rows, 3))
+    accelerations, out = rng.uniform(-1.0, 1.0, (rows, 3)), np.empty(3 * rows)
+    p = robot.parameters.as_array()
+    flat = [array.reshape(-1) for array in (heights, speeds, accelerations)]
+
+    def many() -> object:
+        return robot.inverse_dynamics(heights, speeds, accelerations)
+
+    all_cores = os.sched_getaffinity(0)
+    ways: dict[str, tuple[set[int], Callable[[], object]]] = {
+        STATE_BY_STATE: (
+            {max(all_cores)},
+            lambda: closed_form.inverse_dynamics(*flat, p, out),
+        ),
+        ONE_CORE: ({max(all_cores)}, many),
+        ALL_CORES: (all_cores, many),
+    }
+    samples: dict[str, list[tuple[float, float]]] = {name: [] for name in ways}
+    try:
+        for _ in range(rounds):
+            for name, (cores, function) in ways.items():
+                os.sched_setaffinity(0, cores)
+                function()
+                wall, cpu = time.perf_counter(), time.process_time()
+                function()
+                samples[name].append((time.perf_counter() - wall, time.process_time() - cpu))
+    finally:
+        os.sched_setaffinity(0, all_cores)
+    return {
+        name: {
+            "wall": statistics.median(wall for wall, _ in taken) / rows * 1e6,
+            "cpu": statistics.median(cpu for _, cpu in taken) / rows * 1e6,
+        }
+        for name, taken in samples.items()
+    }
+
+
+def print_batches(batches: dict[str, dict[str, dict[str, float]]]) -> None:
+    """Print the tables of batches with their bars."""
+    cores = len(os.sched_getaffinity(0))
+    print(
+        f"\ninverse dynamics of a batch, µs a state ({cores} cores, load {os.getloadavg()[0]:.1f} "
+        "processes; bars of wall time hold where nothing else runs)\n"
+    )
+    print(f"{'':45s}{'wall':>9s}{'CPU':>9s}")
+    for rows, times in batches.items():
+        for name, time_of in times.items():
+            print(f"{rows + ' states, ' + name:45s}{time_of['wall']:9.4f}{time_of['cpu']:9.4f}")
+        one, two = times[ONE_CORE], times[ALL_CORES]
+        ratio = one["cpu"] / times[STATE_BY_STATE]["cpu"]
+        print(f"{'CPU beside state by state':45s}{ratio:9.2f}{bar_and_verdict(ratio, BATCH_BAR)}")
+        # The bars are those of two cores; the short batch is too short for a second thread.
+        speed_up, cpu = one["wall"] / two["wall"], two["cpu"] / one["cpu"]
+        bars = (SPEED_UP_BAR, CPU_BAR) if cores == 2 and int(rows) == max(BATCHES) else (None, None)
+        print(
+            f"{'speed-up by all cores':45s}{speed_up:9.2f}"
+            f"{bar_and_verdict(speed_up, bars[0], at_least=True)}"
+        )
+        print(f"{'CPU beside one core':45s}{cpu:9.2f}{bar_and_verdict(cpu, bars[1])}")
+
+
 def simulation_times(rounds: int = 5) -> dict[str, float]:
     """Median wall time of a 10 s simulation at 2 ms in seconds, by controller."""
     robot = psp3.load("psp3")
@@ -125,6 +202,8 @@ def main() -> None:
     for name, median in medians.items():
         bar = BARS[name] * scale if name in BARS else None
         print(f"{name:36s}{median:9.2f}{median / base:22.2f}{bar_and_verdict(median, bar)}")
+    batches = {str(rows): batch_times(rows) for rows in BATCHES}
+    print_batches(batches)
     simulations = simulation_times()
     print()
     for name, seconds in simulations.items():
@@ -134,7 +213,13 @@ def main() -> None:
         )
     write_results(
         arguments.out,
-        {"versions": versions, "microseconds": medians, "simulation_seconds": simulations},
+        {
+            "versions": versions,
+            "microseconds": medians,
+            "batches": batches,
+            "cores": len(os.sched_getaffinity(0)),
+            "simulation_seconds": simulations,
+        },
     )
 
 

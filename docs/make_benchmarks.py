@@ -43,6 +43,12 @@ the loops by iteration from home, in NumPy.
 {table}
 
 A simulation of 10 s at 2 ms with Runge–Kutta steps takes {simulations}.
+
+Inverse dynamics of a batch, a state: by the kernel of single calls, state by state; by the one \
+that takes several states in one instruction,
+on one core, and on all {cores} where that pays. CPU time is that of all threads.
+
+{batches}
 """
 
 CONTROLLER = """## One control step
@@ -146,6 +152,17 @@ def columns(measured: Mapping[str, Mapping[str, float]]) -> str:
     return "\n".join(lines)
 
 
+def batch_table(batches: Mapping[str, Mapping[str, Mapping[str, float]]]) -> str:
+    """Return the table of batches: wall and CPU time, by number of states and how it is done."""
+    lines = ["| | wall [µs] | CPU [µs] |", "|---|---|---|"]
+    lines += [
+        f"| {int(rows):,} states, {way} | {digits(times['wall'])} | {digits(times['cpu'])} |"
+        for rows, ways in batches.items()
+        for way, times in ways.items()
+    ]
+    return "\n".join(lines)
+
+
 def page(results: Mapping[str, Any], date: str) -> str:
     """Return the page for the results of the four benchmarks."""
     robot, controller, fuzzy, general = (results[name] for name in NAMES)
@@ -166,7 +183,10 @@ def page(results: Mapping[str, Any], date: str) -> str:
                 versions=", ".join(f"{name} {version}" for name, version in versions.items()),
             ),
             ROBOT.format(
-                table=table(robot["microseconds"], "equation_of_motion"), simulations=simulations
+                table=table(robot["microseconds"], "equation_of_motion"),
+                simulations=simulations,
+                batches=batch_table(robot["batches"]),
+                cores=robot["cores"],
             ),
             CONTROLLER.format(
                 table=table(controller["microseconds"], "PD", ("of 2 ms", 2000.0)), runs=runs

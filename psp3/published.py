@@ -13,8 +13,8 @@ from types import MappingProxyType
 import numpy as np
 
 TABLE_5_1_HEIGHTS = np.array([[0.10, 0.20, 0.05], [0.15, 0.25, 0.15], [0.05, 0.15, 0.05]])
-"""Nut heights of the three configurations as printed [m]. The third height of the last two
-contradicts Table 5.2.
+"""Nut heights of the three configurations as printed [m]. The third heights of the last two
+contradict Table 5.2, but the printed M and G fit them.
 """
 
 TABLE_5_1_SPEEDS = np.array([[0.15, 0.12, 0.10], [0.25, 0.22, 0.20], [0.25, 0.22, 0.20]])

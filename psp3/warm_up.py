@@ -32,6 +32,11 @@ def warm_up() -> None:
     robot.inverse_dynamics(rest, rest, rest)
     robot.forward_dynamics(rest, rest, rest)
     robot.kinetic_energy(rest, rest)
+    # Enough rows for the kernels of many states.
+    rows = np.zeros((8, 3))
+    robot.equation_of_motion(rows, rows)
+    robot.inverse_dynamics(rows, rows, rows)
+    robot.forward_dynamics(rows, rows, rows)
     five_bar = load("five_bar")
     five_bar.inverse_dynamics(five_bar.reference, np.zeros(2), np.zeros(2))
     simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01)

@@ -48,6 +48,9 @@ CONTRADICTION = (
 )
 """Where the thesis says two things, and which of them is taken."""
 
+ON_GRAVITY = {"noisy_entries": "gravity"}
+"""Fields of the definition whose noise is part of that of the default one."""
+
 ESTIMANDS = ("ratio of means", "ratio of geometric means", "difference of means")
 """What the table estimates with intervals, or judges by them."""
 
@@ -174,13 +177,14 @@ def _what_decides(numbers: dict[str, dict[str, Any]], plan: Plan, levels: str) -
         for label in numbers
     )
     helped = [
-        f"\u201c{label}\u201d"
+        label
         for label, by_level in numbers.items()
         if all(entry["verdict"] == "type-2 better" for entry in by_level.values())
     ]
-    where = f"{len(helped)} of {len(numbers)} definitions" + (
-        f", {listed(helped)}" if helped else ""
-    )
+    named = [f"\u201c{label}\u201d" for label in helped]
+    where = f"{len(helped)} of {len(numbers)} definitions" + (f", {listed(named)}" if named else "")
+    if all(fields in [DEFINITIONS[label] for label in helped] for fields in ({}, ON_GRAVITY)):
+        where += "; noise on G alone is part of the first, and no second effect"
     return (
         "Whether type-2 beats type-1 depends on what \u201cnoise of S dB\u201d is taken against, "
         "which the thesis does not say. With the mean variation by rule, type-2 is shown to be "

@@ -16,10 +16,13 @@ from psp3.simulation.result import Result
 from psp3.study.statistics import Estimate
 
 REPRODUCED = 0.05
-"""Relative difference up to which a printed number counts as reproduced."""
+"""Relative difference up to which a printed number counts as reproduced, or as matched by a fit."""
 
 SAME_ORDER = 3.0
 """Factor up to which a number is of the same order as the printed one."""
+
+MATCHED = "matched by a fit"
+"""Verdict on a number that agrees because something was chosen to make it agree."""
 
 
 @dataclass(frozen=True)
@@ -99,7 +102,13 @@ class Reproduction:
     files: list[Path] = field(default_factory=list)
 
 
-def verdict(computed: float, printed: float, spread: tuple[float, float] | None = None) -> str:
+def verdict(
+    computed: float,
+    printed: float,
+    spread: tuple[float, float] | None = None,
+    *,
+    fitted: bool = False,
+) -> str:
     """Say in words how a number compares with the printed one.
 
     Parameters
@@ -109,17 +118,21 @@ def verdict(computed: float, printed: float, spread: tuple[float, float] | None 
     spread : (2,) tuple of float, optional
         Spread of single runs, where the computed number is a mean of many. The printed one is a
         single run, so whether it lies within is said.
+    fitted : bool
+        Whether something was chosen so that the numbers agree, which then reproduces nothing.
 
     Returns
     -------
     str
-        "reproduced", "same order" or "not reproduced", and the difference or ratio.
+        "reproduced" or "matched by a fit", "same order" or "not reproduced", and the
+        difference or ratio.
     """
     if not np.isfinite(computed):
         return "not reproduced: every run diverged"
     ratio = computed / printed
     if abs(ratio - 1.0) <= REPRODUCED:
-        return f"reproduced ({100 * (ratio - 1):+.1f} %)"
+        words = MATCHED if fitted else "reproduced"
+        return f"{words} ({100 * (ratio - 1):+.1f} %)"
     # Unbroken spaces, or the sign would end a line in narrow tables.
     times = f"×\N{NO-BREAK SPACE}{ratio:.2g}"
     said = "" if spread is None else place_in(spread, printed)
@@ -201,9 +214,9 @@ def as_numbers(estimate: Estimate) -> dict[str, float | int | str]:
 
 
 def compared(label: str, printed: Array, computed: Array, bar: float | None) -> list[list[str]]:
-    """Return rows of a matrix as printed and as computed.
+    """Return rows of a matrix as printed and as computed with parameters that were fitted to it.
 
-    Within ``bar`` they count as reproduced, and None says they cannot be.
+    Within ``bar`` they count as matched, and None says they cannot be reproduced.
     """
     rows = []
     for number, (old, new) in enumerate(
@@ -213,7 +226,7 @@ def compared(label: str, printed: Array, computed: Array, bar: float | None) -> 
         words = (
             "not reproducible"
             if bar is None
-            else f"{'reproduced' if gap <= bar else 'not reproduced'}, to {gap:.4f}"
+            else f"{MATCHED if gap <= bar else 'not matched'}, to {gap:.4f}"
         )
         rows.append(
             [

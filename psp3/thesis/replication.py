@@ -154,7 +154,7 @@ def _chapter_6(runs: study.Study, plan: Plan, outcome: Reproduction) -> dict[str
     beyond.learners(results, plan, outcome)
     beyond.breaking_noise(results, plan, outcome)
     beyond.readings(results, plan, outcome)
-    chapter_6.answer_of_table_6_3(robot, outcome)
+    chapter_6.answer_of_table_6_3(robot, results, plan, outcome)
     variations = beyond.mean_variations(results, plan, outcome)
     beyond.numbers_of_terms(results, plan, outcome)
     beyond.other_trajectories(results, plan, outcome)

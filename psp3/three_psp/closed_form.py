@@ -35,7 +35,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, inlined
 from psp3.checks import Array
 from psp3.three_psp.geometry import LARGEST_TIP_SLOPE
 
@@ -56,14 +56,14 @@ HALF_SQRT3 = 0.8660254037844386
 ) = range(10)
 
 
-@compiled
+@inlined
 def slope_of_nuts(a1, a2, a3, d):
     """Slope (u, v) and mean height of the plane through the nuts."""
     factor = -2.0 / (3.0 * d)
     return factor * (a1 - 0.5 * (a2 + a3)), factor * HALF_SQRT3 * (a2 - a3), (a1 + a2 + a3) / 3.0
 
 
-@compiled
+@inlined
 def cosine_of_tilt(u, v):
     """Cosine of the tilt, c, and k = c²/(1+c).
 
@@ -85,7 +85,7 @@ def _center(u, v, c, k, d):
     )
 
 
-@compiled
+@inlined
 def _arms(u, v, c, k, d):
     """Arm lengths b_1, b_2, b_3."""
     p2x, p2y = u * u - v * v, 2.0 * u * v
@@ -97,20 +97,26 @@ def _arms(u, v, c, k, d):
     )
 
 
-@compiled
+@inlined
 def is_valid_pose(u, v, c, k, d):
     """Whether the slope is finite and all three arm lengths are positive."""
     b1, b2, b3 = _arms(u, v, c, k, d)
     return b1 > 0.0 and b2 > 0.0 and b3 > 0.0 and b1 + b2 + b3 < math.inf
 
 
+@inlined
+def are_finite(x, y, z):
+    """Whether three numbers are finite."""
+    return math.isfinite(x) and math.isfinite(y) and math.isfinite(z)
+
+
 @compiled
 def is_finite(array, i):
     """Whether three numbers from ``i`` on are finite."""
-    return math.isfinite(array[i]) and math.isfinite(array[i + 1]) and math.isfinite(array[i + 2])
+    return are_finite(array[i], array[i + 1], array[i + 2])
 
 
-@compiled
+@inlined
 def _term(f, f1, f2, u, v, q, qu, qv, quu, quv, qvv):
     """Value, gradient and second derivatives of f(u² + v²) q(u, v).
 
@@ -127,7 +133,7 @@ def _term(f, f1, f2, u, v, q, qu, qv, quu, quv, qvv):
     )
 
 
-@compiled
+@inlined
 def _center_derivatives(u, v, c, d):
     """Return the derivatives (u, v, uu, uv, vv) of the star center's three coordinates."""
     # c, c^3/(1+c)^2 and c^2/(1+c) with their first and second derivatives with respect to u² + v².
@@ -221,7 +227,7 @@ def _tip_derivatives(u, v, c, d, h):
     )
 
 
-@compiled
+@inlined
 def _reduced(u, v, c, k, du, dv, p):
     """Mass and Coriolis matrix of the star and the ball bodies' rotations.
 
@@ -317,14 +323,14 @@ def _reduced(u, v, c, k, du, dv, p):
     return m_uu, m_uv, m_vv, m * z[0], m * z[1], m, c_uu, c_uv, c_vu, c_vv, m * zu, m * zv
 
 
-@compiled
-def _equation(heights, i, speeds, j, p):
-    """Whether a pose is valid, and its M (upper triangle by rows, 6), C (by rows, 9) and G (3)."""
+@inlined
+def _equation(a1, a2, a3, v1, v2, v3, p):
+    """Whether a state is valid, and its M (upper triangle by rows, 6), C (by rows, 9) and G (3)."""
     d = p[RADIUS]
-    u, v, _ = slope_of_nuts(heights[i], heights[i + 1], heights[i + 2], d)
+    u, v, _ = slope_of_nuts(a1, a2, a3, d)
     c, k = cosine_of_tilt(u, v)
-    valid = is_valid_pose(u, v, c, k, d) and is_finite(speeds, j)
-    du, dv, _ = slope_of_nuts(speeds[j], speeds[j + 1], speeds[j + 2], d)
+    valid = is_valid_pose(u, v, c, k, d) and are_finite(v1, v2, v3)
+    du, dv, _ = slope_of_nuts(v1, v2, v3, d)
     m_uu, m_uv, m_vv, m_uz, m_vz, m_zz, c_uu, c_uv, c_vu, c_vv, c_zu, c_zv = _reduced(
         u, v, c, k, du, dv, p
     )
@@ -372,7 +378,7 @@ def _equation(heights, i, speeds, j, p):
     )
 
 
-@compiled
+@inlined
 def _solve(m11, m12, m13, m22, m23, m33, b1, b2, b3):
     """Solve M x = b by Cholesky's method for a symmetric positive definite 3×3 matrix."""
     l11 = math.sqrt(m11)
@@ -443,46 +449,6 @@ def configuration(heights: Array, p: Array, out: Array) -> int:
 def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> int:
     """Write M (9), C (9) and G (3) of every row, 21 numbers each (eq. 3.2–3.4)."""
     for row in range(heights.size // 3):
-        (
-            valid,
-            m11,
-            m12,
-            m13,
-            m22,
-            m23,
-            m33,
-            c11,
-            c12,
-            c13,
-            c21,
-            c22,
-            c23,
-            c31,
-            c32,
-            c33,
-            g1,
-            g2,
-            g3,
-        ) = _equation(heights, 3 * row, speeds, 3 * row, p)
-        if not valid:
-            return row
-        o = 21 * row
-        out[o], out[o + 1], out[o + 2] = m11, m12, m13
-        out[o + 3], out[o + 4], out[o + 5] = m12, m22, m23
-        out[o + 6], out[o + 7], out[o + 8] = m13, m23, m33
-        out[o + 9], out[o + 10], out[o + 11] = c11, c12, c13
-        out[o + 12], out[o + 13], out[o + 14] = c21, c22, c23
-        out[o + 15], out[o + 16], out[o + 17] = c31, c32, c33
-        out[o + 18], out[o + 19], out[o + 20] = g1, g2, g3
-    return -1
-
-
-@compiled
-def inverse_dynamics(
-    heights: Array, speeds: Array, accelerations: Array, p: Array, out: Array
-) -> int:
-    """Write the screw forces M a + C v + G of every row (eq. 3.1)."""
-    for row in range(heights.size // 3):
         i = 3 * row
         (
             valid,
@@ -504,11 +470,54 @@ def inverse_dynamics(
             g1,
             g2,
             g3,
-        ) = _equation(heights, i, speeds, i, p)
+        ) = _equation(
+            heights[i], heights[i + 1], heights[i + 2], speeds[i], speeds[i + 1], speeds[i + 2], p
+        )
+        if not valid:
+            return row
+        o = 21 * row
+        out[o], out[o + 1], out[o + 2] = m11, m12, m13
+        out[o + 3], out[o + 4], out[o + 5] = m12, m22, m23
+        out[o + 6], out[o + 7], out[o + 8] = m13, m23, m33
+        out[o + 9], out[o + 10], out[o + 11] = c11, c12, c13
+        out[o + 12], out[o + 13], out[o + 14] = c21, c22, c23
+        out[o + 15], out[o + 16], out[o + 17] = c31, c32, c33
+        out[o + 18], out[o + 19], out[o + 20] = g1, g2, g3
+    return -1
+
+
+@compiled
+def inverse_dynamics(
+    heights: Array, speeds: Array, accelerations: Array, p: Array, out: Array
+) -> int:
+    """Write the screw forces M a + C v + G of every row (eq. 3.1)."""
+    for row in range(heights.size // 3):
+        i = 3 * row
+        v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
+        (
+            valid,
+            m11,
+            m12,
+            m13,
+            m22,
+            m23,
+            m33,
+            c11,
+            c12,
+            c13,
+            c21,
+            c22,
+            c23,
+            c31,
+            c32,
+            c33,
+            g1,
+            g2,
+            g3,
+        ) = _equation(heights[i], heights[i + 1], heights[i + 2], v1, v2, v3, p)
         if not (valid and is_finite(accelerations, i)):
             return row
         a1, a2, a3 = accelerations[i], accelerations[i + 1], accelerations[i + 2]
-        v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
         out[i] = m11 * a1 + m12 * a2 + m13 * a3 + c11 * v1 + c12 * v2 + c13 * v3 + g1
         out[i + 1] = m12 * a1 + m22 * a2 + m23 * a3 + c21 * v1 + c22 * v2 + c23 * v3 + g2
         out[i + 2] = m13 * a1 + m23 * a2 + m33 * a3 + c31 * v1 + c32 * v2 + c33 * v3 + g3
@@ -518,12 +527,12 @@ def inverse_dynamics(
 @compiled
 def accelerations_of_state(heights, i, speeds, j, f1, f2, f3, p):
     """Accelerations of one state under the given forces; NaN where the pose is not valid."""
+    v1, v2, v3 = speeds[j], speeds[j + 1], speeds[j + 2]
     valid, m11, m12, m13, m22, m23, m33, c11, c12, c13, c21, c22, c23, c31, c32, c33, g1, g2, g3 = (
-        _equation(heights, i, speeds, j, p)
+        _equation(heights[i], heights[i + 1], heights[i + 2], v1, v2, v3, p)
     )
     if not valid:
         return math.nan, math.nan, math.nan
-    v1, v2, v3 = speeds[j], speeds[j + 1], speeds[j + 2]
     return _solve(
         m11,
         m12,
@@ -557,12 +566,12 @@ def energies(heights: Array, speeds: Array, p: Array, out: Array) -> int:
     d = p[RADIUS]
     for row in range(heights.size // 3):
         i = 3 * row
+        v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
         valid, m11, m12, m13, m22, m23, m33, _, _, _, _, _, _, _, _, _, _, _, _ = _equation(
-            heights, i, speeds, i, p
+            heights[i], heights[i + 1], heights[i + 2], v1, v2, v3, p
         )
         if not valid:
             return row
-        v1, v2, v3 = speeds[i], speeds[i + 1], speeds[i + 2]
         u, v, mean = slope_of_nuts(heights[i], heights[i + 1], heights[i + 2], d)
         c, k = cosine_of_tilt(u, v)
         _, _, z = _center(u, v, c, k, d)

@@ -9,7 +9,7 @@ name           star inertia about (x, y, own axis)  g [m/s²]  what it is
 =============  ===================================  ========  ======================================
 ``default``    0.06451, 0.06451, 0.12901            9.81      Table 3.1, star inertia divided by ten
 ``table_3_1``  0.6451, 0.6451, 1.2901               9.81      Table 3.1, moments as printed
-``table_5_1``  0.06451, 0.12901, 0.06451            9.806     reproduces M and G of Table 5.1
+``table_5_1``  0.06451, 0.12901, 0.06451            9.806     fitted to M and G of Table 5.1
 =============  ===================================  ========  ======================================
 
 The star inertia printed in Table 3.1 does not give the thesis's own Table 5.1; divided by ten it

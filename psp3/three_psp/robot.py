@@ -101,11 +101,12 @@ class PSP3(ClosedLoopRobot):
         visual_model: Any,
         parameters: Parameters,
     ) -> None:
-        from psp3.three_psp import closed_form
+        from psp3.three_psp import closed_form, many_states
 
         super().__init__(model, constraint_models, actuated, q0, visual_model)
         self.parameters = parameters
         self._kernels = closed_form
+        self._of_many = many_states.first_refused_row
         self._p = parameters.as_array()
         self._configuration_order = np.array(
             [
@@ -201,7 +202,10 @@ class PSP3(ClosedLoopRobot):
         """
         a = _three("heights", heights)
         out = np.empty(18 if a.ndim == 1 else (*a.shape[:-1], 18))
-        row = self._kernels.forward_kinematics(a.ravel(), self._p, out.ravel())
+        if a.ndim == 1:
+            row = self._kernels.forward_kinematics(a, self._p, out)
+        else:
+            row = self._of_many("forward_kinematics", (a,), self._p, out)
         if row >= 0:
             self._refuse(row, heights=a)
         return Pose(out)
@@ -232,7 +236,10 @@ class PSP3(ClosedLoopRobot):
         """
         a = _three("heights", heights)
         out = np.empty((*a.shape[:-1], 15))
-        row = self._kernels.configuration(a.ravel(), self._p, out.ravel())
+        if a.ndim == 1:
+            row = self._kernels.configuration(a, self._p, out)
+        else:
+            row = self._of_many("configuration", (a,), self._p, out)
         if row >= 0:
             self._refuse(row, heights=a)
         q = np.empty_like(out)
@@ -288,7 +295,10 @@ class PSP3(ClosedLoopRobot):
         """
         points = _three("tip", tip)
         out = np.empty_like(points)
-        row = self._kernels.inverse_kinematics_tip(points.ravel(), self._p, out.ravel())
+        if points.ndim == 1:
+            row = self._kernels.inverse_kinematics_tip(points, self._p, out)
+        else:
+            row = self._of_many("inverse_kinematics_tip", (points,), self._p, out)
         if row >= 0:
             point = points.reshape(-1, 3)[row]
             if not np.isfinite(point).all():
@@ -326,7 +336,10 @@ class PSP3(ClosedLoopRobot):
         """
         a = _three("heights", heights)
         out = np.empty((*a.shape, 3))
-        row = self._kernels.tip_jacobian(a.ravel(), self._p, out.ravel())
+        if a.ndim == 1:
+            row = self._kernels.tip_jacobian(a, self._p, out.ravel())
+        else:
+            row = self._of_many("tip_jacobian", (a,), self._p, out.reshape(-1, 9))
         if row >= 0:
             self._refuse(row, heights=a)
         return out
@@ -394,9 +407,10 @@ class PSP3(ClosedLoopRobot):
             acceleration=finite_rows("acceleration", acceleration, 3),
         )
         speeds, accelerations = np.empty_like(a), np.empty_like(a)
-        row = self._kernels.tip_rates(
-            a.ravel(), dx.ravel(), ddx.ravel(), self._p, speeds.ravel(), accelerations.ravel()
-        )
+        if a.ndim == 1:
+            row = self._kernels.tip_rates(a, dx, ddx, self._p, speeds, accelerations)
+        else:
+            row = self._of_many("tip_rates", (a, dx, ddx), self._p, speeds, accelerations)
         if row >= 0:
             self._refuse(row, heights=a)
         return speeds, accelerations
@@ -440,7 +454,7 @@ class PSP3(ClosedLoopRobot):
                 self._refuse(0, heights=a, speeds=v)
             return out[:9].reshape(3, 3), out[9:18].reshape(3, 3), out[18:]
         out = np.empty((*a.shape[:-1], 21))
-        row = self._kernels.equation_of_motion(a.ravel(), v.ravel(), self._p, out.ravel())
+        row = self._of_many("equation_of_motion", (a, v), self._p, out)
         if row >= 0:
             self._refuse(row, heights=a, speeds=v)
         square = (*a.shape[:-1], 3, 3)
@@ -498,9 +512,7 @@ class PSP3(ClosedLoopRobot):
         if a.ndim == 1:
             row = self._kernels.inverse_dynamics(a, v, w, self._p, out)
         else:
-            row = self._kernels.inverse_dynamics(
-                a.ravel(), v.ravel(), w.ravel(), self._p, out.ravel()
-            )
+            row = self._of_many("inverse_dynamics", (a, v, w), self._p, out)
         if row >= 0:
             self._refuse(row, heights=a, speeds=v, accelerations=w)
         return out
@@ -532,9 +544,7 @@ class PSP3(ClosedLoopRobot):
         if a.ndim == 1:
             row = self._kernels.forward_dynamics(a, v, f, self._p, out)
         else:
-            row = self._kernels.forward_dynamics(
-                a.ravel(), v.ravel(), f.ravel(), self._p, out.ravel()
-            )
+            row = self._of_many("forward_dynamics", (a, v, f), self._p, out)
         if row >= 0:
             self._refuse(row, heights=a, speeds=v, forces=f)
         return out
@@ -542,7 +552,10 @@ class PSP3(ClosedLoopRobot):
     def _energies(self, heights: ArrayLike, speeds: ArrayLike) -> Array:
         a, v = together(heights=_three("heights", heights), speeds=_three("speeds", speeds))
         out = np.empty((*a.shape[:-1], 2))
-        row = self._kernels.energies(a.ravel(), v.ravel(), self._p, out.ravel())
+        if a.ndim == 1:
+            row = self._kernels.energies(a, v, self._p, out)
+        else:
+            row = self._of_many("energies", (a, v), self._p, out)
         if row >= 0:
             self._refuse(row, heights=a, speeds=v)
         return out

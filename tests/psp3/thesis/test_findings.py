@@ -27,6 +27,11 @@ def test_verdicts_by_ratio(computed: float, printed: float, words: str) -> None:
     assert verdict(computed, printed).startswith(words)
 
 
+def test_a_fit_reproduces_nothing_and_can_miss() -> None:
+    assert verdict(4.6648, 4.6339, fitted=True) == "matched by a fit (+0.7 %)"
+    assert verdict(1.06, 1.0, fitted=True) == verdict(1.06, 1.0)
+
+
 def test_verdict_says_whether_single_runs_spread_over_the_printed_number() -> None:
     assert verdict(2.0, 1.0, (0.9, 4.0)).endswith("printed within the spread of single runs")
     assert verdict(2.0, 1.0, (1.1, 4.0)).endswith("printed outside of the spread of single runs")
@@ -75,5 +80,5 @@ def test_interval_and_seeds_are_shown_where_they_say_something() -> None:
 def test_matrices_are_compared_row_by_row() -> None:
     rows = compared("row {}", np.eye(2), np.array([[1.0, 0.0], [0.3, 1.0]]), bar=0.1)
     assert [row[0] for row in rows] == ["row 1", "row 2"]
-    assert [row[-1] for row in rows] == ["reproduced, to 0.0000", "not reproduced, to 0.3000"]
+    assert [row[-1] for row in rows] == ["matched by a fit, to 0.0000", "not matched, to 0.3000"]
     assert compared("", np.eye(2), np.eye(2), bar=None)[0][-1] == "not reproducible"

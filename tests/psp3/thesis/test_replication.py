@@ -258,6 +258,10 @@ def test_table_5_1_within_its_bars(job: Job) -> None:
     assert np.abs(np.array(table["G"]) - published.TABLE_5_1_GRAVITY).max() <= 0.02
     text = " ".join(cell for row in job.table("Table 5.1").rows for cell in row)
     assert text.count("not reproducible") == 3
+    assert text.count("matched by a fit") == 4
+    (answer,) = (sentence for sentence in job.found.answer if sentence.startswith("Table 5.1"))
+    assert "by a fit" in answer
+    assert "reproduced" not in answer
 
 
 def test_table_5_2_names_the_configurations_that_contradict_it(job: Job) -> None:
