@@ -236,6 +236,7 @@ def answer(
     is_path,
     tree,
     numbers,
+    free_fall,
     reference,
     memory,
     positions,
