@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -17,11 +17,13 @@ from psp3.multibody.flatten import flattened
 from psp3.multibody.motion import BLOCK, CONFIGURATION, answer, assemble
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
+    AT_FREE_FALL,
     AT_REPORT,
     AT_SIGNS,
     AT_TOLERANCES,
     GROUP_NUMBERS,
     GROUPS,
+    INDEPENDENT,
     SIZE,
 )
 
@@ -40,6 +42,14 @@ class NoAnswer(Exception):
     def __init__(self, row: int, outcome: int, share: float, residual: float, q: Array) -> None:
         super().__init__(row, outcome, share, residual, q)
         self.row, self.outcome, self.share, self.residual, self.q = row, outcome, share, residual, q
+
+
+class Tables(NamedTuple):
+    """What kernels take that go on by themselves: the tree, its numbers, and a memory of theirs."""
+
+    tree: Indices
+    numbers: Array
+    memory: Array
 
 
 class LastPose:
@@ -94,7 +104,7 @@ class Core:
     ) -> None:
         flat = flattened(model, constraint_models, independent_v)
         self.tree, self.numbers = flat.integers, flat.numbers
-        self.coordinates = model.nq
+        self.coordinates, self.joints = model.nq, int(self.tree[INDEPENDENT])
         self._model = model
         # A view of the model's own: who changes gravity there changes it here.
         self._free_fall = model.gravity.linear
@@ -131,6 +141,12 @@ class Core:
     def last_pose(self) -> LastPose:
         """Return memory for a caller who asks about one pose after the other."""
         return LastPose(self)
+
+    def tables(self) -> Tables:
+        """Return the tables of a kernel that starts in the reference pose."""
+        at = int(self.tree[AT_FREE_FALL])
+        self.numbers[at : at + 3] = self._free_fall
+        return Tables(self.tree, self.numbers, self._reference.copy())
 
     def _check(self, last_pose: LastPose) -> None:
         if last_pose.core is not self:

@@ -17,6 +17,7 @@ uses the closed form of the 3-PSP, the thesis's natural orthogonal complement or
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -219,9 +220,11 @@ class ClosedLoopRobot:
         return np.zeros(3)
 
     @property
-    def compiled_steps(self) -> Callable[[int, Any], Any] | None:
-        """How to make a compiled plant from a number of steps and drives; None if there is none."""
-        return None
+    def compiled_steps(self) -> Callable[[int, Any], Any]:
+        """How to make a compiled plant of the robot from a number of steps and its drives."""
+        from psp3.robots.stepping import CoreSteps
+
+        return functools.partial(CoreSteps, self._core)
 
     @property
     def limits(self) -> tuple[Array, Array]:

@@ -68,8 +68,8 @@ class Robot(DynamicsModel, Protocol):
         ...
 
     @property
-    def compiled_steps(self) -> Callable[[int, Any], Any] | None:
-        """How to make a compiled plant from a number of steps and drives; None if there is none."""
+    def compiled_steps(self) -> Callable[[int, Any], Any]:
+        """How to make a compiled plant from a number of steps and drives."""
         ...
 
     def last_pose(self) -> LastPose | None:

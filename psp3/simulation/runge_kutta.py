@@ -4,8 +4,7 @@ They take forces for a while and return the state that results.
 
 Three plants integrate the same robot by independent routes, so that each checks the others:
 
-* :class:`RungeKutta`: actuated coordinates, classical Runge–Kutta steps, compiled for the 3-PSP;
-  the one to use;
+* :class:`RungeKutta`: actuated coordinates, classical Runge–Kutta steps, compiled; the one to use;
 * :class:`DormandPrince`: actuated coordinates, SciPy's DOP853 with tight tolerances; the reference
   for integration errors;
 * :class:`ConstraintDynamics`: the whole tree under Pinocchio's ``constraintDynamics``, loops held
@@ -26,13 +25,13 @@ import numpy as np
 from psp3.checks import Array, checked_count
 from psp3.drives.drive import NO_DRIVE, Drive
 from psp3.robots.robot import Robot
-from psp3.simulation.plant import NO_POSE, DrivenPlant, Plant
+from psp3.simulation.plant import NO_POSE, DrivenPlant
 
 
 class RungeKutta:
     """Actuated coordinates, integrated with classical Runge–Kutta steps.
 
-    Compiled, in closed form, where the robot is a 3-PSP.
+    Compiled; in closed form where the robot is a 3-PSP.
 
     Parameters
     ----------
@@ -48,11 +47,7 @@ class RungeKutta:
     def __init__(
         self, robot: Robot, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE
     ) -> None:
-        self._plant: Plant
-        compiled = robot.compiled_steps
-        self._plant = (
-            FixedSteps(robot, steps, drive) if compiled is None else compiled(steps, drive)
-        )
+        self._plant = robot.compiled_steps(steps, drive)
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
@@ -66,14 +61,15 @@ class RungeKutta:
 
         Each is (n,), under constant forces.
         """
-        return self._plant.advance(forces, duration)
+        state: tuple[Array, Array] | None = self._plant.advance(forces, duration)
+        return state
 
 
 class FixedSteps(DrivenPlant):
     """Classical Runge–Kutta steps, cut where a joint comes to rest or lets go.
 
-    As :func:`psp3.three_psp.stepping.advance_driven`, which is compiled for one robot. The state
-    are q and v, of which the actuated joints are those at ``_places`` and ``_rows``.
+    As :func:`psp3.dynamics.driven_steps.advance_driven`, in Python. The state are q and v, of which
+    the actuated joints are those at ``_places`` and ``_rows``.
     """
 
     def __init__(self, robot: Robot, steps: int, drive: Drive | Sequence[Drive]) -> None:

@@ -362,7 +362,9 @@ def test_batches_are_loops_of_singles(robot: ClosedLoopRobot) -> None:
     for index in np.ndindex(2, 2):
         single = robot.equation_of_motion(positions[index], speeds[index[1]])
         for whole, part in zip((mass, coriolis, gravity), single, strict=True):
-            assert_allclose(whole[index], part, rtol=0.0, atol=1e-12 * np.abs(part).max(initial=1.0))
+            assert_allclose(
+                whole[index], part, rtol=0.0, atol=1e-12 * np.abs(part).max(initial=1.0)
+            )
 
 
 SHAPES = {
