@@ -112,7 +112,8 @@ def chosen_by_table(declaration: Function) -> Any:
         return bodies[type(table)](table, *arguments)
 
     def body_of(table: Any, *_: Any) -> Callable[..., Any] | None:
-        return bodies.get(getattr(table, "instance_class", None))
+        body = bodies.get(getattr(table, "instance_class", None))
+        return getattr(body, "py_func", body)
 
     overload(chosen, strict=False, jit_options={"error_model": "numpy"})(body_of)
 

@@ -9,13 +9,14 @@ errors are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats, checked_not_negative, checked_positive
-from psp3.control.controller import Stateless
+from psp3.control import kernels
+from psp3.control.controller import SaysNothing, Stateless
 from psp3.dynamics.dynamics_model import DynamicsModel, ForcesOfMotions
 from psp3.errors import InvalidArray
 from psp3.trajectories.motion import Motion
@@ -74,7 +75,7 @@ def _times(gain: float | Array, error: Array) -> Array:
     return product
 
 
-class _OfModel:
+class _OfModel(SaysNothing):
     """What asks a model for forces, each closing of its loops from the pose of the one before."""
 
     def __init__(self, model: DynamicsModel) -> None:
@@ -84,6 +85,10 @@ class _OfModel:
     def reset(self) -> None:
         """Forget the pose of the last call, which changes nothing but rounding."""
         self._forces_of.forget()
+
+    def _model_table(self) -> NamedTuple | None:
+        table: NamedTuple | None = getattr(self.model, "compiled_table", lambda: None)()
+        return table
 
 
 class FeedForward(_OfModel):
@@ -101,8 +106,15 @@ class FeedForward(_OfModel):
         """Return the forces of the desired motion, of shape (3,) [N]."""
         return self._forces_of(desired.positions, desired.speeds, desired.accelerations)
 
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        model = self._model_table()
+        if model is None or type(self) is not FeedForward:
+            return None
+        return kernels.classical(kernels.FEED_FORWARD, 0.0, 0.0, model, joints)
 
-class PD(Stateless):
+
+class PD(SaysNothing, Stateless):
     r"""Proportional and derivative feedback, :math:`\tau = k_p e + k_v \dot e`.
 
     There is no gravity term, so under the thesis's gains (Table 6.1) every screw sags by its weight
@@ -132,6 +144,12 @@ class PD(Stateless):
             self.kv, desired.speeds - speeds
         )
 
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        if type(self) is not PD:
+            return None
+        return kernels.classical(kernels.PD, self.kp, self.kv, robot, joints)
+
 
 class GravityCompensatedPD(_OfModel, PD):
     r"""PD plus the model's gravity at the present pose, :math:`\tau = k_p e + k_v \dot e + G(a)`.
@@ -157,6 +175,13 @@ class GravityCompensatedPD(_OfModel, PD):
         rest = np.zeros(len(speeds))
         feedback = PD.torque(self, t, positions, speeds, desired)
         return feedback + self._forces_of(positions, rest, rest)
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        model = self._model_table()
+        if model is None or type(self) is not GravityCompensatedPD:
+            return None
+        return kernels.classical(kernels.GRAVITY_COMPENSATED_PD, self.kp, self.kv, model, joints)
 
 
 class PID(PD):
@@ -193,6 +218,18 @@ class PID(PD):
             self._integral = self._integral + 0.5 * (t - self._last[0]) * (error + self._last[1])
         self._last = (t, error)
         return super().torque(t, positions, speeds, desired) + self.ki * self._integral
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        if type(self) is not PID:
+            return None
+        return kernels.classical(kernels.PD, self.kp, self.kv, robot, joints, self.ki)
+
+    def take(self, table: Any, steps: Array) -> dict[str, Array]:
+        """Go on from where a compiled loop ended."""
+        self._integral = table.memory[kernels.INTEGRAL].copy()
+        self._last = (float(table.clock[kernels.TIME]), table.memory[kernels.LAST_ERROR].copy())
+        return {}
 
 
 class ComputedTorque(_OfModel):
@@ -240,3 +277,10 @@ class ComputedTorque(_OfModel):
             + self.kp * (desired.positions - positions)
         )
         return self._forces_of(positions, speeds, servo)
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        model = self._model_table()
+        if model is None or type(self) is not ComputedTorque:
+            return None
+        return kernels.classical(kernels.COMPUTED_TORQUE, self.kp, self.kv, model, joints)

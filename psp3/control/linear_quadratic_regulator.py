@@ -16,12 +16,14 @@ Quadratic Methods, 1990, chapters 2 and 3).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, as_floats, checked_positive, one_row
+from psp3.control import kernels
+from psp3.control.controller import SaysNothing
 from psp3.dynamics.dynamics_model import ForcesOfMotions
 from psp3.dynamics.linearization import LinearSystem, checked_matrices, discretize, linearize
 from psp3.errors import InvalidArray, InvalidValue, NoStabilizingSolution
@@ -192,7 +194,7 @@ def _weight(name: str, values: ArrayLike, width: int, definite: bool = False) ->
     return symmetric
 
 
-class LinearQuadraticRegulator:
+class LinearQuadraticRegulator(SaysNothing):
     r"""The forces of the desired motion and a regulator of one pose.
 
     It is the linear-quadratic regulator on the errors of position and speed.
@@ -250,8 +252,12 @@ class LinearQuadraticRegulator:
         K = self.regulator.K
         return _forces(self._forces_of, K, positions, speeds, desired)
 
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        return _table(self.robot, self.regulator.K, joints, 1.0)
 
-class TimeVaryingLinearQuadraticRegulator:
+
+class TimeVaryingLinearQuadraticRegulator(SaysNothing):
     r"""The forces of the desired motion and a regulator along it.
 
     It is the linear-quadratic regulator on the errors of position and speed.
@@ -319,6 +325,12 @@ class TimeVaryingLinearQuadraticRegulator:
         K = self.regulator.K[sample]
         return _forces(self._forces_of, K, positions, speeds, desired)
 
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        # After the last period the gains of the last one stay.
+        gains = self.regulator.K[: len(self.t)]
+        return _table(self.robot, gains, joints, self.period)
+
 
 def _forces(
     forces_of: ForcesOfMotions, K: Array, positions: Array, speeds: Array, desired: Motion
@@ -326,3 +338,11 @@ def _forces(
     error = np.concatenate([desired.positions - positions, desired.speeds - speeds])
     forces: Array = forces_of(desired.positions, desired.speeds, desired.accelerations) + K @ error
     return forces
+
+
+def _table(robot: ClosedLoopRobot, K: Array, joints: int, period: float) -> NamedTuple | None:
+    model = robot.compiled_table()
+    if model is None:
+        return None
+    kp, kv = K[..., :joints], K[..., joints:]
+    return kernels.classical(kernels.FEED_FORWARD, kp, kv, model, joints, gain_period=period)

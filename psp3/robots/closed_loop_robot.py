@@ -20,7 +20,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -225,6 +225,12 @@ class ClosedLoopRobot:
         from psp3.robots.stepping import CoreSteps
 
         return functools.partial(CoreSteps, self._core)
+
+    def compiled_table(self) -> NamedTuple | None:
+        """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
+        import psp3.robots.stepping  # noqa: F401 # registers what loops ask of it
+
+        return self._core.tables() if type(self) is ClosedLoopRobot else None
 
     @property
     def limits(self) -> tuple[Array, Array]:

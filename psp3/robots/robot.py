@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import pinocchio as pin
 from numpy.typing import ArrayLike
@@ -70,6 +70,10 @@ class Robot(DynamicsModel, Protocol):
     @property
     def compiled_steps(self) -> Callable[[int, Any], Any]:
         """How to make a compiled plant from a number of steps and drives."""
+        ...
+
+    def compiled_table(self) -> NamedTuple | None:
+        """Return the robot as compiled loops take it, or None; a new memory in every call."""
         ...
 
     def last_pose(self) -> LastPose | None:

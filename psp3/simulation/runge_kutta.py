@@ -47,21 +47,22 @@ class RungeKutta:
     def __init__(
         self, robot: Robot, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE
     ) -> None:
-        self._plant = robot.compiled_steps(steps, drive)
+        self.compiled = robot.compiled_steps(steps, drive)
+        """The compiled plant, which compiled loops take themselves."""
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
         Positions [m, rad] and speeds of the actuated joints, each (n,).
         """
-        self._plant.start(positions, speeds)
+        self.compiled.start(positions, speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return positions and speeds after ``duration`` [s], or None.
 
         Each is (n,), under constant forces.
         """
-        state: tuple[Array, Array] | None = self._plant.advance(forces, duration)
+        state: tuple[Array, Array] | None = self.compiled.advance(forces, duration)
         return state
 
 

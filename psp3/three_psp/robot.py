@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -146,6 +146,12 @@ class PSP3(ClosedLoopRobot):
         from psp3.three_psp.stepping import ClosedFormSteps
 
         return functools.partial(ClosedFormSteps, self._p)
+
+    def compiled_table(self) -> NamedTuple | None:
+        """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
+        from psp3.three_psp.stepping import closed_form_table
+
+        return closed_form_table(self._p) if type(self) is PSP3 else None
 
     def last_pose(self) -> None:
         """Return None: a closed form has no pose to look for."""

@@ -13,13 +13,15 @@ from psp3.checks import Array, checked_count
 from psp3.drives.drive import Drive, drive_table
 from psp3.drives.kernels import INERTIA, VISCOUS
 from psp3.dynamics import driven_steps
-from psp3.dynamics.compiled_robot import balance, is_state
+from psp3.dynamics.compiled_robot import advance as advance_any
+from psp3.dynamics.compiled_robot import balance, is_state, write_forces
 from psp3.three_psp.closed_form import (
     RADIUS,
     accelerations_of_state,
     cosine_of_tilt,
     equation_of_motion,
     forward_kinematics,
+    inverse_dynamics,
     is_finite,
     is_valid_pose,
     slope_of_nuts,
@@ -27,9 +29,15 @@ from psp3.three_psp.closed_form import (
 
 
 class ClosedForm(NamedTuple):
-    """The 3-PSP as compiled loops take it."""
+    """The 3-PSP as compiled loops take it: its numbers, and room for six."""
 
     parameters: Array
+    scratch: Array
+
+
+def closed_form_table(parameters: Array) -> ClosedForm:
+    """Return the table of a loop; two loops at once need one each."""
+    return ClosedForm(parameters, np.empty(6))
 
 
 @balance.register(ClosedForm)
@@ -61,7 +69,7 @@ def advance_driven(
     state: Array, forces: Array, step: float, steps: int, p: Array, drives: Array
 ) -> bool:
     """Do as ``advance`` for a robot with drives, an array (3, 3)."""
-    valid: bool = driven_steps.advance_driven(ClosedForm(p), state, forces, step, steps, drives)
+    valid: bool = driven_steps.advance_driven(ClosedForm(p, p), state, forces, step, steps, drives)
     return valid
 
 
@@ -112,6 +120,27 @@ def advance(state: Array, forces: Array, step: float, steps: int, p: Array, mid:
     return valid
 
 
+@advance_any.register(ClosedForm)
+@compiled
+def advance_closed_form(
+    robot: ClosedForm, state: Array, forces: Array, step: float, steps: int, drives: Array
+) -> bool:
+    """Take steps with drives (3, 3), or (0, 3) for none; see ``advance``."""
+    if drives.shape[0] > 0:
+        valid: bool = advance_driven(state, forces, step, steps, robot.parameters, drives)
+    else:
+        valid = advance(state, forces, step, steps, robot.parameters, robot.scratch)
+    return valid
+
+
+@write_forces.register(ClosedForm)
+def _write_forces(
+    robot: ClosedForm, positions: Array, speeds: Array, accelerations: Array, out: Array
+) -> bool:
+    row: int = inverse_dynamics(positions, speeds, accelerations, robot.parameters, out)
+    return row < 0
+
+
 class ClosedFormSteps:
     """A plant: the 3-PSP in closed form, compiled.
 
@@ -126,20 +155,20 @@ class ClosedFormSteps:
     """
 
     def __init__(self, parameters: Array, steps: int, drive: Drive | Sequence[Drive]) -> None:
-        self._p, self._scratch, self._steps = parameters, np.empty(6), checked_count("steps", steps)
-        self._drives = drive_table(drive, 3)
-        self._is_driven = bool(self._drives.any())
-        self._state = np.zeros(6)
+        self.robot, self.steps = closed_form_table(parameters), checked_count("steps", steps)
+        drives = drive_table(drive, 3)
+        self.drives = drives if drives.any() else drives[:0]
+        self.state = np.zeros(6)
 
     def start(self, heights: Array, speeds: Array) -> None:
         """Put the robot into a state; nut heights [m] and speeds [m/s], each (3,)."""
-        self._state = np.concatenate([heights, speeds])
+        self.state = np.concatenate([heights, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return heights and speeds, each (3,), after ``duration`` [s], or None."""
-        step = duration / self._steps
-        if self._is_driven:
-            valid = advance_driven(self._state, forces, step, self._steps, self._p, self._drives)
+        step, (p, scratch) = duration / self.steps, self.robot
+        if self.drives.size:
+            valid = advance_driven(self.state, forces, step, self.steps, p, self.drives)
         else:
-            valid = advance(self._state, forces, step, self._steps, self._p, self._scratch)
-        return (self._state[:3], self._state[3:]) if valid else None
+            valid = advance(self.state, forces, step, self.steps, p, scratch)
+        return (self.state[:3], self.state[3:]) if valid else None
