@@ -146,7 +146,7 @@ class PD(SaysNothing, Stateless):
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not PD:
+        if type(self) is not PD or robot is None:
             return None
         return kernels.classical(kernels.PD, self.kp, self.kv, robot, joints)
 
@@ -221,7 +221,7 @@ class PID(PD):
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not PID:
+        if type(self) is not PID or robot is None:
             return None
         return kernels.classical(kernels.PD, self.kp, self.kv, robot, joints, self.ki)
 

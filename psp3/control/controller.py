@@ -47,8 +47,8 @@ class CompiledController(Controller, Protocol):
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as :func:`steer` takes it, or None where it cannot be compiled.
 
-        ``robot`` is a table of what is steered, for a controller without a model of its own: the
-        loop is then not compiled for yet another model.
+        ``robot`` is a table of what is steered, or None if it has none, for a controller without a
+        model of its own: the loop is then not compiled for yet another model.
         """
         ...
 

@@ -174,7 +174,7 @@ class _Experiment:
         compiled = self._plant.compiled if type(self._plant) is RungeKutta else None
         table = None
         if compiled is not None and hasattr(self._controller, "table"):
-            table = self._controller.table(compiled.robot, len(self._wiring.limit))
+            table = self._controller.table(self._robot.compiled_table(), len(self._wiring.limit))
         ended = self._in_python(state) if table is None else self._compiled(table, compiled, state)
         if ended.why == WHOLE:
             return self._result(ended.samples)
