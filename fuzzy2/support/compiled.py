@@ -12,7 +12,7 @@ from __future__ import annotations
 import functools
 import threading
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar, cast
 
 import numba
 from numba.extending import overload
@@ -86,7 +86,19 @@ def inlined(function: Function) -> Function:
     return _compiled(function, forceinline=True)
 
 
-def chosen_by_table(declaration: Function) -> Any:
+class ChosenByTable(Protocol):
+    """What :func:`chosen_by_table` returns."""
+
+    def __call__(self, table: Any, *arguments: Any) -> Any:
+        """Return what the body for the table's type does."""
+        ...
+
+    def register(self, kind: Any) -> Callable[[Function], Function]:
+        """Return a decorator of the body for a NamedTuple class."""
+        ...
+
+
+def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
     """Declare a compiled function that has one body for each type of its first argument.
 
     So a kernel that serves any table, a NamedTuple of arrays, can ask it for what depends on its
@@ -100,10 +112,10 @@ def chosen_by_table(declaration: Function) -> Any:
 
     Returns
     -------
-    callable
-        The function, with a method ``register``: ``@declared.register(Table)`` above the body for a
-        NamedTuple class. A body is compiled where it is called from; what is long in it belongs
-        into a function of its own that is :func:`compiled`.
+    ChosenByTable
+        The function; ``@declared.register(Table)`` stands above the body for a NamedTuple class. A
+        body is compiled where it is called from; what is long in it belongs into a function of its
+        own that is :func:`compiled`.
     """
     bodies: dict[Any, Callable[..., Any]] = {}
 
@@ -125,7 +137,7 @@ def chosen_by_table(declaration: Function) -> Any:
         return registered
 
     chosen.register = register  # type: ignore[attr-defined]
-    return chosen
+    return cast("ChosenByTable", chosen)
 
 
 def _compiled(function: Function, **more: Any) -> Function:

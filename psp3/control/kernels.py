@@ -94,22 +94,25 @@ def _write_feedback(
     controller: Classical, t: float, positions: Array, speeds: Array, desired: Array
 ) -> None:
     """Write what the servo wants: forces, or of computed torque accelerations."""
-    n, memory, clock = positions.size, controller.memory, controller.clock
-    sample = min(max(int(t / controller.gain_period + 1e-6), 0), controller.kp.shape[0] - 1)
+    n, memory, clock, ki = positions.size, controller.memory, controller.clock, controller.ki
+    kp, kv, is_servo = controller.kp, controller.kv, controller.kind == COMPUTED_TORQUE
+    sample = 0
+    if kp.shape[0] > 1:
+        sample = min(max(int(t / controller.gain_period + 1e-6), 0), kp.shape[0] - 1)
     for i in range(n):
-        total = desired[2 * n + i] if controller.kind == COMPUTED_TORQUE else 0.0
+        total = desired[2 * n + i] if is_servo else 0.0
         damping, stiffness = 0.0, 0.0
         for j in range(n):
-            damping += controller.kv[sample, i, j] * (desired[n + j] - speeds[j])
-            stiffness += controller.kp[sample, i, j] * (desired[j] - positions[j])
+            damping += kv[sample, i, j] * (desired[n + j] - speeds[j])
+            stiffness += kp[sample, i, j] * (desired[j] - positions[j])
         total = total + damping + stiffness
-        if controller.ki != 0.0:
+        if ki != 0.0:
             error = desired[i] - positions[i]
             if clock[CALLED] > 0.0:
                 step = 0.5 * (t - clock[TIME])
                 memory[INTEGRAL, i] += step * (error + memory[LAST_ERROR, i])
             memory[LAST_ERROR, i] = error
-            total += controller.ki * memory[INTEGRAL, i]
+            total += ki * memory[INTEGRAL, i]
         memory[FEEDBACK, i] = total
     clock[TIME], clock[CALLED] = t, 1.0
 

@@ -329,11 +329,12 @@ class FuzzyComputedTorque:
             *(kind, float(self.kp), float(self.kv), OUTSIDE.index(self.outside), int(product)),
             *map(_floats, (ranges, fallback, planes, system.table, moments)),
         )
+        self._packed = kernels.packed(self._controller)
         self.reset()
         row = np.zeros(3)
         only_for(
             kernels.control_step,
-            self._controller,
+            self._packed,
             self._parameters,
             row,
             row,
@@ -403,7 +404,7 @@ class FuzzyComputedTorque:
         step = np.empty(kernels.STEP)
         rows = (heights, speeds, desired.heights, desired.speeds, desired.accelerations)
         try:
-            done = kernels.control_step(self._controller, self._parameters, *rows, step)
+            done = kernels.control_step(self._packed, self._parameters, *rows, step)
         except TypeError:
             done = -1
         if done != 1:
@@ -413,9 +414,7 @@ class FuzzyComputedTorque:
                 np.array(one_row(name, row, 3)) for name, row in zip(_ROWS, rows, strict=True)
             )
             if (
-                kernels.control_step(
-                    self._controller, self._parameters, a, v, a_d, v_d, acc_d, step
-                )
+                kernels.control_step(self._packed, self._parameters, a, v, a_d, v_d, acc_d, step)
                 != 1
                 and self.outside == "crisp"
             ):

@@ -50,20 +50,6 @@ class Track(NamedTuple):
 
 
 @compiled
-def _measure(state: Array, k: int, period: float, wires: Wires) -> None:
-    """Write what the controller sees of a state: with noise, and counted by encoders."""
-    n, seen, last = wires.resolution.size, wires.seen, wires.last
-    for i in range(2 * n):
-        seen[i] = state[i] + (wires.noise[k, i] if wires.noise.shape[0] > 0 else 0.0)
-    for i in range(n):
-        resolution = wires.resolution[i]
-        if resolution > 0.0:
-            seen[i] = resolution * math.floor(seen[i] / resolution + 0.5)
-            seen[n + i] = (seen[i] - last[i]) / period if k > 0 else 0.0
-            last[i] = seen[i]
-
-
-@compiled
 def run(
     controller: Any,
     robot: Any,
@@ -84,24 +70,35 @@ def run(
     forces come late by ``delay`` periods. Return the number of samples whose force is known, and
     write to ``ending`` (1,) why there are no more.
     """
-    n, count = wires.resolution.size, track.t.size
+    # Taken out of the tables once: in the loop that would cost as much as a step of PD.
+    resolutions, last, noise, limit, low, high, seen = wires
+    times, wanted, states, asked, applied, wrote = track
+    n, count, is_noisy = resolutions.size, times.size, noise.shape[0] > 0
+    positions, speeds, rates = seen[:n], seen[n:], state[n:]
     for k in range(first, end):
-        for i in range(2 * n):
-            track.states[k, i] = state[i]
-        _measure(state, k, period, wires)
-        seen, wrote = wires.seen, track.wrote[k]
-        if not steer(controller, k, track.t[k], seen[:n], seen[n:], track.desired[k], wrote):
+        for i in range(n):
+            states[k, i], states[k, n + i] = state[i], rates[i]
+            positions[i], speeds[i] = state[i], rates[i]
+            if is_noisy:
+                positions[i] += noise[k, i]
+                speeds[i] += noise[k, n + i]
+            resolution = resolutions[i]
+            if resolution > 0.0:
+                positions[i] = resolution * math.floor(positions[i] / resolution + 0.5)
+                speeds[i] = (positions[i] - last[i]) / period if k > 0 else 0.0
+                last[i] = positions[i]
+        if not steer(controller, k, times[k], positions, speeds, wanted[k], wrote[k]):
             ending[0] = NO_FORCE
             return k
         for i in range(n):
-            track.asked[k, i] = min(max(wrote[i], -wires.limit[i]), wires.limit[i])
-            track.applied[k, i] = track.asked[max(k - delay, 0), i]
+            asked[k, i] = min(max(wrote[k, i], -limit[i]), limit[i])
+            applied[k, i] = asked[max(k - delay, 0), i]
         if k + 1 < count:
-            if not advance(robot, state, track.applied[k], period / steps, steps, drives):
+            if not advance(robot, state, applied[k], period / steps, steps, drives):
                 ending[0] = LEFT_POSES
                 return k + 1
             for i in range(n):
-                if not wires.low[i] <= state[i] <= wires.high[i]:
+                if not low[i] <= state[i] <= high[i]:
                     ending[0] = BEYOND_LIMITS
                     return k + 1
     return end

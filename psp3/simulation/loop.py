@@ -21,8 +21,10 @@ from psp3.simulation.kernels import BEYOND_LIMITS, LEFT_POSES, NO_FORCE, WHOLE, 
 from psp3.simulation.plant import Plant
 from psp3.trajectories.motion import Motion
 
-CHUNK = 256
-"""Samples after which the compiled loop returns to Python, so that Ctrl-C ends it."""
+CHUNK = 8000
+"""Steps of joints after which the compiled loop returns to Python, so that Ctrl-C ends it within a
+second: some 3 ms of the 3-PSP, and some tenths of a second of robots with many loops and friction.
+"""
 
 
 @dataclass(frozen=True)
@@ -91,7 +93,7 @@ def compiled_loop(
     state: Array,
     first: int = 0,
     progress: Callable[[int], None] | None = None,
-    every: int = CHUNK,
+    every: int | None = None,
 ) -> Ended:
     """Let a controller steer a plant, compiled.
 
@@ -110,7 +112,7 @@ def compiled_loop(
     progress : callable, optional
         Called with the number of samples that are done.
     every : int
-        After so many it is called, at least.
+        After so many it is called, too.
     """
     n, count = len(wiring.limit), len(track.t)
     noise = np.empty((0, 2 * n)) if wiring.noise is None else wiring.noise
@@ -119,9 +121,11 @@ def compiled_loop(
         *(wiring.resolution, np.zeros(n), noise),
         *(wiring.limit, wiring.low, wiring.high, np.zeros(2 * n)),
     )
-    done = first
+    done, chunk = first, max(1, CHUNK // (n * plant.steps))
     while done < count:
-        end = min(done + CHUNK, (done // every + 1) * every, count)
+        end = min(done + chunk, count)
+        if every is not None:
+            end = min(end, (done // every + 1) * every)
         done = kernels.run(
             *(controller, plant.robot, plant.drives, state, wires, track),
             *(wiring.period, plant.steps, wiring.delay, done, end, ending),

@@ -183,8 +183,9 @@ class _Experiment:
     def _compiled(self, table: Any, plant: Any, state: Array) -> Ended:
         n, controller, track = len(self._wiring.limit), self._controller, self._track
         self._plant.start(state[:n], state[n:])
+        every = None if self._progress is None else self._every
         ended = compiled_loop(
-            table, plant, self._wiring, track, state, progress=self._tell, every=self._every
+            table, plant, self._wiring, track, state, progress=self._tell, every=every
         )
         self._reported = controller.take(table, track.wrote[: ended.samples])  # type: ignore[attr-defined]
         if ended.why == NO_FORCE:

@@ -8,11 +8,11 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose
+from psp3.closure.kernels import _solve, jacobian
 from scipy.spatial.transform import Rotation
 
 import psp3
 from psp3.closure import NO_MOTORS, flattened, residual
-from psp3.closure.kernels import _solve, jacobian
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.helpers import Array, derivative
 from tests.psp3.closure.linkages import away

@@ -20,7 +20,6 @@ from psp3.description.srdf import reference_poses
 from psp3.description.urdf import read_tree
 from psp3.errors import (
     ClosureFailed,
-    DisorderedJoints,
     InvalidArray,
     InvalidRobotFile,
     JointLimitExceeded,
