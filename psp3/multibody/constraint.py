@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fuzzy2.support.compiled import compiled
+from psp3.checks import Array, Indices
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import place
 from psp3.multibody.tree import (
@@ -26,7 +27,9 @@ from psp3.multibody.tree import (
 
 
 @compiled
-def closure_equations(tree, numbers, memory, q, residual, slope):
+def closure_equations(
+    tree: Indices, numbers: Array, memory: Array, q: Array, residual: Array, slope: Array
+) -> None:
     """Write the residuals of all closures (m), and their derivative by dependent speeds (m, nv).
 
     Group by group; the derivative only if ``slope`` has room for it.

@@ -165,12 +165,16 @@ class Core:
             If an argument is no contiguous array of floats that can be written to, of two
             dimensions.
         """
-        if type(guess) is LastPose:
+        if isinstance(guess, LastPose):
             memory, is_warm = guess.memory, guess.is_closed
             # Until this call has gone well.
             guess.is_closed = False
         else:
-            memory = self._spare.pop() if self._spare else np.empty(self._size)
+            try:
+                memory = self._spare.pop()
+            except IndexError:
+                # Asked first, another thread could take the last one in between.
+                memory = np.empty(self._size)
             is_warm = guess is not None
             if guess is not None:
                 self._settle(guess, memory)
@@ -192,7 +196,7 @@ class Core:
         if row >= 0:
             outcome = int(memory[int(self.tree[AT_REPORT]) + 3])
             raise self._no_answer(row, outcome, memory)
-        if type(guess) is LastPose:
+        if isinstance(guess, LastPose):
             guess.is_closed = True
         else:
             self._spare.append(memory)

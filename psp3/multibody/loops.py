@@ -1,9 +1,9 @@
 r"""The closure equations of a tree: residual, Jacobian, and what velocities alone accelerate.
 
 Compiled. With :math:`R_1, p_1, R_2, p_2` the two frames of a closure, its residual is
-:math:`R_1^T (p_2 - p_1)`; of a frame followed by :math:`\log R_1^T R_2`; of a hinge by the first two
-entries of :math:`R_1^T R_2 e_z`. All rows are in the axes of the first frame, so that they do not
-depend on where the base of a group is. The Jacobian is the exact derivative, also away from
+:math:`R_1^T (p_2 - p_1)`; of a frame followed by :math:`\log R_1^T R_2`; of a hinge by the first
+two entries of :math:`R_1^T R_2 e_z`. All rows are in the axes of the first frame, so that they do
+not depend on where the base of a group is. The Jacobian is the exact derivative, also away from
 closure.
 """
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 
 from fuzzy2.support.compiled import compiled
+from psp3.checks import Array, Indices
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
 from psp3.multibody.forces import (
@@ -86,12 +87,13 @@ def start_from(tree, reference, memory):
 
 
 @compiled
-def assemble(tree, numbers, memory):
+def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
     """Close the loops from the guess with which the memory begins, independent joints fixed.
 
     Return what became of it. The memory then begins with a pose that can be a reference.
     """
-    return settled(tree, numbers, memory)
+    outcome: int = settled(tree, numbers, memory)
+    return outcome
 
 
 @compiled
@@ -121,10 +123,10 @@ def _reach(tree, numbers, memory):
 @compiled
 def _is_finite(out, row):
     """Tell whether all numbers of a row are finite."""
+    finite = True
     for i in range(out.shape[1]):
-        if not abs(out[row, i]) < math.inf:
-            return False
-    return True
+        finite = finite and abs(out[row, i]) < math.inf
+    return finite
 
 
 @compiled
@@ -223,8 +225,18 @@ def _answer(question, tree, numbers, memory, second, third, out, row):
 
 @compiled
 def answer(
-    question, tree, numbers, reference, memory, is_warm, is_path, positions, second, third, out
-):
+    question: int,
+    tree: Indices,
+    numbers: Array,
+    reference: Array,
+    memory: Array,
+    is_warm: int,
+    is_path: int,
+    positions: Array,
+    second: Array,
+    third: Array,
+    out: Array,
+) -> int:
     """Write the answers to a question, row by row (N, w).
 
     The second argument are speeds, the third accelerations or forces, all (N, n); where a question
@@ -250,7 +262,17 @@ def answer(
 
 
 @compiled
-def runge_kutta(tree, numbers, memory, positions, speeds, forces, duration, steps, trace):
+def runge_kutta(
+    tree: Indices,
+    numbers: Array,
+    memory: Array,
+    positions: Array,
+    speeds: Array,
+    forces: Array,
+    duration: float,
+    steps: int,
+    trace: Array,
+) -> int:
     """Take steps of the classical Runge–Kutta method under constant forces (n), in place.
 
     ``trace`` (steps, 2 n) gets the states. Return the step at which there was no answer, or −1.

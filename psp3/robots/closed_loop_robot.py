@@ -311,24 +311,25 @@ class ClosedLoopRobot:
     ) -> Array:
         """Return the answers of the core, (..., width), for arguments (..., n)."""
         n = len(self.actuated)
-        values = list(arguments.values())
+        values: list[Any] = list(arguments.values())
         if guess is not None and not isinstance(guess, LastPose):
             guess = np.array(one_row("guess", guess, self.model.nq))
         try:
             # One state, as control loops ask for it: nothing to check that the kernels do not.
-            rows = [value[np.newaxis] for value in values]  # type: ignore[index, call-overload]
+            rows = [value[np.newaxis] for value in values]
             single = all(row.shape == (1, n) for row in rows)
         except (TypeError, IndexError, AttributeError):
             single = False
         if single:
             out = np.empty((1, width))
             try:
-                self._core.ask(question, *_three(rows), out, guess)  # type: ignore[arg-type]
+                self._core.ask(question, *_three(rows), out, guess)
             except (TypeError, NoAnswer):
                 # Said below, of what has been checked.
                 pass
             else:
-                return out[0]
+                row: Array = out[0]
+                return row
         arrays = together(
             **{name: finite_rows(name, value, n) for name, value in arguments.items()}
         )

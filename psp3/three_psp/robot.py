@@ -227,7 +227,7 @@ class PSP3(ClosedLoopRobot):
             self._refuse(row, heights=a)
         return Pose(out)
 
-    def configuration(self, heights: ArrayLike, guess: ArrayLike | None = None) -> Array:
+    def configuration(self, heights: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         r"""Return the Pinocchio configuration that closes the loops (eq. 3.5).
 
         With :math:`(x, y)` the star's slope in the axes of leg k: :math:`\tan\varphi_k = x`,
@@ -435,7 +435,10 @@ class PSP3(ClosedLoopRobot):
     # Dynamics
 
     def equation_of_motion(
-        self, heights: ArrayLike, speeds: ArrayLike
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity vector in one call (eq. 3.1–3.4).
 
@@ -445,6 +448,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds : (..., 3) array_like
             Nut heights [m] and speeds [m/s].
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------
@@ -499,7 +504,11 @@ class PSP3(ClosedLoopRobot):
         return self.equation_of_motion(heights, _REST)[2]
 
     def inverse_dynamics(
-        self, heights: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         r"""Return the screw forces of a motion, :math:`\tau = M \ddot a + C \dot a + G` (eq. 3.1).
 
@@ -507,6 +516,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, accelerations : (..., 3) array_like
             Nut heights [m], speeds [m/s] and accelerations [m/s²].
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------
@@ -534,7 +545,13 @@ class PSP3(ClosedLoopRobot):
             self._refuse(row, heights=a, speeds=v, accelerations=w)
         return out
 
-    def forward_dynamics(self, heights: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+    def forward_dynamics(
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        forces: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> Array:
         r"""Return the accelerations under given screw forces.
 
         They are :math:`\ddot a = M^{-1} (\tau - C \dot a - G)`.
@@ -543,6 +560,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, forces : (..., 3) array_like
             Nut heights [m], speeds [m/s] and forces along the screws [N].
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------
