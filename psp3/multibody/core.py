@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.compiled import only_for
 from psp3.checks import Array, Indices
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.flatten import flattened
-from psp3.multibody.motion import answer, assemble
+from psp3.multibody.motion import CONFIGURATION, answer, assemble
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
     AT_FREE_FALL,
@@ -20,6 +22,7 @@ from psp3.multibody.tree import (
     AT_TOLERANCES,
     GROUP_NUMBERS,
     GROUPS,
+    HEADER,
     SIZE,
 )
 
@@ -88,6 +91,7 @@ class Core:
     ) -> None:
         flat = flattened(model, constraint_models, independent_v)
         self.tree, self.numbers = flat.integers, flat.numbers
+        _compile_once()
         self.coordinates = model.nq
         # A view of the model's own: who changes gravity there changes it here.
         self._free_fall = model.gravity.linear
@@ -106,6 +110,7 @@ class Core:
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
+        _compile_once()
         self._free_fall = self._model.gravity.linear
 
     @property
@@ -200,3 +205,20 @@ class Core:
             guess.is_closed = True
         else:
             self._spare.append(memory)
+
+
+@functools.cache
+def _compile_once() -> None:
+    """Compile the answers for the arrays of a tree, and for no others.
+
+    Others, as those of whole numbers, would cost many seconds each, and are a TypeError instead.
+    """
+    nothing, numbers = np.zeros((0, 0)), np.zeros(1)
+    only_for(
+        answer,
+        CONFIGURATION,
+        np.zeros(HEADER, dtype=np.int64),
+        *(numbers, numbers, numbers),
+        *(0, 0),
+        *(nothing, nothing, nothing, nothing),
+    )

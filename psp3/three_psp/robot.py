@@ -102,12 +102,9 @@ class PSP3(ClosedLoopRobot):
         visual_model: Any,
         parameters: Parameters,
     ) -> None:
-        from psp3.three_psp import closed_form, many_states
-
         super().__init__(model, constraint_models, actuated, q0, visual_model)
         self.parameters = parameters
-        self._kernels = closed_form
-        self._of_many = many_states.first_refused_row
+        self._load_kernels()
         self._p = parameters.as_array()
         self._configuration_order = np.array(
             [
@@ -116,6 +113,22 @@ class PSP3(ClosedLoopRobot):
                 for joint in ("a", "phi", "theta", "lambda", "b")
             ]
         )
+
+    def _load_kernels(self) -> None:
+        from psp3.three_psp import closed_form, many_states
+
+        self._kernels = closed_form
+        self._of_many = many_states.first_refused_row
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = super().__getstate__()
+        # A module cannot be pickled.
+        del state["_kernels"], state["_of_many"]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._load_kernels()
 
     @property
     def stroke(self) -> tuple[Array, Array]:
