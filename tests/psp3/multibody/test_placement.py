@@ -94,9 +94,7 @@ def test_screws_are_the_columns_of_pinocchios_jacobian_in_the_base(
         q = random_configuration(model, rng)
         flat.place(q)
         pin.computeJointJacobians(model, data, q)
-        expected = pin.getJointJacobian(
-            model, data, model.njoints - 1, pin.ReferenceFrame.WORLD
-        )
+        expected = pin.getJointJacobian(model, data, model.njoints - 1, pin.ReferenceFrame.WORLD)
         assert_allclose(flat.part(AT_SCREWS, model.nv, 6).T, expected, rtol=0.0, atol=1e-12)
 
 
