@@ -89,7 +89,7 @@ see below; of each coordinate the rest of its spring, and its lowest and highest
 acceleration of free fall (3) [m/s²].
 """
 
-MEMORY_PARTS = 32
+MEMORY_PARTS = 33
 (
     AT_CONFIGURATION,
     AT_PLACEMENTS,
@@ -120,6 +120,7 @@ MEMORY_PARTS = 32
     AT_FIELDS,
     AT_RATES,
     AT_COMPLEMENT,
+    AT_COMPLEMENT_RATES,
     AT_MASS,
     AT_ROOM,
     AT_REPORT,
@@ -141,9 +142,9 @@ their solution; speeds of the dependent joints along the way, and how far Newton
 them; how a rotation vector changes with the angular velocity (9); a square matrix of the dependent
 speeds of a group; velocities, accelerations and forces of all joints; inertias of the elements
 (10); twists of the elements (6), the base last, what these accelerate, and the elements' forces;
-the same twists and accelerations for every independent speed; L, column by column; a square matrix
-of the independent speeds; room for eight vectors of these; and what became of a closure (4): the
-share of the way, the residual, the group, and the outcome.
+the same twists and accelerations for every independent speed; L, column by column, and how it
+changes; a square matrix of the independent speeds; room for eight vectors of these; and what became
+of a closure (4): the share of the way, the residual, the group, and the outcome.
 """
 
 SIZE = COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS

@@ -20,8 +20,12 @@ from tests.psp3.multibody.flat import Flat, flat_of
 )
 def parts(request: pytest.FixtureRequest) -> SimpleNamespace:
     parts: SimpleNamespace = request.param()
-    # Motors of the joints turn with them.
-    parts.model.armature = np.linspace(0.01, 0.05, parts.model.nv)
+    # Motors turn with the joints; of a ball they are alike about all axes, and a free body has none.
+    armature = np.linspace(0.01, 0.05, parts.model.nv)
+    for joint in list(parts.model.joints)[1:]:
+        if joint.nq in (4, 7):
+            armature[joint.idx_v : joint.idx_v + joint.nv] = 0.03 if joint.nq == 4 else 0.0
+    parts.model.armature = armature
     return parts
 
 
