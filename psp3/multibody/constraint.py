@@ -23,6 +23,7 @@ from psp3.multibody.tree import (
     GROUPS,
     MEMBERS,
     ROWS,
+    VELOCITIES,
 )
 
 
@@ -30,9 +31,9 @@ from psp3.multibody.tree import (
 def closure_equations(
     tree: Indices, numbers: Array, memory: Array, q: Array, residual: Array, slope: Array
 ) -> None:
-    """Write the residuals of all closures (m), and their derivative by dependent speeds (m, nv).
+    """Write the residuals of all closures (m), and their derivative by dependent speeds (m · nv).
 
-    Group by group; the derivative only if ``slope`` has room for it.
+    Group by group, the derivative row by row, and only if ``slope`` has room for it.
     """
     for i in range(tree[COORDINATES]):
         memory[tree[AT_CONFIGURATION] + i] = q[i]
@@ -48,6 +49,6 @@ def closure_equations(
             velocity = tree[tree[AT_DEPENDENT_V] + column + k]
             at = tree[AT_FACTORS] + tree[g + FACTOR_AT] + rows * k
             for i in range(rows):
-                slope[row + i, velocity] = memory[at + i]
+                slope[tree[VELOCITIES] * (row + i) + velocity] = memory[at + i]
     for i in range(tree[ROWS]):
         residual[i] = memory[tree[AT_RESIDUAL] + i]

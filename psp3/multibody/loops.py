@@ -279,7 +279,8 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
         x, y, z = memory[f + 21], memory[f + 22], memory[f + 23]
         ax = ay = az = 0.0
         for side in range(2):
-            end, sign = (a, -1.0) if side == 0 else (b, 1.0)
+            end = a if side == 0 else b
+            sign = -1.0 if side == 0 else 1.0
             e, k, r = V + end, X + end, rate + end
             # Speed of the point, which the field turns.
             vx = memory[e] + memory[e + 4] * z - memory[e + 5] * y

@@ -292,7 +292,7 @@ def runge_kutta(
 ) -> int:
     """Take steps of the classical Runge–Kutta method under constant forces (n), in place.
 
-    ``trace`` (steps, 2 n) gets the states. Return the step at which there was no answer, or −1.
+    ``trace`` (steps · 2 n) gets the states. Return the step at which there was no answer, or −1.
     """
     n, h, target = tree[INDEPENDENT], duration, tree[AT_TARGET]
     # The first vector of the room is taken by the complement.
@@ -324,5 +324,6 @@ def runge_kutta(
         for j in range(n):
             positions[j] += h / 6.0 * memory[moved + j]
             speeds[j] += h / 6.0 * memory[changed + j]
-            trace[step, j], trace[step, n + j] = positions[j], speeds[j]
+            at = 2 * n * step + j
+            trace[at], trace[at + n] = positions[j], speeds[j]
     return -1

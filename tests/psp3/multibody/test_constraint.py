@@ -18,7 +18,7 @@ from tests.psp3.multibody.linkages import rockers
 
 def equations(flat: Flat, q: Array, rows: int) -> tuple[Array, Array]:
     gap, slope = np.empty(flat.count(ROWS)), np.zeros((rows, flat.count(VELOCITIES)))
-    closure_equations(*flat.all, q, gap, slope)
+    closure_equations(*flat.all, q, gap, slope.reshape(-1))
     return gap, slope
 
 

@@ -571,7 +571,15 @@ def test_steps_are_those_of_the_classical_runge_kutta_method(
     positions, speeds = x.copy(), v.copy()
     asked.free_fall[:] = asked.gravity
     found = runge_kutta(
-        asked.flat.tree, asked.flat.numbers, memory, positions, speeds, force, h, steps, trace
+        asked.flat.tree,
+        asked.flat.numbers,
+        memory,
+        positions,
+        speeds,
+        force,
+        h,
+        steps,
+        trace.reshape(-1),
     )
     assert found == -1
 
@@ -603,7 +611,7 @@ def test_steps_end_where_there_is_no_pose(asked: Asked, robot: ClosedLoopRobot) 
         np.full(n, np.inf),
         1e-2,
         steps,
-        trace,
+        trace.reshape(-1),
     )
     assert found == 0
     assert np.isnan(trace).all()
