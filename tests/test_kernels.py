@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 CORE = Path(__file__).resolve().parents[1] / "psp3" / "multibody"
-DECORATORS = {"compiled", "inlined"}
+DECORATORS = {"compiled", "inlined", "merged"}
 BUILT_IN = {"abs", "float", "max", "min", "range"}
 MATHEMATICS = {"atan2", "cos", "inf", "sin", "sqrt", "tan"}
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inlined
+from fuzzy2.support.compiled import compiled, inlined, merged
 from psp3.multibody.bodies import momentum
 from psp3.multibody.forces import (
     add_change,
@@ -67,7 +67,7 @@ from psp3.multibody.tree import (
 def complement(tree, numbers, memory, with_rates):
     """Write L, column by column, the twists that belong to its columns, and how both change.
 
-    How they change only where ``with_rates`` is 1; the elements' own twists are then there.
+    How they change only where ``with_rates`` is 1.0; the elements' own twists are then there.
     """
     n, nv, elements = tree[INDEPENDENT], tree[VELOCITIES], tree[ELEMENTS]
     unit = tree[AT_ROOM]
@@ -80,7 +80,7 @@ def complement(tree, numbers, memory, with_rates):
         memory[unit + j] = 0.0
         X = tree[AT_FIELDS] + 6 * (elements + 1) * j
         rate = tree[AT_RATES] + 6 * (elements + 1) * j
-        if with_rates == 0:
+        if with_rates == 0.0:
             twists(tree, memory, column, X)
         else:
             change = tree[AT_COMPLEMENT_RATES] + nv * j
@@ -179,7 +179,7 @@ def coriolis_matrix(tree, numbers, memory, out):
     _add_motors(tree, numbers, memory, out)
 
 
-@compiled
+@merged
 def _add_motors(tree, numbers, memory, out):
     """Add to the matrix of Christoffel symbols what the motors' own inertia does."""
     n, nv = tree[INDEPENDENT], tree[VELOCITIES]

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, merged
 from psp3.checks import Array, Indices
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
@@ -102,7 +102,7 @@ def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
     return outcome
 
 
-@compiled
+@merged
 def _aim(tree, memory, positions, row):
     """Make a row of positions the target; return whether it is near the pose."""
     target, near = tree[AT_TARGET], True
@@ -113,7 +113,7 @@ def _aim(tree, memory, positions, row):
     return near
 
 
-@compiled
+@merged
 def _reach(tree, numbers, memory):
     """Move to the target, all loops closed; return what became of it."""
     outcome = moved_to(tree, numbers, memory)
@@ -126,7 +126,7 @@ def _reach(tree, numbers, memory):
     return outcome
 
 
-@compiled
+@merged
 def _is_finite(out, first, end):
     """Tell whether all numbers from the first to the end are finite."""
     finite = True
@@ -135,7 +135,7 @@ def _is_finite(out, first, end):
     return finite
 
 
-@compiled
+@merged
 def _move_with(tree, memory, speeds):
     """Give all joints and elements the velocities of independent speeds."""
     z, V = tree[AT_JOINT_SPEEDS], tree[AT_VELOCITIES]
@@ -143,7 +143,7 @@ def _move_with(tree, memory, speeds):
     carried(tree, memory, z, V, tree[AT_ACCELERATIONS])
 
 
-@compiled
+@merged
 def _forces_of(tree, numbers, memory, accelerations, out):
     """Write the independent forces of a motion, of which the velocities are there."""
     change, rate = tree[AT_JOINT_ACCELERATIONS], tree[AT_ACCELERATIONS]
@@ -156,7 +156,7 @@ def _forces_of(tree, numbers, memory, accelerations, out):
     projected(tree, memory, tree[AT_JOINT_FORCES], out)
 
 
-@compiled
+@merged
 def accelerate(tree, numbers, memory, speeds, forces, out):
     """Write the accelerations of a closed pose under forces; return whether there are any."""
     n = tree[INDEPENDENT]
@@ -166,12 +166,12 @@ def accelerate(tree, numbers, memory, speeds, forces, out):
     _forces_of(tree, numbers, memory, out, out)
     for j in range(n):
         memory[out + j] = memory[forces + j] - memory[out + j]
-    complement(tree, numbers, memory, 0)
+    complement(tree, numbers, memory, 0.0)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
     return solve_positive(memory, tree[AT_MASS], n, out)
 
 
-@compiled
+@merged
 def _take(tree, memory, values, row, at):
     """Copy a row of independent speeds, accelerations or forces into the memory."""
     n = tree[INDEPENDENT]
@@ -179,21 +179,21 @@ def _take(tree, memory, values, row, at):
         memory[at + j] = values[n * row + j]
 
 
-@compiled
+@merged
 def _copy(memory, at, count, out, into):
     """Copy numbers of the memory into an answer."""
     for i in range(count):
         out[into + i] = memory[at + i]
 
 
-@compiled
+@merged
 def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
     if question <= COMPLEMENT:
         _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
         if question == COMPLEMENT:
-            complement(tree, numbers, memory, 0)
+            complement(tree, numbers, memory, 0.0)
             _copy(memory, tree[AT_COMPLEMENT], n * nv, out, into + nq)
         return CLOSED
     # The first vector of the room is taken by the complement.
@@ -208,7 +208,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         return CLOSED
     _move_with(tree, memory, speeds)
     if question == EQUATION_OF_MOTION:
-        complement(tree, numbers, memory, 1)
+        complement(tree, numbers, memory, 1.0)
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, numbers, memory, tree[AT_MASS])

@@ -47,7 +47,7 @@ def equation(flat: Flat, q: Array, speeds: Array) -> tuple[Array, Array, Array]:
     weigh(*flat.all)
     moving(flat, speeds)
     n, at = flat.n, flat.at(AT_MASS)
-    complement(*flat.all, 1)
+    complement(*flat.all, 1.0)
     mass_matrix(*flat.all, at)
     mass = flat.part(AT_MASS, n, n).copy()
     coriolis_matrix(*flat.all, at)
@@ -62,7 +62,7 @@ def test_complement_with_and_without_rates_is_the_dense_one(
     """By NumPy's pseudo-inverse of Pinocchio's Jacobian; 1e-12."""
     flat.close(pose)
     moving(flat, np.ones(flat.n))
-    for with_rates in (0, 1):
+    for with_rates in (0.0, 1.0):
         flat.part(AT_COMPLEMENT, flat.n, flat.nv)[:] = np.nan
         complement(*flat.all, with_rates)
         found = flat.part(AT_COMPLEMENT, flat.n, flat.nv).T
