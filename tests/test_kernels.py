@@ -101,7 +101,7 @@ def test_a_kernel_has_nothing_but_the_subset(name: str) -> None:
     _, kernel = KERNELS[name]
     assert ast.get_docstring(kernel)
     arguments = kernel.args
-    assert not (arguments.vararg or arguments.kwarg or arguments.kwonlyargs or arguments.defaults)
+    assert not any((arguments.vararg, arguments.kwarg, arguments.kwonlyargs, arguments.defaults))
     for node in parts(kernel):
         where = f"line {getattr(node, 'lineno', '?')}: {ast.dump(node)[:80]}"
         if isinstance(node, ast.stmt):

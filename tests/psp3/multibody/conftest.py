@@ -20,7 +20,7 @@ from tests.psp3.multibody.flat import Flat, flat_of
 )
 def parts(request: pytest.FixtureRequest) -> SimpleNamespace:
     parts: SimpleNamespace = request.param()
-    # Motors turn with the joints; of a ball they are alike about all axes, and a free body has none.
+    # Motors turn with the joints; a ball's are alike about all axes, and a free body has none.
     armature = np.linspace(0.01, 0.05, parts.model.nv)
     for joint in list(parts.model.joints)[1:]:
         if joint.nq in (4, 7):
@@ -41,7 +41,7 @@ def flat(parts: SimpleNamespace) -> Flat:
 
 @pytest.fixture
 def pose(parts: SimpleNamespace, robot: ClosedLoopRobot) -> Array:
-    """A closed configuration that is not the reference."""
+    """Return a closed configuration that is not the reference."""
     rng = np.random.default_rng(21)
     position = robot.reference + rng.uniform(-0.15, 0.15, len(robot.actuated))
     return np.asarray(robot.dynamics("pinocchio").configuration(position))  # type: ignore[attr-defined]
@@ -49,6 +49,6 @@ def pose(parts: SimpleNamespace, robot: ClosedLoopRobot) -> Array:
 
 @pytest.fixture
 def anywhere(parts: SimpleNamespace) -> Array:
-    """A configuration that leaves the loops open."""
+    """Return a configuration that leaves the loops open."""
     step = np.random.default_rng(22).uniform(-0.4, 0.4, parts.model.nv)
     return np.asarray(pin.integrate(parts.model, parts.q0, step))

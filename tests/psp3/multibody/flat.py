@@ -47,6 +47,7 @@ class Flat:
         return self.tree, self.numbers, self.memory
 
     def count(self, what: int) -> int:
+        """Return how many there are of something."""
         return int(self.tree[what])
 
     def part(self, at: int, *shape: int) -> Array:
@@ -68,6 +69,7 @@ class Flat:
             assert factored(*self.all, group) != 0.0
 
     def aim(self, positions: Array) -> None:
+        """Make independent coordinates the target of a motion."""
         self.part(AT_TARGET, self.count(INDEPENDENT))[:] = positions
 
     def at(self, what: int) -> int:
@@ -76,10 +78,12 @@ class Flat:
 
     @property
     def nv(self) -> int:
+        """How many velocities the joints have."""
         return self.count(VELOCITIES)
 
     @property
     def n(self) -> int:
+        """How many independent coordinates there are."""
         return self.count(INDEPENDENT)
 
 

@@ -80,8 +80,8 @@ def test_a_guess_that_closes_no_loop_is_refused_with_the_group_and_residual() ->
     share, residual, group = flat.part(AT_REPORT, 4)[:3]
     assert (share, group) == (0.0, 0.0)
     assert residual > 0.05
-    assert settle(flat, robot.q0 + [0.0, np.pi, 0.0, 0.0]) != CLOSED
-    assert LARGEST_REPAIR < np.pi
+    # Closed only after its joints have moved by more than a guess may be off.
+    assert settle(flat, robot.q0 + np.array([0.0, 1.5 * LARGEST_REPAIR, 0.0, 0.0])) != CLOSED
 
 
 def test_newtons_method_stays_where_it_may_not_move(parts: SimpleNamespace) -> None:

@@ -37,14 +37,17 @@ class Factored:
 
     @property
     def right(self) -> Array:
+        """The right side, and then the solution."""
         return self.memory[self.places[1] :]
 
     def solved(self, right: Array) -> Array:
+        """Return the solution by least squares."""
         self.right[: len(right)] = right
         solve(*self._after)
         return self.right[: self.shape[1]].copy()
 
     def solved_transposed(self, right: Array) -> Array:
+        """Return the shortest solution of the transposed equations."""
         self.right[: len(right)] = right
         solve_transposed(*self._after)
         return self.right[: self.shape[0]].copy()

@@ -81,13 +81,16 @@ class Asked:
 
     @property
     def free_fall(self) -> Array:
+        """The tree's acceleration of gravity, to be read and written."""
         return self.flat.numbers[self.flat.at(AT_FREE_FALL) :][:3]
 
     @property
     def start(self) -> Array:
+        """The reference configuration."""
         return self.reference[: self.flat.count(COORDINATES)]
 
     def width(self, question: int) -> int:
+        """Return how many numbers an answer has."""
         n, nv, nq = self.flat.n, self.flat.count(VELOCITIES), self.flat.count(COORDINATES)
         return [nq, nq + n * nv, n, n, 2 * n * n + n, 2, nq + 2 * nv][question]
 
@@ -124,11 +127,13 @@ class Asked:
         return row, out
 
     def one(self, question: int, *motion: Array) -> Array:
+        """Return the answer about one state, from the reference."""
         row, out = self.ask(question, *(np.array([part]) for part in motion))
         assert row == -1
         return out[0]
 
     def equation(self, position: Array, speed: Array) -> tuple[Array, Array, Array]:
+        """Return M, C and G."""
         n, packed = self.flat.n, self.one(EQUATION_OF_MOTION, position, speed, speed)
         return packed[: n * n].reshape(n, n), packed[n * n : -n].reshape(n, n), packed[-n:]
 
