@@ -16,11 +16,6 @@ RANK_TOLERANCE = 1e-9
 it, and what is conditioned worse than 1e9 would leave too few digits to be of use.
 """
 
-PIVOT_TOLERANCE = 1e-9
-"""As :data:`RANK_TOLERANCE`, for the diagonal of a triangular factor with pivoting: the compiled
-kernels have no singular values, of which the last diagonal entry is an estimate.
-"""
-
 ASSEMBLED_RANK_TOLERANCE = 1e-7
 """As :data:`RANK_TOLERANCE`, where configurations are only assembled: their loops are open by up to
 1e-9, and closure equations that follow from others miss by as much.
