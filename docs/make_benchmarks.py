@@ -98,8 +98,8 @@ its loops in the contact solver; Pinocchio's `constraintDynamics` is given a clo
 
 {robots}
 
-Over the robots `inverse_dynamics` takes {inverse} × and `forward_dynamics` {forward} × the time of \
-`mj_forward` (geometric means, from the
+Over the robots `inverse_dynamics` takes {inverse} × and `forward_dynamics` {forward} × what \
+`mj_forward` takes (geometric means, from the
 pose before).
 
 Chains of five-bars, each standing on the tip of the one before:
