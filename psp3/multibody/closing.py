@@ -397,7 +397,7 @@ def _open(tree, numbers, memory, group):
 def settled(tree, numbers, memory):
     """Close all loops from a guess that is in the configuration, its independent joints fixed.
 
-    Return what became of it; The report gets the share of the way (0), the residual and the group.
+    Return what became of it; the report gets the share of the way (0), the residual and the group.
     """
     report = tree[AT_REPORT]
     elements = tree[ELEMENTS]
@@ -418,7 +418,7 @@ def settled(tree, numbers, memory):
 def moved_to(tree, numbers, memory):
     """Move the independent joints of a closed pose to the target, all loops closed.
 
-    Return what became of it; The report gets the share of the way, the residual and the group where
+    Return what became of it; the report gets the share of the way, the residual and the group where
     that fails.
     """
     report = tree[AT_REPORT]

@@ -106,8 +106,11 @@ class Core:
             pivot = abs(self._reference[int(self.tree[AT_SIGNS]) + group])
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + 2] = NEAR_SINGULAR * pivot
+        self._compile()
+
+    def _compile(self) -> None:
+        """Compile the answers for arrays that can be written to, and never for anything else."""
         none = np.empty(0)
-        # Compiled once, for arrays that can be written to, and never for anything else.
         only_for(
             answer,
             *(CONFIGURATION, 0, 0, 0),
@@ -121,6 +124,7 @@ class Core:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._free_fall = self._model.gravity.linear
+        self._compile()
 
     @property
     def q0(self) -> Array:
@@ -155,9 +159,9 @@ class Core:
     def ask_one(
         self,
         question: int,
-        positions: Array,
-        second: Array,
-        third: Array,
+        positions: Any,
+        second: Any,
+        third: Any,
         out: Array,
         last_pose: LastPose | None,
     ) -> bool:
@@ -174,7 +178,11 @@ class Core:
             Whether there is one. If not, or after a TypeError, :meth:`ask` says why.
         """
         if last_pose is None:
-            memory = self._spare.pop() if self._spare else np.empty(self.size)
+            try:
+                memory = self._spare.pop()
+            except IndexError:
+                # Asked before, another thread could take the last one in between.
+                memory = np.empty(self.size)
             warm = 0
         else:
             self._check(last_pose)
@@ -262,19 +270,19 @@ class Core:
         is_path: bool,
     ) -> None:
         """Answer row after row, from where the caller says."""
-        last_pose = guess if isinstance(guess, LastPose) else None
-        memory = np.empty(self.size) if last_pose is None else last_pose.memory
-        warm = int(guess is not None)
-        if last_pose is not None:
-            self._check(last_pose)
-            warm, last_pose.is_closed = last_pose.is_closed, 0
-        elif guess is not None:
-            self._settle(guess, memory)
+        if isinstance(guess, LastPose):
+            self._check(guess)
+            memory, warm = guess.memory, guess.is_closed
+            guess.is_closed = 0
+        else:
+            memory, warm = np.empty(self.size), int(guess is not None)
+            if guess is not None:
+                self._settle(guess, memory)
         row = self._answer(question, warm, int(is_path), memory, positions, second, third, out)
         if row >= 0:
             raise self._no_answer(row, memory)
-        if last_pose is not None:
-            last_pose.is_closed = 1
+        if isinstance(guess, LastPose):
+            guess.is_closed = 1
 
     def _answer(
         self,

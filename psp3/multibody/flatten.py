@@ -451,6 +451,6 @@ def _memory_begins(counts: list[int]) -> list[int]:
         n * twists,
         n * twists,
     ]
-    sizes += [n * nv, n * n, 8 * n, 4]
+    sizes += [n * nv, n * nv, n * n, 8 * n, 4]
     assert len(sizes) == MEMORY_PARTS
     return [sum(sizes[:number]) for number in range(len(sizes) + 1)]

@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 
 from fuzzy2.support.compiled import compiled, merged
+from psp3.checks import Array, Indices
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
 from psp3.multibody.forces import (
@@ -38,8 +39,8 @@ from psp3.multibody.tree import (
     AT_BEFORE,
     AT_COMPLEMENT,
     AT_CONFIGURATION,
-    AT_INDEPENDENT_Q,
     AT_FREE_FALL,
+    AT_INDEPENDENT_Q,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
@@ -92,12 +93,13 @@ def start_from(tree, reference, memory):
 
 
 @compiled
-def assemble(tree, numbers, memory):
+def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
     """Close the loops from the guess with which the memory begins, independent joints fixed.
 
     Return what became of it. The memory then begins with a pose that can be a reference.
     """
-    return settled(tree, numbers, memory)
+    outcome: int = settled(tree, numbers, memory)
+    return outcome
 
 
 @merged
@@ -127,10 +129,10 @@ def _reach(tree, numbers, memory):
 @merged
 def _is_finite(out, first, end):
     """Tell whether all numbers from the first to the end are finite."""
+    finite = True
     for i in range(first, end):
-        if not abs(out[i]) < math.inf:
-            return False
-    return True
+        finite = finite and abs(out[i]) < math.inf
+    return finite
 
 
 @merged
@@ -209,7 +211,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         complement(tree, numbers, memory, 1.0)
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into)
-        coriolis_matrix(tree, memory, tree[AT_MASS])
+        coriolis_matrix(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into + n * n)
         gravity(tree, numbers, memory, result)
         _copy(memory, result, n, out, into + 2 * n * n)
@@ -230,27 +232,28 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
 
 @compiled
 def answer(
-    question,
-    rows,
-    is_warm,
-    is_path,
-    tree,
-    numbers,
-    free_fall,
-    reference,
-    memory,
-    positions,
-    second,
-    third,
-    out,
-):
+    question: int,
+    rows: int,
+    is_warm: int,
+    is_path: int,
+    tree: Indices,
+    numbers: Array,
+    free_fall: Array,
+    reference: Array,
+    memory: Array,
+    positions: Array,
+    second: Array,
+    third: Array,
+    out: Array,
+) -> int:
     """Write the answers to a question, row by row.
 
-    ``free_fall`` is the acceleration of gravity (3). Positions, speeds (second), and accelerations or forces (third) are rows · n numbers each; where
-    a question needs fewer, they are not looked at. With ``is_warm`` the memory begins with a pose
-    from which the first row starts, and else that is the reference; the other rows start from it,
-    too, but on a path from the row before. Return the first row that has no answer, −1 if all have
-    one, or −2 if an argument has another size.
+    ``free_fall`` is the acceleration of gravity (3). Positions, speeds (second), and accelerations
+    or forces (third) are rows · n numbers each; where a question needs fewer, they are not looked
+    at. With ``is_warm`` the memory begins with a pose from which the first row starts, and else
+    that is the reference; the other rows start from it, too, but on a path from the row before.
+    Return the first row that has no answer, −1 if all have one, or −2 if an argument has another
+    size.
     """
     size, width = rows * tree[INDEPENDENT], out.shape[0] // max(rows, 1)
     if positions.shape[0] != size or second.shape[0] != size or third.shape[0] != size:
@@ -276,10 +279,20 @@ def answer(
 
 
 @compiled
-def runge_kutta(tree, numbers, memory, positions, speeds, forces, duration, steps, trace):
+def runge_kutta(
+    tree: Indices,
+    numbers: Array,
+    memory: Array,
+    positions: Array,
+    speeds: Array,
+    forces: Array,
+    duration: float,
+    steps: int,
+    trace: Array,
+) -> int:
     """Take steps of the classical Runge–Kutta method under constant forces (n), in place.
 
-    ``trace`` (steps, 2 n) gets the states. Return the step at which there was no answer, or −1.
+    ``trace`` (steps · 2 n) gets the states. Return the step at which there was no answer, or −1.
     """
     n, h, target = tree[INDEPENDENT], duration, tree[AT_TARGET]
     # The first vector of the room is taken by the complement.
@@ -311,5 +324,6 @@ def runge_kutta(tree, numbers, memory, positions, speeds, forces, duration, step
         for j in range(n):
             positions[j] += h / 6.0 * memory[moved + j]
             speeds[j] += h / 6.0 * memory[changed + j]
-            trace[step, j], trace[step, n + j] = positions[j], speeds[j]
+            at = 2 * n * step + j
+            trace[at], trace[at + n] = positions[j], speeds[j]
     return -1

@@ -56,6 +56,7 @@ from psp3.multibody.motion import (
     MOTION,
     NOT_FINITE,
 )
+from psp3.robots.pickling import constraints, plain
 
 DYNAMICS_MODELS = ("core", "pinocchio", "noc")
 """Names of the implementations of the equation of motion of any robot."""
@@ -67,7 +68,7 @@ class ClosedLoopRobot:
     Arguments and results are in actuated coordinates.
 
     What Pinocchio computes (frames and their Jacobians) serves one thread at a time, because it is
-    computed in one ``data``; everything else serves many.
+    computed in one ``data``; everything else serves many. A robot can be pickled and copied.
 
     Parameters
     ----------
@@ -116,7 +117,6 @@ class ClosedLoopRobot:
         visual_model: Any = None,
     ) -> None:
         self.model = model
-        self.data = model.createData()
         self.visual_model = visual_model if visual_model is not None else pin.GeometryModel()
         self.constraint_models = pin.StdVec_RigidConstraintModel()
         self.constraint_models.extend(list(constraint_models))
@@ -128,13 +128,7 @@ class ClosedLoopRobot:
         self.actuated_q = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         self.actuated_v = np.array([joint.idx_v for joint in joints], dtype=np.int64)
         self.dependent_v = np.setdiff1d(np.arange(model.nv), self.actuated_v)
-        self._constraint_data = pin.StdVec_RigidConstraintData()
-        self._dynamics_data = pin.StdVec_RigidConstraintData()
-        for constraint in self.constraint_models:
-            self._constraint_data.append(constraint.createData())
-            # Constraint data must not be shared between algorithms of Pinocchio: results would be
-            # silently wrong.
-            self._dynamics_data.append(constraint.createData())
+        self._create_data()
         self._limited = PassiveLimits(model, self.actuated)
         start = (
             assembled(
@@ -151,6 +145,29 @@ class ClosedLoopRobot:
         except NoAnswer as failed:
             raise self._refused(failed, start[self.actuated_q][np.newaxis]) from None
         self.q0: Array = self._core.q0
+
+    def _create_data(self) -> None:
+        """Make the memory in which Pinocchio computes."""
+        self.data = self.model.createData()
+        self._constraint_data = pin.StdVec_RigidConstraintData()
+        self._dynamics_data = pin.StdVec_RigidConstraintData()
+        for constraint in self.constraint_models:
+            self._constraint_data.append(constraint.createData())
+            # Constraint data must not be shared between algorithms of Pinocchio: results would be
+            # silently wrong.
+            self._dynamics_data.append(constraint.createData())
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Pinocchio pickles neither constraints nor what it computes of them.
+        state = {**self.__dict__, "constraint_models": plain(self.constraint_models)}
+        for made in ("data", "_constraint_data", "_dynamics_data"):
+            del state[made]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.constraint_models = constraints(self.model, state["constraint_models"])
+        self._create_data()
 
     @classmethod
     def from_urdf(
