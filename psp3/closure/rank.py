@@ -1,7 +1,8 @@
 """Ranks, null spaces, and the un-actuated joints by rank.
 
 A matrix of computed numbers is never quite singular, so each rank needs a size below which a
-singular value counts as zero. These are all here, with their reasons.
+singular value counts as zero. These are all here, with their reasons; the core has pivots instead,
+see :mod:`psp3.multibody.least_squares`.
 """
 
 from __future__ import annotations
