@@ -28,12 +28,12 @@ from psp3.multibody.tree import (
     AT_ACCELERATIONS,
     AT_BODIES,
     AT_COMPLEMENT,
+    AT_COMPLEMENT_RATES,
     AT_CONFIGURATION,
     AT_ELEMENTS,
     AT_FIELDS,
     AT_FORCES,
     AT_FREE_FALL,
-    AT_JOINT_ACCELERATIONS,
     AT_JOINT_SPEEDS,
     AT_JOINTS,
     AT_MASSIVE,
@@ -60,12 +60,12 @@ from psp3.multibody.tree import (
 
 @compiled
 def complement(tree, numbers, memory, with_rates):
-    """Write L, column by column, the twists that belong to its columns, and how these change.
+    """Write L, column by column, the twists that belong to its columns, and how both change.
 
     How they change only where ``with_rates`` is 1; the elements' own twists are then there.
     """
     n, nv, elements = tree[INDEPENDENT], tree[VELOCITIES], tree[ELEMENTS]
-    unit, change = tree[AT_ROOM], tree[AT_JOINT_ACCELERATIONS]
+    unit = tree[AT_ROOM]
     for j in range(n):
         memory[unit + j] = 0.0
     for j in range(n):
@@ -79,6 +79,7 @@ def complement(tree, numbers, memory, with_rates):
             twists(tree, memory, column, X)
         else:
             carried(tree, memory, column, X, rate)
+            change = tree[AT_COMPLEMENT_RATES] + nv * j
             for velocity in range(nv):
                 memory[change + velocity] = 0.0
             change_of_joint_speeds(tree, numbers, memory, column, X, rate, change)
@@ -239,10 +240,10 @@ def potential_energy(tree, numbers, memory):
 
 
 @compiled
-def solve_positive(memory, matrix, order, right):
-    """Replace the right side by the solution of a symmetric positive definite system (n²).
+def factor_positive(memory, matrix, order):
+    """Overwrite a symmetric matrix (n²) with Cholesky's factor.
 
-    By Cholesky's factors, which overwrite the matrix. Return whether it is positive definite.
+    Return whether it is positive definite.
     """
     for k in range(order):
         d = matrix + order * k
@@ -259,6 +260,12 @@ def solve_positive(memory, matrix, order, right):
             for j in range(k):
                 rest -= memory[c + j] * memory[d + j]
             memory[c + k] = rest / value
+    return True
+
+
+@compiled
+def solve_positive(memory, matrix, order, right):
+    """Replace the right side by the solution of a system whose matrix is factored."""
     for k in range(order):
         d = matrix + order * k
         value = memory[right + k]
@@ -270,4 +277,3 @@ def solve_positive(memory, matrix, order, right):
         for i in range(k + 1, order):
             value -= memory[matrix + order * i + k] * memory[right + i]
         memory[right + k] = value / memory[matrix + order * k + k]
-    return True

@@ -15,6 +15,7 @@ import math
 from fuzzy2.support.compiled import compiled
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
+from psp3.multibody.derivatives import differentiate
 from psp3.multibody.forces import (
     add_change,
     carried,
@@ -27,6 +28,7 @@ from psp3.multibody.forces import (
 from psp3.multibody.inertia import (
     complement,
     coriolis_matrix,
+    factor_positive,
     gravity,
     kinetic_energy,
     mass_matrix,
@@ -36,6 +38,8 @@ from psp3.multibody.inertia import (
 from psp3.multibody.tree import (
     AT_ACCELERATIONS,
     AT_BEFORE,
+    AT_BY_POSITIONS,
+    AT_BY_SPEEDS,
     AT_COMPLEMENT,
     AT_CONFIGURATION,
     AT_INDEPENDENT_Q,
@@ -61,10 +65,14 @@ from psp3.multibody.tree import (
     EQUATION_OF_MOTION,
     ENERGIES,
     MOTION,
-) = range(7)
+    INVERSE_DERIVATIVES,
+    FORWARD_DERIVATIVES,
+) = range(9)
 """Questions, and what their answers are: q (nq); q and L, column by column (n · nv); forces of a
 motion (n); accelerations under forces (n); M, C (n² each) and G (n); kinetic and potential energy;
-configuration, velocities and accelerations of all joints.
+configuration, velocities and accelerations of all joints; derivatives of the forces of a motion by
+positions, speeds and accelerations (n² each); derivatives of the accelerations under forces by
+positions, speeds and forces (n² each).
 """
 
 BEYOND_LIMIT, NOT_FINITE = 3, 4
@@ -149,8 +157,11 @@ def _forces_of(tree, numbers, memory, accelerations, out):
 
 
 @compiled
-def accelerate(tree, numbers, memory, speeds, forces, out):
-    """Write the accelerations of a closed pose under forces; return whether there are any."""
+def accelerate(tree, numbers, memory, speeds, forces, out, with_rates):
+    """Write the accelerations of a closed pose under forces; return whether there are any.
+
+    Leave the mass matrix factored, and L, as :func:`complement` writes it.
+    """
     n = tree[INDEPENDENT]
     for j in range(n):
         memory[out + j] = 0.0
@@ -158,16 +169,12 @@ def accelerate(tree, numbers, memory, speeds, forces, out):
     _forces_of(tree, numbers, memory, out, out)
     for j in range(n):
         memory[out + j] = memory[forces + j] - memory[out + j]
-    complement(tree, numbers, memory, 0)
+    complement(tree, numbers, memory, with_rates)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
-    return solve_positive(memory, tree[AT_MASS], n, out)
-
-
-@compiled
-def _take(tree, memory, values, row, at):
-    """Copy a row of independent speeds, accelerations or forces into the memory."""
-    for j in range(tree[INDEPENDENT]):
-        memory[at + j] = values[row, j]
+    if not factor_positive(memory, tree[AT_MASS], n):
+        return False
+    solve_positive(memory, tree[AT_MASS], n, out)
+    return True
 
 
 @compiled
@@ -175,6 +182,56 @@ def _copy(memory, at, count, out, row, column):
     """Copy numbers of the memory into a row, from a column on."""
     for i in range(count):
         out[row, column + i] = memory[at + i]
+
+
+@compiled
+def _differentiate_forward(tree, memory, out, row):
+    """Write a row of derivatives of accelerations, from those of the forces of the motion.
+
+    The mass matrix is factored.
+    """
+    n, column = tree[INDEPENDENT], tree[AT_ROOM]
+    for part in range(3):
+        at = tree[AT_BY_POSITIONS] if part == 0 else tree[AT_BY_SPEEDS]
+        for k in range(n):
+            for i in range(n):
+                unit = 1.0 if i == k else 0.0
+                memory[column + i] = unit if part == 2 else -memory[at + n * k + i]
+            solve_positive(memory, tree[AT_MASS], n, column)
+            for i in range(n):
+                out[row, n * (n * part + i) + k] = memory[column + i]
+
+
+@compiled
+def _differentiate(question, tree, numbers, memory, speeds, others, result, out, row):
+    """Write a row of derivatives; return what became of it."""
+    n = tree[INDEPENDENT]
+    if question == FORWARD_DERIVATIVES:
+        if not accelerate(tree, numbers, memory, speeds, others, result, 1):
+            return SINGULAR
+        _move_with(tree, memory, speeds)
+        _forces_of(tree, numbers, memory, result, others)
+        differentiate(tree, numbers, memory)
+        _differentiate_forward(tree, memory, out, row)
+        return CLOSED
+    _move_with(tree, memory, speeds)
+    complement(tree, numbers, memory, 1)
+    mass_matrix(tree, numbers, memory, tree[AT_MASS])
+    _forces_of(tree, numbers, memory, others, result)
+    differentiate(tree, numbers, memory)
+    for k in range(n):
+        for i in range(n):
+            out[row, n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
+            out[row, n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
+    _copy(memory, tree[AT_MASS], n * n, out, row, 2 * n * n)
+    return CLOSED
+
+
+@compiled
+def _take(tree, memory, values, row, at):
+    """Copy a row of independent speeds, accelerations or forces into the memory."""
+    for j in range(tree[INDEPENDENT]):
+        memory[at + j] = values[row, j]
 
 
 @compiled
@@ -191,9 +248,12 @@ def _answer(question, tree, numbers, memory, second, third, out, row):
     speeds, others, result = room + n, room + 2 * n, room + 3 * n
     _take(tree, memory, second, row, speeds)
     weigh(tree, numbers, memory)
+    if question >= INVERSE_DERIVATIVES:
+        _take(tree, memory, third, row, others)
+        return _differentiate(question, tree, numbers, memory, speeds, others, result, out, row)
     if question == FORWARD_DYNAMICS:
         _take(tree, memory, third, row, others)
-        if not accelerate(tree, numbers, memory, speeds, others, result):
+        if not accelerate(tree, numbers, memory, speeds, others, result, 0):
             return SINGULAR
         _copy(memory, result, n, out, row, 0)
         return CLOSED
@@ -271,7 +331,7 @@ def runge_kutta(tree, numbers, memory, positions, speeds, forces, duration, step
                 memory[tree[AT_REPORT] + 3] = float(outcome)
                 return step
             weigh(tree, numbers, memory)
-            if not accelerate(tree, numbers, memory, u, force, k):
+            if not accelerate(tree, numbers, memory, u, force, k, 0):
                 memory[tree[AT_REPORT] + 3] = float(SINGULAR)
                 return step
             weight = 1.0 if stage == 0 or stage == 3 else 2.0

@@ -87,7 +87,7 @@ NUMBER_PARTS = 7
 below; of each coordinate the rest of its spring, and its lowest and highest value; and the acceleration of free fall (3) [m/s²].
 """
 
-MEMORY_PARTS = 32
+MEMORY_PARTS = 41
 (
     AT_CONFIGURATION,
     AT_PLACEMENTS,
@@ -121,6 +121,15 @@ MEMORY_PARTS = 32
     AT_MASS,
     AT_ROOM,
     AT_REPORT,
+    AT_COMPLEMENT_RATES,
+    AT_SECOND_RATES,
+    AT_FIELD_FORCES,
+    AT_SPINS,
+    AT_LOADS,
+    AT_LOOP_FORCES,
+    AT_JOINT_LOADS,
+    AT_BY_POSITIONS,
+    AT_BY_SPEEDS,
 ) = range(
     COUNTS + INTEGER_PARTS + NUMBER_PARTS, COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
 )
@@ -142,6 +151,11 @@ last, what these accelerate, and the elements' forces; the same twists and accel
 independent speed; L, column by column; a square matrix of the independent speeds; room for eight
 vectors of these; and what became of a closure (4): the share of the way, the residual, the group,
 and the outcome.
+
+Last, for derivatives: how L changes, column by column; second rates of the twists of one column, and
+wrenches of the elements that belong to it; what turning does to the momenta of each body (12); the
+wrenches on all that the elements carry; the force in each closure (6); what changes of the joints'
+own forces; and the derivatives by positions and by speeds, column by column.
 """
 
 SIZE = COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
