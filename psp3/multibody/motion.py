@@ -43,6 +43,7 @@ from psp3.multibody.tree import (
     AT_COMPLEMENT,
     AT_CONFIGURATION,
     AT_INDEPENDENT_Q,
+    AT_FREE_FALL,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
@@ -80,6 +81,11 @@ BEYOND_LIMIT, NOT_FINITE = 3, 4
 limits; there is no finite answer.
 """
 
+BLOCK = 64
+"""After so many rows one starts from the reference in any case, so that answers do not depend on
+how many threads share the rows.
+"""
+
 NEAR = 0.1
 """A row starts from the pose of the row before where no independent coordinate is farther from it
 than this [m, rad], and else from the reference: so its answer does not depend on other rows.
@@ -106,10 +112,10 @@ def assemble(tree, numbers, memory):
 def _aim(tree, memory, positions, row):
     """Make a row of positions the target; return whether it is near the pose."""
     target, near = tree[AT_TARGET], True
+    _take(tree, memory, positions, row, target)
     for j in range(tree[INDEPENDENT]):
-        memory[target + j] = positions[row, j]
         at = memory[tree[AT_CONFIGURATION] + tree[tree[AT_INDEPENDENT_Q] + j]]
-        near = near and abs(positions[row, j] - at) <= NEAR
+        near = near and abs(memory[target + j] - at) <= NEAR
     return near
 
 
@@ -127,10 +133,10 @@ def _reach(tree, numbers, memory):
 
 
 @compiled
-def _is_finite(out, row):
-    """Tell whether all numbers of a row are finite."""
-    for i in range(out.shape[1]):
-        if not abs(out[row, i]) < math.inf:
+def _is_finite(out, first, end):
+    """Tell whether all numbers from the first to the end are finite."""
+    for i in range(first, end):
+        if not abs(out[i]) < math.inf:
             return False
     return True
 
@@ -178,15 +184,23 @@ def accelerate(tree, numbers, memory, speeds, forces, out, with_rates):
 
 
 @compiled
-def _copy(memory, at, count, out, row, column):
-    """Copy numbers of the memory into a row, from a column on."""
-    for i in range(count):
-        out[row, column + i] = memory[at + i]
+def _take(tree, memory, values, row, at):
+    """Copy a row of independent speeds, accelerations or forces into the memory."""
+    n = tree[INDEPENDENT]
+    for j in range(n):
+        memory[at + j] = values[n * row + j]
 
 
 @compiled
-def _differentiate_forward(tree, memory, out, row):
-    """Write a row of derivatives of accelerations, from those of the forces of the motion.
+def _copy(memory, at, count, out, into):
+    """Copy numbers of the memory into an answer."""
+    for i in range(count):
+        out[into + i] = memory[at + i]
+
+
+@compiled
+def _differentiate_forward(tree, memory, out, into):
+    """Write derivatives of accelerations, from those of the forces of the motion.
 
     The mass matrix is factored.
     """
@@ -199,12 +213,12 @@ def _differentiate_forward(tree, memory, out, row):
                 memory[column + i] = unit if part == 2 else -memory[at + n * k + i]
             solve_positive(memory, tree[AT_MASS], n, column)
             for i in range(n):
-                out[row, n * (n * part + i) + k] = memory[column + i]
+                out[into + n * (n * part + i) + k] = memory[column + i]
 
 
 @compiled
-def _differentiate(question, tree, numbers, memory, speeds, others, result, out, row):
-    """Write a row of derivatives; return what became of it."""
+def _differentiate(question, tree, numbers, memory, speeds, others, result, out, into):
+    """Write derivatives; return what became of it."""
     n = tree[INDEPENDENT]
     if question == FORWARD_DERIVATIVES:
         if not accelerate(tree, numbers, memory, speeds, others, result, 1):
@@ -212,7 +226,7 @@ def _differentiate(question, tree, numbers, memory, speeds, others, result, out,
         _move_with(tree, memory, speeds)
         _forces_of(tree, numbers, memory, result, others)
         differentiate(tree, numbers, memory)
-        _differentiate_forward(tree, memory, out, row)
+        _differentiate_forward(tree, memory, out, into)
         return CLOSED
     _move_with(tree, memory, speeds)
     complement(tree, numbers, memory, 1)
@@ -221,28 +235,21 @@ def _differentiate(question, tree, numbers, memory, speeds, others, result, out,
     differentiate(tree, numbers, memory)
     for k in range(n):
         for i in range(n):
-            out[row, n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
-            out[row, n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
-    _copy(memory, tree[AT_MASS], n * n, out, row, 2 * n * n)
+            out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
+            out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
+    _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
     return CLOSED
 
 
 @compiled
-def _take(tree, memory, values, row, at):
-    """Copy a row of independent speeds, accelerations or forces into the memory."""
-    for j in range(tree[INDEPENDENT]):
-        memory[at + j] = values[row, j]
-
-
-@compiled
-def _answer(question, tree, numbers, memory, second, third, out, row):
+def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
     if question <= COMPLEMENT:
-        _copy(memory, tree[AT_CONFIGURATION], nq, out, row, 0)
+        _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
         if question == COMPLEMENT:
             complement(tree, numbers, memory, 0)
-            _copy(memory, tree[AT_COMPLEMENT], n * nv, out, row, nq)
+            _copy(memory, tree[AT_COMPLEMENT], n * nv, out, into + nq)
         return CLOSED
     # The first vector of the room is taken by the complement.
     speeds, others, result = room + n, room + 2 * n, room + 3 * n
@@ -250,59 +257,78 @@ def _answer(question, tree, numbers, memory, second, third, out, row):
     weigh(tree, numbers, memory)
     if question >= INVERSE_DERIVATIVES:
         _take(tree, memory, third, row, others)
-        return _differentiate(question, tree, numbers, memory, speeds, others, result, out, row)
+        return _differentiate(question, tree, numbers, memory, speeds, others, result, out, into)
     if question == FORWARD_DYNAMICS:
         _take(tree, memory, third, row, others)
         if not accelerate(tree, numbers, memory, speeds, others, result, 0):
             return SINGULAR
-        _copy(memory, result, n, out, row, 0)
+        _copy(memory, result, n, out, into)
         return CLOSED
     _move_with(tree, memory, speeds)
     if question == EQUATION_OF_MOTION:
         complement(tree, numbers, memory, 1)
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
-        _copy(memory, tree[AT_MASS], n * n, out, row, 0)
+        _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, memory, tree[AT_MASS])
-        _copy(memory, tree[AT_MASS], n * n, out, row, n * n)
+        _copy(memory, tree[AT_MASS], n * n, out, into + n * n)
         gravity(tree, numbers, memory, result)
-        _copy(memory, result, n, out, row, 2 * n * n)
+        _copy(memory, result, n, out, into + 2 * n * n)
     elif question == ENERGIES:
-        out[row, 0] = kinetic_energy(tree, numbers, memory)
-        out[row, 1] = potential_energy(tree, numbers, memory)
+        out[into] = kinetic_energy(tree, numbers, memory)
+        out[into + 1] = potential_energy(tree, numbers, memory)
     else:
         _take(tree, memory, third, row, others)
         _forces_of(tree, numbers, memory, others, result)
         if question == INVERSE_DYNAMICS:
-            _copy(memory, result, n, out, row, 0)
+            _copy(memory, result, n, out, into)
         else:
-            _copy(memory, tree[AT_CONFIGURATION], nq, out, row, 0)
-            _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, row, nq)
-            _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, row, nq + nv)
+            _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
+            _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, into + nq)
+            _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, into + nq + nv)
     return CLOSED
 
 
 @compiled
 def answer(
-    question, tree, numbers, reference, memory, is_warm, is_path, positions, second, third, out
+    question,
+    rows,
+    is_warm,
+    is_path,
+    tree,
+    numbers,
+    free_fall,
+    reference,
+    memory,
+    positions,
+    second,
+    third,
+    out,
 ):
-    """Write the answers to a question, row by row (N, w).
+    """Write the answers to a question, row by row.
 
-    The second argument are speeds, the third accelerations or forces, all (N, n); where a question
-    needs fewer, they are not looked at. With ``is_warm`` the memory begins with a pose from which
-    the first row starts, and else that is the reference; the other rows start from it, too, but on
-    a path from the row before. Return the first row that has no answer, or −1.
+    ``free_fall`` is the acceleration of gravity (3). Positions, speeds (second), and accelerations or forces (third) are rows · n numbers each; where
+    a question needs fewer, they are not looked at. With ``is_warm`` the memory begins with a pose
+    from which the first row starts, and else that is the reference; the other rows start from it,
+    too, but on a path from the row before. Return the first row that has no answer, −1 if all have
+    one, or −2 if an argument has another size.
     """
+    size, width = rows * tree[INDEPENDENT], out.shape[0] // max(rows, 1)
+    if positions.shape[0] != size or second.shape[0] != size or third.shape[0] != size:
+        return -2
+    for i in range(3):
+        numbers[tree[AT_FREE_FALL] + i] = free_fall[i]
     if is_warm == 0:
         start_from(tree, reference, memory)
-    for row in range(positions.shape[0]):
+    for row in range(rows):
         near = _aim(tree, memory, positions, row)
-        if row > 0 and is_path == 0 and not near:
+        if row > 0 and is_path == 0 and (not near or row % BLOCK == 0):
             start_from(tree, reference, memory)
         outcome = _reach(tree, numbers, memory)
         if outcome == CLOSED:
-            outcome = _answer(question, tree, numbers, memory, second, third, out, row)
-        if outcome == CLOSED and not _is_finite(out, row):
-            outcome = NOT_FINITE
+            into = width * row
+            outcome = _answer(question, tree, numbers, memory, second, third, row, out, into)
+            if outcome == CLOSED and not _is_finite(out, into, into + width):
+                outcome = NOT_FINITE
         if outcome != CLOSED:
             memory[tree[AT_REPORT] + 3] = float(outcome)
             return row

@@ -306,37 +306,41 @@ class ClosedLoopRobot:
         self,
         question: int,
         width: int,
-        guess: ArrayLike | LastPose | None = None,
-        **arguments: ArrayLike,
+        guess: ArrayLike | LastPose | None,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        third: ArrayLike,
+        name_of_third: str = "accelerations",
     ) -> Array:
-        """Return the answers of the core, (..., width), for arguments (..., n)."""
+        """Return the answers of the core, (..., width), for arguments (..., n).
+
+        What a question does not need may be any of the others.
+        """
+        if guess is None or type(guess) is LastPose:
+            # One state, as control loops ask for it: nothing to check that the kernels do not.
+            out = np.empty(width)
+            try:
+                if self._core.ask_one(question, positions, speeds, third, out, guess):
+                    return out
+            except TypeError:  # lists, many states, numbers of another kind
+                pass
         n = len(self.actuated)
-        values = list(arguments.values())
+        arrays = together(
+            **{
+                name: finite_rows(name, value, n)
+                for name, value in (
+                    ("positions", positions),
+                    ("speeds", speeds),
+                    (name_of_third, third),
+                )
+            }
+        )
+        shape, rows = arrays[0].shape[:-1], [array.reshape(-1, n) for array in arrays]
         if guess is not None and not isinstance(guess, LastPose):
             guess = np.array(one_row("guess", guess, self.model.nq))
-        try:
-            # One state, as control loops ask for it: nothing to check that the kernels do not.
-            rows = [value[np.newaxis] for value in values]  # type: ignore[index, call-overload]
-            single = all(row.shape == (1, n) for row in rows)
-        except (TypeError, IndexError, AttributeError):
-            single = False
-        if single:
-            out = np.empty((1, width))
-            try:
-                self._core.ask(question, *_three(rows), out, guess)  # type: ignore[arg-type]
-            except (TypeError, NoAnswer):
-                # Said below, of what has been checked.
-                pass
-            else:
-                return out[0]
-        arrays = together(
-            **{name: finite_rows(name, value, n) for name, value in arguments.items()}
-        )
-        shape = arrays[0].shape[:-1]
-        rows = [array.reshape(-1, n) for array in arrays]
         out = np.empty((len(rows[0]), width))
         try:
-            self._core.ask(question, *_three(rows), out, guess)
+            self._core.ask(question, rows[0], rows[1], rows[2], out, guess)
         except NoAnswer as failed:
             raise self._refused(failed, rows[0]) from None
         return out.reshape(*shape, width)
@@ -382,7 +386,7 @@ class ClosedLoopRobot:
         JointLimitExceeded
             If an un-actuated joint would be beyond its limits.
         """
-        return self._ask(CONFIGURATION, self.model.nq, guess, positions=positions)
+        return self._ask(CONFIGURATION, self.model.nq, guess, positions, positions, positions)
 
     def configurations_along(self, path: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations along a path.
@@ -438,7 +442,7 @@ class ClosedLoopRobot:
         """
         row = one_row("positions", positions, len(self.actuated))
         nq, n = self.model.nq, len(self.actuated)
-        both = self._ask(COMPLEMENT, nq + self.model.nv * n, positions=row)
+        both = self._ask(COMPLEMENT, nq + self.model.nv * n, None, row, row, row)
         complement = np.ascontiguousarray(both[nq:].reshape(n, self.model.nv).T)
         return ClosedPose(both[:nq].copy(), complement, self._dependent_inverse)
 
@@ -465,9 +469,7 @@ class ClosedLoopRobot:
         """
         nq, nv = self.model.nq, self.model.nv
         rest = np.zeros(len(self.actuated))
-        motion = self._ask(
-            MOTION, nq + 2 * nv, positions=positions, speeds=speeds, accelerations=rest
-        )
+        motion = self._ask(MOTION, nq + 2 * nv, None, positions, speeds, rest)
         return motion[..., nq : nq + nv]
 
     # Projected dynamics
@@ -499,9 +501,9 @@ class ClosedLoopRobot:
             MOTION,
             nq + 2 * nv,
             q,
-            positions=q[self.actuated_q],
-            speeds=v[self.actuated_v],
-            accelerations=np.zeros(len(self.actuated)),
+            q[self.actuated_q],
+            v[self.actuated_v],
+            np.zeros(len(self.actuated)),
         )
         return motion[nq + nv :]
 
@@ -536,9 +538,7 @@ class ClosedLoopRobot:
             See :meth:`configuration`.
         """
         n = len(self.actuated)
-        packed = self._ask(
-            EQUATION_OF_MOTION, 2 * n * n + n, guess, positions=positions, speeds=speeds
-        )
+        packed = self._ask(EQUATION_OF_MOTION, 2 * n * n + n, guess, positions, speeds, speeds)
         square = (*packed.shape[:-1], n, n)
         return (
             packed[..., : n * n].reshape(square),
@@ -586,14 +586,8 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        return self._ask(
-            INVERSE_DYNAMICS,
-            len(self.actuated),
-            guess,
-            positions=positions,
-            speeds=speeds,
-            accelerations=accelerations,
-        )
+        n = len(self.actuated)
+        return self._ask(INVERSE_DYNAMICS, n, guess, positions, speeds, accelerations)
 
     def actuator_forces(
         self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
@@ -669,14 +663,8 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        return self._ask(
-            FORWARD_DYNAMICS,
-            len(self.actuated),
-            guess,
-            positions=positions,
-            speeds=speeds,
-            forces=forces,
-        )
+        n = len(self.actuated)
+        return self._ask(FORWARD_DYNAMICS, n, guess, positions, speeds, forces, "forces")
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
         """Return the Jacobian of a frame by the actuated coordinates.
@@ -805,7 +793,7 @@ class ClosedLoopRobot:
 
     def kinetic_energy(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the kinetic energy [J], of shape (...,)."""
-        return self._ask(ENERGIES, 2, positions=positions, speeds=speeds)[..., 0]
+        return self._ask(ENERGIES, 2, None, positions, speeds, speeds)[..., 0]
 
     def potential_energy(self, positions: ArrayLike) -> Array:
         """Return the potential energy in the field of gravity [J], of shape (...,).
@@ -813,9 +801,4 @@ class ClosedLoopRobot:
         Zero with all masses at the base's height.
         """
         rest = np.zeros(len(self.actuated))
-        return self._ask(ENERGIES, 2, positions=positions, speeds=rest)[..., 1]
-
-
-def _three(rows: list[Array]) -> tuple[Array, Array, Array]:
-    """Return three arguments for a question that needs up to three."""
-    return rows[0], rows[min(1, len(rows) - 1)], rows[-1]
+        return self._ask(ENERGIES, 2, None, positions, rest, rest)[..., 1]

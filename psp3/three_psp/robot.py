@@ -151,19 +151,24 @@ class PSP3(ClosedLoopRobot):
         self,
         question: int,
         width: int,
-        guess: ArrayLike | LastPose | None = None,
-        **arguments: ArrayLike,
+        guess: ArrayLike | LastPose | None,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        third: ArrayLike,
+        name_of_third: str = "accelerations",
     ) -> Array:
         """Return answers of the core, each from the pose in closed form."""
 
-        def one(**row: Array) -> Array:
-            start = self.configuration(row["positions"]) if guess is None else guess
-            return super(PSP3, self)._ask(question, width, start, **row)
+        def one(row: Array, *others: Array) -> Array:
+            start = self.configuration(row) if guess is None else guess
+            return super(PSP3, self)._ask(question, width, start, row, *others, name_of_third)
 
         return applied_to_rows(
-            lambda *row: one(**dict(zip(arguments, row, strict=True))),
+            one,
             (width,),
-            **{name: (values, 3) for name, values in arguments.items()},
+            positions=(positions, 3),
+            speeds=(speeds, 3),
+            **{name_of_third: (third, 3)},
         )
 
     def dynamics(self, name: str) -> DynamicsModel:
