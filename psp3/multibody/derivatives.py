@@ -35,10 +35,12 @@ from psp3.multibody.least_squares import solve_transposed
 from psp3.multibody.loops import polynomial
 from psp3.multibody.tree import (
     AT_ACCELERATIONS,
+    AT_BRACKETS,
     AT_BY_POSITIONS,
     AT_BY_SPEEDS,
     AT_CLOSURE_FRAMES,
     AT_CLOSURES,
+    AT_COLUMN_OF,
     AT_COMPLEMENT,
     AT_COMPLEMENT_RATES,
     AT_CONFIGURATION,
@@ -60,6 +62,7 @@ from psp3.multibody.tree import (
     AT_JOINTS,
     AT_LOADS,
     AT_LOOP_FORCES,
+    AT_MASS,
     AT_MASSIVE,
     AT_RATES,
     AT_REFLECTIONS,
@@ -102,11 +105,11 @@ from psp3.multibody.tree import (
 
 
 @compiled
-def differentiate(tree, numbers, memory):
+def differentiate(tree, numbers, memory, forces):
     """Write the derivatives of the independent forces by positions and by speeds, column by column.
 
-    The memory has a motion with all its forces, L, its twists and their rates. What becomes of
-    joint accelerations and of the elements' forces is overwritten.
+    The memory has a motion with all its forces, those of independent joints at ``forces``, the mass
+    matrix, L, its twists and their rates. The elements' forces are overwritten.
     """
     _load(tree, numbers, memory)
     _spin(tree, memory)
@@ -122,6 +125,51 @@ def differentiate(tree, numbers, memory):
         _rates_again(tree, numbers, memory, k)
         _along_position(tree, numbers, memory, k)
         _bring(tree, memory, tree[AT_BY_POSITIONS] + n * k)
+    _at_free_joints(tree, memory, forces)
+
+
+@compiled
+def _at_free_joints(tree, memory, forces):
+    """Correct the derivatives by an independent ball or free flyer, whose speeds are no rates.
+
+    Derivatives along two of these may not be exchanged: they differ by the one along their bracket.
+    Those by positions are at constant speeds, in the joint's own axes, which turn.
+    """
+    n, M, column_of = tree[INDEPENDENT], tree[AT_MASS], tree[AT_COLUMN_OF]
+    unit = tree[AT_BRACKETS]
+    turned, faster, own, dual = unit + 6, unit + 12, unit + 18, unit + 24
+    for e in range(tree[ELEMENTS]):
+        row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
+        first, count = tree[row + INDEX_V], tree[row + FREEDOMS]
+        place = -1 - tree[column_of + first]
+        # Dependent or locked
+        if count == 1 or place < 0 or place >= n:
+            continue
+        for i in range(count):
+            memory[own + i] = memory[forces - 1 - tree[column_of + first + i]]
+        for part in range(2):
+            for axis in range(count):
+                for i in range(count):
+                    memory[unit + i] = 1.0 if i == axis else 0.0
+                _bracket(memory, tree[AT_JOINT_SPEEDS] + first, unit, count, turned)
+                _bracket(memory, tree[AT_JOINT_ACCELERATIONS] + first, unit, count, faster)
+                _dual_bracket(memory, unit, own, count, dual)
+                k = -1 - tree[column_of + first + axis]
+                by_speed = tree[AT_BY_SPEEDS] + n * k
+                by_position = tree[AT_BY_POSITIONS] + n * k
+                for i in range(count):
+                    j = -1 - tree[column_of + first + i]
+                    for f in range(n):
+                        mass = memory[M + n * f + j]
+                        if part == 0:
+                            memory[by_speed + f] -= mass * memory[turned + i]
+                        else:
+                            slope = memory[tree[AT_BY_SPEEDS] + n * j + f]
+                            memory[by_position + f] -= (
+                                slope * memory[turned + i] + mass * memory[faster + i]
+                            )
+                    if part == 1:
+                        memory[by_position + j] -= memory[dual + i]
 
 
 @compiled
@@ -281,26 +329,59 @@ def _along_speed(tree, numbers, memory, k):
 
 
 @inlined
-def _add_bracket(tree, numbers, memory, factor, one, other, first, count):
-    """Add to the loads of a joint of many freedoms a factor of the joint times a bracket.
-
-    Of two of its twists in its own axes, which a ball has without the linear part. The factor is
-    its motors' inertia or damping, 0 or 1.
-    """
-    s, at = count - 3, tree[AT_JOINT_LOADS] + first
-    joint = tree[AT_JOINTS] + JOINT_NUMBERS * first + factor
+def _bracket(memory, one, other, count, out):
+    """Write the cross product of two twists of a joint, of which a ball's have no linear part."""
+    s = count - 3
     wx, wy, wz = memory[one + s], memory[one + s + 1], memory[one + s + 2]
     x, y, z = memory[other + s], memory[other + s + 1], memory[other + s + 2]
-    k = joint + JOINT_NUMBERS * s
-    memory[at + s] += numbers[k] * (wy * z - wz * y)
-    memory[at + s + 1] += numbers[k + JOINT_NUMBERS] * (wz * x - wx * z)
-    memory[at + s + 2] += numbers[k + 2 * JOINT_NUMBERS] * (wx * y - wy * x)
+    memory[out + s], memory[out + s + 1], memory[out + s + 2] = (
+        wy * z - wz * y,
+        wz * x - wx * z,
+        wx * y - wy * x,
+    )
     if s > 0:
         vx, vy, vz = memory[one], memory[one + 1], memory[one + 2]
         ux, uy, uz = memory[other], memory[other + 1], memory[other + 2]
-        memory[at] += numbers[joint] * (wy * uz - wz * uy + vy * z - vz * y)
-        memory[at + 1] += numbers[joint + JOINT_NUMBERS] * (wz * ux - wx * uz + vz * x - vx * z)
-        memory[at + 2] += numbers[joint + 2 * JOINT_NUMBERS] * (wx * uy - wy * ux + vx * y - vy * x)
+        memory[out] = wy * uz - wz * uy + vy * z - vz * y
+        memory[out + 1] = wz * ux - wx * uz + vz * x - vx * z
+        memory[out + 2] = wx * uy - wy * ux + vx * y - vy * x
+
+
+@inlined
+def _dual_bracket(memory, one, force, count, out):
+    """Write the cross product of a joint's twist with its force."""
+    s = count - 3
+    wx, wy, wz = memory[one + s], memory[one + s + 1], memory[one + s + 2]
+    x, y, z = memory[force + s], memory[force + s + 1], memory[force + s + 2]
+    memory[out + s], memory[out + s + 1], memory[out + s + 2] = (
+        wy * z - wz * y,
+        wz * x - wx * z,
+        wx * y - wy * x,
+    )
+    if s > 0:
+        vx, vy, vz = memory[one], memory[one + 1], memory[one + 2]
+        x, y, z = memory[force], memory[force + 1], memory[force + 2]
+        memory[out], memory[out + 1], memory[out + 2] = (
+            wy * z - wz * y,
+            wz * x - wx * z,
+            wx * y - wy * x,
+        )
+        memory[out + 3] += vy * z - vz * y
+        memory[out + 4] += vz * x - vx * z
+        memory[out + 5] += vx * y - vy * x
+
+
+@compiled
+def _add_bracket(tree, numbers, memory, factor, one, other, first, count):
+    """Add to the loads of a joint of many freedoms a factor of the joint times a bracket.
+
+    The factor is its motors' inertia or its damping, 0 or 1.
+    """
+    out, loads = tree[AT_BRACKETS], tree[AT_JOINT_LOADS] + first
+    _bracket(memory, one, other, count, out)
+    for i in range(count):
+        joint = tree[AT_JOINTS] + JOINT_NUMBERS * (first + i)
+        memory[loads + i] += numbers[joint + factor] * memory[out + i]
 
 
 @compiled
@@ -519,39 +600,15 @@ def _turn_joint(tree, numbers, memory, k, first, count):
     _add_bracket(tree, numbers, memory, 1, speed, L, first, count)
     _add_bracket(tree, numbers, memory, 0, faster, L, first, count)
     _add_bracket(tree, numbers, memory, 0, speed, change, first, count)
-    s, at = count - 3, tree[AT_JOINT_LOADS] + first
-    wx, wy, wz = memory[L + s], memory[L + s + 1], memory[L + s + 2]
-    x, y, z = (
-        _motor(tree, numbers, memory, first + s),
-        _motor(tree, numbers, memory, first + s + 1),
-        _motor(tree, numbers, memory, first + s + 2),
-    )
-    memory[at + s] += wy * z - wz * y
-    memory[at + s + 1] += wz * x - wx * z
-    memory[at + s + 2] += wx * y - wy * x
-    if s > 0:
-        x, y, z = (
-            _motor(tree, numbers, memory, first),
-            _motor(tree, numbers, memory, first + 1),
-            _motor(tree, numbers, memory, first + 2),
+    force, turned = tree[AT_BRACKETS], tree[AT_BRACKETS] + 6
+    for i in range(count):
+        joint = tree[AT_JOINTS] + JOINT_NUMBERS * (first + i)
+        memory[force + i] = (
+            numbers[joint] * memory[faster + i] + numbers[joint + 1] * memory[speed + i]
         )
-        memory[at] += wy * z - wz * y
-        memory[at + 1] += wz * x - wx * z
-        memory[at + 2] += wx * y - wy * x
-        vx, vy, vz = memory[L], memory[L + 1], memory[L + 2]
-        memory[at + 3] += vy * z - vz * y
-        memory[at + 4] += vz * x - vx * z
-        memory[at + 5] += vx * y - vy * x
-
-
-@inlined
-def _motor(tree, numbers, memory, velocity):
-    """Return the force of a joint's own motor and damping."""
-    joint = tree[AT_JOINTS] + JOINT_NUMBERS * velocity
-    return (
-        numbers[joint] * memory[tree[AT_JOINT_ACCELERATIONS] + velocity]
-        + numbers[joint + 1] * memory[tree[AT_JOINT_SPEEDS] + velocity]
-    )
+    _dual_bracket(memory, L, force, count, turned)
+    for i in range(count):
+        memory[tree[AT_JOINT_LOADS] + first + i] += memory[turned + i]
 
 
 @compiled

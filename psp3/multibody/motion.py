@@ -166,7 +166,7 @@ def _forces_of(tree, numbers, memory, accelerations, out):
 def accelerate(tree, numbers, memory, speeds, forces, out, with_rates):
     """Write the accelerations of a closed pose under forces; return whether there are any.
 
-    Leave the mass matrix factored, and L, as :func:`complement` writes it.
+    Leave L, as :func:`complement` writes it.
     """
     n = tree[INDEPENDENT]
     for j in range(n):
@@ -224,15 +224,19 @@ def _differentiate(question, tree, numbers, memory, speeds, others, result, out,
         if not accelerate(tree, numbers, memory, speeds, others, result, 1):
             return SINGULAR
         _move_with(tree, memory, speeds)
-        _forces_of(tree, numbers, memory, result, others)
-        differentiate(tree, numbers, memory)
-        _differentiate_forward(tree, memory, out, into)
-        return CLOSED
-    _move_with(tree, memory, speeds)
-    complement(tree, numbers, memory, 1)
+        for j in range(n):
+            memory[others + j] = memory[result + j]
+    else:
+        _move_with(tree, memory, speeds)
+        complement(tree, numbers, memory, 1)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
     _forces_of(tree, numbers, memory, others, result)
-    differentiate(tree, numbers, memory)
+    differentiate(tree, numbers, memory, result)
+    if question == FORWARD_DERIVATIVES:
+        if not factor_positive(memory, tree[AT_MASS], n):
+            return SINGULAR
+        _differentiate_forward(tree, memory, out, into)
+        return CLOSED
     for k in range(n):
         for i in range(n):
             out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]

@@ -87,7 +87,7 @@ NUMBER_PARTS = 7
 below; of each coordinate the rest of its spring, and its lowest and highest value; and the acceleration of free fall (3) [m/s²].
 """
 
-MEMORY_PARTS = 41
+MEMORY_PARTS = 42
 (
     AT_CONFIGURATION,
     AT_PLACEMENTS,
@@ -130,6 +130,7 @@ MEMORY_PARTS = 41
     AT_JOINT_LOADS,
     AT_BY_POSITIONS,
     AT_BY_SPEEDS,
+    AT_BRACKETS,
 ) = range(
     COUNTS + INTEGER_PARTS + NUMBER_PARTS, COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
 )
@@ -152,10 +153,11 @@ independent speed; L, column by column; a square matrix of the independent speed
 vectors of these; and what became of a closure (4): the share of the way, the residual, the group,
 and the outcome.
 
-Last, for derivatives: how L changes, column by column; second rates of the twists of one column, and
-wrenches of the elements that belong to it; what turning does to the momenta of each body (12); the
-wrenches on all that the elements carry; the force in each closure (6); what changes of the joints'
-own forces; and the derivatives by positions and by speeds, column by column.
+Last, for derivatives: how L changes, column by column; second rates of the twists of one column,
+and wrenches of the elements that belong to it; what turning does to the momenta of each body (12);
+the wrenches on all that the elements carry; the force in each closure (6); what changes of the
+joints' own forces; the derivatives by positions and by speeds, column by column; and five twists of
+a joint.
 """
 
 SIZE = COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
