@@ -432,7 +432,7 @@ class ProjectedDynamics:
         by_positions, by_speeds, mass = self.inverse_dynamics_derivatives(
             positions, speeds, accelerations
         )
-        inverse = np.linalg.inv(mass)
+        inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
         return ForwardDynamicsDerivatives(-inverse @ by_positions, -inverse @ by_speeds, inverse)
 
     @functools.cached_property

@@ -173,6 +173,24 @@ def coriolis_matrix(tree, memory, out):
             memory[out + n * i + j] = _power(tree, memory, X + wide * i, P)
 
 
+@compiled
+def add_coriolis_of_motors(tree, numbers, memory, out):
+    r"""Add to the Coriolis matrix (n²) what the joints' own inertia B adds, :math:`L^T B \dot L`."""
+    n, nv, L, rates = (
+        tree[INDEPENDENT],
+        tree[VELOCITIES],
+        tree[AT_COMPLEMENT],
+        tree[AT_COMPLEMENT_RATES],
+    )
+    for velocity in range(nv):
+        motor = numbers[tree[AT_JOINTS] + JOINT_NUMBERS * velocity]
+        if motor != 0.0:
+            for i in range(n):
+                share = motor * memory[L + nv * i + velocity]
+                for j in range(n):
+                    memory[out + n * i + j] += share * memory[rates + nv * j + velocity]
+
+
 @inlined
 def _coriolis_wrench(tree, memory, e, X, rate, H, out):
     """Write the wrench of one element for one column of the Coriolis matrix.

@@ -26,6 +26,7 @@ from psp3.multibody.forces import (
     projected,
 )
 from psp3.multibody.inertia import (
+    add_coriolis_of_motors,
     complement,
     coriolis_matrix,
     factor_positive,
@@ -274,6 +275,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, memory, tree[AT_MASS])
+        add_coriolis_of_motors(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into + n * n)
         gravity(tree, numbers, memory, result)
         _copy(memory, result, n, out, into + 2 * n * n)
