@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, merged
 from psp3.multibody.least_squares import factor, orientation, reflect, solve
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import move, place
@@ -238,7 +238,7 @@ def _is_turned(tree, memory, group):
     return not orientation(memory, across, columns) > 0.0
 
 
-@compiled
+@merged
 def _remember(tree, memory, group):
     """Keep the pose of a group as the one from which the next is looked for."""
     before = tree[AT_BEFORE]
@@ -288,7 +288,7 @@ def _speeds_along(tree, memory, group):
     return fastest
 
 
-@compiled
+@merged
 def _is_bent(tree, memory, group, fastest):
     """Tell whether the speeds along the way are others than at the pose before; leave those."""
     g = tree[AT_GROUPS] + GROUP_INTEGERS * group
@@ -304,7 +304,7 @@ def _is_bent(tree, memory, group, fastest):
     return bend > LARGEST_BEND * fastest
 
 
-@compiled
+@merged
 def _follow(tree, numbers, memory, group):
     """Move a closed group's independent joints from where they are to the target.
 
@@ -369,7 +369,7 @@ def _follow(tree, numbers, memory, group):
     return CLOSED
 
 
-@compiled
+@merged
 def _open(tree, numbers, memory, group):
     """Let only the independent joints of a group go on to the target, which opens its loops."""
     target = tree[AT_TARGET]
@@ -393,7 +393,7 @@ def _open(tree, numbers, memory, group):
     )
 
 
-@compiled
+@merged
 def settled(tree, numbers, memory):
     """Close all loops from a guess that is in the configuration, its independent joints fixed.
 
@@ -414,7 +414,7 @@ def settled(tree, numbers, memory):
     return CLOSED
 
 
-@compiled
+@merged
 def moved_to(tree, numbers, memory):
     """Move the independent joints of a closed pose to the target, all loops closed.
 

@@ -62,7 +62,7 @@ from psp3.multibody.tree import (
 def complement(tree, numbers, memory, with_rates):
     """Write L, column by column, the twists that belong to its columns, and how both change.
 
-    How they change only where ``with_rates`` is 1; the elements' own twists are then there.
+    How they change only where ``with_rates`` is 1.0; the elements' own twists are then there.
     """
     n, nv, elements = tree[INDEPENDENT], tree[VELOCITIES], tree[ELEMENTS]
     unit = tree[AT_ROOM]
@@ -75,7 +75,7 @@ def complement(tree, numbers, memory, with_rates):
         memory[unit + j] = 0.0
         X = tree[AT_FIELDS] + 6 * (elements + 1) * j
         rate = tree[AT_RATES] + 6 * (elements + 1) * j
-        if with_rates == 0:
+        if with_rates == 0.0:
             twists(tree, memory, column, X)
         else:
             carried(tree, memory, column, X, rate)

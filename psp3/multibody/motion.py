@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, merged
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
 from psp3.multibody.derivatives import differentiate
@@ -43,8 +43,8 @@ from psp3.multibody.tree import (
     AT_BY_SPEEDS,
     AT_COMPLEMENT,
     AT_CONFIGURATION,
-    AT_INDEPENDENT_Q,
     AT_FREE_FALL,
+    AT_INDEPENDENT_Q,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
@@ -109,7 +109,7 @@ def assemble(tree, numbers, memory):
     return settled(tree, numbers, memory)
 
 
-@compiled
+@merged
 def _aim(tree, memory, positions, row):
     """Make a row of positions the target; return whether it is near the pose."""
     target, near = tree[AT_TARGET], True
@@ -120,7 +120,7 @@ def _aim(tree, memory, positions, row):
     return near
 
 
-@compiled
+@merged
 def _reach(tree, numbers, memory):
     """Move to the target, all loops closed; return what became of it."""
     outcome = moved_to(tree, numbers, memory)
@@ -133,7 +133,7 @@ def _reach(tree, numbers, memory):
     return outcome
 
 
-@compiled
+@merged
 def _is_finite(out, first, end):
     """Tell whether all numbers from the first to the end are finite."""
     for i in range(first, end):
@@ -142,7 +142,7 @@ def _is_finite(out, first, end):
     return True
 
 
-@compiled
+@merged
 def _move_with(tree, memory, speeds):
     """Give all joints and elements the velocities of independent speeds."""
     z, V = tree[AT_JOINT_SPEEDS], tree[AT_VELOCITIES]
@@ -150,7 +150,7 @@ def _move_with(tree, memory, speeds):
     carried(tree, memory, z, V, tree[AT_ACCELERATIONS])
 
 
-@compiled
+@merged
 def _forces_of(tree, numbers, memory, accelerations, out):
     """Write the independent forces of a motion, of which the velocities are there."""
     change, rate = tree[AT_JOINT_ACCELERATIONS], tree[AT_ACCELERATIONS]
@@ -163,7 +163,7 @@ def _forces_of(tree, numbers, memory, accelerations, out):
     projected(tree, memory, tree[AT_JOINT_FORCES], out)
 
 
-@compiled
+@merged
 def accelerate(tree, numbers, memory, speeds, forces, out, with_rates):
     """Write the accelerations of a closed pose under forces; return whether there are any.
 
@@ -184,7 +184,7 @@ def accelerate(tree, numbers, memory, speeds, forces, out, with_rates):
     return True
 
 
-@compiled
+@merged
 def _take(tree, memory, values, row, at):
     """Copy a row of independent speeds, accelerations or forces into the memory."""
     n = tree[INDEPENDENT]
@@ -192,19 +192,16 @@ def _take(tree, memory, values, row, at):
         memory[at + j] = values[n * row + j]
 
 
-@compiled
+@merged
 def _copy(memory, at, count, out, into):
     """Copy numbers of the memory into an answer."""
     for i in range(count):
         out[into + i] = memory[at + i]
 
 
-@compiled
+@merged
 def _differentiate_forward(tree, memory, out, into):
-    """Write derivatives of accelerations, from those of the forces of the motion.
-
-    The mass matrix is factored.
-    """
+    """Write derivatives of accelerations from those of forces and the factored mass matrix."""
     n, column = tree[INDEPENDENT], tree[AT_ROOM]
     for part in range(3):
         at = tree[AT_BY_POSITIONS] if part == 0 else tree[AT_BY_SPEEDS]
@@ -217,62 +214,36 @@ def _differentiate_forward(tree, memory, out, into):
                 out[into + n * (n * part + i) + k] = memory[column + i]
 
 
-@compiled
-def _differentiate(question, tree, numbers, memory, speeds, others, result, out, into):
-    """Write derivatives; return what became of it."""
-    n = tree[INDEPENDENT]
-    if question == FORWARD_DERIVATIVES:
-        if not accelerate(tree, numbers, memory, speeds, others, result, 1):
-            return SINGULAR
-        _move_with(tree, memory, speeds)
-        for j in range(n):
-            memory[others + j] = memory[result + j]
-    else:
-        _move_with(tree, memory, speeds)
-        complement(tree, numbers, memory, 1)
-    mass_matrix(tree, numbers, memory, tree[AT_MASS])
-    _forces_of(tree, numbers, memory, others, result)
-    differentiate(tree, numbers, memory, result)
-    if question == FORWARD_DERIVATIVES:
-        if not factor_positive(memory, tree[AT_MASS], n):
-            return SINGULAR
-        _differentiate_forward(tree, memory, out, into)
-        return CLOSED
-    for k in range(n):
-        for i in range(n):
-            out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
-            out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
-    _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
-    return CLOSED
-
-
-@compiled
+@merged
 def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
     if question <= COMPLEMENT:
         _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
         if question == COMPLEMENT:
-            complement(tree, numbers, memory, 0)
+            complement(tree, numbers, memory, 0.0)
             _copy(memory, tree[AT_COMPLEMENT], n * nv, out, into + nq)
         return CLOSED
     # The first vector of the room is taken by the complement.
     speeds, others, result = room + n, room + 2 * n, room + 3 * n
     _take(tree, memory, second, row, speeds)
     weigh(tree, numbers, memory)
-    if question >= INVERSE_DERIVATIVES:
-        _take(tree, memory, third, row, others)
-        return _differentiate(question, tree, numbers, memory, speeds, others, result, out, into)
-    if question == FORWARD_DYNAMICS:
-        _take(tree, memory, third, row, others)
-        if not accelerate(tree, numbers, memory, speeds, others, result, 0):
+    _take(tree, memory, third, row, others)
+    if question == FORWARD_DYNAMICS or question == FORWARD_DERIVATIVES:
+        with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
+        if not accelerate(tree, numbers, memory, speeds, others, result, with_rates):
             return SINGULAR
-        _copy(memory, result, n, out, into)
-        return CLOSED
+        if question == FORWARD_DYNAMICS:
+            _copy(memory, result, n, out, into)
+            return CLOSED
+        for j in range(n):
+            memory[others + j] = memory[result + j]
     _move_with(tree, memory, speeds)
-    if question == EQUATION_OF_MOTION:
-        complement(tree, numbers, memory, 1)
+    if question == EQUATION_OF_MOTION or question == INVERSE_DERIVATIVES:
+        complement(tree, numbers, memory, 1.0)
+    if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
+    if question == EQUATION_OF_MOTION:
         _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, memory, tree[AT_MASS])
         add_coriolis_of_motors(tree, numbers, memory, tree[AT_MASS])
@@ -283,14 +254,25 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         out[into] = kinetic_energy(tree, numbers, memory)
         out[into + 1] = potential_energy(tree, numbers, memory)
     else:
-        _take(tree, memory, third, row, others)
         _forces_of(tree, numbers, memory, others, result)
         if question == INVERSE_DYNAMICS:
             _copy(memory, result, n, out, into)
-        else:
+        elif question == MOTION:
             _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
             _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, into + nq)
             _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, into + nq + nv)
+        else:
+            differentiate(tree, numbers, memory, result)
+            if question == FORWARD_DERIVATIVES:
+                if not factor_positive(memory, tree[AT_MASS], n):
+                    return SINGULAR
+                _differentiate_forward(tree, memory, out, into)
+                return CLOSED
+            for k in range(n):
+                for i in range(n):
+                    out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
+                    out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
+            _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
     return CLOSED
 
 
@@ -363,7 +345,7 @@ def runge_kutta(tree, numbers, memory, positions, speeds, forces, duration, step
                 memory[tree[AT_REPORT] + 3] = float(outcome)
                 return step
             weigh(tree, numbers, memory)
-            if not accelerate(tree, numbers, memory, u, force, k, 0):
+            if not accelerate(tree, numbers, memory, u, force, k, 0.0):
                 memory[tree[AT_REPORT] + 3] = float(SINGULAR)
                 return step
             weight = 1.0 if stage == 0 or stage == 3 else 2.0

@@ -130,7 +130,7 @@ MEMORY_PARTS = 42
     AT_JOINT_LOADS,
     AT_BY_POSITIONS,
     AT_BY_SPEEDS,
-    AT_BRACKETS,
+    AT_VECTORS,
 ) = range(
     COUNTS + INTEGER_PARTS + NUMBER_PARTS, COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
 )
@@ -156,8 +156,8 @@ and the outcome.
 Last, for derivatives: how L changes, column by column; second rates of the twists of one column,
 and wrenches of the elements that belong to it; what turning does to the momenta of each body (12);
 the wrenches on all that the elements carry; the force in each closure (6); what changes of the
-joints' own forces; the derivatives by positions and by speeds, column by column; and five twists of
-a joint.
+joints' own forces; the derivatives by positions and by speeds, column by column; and room for seven
+twists.
 """
 
 SIZE = COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
