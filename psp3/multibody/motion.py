@@ -25,6 +25,7 @@ from psp3.multibody.forces import (
     projected,
 )
 from psp3.multibody.inertia import (
+    add_damping,
     complement,
     coriolis_matrix,
     gravity,
@@ -50,6 +51,7 @@ from psp3.multibody.tree import (
     AT_VELOCITIES,
     COORDINATES,
     INDEPENDENT,
+    POSITIONS,
     VELOCITIES,
 )
 
@@ -98,7 +100,7 @@ def assemble(tree, numbers, memory):
 def _aim(tree, memory, positions, row):
     """Make a row of positions the target; return whether it is near the pose."""
     target, near = tree[AT_TARGET], True
-    for j in range(tree[INDEPENDENT]):
+    for j in range(tree[POSITIONS]):
         memory[target + j] = positions[row, j]
         at = memory[tree[AT_CONFIGURATION] + tree[tree[AT_INDEPENDENT_Q] + j]]
         near = near and abs(positions[row, j] - at) <= NEAR
@@ -203,6 +205,7 @@ def _answer(question, tree, numbers, memory, second, third, out, row):
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, row, 0)
         coriolis_matrix(tree, memory, tree[AT_MASS])
+        add_damping(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, row, n * n)
         gravity(tree, numbers, memory, result)
         _copy(memory, result, n, out, row, 2 * n * n)
@@ -227,7 +230,8 @@ def answer(
 ):
     """Write the answers to a question, row by row (N, w).
 
-    The second argument are speeds, the third accelerations or forces, all (N, n); where a question
+    Positions are (N, p); the second argument are speeds, the third accelerations or forces, both
+    (N, n); where a question
     needs fewer, they are not looked at. With ``is_warm`` the memory begins with a pose from which
     the first row starts, and else that is the reference; the other rows start from it, too, but on
     a path from the row before. Return the first row that has no answer, or −1.
