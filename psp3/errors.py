@@ -277,7 +277,7 @@ class UnsupportedJoint(PSP3Error, ValueError):
         self.joint, self.kind = joint, kind
         super().__init__(
             f"joint {joint!r} is a {kind}; loops are closed through revolute, prismatic, "
-            "helical, universal, ball and free joints: compose it of these"
+            "helical, universal, ball, planar and free joints: compose it of these"
         )
 
 

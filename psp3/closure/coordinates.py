@@ -158,6 +158,11 @@ def chosen_coordinates(
     )
 
 
+def is_ball(joint: Any) -> bool:
+    """Tell whether a joint turns about a point."""
+    return (joint.nq, joint.nv) == (4, 3) and "Spherical" in joint.shortname()
+
+
 class _Choice:
     """The motions that are still without a coordinate, at every pose."""
 
@@ -204,7 +209,7 @@ class _Choice:
         found: list[tuple[float, int, Array, Spin | None]] = []
         for index in range(1, self.model.njoints):
             joint, name = self.model.joints[index], str(self.model.names[index])
-            if joint.nv == 3 and joint.nq == 4:
+            if is_ball(joint):
                 own = slice(joint.idx_v, joint.idx_v + 3)
                 axis = np.linalg.svd(self.bases[0][own])[0][:, 0]
                 row = np.zeros(self.model.nv)
@@ -232,7 +237,8 @@ class _Choice:
 def _floating_base(model: pin.Model, closures: Sequence[Any]) -> Any:
     """Return the joint of a floating base that no loop contains, or None."""
     for joint in list(model.joints)[1:]:
-        if (joint.nq, joint.nv) != (7, 6) or model.parents[joint.id] != 0:
+        is_base = (joint.nq, joint.nv) == (7, 6) or "Planar" in joint.shortname()
+        if not is_base or model.parents[joint.id] != 0:
             continue
         for one in closures:
             if isinstance(one, Coupling | Spin):
@@ -262,7 +268,7 @@ def _moving(
             tuple(
                 str(name)
                 for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
-                if moves[joint.idx_v : joint.idx_v + joint.nv].any() and joint.nv < 6
+                if moves[joint.idx_v : joint.idx_v + joint.nv].any()
             )
         )
     return moving

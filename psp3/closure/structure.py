@@ -18,7 +18,7 @@ compare.
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -160,27 +160,48 @@ def structure(
     start = within_limits(model, pin.neutral(model)) if q is None else q
     equations = _Equations(model, flat, start)
     found = equations.structure(start, motors)
-    if found is not None and (q is not None or is_within_limits(model, found.home)):
+    if found is not None and (q is not None or _is_good(model, found, motors)):
         return found
     begun, tried = time.perf_counter(), 1
     least, worst = equations.openness(start)
-    nearest: Structure | None = found
-    for near, _ in nearly_closed(model, flat, start):
+    others = [found] if found is not None else []
+    for near in _other_starts(model, flat, start):
         tried += 1
         size, where = equations.openness(near)
         if size < least:
             least, worst = size, where
-        if size <= LARGEST_MISMATCH:
-            found = equations.structure(near, motors)
-            if found is not None and is_within_limits(model, found.home, like=near):
+        found = equations.structure(near, motors)
+        if found is not None:
+            if _is_good(model, found, motors) or q is not None:
                 return found
-            nearest = nearest or found
+            others.append(found)
         if time.perf_counter() - begun > MOST_SECONDS:
             break
-    if nearest is not None:
-        return nearest
+    if others:
+        # That in which motors command most; of equals one within the limits.
+        return max(others, key=lambda one: (commanded(one, motors), is_within(model, one.home)))
     loop = names[worst] if 0 <= worst < len(names) else ""
     raise LoopsDoNotClose(start, least, loop, tried)
+
+
+def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:
+    """Tell whether a home that nobody gave can be one.
+
+    Within the joint limits, and with each motor at work that can be: in the fold of a leg, for
+    example, none is.
+    """
+    most = min(motors.shape[1], model.nv - found.rank)
+    return is_within(model, found.home) and commanded(found, motors) == most
+
+
+def _other_starts(model: pin.Model, flat: FlatTree, start: Array) -> Iterator[Array]:
+    """Yield other configurations to start from: first within the joint limits, then anywhere."""
+    for near, _ in nearly_closed(model, flat, start):
+        yield near
+    rng = np.random.default_rng(1)
+    for attempt in range(1, 31):
+        way = 0.1 * attempt * rng.uniform(-1.0, 1.0, model.nv)
+        yield np.asarray(pin.integrate(model, start, way))
 
 
 def within_limits(model: pin.Model, q: Array) -> Array:
@@ -197,16 +218,11 @@ def within_limits(model: pin.Model, q: Array) -> Array:
     return inside
 
 
-def is_within_limits(model: pin.Model, q: Array, like: Array | None = None) -> bool:
-    """Tell whether all joints of one coordinate are within their limits, to rounding.
-
-    Or, with ``like``, not farther outside than there.
-    """
+def is_within(model: pin.Model, q: Array) -> bool:
+    """Tell whether all joints of one coordinate are within their limits, to rounding."""
     for joint in list(model.joints)[1:]:
         if joint.nq == 1:
             low, high = _limits(model, joint.idx_q)
-            if like is not None:
-                low, high = min(low, like[joint.idx_q]), max(high, like[joint.idx_q])
             if low <= high and not low - 1e-6 <= q[joint.idx_q] <= high + 1e-6:
                 return False
     return True

@@ -35,6 +35,7 @@ from psp3.multibody.tree import (
     LARGEST_DEGREE,
     LOCKED,
     MEMORY_PARTS,
+    PLANAR,
     POINT,
     POSITIONS,
     ROWS,
@@ -91,7 +92,7 @@ class _Element:
 
     @property
     def freedoms(self) -> int:
-        return {BALL: 3, FREE: 6}.get(self.kind, 1)
+        return {BALL: 3, PLANAR: 3, FREE: 6}.get(self.kind, 1)
 
     @property
     def velocities(self) -> range:
@@ -131,7 +132,8 @@ class _Closure:
         self.numbers[: len(coupling.coefficients)] = coupling.coefficients
         assert len(coupling.coefficients) <= LARGEST_DEGREE + 1
         self.is_length = [not elements[follows].screw[3:].any()]
-        self.sides = {follows: 1, leads: -1}
+        # A joint that is held follows itself.
+        self.sides = {leads: -1, follows: 1}
 
     def _hold(self, elements: list[_Element], of_joint: list[int], spin: Spin) -> None:
         ball = of_joint[spin.joint]
@@ -173,8 +175,7 @@ def flattened(
     Raises
     ------
     UnsupportedJoint
-        If a joint is not a chain of screws, a ball joint or a free flyer (mimic and planar joints
-        are not).
+        If a joint is not a chain of screws, a ball joint, a planar joint or a free flyer.
     """
     elements, of_joint = _elements(model)
     closures = [_Closure(elements, of_joint, constraint) for constraint in constraint_models]
@@ -203,7 +204,7 @@ def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
         )
         axes = whole[:, joint.idx_v : joint.idx_v + joint.nv]
         kind = _kind(joint)
-        if kind in (BALL, FREE):
+        if kind in (BALL, FREE, PLANAR):
             elements.append(_Element(kind, parent, joint.idx_q, joint.idx_v, fixed, np.zeros(6)))
         elif kind == UNBOUNDED:
             elements.append(
@@ -231,6 +232,8 @@ def _kind(joint: Any) -> int:
         return BALL
     if (joint.nq, joint.nv) == (7, 6) and "FreeFlyer" in joint.shortname():
         return FREE
+    if (joint.nq, joint.nv) == (4, 3) and "Planar" in joint.shortname():
+        return PLANAR
     return UNBOUNDED if (joint.nq, joint.nv) == (2, 1) else SCREW
 
 
@@ -248,6 +251,9 @@ def _compare(model: pin.Model, elements: list[_Element], of_joint: list[int]) ->
                 if element.kind == BALL
                 else q[at : at + 7]
             )
+        elif element.kind == PLANAR:
+            turn = pin.exp3(np.array([0.0, 0.0, np.arctan2(q[at + 3], q[at + 2])]))
+            joint = pin.SE3(turn, np.array([q[at], q[at + 1], 0.0]))
         else:
             joint = pin.exp6(
                 element.screw * (q[at] if element.kind == SCREW else np.arctan2(q[at + 1], q[at]))
@@ -472,13 +478,13 @@ def _packed(
 def _coordinates(elements: list[_Element], velocity: int) -> list[int]:
     """Return the places of the coordinates that come with an independent velocity.
 
-    Those of a free flyer all come with its first.
+    Those of a free flyer or a planar joint all come with its first.
     """
     for element in elements:
         if velocity in element.velocities:
-            if element.kind == FREE:
-                at = element.index_q
-                return list(range(at, at + 7)) if velocity == element.index_v else []
+            if element.kind in (FREE, PLANAR):
+                at, count = element.index_q, 7 if element.kind == FREE else 4
+                return list(range(at, at + count)) if velocity == element.index_v else []
             return [element.index_q]
     raise IndexError(velocity)
 
@@ -489,6 +495,8 @@ def _sliding(model: pin.Model, elements: list[_Element]) -> Array:
     for element in elements:
         if element.kind == FREE:
             sliding[element.index_v : element.index_v + 3] = True
+        elif element.kind == PLANAR:
+            sliding[element.index_v : element.index_v + 2] = True
         elif element.kind == SCREW:
             sliding[element.index_v] = not element.screw[3:].any()
     return sliding
@@ -557,6 +565,6 @@ def _memory_begins(counts: list[int]) -> list[int]:
         n * twists,
         n * twists,
     ]
-    sizes += [n * nv, n * n, 8 * n, 4]
+    sizes += [n * nv, n * nv, n * n, 8 * n, 4]
     assert len(sizes) == MEMORY_PARTS
     return [sum(sizes[:number]) for number in range(len(sizes) + 1)]

@@ -25,9 +25,11 @@ from psp3.multibody.forces import (
     twists,
 )
 from psp3.multibody.tree import (
+    ARMATURE,
     AT_ACCELERATIONS,
     AT_BODIES,
     AT_COMPLEMENT,
+    AT_COMPLEMENT_RATES,
     AT_CONFIGURATION,
     AT_ELEMENTS,
     AT_FIELDS,
@@ -85,6 +87,8 @@ def complement(tree, numbers, memory, with_rates):
                 memory[change + velocity] = 0.0
             change_of_joint_speeds(tree, numbers, memory, column, X, rate, change)
             add_change(tree, memory, change, rate)
+            for velocity in range(nv):
+                memory[tree[AT_COMPLEMENT_RATES] + nv * j + velocity] = memory[change + velocity]
 
 
 @inlined
@@ -175,23 +179,28 @@ def coriolis_matrix(tree, memory, out):
 
 
 @compiled
-def add_damping(tree, numbers, memory, out):
-    r"""Add to a matrix (n²) what makes its product with the speeds brake the joints.
+def add_joints(tree, numbers, memory, out):
+    r"""Add to the Coriolis matrix (n²) what the joints have of their own.
 
-    That is :math:`L^T D L` with the joints' viscous damping D and, where they slip, their dry
-    friction over their speed.
+    Of their motors' inertia J it is :math:`L^T J \dot L`, of what brakes them :math:`L^T D L`, with
+    D the viscous damping and, where a joint slips, its dry friction over its speed.
     """
     n, nv, L = tree[INDEPENDENT], tree[VELOCITIES], tree[AT_COMPLEMENT]
+    rates = tree[AT_COMPLEMENT_RATES]
     for velocity in range(nv):
         joint = tree[AT_JOINTS] + JOINT_NUMBERS * velocity
         damping, speed = numbers[joint + DAMPING], memory[tree[AT_JOINT_SPEEDS] + velocity]
         if speed != 0.0:
             damping += numbers[joint + FRICTION] / abs(speed)
-        if damping != 0.0:
+        inertia = numbers[joint + ARMATURE]
+        if damping != 0.0 or inertia != 0.0:
             for i in range(n):
-                share = damping * memory[L + nv * i + velocity]
+                share = memory[L + nv * i + velocity]
                 for j in range(n):
-                    memory[out + n * i + j] += share * memory[L + nv * j + velocity]
+                    k = nv * j + velocity
+                    memory[out + n * i + j] += share * (
+                        damping * memory[L + k] + inertia * memory[rates + k]
+                    )
 
 
 @inlined

@@ -25,7 +25,7 @@ from psp3.multibody.forces import (
     projected,
 )
 from psp3.multibody.inertia import (
-    add_damping,
+    add_joints,
     complement,
     coriolis_matrix,
     gravity,
@@ -205,7 +205,7 @@ def _answer(question, tree, numbers, memory, second, third, out, row):
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, row, 0)
         coriolis_matrix(tree, memory, tree[AT_MASS])
-        add_damping(tree, numbers, memory, tree[AT_MASS])
+        add_joints(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, row, n * n)
         gravity(tree, numbers, memory, result)
         _copy(memory, result, n, out, row, 2 * n * n)

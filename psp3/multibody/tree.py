@@ -14,9 +14,9 @@ of the memory is the first of the screw of velocity v.
 
 from __future__ import annotations
 
-SCREW, UNBOUNDED, BALL, FREE = range(4)
+SCREW, UNBOUNDED, BALL, FREE, PLANAR = range(5)
 """Kinds of elements: one degree of freedom in one coordinate; an angle as cosine and sine; a
-quaternion; position and quaternion.
+quaternion; position and quaternion; position in a plane, and the cosine and sine of an angle.
 """
 
 POINT, HINGE, FRAME, COUPLING, SPIN = range(5)
@@ -91,7 +91,7 @@ NUMBER_PARTS = 7
 below; of each coordinate the rest of its spring, and its lowest and highest value; and the acceleration of free fall (3) [m/s²].
 """
 
-MEMORY_PARTS = 32
+MEMORY_PARTS = 33
 (
     AT_CONFIGURATION,
     AT_PLACEMENTS,
@@ -122,6 +122,7 @@ MEMORY_PARTS = 32
     AT_FIELDS,
     AT_RATES,
     AT_COMPLEMENT,
+    AT_COMPLEMENT_RATES,
     AT_MASS,
     AT_ROOM,
     AT_REPORT,
@@ -143,7 +144,7 @@ their solution; speeds of the dependent joints along the way, and how far Newton
 how a rotation vector changes with the angular velocity (9); a square matrix of the dependent speeds
 of a group; velocities, accelerations and forces of all joints; inertias of the elements (10); twists of the elements (6), the base
 last, what these accelerate, and the elements' forces; the same twists and accelerations for every
-independent speed; L, column by column; a square matrix of the independent speeds; room for eight
+independent speed; L, column by column, and how its columns change; a square matrix of the independent speeds; room for eight
 vectors of these; and what became of a closure (4): the share of the way, the residual, the group,
 and the outcome.
 """
