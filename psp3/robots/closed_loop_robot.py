@@ -103,13 +103,30 @@ class ClosureMismatch(NamedTuple):
 
 
 class LoopForce(NamedTuple):
-    """The force in a loop, on what carries its second frame, in axes of the first."""
+    """What a loop does to the body of its second frame; the body of the first feels the opposite."""
 
     name: str
     force: Array
-    """(..., 3) [N]"""
+    """In axes of the first frame, (3,) [N]."""
     torque: Array
-    """(..., 3) [N m]; zero where the loop joins a point only."""
+    """About its origin, (3,) [N m]; zero where the loop joins a point only."""
+
+
+class JointReaction(NamedTuple):
+    """What a joint does to the body that it carries."""
+
+    name: str
+    force: Array
+    """In axes of the body's joint frame, (3,) [N]."""
+    torque: Array
+    """About its origin, (3,) [N m], with the motor's share."""
+
+
+class ClosureForces(NamedTuple):
+    """The forces in every loop and in every joint."""
+
+    loops: tuple[LoopForce, ...]
+    joints: tuple[JointReaction, ...]
 
 
 class ClosedLoopRobot:
@@ -423,6 +440,13 @@ class ClosedLoopRobot:
         """
         if name == "core":
             return self
+        unknown = self._known_to_core_alone()
+        if unknown and name in DYNAMICS_MODELS:
+            raise InvalidValue(
+                f"robot.dynamics({name!r}) of a robot with",
+                unknown,
+                "a tree with closures at points or frames; robot.dynamics('core') knows the rest",
+            )
         if name == "pinocchio":
             from psp3.dynamics.projected import ProjectedDynamics
 
@@ -432,6 +456,19 @@ class ClosedLoopRobot:
 
             return NaturalOrthogonalComplement(self)
         raise UnknownName("dynamics model", name, DYNAMICS_MODELS)
+
+    def _known_to_core_alone(self) -> str:
+        """Say what of the robot the other routes do not know; nothing if they know all."""
+        parts = {
+            "hinges or couplings": bool(self.equations),
+            "a ball whose spin is held": any(one.spin is not None for one in self.locked),
+            "springs": bool(self.options["springs"]),
+            "joint damping": bool(self.model.damping.any()),
+            "dry friction": bool(self.model.upperDryFrictionLimit.any()),
+            "loops closed in the least-squares sense": self.closure_mismatch.length > EXACT
+            or self.closure_mismatch.angle > EXACT,
+        }
+        return ", ".join(part for part, is_there in parts.items() if is_there)
 
     # Closing the loops
 
@@ -862,8 +899,8 @@ class ClosedLoopRobot:
 
     def closure_forces(
         self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike
-    ) -> tuple[LoopForce, ...]:
-        r"""Return the forces in every loop of one state.
+    ) -> ClosureForces:
+        r"""Return the forces in every loop and every joint of one state.
 
         They are the :math:`\lambda` of :math:`J^T \lambda = f - B \tau`, with f the forces of the
         open tree in the motion that the motors' forces bring about, and J the derivative of the
@@ -878,8 +915,9 @@ class ClosedLoopRobot:
 
         Returns
         -------
-        tuple of LoopForce
-            In the order of ``constraint_models`` and then of ``equations``, without couplings.
+        ClosureForces
+            ``.loops`` in the order of ``constraint_models`` and then of ``equations``, without
+            couplings, whose forces are along the joints; ``.joints`` in the order of the model.
         """
         row = one_row("positions", positions, self._position_count)
         speed = one_row("speeds", speeds, self._speed_count)
@@ -916,7 +954,26 @@ class ClosedLoopRobot:
                 found[number] = LoopForce(
                     closure_names(every)[number], np.array(part[:3]), np.array(torque)
                 )
-        return tuple(found[number] for number in sorted(found))
+        loops = tuple(found[number] for number in sorted(found))
+        outer = pin.StdVec_Force([pin.Force.Zero() for _ in range(self.model.njoints)])
+        pin.forwardKinematics(self.model, self.data, q)
+        for number, one in found.items():
+            loop, places = every[number], self.data.oMi
+            wrench = (places[loop.joint1_id] * loop.joint1_placement).act(
+                pin.Force(one.force, one.torque)
+            )
+            outer[loop.joint2_id] += places[loop.joint2_id].actInv(wrench)
+            outer[loop.joint1_id] -= places[loop.joint1_id].actInv(wrench)
+        pin.rnea(self.model, self.data, q, v, a, outer)
+        joints = tuple(
+            JointReaction(
+                str(self.model.names[index]),
+                np.array(self.data.f[index].linear),
+                np.array(self.data.f[index].angular),
+            )
+            for index in range(1, self.model.njoints)
+        )
+        return ClosureForces(loops, joints)
 
     def joint_resistance(self, q: Array, v: Array) -> Array:
         """Return the forces of springs, damping and dry friction of all joints, (nv,)."""
