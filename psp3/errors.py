@@ -152,9 +152,9 @@ class LoopsDoNotClose(ClosureFailed):
         where = f"loop {loop!r}" if loop else "they"
         PSP3Error.__init__(
             self,
-            f"the loops do not close: from {tried} starts within the joint limits {where} stays "
-            f"open by {residual:.3g} at least (rad, or sizes of the robot): correct its frames, or "
-            "give a pose near a closed one (home in an SRDF or a key frame)",
+            f"the loops do not close: from {tried} starts, within the joint limits and beyond, "
+            f"{where} stays open by {residual:.3g} at least (m, rad): correct its frames, or give a "
+            "pose near a closed one (home in an SRDF or a key frame)",
         )
 
 

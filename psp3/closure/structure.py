@@ -164,12 +164,13 @@ def structure(
         return found
     begun, tried = time.perf_counter(), 1
     least, worst = equations.openness(start)
+    nearest = start
     others = [found] if found is not None else []
     for near in _other_starts(model, flat, start):
         tried += 1
         size, where = equations.openness(near)
         if size < least:
-            least, worst = size, where
+            least, worst, nearest = size, where, near
         found = equations.structure(near, motors)
         if found is not None:
             if _is_good(model, found, motors) or q is not None:
@@ -181,7 +182,7 @@ def structure(
         # That in which motors command most; of equals one within the limits.
         return max(others, key=lambda one: (commanded(one, motors), is_within(model, one.home)))
     loop = names[worst] if 0 <= worst < len(names) else ""
-    raise LoopsDoNotClose(start, least, loop, tried)
+    raise LoopsDoNotClose(start, float(np.abs(residual(flat, nearest)).max()), loop, tried)
 
 
 def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:

@@ -31,11 +31,6 @@ class RobotParts(NamedTuple):
     tendons: dict[str, dict[str, float]] = {}  # noqa: RUF012 - never changed
     """Motors that drive several joints, with the lever of each."""
 
-    @property
-    def elements(self) -> dict[str, Any]:
-        """What the robot takes by name."""
-        return {"equations": self.equations, "springs": self.springs, "tendons": self.tendons}
-
 
 ROBOT_FILES = Path(__file__).resolve().parents[1] / "urdf"
 """Directory of the robot description files that come with the package."""

@@ -152,15 +152,15 @@ class ClosedLoopRobot:
         What the robot looks like.
     equations : sequence of Hinge or Coupling
         Closures that Pinocchio has no model of.
-    closures : sequence of (str, str, str)
-        More closures: two frames and ``"3d"``, ``"6d"`` or ``"hinge"`` (origin and z axis). With
-        ``"world"`` instead of the second frame the first one stays where it is in the reference
-        configuration, as a foot on the ground.
     springs : mapping of str to (float, float), optional
         Stiffness and rest of joints of one degree of freedom [N/m, m or N m, rad].
     tendons : mapping of str to mapping, optional
         Motors that drive several joints: by a name that is in ``actuated``, the lever of each joint
         by its name.
+    closures : sequence of (str, str, str)
+        More closures: two frames and ``"3d"``, ``"6d"`` or ``"hinge"`` (origin and z axis). With
+        ``"world"`` instead of the second frame the first one stays where it is in the reference
+        configuration, as a foot on the ground.
     free : {"lock", "keep", "refuse"}
         What becomes of motions that no motor commands: one joint is held where it is in the
         reference configuration, its inertia kept, and a warning names it (``locked``); or that
@@ -209,11 +209,11 @@ class ClosedLoopRobot:
         actuated: Sequence[str],
         q0: ArrayLike | None = None,
         visual_model: Any = None,
-        *,
         equations: Sequence[Any] = (),
-        closures: Sequence[tuple[str, str, str]] = (),
         springs: Springs | None = None,
         tendons: Mapping[str, Mapping[str, float]] | None = None,
+        *,
+        closures: Sequence[tuple[str, str, str]] = (),
         free: str = "lock",
         coordinates: Sequence[str] | None = None,
     ) -> None:
@@ -232,6 +232,9 @@ class ClosedLoopRobot:
         self.constraint_models = pin.StdVec_RigidConstraintModel()
         self.constraint_models.extend(list(constraint_models))
         self.actuated = tuple(actuated)
+        twice = [name for name in self.actuated if self.actuated.count(name) > 1]
+        if twice:
+            raise InvalidValue("actuated", self.actuated, f"each joint once, not {twice[0]!r} twice")
         self.motors = _motors(model, self.actuated, tendons or {})
         driven = [name for name in self.actuated if name not in (tendons or {})]
         joints = [model.joints[model.getJointId(name)] for name in driven]
@@ -258,6 +261,8 @@ class ClosedLoopRobot:
         chosen = chosen_coordinates(
             model, found, every, self.motors, free, coordinates, springs
         )
+        if not chosen.names:
+            raise MobilityMismatch(self.mobility, self.actuated)
         self.coordinates, self.locked = chosen.names, chosen.locked
         self.coordinates_q, self.coordinates_v = chosen.positions, chosen.speeds
         self._position_count, self._speed_count = len(chosen.positions), len(chosen.speeds)
@@ -344,9 +349,8 @@ class ClosedLoopRobot:
         InvalidRobotFile
             If a file is missing or malformed, or a frame or joint it names does not exist.
         """
-        parts = read_robot(urdf, loops, srdf)
         robot = cls(
-            *parts[:5], **parts.elements, free=free, coordinates=coordinates, closures=closures
+            *read_robot(urdf, loops, srdf), free=free, coordinates=coordinates, closures=closures
         )
         robot.urdf, robot.srdf = Path(urdf), None if srdf is None else Path(srdf)
         return robot
@@ -380,9 +384,8 @@ class ClosedLoopRobot:
         """
         from psp3.description.mjcf import read_mjcf
 
-        parts = read_mjcf(mjcf, actuated)
         return cls(
-            *parts[:5], **parts.elements, free=free, coordinates=coordinates, closures=closures
+            *read_mjcf(mjcf, actuated), free=free, coordinates=coordinates, closures=closures
         )
 
     @property
