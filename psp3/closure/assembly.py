@@ -38,7 +38,9 @@ def _equations(flat: FlatTree, q: Array, rows: int) -> tuple[Array, Array]:
     gap = np.empty(int(flat.integers[ROWS]))
     slope = np.zeros((rows, int(flat.integers[VELOCITIES])))
     memory = np.empty(int(flat.integers[SIZE]))
-    closure_equations(flat.integers, flat.numbers, memory, np.array(q, dtype=float), gap, slope)
+    closure_equations(
+        flat.integers, flat.numbers, memory, np.array(q, dtype=float), gap, slope.reshape(-1)
+    )
     return gap, slope
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, merged
 from psp3.multibody.least_squares import factor, orientation, reflect, solve
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import move, place
@@ -252,7 +252,7 @@ def _is_turned(tree, memory, group):
     return not orientation(memory, across, columns) > 0.0
 
 
-@compiled
+@merged
 def _remember(tree, memory, group):
     """Keep the pose of a group as the one from which the next is looked for."""
     before = tree[AT_BEFORE]
@@ -302,7 +302,7 @@ def _speeds_along(tree, memory, group):
     return fastest
 
 
-@compiled
+@merged
 def _is_bent(tree, memory, group, fastest):
     """Tell whether the speeds along the way are others than at the pose before; leave those."""
     g = tree[AT_GROUPS] + GROUP_INTEGERS * group
@@ -318,7 +318,7 @@ def _is_bent(tree, memory, group, fastest):
     return bend > LARGEST_BEND * fastest
 
 
-@compiled
+@merged
 def _follow(tree, numbers, memory, group):
     """Move a closed group's independent joints from where they are to the target.
 
@@ -383,7 +383,7 @@ def _follow(tree, numbers, memory, group):
     return CLOSED
 
 
-@compiled
+@merged
 def _open(tree, numbers, memory, group):
     """Let only the independent joints of a group go on to the target, which opens its loops."""
     target = tree[AT_TARGET]
@@ -407,11 +407,11 @@ def _open(tree, numbers, memory, group):
     )
 
 
-@compiled
+@merged
 def settled(tree, numbers, memory):
     """Close all loops from a guess that is in the configuration, its independent joints fixed.
 
-    Return what became of it; The report gets the share of the way (0), the residual and the group.
+    Return what became of it; the report gets the share of the way (0), the residual and the group.
     """
     report = tree[AT_REPORT]
     elements = tree[ELEMENTS]
@@ -428,11 +428,11 @@ def settled(tree, numbers, memory):
     return CLOSED
 
 
-@compiled
+@merged
 def moved_to(tree, numbers, memory):
     """Move the independent joints of a closed pose to the target, all loops closed.
 
-    Return what became of it; The report gets the share of the way, the residual and the group where
+    Return what became of it; the report gets the share of the way, the residual and the group where
     that fails.
     """
     report = tree[AT_REPORT]

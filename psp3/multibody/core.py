@@ -8,13 +8,15 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from fuzzy2.support.compiled import only_for
+from fuzzy2.support.parallel_rows import first_refused_row
 from psp3.checks import Array, Indices
+from psp3.errors import InvalidValue
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.flatten import Springs, flattened
-from psp3.multibody.motion import answer, assemble
+from psp3.multibody.motion import BLOCK, CONFIGURATION, answer, assemble
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
-    AT_FREE_FALL,
     AT_REPORT,
     AT_SIGNS,
     AT_TOLERANCES,
@@ -24,6 +26,9 @@ from psp3.multibody.tree import (
     SIZE,
     WEAKEST_AT,
 )
+
+GRAIN = 1
+"""Blocks of rows that take a thread about 50 µs; one of the smallest robot takes a hundred."""
 
 NEAR_SINGULAR = 0.02
 """A pose whose smallest pivot is smaller than this share of the reference pose's is near a singular
@@ -48,13 +53,14 @@ class LastPose:
     Get one from ``robot.last_pose()``; it belongs to that robot and to one thread at a time.
     """
 
-    def __init__(self, size: int) -> None:
-        self.memory = np.empty(size)
-        self.is_closed = False
+    def __init__(self, core: Core) -> None:
+        self.core = core
+        self.memory = np.empty(core.size)
+        self.is_closed = 0
 
     def forget(self) -> None:
         """Start from the reference again."""
-        self.is_closed = False
+        self.is_closed = 0
 
 
 class Core:
@@ -103,12 +109,12 @@ class Core:
         flat = flattened(model, constraint_models, independent_v, locked_v, springs)
         self.tree, self.numbers = flat.integers, flat.numbers
         self.coordinates = model.nq
+        self._model = model
         # A view of the model's own: who changes gravity there changes it here.
         self._free_fall = model.gravity.linear
-        self._model = model
-        self._size = int(self.tree[SIZE])
+        self.size = int(self.tree[SIZE])
         self._spare: list[Array] = []
-        self._reference = np.empty(self._size)
+        self._reference = np.empty(self.size)
         for group in range(int(self.tree[GROUPS])):
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + MISMATCH_AT] = mismatch
@@ -118,6 +124,17 @@ class Core:
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + 2] = NEAR_SINGULAR * pivot
             self.numbers[at + WEAKEST_AT] = weakest * pivot
+        self._compile()
+
+    def _compile(self) -> None:
+        """Compile the answers for arrays that can be written to, and never for anything else."""
+        none = np.empty(0)
+        only_for(
+            answer,
+            *(CONFIGURATION, 0, 0, 0),
+            *(self.tree, self.numbers, self._free_fall, self._reference, np.empty(self.size)),
+            *(none, none, none, none),
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_spare": [], "_free_fall": None}
@@ -125,6 +142,7 @@ class Core:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._free_fall = self._model.gravity.linear
+        self._compile()
 
     @property
     def q0(self) -> Array:
@@ -134,7 +152,11 @@ class Core:
 
     def last_pose(self) -> LastPose:
         """Return memory for a caller who asks about one pose after the other."""
-        return LastPose(self._size)
+        return LastPose(self)
+
+    def _check(self, last_pose: LastPose) -> None:
+        if last_pose.core is not self:
+            raise InvalidValue("guess", last_pose, "the last pose of this robot: robot.last_pose()")
 
     def _settle(self, guess: Array, memory: Array) -> None:
         """Close the loops from a guess, independent joints fixed; begin the memory with it."""
@@ -142,13 +164,69 @@ class Core:
         memory[at : at + self.coordinates] = guess
         outcome = assemble(self.tree, self.numbers, memory)
         if outcome != CLOSED:
-            raise self._no_answer(0, outcome, memory)
+            memory[int(self.tree[AT_REPORT]) + 3] = outcome
+            raise self._no_answer(0, memory)
 
-    def _no_answer(self, row: int, outcome: int, memory: Array) -> NoAnswer:
+    def _no_answer(self, row: int, memory: Array) -> NoAnswer:
+        """Return what became of a row, from the memory's report."""
         report = memory[int(self.tree[AT_REPORT]) :]
         at = int(self.tree[AT_CONFIGURATION])
         q = memory[at : at + self.coordinates].copy()
-        return NoAnswer(row, outcome, float(report[0]), float(report[1]), q)
+        return NoAnswer(row, int(report[3]), float(report[0]), float(report[1]), q)
+
+    def ask_one(
+        self,
+        question: int,
+        positions: Any,
+        second: Any,
+        third: Any,
+        out: Array,
+        last_pose: LastPose | None,
+    ) -> bool:
+        """Write the answer to a question about one state, as fast as that goes; see :meth:`ask`.
+
+        Parameters
+        ----------
+        positions, second, third : (n,) ndarray
+            What users gave, unchecked.
+
+        Returns
+        -------
+        bool
+            Whether there is one. If not, or after a TypeError, :meth:`ask` says why.
+        """
+        if last_pose is None:
+            try:
+                memory = self._spare.pop()
+            except IndexError:
+                # Asked before, another thread could take the last one in between.
+                memory = np.empty(self.size)
+            warm = 0
+        else:
+            self._check(last_pose)
+            memory, warm = last_pose.memory, last_pose.is_closed
+            # Until this call has gone well.
+            last_pose.is_closed = 0
+        row = answer(
+            question,
+            1,
+            warm,
+            0,
+            self.tree,
+            self.numbers,
+            self._free_fall,
+            self._reference,
+            memory,
+            positions,
+            second,
+            third,
+            out,
+        )
+        if last_pose is None:
+            self._spare.append(memory)
+        elif row == -1:
+            last_pose.is_closed = 1
+        return row == -1
 
     def ask(
         self,
@@ -179,38 +257,75 @@ class Core:
         ------
         NoAnswer
             At the first row that has none.
-        TypeError
-            If an argument is no contiguous array of floats that can be written to, of two
-            dimensions.
         """
-        if type(guess) is LastPose:
-            memory, is_warm = guess.memory, guess.is_closed
-            # Until this call has gone well.
-            guess.is_closed = False
+        if guess is not None or is_path:
+            self._ask_in_turn(question, positions, second, third, out, guess, is_path)
+            return
+        failed: list[NoAnswer] = []
+
+        def part(first: int, last: int) -> int:
+            rows = slice(BLOCK * first, min(BLOCK * last, len(positions)))
+            memory = np.empty(self.size)
+            row = self._answer(
+                question, 0, 0, memory, positions[rows], second[rows], third[rows], out[rows]
+            )
+            if row < 0:
+                return -1
+            failed.append(self._no_answer(BLOCK * first + row, memory))
+            return row // BLOCK
+
+        if first_refused_row(part, -(-len(positions) // BLOCK), GRAIN) >= 0:
+            raise min(failed, key=lambda refused: refused.row)
+
+    def _ask_in_turn(
+        self,
+        question: int,
+        positions: Array,
+        second: Array,
+        third: Array,
+        out: Array,
+        guess: Array | LastPose | None,
+        is_path: bool,
+    ) -> None:
+        """Answer row after row, from where the caller says."""
+        if isinstance(guess, LastPose):
+            self._check(guess)
+            memory, warm = guess.memory, guess.is_closed
+            guess.is_closed = 0
         else:
-            memory = self._spare.pop() if self._spare else np.empty(self._size)
-            is_warm = guess is not None
+            memory, warm = np.empty(self.size), int(guess is not None)
             if guess is not None:
                 self._settle(guess, memory)
-        at = int(self.tree[AT_FREE_FALL])
-        self.numbers[at : at + 3] = self._free_fall
-        row = answer(
+        row = self._answer(question, warm, int(is_path), memory, positions, second, third, out)
+        if row >= 0:
+            raise self._no_answer(row, memory)
+        if isinstance(guess, LastPose):
+            guess.is_closed = 1
+
+    def _answer(
+        self,
+        question: int,
+        is_warm: int,
+        is_path: int,
+        memory: Array,
+        positions: Array,
+        second: Array,
+        third: Array,
+        out: Array,
+    ) -> int:
+        row: int = answer(
             question,
+            len(positions),
+            is_warm,
+            is_path,
             self.tree,
             self.numbers,
+            self._free_fall,
             self._reference,
             memory,
-            1 if is_warm else 0,
-            1 if is_path else 0,
-            positions,
-            second,
-            third,
-            out,
+            positions.reshape(-1),
+            second.reshape(-1),
+            third.reshape(-1),
+            out.reshape(-1),
         )
-        if row >= 0:
-            outcome = int(memory[int(self.tree[AT_REPORT]) + 3])
-            raise self._no_answer(row, outcome, memory)
-        if type(guess) is LastPose:
-            guess.is_closed = True
-        else:
-            self._spare.append(memory)
+        return row

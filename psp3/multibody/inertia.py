@@ -5,17 +5,20 @@ matrix is :math:`\sum X_i^T I X_j`, and the matrix of Christoffel symbols
 
 .. math:: C_{ij} = \sum X_i^T \big( I (\dot X_j - \tfrac12 V \times X_j)
           + \tfrac12 V \times^* I X_j + \tfrac12 X_j \times^* I V \big)
+          + \sum L_i^T R \dot L_j
 
-(the factor of a single body after S. Echeandia and P. M. Wensing, Numerical methods to compute the
-Coriolis matrix and Christoffel symbols for rigid-body systems, Journal of Computational and
-Nonlinear Dynamics 16, 2021, here in base axes).
+with R the inertias of the motors, which turn with their joints; of a ball joint
+:math:`\tfrac12 \omega \times L_j` joins its rows of :math:`\dot L_j`, because its speeds are no
+rates of coordinates. (The factor of a single body after S. Echeandia and P. M. Wensing, Numerical
+methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems, Journal of
+Computational and Nonlinear Dynamics 16, 2021, here in base axes.)
 """
 
 from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inlined
+from fuzzy2.support.compiled import compiled, inlined, merged
 from psp3.multibody.bodies import momentum
 from psp3.multibody.forces import (
     add_change,
@@ -25,7 +28,6 @@ from psp3.multibody.forces import (
     twists,
 )
 from psp3.multibody.tree import (
-    ARMATURE,
     AT_ACCELERATIONS,
     AT_BODIES,
     AT_COMPLEMENT,
@@ -35,7 +37,6 @@ from psp3.multibody.tree import (
     AT_FIELDS,
     AT_FORCES,
     AT_FREE_FALL,
-    AT_JOINT_ACCELERATIONS,
     AT_JOINT_SPEEDS,
     AT_JOINTS,
     AT_MASSIVE,
@@ -44,12 +45,14 @@ from psp3.multibody.tree import (
     AT_RESTS,
     AT_ROOM,
     AT_VELOCITIES,
+    BALL,
     BODIES,
     CENTER_AT,
     DAMPING,
     ELEMENT_INTEGERS,
     ELEMENT_NUMBERS,
     ELEMENTS,
+    FREEDOMS,
     FRICTION,
     INDEPENDENT,
     INDEX_Q,
@@ -64,12 +67,12 @@ from psp3.multibody.tree import (
 
 @compiled
 def complement(tree, numbers, memory, with_rates):
-    """Write L, column by column, the twists that belong to its columns, and how these change.
+    """Write L, column by column, the twists that belong to its columns, and how both change.
 
-    How they change only where ``with_rates`` is 1; the elements' own twists are then there.
+    How they change only where ``with_rates`` is 1.0; the elements' own twists are then there.
     """
     n, nv, elements = tree[INDEPENDENT], tree[VELOCITIES], tree[ELEMENTS]
-    unit, change = tree[AT_ROOM], tree[AT_JOINT_ACCELERATIONS]
+    unit = tree[AT_ROOM]
     for j in range(n):
         memory[unit + j] = 0.0
     for j in range(n):
@@ -79,16 +82,15 @@ def complement(tree, numbers, memory, with_rates):
         memory[unit + j] = 0.0
         X = tree[AT_FIELDS] + 6 * (elements + 1) * j
         rate = tree[AT_RATES] + 6 * (elements + 1) * j
-        if with_rates == 0:
+        if with_rates == 0.0:
             twists(tree, memory, column, X)
         else:
+            change = tree[AT_COMPLEMENT_RATES] + nv * j
             carried(tree, memory, column, X, rate)
             for velocity in range(nv):
                 memory[change + velocity] = 0.0
             change_of_joint_speeds(tree, numbers, memory, column, X, rate, change)
             add_change(tree, memory, change, rate)
-            for velocity in range(nv):
-                memory[tree[AT_COMPLEMENT_RATES] + nv * j + velocity] = memory[change + velocity]
 
 
 @inlined
@@ -160,8 +162,8 @@ def gravity(tree, numbers, memory, out):
 
 
 @compiled
-def coriolis_matrix(tree, memory, out):
-    """Write the matrix of Christoffel symbols (n²) from the twists of L and how these change.
+def coriolis_matrix(tree, numbers, memory, out):
+    """Write the matrix of Christoffel symbols (n²) from L, its twists and how these change.
 
     The elements' forces and accelerations are overwritten.
     """
@@ -176,31 +178,53 @@ def coriolis_matrix(tree, memory, out):
             _coriolis_wrench(tree, memory, e, X + at, rates + at, H, P + 6 * e)
         for i in range(n):
             memory[out + n * i + j] = _power(tree, memory, X + wide * i, P)
+    _add_motors(tree, numbers, memory, out)
+
+
+@merged
+def _add_motors(tree, numbers, memory, out):
+    """Add to the matrix of Christoffel symbols what the motors' own inertia does."""
+    n, nv = tree[INDEPENDENT], tree[VELOCITIES]
+    L, rates, z = tree[AT_COMPLEMENT], tree[AT_COMPLEMENT_RATES], tree[AT_JOINT_SPEEDS]
+    for e in range(tree[ELEMENTS]):
+        row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
+        first, kind = tree[row + INDEX_V], tree[row + KIND]
+        for k in range(tree[row + FREEDOMS]):
+            motor = numbers[tree[AT_JOINTS] + JOINT_NUMBERS * (first + k)]
+            if motor == 0.0:
+                continue
+            # The two axes after this one, in turn.
+            one, two = first + (k + 1) % 3, first + (k + 2) % 3
+            for j in range(n):
+                column = L + nv * j
+                rate = memory[rates + nv * j + first + k]
+                if kind == BALL:
+                    rate += 0.5 * (
+                        memory[z + one] * memory[column + two]
+                        - memory[z + two] * memory[column + one]
+                    )
+                for i in range(n):
+                    memory[out + n * i + j] += motor * memory[L + nv * i + first + k] * rate
 
 
 @compiled
-def add_joints(tree, numbers, memory, out):
-    r"""Add to the Coriolis matrix (n²) what the joints have of their own.
+def add_damping(tree, numbers, memory, out):
+    r"""Add to a matrix (n²) what makes its product with the speeds brake the joints.
 
-    Of their motors' inertia J it is :math:`L^T J \dot L`, of what brakes them :math:`L^T D L`, with
-    D the viscous damping and, where a joint slips, its dry friction over its speed.
+    That is :math:`L^T D L` with D the joints' viscous damping and, where they slip, their dry
+    friction over their speed.
     """
     n, nv, L = tree[INDEPENDENT], tree[VELOCITIES], tree[AT_COMPLEMENT]
-    rates = tree[AT_COMPLEMENT_RATES]
     for velocity in range(nv):
         joint = tree[AT_JOINTS] + JOINT_NUMBERS * velocity
         damping, speed = numbers[joint + DAMPING], memory[tree[AT_JOINT_SPEEDS] + velocity]
         if speed != 0.0:
             damping += numbers[joint + FRICTION] / abs(speed)
-        inertia = numbers[joint + ARMATURE]
-        if damping != 0.0 or inertia != 0.0:
+        if damping != 0.0:
             for i in range(n):
-                share = memory[L + nv * i + velocity]
+                share = damping * memory[L + nv * i + velocity]
                 for j in range(n):
-                    k = nv * j + velocity
-                    memory[out + n * i + j] += share * (
-                        damping * memory[L + k] + inertia * memory[rates + k]
-                    )
+                    memory[out + n * i + j] += share * memory[L + nv * j + velocity]
 
 
 @inlined

@@ -1,10 +1,11 @@
 r"""The closure equations of a tree: residual, Jacobian, and what velocities alone accelerate.
 
 Compiled. With :math:`R_1, p_1, R_2, p_2` the two frames of a closure, its residual is
-:math:`R_1^T (p_2 - p_1)`; of a frame followed by :math:`\log R_1^T R_2`; of a hinge by the first two
-entries of :math:`R_1^T R_2 e_z`; a spin is the part along its axis of the vector of a ball's
-quaternion, seen from the one at which it is zero. All rows are in the axes of the first frame, so that they do not
-depend on where the base of a group is. The Jacobian is the exact derivative, also away from
+:math:`R_1^T (p_2 - p_1)`; of a frame followed by :math:`\log R_1^T R_2`; of a hinge by the first
+two entries of :math:`R_1^T R_2 e_z`; a spin is the part along its axis of the vector of a ball's
+quaternion, seen from the one at which it is zero. All rows are in the axes of the first frame, so
+that they do not depend on where the base of a group is. The Jacobian is the exact derivative, also
+away from
 closure.
 """
 
@@ -354,7 +355,8 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
         x, y, z = memory[f + 21], memory[f + 22], memory[f + 23]
         ax = ay = az = 0.0
         for side in range(2):
-            end, sign = (a, -1.0) if side == 0 else (b, 1.0)
+            end = a if side == 0 else b
+            sign = -1.0 if side == 0 else 1.0
             e, k, r = V + end, X + end, rate + end
             # Speed of the point, which the field turns.
             vx = memory[e] + memory[e + 4] * z - memory[e + 5] * y

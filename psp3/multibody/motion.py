@@ -12,7 +12,8 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, merged
+from psp3.checks import Array, Indices
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
 from psp3.multibody.forces import (
@@ -25,7 +26,7 @@ from psp3.multibody.forces import (
     projected,
 )
 from psp3.multibody.inertia import (
-    add_joints,
+    add_damping,
     complement,
     coriolis_matrix,
     gravity,
@@ -39,6 +40,7 @@ from psp3.multibody.tree import (
     AT_BEFORE,
     AT_COMPLEMENT,
     AT_CONFIGURATION,
+    AT_FREE_FALL,
     AT_INDEPENDENT_Q,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
@@ -74,6 +76,11 @@ BEYOND_LIMIT, NOT_FINITE = 3, 4
 limits; there is no finite answer.
 """
 
+BLOCK = 64
+"""After so many rows one starts from the reference in any case, so that answers do not depend on
+how many threads share the rows.
+"""
+
 NEAR = 0.1
 """A row starts from the pose of the row before where no independent coordinate is farther from it
 than this [m, rad], and else from the reference: so its answer does not depend on other rows.
@@ -88,26 +95,27 @@ def start_from(tree, reference, memory):
 
 
 @compiled
-def assemble(tree, numbers, memory):
+def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
     """Close the loops from the guess with which the memory begins, independent joints fixed.
 
     Return what became of it. The memory then begins with a pose that can be a reference.
     """
-    return settled(tree, numbers, memory)
+    outcome: int = settled(tree, numbers, memory)
+    return outcome
 
 
-@compiled
+@merged
 def _aim(tree, memory, positions, row):
     """Make a row of positions the target; return whether it is near the pose."""
     target, near = tree[AT_TARGET], True
     for j in range(tree[POSITIONS]):
-        memory[target + j] = positions[row, j]
+        memory[target + j] = positions[tree[POSITIONS] * row + j]
         at = memory[tree[AT_CONFIGURATION] + tree[tree[AT_INDEPENDENT_Q] + j]]
-        near = near and abs(positions[row, j] - at) <= NEAR
+        near = near and abs(memory[target + j] - at) <= NEAR
     return near
 
 
-@compiled
+@merged
 def _reach(tree, numbers, memory):
     """Move to the target, all loops closed; return what became of it."""
     outcome = moved_to(tree, numbers, memory)
@@ -120,16 +128,16 @@ def _reach(tree, numbers, memory):
     return outcome
 
 
-@compiled
-def _is_finite(out, row):
-    """Tell whether all numbers of a row are finite."""
-    for i in range(out.shape[1]):
-        if not abs(out[row, i]) < math.inf:
-            return False
-    return True
+@merged
+def _is_finite(out, first, end):
+    """Tell whether all numbers from the first to the end are finite."""
+    finite = True
+    for i in range(first, end):
+        finite = finite and abs(out[i]) < math.inf
+    return finite
 
 
-@compiled
+@merged
 def _move_with(tree, memory, speeds):
     """Give all joints and elements the velocities of independent speeds."""
     z, V = tree[AT_JOINT_SPEEDS], tree[AT_VELOCITIES]
@@ -137,7 +145,7 @@ def _move_with(tree, memory, speeds):
     carried(tree, memory, z, V, tree[AT_ACCELERATIONS])
 
 
-@compiled
+@merged
 def _forces_of(tree, numbers, memory, accelerations, out):
     """Write the independent forces of a motion, of which the velocities are there."""
     change, rate = tree[AT_JOINT_ACCELERATIONS], tree[AT_ACCELERATIONS]
@@ -150,7 +158,7 @@ def _forces_of(tree, numbers, memory, accelerations, out):
     projected(tree, memory, tree[AT_JOINT_FORCES], out)
 
 
-@compiled
+@merged
 def accelerate(tree, numbers, memory, speeds, forces, out):
     """Write the accelerations of a closed pose under forces; return whether there are any."""
     n = tree[INDEPENDENT]
@@ -160,34 +168,35 @@ def accelerate(tree, numbers, memory, speeds, forces, out):
     _forces_of(tree, numbers, memory, out, out)
     for j in range(n):
         memory[out + j] = memory[forces + j] - memory[out + j]
-    complement(tree, numbers, memory, 0)
+    complement(tree, numbers, memory, 0.0)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
     return solve_positive(memory, tree[AT_MASS], n, out)
 
 
-@compiled
+@merged
 def _take(tree, memory, values, row, at):
     """Copy a row of independent speeds, accelerations or forces into the memory."""
-    for j in range(tree[INDEPENDENT]):
-        memory[at + j] = values[row, j]
+    n = tree[INDEPENDENT]
+    for j in range(n):
+        memory[at + j] = values[n * row + j]
 
 
-@compiled
-def _copy(memory, at, count, out, row, column):
-    """Copy numbers of the memory into a row, from a column on."""
+@merged
+def _copy(memory, at, count, out, into):
+    """Copy numbers of the memory into an answer."""
     for i in range(count):
-        out[row, column + i] = memory[at + i]
+        out[into + i] = memory[at + i]
 
 
-@compiled
-def _answer(question, tree, numbers, memory, second, third, out, row):
+@merged
+def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
     if question <= COMPLEMENT:
-        _copy(memory, tree[AT_CONFIGURATION], nq, out, row, 0)
+        _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
         if question == COMPLEMENT:
-            complement(tree, numbers, memory, 0)
-            _copy(memory, tree[AT_COMPLEMENT], n * nv, out, row, nq)
+            complement(tree, numbers, memory, 0.0)
+            _copy(memory, tree[AT_COMPLEMENT], n * nv, out, into + nq)
         return CLOSED
     # The first vector of the room is taken by the complement.
     speeds, others, result = room + n, room + 2 * n, room + 3 * n
@@ -197,56 +206,77 @@ def _answer(question, tree, numbers, memory, second, third, out, row):
         _take(tree, memory, third, row, others)
         if not accelerate(tree, numbers, memory, speeds, others, result):
             return SINGULAR
-        _copy(memory, result, n, out, row, 0)
+        _copy(memory, result, n, out, into)
         return CLOSED
     _move_with(tree, memory, speeds)
     if question == EQUATION_OF_MOTION:
-        complement(tree, numbers, memory, 1)
+        complement(tree, numbers, memory, 1.0)
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
-        _copy(memory, tree[AT_MASS], n * n, out, row, 0)
-        coriolis_matrix(tree, memory, tree[AT_MASS])
-        add_joints(tree, numbers, memory, tree[AT_MASS])
-        _copy(memory, tree[AT_MASS], n * n, out, row, n * n)
+        _copy(memory, tree[AT_MASS], n * n, out, into)
+        coriolis_matrix(tree, numbers, memory, tree[AT_MASS])
+        add_damping(tree, numbers, memory, tree[AT_MASS])
+        _copy(memory, tree[AT_MASS], n * n, out, into + n * n)
         gravity(tree, numbers, memory, result)
-        _copy(memory, result, n, out, row, 2 * n * n)
+        _copy(memory, result, n, out, into + 2 * n * n)
     elif question == ENERGIES:
-        out[row, 0] = kinetic_energy(tree, numbers, memory)
-        out[row, 1] = potential_energy(tree, numbers, memory)
+        out[into] = kinetic_energy(tree, numbers, memory)
+        out[into + 1] = potential_energy(tree, numbers, memory)
     else:
         _take(tree, memory, third, row, others)
         _forces_of(tree, numbers, memory, others, result)
         if question == INVERSE_DYNAMICS:
-            _copy(memory, result, n, out, row, 0)
+            _copy(memory, result, n, out, into)
         else:
-            _copy(memory, tree[AT_CONFIGURATION], nq, out, row, 0)
-            _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, row, nq)
-            _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, row, nq + nv)
+            _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
+            _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, into + nq)
+            _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, into + nq + nv)
     return CLOSED
 
 
 @compiled
 def answer(
-    question, tree, numbers, reference, memory, is_warm, is_path, positions, second, third, out
-):
-    """Write the answers to a question, row by row (N, w).
+    question: int,
+    rows: int,
+    is_warm: int,
+    is_path: int,
+    tree: Indices,
+    numbers: Array,
+    free_fall: Array,
+    reference: Array,
+    memory: Array,
+    positions: Array,
+    second: Array,
+    third: Array,
+    out: Array,
+) -> int:
+    """Write the answers to a question, row by row.
 
-    Positions are (N, p); the second argument are speeds, the third accelerations or forces, both
-    (N, n); where a question
-    needs fewer, they are not looked at. With ``is_warm`` the memory begins with a pose from which
-    the first row starts, and else that is the reference; the other rows start from it, too, but on
-    a path from the row before. Return the first row that has no answer, or −1.
+    ``free_fall`` is the acceleration of gravity (3). Positions are rows · p numbers, speeds
+    (second), and accelerations or forces (third) rows · n each; where a question needs fewer, they
+    are not looked at. With ``is_warm`` the memory begins with a pose from which the first row starts, and else
+    that is the reference; the other rows start from it, too, but on a path from the row before.
+    Return the first row that has no answer, −1 if all have one, or −2 if an argument has another
+    size.
     """
+    size, width = rows * tree[INDEPENDENT], out.shape[0] // max(rows, 1)
+    if positions.shape[0] != rows * tree[POSITIONS]:
+        return -2
+    if second.shape[0] != size or third.shape[0] != size:
+        return -2
+    for i in range(3):
+        numbers[tree[AT_FREE_FALL] + i] = free_fall[i]
     if is_warm == 0:
         start_from(tree, reference, memory)
-    for row in range(positions.shape[0]):
+    for row in range(rows):
         near = _aim(tree, memory, positions, row)
-        if row > 0 and is_path == 0 and not near:
+        if row > 0 and is_path == 0 and (not near or row % BLOCK == 0):
             start_from(tree, reference, memory)
         outcome = _reach(tree, numbers, memory)
         if outcome == CLOSED:
-            outcome = _answer(question, tree, numbers, memory, second, third, out, row)
-        if outcome == CLOSED and not _is_finite(out, row):
-            outcome = NOT_FINITE
+            into = width * row
+            outcome = _answer(question, tree, numbers, memory, second, third, row, out, into)
+            if outcome == CLOSED and not _is_finite(out, into, into + width):
+                outcome = NOT_FINITE
         if outcome != CLOSED:
             memory[tree[AT_REPORT] + 3] = float(outcome)
             return row
@@ -254,10 +284,20 @@ def answer(
 
 
 @compiled
-def runge_kutta(tree, numbers, memory, positions, speeds, forces, duration, steps, trace):
+def runge_kutta(
+    tree: Indices,
+    numbers: Array,
+    memory: Array,
+    positions: Array,
+    speeds: Array,
+    forces: Array,
+    duration: float,
+    steps: int,
+    trace: Array,
+) -> int:
     """Take steps of the classical Runge–Kutta method under constant forces (n), in place.
 
-    ``trace`` (steps, 2 n) gets the states. Return the step at which there was no answer, or −1.
+    ``trace`` (steps · 2 n) gets the states. Return the step at which there was no answer, or −1.
     """
     n, h, target = tree[INDEPENDENT], duration, tree[AT_TARGET]
     # The first vector of the room is taken by the complement.
@@ -289,5 +329,6 @@ def runge_kutta(tree, numbers, memory, positions, speeds, forces, duration, step
         for j in range(n):
             positions[j] += h / 6.0 * memory[moved + j]
             speeds[j] += h / 6.0 * memory[changed + j]
-            trace[step, j], trace[step, n + j] = positions[j], speeds[j]
+            at = 2 * n * step + j
+            trace[at], trace[at + n] = positions[j], speeds[j]
     return -1

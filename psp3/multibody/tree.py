@@ -67,14 +67,14 @@ INTEGER_PARTS = 12
 ) = range(COUNTS, COUNTS + INTEGER_PARTS)
 """Where the parts of the whole numbers begin.
 
-Elements, the numbers of those that are bodies, with mass or inertia, closures, groups (one more than there are: the last holds the ends), and paths are rows,
-see below. Members are the elements of each group, parents first, and after the last group all of
-them. Drivers are the places of the groups' independent speeds among all of them. A velocity's column
-is its place among the dependent speeds, or −1 − its place among the independent ones, or
-``LOCKED``. The others are the coordinates of the independent joints, the velocity of each
-independent speed (joints of one degree of freedom come first, so that both have the same places),
-the velocity
-of each dependent one, and the row below the last entry of its column when that is factored.
+Elements, closures, groups (one more than there are: the last holds the ends) and paths are rows,
+see below; massive are the numbers of the elements that are bodies, with mass or inertia. Members
+are the elements of each group, parents first, and after the last group all of them. Drivers are the
+places of the groups' independent speeds among all of them. A velocity's column is its place among
+the dependent speeds, or −1 − its place among the independent ones, or ``LOCKED``. The others are
+the coordinates of the independent joints, the velocity of each independent speed (joints of one
+degree of freedom come first, so that both have the same places), the velocity of each dependent
+one, and the row below the last entry of its column when that is factored.
 """
 
 NUMBER_PARTS = 7
@@ -87,8 +87,9 @@ NUMBER_PARTS = 7
     AT_LIMITS,
     AT_FREE_FALL,
 ) = range(COUNTS + INTEGER_PARTS, COUNTS + INTEGER_PARTS + NUMBER_PARTS)
-"""Where the parts of the other numbers begin: rows of elements, closures, groups and velocities, see
-below; of each coordinate the rest of its spring, and its lowest and highest value; and the acceleration of free fall (3) [m/s²].
+"""Where the parts of the other numbers begin: rows of elements, closures, groups and velocities,
+see below; of each coordinate the rest of its spring, and its lowest and highest value; and the
+acceleration of free fall (3) [m/s²].
 """
 
 MEMORY_PARTS = 33
@@ -134,19 +135,19 @@ stays true of it, and can be copied as a whole:
 
 configuration; placements of the elements in the base (12: rotation, row by row, and position);
 screws of the velocities (6: linear part at the base's origin, and angular part); the two frames of
-each closure in the base (24); Jacobians of the groups by their dependent speeds, factored, column by
-column, with the weights of the reflections; by their independent speeds; and each
-group's smallest pivot, with the sign of its determinant.
+each closure in the base (24); Jacobians of the groups by their dependent speeds, factored, column
+by column, with the weights of the reflections; by their independent speeds; and each group's
+smallest pivot, with the sign of its determinant.
 
 Then factors, weights and configuration of the pose from which the next is looked for; independent
 coordinates from which and to which a motion goes; residual; right side of a group's equations, then
-their solution; speeds of the dependent joints along the way, and how far Newton's method moved them;
-how a rotation vector changes with the angular velocity (9); a square matrix of the dependent speeds
-of a group; velocities, accelerations and forces of all joints; inertias of the elements (10); twists of the elements (6), the base
-last, what these accelerate, and the elements' forces; the same twists and accelerations for every
-independent speed; L, column by column, and how its columns change; a square matrix of the independent speeds; room for eight
-vectors of these; and what became of a closure (4): the share of the way, the residual, the group,
-and the outcome.
+their solution; speeds of the dependent joints along the way, and how far Newton's method moved
+them; how a rotation vector changes with the angular velocity (9); a square matrix of the dependent
+speeds of a group; velocities, accelerations and forces of all joints; inertias of the elements
+(10); twists of the elements (6), the base last, what these accelerate, and the elements' forces;
+the same twists and accelerations for every independent speed; L, column by column, and how it
+changes; a square matrix of the independent speeds; room for eight vectors of these; and what became
+of a closure (4): the share of the way, the residual, the group, and the outcome.
 """
 
 SIZE = COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
@@ -213,9 +214,9 @@ LOCKED = -1_000_000
 
 GROUP_NUMBERS = 5
 MISMATCH_AT, WEAKEST_AT = 3, 4
-"""Of each group: the largest residual of a closed group [m, rad], the residual or step of a joint at
-which Newton's method has arrived [m, rad], the smallest pivot below which a pose counts as near a
-singular one, the residual that may be left where equations contradict each other by rounding, and
+"""Of each group: the largest residual of a closed group [m, rad], the residual or step of a joint
+at which Newton's method has arrived [m, rad], the smallest pivot below which a pose counts as near
+a singular one, the residual that may be left where equations contradict each other by rounding, and
 the pivot up to which a pose counts as singular.
 """
 

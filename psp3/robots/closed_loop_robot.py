@@ -69,6 +69,7 @@ from psp3.multibody.motion import (
     MOTION,
     NOT_FINITE,
 )
+from psp3.robots.pickling import constraints, plain
 
 DYNAMICS_MODELS = ("core", "pinocchio", "noc")
 """Names of the implementations of the equation of motion of any robot."""
@@ -135,7 +136,7 @@ class ClosedLoopRobot:
     Arguments and results are in actuated coordinates.
 
     What Pinocchio computes (frames and their Jacobians) serves one thread at a time, because it is
-    computed in one ``data``; everything else serves many.
+    computed in one ``data``; everything else serves many. A robot can be pickled and copied.
 
     Parameters
     ----------
@@ -227,7 +228,6 @@ class ClosedLoopRobot:
             "coordinates": coordinates,
         }
         self.model = model
-        self.data = model.createData()
         self.visual_model = visual_model if visual_model is not None else pin.GeometryModel()
         self.constraint_models = pin.StdVec_RigidConstraintModel()
         self.constraint_models.extend(list(constraint_models))
@@ -246,13 +246,7 @@ class ClosedLoopRobot:
         self.equations = (*equations, *(one for one in more if isinstance(one, Hinge)))
         self.options["equations"] = self.equations
         every = [*self.constraint_models, *self.equations]
-        self._constraint_data = pin.StdVec_RigidConstraintData()
-        self._dynamics_data = pin.StdVec_RigidConstraintData()
-        for constraint in self.constraint_models:
-            self._constraint_data.append(constraint.createData())
-            # Constraint data must not be shared between algorithms of Pinocchio: results would be
-            # silently wrong.
-            self._dynamics_data.append(constraint.createData())
+        self._create_data()
         names = closure_names(every)
         flat = flattened(model, every, NO_MOTORS)
         found = structure(model, flat, home, self.motors, names)
@@ -268,13 +262,7 @@ class ClosedLoopRobot:
         self._position_count, self._speed_count = len(chosen.positions), len(chosen.speeds)
         self.dependent_v = np.setdiff1d(np.arange(model.nv), [*chosen.speeds, *chosen.held])
         self._limited = PassiveLimits(model, chosen.names)
-        self._flat_arguments = (
-            [*every, *chosen.spins],
-            chosen.speeds,
-            chosen.held,
-            springs,
-            *_allowance(found),
-        )
+        self._held = chosen.held
         self._core = self._settled(found.home if home is None else home, found)
         self.q0: Array = self._core.q0
         given = found.home if home is None else home
@@ -287,16 +275,21 @@ class ClosedLoopRobot:
 
         Or where all joints are closed best, if they cannot be kept.
         """
-        closures, speeds, held, springs, mismatch, weakest = self._flat_arguments
-        arguments = self.model, closures, speeds
+        arguments = self.model, self._all_closures(), self.coordinates_v
+        more = self._held, self.options["springs"], *_allowance(found)
         try:
-            return Core(*arguments, guess, held, springs, mismatch, weakest)
+            return Core(*arguments, guess, *more)
         except NoAnswer as failed:
             refused = self._refused(failed, guess[self.coordinates_q][np.newaxis])
         try:
-            return Core(*arguments, found.home, held, springs, mismatch, weakest)
+            return Core(*arguments, found.home, *more)
         except NoAnswer:
             raise refused from None
+
+    def _all_closures(self) -> list[Any]:
+        """Return what closes the tree: loops, other equations, and balls held in spin."""
+        spins = [one.spin for one in self.locked if one.spin is not None]
+        return [*self.constraint_models, *self.equations, *spins]
 
     def _tell(self, loop: str, found: Structure) -> None:
         """Warn of what the file may not have meant: rounded loops, and motions that are held."""
@@ -319,6 +312,29 @@ class ClosedLoopRobot:
                 self.title,
                 "; ".join(map(str, self.locked)),
             )
+
+    def _create_data(self) -> None:
+        """Make the memory in which Pinocchio computes."""
+        self.data = self.model.createData()
+        self._constraint_data = pin.StdVec_RigidConstraintData()
+        self._dynamics_data = pin.StdVec_RigidConstraintData()
+        for constraint in self.constraint_models:
+            self._constraint_data.append(constraint.createData())
+            # Constraint data must not be shared between algorithms of Pinocchio: results would be
+            # silently wrong.
+            self._dynamics_data.append(constraint.createData())
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Pinocchio pickles neither constraints nor what it computes of them.
+        state = {**self.__dict__, "constraint_models": plain(self.constraint_models)}
+        for made in ("data", "_constraint_data", "_dynamics_data"):
+            del state[made]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.constraint_models = constraints(self.model, state["constraint_models"])
+        self._create_data()
 
     @classmethod
     def from_urdf(
@@ -517,40 +533,41 @@ class ClosedLoopRobot:
         self,
         question: int,
         width: int,
-        guess: ArrayLike | LastPose | None = None,
-        **arguments: ArrayLike,
+        guess: ArrayLike | LastPose | None,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        third: ArrayLike,
+        name_of_third: str = "accelerations",
     ) -> Array:
-        """Return the answers of the core, (..., width), for arguments (..., n)."""
-        widths = self._widths(arguments)
-        values = list(arguments.values())
-        if guess is not None and not isinstance(guess, LastPose):
-            guess = np.array(one_row("guess", guess, self.model.nq))
-        try:
+        """Return the answers of the core, (..., width), for arguments (..., n).
+
+        What a question does not need may be any of the others.
+        """
+        if guess is None or type(guess) is LastPose:
             # One state, as control loops ask for it: nothing to check that the kernels do not.
-            rows = [value[np.newaxis] for value in values]  # type: ignore[index, call-overload]
-            single = [row.shape for row in rows] == [(1, width) for width in widths]
-        except (TypeError, IndexError, AttributeError):
-            single = False
-        if single:
-            out = np.empty((1, width))
+            out = np.empty(width)
             try:
-                self._core.ask(question, *_three(rows), out, guess)  # type: ignore[arg-type]
-            except (TypeError, NoAnswer):
-                # Said below, of what has been checked.
+                if self._core.ask_one(question, positions, speeds, third, out, guess):
+                    return out
+            except TypeError:  # lists, many states, numbers of another kind
                 pass
-            else:
-                return out[0]
+        p, n = self._position_count, self._speed_count
         arrays = together(
             **{
-                name: finite_rows(name, value, width)
-                for (name, value), width in zip(arguments.items(), widths, strict=True)
+                name: finite_rows(name, value, count)
+                for name, value, count in (
+                    ("positions", positions, p),
+                    ("speeds", speeds, n),
+                    (name_of_third, third, n),
+                )
             }
         )
-        shape = arrays[0].shape[:-1]
-        rows = [array.reshape(-1, array.shape[-1]) for array in arrays]
+        shape, rows = arrays[0].shape[:-1], [array.reshape(-1, array.shape[-1]) for array in arrays]
+        if guess is not None and not isinstance(guess, LastPose):
+            guess = np.array(one_row("guess", guess, self.model.nq))
         out = np.empty((len(rows[0]), width))
         try:
-            self._core.ask(question, *_three(rows), out, guess)
+            self._core.ask(question, rows[0], rows[1], rows[2], out, guess)
         except NoAnswer as failed:
             raise self._refused(failed, rows[0]) from None
         return out.reshape(*shape, width)
@@ -608,7 +625,9 @@ class ClosedLoopRobot:
         JointLimitExceeded
             If an un-actuated joint would be beyond its limits.
         """
-        return self._ask(CONFIGURATION, self.model.nq, guess, positions=positions)
+        same = self._position_count == self._speed_count
+        rest = positions if same else np.zeros(self._speed_count)
+        return self._ask(CONFIGURATION, self.model.nq, guess, positions, rest, rest)
 
     def configurations_along(self, path: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations along a path.
@@ -638,7 +657,8 @@ class ClosedLoopRobot:
         start = None if guess is None else np.array(one_row("guess", guess, self.model.nq))
         out = np.empty((len(rows), self.model.nq))
         try:
-            self._core.ask(CONFIGURATION, rows, rows, rows, out, start, is_path=True)
+            rest = np.zeros((len(rows), self._speed_count))
+            self._core.ask(CONFIGURATION, rows, rest, rest, out, start, is_path=True)
         except NoAnswer as failed:
             raise self._refused(failed, rows) from None
         return out.reshape(*np.shape(path)[:-1], self.model.nq)
@@ -666,7 +686,8 @@ class ClosedLoopRobot:
         """
         row = one_row("positions", positions, self._position_count)
         nq, n = self.model.nq, self._speed_count
-        both = self._ask(COMPLEMENT, nq + self.model.nv * n, positions=row)
+        rest = np.zeros(n)
+        both = self._ask(COMPLEMENT, nq + self.model.nv * n, None, row, rest, rest)
         complement = np.ascontiguousarray(both[nq:].reshape(n, self.model.nv).T)
         return ClosedPose(both[:nq].copy(), complement, self._dependent_inverse)
 
@@ -693,9 +714,7 @@ class ClosedLoopRobot:
         """
         nq, nv = self.model.nq, self.model.nv
         rest = np.zeros(self._speed_count)
-        motion = self._ask(
-            MOTION, nq + 2 * nv, positions=positions, speeds=speeds, accelerations=rest
-        )
+        motion = self._ask(MOTION, nq + 2 * nv, None, positions, speeds, rest)
         return motion[..., nq : nq + nv]
 
     # Projected dynamics
@@ -727,9 +746,9 @@ class ClosedLoopRobot:
             MOTION,
             nq + 2 * nv,
             q,
-            positions=q[self.coordinates_q],
-            speeds=v[self.coordinates_v],
-            accelerations=np.zeros(self._speed_count),
+            q[self.coordinates_q],
+            v[self.coordinates_v],
+            np.zeros(self._speed_count),
         )
         return motion[nq + nv :]
 
@@ -764,9 +783,7 @@ class ClosedLoopRobot:
             See :meth:`configuration`.
         """
         n = self._speed_count
-        packed = self._ask(
-            EQUATION_OF_MOTION, 2 * n * n + n, guess, positions=positions, speeds=speeds
-        )
+        packed = self._ask(EQUATION_OF_MOTION, 2 * n * n + n, guess, positions, speeds, speeds)
         square = (*packed.shape[:-1], n, n)
         return (
             packed[..., : n * n].reshape(square),
@@ -814,14 +831,8 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        return self._ask(
-            INVERSE_DYNAMICS,
-            self._speed_count,
-            guess,
-            positions=positions,
-            speeds=speeds,
-            accelerations=accelerations,
-        )
+        n = self._speed_count
+        return self._ask(INVERSE_DYNAMICS, n, guess, positions, speeds, accelerations)
 
     def actuator_forces(
         self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
@@ -883,7 +894,8 @@ class ClosedLoopRobot:
             The unit matrix, where the coordinates are those of the motors.
         """
         nq, nv, n = self.model.nq, self.model.nv, self._speed_count
-        both = self._ask(COMPLEMENT, nq + nv * n, positions=positions)
+        rest = np.zeros(n)
+        both = self._ask(COMPLEMENT, nq + nv * n, None, positions, rest, rest)
         transposed = both[..., nq:].reshape(*both.shape[:-1], n, nv)
         return np.asarray(transposed @ self.motors)
 
@@ -927,19 +939,16 @@ class ClosedLoopRobot:
         force = one_row("forces", forces, self._speed_count)
         acceleration = self.forward_dynamics(row, speed, force)
         nq, nv = self.model.nq, self.model.nv
-        motion = self._ask(
-            MOTION, nq + 2 * nv, positions=row, speeds=speed, accelerations=acceleration
-        )
+        motion = self._ask(MOTION, nq + 2 * nv, None, row, speed, acceleration)
         q, v, a = motion[:nq], motion[nq : nq + nv], motion[nq + nv :]
         tree = np.array(pin.rnea(self.model, self.data, q, v, a))
         tree += self.joint_resistance(q, v)
         # The forces along the coordinates act at their joints.
         tree[self.coordinates_v] -= force
         every = [*self.constraint_models, *self.equations]
-        closures = self._flat_arguments[0]
-        flat = flattened(self.model, closures, NO_MOTORS)
+        flat = flattened(self.model, self._all_closures(), NO_MOTORS)
         slope = jacobian(flat, q)
-        unlocked = np.setdiff1d(np.arange(nv), self._flat_arguments[2])
+        unlocked = np.setdiff1d(np.arange(nv), self._held)
         solution = np.linalg.lstsq(slope[:, unlocked].T, tree[unlocked], rcond=1e-9)[0]
         ends = np.cumsum([0, *flat.closure_rows])
         found = {}
@@ -1011,7 +1020,7 @@ class ClosedLoopRobot:
         # Redundant closures make the constraint inertia singular; the proximal iteration then
         # converges to the same motion.
         rows = sum(constraint.residualSize() for constraint in self.constraint_models)
-        redundant = rows > self.model.nv - len(self.actuated)
+        redundant = rows > self.model.nv - self._speed_count
         settings = pin.ProximalSettings(
             1e-12, 1e-12, 1e-6 if redundant else 0.0, 50 if redundant else 1
         )
@@ -1051,14 +1060,8 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        return self._ask(
-            FORWARD_DYNAMICS,
-            self._speed_count,
-            guess,
-            positions=positions,
-            speeds=speeds,
-            forces=forces,
-        )
+        n = self._speed_count
+        return self._ask(FORWARD_DYNAMICS, n, guess, positions, speeds, forces, "forces")
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
         """Return the Jacobian of a frame by the actuated coordinates.
@@ -1187,7 +1190,7 @@ class ClosedLoopRobot:
 
     def kinetic_energy(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the kinetic energy [J], of shape (...,)."""
-        return self._ask(ENERGIES, 2, positions=positions, speeds=speeds)[..., 0]
+        return self._ask(ENERGIES, 2, None, positions, speeds, speeds)[..., 0]
 
     def potential_energy(self, positions: ArrayLike) -> Array:
         """Return the potential energy in the field of gravity [J], of shape (...,).
@@ -1195,12 +1198,7 @@ class ClosedLoopRobot:
         Zero with all masses at the base's height.
         """
         rest = np.zeros(self._speed_count)
-        return self._ask(ENERGIES, 2, positions=positions, speeds=rest)[..., 1]
-
-
-def _three(rows: list[Array]) -> tuple[Array, Array, Array]:
-    """Return three arguments for a question that needs up to three."""
-    return rows[0], rows[min(1, len(rows) - 1)], rows[-1]
+        return self._ask(ENERGIES, 2, None, positions, rest, rest)[..., 1]
 
 
 def _allowance(found: Structure) -> tuple[float, float]:

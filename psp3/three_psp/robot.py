@@ -102,12 +102,9 @@ class PSP3(ClosedLoopRobot):
         visual_model: Any,
         parameters: Parameters,
     ) -> None:
-        from psp3.three_psp import closed_form, many_states
-
         super().__init__(model, constraint_models, actuated, q0, visual_model)
         self.parameters = parameters
-        self._kernels = closed_form
-        self._of_many = many_states.first_refused_row
+        self._load_kernels()
         self._p = parameters.as_array()
         self._configuration_order = np.array(
             [
@@ -116,6 +113,22 @@ class PSP3(ClosedLoopRobot):
                 for joint in ("a", "phi", "theta", "lambda", "b")
             ]
         )
+
+    def _load_kernels(self) -> None:
+        from psp3.three_psp import closed_form, many_states
+
+        self._kernels = closed_form
+        self._of_many = many_states.first_refused_row
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = super().__getstate__()
+        # A module cannot be pickled.
+        del state["_kernels"], state["_of_many"]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._load_kernels()
 
     @property
     def stroke(self) -> tuple[Array, Array]:
@@ -151,19 +164,24 @@ class PSP3(ClosedLoopRobot):
         self,
         question: int,
         width: int,
-        guess: ArrayLike | LastPose | None = None,
-        **arguments: ArrayLike,
+        guess: ArrayLike | LastPose | None,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        third: ArrayLike,
+        name_of_third: str = "accelerations",
     ) -> Array:
         """Return answers of the core, each from the pose in closed form."""
 
-        def one(**row: Array) -> Array:
-            start = self.configuration(row["positions"]) if guess is None else guess
-            return super(PSP3, self)._ask(question, width, start, **row)
+        def one(row: Array, speed: Array, other: Array) -> Array:
+            start = self.configuration(row) if guess is None else guess
+            return super(PSP3, self)._ask(question, width, start, row, speed, other, name_of_third)
 
         return applied_to_rows(
-            lambda *row: one(**dict(zip(arguments, row, strict=True))),
+            one,
             (width,),
-            **{name: (values, 3) for name, values in arguments.items()},
+            positions=(positions, 3),
+            speeds=(speeds, 3),
+            **{name_of_third: (third, 3)},
         )
 
     def dynamics(self, name: str) -> DynamicsModel:
@@ -227,7 +245,7 @@ class PSP3(ClosedLoopRobot):
             self._refuse(row, heights=a)
         return Pose(out)
 
-    def configuration(self, heights: ArrayLike, guess: ArrayLike | None = None) -> Array:
+    def configuration(self, heights: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         r"""Return the Pinocchio configuration that closes the loops (eq. 3.5).
 
         With :math:`(x, y)` the star's slope in the axes of leg k: :math:`\tan\varphi_k = x`,
@@ -435,7 +453,10 @@ class PSP3(ClosedLoopRobot):
     # Dynamics
 
     def equation_of_motion(
-        self, heights: ArrayLike, speeds: ArrayLike
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity vector in one call (eq. 3.1–3.4).
 
@@ -445,6 +466,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds : (..., 3) array_like
             Nut heights [m] and speeds [m/s].
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------
@@ -499,7 +522,11 @@ class PSP3(ClosedLoopRobot):
         return self.equation_of_motion(heights, _REST)[2]
 
     def inverse_dynamics(
-        self, heights: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         r"""Return the screw forces of a motion, :math:`\tau = M \ddot a + C \dot a + G` (eq. 3.1).
 
@@ -507,6 +534,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, accelerations : (..., 3) array_like
             Nut heights [m], speeds [m/s] and accelerations [m/s²].
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------
@@ -534,7 +563,13 @@ class PSP3(ClosedLoopRobot):
             self._refuse(row, heights=a, speeds=v, accelerations=w)
         return out
 
-    def forward_dynamics(self, heights: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+    def forward_dynamics(
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        forces: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> Array:
         r"""Return the accelerations under given screw forces.
 
         They are :math:`\ddot a = M^{-1} (\tau - C \dot a - G)`.
@@ -543,6 +578,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, forces : (..., 3) array_like
             Nut heights [m], speeds [m/s] and forces along the screws [N].
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------

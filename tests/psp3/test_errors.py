@@ -82,6 +82,11 @@ EXAMPLES = [
         ["11 of 12", "1.5e+16"],
     ),
     (
+        errors.NoFiniteAnswer(HEIGHTS),
+        {"positions": HEIGHTS},
+        ["0.2", "smaller speeds or forces", "mass or inertia"],
+    ),
+    (
         errors.MobilityMismatch(Mobility(3, 2, 2, 15, 12, 12, ("a3", "b3"), ()), ["a1", "a2"]),
         {"actuated": ("a1", "a2")},
         ["3 degrees of freedom", "2 actuated", "a1, a2", "a3, b3 can still move"],

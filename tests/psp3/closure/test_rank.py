@@ -49,3 +49,29 @@ def test_columns_that_depend_on_each_other_are_refused(matrix: np.ndarray, rank:
     with pytest.raises(SingularConfiguration) as caught:
         dependent_solver(matrix)
     assert (caught.value.rank, caught.value.needed) == (rank, 4)
+
+
+@pytest.mark.parametrize("rows", [4, 9])
+@pytest.mark.parametrize("condition", [1e1, 1e5, 1e8, 0.9e9, 1.1e9, 1e12])
+def test_singular_values_decide_however_the_inverse_is_found(rows: int, condition: float) -> None:
+    """Matrices of a known condition number: refused beyond 1e9, and only there.
+
+    The inverse is right to the condition number times rounding, a hundredfold.
+    """
+    rng = np.random.default_rng(rows)
+    left, right = (np.linalg.qr(rng.normal(size=(size, 4)))[0] for size in (rows, 4))
+    values = np.array([1.0, 0.5, 0.1, 1.0 / condition])
+    matrix = 3.0 * (left * values) @ right.T
+    if condition * RANK_TOLERANCE > 1.0:
+        with pytest.raises(SingularConfiguration) as caught:
+            dependent_solver(matrix)
+        assert caught.value.rank == 3
+    else:
+        expected = (right / values) @ left.T / 3.0
+        np.testing.assert_allclose(
+            dependent_solver(matrix), expected, rtol=0, atol=1e-14 * condition * condition
+        )
+
+
+def test_numbers_whose_squares_overflow_are_solved_without_a_warning() -> None:
+    np.testing.assert_allclose(dependent_solver(1e200 * np.eye(3)), 1e-200 * np.eye(3), rtol=1e-12)

@@ -369,7 +369,10 @@ def complex_closed_form() -> Any:
     source = Path(str(closed_form.__file__)).read_text(encoding="utf-8")
     for old, new in (
         ("import math\n", "import cmath as math\n"),
-        ("from fuzzy2.support.compiled import compiled\n", "compiled = lambda f: f\n"),
+        (
+            "from fuzzy2.support.compiled import compiled, inlined\n",
+            "compiled = inlined = lambda f: f\n",
+        ),
     ):
         assert old in source
         source = source.replace(old, new)

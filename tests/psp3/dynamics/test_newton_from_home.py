@@ -16,6 +16,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import psp3
 from psp3.description.parts import ROBOTS
 from psp3.dynamics.newton_from_home import NewtonFromHome
+from psp3.dynamics.projected import ProjectedDynamics
 from psp3.errors import (
     ClosureFailed,
     InvalidArray,
@@ -251,6 +252,48 @@ def test_a_singular_step_is_made_shorter() -> None:
     waves.fail_at = 3
     assert waves.closed_at(1.0) == pytest.approx(np.arcsin(0.9 * np.sin(10.0)) / 10.0, abs=1e-12)
     assert waves.fail_at == -1
+
+
+@pytest.mark.parametrize("route", [psp3.NaturalOrthogonalComplement, ProjectedDynamics])
+def test_a_loop_that_is_said_twice_changes_nothing(route: Any) -> None:
+    """Redundant equations, whose corrections come from the normal ones; 1e-12 m and rad."""
+    robot = psp3.load("psp3")
+    twice = SimpleNamespace(
+        model=robot.model,
+        constraint_models=[*robot.constraint_models, *robot.constraint_models],
+        actuated=robot.actuated,
+        q0=robot.q0,
+    )
+    heights = random_heights(np.random.default_rng(36), 20)
+    expected = robot.configuration(heights)
+    assert_allclose(route(twice).configuration(heights), expected, rtol=0, atol=1e-12)
+
+
+def test_a_step_whose_equations_are_singular_is_the_shortest_that_serves() -> None:
+    """Two sliders y and z of which the loop knows only the sum, at a home that is 0.2 m open.
+
+    Elimination fails; by singular values each moves by 0.1 m. That no motor determines them is
+    said afterwards.
+    """
+    model = pin.Model()
+    for parent, name in enumerate("xyz"):
+        model.addJoint(parent, pin.JointModelPX(), pin.SE3.Identity(), name)
+    slope = np.array([[-1.0, 1.0, 1.0], [-2.0, 2.0, 2.0]])
+    closed = []
+
+    def complement(q: Array, jacobian: Array) -> tuple[Array, Array]:
+        closed.append(q)
+        raise SingularConfiguration(1, 2, np.inf)
+
+    with pytest.raises(SingularConfiguration):
+        NewtonFromHome(
+            model,
+            ["x"],
+            np.zeros(3),
+            lambda q: (slope @ q - 0.2 * slope[:, 1], slope),
+            complement,
+        )
+    assert_allclose(closed, [[0.0, 0.1, 0.1]], rtol=0, atol=1e-15)
 
 
 def test_without_loops_the_positions_are_the_configuration() -> None:

@@ -20,7 +20,6 @@ from psp3.description.srdf import reference_poses
 from psp3.description.urdf import read_tree
 from psp3.errors import (
     ClosureFailed,
-    DisorderedJoints,
     InvalidArray,
     InvalidRobotFile,
     JointLimitExceeded,
@@ -362,7 +361,9 @@ def test_batches_are_loops_of_singles(robot: ClosedLoopRobot) -> None:
     for index in np.ndindex(2, 2):
         single = robot.equation_of_motion(positions[index], speeds[index[1]])
         for whole, part in zip((mass, coriolis, gravity), single, strict=True):
-            assert_allclose(whole[index], part, rtol=0.0, atol=1e-12 * np.abs(part).max(initial=1.0))
+            assert_allclose(
+                whole[index], part, rtol=0.0, atol=1e-12 * np.abs(part).max(initial=1.0)
+            )
 
 
 SHAPES = {
