@@ -6,8 +6,6 @@ is taken from the robot under test but the names of its joints and their places.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -132,9 +130,7 @@ def inertial(com: str = ".1 0 .02", mass: float = 1.0, moments: str = ".01 .012 
 
 def body(name: str, pos: str, joint: str, inner: str = "", inertia: str | None = None) -> str:
     """Return a body with a joint and what hangs on it."""
-    return (
-        f'<body name="{name}" pos="{pos}">{joint}{inertia or inertial()}{inner}</body>'
-    )
+    return f'<body name="{name}" pos="{pos}">{joint}{inertia or inertial()}{inner}</body>'
 
 
 def hinge(name: str, axis: str = "0 0 1", more: str = "") -> str:
@@ -161,9 +157,12 @@ def rod(moments: str = ".01 .012 .014", com: str = ".1 0 .02") -> str:
 
     The rod can spin about its line.
     """
-    ball = body("rod", ".15 .1 .05", '<joint type="ball" name="ball"/>', "", inertial(com, 1.0, moments))
+    ball = body(
+        "rod", ".15 .1 .05", '<joint type="ball" name="ball"/>', "", inertial(com, 1.0, moments)
+    )
     return document(
-        body("crank", "0 0 0", hinge("crank"), ball) + body("rocker", ".6 0 0", hinge("rocker", "1 0 .3")),
+        body("crank", "0 0 0", hinge("crank"), ball)
+        + body("rocker", ".6 0 0", hinge("rocker", "1 0 .3")),
         '<connect body1="rod" body2="rocker" anchor=".4 .25 .2"/>',
         motors("crank"),
     )
@@ -196,12 +195,23 @@ def gripper() -> str:
     def finger(side: str, y: float) -> str:
         small = inertial("0 .01 .02", 0.1, ".001 .001 .001")
         coupler = body(f"{side}coupler", f"0 {y} .01", hinge(f"{side}coupler", "1 0 0"), "", small)
-        follower = body(f"{side}follower", f"0 {0.5 * y} .06", hinge(f"{side}follower", "1 0 0"), "", small)
+        follower = body(
+            f"{side}follower", f"0 {0.5 * y} .06", hinge(f"{side}follower", "1 0 0"), "", small
+        )
         spring = 'stiffness=".5" springref=".3" damping=".01"'
         return body(
-            f"{side}driver", f"0 {y} 0", hinge(f"{side}driver", "1 0 0", 'armature=".002"'), coupler,
+            f"{side}driver",
+            f"0 {y} 0",
+            hinge(f"{side}driver", "1 0 0", 'armature=".002"'),
+            coupler,
             inertial("0 .01 0", 0.2, ".001 .002 .001"),
-        ) + body(f"{side}spring", f"0 {0.4 * y} .02", hinge(f"{side}spring", "1 0 0", spring), follower, small)
+        ) + body(
+            f"{side}spring",
+            f"0 {0.4 * y} .02",
+            hinge(f"{side}spring", "1 0 0", spring),
+            follower,
+            small,
+        )
 
     return document(
         finger("l_", 0.03) + finger("r_", -0.03),
@@ -218,14 +228,44 @@ def biped(*driven: str) -> str:
     """Return a trunk on a floating base with two legs, each with a four-bar that drives the knee."""
 
     def leg(side: str, y: float) -> str:
-        shank = body(f"{side}shank", "0 0 -.3", hinge(f"{side}knee", "0 1 0"), "", inertial("0 .005 -.14", 0.7, ".006 .006 .001"))
-        thigh = body(f"{side}thigh", f"0 {y} -.1", hinge(f"{side}hip", "0 1 0"), shank, inertial(".01 0 -.15", 1.2, ".012 .011 .003"))
-        bar = body(f"{side}rod", ".05 0 0", hinge(f"{side}rodpin", "0 1 0"), "", inertial("0 0 -.15", 0.15, ".002 .002 .0001"))
-        crank = body(f"{side}crank", f".08 {y} -.1", hinge(f"{side}motor", "0 1 0"), bar, inertial(".02 0 0", 0.2, ".0004 .0005 .0003"))
+        shank = body(
+            f"{side}shank",
+            "0 0 -.3",
+            hinge(f"{side}knee", "0 1 0"),
+            "",
+            inertial("0 .005 -.14", 0.7, ".006 .006 .001"),
+        )
+        thigh = body(
+            f"{side}thigh",
+            f"0 {y} -.1",
+            hinge(f"{side}hip", "0 1 0"),
+            shank,
+            inertial(".01 0 -.15", 1.2, ".012 .011 .003"),
+        )
+        bar = body(
+            f"{side}rod",
+            ".05 0 0",
+            hinge(f"{side}rodpin", "0 1 0"),
+            "",
+            inertial("0 0 -.15", 0.15, ".002 .002 .0001"),
+        )
+        crank = body(
+            f"{side}crank",
+            f".08 {y} -.1",
+            hinge(f"{side}motor", "0 1 0"),
+            bar,
+            inertial(".02 0 0", 0.2, ".0004 .0005 .0003"),
+        )
         return thigh + crank
 
     return document(
-        body("trunk", "0 0 1", '<freejoint name="root"/>', leg("l_", 0.1) + leg("r_", -0.1), inertial(".02 0 .05", 8.0, ".12 .1 .08")),
+        body(
+            "trunk",
+            "0 0 1",
+            '<freejoint name="root"/>',
+            leg("l_", 0.1) + leg("r_", -0.1),
+            inertial(".02 0 .05", 8.0, ".12 .1 .08"),
+        ),
         '<connect body1="l_rod" body2="l_shank" anchor="0 0 -.3"/>'
         '<connect body1="r_rod" body2="r_shank" anchor="0 0 -.3"/>',
         motors(*driven),

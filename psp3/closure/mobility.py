@@ -27,6 +27,7 @@ from psp3.errors import UnknownName
 from psp3.multibody.flatten import NO_MOTORS, FlatTree, flattened
 from psp3.multibody.tree import ROWS
 
+
 class Mobility(NamedTuple):
     """How many ways a mechanism can move, and how many of them its motors command."""
 

@@ -156,9 +156,7 @@ def _tendons(document: MjcfDocument, plain: PlainMjcf) -> dict[str, dict[str, fl
     return tendons
 
 
-def _couplings(
-    document: MjcfDocument, plain: PlainMjcf, model: pin.Model
-) -> tuple[Coupling, ...]:
+def _couplings(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> tuple[Coupling, ...]:
     """Return the active joint equalities."""
     joints = {joint.name: joint for joint in plain.joints}
     couplings = []

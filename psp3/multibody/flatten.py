@@ -552,7 +552,18 @@ def _memory_begins(counts: list[int]) -> list[int]:
     positions = counts[POSITIONS]
     factors, driven, twists = counts[FACTORS], counts[DRIVEN], 6 * (elements + 1)
     sizes = [nq, 12 * elements, 6 * nv, 24 * closures, factors, dependent, driven, groups]
-    sizes += [factors, dependent, nq, positions, positions, rows, max(rows, dependent), dependent, dependent, 9]
+    sizes += [
+        factors,
+        dependent,
+        nq,
+        positions,
+        positions,
+        rows,
+        max(rows, dependent),
+        dependent,
+        dependent,
+        9,
+    ]
     sizes += [
         dependent * dependent,
         nv,

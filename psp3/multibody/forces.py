@@ -222,9 +222,7 @@ def joint_forces(tree, numbers, memory):
             )
             friction, speed = numbers[joint + FRICTION], memory[tree[AT_JOINT_SPEEDS] + velocity]
             if friction != 0.0 and speed != 0.0:
-                memory[tree[AT_JOINT_FORCES] + velocity] += (
-                    friction if speed > 0.0 else -friction
-                )
+                memory[tree[AT_JOINT_FORCES] + velocity] += friction if speed > 0.0 else -friction
         if tree[row + KIND] == SCREW:
             at, joint = tree[row + INDEX_Q], tree[AT_JOINTS] + JOINT_NUMBERS * first
             stretch = memory[q + at] - numbers[rests + at]

@@ -115,8 +115,10 @@ def _spin_change(numbers, at, memory, q, v, z):
     # linear in (u, w), and these change by 0.5 (w ω + u × ω) and −0.5 u · ω. A quaternion's second
     # derivative along ω and z is −0.25 (ω · z) times itself and 0.25 times what ω × z turns.
     n_u = _turned(numbers, at, memory, q, 0, 0)
-    value = -0.25 * n_u * (
-        memory[v] * memory[z] + memory[v + 1] * memory[z + 1] + memory[v + 2] * memory[z + 2]
+    value = (
+        -0.25
+        * n_u
+        * (memory[v] * memory[z] + memory[v + 1] * memory[z + 1] + memory[v + 2] * memory[z + 2])
     )
     cx = memory[v + 1] * memory[z + 2] - memory[v + 2] * memory[z + 1]
     cy = memory[v + 2] * memory[z] - memory[v] * memory[z + 2]
@@ -346,9 +348,7 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
             at = in_elements + CLOSURE_NUMBERS * closure
             speed = tree[c + COUPLED_SPEED]
             v = joint_speeds + speed
-            memory[row] = _spin_change(
-                numbers, at, memory, configuration + one, v, speeds + speed
-            )
+            memory[row] = _spin_change(numbers, at, memory, configuration + one, v, speeds + speed)
             continue
         a = 6 * (one if one >= 0 else base)
         b = 6 * (two if two >= 0 else base)

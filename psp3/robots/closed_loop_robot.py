@@ -234,7 +234,9 @@ class ClosedLoopRobot:
         self.actuated = tuple(actuated)
         twice = [name for name in self.actuated if self.actuated.count(name) > 1]
         if twice:
-            raise InvalidValue("actuated", self.actuated, f"each joint once, not {twice[0]!r} twice")
+            raise InvalidValue(
+                "actuated", self.actuated, f"each joint once, not {twice[0]!r} twice"
+            )
         self.motors = _motors(model, self.actuated, tendons or {})
         driven = [name for name in self.actuated if name not in (tendons or {})]
         joints = [model.joints[model.getJointId(name)] for name in driven]
@@ -252,9 +254,7 @@ class ClosedLoopRobot:
         found = structure(model, flat, home, self.motors, names)
         self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
         _refuse(found, self.mobility, self.actuated, names, free)
-        chosen = chosen_coordinates(
-            model, found, every, self.motors, free, coordinates, springs
-        )
+        chosen = chosen_coordinates(model, found, every, self.motors, free, coordinates, springs)
         if not chosen.names:
             raise MobilityMismatch(self.mobility, self.actuated)
         self.coordinates, self.locked = chosen.names, chosen.locked
@@ -592,8 +592,7 @@ class ClosedLoopRobot:
     def _widths(self, arguments: Mapping[str, Any]) -> list[int]:
         """Return how many numbers each argument has: positions may be more than speeds."""
         return [
-            self._position_count if name == "positions" else self._speed_count
-            for name in arguments
+            self._position_count if name == "positions" else self._speed_count for name in arguments
         ]
 
     def configuration(
@@ -1248,9 +1247,7 @@ def _closures(
             raise UnknownName("kind of closure", kind, CLOSURE_KINDS)
         for name in (first, second):
             if name != "world" and not model.existFrame(name):
-                raise UnknownName(
-                    "frame", name, ["world", *(frame.name for frame in model.frames)]
-                )
+                raise UnknownName("frame", name, ["world", *(frame.name for frame in model.frames)])
         frame = model.frames[model.getFrameId(first)]
         one = frame.parentJoint, frame.placement
         if second == "world":

@@ -101,7 +101,9 @@ def test_accelerations_are_those_of_mujoco_projected(name: str, tmp_path: Path) 
             assert np.abs(moved - expected).max() < 1e-8 * size
         M, C, G = robot.equation_of_motion(positions, speeds)
         assert np.allclose(M @ found + C @ speeds + G, along, atol=1e-9 * (1.0 + size))
-        assert np.allclose(robot.inverse_dynamics(positions, speeds, found), along, atol=1e-9 * size)
+        assert np.allclose(
+            robot.inverse_dynamics(positions, speeds, found), along, atol=1e-9 * size
+        )
 
 
 def held_rows(robot: psp3.ClosedLoopRobot, q: Array) -> Array:
@@ -133,9 +135,7 @@ def held_rows(robot: psp3.ClosedLoopRobot, q: Array) -> Array:
     ],
 )
 @pytest.mark.parametrize("route", ["pinocchio", "noc"])
-def test_the_other_routes_take_the_same_coordinates(
-    name: str, route: str, tmp_path: Path
-) -> None:
+def test_the_other_routes_take_the_same_coordinates(name: str, route: str, tmp_path: Path) -> None:
     """20 states to 1e-10, as of the shipped robots."""
     text, free, _ = ROBOTS[name]
     robot = loaded(tmp_path, text, free)
@@ -186,9 +186,7 @@ def test_free_motions_are_refused_where_that_is_asked_for(tmp_path: Path) -> Non
         loaded(tmp_path, rod(), "drop")
 
 
-def test_one_warning_names_what_is_held(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_one_warning_names_what_is_held(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     robot = loaded(tmp_path, doubled(), "lock")
     (record,) = [one for one in caplog.records if "held where they are" in one.getMessage()]
     (held,) = robot.locked

@@ -405,9 +405,7 @@ def test_actuated_joints_that_do_not_match_the_mobility_are_refused(
     star: psp3.PSP3, actuated: tuple[str, ...]
 ) -> None:
     with pytest.raises(MobilityMismatch, match="3 degrees of freedom") as caught:
-        ClosedLoopRobot(
-            star.model, star.constraint_models, actuated, star.q0, free="refuse"
-        )
+        ClosedLoopRobot(star.model, star.constraint_models, actuated, star.q0, free="refuse")
     assert caught.value.mobility.degrees_of_freedom == 3
     assert caught.value.actuated == actuated
 
