@@ -153,8 +153,8 @@ class LoopsDoNotClose(ClosureFailed):
         PSP3Error.__init__(
             self,
             f"the loops do not close: from {tried} starts, within the joint limits and beyond, "
-            f"{where} stays open by {residual:.3g} at least (m, rad): correct its frames, or give a "
-            "pose near a closed one (home in an SRDF or a key frame)",
+            f"{where} stays open by {residual:.3g} at least (m, rad): correct its frames, or give "
+            "a pose near a closed one (home in an SRDF or a key frame)",
         )
 
 

@@ -1,7 +1,7 @@
-"""Accelerations of any MJCF robot from MuJoCo's own numbers, projected on its equalities' null space.
+"""Accelerations of any MJCF robot from MuJoCo's numbers, projected on its equalities' null space.
 
-Mass matrix, bias, passive forces, Jacobians and their rates are MuJoCo's; the rest is NumPy. Nothing
-is taken from the robot under test but the names of its joints and their places.
+Mass matrix, bias, passive forces, Jacobians and their rates are MuJoCo's; the rest is NumPy.
+Nothing is taken from the robot under test but the names of its joints and their places.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class NullSpace:
                 d.qpos[at : at + 3] = place.translation
                 quaternion = pin.Quaternion(place.rotation)
                 d.qpos[at + 3 : at + 7] = [quaternion.w, quaternion.x, quaternion.y, quaternion.z]
-                # MuJoCo's linear velocity is in axes of the world, Pinocchio's in those of the body.
+                # MuJoCo's linear velocity is in axes of the world, Pinocchio's in the body's.
                 turn[:3, :3] = place.rotation
                 linear, angular = np.split(v[joint.idx_v : joint.idx_v + 6], 2)
                 rate[own : own + 3] = place.rotation @ np.cross(angular, linear)
@@ -169,7 +169,7 @@ def rod(moments: str = ".01 .012 .014", com: str = ".1 0 .02") -> str:
 
 
 def doubled() -> str:
-    """Return a four-bar of which one hinge is there twice, so that the link between turns freely."""
+    """Return a four-bar of which one hinge is there twice, so that a link turns freely."""
     two = body("two", "0 0 .05", hinge("pin2"), "", inertial(".2 .05 0"))
     return document(
         body("crank", "0 0 0", hinge("crank"), body("one", ".12 .16 0", hinge("pin1"), two))
@@ -225,7 +225,7 @@ def gripper() -> str:
 
 
 def biped(*driven: str) -> str:
-    """Return a trunk on a floating base with two legs, each with a four-bar that drives the knee."""
+    """Return a trunk on a floating base with two legs, each with a four-bar at the knee."""
 
     def leg(side: str, y: float) -> str:
         shank = body(

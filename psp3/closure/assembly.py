@@ -100,7 +100,7 @@ def nearly_closed(model: pin.Model, flat: FlatTree, q0: Array) -> Iterator[tuple
 
     def slope(step: Array) -> Array:
         q = pin.integrate(model, q0, step)
-        return jacobian(flat, q) @ pin.dIntegrate(model, q0, step)[1]
+        return np.asarray(jacobian(flat, q) @ pin.dIntegrate(model, q0, step)[1])
 
     for attempt in range(31):
         spread = 0.0 if attempt == 0 else 0.1 * attempt

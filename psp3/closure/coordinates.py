@@ -1,4 +1,4 @@
-r"""Independent coordinates of a mechanism, and which joints are held where no motor commands a motion.
+r"""Independent coordinates of a mechanism, and what is held where no motor commands a motion.
 
 The motions that the loops leave are a basis N of velocities at several poses. A coordinate is a row
 w of joint velocities: it measures :math:`w N` of them. What it measures is taken out of the basis,
@@ -106,24 +106,7 @@ def chosen_coordinates(
     base = _floating_base(model, closures)
     if base is not None:
         choice.take(range(base.idx_v, base.idx_v + base.nv))
-    velocities: list[int] = []
-    for name in wanted or ():
-        if not model.existJointName(name) or name == model.names[0]:
-            raise UnknownName("coordinate", name, tuple(model.names)[1:])
-        joint = model.joints[model.getJointId(name)]
-        if (joint.nq, joint.nv) != (1, 1) or not choice.measures(joint.idx_v) > choice.least:
-            raise DependentCoordinates(name, [choice.names[v] for v in velocities])
-        choice.take([joint.idx_v])
-        velocities.append(joint.idx_v)
-    for column in motors.T:
-        row = column / np.linalg.norm(column)
-        if not choice.measured(row) > choice.least:
-            continue
-        for velocity in np.flatnonzero(column):
-            if choice.measures(int(velocity)) > choice.least:
-                velocities.append(int(velocity))
-                choice.take([int(velocity)])
-                break
+    velocities = [*choice.wanted(wanted or ()), *choice.driven(motors)]
     commanded = len(velocities)
     locked: list[Locked] = []
     held: list[int] = []
@@ -187,6 +170,32 @@ class _Choice:
     def measures(self, velocity: int) -> float:
         """Return how much one velocity measures in the pose that is best for it."""
         return float(max(np.linalg.norm(basis[velocity]) for basis in self.bases))
+
+    def wanted(self, names: Sequence[str]) -> list[int]:
+        """Take the coordinates that are asked for; return their velocities."""
+        taken: list[int] = []
+        for name in names:
+            if not self.model.existJointName(name) or name == self.model.names[0]:
+                raise UnknownName("coordinate", name, tuple(self.model.names)[1:])
+            joint = self.model.joints[self.model.getJointId(name)]
+            if (joint.nq, joint.nv) != (1, 1) or not self.measures(joint.idx_v) > self.least:
+                raise DependentCoordinates(name, [self.names[v] for v in taken])
+            self.take([joint.idx_v])
+            taken.append(joint.idx_v)
+        return taken
+
+    def driven(self, motors: Array) -> list[int]:
+        """Take a coordinate of each motor that commands a motion of its own."""
+        taken: list[int] = []
+        for column in motors.T:
+            if not self.measured(column / np.linalg.norm(column)) > self.least:
+                continue
+            for velocity in map(int, np.flatnonzero(column)):
+                if self.measures(velocity) > self.least:
+                    self.take([velocity])
+                    taken.append(velocity)
+                    break
+        return taken
 
     def worst(self, row: Array) -> float:
         """Return how much a row measures in the pose that is worst for it."""

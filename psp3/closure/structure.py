@@ -68,8 +68,8 @@ LARGEST_STEP = 0.3
 MOST_STEPS = 60
 
 STEPS = (0.3, 0.1, 0.03)
-"""How far apart the poses are at which the equations are looked at [rad, or sizes of the robot]; the
-smaller ones where a larger one does not close.
+"""How far apart the poses are at which the equations are looked at [rad, or sizes of the robot];
+the smaller ones where a larger one does not close.
 """
 
 POSES = 8

@@ -103,8 +103,8 @@ def read_loops(path: str | Path) -> Loops:
     if len(kinds) != len(frames) or any(kind not in KINDS for kind in kinds):
         raise InvalidRobotFile(
             path,
-            f"key 'type' must give '6d', '3d' or 'hinge' for each of the {len(frames)} closed loops, got "
-            f"{content['type']!r}",
+            f"key 'type' must give '6d', '3d' or 'hinge' for each of the {len(frames)} closed "
+            f"loops, got {content['type']!r}",
         )
     actuated = _names(path, content["name_mot"], "name_mot")
     _no_name_twice(path, actuated, "name_mot")

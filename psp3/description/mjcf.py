@@ -32,9 +32,9 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
     Loops are the active equality constraints ``connect`` (a point) and ``weld`` (position and
     orientation), between bodies or sites. Actuated are the joints of the ``<actuator>`` section in
     its order, once each; a motor on a fixed tendon drives its joints by the tendon's coefficients.
-    Joint equalities couple two joints by a polynomial, or hold one. ``q0`` is the key frame ``home``, if there is one. Pinocchio's coordinates
-    are zero where MuJoCo's are those of its reference pose (``qpos0``): angles and lengths differ
-    by ``ref``.
+    Joint equalities couple two joints by a polynomial, or hold one. ``q0`` is the key frame
+    ``home``, if there is one. Pinocchio's coordinates are zero where MuJoCo's are those of its
+    reference pose (``qpos0``): angles and lengths differ by ``ref``.
 
     Forces that the equation of motion does not know (springs of balls and of tendons, buoyancy,
     fluids) are logged as a warning, and so are meshes that cannot be read. Damping, friction,

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, merged
+from fuzzy2.support.compiled import compiled, inlined, merged
 from psp3.multibody.least_squares import factor, orientation, reflect, solve
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import move, place
@@ -156,13 +156,19 @@ def factored(tree, numbers, memory, group):
     )
 
 
+@inlined
+def _rests(step, before, size, mismatch):
+    """Tell whether a residual that equations leave by their rounding cannot become smaller."""
+    return size <= mismatch and step <= STILL and step >= 0.5 * before
+
+
 @compiled
 def newton(tree, numbers, memory, group, most, enough, sign):
     """Close a group's loops with its dependent joints.
 
     Leave its Jacobian factored there. Return what became of it; it is closed where the residual is
-    at most ``enough``, or, where equations contradict each other by rounding, where the step is, and
-    open where a joint has moved by more than ``most``, or the determinant's
+    at most ``enough``, or, where equations contradict each other by rounding, where the step is,
+    and open where a joint has moved by more than ``most``, or the determinant's
     sign was not ``sign`` somewhere on the way, unless that is 0.
     """
     configuration = tree[AT_CONFIGURATION]
@@ -208,11 +214,8 @@ def newton(tree, numbers, memory, group, most, enough, sign):
             memory[moved + column + k] += memory[right + k]
             step = max(step, abs(memory[right + k]))
             farthest = max(farthest, abs(memory[moved + column + k]))
-        if is_fresh:
-            if step <= enough:
-                return CLOSED if size <= max(largest, mismatch) else OPEN
-            if size <= mismatch and step <= STILL and step >= 0.5 * last_step:
-                return CLOSED
+        if is_fresh and (step <= enough or _rests(step, last_step, size, mismatch)):
+            return CLOSED if size <= max(largest, mismatch) else OPEN
         last_step = step
         if not farthest <= most:
             return OPEN

@@ -1,4 +1,4 @@
-"""What closes a tree besides Pinocchio's constraint models: hinges, couplings, balls held in spin."""
+"""What closes a tree besides constraint models: hinges, couplings, balls held in spin."""
 
 from __future__ import annotations
 

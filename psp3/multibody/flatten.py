@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from psp3.checks import Array, Indices
 from psp3.errors import UnsupportedJoint
@@ -65,6 +66,9 @@ NO_MOTORS = np.zeros(0, dtype=np.int64)
 """For :func:`flattened`, where no joint counts as independent."""
 
 
+Flags = NDArray[np.bool_]
+
+
 class FlatTree(NamedTuple):
     """The arrays of a tree, and what reads them in Python."""
 
@@ -74,9 +78,9 @@ class FlatTree(NamedTuple):
     """Equations of each closure, in the order of the groups."""
     order: list[int]
     """Which of the given closures these are."""
-    is_length: Array
+    is_length: Flags
     """Of each equation, whether it is a length [m] and not an angle."""
-    sliding: Array
+    sliding: Flags
     """Of each velocity, whether it is a length per time."""
 
 
@@ -489,7 +493,7 @@ def _coordinates(elements: list[_Element], velocity: int) -> list[int]:
     raise IndexError(velocity)
 
 
-def _sliding(model: pin.Model, elements: list[_Element]) -> Array:
+def _sliding(model: pin.Model, elements: list[_Element]) -> Flags:
     """Return of each velocity whether it is a length per time."""
     sliding = np.zeros(model.nv, dtype=bool)
     for element in elements:

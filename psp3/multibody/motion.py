@@ -253,10 +253,10 @@ def answer(
 
     ``free_fall`` is the acceleration of gravity (3). Positions are rows · p numbers, speeds
     (second), and accelerations or forces (third) rows · n each; where a question needs fewer, they
-    are not looked at. With ``is_warm`` the memory begins with a pose from which the first row starts, and else
-    that is the reference; the other rows start from it, too, but on a path from the row before.
-    Return the first row that has no answer, −1 if all have one, or −2 if an argument has another
-    size.
+    are not looked at. With ``is_warm`` the memory begins with a pose from which the first row
+    starts, and else that is the reference; the other rows start from it, too, but on a path from
+    the row before. Return the first row that has no answer, −1 if all have one, or −2 if an
+    argument has another size.
     """
     size, width = rows * tree[INDEPENDENT], out.shape[0] // max(rows, 1)
     if positions.shape[0] != rows * tree[POSITIONS]:

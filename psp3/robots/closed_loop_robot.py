@@ -104,7 +104,7 @@ class ClosureMismatch(NamedTuple):
 
 
 class LoopForce(NamedTuple):
-    """What a loop does to the body of its second frame; the body of the first feels the opposite."""
+    """What a loop does to the body of its second frame; that of the first feels the opposite."""
 
     name: str
     force: Array
@@ -275,14 +275,26 @@ class ClosedLoopRobot:
 
         Or where all joints are closed best, if they cannot be kept.
         """
-        arguments = self.model, self._all_closures(), self.coordinates_v
-        more = self._held, self.options["springs"], *_allowance(found)
+        mismatch, weakest = _allowance(found)
+
+        def core(start: Array) -> Core:
+            return Core(
+                self.model,
+                self._all_closures(),
+                self.coordinates_v,
+                start,
+                self._held,
+                self.options["springs"],
+                mismatch,
+                weakest,
+            )
+
         try:
-            return Core(*arguments, guess, *more)
+            return core(guess)
         except NoAnswer as failed:
             refused = self._refused(failed, guess[self.coordinates_q][np.newaxis])
         try:
-            return Core(*arguments, found.home, *more)
+            return core(found.home)
         except NoAnswer:
             raise refused from None
 
@@ -863,7 +875,7 @@ class ClosedLoopRobot:
             return forces
         actuation = self.actuation_matrix(positions)
         inverse = np.linalg.pinv(actuation, rcond=PRELOAD_TOLERANCE)
-        motors = np.einsum("...mn,...n->...m", inverse, forces)
+        motors: Array = np.einsum("...mn,...n->...m", inverse, forces)
         left = np.abs(forces - np.einsum("...nm,...m->...n", actuation, motors))
         size = float(left.max(initial=0.0))
         if size > UNREACHABLE * (1.0 + float(np.abs(forces).max(initial=0.0))):
@@ -1259,8 +1271,8 @@ def _closures(
             made.append(Hinge(f"{first}-{second}", *one, *two))
         else:
             contact = pin.ContactType.CONTACT_6D if kind == "6d" else pin.ContactType.CONTACT_3D
-            made.append(
-                pin.RigidConstraintModel(contact, model, *one, *two, pin.ReferenceFrame.LOCAL)
-            )
-            made[-1].name = f"{first}-{second}"
+            local = pin.ReferenceFrame.LOCAL
+            loop = pin.RigidConstraintModel(contact, model, *one, *two, local)
+            loop.name = f"{first}-{second}"
+            made.append(loop)
     return made

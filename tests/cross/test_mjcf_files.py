@@ -599,7 +599,8 @@ def test_what_is_not_read_of_the_forces_is_logged(
             model(
                 body,
                 '<option density="1.2"/>',
-                '<tendon><fixed name="t" stiffness="1"><joint joint="k" coef="1"/></fixed></tendon>',
+                '<tendon><fixed name="t" stiffness="1"><joint joint="k" coef="1"/></fixed>'
+                "</tendon>",
             ),
         )
     assert (

@@ -1,4 +1,4 @@
-"""Robots as their files are: free motions, floating bases, more or fewer motors, couplings, springs.
+"""Robots as their files are: free motions, floating bases, any count of motors, couplings, springs.
 
 Each against MuJoCo's own mass matrix, bias, passive forces and Jacobians, projected on the null
 space of its equalities with NumPy: the projection shares nothing with ours.
@@ -207,7 +207,7 @@ def test_springs_come_before_the_order_of_the_file(tmp_path: Path) -> None:
 
 
 def test_coordinates_can_be_chosen(tmp_path: Path) -> None:
-    """A five-bar in the coordinates of its elbows: the same motion, and forces of the same power."""
+    """A five-bar in the coordinates of its elbows: the same motion, and forces of one power."""
     file = tmp_path / "robot.xml"
     file.write_text(five_bar("m1", "m2"), encoding="utf-8")
     usual = psp3.ClosedLoopRobot.from_mjcf(file)
@@ -237,7 +237,7 @@ def test_damping_of_a_motor_counts(tmp_path: Path) -> None:
         text = five_bar("m1", "m2").replace('name="m1"', f'name="m1" {more}')
         robot = loaded(tmp_path, text, "lock")
         answers.append(robot.inverse_dynamics(robot.reference, speeds, [0.0, 0.0]))
-        M, C, G = robot.equation_of_motion(robot.reference, speeds)
+        _, C, G = robot.equation_of_motion(robot.reference, speeds)
         assert np.allclose(C @ speeds + G, answers[-1], atol=1e-12)
     assert np.allclose(answers[1] - answers[0], [0.6, 0.0], atol=1e-12)
 

@@ -406,7 +406,8 @@ def test_a_mimic_joint_of_no_joint_is_refused(tmp_path: Path) -> None:
     urdf.write_text(
         """<robot name="gears"><link name="base"/><link name="a"/>
         <joint name="one" type="revolute"><parent link="base"/><child link="a"/>
-         <axis xyz="0 1 0"/><limit effort="1" velocity="1"/><mimic joint="three"/></joint></robot>"""
+         <axis xyz="0 1 0"/><limit effort="1" velocity="1"/>
+         <mimic joint="three"/></joint></robot>"""
     )
     loops.write_text("closed_loop: []\ntype: []\nname_mot: [one]\n")
     with pytest.raises(InvalidRobotFile, match="three"):

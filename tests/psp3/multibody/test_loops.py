@@ -201,15 +201,14 @@ def held_ball() -> tuple[pin.Model, Flat, Spin]:
     model, rng = pin.Model(), np.random.default_rng(6)
     model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "arm")
     model.addJoint(1, pin.JointModelSpherical(), pin.SE3.Random(), "ball")
-    spin = Spin(
-        "", 2, np.array([0.6, 0.0, 0.8]), pin.Quaternion(pin.exp3(rng.normal(size=3))).coeffs()
-    )
+    held = pin.Quaternion(pin.exp3(rng.normal(size=3))).coeffs()
+    spin = Spin("", 2, np.array([0.6, 0.0, 0.8]), held)
     return model, Flat(flattened(model, [spin], NO_MOTORS)), spin
 
 
 def test_a_spin_is_the_part_along_its_axis_of_the_turn_since() -> None:
     """Zero where it is held, and sin(angle / 2) after a turn about the axis itself; 1e-14."""
-    model, flat, spin = held_ball()
+    _, flat, spin = held_ball()
     held = pin.Quaternion(spin.quaternion)
     for angle in (0.0, 0.3, -2.0):
         turned = held * pin.Quaternion(pin.exp3(angle * spin.axis))

@@ -17,6 +17,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from psp3.dynamics.projected import ProjectedDynamics
 from psp3.multibody.closing import CLOSED, OPEN, SINGULAR
+from psp3.multibody.equations import Coupling
 from psp3.multibody.motion import (
     BEYOND_LIMIT,
     BLOCK,
