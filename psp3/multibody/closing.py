@@ -92,7 +92,7 @@ ENOUGH = 0.03
 Jacobian.
 """
 
-GUESSED = 10.0
+GUESSED = 100.0
 """A guess counts as closed with a residual so many times larger than what is asked of a motion: a
 correction by rounding could lead past a singular pose nearby.
 """

@@ -83,7 +83,8 @@ how many threads share the rows.
 
 NEAR = 0.1
 """A row starts from the pose of the row before where no independent coordinate is farther from it
-than this [m, rad], and else from the reference: so its answer does not depend on other rows.
+than this [m, rad], and else from the reference. So its answer is that of the row alone, to
+rounding, unless a singular pose lies between the two ways to it.
 """
 
 
