@@ -106,6 +106,7 @@ class ProjectedDynamics:
             self._mechanism.home(),
             self._constraint,
             self._mechanism.complement,
+            self._mechanism.dependent,
         )
 
     def _closed(self, positions: Array) -> Closed:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, merged
+from fuzzy2.support.compiled import compiled, inlined, merged
 from psp3.multibody.least_squares import factor, orientation, reflect, solve
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import move, place
@@ -50,9 +50,11 @@ from psp3.multibody.tree import (
     GROUP_ROW,
     GROUP_ROWS,
     GROUPS,
-    INDEPENDENT,
     IS_SQUARE,
     MEMBERS,
+    MISMATCH_AT,
+    POSITIONS,
+    WEAKEST_AT,
 )
 
 CLOSED, OPEN, SINGULAR = range(3)
@@ -104,6 +106,11 @@ rad].
 MANY = 8
 """Of a group with fewer dependent joints a new Jacobian costs less than one more correction."""
 
+STILL = 1e-9
+"""Equations that contradict each other are closed where the step of a joint, below this, has become
+as small as rounding lets it [m, rad].
+"""
+
 MOST_ITERATIONS = 25
 """Newton's method doubles the digits: more steps than this are the sign of a pose that does not
 exist.
@@ -149,12 +156,19 @@ def factored(tree, numbers, memory, group):
     )
 
 
+@inlined
+def _rests(step, before, size, mismatch):
+    """Tell whether a residual that equations leave by their rounding cannot become smaller."""
+    return size <= mismatch and step <= STILL and step >= 0.5 * before
+
+
 @compiled
 def newton(tree, numbers, memory, group, most, enough, sign):
     """Close a group's loops with its dependent joints.
 
     Leave its Jacobian factored there. Return what became of it; it is closed where the residual is
-    at most ``enough``, and open where a joint has moved by more than ``most``, or the determinant's
+    at most ``enough``, or, where equations contradict each other by rounding, where the step is,
+    and open where a joint has moved by more than ``most``, or the determinant's
     sign was not ``sign`` somewhere on the way, unless that is 0.
     """
     configuration = tree[AT_CONFIGURATION]
@@ -169,9 +183,11 @@ def newton(tree, numbers, memory, group, most, enough, sign):
     rows, columns = tree[g + GROUP_ROWS], tree[g + GROUP_COLUMNS]
     row, column = tree[g + GROUP_ROW], tree[g + GROUP_COLUMN]
     largest = numbers[tolerances + GROUP_NUMBERS * group]
+    mismatch = numbers[tolerances + GROUP_NUMBERS * group + MISMATCH_AT]
+    weakest = numbers[tolerances + GROUP_NUMBERS * group + WEAKEST_AT]
     for k in range(columns):
         memory[moved + column + k] = 0.0
-    before = math.inf
+    before, last_step = math.inf, math.inf
     for _ in range(MOST_ITERATIONS):
         place(tree, numbers, memory, first, last)
         size = residual_of(tree, numbers, memory, group)
@@ -183,7 +199,7 @@ def newton(tree, numbers, memory, group, most, enough, sign):
         is_fresh = columns < MANY or most > NEARBY or size > ENOUGH * before or is_closed
         if is_fresh:
             memory[signs + group] = factored(tree, numbers, memory, group)
-            if memory[signs + group] == 0.0:
+            if abs(memory[signs + group]) <= weakest:
                 return SINGULAR
             if memory[signs + group] * sign < 0.0:
                 return OPEN
@@ -198,8 +214,9 @@ def newton(tree, numbers, memory, group, most, enough, sign):
             memory[moved + column + k] += memory[right + k]
             step = max(step, abs(memory[right + k]))
             farthest = max(farthest, abs(memory[moved + column + k]))
-        if step <= enough and is_fresh:
-            return CLOSED if size <= largest else OPEN
+        if is_fresh and (step <= enough or _rests(step, last_step, size, mismatch)):
+            return CLOSED if size <= max(largest, mismatch) else OPEN
+        last_step = step
         if not farthest <= most:
             return OPEN
         move(tree, memory, first, last, configuration, right, column, 1.0)
@@ -427,7 +444,7 @@ def moved_to(tree, numbers, memory):
     origin = tree[AT_ORIGIN]
     independent_q = tree[AT_INDEPENDENT_Q]
     stays = True
-    for j in range(tree[INDEPENDENT]):
+    for j in range(tree[POSITIONS]):
         memory[origin + j] = memory[configuration + tree[independent_q + j]]
         stays = stays and memory[origin + j] == memory[target + j]
     if stays:
@@ -438,7 +455,7 @@ def moved_to(tree, numbers, memory):
             memory[report + 2] = float(group)
             return outcome
     # Those that no loop contains have not been moved yet.
-    for j in range(tree[INDEPENDENT]):
+    for j in range(tree[POSITIONS]):
         memory[configuration + tree[independent_q + j]] = memory[target + j]
     elements = tree[ELEMENTS]
     all_members = tree[MEMBERS] - elements

@@ -13,7 +13,7 @@ from fuzzy2.support.parallel_rows import first_refused_row
 from psp3.checks import Array, Indices
 from psp3.errors import InvalidValue
 from psp3.multibody.closing import CLOSED
-from psp3.multibody.flatten import flattened
+from psp3.multibody.flatten import Springs, flattened
 from psp3.multibody.motion import BLOCK, CONFIGURATION, answer, assemble
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
@@ -22,7 +22,9 @@ from psp3.multibody.tree import (
     AT_TOLERANCES,
     GROUP_NUMBERS,
     GROUPS,
+    MISMATCH_AT,
     SIZE,
+    WEAKEST_AT,
 )
 
 GRAIN = 1
@@ -76,6 +78,14 @@ class Core:
         Velocity indices of the independent joints.
     guess : (nq,) ndarray
         A configuration that closes the loops, or nearly.
+    locked_v : sequence of int
+        Velocities that are held at zero.
+    springs : mapping, optional
+        Stiffness and rest of joints, by name.
+    mismatch : float
+        Residual that may be left where equations contradict each other by rounding [m, rad].
+    weakest : float
+        Share of a group's smallest pivot at the guess up to which a pose counts as singular.
 
     Raises
     ------
@@ -91,8 +101,12 @@ class Core:
         constraint_models: Sequence[Any],
         independent_v: Indices,
         guess: Array,
+        locked_v: Sequence[int] = (),
+        springs: Springs | None = None,
+        mismatch: float = 0.0,
+        weakest: float = 0.0,
     ) -> None:
-        flat = flattened(model, constraint_models, independent_v)
+        flat = flattened(model, constraint_models, independent_v, locked_v, springs)
         self.tree, self.numbers = flat.integers, flat.numbers
         self.coordinates = model.nq
         self._model = model
@@ -101,11 +115,15 @@ class Core:
         self.size = int(self.tree[SIZE])
         self._spare: list[Array] = []
         self._reference = np.empty(self.size)
+        for group in range(int(self.tree[GROUPS])):
+            at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
+            self.numbers[at + MISMATCH_AT] = mismatch
         self._settle(guess, self._reference)
         for group in range(int(self.tree[GROUPS])):
             pivot = abs(self._reference[int(self.tree[AT_SIGNS]) + group])
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + 2] = NEAR_SINGULAR * pivot
+            self.numbers[at + WEAKEST_AT] = weakest * pivot
         self._compile()
 
     def _compile(self) -> None:
@@ -226,7 +244,7 @@ class Core:
         ----------
         question : int
             Which one.
-        positions, second, third : (N, n) ndarray
+        positions, second, third : (N, p), (N, n) and (N, n) ndarray
             Independent coordinates; speeds; accelerations or forces.
         out : (N, w) ndarray
             Where the answers go.

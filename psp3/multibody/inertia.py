@@ -48,10 +48,12 @@ from psp3.multibody.tree import (
     BALL,
     BODIES,
     CENTER_AT,
+    DAMPING,
     ELEMENT_INTEGERS,
     ELEMENT_NUMBERS,
     ELEMENTS,
     FREEDOMS,
+    FRICTION,
     INDEPENDENT,
     INDEX_Q,
     INDEX_V,
@@ -203,6 +205,26 @@ def _add_motors(tree, numbers, memory, out):
                     )
                 for i in range(n):
                     memory[out + n * i + j] += motor * memory[L + nv * i + first + k] * rate
+
+
+@compiled
+def add_damping(tree, numbers, memory, out):
+    r"""Add to a matrix (n²) what makes its product with the speeds brake the joints.
+
+    That is :math:`L^T D L` with D the joints' viscous damping and, where they slip, their dry
+    friction over their speed.
+    """
+    n, nv, L = tree[INDEPENDENT], tree[VELOCITIES], tree[AT_COMPLEMENT]
+    for velocity in range(nv):
+        joint = tree[AT_JOINTS] + JOINT_NUMBERS * velocity
+        damping, speed = numbers[joint + DAMPING], memory[tree[AT_JOINT_SPEEDS] + velocity]
+        if speed != 0.0:
+            damping += numbers[joint + FRICTION] / abs(speed)
+        if damping != 0.0:
+            for i in range(n):
+                share = damping * memory[L + nv * i + velocity]
+                for j in range(n):
+                    memory[out + n * i + j] += share * memory[L + nv * j + velocity]
 
 
 @inlined

@@ -2,8 +2,10 @@ r"""The closure equations of a tree: residual, Jacobian, and what velocities alo
 
 Compiled. With :math:`R_1, p_1, R_2, p_2` the two frames of a closure, its residual is
 :math:`R_1^T (p_2 - p_1)`; of a frame followed by :math:`\log R_1^T R_2`; of a hinge by the first
-two entries of :math:`R_1^T R_2 e_z`. All rows are in the axes of the first frame, so that they do
-not depend on where the base of a group is. The Jacobian is the exact derivative, also away from
+two entries of :math:`R_1^T R_2 e_z`; a spin is the part along its axis of the vector of a ball's
+quaternion, seen from the one at which it is zero. All rows are in the axes of the first frame, so
+that they do not depend on where the base of a group is. The Jacobian is the exact derivative, also
+away from
 closure.
 """
 
@@ -56,6 +58,7 @@ from psp3.multibody.tree import (
     PATH_VELOCITY,
     POINT,
     SECOND_END,
+    SPIN,
 )
 
 
@@ -68,6 +71,65 @@ def polynomial(numbers, at, x, derivative):
         for j in range(derivative):
             factor *= float(k - j)
         value = value * x + factor * numbers[at + k]
+    return value
+
+
+@compiled
+def _turned(numbers, at, memory, q, k, derivative):
+    """Return a part of a spin: its residual, or its derivative by the k-th angular velocity."""
+    a, b = at + 3, q
+    w = numbers[a + 3] * memory[b + 3]
+    x = y = z = 0.0
+    for i in range(3):
+        w += numbers[a + i] * memory[b + i]
+    x = (
+        numbers[a + 3] * memory[b]
+        - numbers[a] * memory[b + 3]
+        - numbers[a + 1] * memory[b + 2]
+        + numbers[a + 2] * memory[b + 1]
+    )
+    y = (
+        numbers[a + 3] * memory[b + 1]
+        - numbers[a + 1] * memory[b + 3]
+        - numbers[a + 2] * memory[b]
+        + numbers[a] * memory[b + 2]
+    )
+    z = (
+        numbers[a + 3] * memory[b + 2]
+        - numbers[a + 2] * memory[b + 3]
+        - numbers[a] * memory[b + 1]
+        + numbers[a + 1] * memory[b]
+    )
+    nx, ny, nz = numbers[at], numbers[at + 1], numbers[at + 2]
+    if derivative == 0:
+        return nx * x + ny * y + nz * z
+    if k == 0:
+        return 0.5 * (w * nx + ny * z - nz * y)
+    if k == 1:
+        return 0.5 * (w * ny + nz * x - nx * z)
+    return 0.5 * (w * nz + nx * y - ny * x)
+
+
+@compiled
+def _spin_change(numbers, at, memory, q, v, z):
+    """Return how fast the derivative of a spin along angular velocities z changes at those at v."""
+    # The residual is n · u with the quaternion (u, w); its derivative, 0.5 (w n + n × u) · z, is
+    # linear in (u, w), and these change by 0.5 (w ω + u × ω) and −0.5 u · ω. A quaternion's second
+    # derivative along ω and z is −0.25 (ω · z) times itself and 0.25 times what ω × z turns.
+    n_u = _turned(numbers, at, memory, q, 0, 0)
+    value = (
+        -0.25
+        * n_u
+        * (memory[v] * memory[z] + memory[v + 1] * memory[z + 1] + memory[v + 2] * memory[z + 2])
+    )
+    cx = memory[v + 1] * memory[z + 2] - memory[v + 2] * memory[z + 1]
+    cy = memory[v + 2] * memory[z] - memory[v] * memory[z + 2]
+    cz = memory[v] * memory[z + 1] - memory[v + 1] * memory[z]
+    value += 0.5 * (
+        _turned(numbers, at, memory, q, 0, 1) * cx
+        + _turned(numbers, at, memory, q, 1, 1) * cy
+        + _turned(numbers, at, memory, q, 2, 1) * cz
+    )
     return value
 
 
@@ -123,6 +185,9 @@ def residual_of(tree, numbers, memory, group):
         if kind == COUPLING:
             x = memory[configuration + two]
             memory[row] = memory[configuration + one] - polynomial(numbers, at, x, 0)
+            continue
+        if kind == SPIN:
+            memory[row] = _turned(numbers, at, memory, configuration + one, 0, 0)
             continue
         for side in range(2):
             end = one if side == 0 else two
@@ -212,6 +277,11 @@ def jacobian(tree, numbers, memory, group):
             x = memory[configuration + tree[c + SECOND_END]]
             memory[k] += 1.0 if sign > 0.0 else -polynomial(numbers, at, x, 1)
             continue
+        if kind == SPIN:
+            at = in_elements + CLOSURE_NUMBERS * closure
+            q, axis = configuration + tree[c + FIRST_END], tree[p + PATH_VELOCITY]
+            memory[k] += _turned(numbers, at, memory, q, axis - tree[c + COUPLED_SPEED], 1)
+            continue
         s = screws + 6 * tree[p + PATH_VELOCITY]
         x, y, z = memory[f + 21], memory[f + 22], memory[f + 23]
         wx, wy, wz = sign * memory[s + 3], sign * memory[s + 4], sign * memory[s + 5]
@@ -275,6 +345,12 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
                 * memory[joint_speeds + speed]
                 * memory[speeds + speed]
             )
+            continue
+        if kind == SPIN:
+            at = in_elements + CLOSURE_NUMBERS * closure
+            speed = tree[c + COUPLED_SPEED]
+            v = joint_speeds + speed
+            memory[row] = _spin_change(numbers, at, memory, configuration + one, v, speeds + speed)
             continue
         a = 6 * (one if one >= 0 else base)
         b = 6 * (two if two >= 0 else base)

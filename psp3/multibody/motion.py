@@ -27,6 +27,7 @@ from psp3.multibody.forces import (
     projected,
 )
 from psp3.multibody.inertia import (
+    add_damping,
     complement,
     coriolis_matrix,
     factor_positive,
@@ -56,6 +57,7 @@ from psp3.multibody.tree import (
     AT_VELOCITIES,
     COORDINATES,
     INDEPENDENT,
+    POSITIONS,
     VELOCITIES,
 )
 
@@ -115,8 +117,8 @@ def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
 def _aim(tree, memory, positions, row):
     """Make a row of positions the target; return whether it is near the pose."""
     target, near = tree[AT_TARGET], True
-    _take(tree, memory, positions, row, target)
-    for j in range(tree[INDEPENDENT]):
+    for j in range(tree[POSITIONS]):
+        memory[target + j] = positions[tree[POSITIONS] * row + j]
         at = memory[tree[AT_CONFIGURATION] + tree[tree[AT_INDEPENDENT_Q] + j]]
         near = near and abs(memory[target + j] - at) <= NEAR
     return near
@@ -248,6 +250,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
     if question == EQUATION_OF_MOTION:
         _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, numbers, memory, tree[AT_MASS])
+        add_damping(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into + n * n)
         gravity(tree, numbers, memory, result)
         _copy(memory, result, n, out, into + 2 * n * n)
@@ -295,15 +298,17 @@ def answer(
 ) -> int:
     """Write the answers to a question, row by row.
 
-    ``free_fall`` is the acceleration of gravity (3). Positions, speeds (second), and accelerations
-    or forces (third) are rows · n numbers each; where a question needs fewer, they are not looked
-    at. With ``is_warm`` the memory begins with a pose from which the first row starts, and else
-    that is the reference; the other rows start from it, too, but on a path from the row before.
-    Return the first row that has no answer, −1 if all have one, or −2 if an argument has another
-    size.
+    ``free_fall`` is the acceleration of gravity (3). Positions are rows · p numbers, speeds
+    (second), and accelerations or forces (third) rows · n each; where a question needs fewer, they
+    are not looked at. With ``is_warm`` the memory begins with a pose from which the first row
+    starts, and else that is the reference; the other rows start from it, too, but on a path from
+    the row before. Return the first row that has no answer, −1 if all have one, or −2 if an
+    argument has another size.
     """
     size, width = rows * tree[INDEPENDENT], out.shape[0] // max(rows, 1)
-    if positions.shape[0] != size or second.shape[0] != size or third.shape[0] != size:
+    if positions.shape[0] != rows * tree[POSITIONS]:
+        return -2
+    if second.shape[0] != size or third.shape[0] != size:
         return -2
     for i in range(3):
         numbers[tree[AT_FREE_FALL] + i] = free_fall[i]

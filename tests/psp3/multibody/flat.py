@@ -8,23 +8,19 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from psp3.multibody import flatten
 from psp3.multibody.closing import factored
+from psp3.multibody.equations import Coupling, Hinge
 from psp3.multibody.flatten import FlatTree, flattened
 from psp3.multibody.loops import residual_of
 from psp3.multibody.placement import place
 from psp3.multibody.tree import (
-    AT_CLOSURE_FRAMES,
-    AT_CLOSURES,
     AT_CONFIGURATION,
     AT_TARGET,
-    CLOSURE_INTEGERS,
-    CLOSURE_NUMBERS,
     COORDINATES,
-    COUPLED_SPEED,
-    COUPLING,
     ELEMENTS,
+    FRAME,
     GROUPS,
+    HINGE,
     INDEPENDENT,
     MEMBERS,
     SIZE,
@@ -98,51 +94,25 @@ def flat_of(parts: SimpleNamespace) -> Flat:
     return Flat(flattened(parts.model, parts.constraint_models, independent_of(parts)))
 
 
-class Coupling:
-    """The coordinate y of a joint is a polynomial of the coordinate x of another."""
-
-    kind = COUPLING
-
-    def __init__(self, model: pin.Model, y: int, x: int, coefficients: list[float]) -> None:
-        joints = [model.joints[joint] for joint in (y, x)]
-        self.ends = joints[0].idx_q, joints[1].idx_q
-        self.speed = joints[1].idx_v
-        self.placements = pin.SE3.Identity(), pin.SE3.Identity()
-        self.coefficients = coefficients
-        self.joints = y, x
-        self.sides: dict[int, int] = {}
-
-
 def flat_with(model: pin.Model, closures: list[Any], motors: list[int]) -> Flat:
-    """Return a tree with closures of any kind, which ``flattened`` does not make of a model.
+    """Return a tree with closures of any kind.
 
-    Closures are pairs of a constraint model of Pinocchio and a kind, or couplings.
+    They are pairs of a constraint model of Pinocchio and a kind, or couplings.
     """
-    elements, of_joint = flatten._elements(model)
     known: list[Any] = []
     for closure in closures:
         if isinstance(closure, Coupling):
-            y, x = closure.joints
-            closure.sides = {of_joint[y]: 1, of_joint[x]: -1}
             known.append(closure)
-        else:
-            constraint, kind = closure
-            known.append(flatten._Closure(elements, of_joint, constraint))
-            known[-1].kind = kind
-    independent = {v: number for number, v in enumerate(motors)}
-    groups = flatten._groups(elements, known, independent)
-    flat = Flat(flatten._packed(model, elements, known, groups, independent))
-    order = [number for members in groups for number in members]
-    for place_of, number in enumerate(order):
-        closure = known[number]
-        if isinstance(closure, Coupling):
-            flat.tree[flat.at(AT_CLOSURES) + CLOSURE_INTEGERS * place_of + COUPLED_SPEED] = (
-                closure.speed
-            )
-            first = flat.at(AT_CLOSURE_FRAMES) + CLOSURE_NUMBERS * place_of
-            flat.numbers[first : first + CLOSURE_NUMBERS] = 0.0
-            flat.numbers[first : first + len(closure.coefficients)] = closure.coefficients
-    return flat
+            continue
+        loop, kind = closure
+        ends = loop.joint1_id, loop.joint1_placement, loop.joint2_id, loop.joint2_placement
+        contact = pin.ContactType.CONTACT_6D if kind == FRAME else pin.ContactType.CONTACT_3D
+        known.append(
+            Hinge("", *ends)
+            if kind == HINGE
+            else pin.RigidConstraintModel(contact, model, *ends, pin.ReferenceFrame.LOCAL)
+        )
+    return Flat(flattened(model, known, np.array(motors, dtype=np.int64)))
 
 
 def pinocchios_jacobian(parts: SimpleNamespace, q: Array) -> Array:

@@ -80,9 +80,11 @@ def test_counts_are_those_of_the_robot(parts: SimpleNamespace, flat: Flat) -> No
 def test_inertia_of_motors_and_limits_are_the_models(parts: SimpleNamespace) -> None:
     """Limits of joints that a motor drives are the business of others."""
     flat, model = flat_of(parts), parts.model
-    joints = flat.numbers[flat.at(AT_JOINTS) :][: JOINT_NUMBERS * model.nv].reshape(-1, 3)
+    joints = flat.numbers[flat.at(AT_JOINTS) :][: JOINT_NUMBERS * model.nv].reshape(
+        -1, JOINT_NUMBERS
+    )
     assert_array_equal(joints[:, 0], model.armature)
-    assert_array_equal(joints[:, 1:], np.zeros((model.nv, 2)))
+    assert_array_equal(joints[:, 1:], np.zeros((model.nv, JOINT_NUMBERS - 1)))
     limits = flat.numbers[flat.at(AT_LIMITS) :][: 2 * model.nq].reshape(-1, 2)
     for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
         own = limits[joint.idx_q : joint.idx_q + joint.nq]
@@ -183,7 +185,6 @@ def ball_with_a_hinge() -> pin.JointModelComposite:
 @pytest.mark.parametrize(
     ("kind", "name"),
     [
-        (pin.JointModelPlanar, "JointModelPlanar"),
         (ball_with_a_hinge, "JointModelComposite"),
     ],
 )

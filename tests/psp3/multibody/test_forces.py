@@ -163,7 +163,9 @@ def test_joint_forces_are_pinocchios_with_springs_and_damping(
     """RNEA, in which the motors' inertia is; springs and damping by hand. 1e-12."""
     flat.close(pose)
     rng = np.random.default_rng(66)
-    joints = flat.numbers[flat.at(AT_JOINTS) :][: JOINT_NUMBERS * flat.nv].reshape(-1, 3)
+    joints = flat.numbers[flat.at(AT_JOINTS) :][: JOINT_NUMBERS * flat.nv].reshape(
+        -1, JOINT_NUMBERS
+    )
     joints[:, 1] = rng.uniform(size=flat.nv)
     rests = flat.numbers[flat.at(AT_RESTS) :][: parts.model.nq]
     springs = np.zeros(flat.nv)

@@ -30,7 +30,9 @@ from tests.psp3.multibody.test_forces import moving
 def stretched(parts: SimpleNamespace, flat: Flat) -> Array:
     """Give every joint with as many coordinates as freedoms a spring; return stiffness by q."""
     rng = np.random.default_rng(71)
-    joints = flat.numbers[flat.at(AT_JOINTS) :][: JOINT_NUMBERS * flat.nv].reshape(-1, 3)
+    joints = flat.numbers[flat.at(AT_JOINTS) :][: JOINT_NUMBERS * flat.nv].reshape(
+        -1, JOINT_NUMBERS
+    )
     rests = flat.numbers[flat.at(AT_RESTS) :][: parts.model.nq]
     stiffness = np.zeros(parts.model.nq)
     for joint in list(parts.model.joints)[1:]:

@@ -16,6 +16,7 @@ from numpy.polynomial import Polynomial
 from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
+from psp3.multibody.equations import Coupling, Spin
 from psp3.multibody.flatten import NO_MOTORS, flattened
 from psp3.multibody.forces import carried
 from psp3.multibody.loops import accelerated, jacobian, residual_of
@@ -40,7 +41,7 @@ from psp3.multibody.tree import (
     ROWS,
 )
 from tests.helpers import Array, derivative, four_bar_closed_with_6d
-from tests.psp3.multibody.flat import Coupling, Flat, flat_of, flat_with, pinocchios_jacobian
+from tests.psp3.multibody.flat import Flat, flat_of, flat_with, pinocchios_jacobian
 
 KINDS = {"point": POINT, "hinge": HINGE, "frame": FRAME}
 QUARTIC = [0.1, -0.3, 0.25, 0.4, -0.2]
@@ -156,7 +157,7 @@ def test_residual_of_a_coupling_is_what_the_polynomial_misses() -> None:
     model = pin.Model()
     for name in ("x", "y"):
         model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), name)
-    flat = flat_with(model, [Coupling(model, 2, 1, QUARTIC)], [0])
+    flat = flat_with(model, [Coupling("", 2, 1, tuple(QUARTIC))], [0])
     for x, y in np.random.default_rng(2).uniform(-2.0, 2.0, (10, 2)):
         expected = y - Polynomial(QUARTIC)(x)
         assert_allclose(residual(flat, np.array([x, y])), [expected], rtol=0.0, atol=1e-14)
@@ -193,6 +194,52 @@ def test_a_residual_that_is_not_finite_counts_as_large(parts: SimpleNamespace) -
     flat = flat_of(parts)
     flat.place(np.full(parts.model.nq, np.nan))
     assert not residual_of(*flat.all, 0) < np.inf
+
+
+def held_ball() -> tuple[pin.Model, Flat, Spin]:
+    """Return a ball on an arm that does not turn about an oblique axis of what it carries."""
+    model, rng = pin.Model(), np.random.default_rng(6)
+    model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), "arm")
+    model.addJoint(1, pin.JointModelSpherical(), pin.SE3.Random(), "ball")
+    held = pin.Quaternion(pin.exp3(rng.normal(size=3))).coeffs()
+    spin = Spin("", 2, np.array([0.6, 0.0, 0.8]), held)
+    return model, Flat(flattened(model, [spin], NO_MOTORS)), spin
+
+
+def test_a_spin_is_the_part_along_its_axis_of_the_turn_since() -> None:
+    """Zero where it is held, and sin(angle / 2) after a turn about the axis itself; 1e-14."""
+    _, flat, spin = held_ball()
+    held = pin.Quaternion(spin.quaternion)
+    for angle in (0.0, 0.3, -2.0):
+        turned = held * pin.Quaternion(pin.exp3(angle * spin.axis))
+        q = np.concatenate([[0.4], turned.coeffs()])
+        assert_allclose(residual(flat, q), [np.sin(0.5 * angle)], rtol=0.0, atol=1e-14)
+
+
+def test_slope_and_drift_of_a_spin_are_its_derivatives() -> None:
+    """By differences of the residual, and of the slope along a motion; 1e-9."""
+    model, flat, _ = held_ball()
+    rng = np.random.default_rng(7)
+    for _ in range(5):
+        q = pin.randomConfiguration(model, np.full(5, -1.0), np.full(5, 1.0))
+        assert_allclose(
+            whole_jacobian(flat, q), by_differences(model, flat, q), rtol=0.0, atol=1e-9
+        )
+        v = rng.normal(size=4)
+        expected = derivative(
+            lambda t, q=q, v=v: whole_jacobian(flat, pin.integrate(model, q, t * v)) @ v, 1e-2
+        )
+        assert_allclose(rate_of_jacobian(flat, q, v), expected, rtol=0.0, atol=1e-9)
+
+
+def test_a_joint_that_is_coupled_to_itself_is_held() -> None:
+    model = pin.Model()
+    for name in ("x", "y"):
+        model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), name)
+    flat = flat_with(model, [Coupling("", 2, 2, (0.3,))], [0])
+    q = np.array([0.1, 0.7])
+    assert_allclose(residual(flat, q), [0.4], rtol=0.0, atol=1e-15)
+    assert_allclose(whole_jacobian(flat, q), [[0.0, 1.0]], rtol=0.0, atol=0.0)
 
 
 # Jacobian
@@ -284,7 +331,7 @@ def test_what_a_velocity_accelerates_of_a_coupling() -> None:
     model = pin.Model()
     for name in ("x", "y"):
         model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), name)
-    flat = flat_with(model, [Coupling(model, 2, 1, QUARTIC)], [0])
+    flat = flat_with(model, [Coupling("", 2, 1, tuple(QUARTIC))], [0])
     x, speed = 0.7, -1.3
     slope = Polynomial(QUARTIC).deriv()(x)
     found = rate_of_jacobian(flat, np.array([x, 0.4]), np.array([speed, slope * speed]))

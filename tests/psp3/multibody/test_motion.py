@@ -17,6 +17,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 from psp3.dynamics.projected import ProjectedDynamics
 from psp3.multibody.closing import CLOSED, OPEN, SINGULAR
+from psp3.multibody.equations import Coupling
 from psp3.multibody.motion import (
     BEYOND_LIMIT,
     BLOCK,
@@ -57,7 +58,6 @@ from tests.helpers import (
     spatial_loop_closed_with_3d,
 )
 from tests.psp3.multibody.flat import (
-    Coupling,
     Flat,
     dense_complement,
     flat_of,
@@ -222,7 +222,9 @@ def test_energies_are_those_of_the_tree(
 def test_springs_and_damping_are_in_forces_and_accelerations(parts: SimpleNamespace) -> None:
     """Dense: Lᵀ (RNEA + damping + springs); forward dynamics turns it around. 1e-10 relative."""
     flat, rng = flat_of(parts), np.random.default_rng(111)
-    joints = flat.numbers[flat.at(AT_JOINTS) :][: JOINT_NUMBERS * flat.nv].reshape(-1, 3)
+    joints = flat.numbers[flat.at(AT_JOINTS) :][: JOINT_NUMBERS * flat.nv].reshape(
+        -1, JOINT_NUMBERS
+    )
     rests = flat.numbers[flat.at(AT_RESTS) :][: parts.model.nq]
     joints[:, 1] = rng.uniform(1.0, 2.0, flat.nv)
     stiffness = np.zeros(flat.nv)
@@ -265,7 +267,7 @@ def coupled_pendulums() -> tuple[pin.Model, Asked]:
     model.appendBodyToJoint(
         slide, pin.Inertia(2.0, np.zeros(3), 0.1 * np.eye(3)), pin.SE3.Identity()
     )
-    flat = flat_with(model, [Coupling(model, 3, 2, QUARTIC)], [1, 0])
+    flat = flat_with(model, [Coupling("", 3, 2, tuple(QUARTIC))], [1, 0])
     return model, Asked(flat, np.array([0.0, 0.2, Polynomial(QUARTIC)(0.2)]))
 
 

@@ -16,9 +16,9 @@ from psp3.multibody.tree import (
     AT_REPORT,
     AT_SIGNS,
     COUNTS,
-    DRIVEN,
     ELEMENTS,
     HEADER,
+    POSITIONS,
     ROWS_OF_KIND,
     SIZE,
 )
@@ -29,7 +29,7 @@ PLACES = {name: place for name, place in vars(tree).items() if name.startswith("
 
 def test_every_entry_of_the_header_has_one_name() -> None:
     """Counts first, then where parts begin, last the size of the memory."""
-    assert (ELEMENTS, DRIVEN) == (0, COUNTS - 1)
+    assert (ELEMENTS, POSITIONS) == (0, COUNTS - 1)
     assert sorted(PLACES.values()) == list(range(COUNTS, SIZE))
     assert HEADER == SIZE + 1
 
