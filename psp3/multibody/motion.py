@@ -219,6 +219,33 @@ def _differentiate_forward(tree, memory, out, into):
 
 
 @merged
+def _differentiated(question, tree, numbers, memory, forces, out, into):
+    """Write the derivatives of a motion; return what became of them."""
+    n = tree[INDEPENDENT]
+    differentiate(tree, numbers, memory, forces)
+    if question == FORWARD_DERIVATIVES:
+        if not factor_positive(memory, tree[AT_MASS], n):
+            return SINGULAR
+        _differentiate_forward(tree, memory, out, into)
+        return CLOSED
+    for k in range(n):
+        for i in range(n):
+            out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
+            out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
+    _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
+    return CLOSED
+
+
+@merged
+def _prepare(question, tree, numbers, memory):
+    """Write L with its rates and the mass matrix for a question that needs them."""
+    if question in (EQUATION_OF_MOTION, INVERSE_DERIVATIVES):
+        complement(tree, numbers, memory, 1.0)
+    if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
+        mass_matrix(tree, numbers, memory, tree[AT_MASS])
+
+
+@merged
 def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
@@ -233,7 +260,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
     _take(tree, memory, second, row, speeds)
     weigh(tree, numbers, memory)
     _take(tree, memory, third, row, others)
-    if question == FORWARD_DYNAMICS or question == FORWARD_DERIVATIVES:
+    if question in (FORWARD_DYNAMICS, FORWARD_DERIVATIVES):
         with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
         if not accelerate(tree, numbers, memory, speeds, others, result, with_rates):
             return SINGULAR
@@ -243,10 +270,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         for j in range(n):
             memory[others + j] = memory[result + j]
     _move_with(tree, memory, speeds)
-    if question == EQUATION_OF_MOTION or question == INVERSE_DERIVATIVES:
-        complement(tree, numbers, memory, 1.0)
-    if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
-        mass_matrix(tree, numbers, memory, tree[AT_MASS])
+    _prepare(question, tree, numbers, memory)
     if question == EQUATION_OF_MOTION:
         _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, numbers, memory, tree[AT_MASS])
@@ -266,17 +290,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
             _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, into + nq)
             _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, into + nq + nv)
         else:
-            differentiate(tree, numbers, memory, result)
-            if question == FORWARD_DERIVATIVES:
-                if not factor_positive(memory, tree[AT_MASS], n):
-                    return SINGULAR
-                _differentiate_forward(tree, memory, out, into)
-                return CLOSED
-            for k in range(n):
-                for i in range(n):
-                    out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
-                    out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
-            _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
+            return _differentiated(question, tree, numbers, memory, result, out, into)
     return CLOSED
 
 
