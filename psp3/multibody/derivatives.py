@@ -27,8 +27,6 @@ derivatives by speeds.
 
 from __future__ import annotations
 
-import math
-
 from fuzzy2.support.compiled import compiled, inlined, merged
 from psp3.multibody.bodies import momentum
 from psp3.multibody.closing import spread
@@ -162,7 +160,7 @@ def differentiate(tree, numbers, memory, forces):
     matrix, L, its twists and their rates. The elements' forces are overwritten.
     """
     _load(tree, numbers, memory)
-    _spin(tree, memory)
+    _spins(tree, memory)
     n = tree[INDEPENDENT]
     _set(memory, tree[AT_BY_POSITIONS], n * n, 0.0)
     _set(memory, tree[AT_BY_SPEEDS], n * n, 0.0)
@@ -245,7 +243,7 @@ def _pull(tree, memory, closure, row, out):
 
 
 @merged
-def _spin(tree, memory):
+def _spins(tree, memory):
     r"""Write B of all bodies: twice the momentum (3), and the matrix of the torque by columns (9).
 
     With x the places of a body's particles and v their velocities, B Z is the wrench of
@@ -315,7 +313,7 @@ def _along_speed(tree, numbers, memory, k):
 
 
 @inlined
-def _place(kind, number):
+def _axis_of(kind, number):
     """Return the place of a joint's velocity in its twist, of a joint of many freedoms."""
     if kind == BALL:
         return 3 + number
@@ -328,7 +326,7 @@ def _lift(tree, memory, e, speeds, out):
     row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
     _set(memory, out, 6, 0.0)
     for i in range(tree[row + FREEDOMS]):
-        memory[out + _place(tree[row + KIND], i)] = memory[speeds + tree[row + INDEX_V] + i]
+        memory[out + _axis_of(tree[row + KIND], i)] = memory[speeds + tree[row + INDEX_V] + i]
 
 
 @compiled
@@ -346,7 +344,7 @@ def _add_bracket(tree, numbers, memory, e, factor, one, other):
     for i in range(count):
         joint = tree[AT_JOINTS] + JOINT_NUMBERS * (first + i)
         memory[tree[AT_JOINT_LOADS] + first + i] += (
-            numbers[joint + factor] * memory[a + 12 + _place(tree[row + KIND], i)]
+            numbers[joint + factor] * memory[a + 12 + _axis_of(tree[row + KIND], i)]
         )
 
 
@@ -424,7 +422,7 @@ def _accelerated_again(tree, numbers, memory, group, k):
             for i in range(3):
                 memory[x + 18 + i] = memory[f + 21 + i] if part == 0 else memory[f + 14 + 3 * i]
             if part == 0 or kind == HINGE:
-                _bend(tree, memory, b, part)
+                _swing(tree, memory, b, part)
             else:
                 for i in range(3):
                     memory[x + 27 + i] = memory[second + 3 + i]
@@ -469,7 +467,7 @@ def _spin_again(tree, numbers, memory, closure, k):
 
 
 @compiled
-def _bend(tree, memory, b, part):
+def _swing(tree, memory, b, part):
     """Write the second rate of what the relative twists do to a vector that moves with a body.
 
     The vectors hold these twists (3 · 6) and the vector (3), and get its rate and second rate (6),
@@ -542,15 +540,16 @@ def _turn_joint(tree, numbers, memory, e, L, change):
     _set(memory, a + 6, 12, 0.0)
     for i in range(count):
         joint = tree[AT_JOINTS] + JOINT_NUMBERS * (first + i)
-        friction = numbers[joint + FRICTION] * math.copysign(1.0, memory[speed + first + i])
-        memory[a + 6 + _place(tree[row + KIND], i)] = (
+        friction, motion = numbers[joint + FRICTION], memory[speed + first + i]
+        friction = friction if motion > 0.0 else -friction if motion < 0.0 else 0.0
+        memory[a + 6 + _axis_of(tree[row + KIND], i)] = (
             numbers[joint + ARMATURE] * memory[faster + first + i]
-            + numbers[joint + DAMPING] * memory[speed + first + i]
-            + (friction if memory[speed + first + i] != 0.0 else 0.0)
+            + numbers[joint + DAMPING] * motion
+            + friction
         )
     _add_dual_product(memory, a, a + 6, a + 12)
     for i in range(count):
-        memory[tree[AT_JOINT_LOADS] + first + i] += memory[a + 12 + _place(tree[row + KIND], i)]
+        memory[tree[AT_JOINT_LOADS] + first + i] += memory[a + 12 + _axis_of(tree[row + KIND], i)]
 
 
 @merged
@@ -610,12 +609,12 @@ def _at_free_joints(tree, memory, forces):
         _set(memory, speeds + 12, 6, 0.0)
         for i in range(count):
             j = -1 - tree[column_of + first + i]
-            memory[speeds + 12 + _place(tree[row + KIND], i)] = memory[forces + j]
+            memory[speeds + 12 + _axis_of(tree[row + KIND], i)] = memory[forces + j]
         for part in range(2):
             for axis in range(count):
                 k = -1 - tree[column_of + first + axis]
                 _set(memory, unit, 6, 0.0)
-                memory[unit + _place(tree[row + KIND], axis)] = 1.0
+                memory[unit + _axis_of(tree[row + KIND], axis)] = 1.0
                 # How much faster it seems to turn, and to speed up, and its force.
                 _set(memory, unit + 24, 18, 0.0)
                 _add_product(memory, speeds, unit, unit + 24)
@@ -625,7 +624,7 @@ def _at_free_joints(tree, memory, forces):
                 by_position = tree[AT_BY_POSITIONS] + n * k
                 for i in range(count):
                     j = -1 - tree[column_of + first + i]
-                    at = unit + 24 + _place(tree[row + KIND], i)
+                    at = unit + 24 + _axis_of(tree[row + KIND], i)
                     for f in range(n):
                         mass = memory[M + n * f + j]
                         if part == 0:

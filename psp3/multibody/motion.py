@@ -239,9 +239,10 @@ def _differentiated(question, tree, numbers, memory, forces, out, into):
 @merged
 def _prepare(question, tree, numbers, memory):
     """Write L with its rates and the mass matrix for a question that needs them."""
-    if question in (EQUATION_OF_MOTION, INVERSE_DERIVATIVES):
-        complement(tree, numbers, memory, 1.0)
     if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
+        # Forward dynamics has written L.
+        if question != FORWARD_DERIVATIVES:
+            complement(tree, numbers, memory, 1.0)
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
 
 
@@ -260,8 +261,8 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
     _take(tree, memory, second, row, speeds)
     weigh(tree, numbers, memory)
     _take(tree, memory, third, row, others)
-    if question in (FORWARD_DYNAMICS, FORWARD_DERIVATIVES):
-        with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
+    with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
+    if question == FORWARD_DYNAMICS or with_rates > 0.0:
         if not accelerate(tree, numbers, memory, speeds, others, result, with_rates):
             return SINGULAR
         if question == FORWARD_DYNAMICS:

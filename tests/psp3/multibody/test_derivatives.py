@@ -87,6 +87,27 @@ def test_whatever_joints_have_of_their_own(robot: ClosedLoopRobot) -> None:
                 assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
 
 
+def test_dry_friction_turns_with_the_joints() -> None:
+    """Of all joints, a ball's, too; 1e-9, in steps in which no joint turns around."""
+    robot = EVERY_ROBOT["spatial_loop_of_every_joint"]()
+    numbers, first = robot._core.numbers, int(robot._core.tree[AT_JOINTS])
+    count = JOINT_NUMBERS * robot.model.nv
+    numbers[first + FRICTION : first + count : JOINT_NUMBERS] = np.linspace(
+        0.5, 1.5, robot.model.nv
+    )
+    for a, v, w in states(robot, 3):
+        signs = [np.sign(robot.velocity(a + step, v)) for step in (-0.004, 0.0, 0.004)]
+        assert (signs[0] == signs[1]).all()
+        assert (signs[1] == signs[2]).all()
+        found = robot.inverse_dynamics_derivatives(a, v, w)
+        expected = (
+            differences(lambda x: robot.inverse_dynamics(x, v, w), a, 1e-3),  # noqa: B023
+            differences(lambda x: robot.inverse_dynamics(a, x, w), v, 1e-3),  # noqa: B023
+        )
+        for one, other in zip(found[:2], expected, strict=True):
+            assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
+
+
 def test_a_derivative_by_speeds_is_twice_the_coriolis_matrix() -> None:
     """Where nothing damps: Christoffel symbols know nothing of these kernels.
 
