@@ -37,6 +37,7 @@ from psp3.multibody.tree import (
     COORDINATES,
     COUPLED_SPEED,
     COUPLING,
+    FRICTION,
     HINGE,
     INDEPENDENT,
     JOINT_NUMBERS,
@@ -60,10 +61,11 @@ ANGLES = np.array([0.3, 0.4, 0.1, 0.5, -0.3, 0.2, 0.1])
 
 
 def of_their_own(tree: Any, numbers: Array) -> None:
-    """Give all joints motors with inertia, damping and springs."""
+    """Give all joints motors with inertia, damping and springs; dry friction has no derivative."""
     rng, first, rests = np.random.default_rng(3), int(tree[AT_JOINTS]), int(tree[AT_RESTS])
     count = JOINT_NUMBERS * int(tree[VELOCITIES])
     numbers[first : first + count] = rng.uniform(0.1, 1.0, count)
+    numbers[first + FRICTION : first + count : JOINT_NUMBERS] = 0.0
     numbers[rests : rests + int(tree[COORDINATES])] = 0.1
 
 
@@ -193,8 +195,8 @@ def asked(model: pin.Model, closures: list[Any], motors: list[int], q0: Array) -
             closure.kind = HINGE
         known.append(closure)
     independent = {v: number for number, v in enumerate(motors)}
-    groups = flatten._groups(elements, known, independent)
-    flat = flatten._packed(model, elements, known, groups, independent)
+    groups = flatten._groups(elements, known, independent, set())
+    flat = flatten._packed(model, elements, known, groups, independent, set(), {})
     for place, number in enumerate(number for members in groups for number in members):
         if isinstance(known[number], Coupling):
             c = int(flat.integers[AT_CLOSURES]) + CLOSURE_INTEGERS * place
@@ -333,7 +335,7 @@ def test_all_speeds_of_a_floating_tree_are_those_of_pinocchio(question: int) -> 
     order = rng.permutation(nv)
     elements, _ = flatten._elements(model)
     independent = {int(v): number for number, v in enumerate(order)}
-    flat = flatten._packed(OneCoordinateEach(model), elements, [], [], independent)
+    flat = flatten._packed(OneCoordinateEach(model), elements, [], [], independent, set(), {})
     q = pin.integrate(model, parts.q0, rng.normal(size=nv))
     v, w = rng.normal(size=(2, nv))
     tree = Asked(flat, model.gravity.linear, q)
