@@ -89,9 +89,9 @@ how many threads share the rows.
 """
 
 NEAR = 0.1
-"""A row starts from the pose of the row before where no independent coordinate of it is farther than
-this [m, rad] from that of the last row that started from the reference. So answers do not depend
-on other rows, to rounding, unless a singular pose lies in the narrow space between the two ways.
+"""A row starts from the pose of the row before where no independent coordinate of it is farther
+than this [m, rad] from that of the last row that started from the reference. So answers do not
+depend on other rows, to rounding, unless a singular pose lies in the narrow space between the ways.
 """
 
 
