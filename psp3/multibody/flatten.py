@@ -581,5 +581,6 @@ def _memory_begins(counts: list[int]) -> list[int]:
         n * twists,
     ]
     sizes += [n * nv, n * nv, n * n, 8 * n, 4]
+    sizes += [twists, twists, 12 * elements, twists, 6 * closures, nv, n * n, n * n, 42]
     assert len(sizes) == MEMORY_PARTS
     return [sum(sizes[:number]) for number in range(len(sizes) + 1)]

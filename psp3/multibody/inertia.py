@@ -85,8 +85,8 @@ def complement(tree, numbers, memory, with_rates):
         if with_rates == 0.0:
             twists(tree, memory, column, X)
         else:
-            change = tree[AT_COMPLEMENT_RATES] + nv * j
             carried(tree, memory, column, X, rate)
+            change = tree[AT_COMPLEMENT_RATES] + nv * j
             for velocity in range(nv):
                 memory[change + velocity] = 0.0
             change_of_joint_speeds(tree, numbers, memory, column, X, rate, change)
@@ -294,10 +294,10 @@ def potential_energy(tree, numbers, memory):
 
 
 @compiled
-def solve_positive(memory, matrix, order, right):
-    """Replace the right side by the solution of a symmetric positive definite system (n²).
+def factor_positive(memory, matrix, order):
+    """Overwrite a symmetric matrix (n²) with Cholesky's factor.
 
-    By Cholesky's factors, which overwrite the matrix. Return whether it is positive definite.
+    Return whether it is positive definite.
     """
     for k in range(order):
         d = matrix + order * k
@@ -314,6 +314,12 @@ def solve_positive(memory, matrix, order, right):
             for j in range(k):
                 rest -= memory[c + j] * memory[d + j]
             memory[c + k] = rest / value
+    return True
+
+
+@compiled
+def solve_positive(memory, matrix, order, right):
+    """Replace the right side by the solution of a system whose matrix is factored."""
     for k in range(order):
         d = matrix + order * k
         value = memory[right + k]
@@ -325,4 +331,3 @@ def solve_positive(memory, matrix, order, right):
         for i in range(k + 1, order):
             value -= memory[matrix + order * i + k] * memory[right + i]
         memory[right + k] = value / memory[matrix + order * k + k]
-    return True

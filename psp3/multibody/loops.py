@@ -63,11 +63,13 @@ from psp3.multibody.tree import (
 
 
 @compiled
-def _polynomial(numbers, at, x, derivative):
-    """Value of a polynomial, or of its first or second derivative."""
+def polynomial(numbers, at, x, derivative):
+    """Value of a polynomial, or of one of its derivatives."""
     value = 0.0
     for k in range(LARGEST_DEGREE, derivative - 1, -1):
-        factor = 1.0 if derivative == 0 else float(k) if derivative == 1 else float(k * (k - 1))
+        factor = 1.0
+        for j in range(derivative):
+            factor *= float(k - j)
         value = value * x + factor * numbers[at + k]
     return value
 
@@ -182,7 +184,7 @@ def residual_of(tree, numbers, memory, group):
         one, two = tree[c + FIRST_END], tree[c + SECOND_END]
         if kind == COUPLING:
             x = memory[configuration + two]
-            memory[row] = memory[configuration + one] - _polynomial(numbers, at, x, 0)
+            memory[row] = memory[configuration + one] - polynomial(numbers, at, x, 0)
             continue
         if kind == SPIN:
             memory[row] = _turned(numbers, at, memory, configuration + one, 0, 0)
@@ -273,7 +275,7 @@ def jacobian(tree, numbers, memory, group):
         if kind == COUPLING:
             at = in_elements + CLOSURE_NUMBERS * closure
             x = memory[configuration + tree[c + SECOND_END]]
-            memory[k] += 1.0 if sign > 0.0 else -_polynomial(numbers, at, x, 1)
+            memory[k] += 1.0 if sign > 0.0 else -polynomial(numbers, at, x, 1)
             continue
         if kind == SPIN:
             at = in_elements + CLOSURE_NUMBERS * closure
@@ -339,7 +341,7 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
             at = in_elements + CLOSURE_NUMBERS * closure
             speed = tree[c + COUPLED_SPEED]
             memory[row] = (
-                -_polynomial(numbers, at, memory[configuration + two], 2)
+                -polynomial(numbers, at, memory[configuration + two], 2)
                 * memory[joint_speeds + speed]
                 * memory[speeds + speed]
             )

@@ -16,6 +16,7 @@ from fuzzy2.support.compiled import compiled, merged
 from psp3.checks import Array, Indices
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
+from psp3.multibody.derivatives import differentiate
 from psp3.multibody.forces import (
     add_change,
     carried,
@@ -29,6 +30,7 @@ from psp3.multibody.inertia import (
     add_damping,
     complement,
     coriolis_matrix,
+    factor_positive,
     gravity,
     kinetic_energy,
     mass_matrix,
@@ -38,6 +40,8 @@ from psp3.multibody.inertia import (
 from psp3.multibody.tree import (
     AT_ACCELERATIONS,
     AT_BEFORE,
+    AT_BY_POSITIONS,
+    AT_BY_SPEEDS,
     AT_COMPLEMENT,
     AT_CONFIGURATION,
     AT_FREE_FALL,
@@ -65,10 +69,14 @@ from psp3.multibody.tree import (
     EQUATION_OF_MOTION,
     ENERGIES,
     MOTION,
-) = range(7)
+    INVERSE_DERIVATIVES,
+    FORWARD_DERIVATIVES,
+) = range(9)
 """Questions, and what their answers are: q (nq); q and L, column by column (n · nv); forces of a
 motion (n); accelerations under forces (n); M, C (n² each) and G (n); kinetic and potential energy;
-configuration, velocities and accelerations of all joints.
+configuration, velocities and accelerations of all joints; derivatives of the forces of a motion by
+positions, speeds and accelerations (n² each); derivatives of the accelerations under forces by
+positions, speeds and forces (n² each).
 """
 
 BEYOND_LIMIT, NOT_FINITE = 3, 4
@@ -160,8 +168,11 @@ def _forces_of(tree, numbers, memory, accelerations, out):
 
 
 @merged
-def accelerate(tree, numbers, memory, speeds, forces, out):
-    """Write the accelerations of a closed pose under forces; return whether there are any."""
+def accelerate(tree, numbers, memory, speeds, forces, out, with_rates):
+    """Write the accelerations of a closed pose under forces; return whether there are any.
+
+    Leave L, as :func:`complement` writes it.
+    """
     n = tree[INDEPENDENT]
     for j in range(n):
         memory[out + j] = 0.0
@@ -169,9 +180,12 @@ def accelerate(tree, numbers, memory, speeds, forces, out):
     _forces_of(tree, numbers, memory, out, out)
     for j in range(n):
         memory[out + j] = memory[forces + j] - memory[out + j]
-    complement(tree, numbers, memory, 0.0)
+    complement(tree, numbers, memory, with_rates)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
-    return solve_positive(memory, tree[AT_MASS], n, out)
+    if not factor_positive(memory, tree[AT_MASS], n):
+        return False
+    solve_positive(memory, tree[AT_MASS], n, out)
+    return True
 
 
 @merged
@@ -190,6 +204,21 @@ def _copy(memory, at, count, out, into):
 
 
 @merged
+def _differentiate_forward(tree, memory, out, into):
+    """Write derivatives of accelerations from those of forces and the factored mass matrix."""
+    n, column = tree[INDEPENDENT], tree[AT_ROOM]
+    for part in range(3):
+        at = tree[AT_BY_POSITIONS] if part == 0 else tree[AT_BY_SPEEDS]
+        for k in range(n):
+            for i in range(n):
+                unit = 1.0 if i == k else 0.0
+                memory[column + i] = unit if part == 2 else -memory[at + n * k + i]
+            solve_positive(memory, tree[AT_MASS], n, column)
+            for i in range(n):
+                out[into + n * (n * part + i) + k] = memory[column + i]
+
+
+@merged
 def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
@@ -203,16 +232,22 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
     speeds, others, result = room + n, room + 2 * n, room + 3 * n
     _take(tree, memory, second, row, speeds)
     weigh(tree, numbers, memory)
-    if question == FORWARD_DYNAMICS:
-        _take(tree, memory, third, row, others)
-        if not accelerate(tree, numbers, memory, speeds, others, result):
+    _take(tree, memory, third, row, others)
+    if question == FORWARD_DYNAMICS or question == FORWARD_DERIVATIVES:
+        with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
+        if not accelerate(tree, numbers, memory, speeds, others, result, with_rates):
             return SINGULAR
-        _copy(memory, result, n, out, into)
-        return CLOSED
+        if question == FORWARD_DYNAMICS:
+            _copy(memory, result, n, out, into)
+            return CLOSED
+        for j in range(n):
+            memory[others + j] = memory[result + j]
     _move_with(tree, memory, speeds)
-    if question == EQUATION_OF_MOTION:
+    if question == EQUATION_OF_MOTION or question == INVERSE_DERIVATIVES:
         complement(tree, numbers, memory, 1.0)
+    if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
+    if question == EQUATION_OF_MOTION:
         _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, numbers, memory, tree[AT_MASS])
         add_damping(tree, numbers, memory, tree[AT_MASS])
@@ -223,14 +258,25 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         out[into] = kinetic_energy(tree, numbers, memory)
         out[into + 1] = potential_energy(tree, numbers, memory)
     else:
-        _take(tree, memory, third, row, others)
         _forces_of(tree, numbers, memory, others, result)
         if question == INVERSE_DYNAMICS:
             _copy(memory, result, n, out, into)
-        else:
+        elif question == MOTION:
             _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
             _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, into + nq)
             _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, into + nq + nv)
+        else:
+            differentiate(tree, numbers, memory, result)
+            if question == FORWARD_DERIVATIVES:
+                if not factor_positive(memory, tree[AT_MASS], n):
+                    return SINGULAR
+                _differentiate_forward(tree, memory, out, into)
+                return CLOSED
+            for k in range(n):
+                for i in range(n):
+                    out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
+                    out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
+            _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
     return CLOSED
 
 
@@ -316,7 +362,7 @@ def runge_kutta(
                 memory[tree[AT_REPORT] + 3] = float(outcome)
                 return step
             weigh(tree, numbers, memory)
-            if not accelerate(tree, numbers, memory, u, force, k):
+            if not accelerate(tree, numbers, memory, u, force, k, 0.0):
                 memory[tree[AT_REPORT] + 3] = float(SINGULAR)
                 return step
             weight = 1.0 if stage == 0 or stage == 3 else 2.0

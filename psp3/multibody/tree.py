@@ -92,7 +92,7 @@ see below; of each coordinate the rest of its spring, and its lowest and highest
 acceleration of free fall (3) [m/s²].
 """
 
-MEMORY_PARTS = 33
+MEMORY_PARTS = 42
 (
     AT_CONFIGURATION,
     AT_PLACEMENTS,
@@ -127,6 +127,15 @@ MEMORY_PARTS = 33
     AT_MASS,
     AT_ROOM,
     AT_REPORT,
+    AT_SECOND_RATES,
+    AT_FIELD_FORCES,
+    AT_SPINS,
+    AT_LOADS,
+    AT_LOOP_FORCES,
+    AT_JOINT_LOADS,
+    AT_BY_POSITIONS,
+    AT_BY_SPEEDS,
+    AT_VECTORS,
 ) = range(
     COUNTS + INTEGER_PARTS + NUMBER_PARTS, COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
 )
@@ -148,6 +157,12 @@ speeds of a group; velocities, accelerations and forces of all joints; inertias 
 the same twists and accelerations for every independent speed; L, column by column, and how it
 changes; a square matrix of the independent speeds; room for eight vectors of these; and what became
 of a closure (4): the share of the way, the residual, the group, and the outcome.
+
+Last, for derivatives: second rates of the twists of one column,
+and wrenches of the elements that belong to it; what turning does to the momenta of each body (12);
+the wrenches on all that the elements carry; the force in each closure (6); what changes of the
+joints' own forces; the derivatives by positions and by speeds, column by column; and room for seven
+twists.
 """
 
 SIZE = COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS

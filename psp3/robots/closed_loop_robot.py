@@ -41,6 +41,7 @@ from psp3.closure.structure import (
 )
 from psp3.description.urdf import read_robot
 from psp3.dynamics.closed_pose import ClosedPose
+from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import (
     ClosureFailed,
@@ -63,7 +64,9 @@ from psp3.multibody.motion import (
     CONFIGURATION,
     ENERGIES,
     EQUATION_OF_MOTION,
+    FORWARD_DERIVATIVES,
     FORWARD_DYNAMICS,
+    INVERSE_DERIVATIVES,
     INVERSE_DYNAMICS,
     MOTION,
     NOT_FINITE,
@@ -1003,6 +1006,78 @@ class ClosedLoopRobot:
         """
         n = self._speed_count
         return self._ask(FORWARD_DYNAMICS, n, guess, positions, speeds, forces, "forces")
+
+    def inverse_dynamics_derivatives(
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> InverseDynamicsDerivatives:
+        """Return the derivatives of the actuator forces of a motion, along the closed loops.
+
+        See :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`.
+
+        Parameters
+        ----------
+        positions, speeds, accelerations : (..., n) array_like
+            Motion of the actuated joints [m, m/s, m/s² or rad, rad/s, rad/s²].
+        guess : (nq,) array_like or LastPose, optional
+            Where closing the loops starts; ``q0`` by default.
+
+        Returns
+        -------
+        InverseDynamicsDerivatives
+            ``.by_positions .by_speeds .by_accelerations``, each (..., n, n).
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, SingularConfiguration
+            See :meth:`configuration`.
+        """
+        return InverseDynamicsDerivatives(
+            *self._three_matrices(INVERSE_DERIVATIVES, guess, positions, speeds, accelerations)
+        )
+
+    def forward_dynamics_derivatives(
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        forces: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> ForwardDynamicsDerivatives:
+        """Return the derivatives of the accelerations under actuator forces.
+
+        See :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`.
+
+        Parameters
+        ----------
+        positions, speeds, forces : (..., n) array_like
+            State of the actuated joints, and their forces [N or N m].
+        guess : (nq,) array_like or LastPose, optional
+            Where closing the loops starts; ``q0`` by default.
+
+        Returns
+        -------
+        ForwardDynamicsDerivatives
+            ``.by_positions .by_speeds .by_forces``, each (..., n, n).
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, SingularConfiguration
+            See :meth:`configuration`.
+        """
+        return ForwardDynamicsDerivatives(
+            *self._three_matrices(FORWARD_DERIVATIVES, guess, positions, speeds, forces, "forces")
+        )
+
+    def _three_matrices(
+        self, question: int, guess: ArrayLike | LastPose | None, *arguments: Any
+    ) -> Array:
+        """Return three answers that are matrices, (3, ..., n, n)."""
+        n = len(self.actuated)
+        found = self._ask(question, 3 * n * n, guess, *arguments)
+        return np.moveaxis(found.reshape(*found.shape[:-1], 3, n, n), -3, 0)
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
         """Return the Jacobian of a frame by the actuated coordinates.
