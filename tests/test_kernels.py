@@ -89,6 +89,7 @@ def test_there_are_kernels_in_every_module_that_computes() -> None:
     assert modules == {path.stem for path in CORE.glob("*.py")} - {
         "__init__",
         "core",
+        "equations",
         "flatten",
         "tree",
     }
