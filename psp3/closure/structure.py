@@ -162,7 +162,7 @@ def structure(
     found = equations.structure(start, motors)
     if found is not None and (q is not None or _is_good(model, found, motors)):
         return found
-    begun, tried = time.perf_counter(), 1
+    begun, tried = time.process_time(), 1
     least, worst = equations.openness(start)
     nearest = start
     others = [found] if found is not None else []
@@ -176,7 +176,7 @@ def structure(
             if _is_good(model, found, motors) or q is not None:
                 return found
             others.append(found)
-        if time.perf_counter() - begun > MOST_SECONDS:
+        if time.process_time() - begun > MOST_SECONDS:
             break
     if others:
         # That in which motors command most; of equals one within the limits.

@@ -45,7 +45,6 @@ from psp3.multibody.tree import (
     AT_COMPLEMENT,
     AT_CONFIGURATION,
     AT_FREE_FALL,
-    AT_INDEPENDENT_Q,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
@@ -90,9 +89,9 @@ how many threads share the rows.
 """
 
 NEAR = 0.1
-"""A row starts from the pose of the row before where no independent coordinate is farther from it
-than this [m, rad], and else from the reference. So its answer is that of the row alone, to
-rounding, unless a singular pose lies between the two ways to it.
+"""A row starts from the pose of the row before where no independent coordinate of it is farther
+than this [m, rad] from that of the last row that started from the reference. So answers do not
+depend on other rows, to rounding, unless a singular pose lies in the narrow space between the ways.
 """
 
 
@@ -114,13 +113,12 @@ def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
 
 
 @merged
-def _aim(tree, memory, positions, row):
-    """Make a row of positions the target; return whether it is near the pose."""
-    target, near = tree[AT_TARGET], True
-    for j in range(tree[POSITIONS]):
-        memory[target + j] = positions[tree[POSITIONS] * row + j]
-        at = memory[tree[AT_CONFIGURATION] + tree[tree[AT_INDEPENDENT_Q] + j]]
-        near = near and abs(memory[target + j] - at) <= NEAR
+def _aim(tree, memory, positions, row, anchor):
+    """Make a row of positions the target; return whether it is near another row."""
+    target, near, p = tree[AT_TARGET], True, tree[POSITIONS]
+    for j in range(p):
+        memory[target + j] = positions[p * row + j]
+        near = near and abs(memory[target + j] - positions[p * anchor + j]) <= NEAR
     return near
 
 
@@ -329,10 +327,13 @@ def answer(
         numbers[tree[AT_FREE_FALL] + i] = free_fall[i]
     if is_warm == 0:
         start_from(tree, reference, memory)
+    # The last row that started from the reference.
+    anchor = 0
     for row in range(rows):
-        near = _aim(tree, memory, positions, row)
+        near = _aim(tree, memory, positions, row, anchor)
         if row > 0 and is_path == 0 and (not near or row % BLOCK == 0):
             start_from(tree, reference, memory)
+            anchor = row
         outcome = _reach(tree, numbers, memory)
         if outcome == CLOSED:
             into = width * row

@@ -27,7 +27,6 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, applied_to_rows, finite_rows, one_row, together
-from psp3.closure.assembly import jacobian
 from psp3.closure.coordinates import chosen_coordinates
 from psp3.closure.mobility import mobility_of
 from psp3.closure.passive_limits import PassiveLimits
@@ -57,7 +56,7 @@ from psp3.errors import (
 )
 from psp3.multibody.closing import SINGULAR
 from psp3.multibody.core import Core, LastPose, NoAnswer
-from psp3.multibody.equations import Coupling, Hinge, Spin
+from psp3.multibody.equations import Hinge
 from psp3.multibody.flatten import NO_MOTORS, Springs, flattened
 from psp3.multibody.motion import (
     BEYOND_LIMIT,
@@ -72,13 +71,12 @@ from psp3.multibody.motion import (
     MOTION,
     NOT_FINITE,
 )
+from psp3.robots.construction import motor_matrix, named_closures
+from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.pickling import constraints, plain
 
 DYNAMICS_MODELS = ("core", "pinocchio", "noc")
 """Names of the implementations of the equation of motion of any robot."""
-
-CLOSURE_KINDS = ("3d", "6d", "hinge")
-"""Kinds of closures that can be added: a point; position and direction; a point and an axis."""
 
 FREE = ("lock", "keep", "refuse")
 """What can be done with motions that no motor commands."""
@@ -104,33 +102,6 @@ class ClosureMismatch(NamedTuple):
     """And in direction [rad]."""
     home_moved: float
     """How far the reference pose is from the one that was given, in any joint [m, rad]."""
-
-
-class LoopForce(NamedTuple):
-    """What a loop does to the body of its second frame; that of the first feels the opposite."""
-
-    name: str
-    force: Array
-    """In axes of the first frame, (3,) [N]."""
-    torque: Array
-    """About its origin, (3,) [N m]; zero where the loop joins a point only."""
-
-
-class JointReaction(NamedTuple):
-    """What a joint does to the body that it carries."""
-
-    name: str
-    force: Array
-    """In axes of the body's joint frame, (3,) [N]."""
-    torque: Array
-    """About its origin, (3,) [N m], with the motor's share."""
-
-
-class ClosureForces(NamedTuple):
-    """The forces in every loop and in every joint."""
-
-    loops: tuple[LoopForce, ...]
-    joints: tuple[JointReaction, ...]
 
 
 class ClosedLoopRobot:
@@ -240,13 +211,13 @@ class ClosedLoopRobot:
             raise InvalidValue(
                 "actuated", self.actuated, f"each joint once, not {twice[0]!r} twice"
             )
-        self.motors = _motors(model, self.actuated, tendons or {})
+        self.motors = motor_matrix(model, self.actuated, tendons or {})
         driven = [name for name in self.actuated if name not in (tendons or {})]
         joints = [model.joints[model.getJointId(name)] for name in driven]
         self.actuated_q = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         self.actuated_v = np.array([joint.idx_v for joint in joints], dtype=np.int64)
         home = None if q0 is None else one_row("q0", q0, model.nq)
-        more = _closures(model, closures, home)
+        more = named_closures(model, closures, home)
         self.constraint_models.extend([one for one in more if not isinstance(one, Hinge)])
         self.equations = (*equations, *(one for one in more if isinstance(one, Hinge)))
         self.options["equations"] = self.equations
@@ -955,51 +926,10 @@ class ClosedLoopRobot:
         nq, nv = self.model.nq, self.model.nv
         motion = self._ask(MOTION, nq + 2 * nv, None, row, speed, acceleration)
         q, v, a = motion[:nq], motion[nq : nq + nv], motion[nq + nv :]
-        tree = np.array(pin.rnea(self.model, self.data, q, v, a))
-        tree += self.joint_resistance(q, v)
         # The forces along the coordinates act at their joints.
-        tree[self.coordinates_v] -= force
-        every = [*self.constraint_models, *self.equations]
-        flat = flattened(self.model, self._all_closures(), NO_MOTORS)
-        slope = jacobian(flat, q)
-        unlocked = np.setdiff1d(np.arange(nv), self._held)
-        solution = np.linalg.lstsq(slope[:, unlocked].T, tree[unlocked], rcond=1e-9)[0]
-        ends = np.cumsum([0, *flat.closure_rows])
-        found = {}
-        for place, number in enumerate(flat.order):
-            part = solution[ends[place] : ends[place + 1]]
-            if number < len(every) and not isinstance(every[number], Coupling | Spin):
-                # A hinge gives the change of its axis, e_z × the torque about x and y.
-                torque = (
-                    np.array([-part[4], part[3], 0.0])
-                    if len(part) == 5
-                    else np.zeros(3)
-                    if len(part) == 3
-                    else part[3:]
-                )
-                found[number] = LoopForce(
-                    closure_names(every)[number], np.array(part[:3]), np.array(torque)
-                )
-        loops = tuple(found[number] for number in sorted(found))
-        outer = pin.StdVec_Force([pin.Force.Zero() for _ in range(self.model.njoints)])
-        pin.forwardKinematics(self.model, self.data, q)
-        for number, one in found.items():
-            loop, places = every[number], self.data.oMi
-            wrench = (places[loop.joint1_id] * loop.joint1_placement).act(
-                pin.Force(one.force, one.torque)
-            )
-            outer[loop.joint2_id] += places[loop.joint2_id].actInv(wrench)
-            outer[loop.joint1_id] -= places[loop.joint1_id].actInv(wrench)
-        pin.rnea(self.model, self.data, q, v, a, outer)
-        joints = tuple(
-            JointReaction(
-                str(self.model.names[index]),
-                np.array(self.data.f[index].linear),
-                np.array(self.data.f[index].angular),
-            )
-            for index in range(1, self.model.njoints)
-        )
-        return ClosureForces(loops, joints)
+        acting = -self.joint_resistance(q, v)
+        acting[self.coordinates_v] += force
+        return forces_of_motion(self.model, self._all_closures(), self._held, (q, v, a), acting)
 
     def joint_resistance(self, q: Array, v: Array) -> Array:
         """Return the forces of springs, damping and dry friction of all joints, (nv,)."""
@@ -1309,46 +1239,3 @@ def _refuse(
         raise RoundedLoops(names[found.worst], found.length, found.angle, freedoms)
     if freedoms == 0 or (free == "refuse" and found_mobility.under_actuation):
         raise MobilityMismatch(found_mobility, actuated)
-
-
-def _motors(
-    model: pin.Model, actuated: Sequence[str], tendons: Mapping[str, Mapping[str, float]]
-) -> Array:
-    """Return what each motor drives, a column of joint velocities each, (nv, m)."""
-    matrix = np.zeros((model.nv, len(actuated)))
-    for column, name in enumerate(actuated):
-        for joint, lever in tendons.get(name, {name: 1.0}).items():
-            if not model.existJointName(joint) or joint == model.names[0]:
-                raise UnknownName("actuated joint", joint, tuple(model.names)[1:])
-            matrix[model.joints[model.getJointId(joint)].idx_v, column] += lever
-    return matrix
-
-
-def _closures(
-    model: pin.Model, closures: Sequence[tuple[str, str, str]], q: Array | None
-) -> list[Any]:
-    """Return more closures, given by frames and kinds."""
-    data, made = model.createData(), []
-    pin.framesForwardKinematics(model, data, pin.neutral(model) if q is None else q)
-    for first, second, kind in closures:
-        if kind not in CLOSURE_KINDS:
-            raise UnknownName("kind of closure", kind, CLOSURE_KINDS)
-        for name in (first, second):
-            if name != "world" and not model.existFrame(name):
-                raise UnknownName("frame", name, ["world", *(frame.name for frame in model.frames)])
-        frame = model.frames[model.getFrameId(first)]
-        one = frame.parentJoint, frame.placement
-        if second == "world":
-            two = 0, data.oMf[model.getFrameId(first)]
-        else:
-            frame = model.frames[model.getFrameId(second)]
-            two = frame.parentJoint, frame.placement
-        if kind == "hinge":
-            made.append(Hinge(f"{first}-{second}", *one, *two))
-        else:
-            contact = pin.ContactType.CONTACT_6D if kind == "6d" else pin.ContactType.CONTACT_3D
-            local = pin.ReferenceFrame.LOCAL
-            loop = pin.RigidConstraintModel(contact, model, *one, *two, local)
-            loop.name = f"{first}-{second}"
-            made.append(loop)
-    return made

@@ -267,27 +267,3 @@ def test_dry_friction_brakes_every_joint_that_moves(tmp_path: Path) -> None:
         robot.inverse_dynamics(positions, [0.0, 0.0], [0.0, 0.0]),
         plain.inverse_dynamics(positions, [0.0, 0.0], [0.0, 0.0]),
     )
-
-
-@pytest.mark.parametrize("name", ["five-bar, three motors", "doubled hinge, kept"])
-def test_forces_of_loops_leave_passive_joints_alone(name: str, tmp_path: Path) -> None:
-    """A joint's reaction along its own axis is its motor's force, and nothing at others.
-
-    The reactions come from Pinocchio's RNEA of the open tree with the loops' forces outside.
-    """
-    robot = loaded(tmp_path, *ROBOTS[name][:2])
-    rng = np.random.default_rng(4)
-    n = len(robot.coordinates_v)
-    for _ in range(5):
-        positions, speeds = random_positions(robot, rng), rng.uniform(-1.0, 1.0, n)
-        forces = rng.uniform(-1.0, 1.0, n)
-        found = robot.closure_forces(positions, speeds, forces)
-        assert [one.name for one in found.joints] == list(robot.model.names)[1:]
-        assert len(found.loops) == 1
-        assert np.abs(found.loops[0].force).max() > 1e-3
-        for one in found.joints:
-            expected = 0.0
-            if one.name in robot.coordinates:
-                expected = forces[robot.coordinates.index(one.name)]
-            # All hinges are about z.
-            assert one.torque[2] == pytest.approx(expected, abs=1e-9)

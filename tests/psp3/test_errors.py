@@ -183,6 +183,31 @@ EXAMPLES = [
         {"what": "format version", "found": 2, "expected": 1},
         ["some.sqlite", "format version is 2, not 1", "another file"],
     ),
+    (
+        errors.LoopsDoNotClose(np.zeros(3), 0.25, "tip-top", 31),
+        {"residual": 0.25, "loop": "tip-top", "tried": 31},
+        ["31 starts", "loop 'tip-top'", "0.25", "home"],
+    ),
+    (
+        errors.RoundedLoops("tip-top", 0.01, 0.02, 0),
+        {"loop": "tip-top", "length": 0.01, "angle": 0.02, "freedoms": 0},
+        ["'tip-top'", "0.01 m", "0.02 rad", "0 degrees of freedom", "more digits"],
+    ),
+    (
+        errors.DependentCoordinates("m2", ["m1", "p1"]),
+        {"joint": "m2", "others": ("m1", "p1")},
+        ["'m2'", "m1, p1", "coordinates=[...]"],
+    ),
+    (
+        errors.DependentCoordinates("", []),
+        {"joint": "", "others": ()},
+        ["coordinates=[...]", "FIXED"],
+    ),
+    (
+        errors.UnreachableForces(0.5, ["m1", "p1"]),
+        {"residual": 0.5, "coordinates": ("m1", "p1")},
+        ["0.5 (N or N m)", "m1, p1", "forward_dynamics"],
+    ),
 ]
 
 

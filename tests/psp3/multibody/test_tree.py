@@ -13,8 +13,8 @@ from psp3.multibody.tree import (
     AT_ELEMENTS,
     AT_ENDS,
     AT_FREE_FALL,
-    AT_REPORT,
     AT_SIGNS,
+    AT_VECTORS,
     COUNTS,
     ELEMENTS,
     HEADER,
@@ -48,7 +48,7 @@ def test_parts_of_each_array_follow_on_one_another(flat: Flat) -> None:
         assert (np.diff(begins) >= 0).all()
         assert begins[-1] <= length
     assert flat.at(AT_FREE_FALL) + 3 == len(flat.numbers)
-    assert flat.at(AT_REPORT) + 4 == len(flat.memory)
+    assert flat.at(AT_VECTORS) + 42 == len(flat.memory)
 
 
 def test_a_pose_is_what_stands_before_the_room(flat: Flat) -> None:
