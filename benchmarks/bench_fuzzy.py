@@ -316,8 +316,17 @@ def batch_memory() -> dict[str, float]:
 
 
 def import_seconds(rounds: int) -> dict[str, float]:
-    """Return median wall times of fresh interpreters that import NumPy alone, and with fuzzy2."""
-    programs = {"numpy": "import numpy", "numpy, fuzzy2": "import numpy, fuzzy2"}
+    """Return median wall times of fresh interpreters.
+
+    That import NumPy alone, and with fuzzy2, whose names are imported when they are first used, and
+    with a first call.
+    """
+    first_call = "fuzzy2.GaussianUncertainMean(mean=(4.0, 6.0), sigma=1.5).centroid()"
+    programs = {
+        "numpy": "import numpy",
+        "numpy, fuzzy2": "import numpy, fuzzy2",
+        "numpy, fuzzy2, first call": f"import numpy, fuzzy2; {first_call}",
+    }
     samples: dict[str, list[float]] = {name: [] for name in programs}
     for _ in range(rounds):
         for name, program in programs.items():
@@ -355,6 +364,8 @@ def main() -> None:
         f"{'import fuzzy2, over import numpy':44s}{over:10.3f} "
         f"s{bar_and_verdict(over, SECONDS_OVER_NUMPY)}"
     )
+    first = imports["numpy, fuzzy2, first call"] - imports["numpy"]
+    print(f"{'import fuzzy2 and a first centroid':44s}{first:10.3f} s")
     results = {
         "versions": versions,
         "microseconds": medians,

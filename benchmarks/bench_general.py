@@ -8,8 +8,9 @@ See ``timing.py`` for how.
 from __future__ import annotations
 
 import argparse
+import itertools
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ from five_bar_chain import five_bar_chain
 from timing import (
     EMPTY_CALL,
     bar_and_verdict,
-    bar_scale,
     empty_call,
     environment,
     measure,
@@ -28,14 +28,37 @@ from timing import (
 
 import psp3
 from psp3.description.parts import ROBOT_FILES, ROBOTS
+from psp3.dynamics.derivatives import inverse_dynamics_derivatives
 
-CLOSURE_BARS = {"five_bar": 300.0, "gough_stewart": 1000.0}  # [us]
 CHAINS = (1, 2, 5, 10, 20, 50)
-CLOSURE, INVERSE, FORWARD = (
-    "closure, from the reference pose",
-    "inverse_dynamics",
-    "forward_dynamics",
+CLOSURE, COLD = "closure, from the reference pose", "inverse_dynamics, from the reference pose"
+INVERSE, FORWARD, EQUATION = (
+    "inverse_dynamics, from the pose before",
+    "forward_dynamics, from the pose before",
+    "equation_of_motion, from the pose before",
 )
+DERIVATIVES, TREE = "inverse_dynamics_derivatives", "pin.computeRNEADerivatives (tree only)"
+MJ_FORWARD = "mujoco.mj_forward"
+CONSTRAINT = "pin.constraintDynamics, loops closed already"
+PERIODS, MJ_PERIODS = "250 Runge-Kutta periods of 2 ms", "250 mujoco.mj_step of 2 ms"
+
+BARS = {
+    INVERSE: (MJ_FORWARD, 1.5),
+    COLD: (MJ_FORWARD, 2.7),
+    FORWARD: (MJ_FORWARD, 1.9),
+    EQUATION: (MJ_FORWARD, 5.0),
+    DERIVATIVES: (TREE, 12.0),
+}
+"""What a time is compared with, and how many times as long it may be, on each robot."""
+
+PERIOD_BARS = {"five_bar": 1.4, "gough_stewart": 2.0}
+"""The same, of 250 periods: four exact evaluations against one with soft loops."""
+
+MEAN_BARS = {INVERSE: 1.0, FORWARD: 1.4}
+"""The same, of the geometric mean over the robots."""
+
+GROWTH_BAR = 1.15
+"""Of the power of the number of loops with which the time grows."""
 
 
 def state_of(robot: psp3.ClosedLoopRobot, rng: np.random.Generator) -> tuple[np.ndarray, ...]:
@@ -52,28 +75,87 @@ def state_of(robot: psp3.ClosedLoopRobot, rng: np.random.Generator) -> tuple[np.
     )
 
 
+def to_and_fro(positions: np.ndarray) -> Iterator[np.ndarray]:
+    """Return positions without end that move as in a control loop, by 0.2 mm or mrad a call."""
+    way = [positions + 2e-4 * step for step in range(50)]
+    return itertools.cycle([*way, *reversed(way)])
+
+
 def contenders(name: str) -> dict[str, Callable[[], object]]:
-    """Functions to time on one robot, by name, all at the same state."""
+    """Functions to time on one robot, by name, all near the same state."""
     robot = psp3.load(name)
     tree = robot.dynamics("core") if isinstance(robot, psp3.PSP3) else robot
     rng = np.random.default_rng(0)
     positions, speeds, accelerations, forces = state_of(tree, rng)
     closure = tree.closure(positions)
     q, v = closure.configuration, closure.complement @ speeds
+    pose, moving = tree.last_pose(), to_and_fro(positions)
+    data = tree.model.createData()
     functions: dict[str, Callable[[], object]] = {
         EMPTY_CALL: empty_call(),
-        CLOSURE: lambda: tree.configuration(positions),
-        INVERSE: lambda: tree.inverse_dynamics(positions, speeds, accelerations),
-        "equation_of_motion": lambda: tree.equation_of_motion(positions, speeds),
-        FORWARD: lambda: tree.forward_dynamics(positions, speeds, forces),
-        "pin.constraintDynamics, loops closed already": lambda: tree.constrained_accelerations(
-            q, v, forces
+        CLOSURE: lambda: tree.configuration(next(moving)),
+        COLD: lambda: tree.inverse_dynamics(next(moving), speeds, accelerations),
+        INVERSE: lambda: tree.inverse_dynamics(next(moving), speeds, accelerations, pose),
+        FORWARD: lambda: tree.forward_dynamics(next(moving), speeds, forces, pose),
+        EQUATION: lambda: tree.equation_of_motion(next(moving), speeds, pose),
+        DERIVATIVES: lambda: inverse_dynamics_derivatives(
+            tree, next(moving), speeds, accelerations
         ),
-        "pin.rnea (tree only)": lambda: pin.rnea(tree.model, tree.data, q, v, v),
+        TREE: lambda: pin.computeRNEADerivatives(tree.model, data, q, v, v),
+        "pin.rnea (tree only)": lambda: pin.rnea(tree.model, data, q, v, v),
+        CONSTRAINT: constraint_dynamics(tree, q, v, forces),
     }
     functions.update(mujoco_calls(tree, q, v))
     functions.update(drake_calls(name, tree, q, v))
     return functions
+
+
+def constraint_dynamics(
+    robot: psp3.ClosedLoopRobot, q: np.ndarray, v: np.ndarray, forces: np.ndarray
+) -> Callable[[], object]:
+    """Return Pinocchio's own call, without what our wrapper adds."""
+    model, data = robot.model, robot.model.createData()
+    loops, loop_data = robot.constraint_models, pin.StdVec_RigidConstraintData()
+    for loop in loops:
+        loop_data.append(loop.createData())
+    tau = np.zeros(model.nv)
+    tau[robot.actuated_v] = forces
+    redundant = sum(loop.residualSize() for loop in loops) > model.nv - len(robot.actuated)
+    settings = pin.ProximalSettings(
+        1e-12, 1e-12, 1e-6 if redundant else 0.0, 50 if redundant else 1
+    )
+    pin.initConstraintDynamics(model, data, loops, loop_data)
+    return lambda: pin.constraintDynamics(model, data, q, v, tau, loops, loop_data, settings)
+
+
+def periods(name: str) -> dict[str, Callable[[], object]]:
+    """Half a second under the forces that hold the robot, by our plant and by MuJoCo's step."""
+    import mujoco
+
+    from psp3.robots.mjcf_export import mujoco_state, to_mjcf
+    from psp3.simulation.runge_kutta import RungeKutta
+
+    robot = psp3.load(name)
+    tree = robot.dynamics("core") if isinstance(robot, psp3.PSP3) else robot
+    rest = np.zeros(len(tree.actuated))
+    hold = 1.02 * tree.inverse_dynamics(tree.reference, rest, rest)
+    plant = RungeKutta(tree)
+    engine = mujoco.MjModel.from_xml_string(to_mjcf(tree))
+    engine.opt.timestep = 2e-3
+    state = mujoco.MjData(engine)
+
+    def ours() -> None:
+        plant.start(tree.reference, rest)
+        for _ in range(250):
+            plant.advance(hold, 2e-3)
+
+    def theirs() -> None:
+        state.qpos[:], state.qvel[:] = mujoco_state(tree, tree.q0, np.zeros(tree.model.nv))
+        state.ctrl[:] = hold
+        for _ in range(250):
+            mujoco.mj_step(engine, state)
+
+    return {PERIODS: ours, MJ_PERIODS: theirs}
 
 
 def mujoco_calls(
@@ -90,7 +172,7 @@ def mujoco_calls(
     state = mujoco.MjData(engine)
     state.qpos[:], state.qvel[:] = mujoco_state(robot, q, v)
     return {
-        "mujoco.mj_forward": lambda: mujoco.mj_forward(engine, state),
+        MJ_FORWARD: lambda: mujoco.mj_forward(engine, state),
         "mujoco.mj_inverse": lambda: mujoco.mj_inverse(engine, state),
     }
 
@@ -155,11 +237,16 @@ def chain_functions(count: int) -> dict[str, Callable[[], object]]:
     """Return the functions whose cost is to grow with the number of loops."""
     robot = five_bar_chain(count)
     positions, speeds, accelerations, forces = state_of(robot, np.random.default_rng(count))
-    return {
-        CLOSURE: lambda: robot.configuration(positions),
-        INVERSE: lambda: robot.inverse_dynamics(positions, speeds, accelerations),
-        FORWARD: lambda: robot.forward_dynamics(positions, speeds, forces),
+    pose, moving = robot.last_pose(), to_and_fro(positions)
+    closure = robot.closure(positions)
+    q, v = closure.configuration, closure.complement @ speeds
+    functions: dict[str, Callable[[], object]] = {
+        COLD: lambda: robot.inverse_dynamics(next(moving), speeds, accelerations),
+        INVERSE: lambda: robot.inverse_dynamics(next(moving), speeds, accelerations, pose),
+        CONSTRAINT: constraint_dynamics(robot, q, v, forces),
     }
+    functions.update(mujoco_calls(robot, q, v))
+    return functions
 
 
 def main() -> None:
@@ -170,38 +257,64 @@ def main() -> None:
     arguments = parser.parse_args()
     robots: dict[str, dict[str, float]] = {}
     for name in ROBOTS:
-        medians = measure(contenders(name), arguments.rounds)
-        robots[name] = medians
-        scale = bar_scale(medians)
-        print(f"\n{name:50s}{'us':>10s}{'x inverse_dynamics':>20s}{'bar':>11s}")
-        for function, value in medians.items():
-            bar = CLOSURE_BARS.get(name) if function == CLOSURE else None
-            bar = bar * scale if bar is not None else None
-            print(
-                f"{function:50s}{value:10.1f}{value / medians[INVERSE]:20.2f}"
-                f"{bar_and_verdict(value, bar)}"
-            )
+        robots[name] = measure(contenders(name), arguments.rounds)
+        if MJ_FORWARD in robots[name]:
+            robots[name].update(measure(periods(name), 5))
+        show_robot(name, robots[name])
+    means = {name: ratio_over_robots(robots, name) for name in MEAN_BARS}
+    for name, ratio in means.items():
+        print(
+            f"{name}, geometric mean over the robots, x {MJ_FORWARD}: {ratio:.2f}"
+            f"{bar_and_verdict(ratio, MEAN_BARS[name])}"
+        )
     chains: dict[int, dict[str, float]] = {
         count: measure(chain_functions(count), arguments.rounds) for count in CHAINS
     }
     print(
-        f"\n{'five-bars in a chain':24s}" + "".join(f"{f'{name} [us]':>45s}" for name in chains[1])
+        f"\n{'five-bars in a chain':24s}" + "".join(f"{f'{name} [us]':>50s}" for name in chains[1])
     )
     for count, medians in chains.items():
-        print(f"{count:24d}" + "".join(f"{value:45.1f}" for value in medians.values()))
+        print(f"{count:24d}" + "".join(f"{value:50.1f}" for value in medians.values()))
     growth = {
-        name: exponent({count: chains[count][name] for count in CHAINS if count >= 10})
-        for name in chains[1]
+        name: exponent({count: chains[count][name] for count in CHAINS}) for name in chains[1]
     }
     for name, power in growth.items():
-        print(f"from 10 to 50 loops {name} grows with their number to the power of {power:.2f}")
+        bar = GROWTH_BAR if name in (COLD, INVERSE) else None
+        print(
+            f"from 1 to 50 loops {name} grows with their number to the power of {power:.2f}"
+            f"{bar_and_verdict(power, bar)}"
+        )
     results: dict[str, Any] = {
         "versions": environment("psp3", "pin", "numpy", "numba"),
         "robots": robots,
+        "means": means,
         "chains": chains,
         "growth": growth,
     }
     write_results(arguments.output, results)
+
+
+def show_robot(name: str, medians: dict[str, float]) -> None:
+    """Print the times of one robot, with those that they are compared with."""
+    bars = dict(BARS)
+    if name in PERIOD_BARS:
+        bars[PERIODS] = MJ_PERIODS, PERIOD_BARS[name]
+    print(f"\n{name:50s}{'us':>10s}{'ratio':>10s}{'bar':>11s}")
+    for function, value in medians.items():
+        other, bar = bars.get(function, (MJ_FORWARD, None))
+        if other not in medians:
+            print(f"{function:50s}{value:10.1f}")
+            continue
+        ratio = value / medians[other]
+        print(f"{function:50s}{value:10.1f}{ratio:10.2f}{bar_and_verdict(ratio, bar)}")
+
+
+def ratio_over_robots(robots: dict[str, dict[str, float]], name: str) -> float:
+    """Return the geometric mean of a function's time over MuJoCo's; NaN without MuJoCo."""
+    ratios = [
+        medians[name] / medians[MJ_FORWARD] for medians in robots.values() if MJ_FORWARD in medians
+    ]
+    return float(np.exp(np.mean(np.log(ratios)))) if ratios else float("nan")
 
 
 def exponent(times: dict[int, float]) -> float:

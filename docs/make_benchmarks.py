@@ -81,27 +81,35 @@ Time of an exact centroid of an interval type-2 set on a grid, by the number of 
 {centroids}
 
 A batch takes {bytes} bytes of memory an item beyond its inputs; `import fuzzy2` adds {seconds} to \
-`import numpy`.
+`import numpy`, because
+nothing is imported before it is used; with a first centroid it is {first}.
 """
 
 
 GENERAL = """## Robots with loops in general
 
-One call from Python at one state near the reference pose, from which the loops are closed anew in \
-every call (the 3-PSP without its closed
-form). MuJoCo has its loops as soft constraints, exported as [engines](engines.md) says; Drake, \
-where it is installed, takes one step of
-2 ms with its loops in the contact solver. So the rows answer different questions: what an exact \
-answer in the motors' coordinates costs,
-and what a step of a simulator costs.
+CPU time of one call from Python near the reference pose, positions moving by 0.2 mm or mrad from \
+call to call (the 3-PSP without its
+closed form). Ours are exact: the loops are closed to rounding in every call, from the reference \
+pose or from the pose of the call before.
+MuJoCo has its loops as soft constraints, exported as [engines](engines.md) says; Drake, where it \
+is installed, takes one step of 2 ms with
+its loops in the contact solver; Pinocchio's `constraintDynamics` is given a closed pose.
 
 {robots}
+
+Over the robots `inverse_dynamics` takes {inverse} × and `forward_dynamics` {forward} × what \
+`mj_forward` takes (geometric means, from the
+pose before).
 
 Chains of five-bars, each standing on the tip of the one before:
 
 {chains}
 
-From 10 to 50 loops the time grows with their number to the power of {growth}.
+![Cost of a call against the number of loops, by our core, MuJoCo and Pinocchio, on logarithmic \
+axes](pictures/cost_of_loops.svg)
+
+From 1 to 50 loops the time grows with their number to the power of {growth}.
 """
 
 
@@ -170,6 +178,7 @@ def page(results: Mapping[str, Any], date: str) -> str:
         name: version for result in results.values() for name, version in result["versions"].items()
     }
     added = fuzzy["import_seconds"]["numpy, fuzzy2"] - fuzzy["import_seconds"]["numpy"]
+    first = fuzzy["import_seconds"]["numpy, fuzzy2, first call"] - fuzzy["import_seconds"]["numpy"]
     simulations = " and ".join(
         f"{digits(seconds)} s under {name}" for name, seconds in robot["simulation_seconds"].items()
     )
@@ -200,6 +209,7 @@ def page(results: Mapping[str, Any], date: str) -> str:
                 bytes=digits(list(fuzzy["batch_bytes_an_item"].values())[-1]),
                 # Less than this is the scatter of starting an interpreter, and may be negative.
                 seconds=f"{digits(added)} s" if added >= 0.01 else "less than 0.01 s",
+                first=f"{digits(first)} s",
             ),
             GENERAL.format(
                 robots=columns(general["robots"]),
@@ -209,6 +219,8 @@ def page(results: Mapping[str, Any], date: str) -> str:
                         for count, times in general["chains"].items()
                     }
                 ),
+                inverse=f"{general['means']['inverse_dynamics, from the pose before']:.2f}",
+                forward=f"{general['means']['forward_dynamics, from the pose before']:.2f}",
                 growth=", ".join(
                     f"{power:.2f} ({name})" for name, power in general["growth"].items()
                 ),
@@ -232,6 +244,29 @@ def main() -> None:
         datetime.fromtimestamp(max(file.stat().st_mtime for file in files), UTC).date().isoformat()
     )
     (HERE / "benchmarks.md").write_text(page(results, date), encoding="utf-8")
+    draw_cost_of_loops(results["general"]["chains"])
+
+
+def draw_cost_of_loops(chains: Mapping[str, Mapping[str, float]]) -> None:
+    """Draw how the cost of a call grows with the number of loops."""
+    from matplotlib.figure import Figure
+
+    from fuzzy2.plots.style import style
+
+    counts = [int(count) for count in chains]
+    with style("light"):
+        figure = Figure(figsize=(6.0, 4.0), layout="constrained")
+        axes = figure.add_subplot()
+        for marker, name in zip("os^Dv", next(iter(chains.values())), strict=False):
+            times = [medians[name] for medians in chains.values()]
+            axes.loglog(counts, times, marker=marker, label=name)
+        axes.set(
+            title="Five-bars in a chain",
+            xlabel="number of loops",
+            ylabel="CPU time of a call [µs]",
+        )
+        axes.legend()
+        figure.savefig(HERE / "pictures" / "cost_of_loops.svg", metadata={"Date": None})
 
 
 if __name__ == "__main__":

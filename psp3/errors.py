@@ -140,6 +140,37 @@ class ClosureFailed(PSP3Error, ValueError):
         )
 
 
+class LoopsDoNotClose(ClosureFailed):
+    """No configuration of a robot closes its loops, not even nearly, as far as was looked.
+
+    ``residual`` is the least by which they stay open, and ``loop`` the one that does most.
+    """
+
+    def __init__(self, q: Array, residual: float, loop: str, tried: int) -> None:
+        self.positions, self.residual, self.reached = q, residual, 0.0
+        self.loop, self.tried = loop, tried
+        where = f"loop {loop!r}" if loop else "they"
+        PSP3Error.__init__(
+            self,
+            f"the loops do not close: from {tried} starts, within the joint limits and beyond, "
+            f"{where} stays open by {residual:.3g} at least (m, rad): correct its frames, or give "
+            "a pose near a closed one (home in an SRDF or a key frame)",
+        )
+
+
+class RoundedLoops(PSP3Error, ValueError):
+    """Loops contradict themselves by more than the rounding of a file explains."""
+
+    def __init__(self, loop: str, length: float, angle: float, freedoms: int) -> None:
+        self.loop, self.length, self.angle, self.freedoms = loop, length, angle, freedoms
+        super().__init__(
+            f"loop {loop!r} contradicts itself by {length:.3g} m and {angle:.3g} rad, and leaves "
+            f"{freedoms} degrees of freedom: write the numbers of its frames with more digits, or "
+            "replace one of its hinges by a ball or universal joint (joint_name and joint_type in "
+            "the loop file)"
+        )
+
+
 class JointLimitExceeded(PSP3Error, ValueError):
     """The loops close only with an un-actuated joint beyond its limits."""
 
@@ -203,6 +234,42 @@ class MobilityMismatch(PSP3Error, ValueError):
         )
 
 
+class DependentCoordinates(PSP3Error, ValueError):
+    """A joint cannot be an independent coordinate."""
+
+    def __init__(self, joint: str, others: Sequence[str]) -> None:
+        self.joint, self.others = joint, tuple(others)
+        if not joint:
+            reason = (
+                "a free motion has no joint of one degree of freedom that measures it: name "
+                "coordinates=[...], or hold a joint (joint_type FIXED in the loop file)"
+            )
+        elif others:
+            reason = (
+                f"joint {joint!r} is determined by {', '.join(others)}, or has not one degree of "
+                "freedom in one coordinate: name another in coordinates=[...]"
+            )
+        else:
+            reason = (
+                f"joint {joint!r} cannot be a coordinate, because it does not move or has not one "
+                "degree of freedom in one coordinate: give it limits, or name another in "
+                "coordinates=[...]"
+            )
+        super().__init__(reason)
+
+
+class UnreachableForces(PSP3Error, ValueError):
+    """The motors cannot bring about a motion: some force is needed where none of them acts."""
+
+    def __init__(self, residual: float, coordinates: Sequence[str]) -> None:
+        self.residual, self.coordinates = residual, tuple(coordinates)
+        super().__init__(
+            f"the motors cannot bring about this motion: forces of {residual:.3g} (N or N m) are "
+            f"left over at the coordinates {', '.join(coordinates)}; ask for accelerations from "
+            "forward_dynamics, or drive more joints"
+        )
+
+
 class UnsupportedJoint(PSP3Error, ValueError):
     """A joint is of a kind whose loops cannot be closed here."""
 
@@ -210,7 +277,7 @@ class UnsupportedJoint(PSP3Error, ValueError):
         self.joint, self.kind = joint, kind
         super().__init__(
             f"joint {joint!r} is a {kind}; loops are closed through revolute, prismatic, "
-            "helical, universal, ball and free joints: compose it of these"
+            "helical, universal, ball, planar and free joints: compose it of these"
         )
 
 

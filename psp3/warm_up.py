@@ -5,6 +5,8 @@ Run by ``python -m psp3.warm_up``.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 
@@ -37,8 +39,7 @@ def warm_up() -> None:
     robot.equation_of_motion(rows, rows)
     robot.inverse_dynamics(rows, rows, rows)
     robot.forward_dynamics(rows, rows, rows)
-    five_bar = load("five_bar")
-    five_bar.inverse_dynamics(five_bar.reference, np.zeros(2), np.zeros(2))
+    _warm_up_core(load("five_bar"))
     simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01)
     drive = Drive(coulomb_friction=1.0)
     for plant in (RungeKutta(robot, drive=drive), ConstraintDynamics(robot, drive=drive)):
@@ -50,6 +51,21 @@ def warm_up() -> None:
     controller = FuzzyComputedTorque("t1", robot).fit(Helix(robot=robot), 1.0)
     AdaptiveFuzzyComputedTorque(controller).torque(0.0, rest, rest, Helix(robot=robot)(0.0))
     _warm_up_fuzzy_systems()
+
+
+def _warm_up_core(robot: Any) -> None:
+    """Compile the core for any robot: loading one assembles it and compiles its answers."""
+    from psp3.closure.assembly import jacobian
+    from psp3.control.classical import ComputedTorque
+    from psp3.multibody.flatten import NO_MOTORS, flattened
+    from psp3.simulation.tracking import simulate
+    from psp3.trajectories.paths import PointToPoint
+
+    rest, goal = np.zeros(len(robot.actuated)), robot.reference + 0.01
+    robot.inverse_dynamics(robot.reference, rest, rest, guess=robot.last_pose())
+    jacobian(flattened(robot.model, robot.constraint_models, NO_MOTORS), robot.q0)
+    way = PointToPoint(robot.reference, goal, 1.0, robot)
+    simulate(robot, ComputedTorque(robot), way, 0.01)
 
 
 def _warm_up_fuzzy_systems() -> None:

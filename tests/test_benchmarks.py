@@ -14,6 +14,7 @@ import pinocchio as pin
 import pytest
 
 import psp3
+from psp3.multibody.tree import GROUPS
 from tests.helpers import relative_error
 
 CHAIN = Path(__file__).resolve().parents[1] / "benchmarks" / "five_bar_chain.py"

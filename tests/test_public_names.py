@@ -59,8 +59,8 @@ compare mean median paired_difference ratio_of_geometric_means ratio_of_means sh
 InvalidArray InvalidControllerFile InvalidFile InvalidMapFile
         InvalidResultFile InvalidRobotFile InvalidStudyFile InvalidTorque InvalidTrajectoryFile \
 InvalidValue JointLimitExceeded
-        MasslessBody MissingPackage MobilityMismatch MotionDiverged NoStabilizingSolution \
-NoThreshold NotTrained OpenLoops
+        MasslessBody MissingPackage MobilityMismatch MotionDiverged NoFiniteAnswer \
+NoStabilizingSolution NoThreshold NotTrained OpenLoops
         OverlappingShapes PSP3Error PoorExcitation RunsFailed SchedulerUnavailable \
 SimulationDiverged SimulationStopped
         SingularConfiguration StrokeExceeded StudyFileNotWritable StudyInUse StudyInterrupted \

@@ -140,6 +140,25 @@ def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
     return cast("ChosenByTable", chosen)
 
 
+def merged(function: Function) -> Function:
+    """Make the source of ``function`` a part of that of the compiled functions that call it.
+
+    For long functions that are called in one place: LLVM works on the code of a compiled function
+    again in each that calls it, so that a chain of calls takes long to compile.
+
+    Parameters
+    ----------
+    function : callable
+        As for :func:`compiled`.
+
+    Returns
+    -------
+    callable
+        The compiled function.
+    """
+    return _compiled(function, inline="always")
+
+
 def _compiled(function: Function, **more: Any) -> Function:
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", **more}
     try:

@@ -1,4 +1,4 @@
-"""Loops closed numerically: tables, compiled kernels, assembly, mobility and rank."""
+"""Loops: a first closed pose, mobility, rank, and the limits of passive joints."""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 import pinocchio as pin
 
@@ -36,7 +38,9 @@ def _equations(flat: FlatTree, q: Array, rows: int) -> tuple[Array, Array]:
     gap = np.empty(int(flat.integers[ROWS]))
     slope = np.zeros((rows, int(flat.integers[VELOCITIES])))
     memory = np.empty(int(flat.integers[SIZE]))
-    closure_equations(flat.integers, flat.numbers, memory, np.array(q, dtype=float), gap, slope)
+    closure_equations(
+        flat.integers, flat.numbers, memory, np.array(q, dtype=float), gap, slope.reshape(-1)
+    )
     return gap, slope
 
 
@@ -69,16 +73,35 @@ def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
         If no start leads to a closed configuration.
     """
     lower, upper = _tangent_limits(model, q0)
-    nearest = _by_short_steps(model, flat, q0)
+    nearest = by_short_steps(model, flat, q0)
     if nearest is not None:
         way = pin.difference(model, q0, nearest)
         if (lower <= way).all() and (way <= upper).all():
             return nearest
+    least = np.inf
+    for q, size in nearly_closed(model, flat, q0):
+        least = min(least, size)
+        if size < ASSEMBLED:
+            return q
+    raise ClosureFailed(q0, least, 0.0)
+
+
+def nearly_closed(model: pin.Model, flat: FlatTree, q0: Array) -> Iterator[tuple[Array, float]]:
+    """Yield configurations that open the loops least, each with its residual [m, rad].
+
+    SciPy's trust-region least squares finds them within the joint limits, from ``q0`` and then from
+    30 random configurations around it.
+    """
     # Only here, because most robots are never as far from closed.
     from scipy.optimize import least_squares
 
+    lower, upper = _tangent_limits(model, q0)
     rng = np.random.default_rng(0)
-    least = np.inf
+
+    def slope(step: Array) -> Array:
+        q = pin.integrate(model, q0, step)
+        return np.asarray(jacobian(flat, q) @ pin.dIntegrate(model, q0, step)[1])
+
     for attempt in range(31):
         spread = 0.0 if attempt == 0 else 0.1 * attempt
         # Strictly inside, as the library wants its start.
@@ -87,19 +110,19 @@ def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
         solution = least_squares(
             lambda step: residual(flat, pin.integrate(model, q0, step)),
             start,
+            jac=slope,
             bounds=(lower, upper),
             xtol=1e-15,
             ftol=1e-15,
             gtol=1e-15,
         )
-        size = float(np.abs(solution.fun).max())
-        least = min(least, size)
-        if size < ASSEMBLED:
-            return np.asarray(pin.integrate(model, q0, solution.x))
-    raise ClosureFailed(q0, least, 0.0)
+        yield (
+            np.asarray(pin.integrate(model, q0, solution.x)),
+            float(np.abs(solution.fun).max(initial=0.0)),
+        )
 
 
-def _by_short_steps(model: pin.Model, flat: FlatTree, q: Array) -> Array | None:
+def by_short_steps(model: pin.Model, flat: FlatTree, q: Array) -> Array | None:
     """Return where Newton's method leads, or None if that is too far.
 
     Its steps are those of least length. Too far is farther than a guess may be off.

@@ -21,16 +21,11 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, one_row
-from psp3.closure.assembly import assembled, jacobian
-from psp3.closure.rank import ASSEMBLED_RANK_TOLERANCE, null_space
-from psp3.errors import ClosureFailed, UnknownName
+from psp3.closure.rank import null_space
+from psp3.closure.structure import Structure, closure_names, rank_of_motions, structure
+from psp3.errors import UnknownName
 from psp3.multibody.flatten import NO_MOTORS, FlatTree, flattened
 from psp3.multibody.tree import ROWS
-
-STEP = 0.02
-"""The rank is also taken this far from the given configuration [m, rad], so that a singular one
-does not pass for the usual.
-"""
 
 
 class Mobility(NamedTuple):
@@ -132,67 +127,58 @@ def mobility(
     for name in actuated:
         if not model.existJointName(name) or name == model.names[0]:
             raise UnknownName("actuated joint", name, tuple(model.names)[1:])
+    motors = np.zeros((model.nv, len(actuated)))
+    for column, name in enumerate(actuated):
+        motors[model.joints[model.getJointId(name)].idx_v, column] = 1.0
     flat = flattened(model, constraint_models, NO_MOTORS)
-    start = assembled(model, flat, pin.neutral(model) if q is None else one_row("q", q, model.nq))
-    motions, rank = _motions(model, flat, start)
-    direction = motions @ np.random.default_rng(0).uniform(0.5, 1.0, motions.shape[1])
-    if motions.shape[1]:
-        away = pin.integrate(model, start, STEP / np.abs(direction).max() * direction)
-        try:
-            elsewhere = _motions(model, flat, assembled(model, flat, away))
-        except ClosureFailed:
-            # At the end of its way; the given configuration has to do.
-            elsewhere = motions, rank
-        if elsewhere[1] >= rank:
-            motions, rank = elsewhere
+    start = None if q is None else one_row("q", q, model.nq)
+    found = structure(model, flat, start, motors, closure_names(constraint_models))
+    return mobility_of(model, flat, found, motors, actuated)
+
+
+def mobility_of(
+    model: pin.Model, flat: FlatTree, found: Structure, motors: Array, actuated: Sequence[str]
+) -> Mobility:
+    """Return the mobility that a structure gives motors, of which the matrix (nv, m) is given."""
+    motions, rank = found.motions[-1], found.rank
     names = list(model.names)
-    joints = [model.joints[model.getJointId(name)] for name in actuated]
     # Joints of several degrees of freedom cannot be commanded; who builds the robot says so.
-    driven = motions[[joint.idx_v for joint in joints]]
-    commanded = _rank_of_motions(driven)
+    driven = motors.T @ motions
+    commanded = rank_of_motions(driven, found.tolerance)
     return Mobility(
         degrees_of_freedom=model.nv - rank,
-        actuators=len(joints),
+        actuators=len(actuated),
         commanded=commanded,
         joint_velocities=model.nv,
         closure_equations=int(flat.integers[ROWS]),
         rank=rank,
-        free_joints=_moving(model, names, motions, driven),
-        dependent_actuators=_dependent(driven, list(actuated)),
+        free_joints=_moving(model, names, motions, driven, found.tolerance),
+        dependent_actuators=_dependent(driven, list(actuated), found.tolerance),
     )
 
 
-def _motions(model: pin.Model, flat: FlatTree, q: Array) -> tuple[Array, int]:
-    """Return a basis of the velocities that keep the loops closed, and the rank of the closures."""
-    motions = null_space(jacobian(flat, q), ASSEMBLED_RANK_TOLERANCE)
-    return motions, model.nv - motions.shape[1]
-
-
-def _rank_of_motions(rows: Array) -> int:
-    """Return how many joints can be commanded apart, from their rows of a basis of motions."""
-    return int(np.linalg.matrix_rank(rows, tol=ASSEMBLED_RANK_TOLERANCE)) if rows.size else 0
-
-
-def _moving(model: pin.Model, names: list[str], motions: Array, driven: Array) -> tuple[str, ...]:
+def _moving(
+    model: pin.Model, names: list[str], motions: Array, driven: Array, tolerance: float
+) -> tuple[str, ...]:
     """Return the joints that move in some motion that moves no motor."""
     if not motions.shape[1]:
         return ()
-    free = motions @ null_space(driven, ASSEMBLED_RANK_TOLERANCE)
+    free = motions @ null_space(driven, tolerance, 1.0)
     return tuple(
         str(names[index])
         for index in range(1, model.njoints)
         if np.abs(
             free[model.joints[index].idx_v : model.joints[index].idx_v + model.joints[index].nv]
         ).max(initial=0.0)
-        > 1e-6
+        > max(1e-6, tolerance)
     )
 
 
-def _dependent(driven: Array, actuated: list[str]) -> tuple[str, ...]:
+def _dependent(driven: Array, actuated: list[str], tolerance: float) -> tuple[str, ...]:
     """Return the actuated joints whose motion follows from that of those before them."""
     names, rank = [], 0
     for count, name in enumerate(actuated, start=1):
-        more = _rank_of_motions(driven[:count])
+        more = rank_of_motions(driven[:count], tolerance)
         if more == rank:
             names.append(name)
         rank = more

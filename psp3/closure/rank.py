@@ -1,7 +1,8 @@
 """Ranks, null spaces, and the un-actuated joints by rank.
 
 A matrix of computed numbers is never quite singular, so each rank needs a size below which a
-singular value counts as zero. These are all here, with their reasons.
+singular value counts as zero. These are all here, with their reasons; the core has pivots instead,
+see :mod:`psp3.multibody.least_squares`.
 """
 
 from __future__ import annotations
@@ -14,11 +15,6 @@ from psp3.errors import SingularConfiguration
 RANK_TOLERANCE = 1e-9
 """Singular values up to this share of the largest one count as zero. Rounding leaves about 1e-15 of
 it, and what is conditioned worse than 1e9 would leave too few digits to be of use.
-"""
-
-PIVOT_TOLERANCE = 1e-9
-"""As :data:`RANK_TOLERANCE`, for the diagonal of a triangular factor with pivoting: the compiled
-kernels have no singular values, of which the last diagonal entry is an estimate.
 """
 
 ASSEMBLED_RANK_TOLERANCE = 1e-7

@@ -5,7 +5,8 @@ Which frames of a tree coincide in the assembled robot, and which joints are act
 The keys are those of toolbox-parallel-robots, so its files can be read here and ours there::
 
     closed_loop: [[frameA, frameB], ...]   # pairs of frames that coincide
-    type: ['6d', '3d', ...]                # '6d': position and orientation; '3d': position only
+    type: ['6d', '3d', ...]                # '6d': position and orientation; '3d': position only;
+                                           # 'hinge': position and z axis
     name_mot: [joint, ...]                 # the actuated joints
     joint_name: [joint, ...]               # joints of the URDF that stand for others; optional
     joint_type: [SPHERICAL, ...]           # which: SPHERICAL, UJOINT_XY and its like, FIXED
@@ -14,6 +15,7 @@ The keys are those of toolbox-parallel-robots, so its files can be read here and
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,8 +24,9 @@ import pinocchio as pin
 
 from psp3.description.joint_replacement import REPLACEMENTS
 from psp3.errors import InvalidRobotFile
+from psp3.multibody.equations import Hinge
 
-KINDS = ("6d", "3d")
+KINDS = ("6d", "3d", "hinge")
 
 SAME_PLACE = 1e-12
 """Frames of one name are the same if they are on one body and their placements differ by no more
@@ -37,7 +40,7 @@ class Loops(NamedTuple):
     frames: tuple[tuple[str, str], ...]
     """Pairs of frames that coincide."""
     kinds: tuple[str, ...]
-    """Kind of each closure, ``"6d"`` or ``"3d"``."""
+    """Kind of each closure, ``"6d"``, ``"3d"`` or ``"hinge"``."""
     actuated: tuple[str, ...]
     """Names of the actuated joints."""
     replaced: tuple[tuple[str, str], ...] = ()
@@ -100,8 +103,8 @@ def read_loops(path: str | Path) -> Loops:
     if len(kinds) != len(frames) or any(kind not in KINDS for kind in kinds):
         raise InvalidRobotFile(
             path,
-            f"key 'type' must give '6d' or '3d' for each of the {len(frames)} closed loops, got "
-            f"{content['type']!r}",
+            f"key 'type' must give '6d', '3d' or 'hinge' for each of the {len(frames)} closed "
+            f"loops, got {content['type']!r}",
         )
     actuated = _names(path, content["name_mot"], "name_mot")
     _no_name_twice(path, actuated, "name_mot")
@@ -183,7 +186,8 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
     Returns
     -------
     pinocchio.StdVec_RigidConstraintModel
-        One constraint model per loop, in the local frame of its first frame.
+        One constraint model per loop, in the local frame of its first frame; but none of hinges,
+        see :func:`hinges`.
 
     Raises
     ------
@@ -192,14 +196,9 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
         actuated joint has more than one degree of freedom.
     """
     models = pin.StdVec_RigidConstraintModel()
-    for pair, kind in zip(loops.frames, loops.kinds, strict=True):
-        first, second = (_frame(model, name, pair, path) for name in pair)
-        if first.parentJoint == second.parentJoint:
-            raise InvalidRobotFile(
-                path,
-                f"closed loop {list(pair)}: both frames are on the same body, so there is "
-                "nothing to close",
-            )
+    for pair, kind, first, second in _joined(model, loops, path):
+        if kind == "hinge":
+            continue
         models.append(
             rigid_constraint(
                 model,
@@ -211,6 +210,36 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
         models[-1].name = f"{pair[0]}-{pair[1]}"
     check_actuated(model, loops.actuated, path, "name_mot")
     return models
+
+
+def hinges(model: pin.Model, loops: Loops, path: str | Path) -> tuple[Hinge, ...]:
+    """Return the loops that are hinges about the z axes of their frames."""
+    return tuple(
+        Hinge(
+            f"{pair[0]}-{pair[1]}",
+            first.parentJoint,
+            first.placement,
+            second.parentJoint,
+            second.placement,
+        )
+        for pair, kind, first, second in _joined(model, loops, path)
+        if kind == "hinge"
+    )
+
+
+def _joined(
+    model: pin.Model, loops: Loops, path: str | Path
+) -> Iterator[tuple[tuple[str, str], str, Any, Any]]:
+    """Yield the names, the kind and the two frames of every loop."""
+    for pair, kind in zip(loops.frames, loops.kinds, strict=True):
+        first, second = (_frame(model, name, pair, path) for name in pair)
+        if first.parentJoint == second.parentJoint:
+            raise InvalidRobotFile(
+                path,
+                f"closed loop {list(pair)}: both frames are on the same body, so there is "
+                "nothing to close",
+            )
+        yield pair, kind, first, second
 
 
 def rigid_constraint(

@@ -21,6 +21,7 @@ from psp3.description.mjcf_document import MjcfDocument
 from psp3.description.mjcf_tree import MjcfJoint, PlainMjcf, plain_mjcf
 from psp3.description.parts import RobotParts
 from psp3.description.xml import described
+from psp3.multibody.equations import Coupling
 
 logger = logging.getLogger(__name__)
 
@@ -30,13 +31,14 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
 
     Loops are the active equality constraints ``connect`` (a point) and ``weld`` (position and
     orientation), between bodies or sites. Actuated are the joints of the ``<actuator>`` section in
-    its order, once each. ``q0`` is the key frame ``home``, if there is one. Pinocchio's coordinates
-    are zero where MuJoCo's are those of its reference pose (``qpos0``): angles and lengths differ
-    by ``ref``.
+    its order, once each; a motor on a fixed tendon drives its joints by the tendon's coefficients.
+    Joint equalities couple two joints by a polynomial, or hold one. ``q0`` is the key frame
+    ``home``, if there is one. Pinocchio's coordinates are zero where MuJoCo's are those of its
+    reference pose (``qpos0``): angles and lengths differ by ``ref``.
 
-    Forces that the equation of motion does not know (springs of joints, tendons, buoyancy, fluids)
-    are logged as a warning, and so are meshes that cannot be read. Damping, friction, armature and
-    limits of the joints are in the model.
+    Forces that the equation of motion does not know (springs of balls and of tendons, buoyancy,
+    fluids) are logged as a warning, and so are meshes that cannot be read. Damping, friction,
+    armature and limits of the joints are in the model, springs of hinges and slides beside it.
 
     Parameters
     ----------
@@ -71,11 +73,26 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
         )
     _set_joints(model, plain)
     model.gravity = pin.Motion(_gravity(document), np.zeros(3))
-    names = tuple(_motors(document, plain) if actuated is None else actuated)
-    check_actuated(model, names, document.path, "actuator" if actuated is None else "actuated")
+    tendons = _tendons(document, plain)
+    names = tuple(_motors(document, plain, tendons) if actuated is None else actuated)
+    driven = tuple(name for name in names if name not in tendons)
+    check_actuated(model, driven, document.path, "actuator" if actuated is None else "actuated")
     closures = _loops(document, plain, model)
     _warn(document, plain)
-    return RobotParts(model, closures, names, _home(document, plain, model), visual_model)
+    return RobotParts(
+        model,
+        closures,
+        names,
+        _home(document, plain, model),
+        visual_model,
+        _couplings(document, plain, model),
+        {
+            joint.name: (joint.stiffness, joint.rest)
+            for joint in plain.joints
+            if joint.stiffness != 0.0 and joint.kind in ("hinge", "slide")
+        },
+        {name: levers for name, levers in tendons.items() if name in names},
+    )
 
 
 def _tree(document: MjcfDocument, plain: PlainMjcf) -> tuple[pin.Model, Any]:
@@ -119,17 +136,80 @@ def _gravity(document: MjcfDocument) -> Array:
     return gravity
 
 
-def _motors(document: MjcfDocument, plain: PlainMjcf) -> list[str]:
+def _tendons(document: MjcfDocument, plain: PlainMjcf) -> dict[str, dict[str, float]]:
+    """Return the levers of the joints of every fixed tendon."""
+    joints = {joint.name: joint for joint in plain.joints}
+    tendons: dict[str, dict[str, float]] = {}
+    for element in document.section("tendon"):
+        if element.tag != "fixed" or not element.get("name"):
+            continue
+        levers: dict[str, float] = {}
+        for part in element.findall("joint"):
+            name = part.get("joint", "")
+            if name not in joints or joints[name].kind not in ("hinge", "slide"):
+                raise document.wrong(
+                    f"tendon: {described(element)} pulls joint {name!r}, which is no hinge or "
+                    "slide of the file"
+                )
+            levers[name] = levers.get(name, 0.0) + document.number(part, "coef", 0.0)
+        tendons[element.attrib["name"]] = levers
+    return tendons
+
+
+def _couplings(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> tuple[Coupling, ...]:
+    """Return the active joint equalities."""
+    joints = {joint.name: joint for joint in plain.joints}
+    couplings = []
+    for item in document.section("equality"):
+        element = document.full(item, tag="equality")
+        if element.tag != "joint" or not document.is_true(element, "active", True):
+            continue
+        follows = element.get("joint1", "")
+        leads = element.get("joint2", follows)
+        for name in (follows, leads):
+            if name not in joints or joints[name].kind not in ("hinge", "slide"):
+                raise document.wrong(
+                    f"equality: {described(element)} couples joint {name!r}, which is no hinge or "
+                    "slide of the file"
+                )
+        # Pinocchio's coordinates count from MuJoCo's reference pose, as the polynomial does.
+        given = document.numbers(element, "polycoef")
+        coefficients = [0.0, 1.0, 0.0, 0.0, 0.0]
+        if given is not None:
+            if given.size > len(coefficients):
+                raise document.wrong(f"{described(element)}: polycoef has more than five numbers")
+            coefficients[: given.size] = map(float, given)
+        if follows == leads:
+            coefficients[1:] = [0.0] * 4
+        couplings.append(
+            Coupling(
+                element.get("name") or f"{follows}-{leads}",
+                model.getJointId(follows),
+                model.getJointId(leads),
+                tuple(coefficients),
+            )
+        )
+    return tuple(couplings)
+
+
+def _motors(
+    document: MjcfDocument, plain: PlainMjcf, tendons: dict[str, dict[str, float]]
+) -> list[str]:
     joints = {joint.name for joint in plain.joints}
     motors: list[str] = []
     for element in document.section("actuator"):
-        name = element.get("joint") or element.get("jointinparent")
+        name = element.get("joint") or element.get("jointinparent") or element.get("tendon")
         if name is None:
             raise document.wrong(
-                f"actuator: {described(element)} drives no joint; say which joints are actuated "
-                "(actuated=[...])"
+                f"actuator: {described(element)} drives no joint and no fixed tendon; say which "
+                "joints are actuated (actuated=[...])"
             )
-        if name not in joints:
+        if element.get("tendon") is not None and name not in tendons:
+            raise document.wrong(
+                f"actuator: {described(element)} drives tendon {name!r}, which is no fixed tendon "
+                "of the file; say which joints are actuated (actuated=[...])"
+            )
+        if element.get("tendon") is None and name not in joints:
             raise document.wrong(
                 f"actuator: {described(element)} drives joint {name!r}, which is not in the file"
             )
@@ -154,10 +234,12 @@ def _loops(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Any:
         element = document.full(item, tag="equality")
         if not document.is_true(element, "active", True):
             continue
+        if element.tag == "joint":
+            continue
         if element.tag not in ("connect", "weld"):
             raise document.wrong(
-                f"equality: an active {described(element)} is not read; only connect and weld "
-                "close loops"
+                f"equality: an active {described(element)} is not read; only connect, weld and "
+                "joint are"
             )
         (body1, place1), (body2, place2) = _places(document, plain, element)
         first, second = (
@@ -265,9 +347,16 @@ def _coordinates(
 
 
 def _warn(document: MjcfDocument, plain: PlainMjcf) -> None:
-    ignored = [f"spring of joint {joint.name}" for joint in plain.joints if joint.stiffness != 0.0]
+    ignored = [
+        f"spring of joint {joint.name}"
+        for joint in plain.joints
+        if joint.stiffness != 0.0 and joint.kind in ("ball", "free")
+    ]
     ignored += [
-        f"tendon {element.get('name', '')}".strip() for element in document.section("tendon")
+        f"tendon {element.get('name', '')}".strip()
+        for element in document.section("tendon")
+        if element.tag != "fixed"
+        or any(element.get(key) for key in ("stiffness", "damping", "frictionloss"))
     ]
     ignored += [
         f"buoyancy of body {body.get('name')}"

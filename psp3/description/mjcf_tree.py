@@ -58,6 +58,8 @@ class MjcfJoint(NamedTuple):
     """Inertia of the motor, seen at the joint [kg or kg m²]."""
     stiffness: float
     """Of the spring in the joint [N/m or N m]."""
+    rest: float
+    """Pinocchio's coordinate where the spring is at rest [m or rad]."""
 
 
 class PlainMjcf(NamedTuple):
@@ -241,6 +243,7 @@ class _Writer:
             document.number(element, "frictionloss", 0.0),
             document.number(element, "armature", 0.0),
             document.number(element, "stiffness", 0.0),
+            turns * document.number(element, "springref", 0.0) - reference,
         )
 
     def _range(

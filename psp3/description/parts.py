@@ -24,6 +24,12 @@ class RobotParts(NamedTuple):
     """The pose ``home``, (nq,), where the files have it."""
     visual_model: Any
     """The shapes, a ``pinocchio.GeometryModel``."""
+    equations: tuple[Any, ...] = ()
+    """Closures that Pinocchio has no model of: hinges and couplings."""
+    springs: dict[str, tuple[float, float]] = {}  # noqa: RUF012 - never changed
+    """Stiffness and rest of joints that have a spring."""
+    tendons: dict[str, dict[str, float]] = {}  # noqa: RUF012 - never changed
+    """Motors that drive several joints, with the lever of each."""
 
 
 ROBOT_FILES = Path(__file__).resolve().parents[1] / "urdf"

@@ -15,12 +15,13 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.description.joint_replacement import replace_joints
-from psp3.description.loop_file import constraint_models, read_loops
+from psp3.description.loop_file import constraint_models, hinges, read_loops
 from psp3.description.parts import RobotParts
 from psp3.description.srdf import reference_poses
 from psp3.description.urdf_checks import check_urdf
 from psp3.description.xml import read_xml
 from psp3.errors import InvalidRobotFile
+from psp3.multibody.equations import Coupling
 
 logger = logging.getLogger(__name__)
 
@@ -50,8 +51,9 @@ def read_robot(urdf: str | Path, loops: str | Path, srdf: str | Path | None = No
     """
     model, visual_model = read_tree(urdf)
     content = read_loops(loops)
+    coupled = _mimicking(Path(urdf))
     model, visual_model = replace_joints(
-        model, visual_model, content.replaced, content.actuated, loops
+        model, visual_model, content.replaced, (*content.actuated, *coupled), loops
     )
     closures = constraint_models(model, content, loops)
     home = None
@@ -60,7 +62,54 @@ def read_robot(urdf: str | Path, loops: str | Path, srdf: str | Path | None = No
         if "home" not in poses:
             raise InvalidRobotFile(srdf, f"has no pose 'home'; it has {', '.join(poses) or 'none'}")
         home = poses["home"]
-    return RobotParts(model, closures, content.actuated, home, visual_model)
+    equations = (*hinges(model, content, loops), *_mimics(Path(urdf), model))
+    return RobotParts(model, closures, content.actuated, home, visual_model, equations)
+
+
+def _mimicking(path: Path) -> tuple[str, ...]:
+    """Return the joints that mimic others, and those that they mimic."""
+    names = [
+        name
+        for element in read_xml(path, "robot").findall("joint")
+        for mimic in element.findall("mimic")
+        for name in (element.get("name", ""), mimic.get("joint", ""))
+    ]
+    return tuple(dict.fromkeys(names))
+
+
+def _mimics(path: Path, model: pin.Model) -> list[Coupling]:
+    """Return the joints that mimic others, y = offset + multiplier · x."""
+    couplings = []
+    for element in read_xml(path, "robot").findall("joint"):
+        mimic = element.find("mimic")
+        if mimic is None:
+            continue
+        follows, leads = element.attrib["name"], mimic.get("joint", "")
+        for name in (follows, leads):
+            index = model.getJointId(name) if model.existJointName(name) else 0
+            if index == 0 or model.joints[index].nq != 1:
+                raise InvalidRobotFile(
+                    path,
+                    f"joint {follows!r} mimics {leads!r}, of which {name!r} is no joint of one "
+                    "coordinate: make it revolute (without lower and upper it has no limits) or "
+                    "prismatic",
+                )
+        try:
+            offset, multiplier = (
+                float(mimic.get(key, default))
+                for key, default in (("offset", "0"), ("multiplier", "1"))
+            )
+        except ValueError as error:
+            raise InvalidRobotFile(path, f"joint {follows!r}: mimic: {error}") from None
+        couplings.append(
+            Coupling(
+                f"{follows}-{leads}",
+                model.getJointId(follows),
+                model.getJointId(leads),
+                (offset, multiplier),
+            )
+        )
+    return couplings
 
 
 def read_tree(urdf: str | Path) -> tuple[pin.Model, Any]:

@@ -131,12 +131,6 @@ def _check_joint(path: Path, joint: ElementTree.Element) -> None:
             raise InvalidRobotFile(
                 path, f"{described(joint)}: its lower limit is above its upper one"
             )
-    if joint.find("mimic") is not None:
-        raise InvalidRobotFile(
-            path,
-            f"{described(joint)} follows another joint (<mimic>), which is not read; close a "
-            "loop instead, or make it a joint of its own",
-        )
 
 
 def _check_tree(

@@ -47,9 +47,10 @@ class Mechanism:
     loops : list of pinocchio.RigidConstraintModel
         The loop closures.
     names : tuple of str
-        The actuated joints.
+        The actuated joints, or what else are the robot's ``coordinates``.
     actuated, dependent : ndarray of int
-        Places of the actuated joints in joint velocities, and of the others.
+        Places of the actuated joints in joint velocities, and of the others; joints that the robot
+        has ``locked`` are neither.
 
     Raises
     ------
@@ -62,7 +63,8 @@ class Mechanism:
         self.model = robot.model
         self.loops: list[Any] = list(getattr(robot, "constraint_models", None) or ())
         known = tuple(str(name) for name in self.model.names)[1:]
-        self.names: tuple[str, ...] = tuple(getattr(robot, "actuated", None) or known)
+        chosen = getattr(robot, "coordinates", None) or getattr(robot, "actuated", None)
+        self.names: tuple[str, ...] = tuple(chosen or known)
         for name in self.names:
             if name not in known:
                 raise UnknownName("actuated joint", name, known)
@@ -70,7 +72,11 @@ class Mechanism:
         self.actuated: Indices = np.concatenate(
             [np.arange(joint.idx_v, joint.idx_v + joint.nv) for joint in joints]
         )
-        self.dependent: Indices = np.setdiff1d(np.arange(self.model.nv), self.actuated)
+        held = [
+            self.model.joints[self.model.getJointId(one.joint)].idx_v
+            for one in getattr(robot, "locked", ())
+        ]
+        self.dependent: Indices = np.setdiff1d(np.arange(self.model.nv), [*self.actuated, *held])
 
     @property
     def rows(self) -> int:

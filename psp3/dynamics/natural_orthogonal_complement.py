@@ -367,6 +367,7 @@ class NaturalOrthogonalComplement:
             self._mechanism.home(),
             self._tree.constraint,
             self._mechanism.complement,
+            self._mechanism.dependent,
         )
 
     @functools.cached_property

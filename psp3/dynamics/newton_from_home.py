@@ -24,7 +24,7 @@ import numpy as np
 import pinocchio as pin
 from scipy.linalg.lapack import dgesv
 
-from psp3.checks import Array
+from psp3.checks import Array, Indices
 from psp3.closure.rank import RANK_TOLERANCE
 from psp3.errors import ClosureFailed, InvalidValue, SingularConfiguration
 
@@ -89,6 +89,8 @@ class NewtonFromHome:
     complement : callable
         At a closed configuration, given with that derivative, L, (nv, n), and the inverse of the
         derivative's un-actuated columns, (nv − n, m).
+    dependent : (u,) ndarray of int, optional
+        Velocities of the joints that follow; all but the actuated ones by default.
     """
 
     def __init__(
@@ -98,6 +100,7 @@ class NewtonFromHome:
         home: Array,
         constraint: Callable[[Array], tuple[Array, Array]],
         complement: Callable[[Array, Array], tuple[Array, Array]],
+        dependent: Indices | None = None,
     ) -> None:
         self._model = model
         joints = [model.joints[model.getJointId(name)] for name in names]
@@ -105,7 +108,8 @@ class NewtonFromHome:
             if joint.nq != 1:
                 raise InvalidValue("actuated joint", name, "a joint of one coordinate")
         self._places = np.array([joint.idx_q for joint in joints], dtype=np.int64)
-        self._dependent = np.setdiff1d(np.arange(model.nv), [joint.idx_v for joint in joints])
+        others = np.setdiff1d(np.arange(model.nv), [joint.idx_v for joint in joints])
+        self._dependent = others if dependent is None else dependent
         self._constraint, self._complement = constraint, complement
         q, residual, moved, jacobian = self._corrected(home, exactly=True)
         if not residual <= CLOSED or not moved <= LARGEST_REPAIR:

@@ -24,8 +24,10 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, applied_to_rows, one_row
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.dynamics.closed_pose import ClosedPose
+from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.mechanism import HasTree, Mechanism, check_order
 from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
+from psp3.dynamics.projected_derivatives import projected_derivatives
 
 
 class ProjectedDynamics:
@@ -104,6 +106,7 @@ class ProjectedDynamics:
             self._mechanism.home(),
             self._constraint,
             self._mechanism.complement,
+            self._mechanism.dependent,
         )
 
     def _closed(self, positions: Array) -> Closed:
@@ -371,6 +374,67 @@ class ProjectedDynamics:
         )
 
     # The whole tree
+
+    def inverse_dynamics_derivatives(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> InverseDynamicsDerivatives:
+        """Return the derivatives of the forces of a motion.
+
+        See :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`.
+
+        Parameters
+        ----------
+        positions, speeds, accelerations : (..., n) array_like
+            Motion of the actuated joints [m, m/s, m/s² or rad, rad/s, rad/s²].
+
+        Returns
+        -------
+        InverseDynamicsDerivatives
+            ``.by_positions .by_speeds .by_accelerations``, each (..., n, n).
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, JointLimitExceeded
+            See :meth:`configuration`.
+        """
+        n = self.actuated_v.size
+        found = self._map(
+            lambda a, v, w: projected_derivatives(self, self.closure(a), v, w),
+            (3, n, n),
+            positions=positions,
+            speeds=speeds,
+            accelerations=accelerations,
+        )
+        return InverseDynamicsDerivatives(*np.moveaxis(found, -3, 0))
+
+    def forward_dynamics_derivatives(
+        self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike
+    ) -> ForwardDynamicsDerivatives:
+        """Return the derivatives of the accelerations under forces.
+
+        See :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`.
+
+        Parameters
+        ----------
+        positions, speeds, forces : (..., n) array_like
+            State of the actuated joints, and their forces [N or N m].
+
+        Returns
+        -------
+        ForwardDynamicsDerivatives
+            ``.by_positions .by_speeds .by_forces``, each (..., n, n).
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, JointLimitExceeded
+            See :meth:`configuration`.
+        """
+        accelerations = self.forward_dynamics(positions, speeds, forces)
+        by_positions, by_speeds, mass = self.inverse_dynamics_derivatives(
+            positions, speeds, accelerations
+        )
+        inverse = np.asarray(np.linalg.inv(mass), dtype=np.float64)
+        return ForwardDynamicsDerivatives(-inverse @ by_positions, -inverse @ by_speeds, inverse)
 
     @functools.cached_property
     def _solver(self) -> _ConstraintDynamics:

@@ -109,7 +109,11 @@ class TaskDrivenRobot(ClosedLoopRobot):
         )
         try:
             super().__init__(
-                model, closures, [f"task_{name}" for name in self.task], self.completed(robot.q0)
+                model,
+                closures,
+                [f"task_{name}" for name in self.task],
+                self.completed(robot.q0),
+                free="refuse",
             )
         except MobilityMismatch as error:
             free = ", ".join(error.mobility.free_joints)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, inlined, merged
 from psp3.multibody.least_squares import factor, orientation, reflect, solve
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import move, place
@@ -50,9 +50,11 @@ from psp3.multibody.tree import (
     GROUP_ROW,
     GROUP_ROWS,
     GROUPS,
-    INDEPENDENT,
     IS_SQUARE,
     MEMBERS,
+    MISMATCH_AT,
+    POSITIONS,
+    WEAKEST_AT,
 )
 
 CLOSED, OPEN, SINGULAR = range(3)
@@ -90,7 +92,7 @@ ENOUGH = 0.03
 Jacobian.
 """
 
-GUESSED = 10.0
+GUESSED = 100.0
 """A guess counts as closed with a residual so many times larger than what is asked of a motion: a
 correction by rounding could lead past a singular pose nearby.
 """
@@ -103,6 +105,11 @@ rad].
 
 MANY = 8
 """Of a group with fewer dependent joints a new Jacobian costs less than one more correction."""
+
+STILL = 1e-9
+"""Equations that contradict each other are closed where the step of a joint, below this, has become
+as small as rounding lets it [m, rad].
+"""
 
 MOST_ITERATIONS = 25
 """Newton's method doubles the digits: more steps than this are the sign of a pose that does not
@@ -149,12 +156,19 @@ def factored(tree, numbers, memory, group):
     )
 
 
+@inlined
+def _rests(step, before, size, mismatch):
+    """Tell whether a residual that equations leave by their rounding cannot become smaller."""
+    return size <= mismatch and step <= STILL and step >= 0.5 * before
+
+
 @compiled
 def newton(tree, numbers, memory, group, most, enough, sign):
     """Close a group's loops with its dependent joints.
 
     Leave its Jacobian factored there. Return what became of it; it is closed where the residual is
-    at most ``enough``, and open where a joint has moved by more than ``most``, or the determinant's
+    at most ``enough``, or, where equations contradict each other by rounding, where the step is,
+    and open where a joint has moved by more than ``most``, or the determinant's
     sign was not ``sign`` somewhere on the way, unless that is 0.
     """
     configuration = tree[AT_CONFIGURATION]
@@ -169,9 +183,11 @@ def newton(tree, numbers, memory, group, most, enough, sign):
     rows, columns = tree[g + GROUP_ROWS], tree[g + GROUP_COLUMNS]
     row, column = tree[g + GROUP_ROW], tree[g + GROUP_COLUMN]
     largest = numbers[tolerances + GROUP_NUMBERS * group]
+    mismatch = numbers[tolerances + GROUP_NUMBERS * group + MISMATCH_AT]
+    weakest = numbers[tolerances + GROUP_NUMBERS * group + WEAKEST_AT]
     for k in range(columns):
         memory[moved + column + k] = 0.0
-    before = math.inf
+    before, last_step = math.inf, math.inf
     for _ in range(MOST_ITERATIONS):
         place(tree, numbers, memory, first, last)
         size = residual_of(tree, numbers, memory, group)
@@ -183,7 +199,7 @@ def newton(tree, numbers, memory, group, most, enough, sign):
         is_fresh = columns < MANY or most > NEARBY or size > ENOUGH * before or is_closed
         if is_fresh:
             memory[signs + group] = factored(tree, numbers, memory, group)
-            if memory[signs + group] == 0.0:
+            if abs(memory[signs + group]) <= weakest:
                 return SINGULAR
             if memory[signs + group] * sign < 0.0:
                 return OPEN
@@ -198,8 +214,9 @@ def newton(tree, numbers, memory, group, most, enough, sign):
             memory[moved + column + k] += memory[right + k]
             step = max(step, abs(memory[right + k]))
             farthest = max(farthest, abs(memory[moved + column + k]))
-        if step <= enough and is_fresh:
-            return CLOSED if size <= largest else OPEN
+        if is_fresh and (step <= enough or _rests(step, last_step, size, mismatch)):
+            return CLOSED if size <= max(largest, mismatch) else OPEN
+        last_step = step
         if not farthest <= most:
             return OPEN
         move(tree, memory, first, last, configuration, right, column, 1.0)
@@ -238,7 +255,7 @@ def _is_turned(tree, memory, group):
     return not orientation(memory, across, columns) > 0.0
 
 
-@compiled
+@merged
 def _remember(tree, memory, group):
     """Keep the pose of a group as the one from which the next is looked for."""
     before = tree[AT_BEFORE]
@@ -288,7 +305,7 @@ def _speeds_along(tree, memory, group):
     return fastest
 
 
-@compiled
+@merged
 def _is_bent(tree, memory, group, fastest):
     """Tell whether the speeds along the way are others than at the pose before; leave those."""
     g = tree[AT_GROUPS] + GROUP_INTEGERS * group
@@ -304,7 +321,7 @@ def _is_bent(tree, memory, group, fastest):
     return bend > LARGEST_BEND * fastest
 
 
-@compiled
+@merged
 def _follow(tree, numbers, memory, group):
     """Move a closed group's independent joints from where they are to the target.
 
@@ -369,7 +386,7 @@ def _follow(tree, numbers, memory, group):
     return CLOSED
 
 
-@compiled
+@merged
 def _open(tree, numbers, memory, group):
     """Let only the independent joints of a group go on to the target, which opens its loops."""
     target = tree[AT_TARGET]
@@ -393,11 +410,11 @@ def _open(tree, numbers, memory, group):
     )
 
 
-@compiled
+@merged
 def settled(tree, numbers, memory):
     """Close all loops from a guess that is in the configuration, its independent joints fixed.
 
-    Return what became of it; The report gets the share of the way (0), the residual and the group.
+    Return what became of it; the report gets the share of the way (0), the residual and the group.
     """
     report = tree[AT_REPORT]
     elements = tree[ELEMENTS]
@@ -414,11 +431,11 @@ def settled(tree, numbers, memory):
     return CLOSED
 
 
-@compiled
+@merged
 def moved_to(tree, numbers, memory):
     """Move the independent joints of a closed pose to the target, all loops closed.
 
-    Return what became of it; The report gets the share of the way, the residual and the group where
+    Return what became of it; the report gets the share of the way, the residual and the group where
     that fails.
     """
     report = tree[AT_REPORT]
@@ -427,7 +444,7 @@ def moved_to(tree, numbers, memory):
     origin = tree[AT_ORIGIN]
     independent_q = tree[AT_INDEPENDENT_Q]
     stays = True
-    for j in range(tree[INDEPENDENT]):
+    for j in range(tree[POSITIONS]):
         memory[origin + j] = memory[configuration + tree[independent_q + j]]
         stays = stays and memory[origin + j] == memory[target + j]
     if stays:
@@ -438,7 +455,7 @@ def moved_to(tree, numbers, memory):
             memory[report + 2] = float(group)
             return outcome
     # Those that no loop contains have not been moved yet.
-    for j in range(tree[INDEPENDENT]):
+    for j in range(tree[POSITIONS]):
         memory[configuration + tree[independent_q + j]] = memory[target + j]
     elements = tree[ELEMENTS]
     all_members = tree[MEMBERS] - elements

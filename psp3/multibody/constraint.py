@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fuzzy2.support.compiled import compiled
+from psp3.checks import Array, Indices
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import place
 from psp3.multibody.tree import (
@@ -22,14 +23,17 @@ from psp3.multibody.tree import (
     GROUPS,
     MEMBERS,
     ROWS,
+    VELOCITIES,
 )
 
 
 @compiled
-def closure_equations(tree, numbers, memory, q, residual, slope):
-    """Write the residuals of all closures (m), and their derivative by dependent speeds (m, nv).
+def closure_equations(
+    tree: Indices, numbers: Array, memory: Array, q: Array, residual: Array, slope: Array
+) -> None:
+    """Write the residuals of all closures (m), and their derivative by dependent speeds (m · nv).
 
-    Group by group; the derivative only if ``slope`` has room for it.
+    Group by group, the derivative row by row, and only if ``slope`` has room for it.
     """
     for i in range(tree[COORDINATES]):
         memory[tree[AT_CONFIGURATION] + i] = q[i]
@@ -45,6 +49,6 @@ def closure_equations(tree, numbers, memory, q, residual, slope):
             velocity = tree[tree[AT_DEPENDENT_V] + column + k]
             at = tree[AT_FACTORS] + tree[g + FACTOR_AT] + rows * k
             for i in range(rows):
-                slope[row + i, velocity] = memory[at + i]
+                slope[tree[VELOCITIES] * (row + i) + velocity] = memory[at + i]
     for i in range(tree[ROWS]):
         residual[i] = memory[tree[AT_RESIDUAL] + i]

@@ -13,7 +13,7 @@ from fuzzy2.support.parallel_rows import first_refused_row
 from psp3.checks import Array, Indices
 from psp3.errors import InvalidValue
 from psp3.multibody.closing import CLOSED
-from psp3.multibody.flatten import flattened
+from psp3.multibody.flatten import Springs, flattened
 from psp3.multibody.motion import BLOCK, CONFIGURATION, answer, assemble
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
@@ -24,7 +24,9 @@ from psp3.multibody.tree import (
     GROUP_NUMBERS,
     GROUPS,
     INDEPENDENT,
+    MISMATCH_AT,
     SIZE,
+    WEAKEST_AT,
 )
 
 GRAIN = 1
@@ -86,6 +88,14 @@ class Core:
         Velocity indices of the independent joints.
     guess : (nq,) ndarray
         A configuration that closes the loops, or nearly.
+    locked_v : sequence of int
+        Velocities that are held at zero.
+    springs : mapping, optional
+        Stiffness and rest of joints, by name.
+    mismatch : float
+        Residual that may be left where equations contradict each other by rounding [m, rad].
+    weakest : float
+        Share of a group's smallest pivot at the guess up to which a pose counts as singular.
 
     Raises
     ------
@@ -101,8 +111,12 @@ class Core:
         constraint_models: Sequence[Any],
         independent_v: Indices,
         guess: Array,
+        locked_v: Sequence[int] = (),
+        springs: Springs | None = None,
+        mismatch: float = 0.0,
+        weakest: float = 0.0,
     ) -> None:
-        flat = flattened(model, constraint_models, independent_v)
+        flat = flattened(model, constraint_models, independent_v, locked_v, springs)
         self.tree, self.numbers = flat.integers, flat.numbers
         self.coordinates, self.joints = model.nq, int(self.tree[INDEPENDENT])
         self._model = model
@@ -111,13 +125,20 @@ class Core:
         self.size = int(self.tree[SIZE])
         self._spare: list[Array] = []
         self._reference = np.empty(self.size)
+        for group in range(int(self.tree[GROUPS])):
+            at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
+            self.numbers[at + MISMATCH_AT] = mismatch
         self._settle(guess, self._reference)
         for group in range(int(self.tree[GROUPS])):
             pivot = abs(self._reference[int(self.tree[AT_SIGNS]) + group])
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + 2] = NEAR_SINGULAR * pivot
+            self.numbers[at + WEAKEST_AT] = weakest * pivot
+        self._compile()
+
+    def _compile(self) -> None:
+        """Compile the answers for arrays that can be written to, and never for anything else."""
         none = np.empty(0)
-        # Compiled once, for arrays that can be written to, and never for anything else.
         only_for(
             answer,
             *(CONFIGURATION, 0, 0, 0),
@@ -131,6 +152,7 @@ class Core:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._free_fall = self._model.gravity.linear
+        self._compile()
 
     @property
     def q0(self) -> Array:
@@ -171,9 +193,9 @@ class Core:
     def ask_one(
         self,
         question: int,
-        positions: Array,
-        second: Array,
-        third: Array,
+        positions: Any,
+        second: Any,
+        third: Any,
         out: Array,
         last_pose: LastPose | None,
     ) -> bool:
@@ -190,7 +212,11 @@ class Core:
             Whether there is one. If not, or after a TypeError, :meth:`ask` says why.
         """
         if last_pose is None:
-            memory = self._spare.pop() if self._spare else np.empty(self.size)
+            try:
+                memory = self._spare.pop()
+            except IndexError:
+                # Asked before, another thread could take the last one in between.
+                memory = np.empty(self.size)
             warm = 0
         else:
             self._check(last_pose)
@@ -234,7 +260,7 @@ class Core:
         ----------
         question : int
             Which one.
-        positions, second, third : (N, n) ndarray
+        positions, second, third : (N, p), (N, n) and (N, n) ndarray
             Independent coordinates; speeds; accelerations or forces.
         out : (N, w) ndarray
             Where the answers go.
@@ -278,19 +304,19 @@ class Core:
         is_path: bool,
     ) -> None:
         """Answer row after row, from where the caller says."""
-        last_pose = guess if isinstance(guess, LastPose) else None
-        memory = np.empty(self.size) if last_pose is None else last_pose.memory
-        warm = int(guess is not None)
-        if last_pose is not None:
-            self._check(last_pose)
-            warm, last_pose.is_closed = last_pose.is_closed, 0
-        elif guess is not None:
-            self._settle(guess, memory)
+        if isinstance(guess, LastPose):
+            self._check(guess)
+            memory, warm = guess.memory, guess.is_closed
+            guess.is_closed = 0
+        else:
+            memory, warm = np.empty(self.size), int(guess is not None)
+            if guess is not None:
+                self._settle(guess, memory)
         row = self._answer(question, warm, int(is_path), memory, positions, second, third, out)
         if row >= 0:
             raise self._no_answer(row, memory)
-        if last_pose is not None:
-            last_pose.is_closed = 1
+        if isinstance(guess, LastPose):
+            guess.is_closed = 1
 
     def _answer(
         self,

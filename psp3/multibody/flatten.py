@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from psp3.checks import Array, Indices
 from psp3.errors import UnsupportedJoint
+from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.multibody.tree import (
+    ARMATURE,
     BALL,
+    CLOSURE_NUMBERS,
     CLOSURES,
     COORDINATES,
+    COUPLING,
+    DAMPING,
     DEPENDENT,
     DRIVEN,
     ELEMENT_NUMBERS,
@@ -21,23 +27,30 @@ from psp3.multibody.tree import (
     FACTORS,
     FRAME,
     FREE,
+    FRICTION,
     GROUPS,
     HEADER,
+    HINGE,
     INDEPENDENT,
     JOINT_NUMBERS,
+    LARGEST_DEGREE,
     LOCKED,
     MEMORY_PARTS,
+    PLANAR,
     POINT,
+    POSITIONS,
     ROWS,
     ROWS_OF_KIND,
     SCREW,
+    SPIN,
+    STIFFNESS,
     UNBOUNDED,
     VELOCITIES,
 )
 
-CLOSURE_TOLERANCE = 1e-14
-"""Residual at which loops count as closed, per meter of robot [m, rad]; Newton's method usually
-ends at 1e-16.
+CLOSURE_TOLERANCE = 1e-15
+"""Residual at which loops count as closed, per meter of robot [m, rad]: some roundings. Ten times
+as much would save up to a twentieth of a call, and cost two digits of the 3-RRR's dynamics.
 """
 
 LARGEST_RESIDUAL = 1e-11
@@ -46,8 +59,14 @@ rad].
 """
 
 
+Springs = Mapping[str, tuple[float, float]]
+"""Stiffness and rest of joints of one degree of freedom, by name [N/m, m or N m, rad]."""
+
 NO_MOTORS = np.zeros(0, dtype=np.int64)
 """For :func:`flattened`, where no joint counts as independent."""
+
+
+Flags = NDArray[np.bool_]
 
 
 class FlatTree(NamedTuple):
@@ -57,6 +76,12 @@ class FlatTree(NamedTuple):
     numbers: Array
     closure_rows: list[int]
     """Equations of each closure, in the order of the groups."""
+    order: list[int]
+    """Which of the given closures these are."""
+    is_length: Flags
+    """Of each equation, whether it is a length [m] and not an angle."""
+    sliding: Flags
+    """Of each velocity, whether it is a length per time."""
 
 
 class _Element:
@@ -71,7 +96,7 @@ class _Element:
 
     @property
     def freedoms(self) -> int:
-        return {BALL: 3, FREE: 6}.get(self.kind, 1)
+        return {BALL: 3, PLANAR: 3, FREE: 6}.get(self.kind, 1)
 
     @property
     def velocities(self) -> range:
@@ -79,21 +104,56 @@ class _Element:
 
 
 class _Closure:
-    """One closure: the two elements that it joins, its frames in them, and those on either side."""
+    """One closure: what it joins, its numbers, and the elements on either side."""
 
     def __init__(self, elements: list[_Element], of_joint: list[int], constraint: Any) -> None:
-        self.kind = FRAME if constraint.type == pin.ContactType.CONTACT_6D else POINT
+        self.numbers = np.zeros(CLOSURE_NUMBERS)
+        self.speed = 0
+        if isinstance(constraint, Coupling):
+            self._couple(elements, of_joint, constraint)
+            return
+        if isinstance(constraint, Spin):
+            self._hold(elements, of_joint, constraint)
+            return
+        if isinstance(constraint, Hinge):
+            self.kind = HINGE
+        else:
+            self.kind = FRAME if constraint.type == pin.ContactType.CONTACT_6D else POINT
+        self.is_length = [True] * 3 + [False] * (ROWS_OF_KIND[self.kind] - 3)
         self.ends = of_joint[constraint.joint1_id], of_joint[constraint.joint2_id]
-        self.placements = constraint.joint1_placement, constraint.joint2_placement
+        self.numbers[:12] = _flat(constraint.joint1_placement)
+        self.numbers[12:] = _flat(constraint.joint2_placement)
         ways = [_way(elements, end) for end in self.ends]
         common = set(ways[0]) & set(ways[1])
         self.sides = {
             e: sign for way, sign in zip(ways, (-1, 1), strict=True) for e in way if e not in common
         }
 
+    def _couple(self, elements: list[_Element], of_joint: list[int], coupling: Coupling) -> None:
+        follows, leads = of_joint[coupling.y], of_joint[coupling.x]
+        self.kind, self.ends = COUPLING, (elements[follows].index_q, elements[leads].index_q)
+        self.speed = elements[leads].index_v
+        self.numbers[: len(coupling.coefficients)] = coupling.coefficients
+        assert len(coupling.coefficients) <= LARGEST_DEGREE + 1
+        self.is_length = [not elements[follows].screw[3:].any()]
+        # A joint that is held follows itself.
+        self.sides = {leads: -1, follows: 1}
+
+    def _hold(self, elements: list[_Element], of_joint: list[int], spin: Spin) -> None:
+        ball = of_joint[spin.joint]
+        self.kind, self.ends = SPIN, (elements[ball].index_q, 0)
+        self.speed = elements[ball].index_v
+        self.numbers[:3], self.numbers[3:7] = spin.axis, spin.quaternion
+        self.is_length = [False]
+        self.sides = {ball: 1}
+
 
 def flattened(
-    model: pin.Model, constraint_models: Sequence[Any], independent_v: Indices
+    model: pin.Model,
+    constraint_models: Sequence[Any],
+    independent_v: Indices,
+    locked_v: Sequence[int] = (),
+    springs: Springs | None = None,
 ) -> FlatTree:
     """Return a tree with loops as the compiled kernels take it.
 
@@ -101,10 +161,15 @@ def flattened(
     ----------
     model : pinocchio.Model
         The tree.
-    constraint_models : sequence of pinocchio.RigidConstraintModel
+    constraint_models : sequence of pinocchio.RigidConstraintModel, Hinge, Coupling or Spin
         The loop closures.
     independent_v : (n,) ndarray of int
-        Velocity indices of the independent joints, in the order of the independent coordinates.
+        Velocity indices of the independent joints, in the order of the independent coordinates:
+        first those of joints of one degree of freedom.
+    locked_v : sequence of int
+        Velocities that are held at zero.
+    springs : mapping of str to (float, float), optional
+        Stiffness and rest of joints [N/m, m or N m, rad].
 
     Returns
     -------
@@ -114,14 +179,14 @@ def flattened(
     Raises
     ------
     UnsupportedJoint
-        If a joint is not a chain of screws, a ball joint or a free flyer (mimic and planar joints
-        are not).
+        If a joint is not a chain of screws, a ball joint, a planar joint or a free flyer.
     """
     elements, of_joint = _elements(model)
     closures = [_Closure(elements, of_joint, constraint) for constraint in constraint_models]
     independent = {int(v): number for number, v in enumerate(independent_v)}
-    groups = _groups(elements, closures, independent)
-    return _packed(model, elements, closures, groups, independent)
+    held = {int(v) for v in locked_v}
+    groups = _groups(elements, closures, independent, held)
+    return _packed(model, elements, closures, groups, independent, held, springs or {})
 
 
 def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
@@ -143,7 +208,7 @@ def _elements(model: pin.Model) -> tuple[list[_Element], list[int]]:
         )
         axes = whole[:, joint.idx_v : joint.idx_v + joint.nv]
         kind = _kind(joint)
-        if kind in (BALL, FREE):
+        if kind in (BALL, FREE, PLANAR):
             elements.append(_Element(kind, parent, joint.idx_q, joint.idx_v, fixed, np.zeros(6)))
         elif kind == UNBOUNDED:
             elements.append(
@@ -171,6 +236,8 @@ def _kind(joint: Any) -> int:
         return BALL
     if (joint.nq, joint.nv) == (7, 6) and "FreeFlyer" in joint.shortname():
         return FREE
+    if (joint.nq, joint.nv) == (4, 3) and "Planar" in joint.shortname():
+        return PLANAR
     return UNBOUNDED if (joint.nq, joint.nv) == (2, 1) else SCREW
 
 
@@ -188,6 +255,9 @@ def _compare(model: pin.Model, elements: list[_Element], of_joint: list[int]) ->
                 if element.kind == BALL
                 else q[at : at + 7]
             )
+        elif element.kind == PLANAR:
+            turn = pin.exp3(np.array([0.0, 0.0, np.arctan2(q[at + 3], q[at + 2])]))
+            joint = pin.SE3(turn, np.array([q[at], q[at + 1], 0.0]))
         else:
             joint = pin.exp6(
                 element.screw * (q[at] if element.kind == SCREW else np.arctan2(q[at + 1], q[at]))
@@ -218,12 +288,19 @@ def _way(elements: list[_Element], end: int) -> list[int]:
 
 
 def _groups(
-    elements: list[_Element], closures: list[_Closure], independent: dict[int, int]
+    elements: list[_Element],
+    closures: list[_Closure],
+    independent: dict[int, int],
+    held: set[int],
 ) -> list[list[int]]:
     """Return the closures in groups that share dependent elements."""
     groups: list[tuple[set[int], list[int]]] = []
     for number, closure in enumerate(closures):
-        passive = {e for e in closure.sides if elements[e].index_v not in independent}
+        passive = {
+            e
+            for e in closure.sides
+            if elements[e].index_v not in independent and elements[e].index_v not in held
+        }
         mine = [number]
         apart = []
         for others, members in groups:
@@ -278,6 +355,8 @@ def _packed(
     closures: list[_Closure],
     groups: list[list[int]],
     independent: dict[int, int],
+    held: set[int],
+    springs: Springs,
 ) -> FlatTree:
     """Return the arrays of a tree, of which all parts are known."""
     order = [number for members in groups for number in members]
@@ -300,7 +379,7 @@ def _packed(
         first = len(dependent)
         for e in group.order:
             for v in elements[e].velocities:
-                if v not in independent:
+                if v not in independent and v not in held:
                     columns[v] = len(dependent)
                     dependent.append(v)
         rows = 0
@@ -309,6 +388,8 @@ def _packed(
             closure_rows[number] = rows
             for e, sign in sorted(closures[number].sides.items()):
                 for v in elements[e].velocities:
+                    if v in held:
+                        continue
                     column = -1 - driver[v] if v in driver else int(columns[v]) - first
                     paths.append((order.index(number), v, sign, column, e))
             rows += ROWS_OF_KIND[closures[number].kind]
@@ -335,15 +416,17 @@ def _packed(
         size = 1.0 + sum(
             float(np.linalg.norm(elements[e].placement.translation)) for e in group.elements
         )
-        tolerances += [LARGEST_RESIDUAL * size, CLOSURE_TOLERANCE * size, 0.0]
+        tolerances += [LARGEST_RESIDUAL * size, CLOSURE_TOLERANCE * size, 0.0, 0.0, 0.0]
     last = [len(members_list), len(closures), len(paths), len(drivers), row, len(dependent)]
     table.append([*last, 0, 0, 0, factor_at, driven_at, 0])
     # The last members are all elements.
     members_list += range(len(elements))
     bodies = [_body(element) for element in elements]
-    places = {joint.idx_v: joint.idx_q for joint in list(model.joints)[1:]}
+    places = [place for v in independent for place in _coordinates(elements, v)]
     element_rows = [(e.kind, e.parent, e.index_q, e.index_v, e.freedoms) for e in elements]
-    joined = [(closures[k].kind, *closures[k].ends, closure_rows[k], 0) for k in order]
+    joined = [
+        (closures[k].kind, *closures[k].ends, closure_rows[k], closures[k].speed) for k in order
+    ]
     massive = [e for e, (has_mass, _) in enumerate(bodies) if has_mass]
     counts = [
         len(elements),
@@ -354,7 +437,7 @@ def _packed(
         len(paths),
     ]
     counts += [len(drivers), model.nq, model.nv, len(independent), len(dependent), row]
-    counts += [factor_at, driven_at]
+    counts += [factor_at, driven_at, len(places)]
     integers = [
         np.reshape(element_rows, -1),
         massive,
@@ -364,20 +447,24 @@ def _packed(
         np.reshape(paths, -1),
         drivers,
         columns,
-        [places[v] for v in independent],
+        places,
         list(independent),
         dependent,
         ends,
     ]
     joints = np.zeros((model.nv, JOINT_NUMBERS))
-    joints[:, 0] = model.armature
-    frames = [np.concatenate([_flat(p) for p in closures[k].placements]) for k in order]
+    joints[:, ARMATURE], joints[:, DAMPING] = model.armature, model.damping
+    joints[:, FRICTION] = model.upperDryFrictionLimit
+    rests = np.zeros(model.nq)
+    for name, (stiffness, rest) in springs.items():
+        joint = model.joints[model.getJointId(name)]
+        joints[joint.idx_v, STIFFNESS], rests[joint.idx_q] = stiffness, rest
     numbers = [
         [number for _, row_numbers in bodies for number in row_numbers],
-        [number for frame in frames for number in frame],
+        [number for k in order for number in closures[k].numbers],
         tolerances,
         joints.ravel(),
-        np.zeros(model.nq),
+        rests,
         _limits(model, independent).ravel(),
         model.gravity.linear,
     ]
@@ -386,7 +473,37 @@ def _packed(
         np.concatenate([np.asarray(part, dtype=np.int64) for part in (counts, offsets, *integers)]),
         np.concatenate([np.asarray(part, dtype=np.float64) for part in numbers]),
         [ROWS_OF_KIND[closures[k].kind] for k in order],
+        order,
+        np.array([length for k in order for length in closures[k].is_length], dtype=bool),
+        _sliding(model, elements),
     )
+
+
+def _coordinates(elements: list[_Element], velocity: int) -> list[int]:
+    """Return the places of the coordinates that come with an independent velocity.
+
+    Those of a free flyer or a planar joint all come with its first.
+    """
+    for element in elements:
+        if velocity in element.velocities:
+            if element.kind in (FREE, PLANAR):
+                at, count = element.index_q, 7 if element.kind == FREE else 4
+                return list(range(at, at + count)) if velocity == element.index_v else []
+            return [element.index_q]
+    raise IndexError(velocity)
+
+
+def _sliding(model: pin.Model, elements: list[_Element]) -> Flags:
+    """Return of each velocity whether it is a length per time."""
+    sliding = np.zeros(model.nv, dtype=bool)
+    for element in elements:
+        if element.kind == FREE:
+            sliding[element.index_v : element.index_v + 3] = True
+        elif element.kind == PLANAR:
+            sliding[element.index_v : element.index_v + 2] = True
+        elif element.kind == SCREW:
+            sliding[element.index_v] = not element.screw[3:].any()
+    return sliding
 
 
 def _ends(rows: int, columns: int, entries: set[tuple[int, int]]) -> list[int]:
@@ -436,9 +553,21 @@ def _memory_begins(counts: list[int]) -> list[int]:
         counts[DEPENDENT],
     )
     n, nq, nv, rows = counts[INDEPENDENT], counts[COORDINATES], counts[VELOCITIES], counts[ROWS]
+    positions = counts[POSITIONS]
     factors, driven, twists = counts[FACTORS], counts[DRIVEN], 6 * (elements + 1)
     sizes = [nq, 12 * elements, 6 * nv, 24 * closures, factors, dependent, driven, groups]
-    sizes += [factors, dependent, nq, n, n, rows, max(rows, dependent), dependent, dependent, 9]
+    sizes += [
+        factors,
+        dependent,
+        nq,
+        positions,
+        positions,
+        rows,
+        max(rows, dependent),
+        dependent,
+        dependent,
+        9,
+    ]
     sizes += [
         dependent * dependent,
         nv,
@@ -451,6 +580,7 @@ def _memory_begins(counts: list[int]) -> list[int]:
         n * twists,
         n * twists,
     ]
-    sizes += [n * nv, n * n, 8 * n, 4]
+    sizes += [n * nv, n * nv, n * n, 8 * n, 4]
+    sizes += [twists, twists, 12 * elements, twists, 6 * closures, nv, n * n, n * n, 42]
     assert len(sizes) == MEMORY_PARTS
     return [sum(sizes[:number]) for number in range(len(sizes) + 1)]

@@ -14,6 +14,7 @@ from psp3.multibody.closing import spread
 from psp3.multibody.least_squares import solve_transposed
 from psp3.multibody.loops import accelerated
 from psp3.multibody.tree import (
+    ARMATURE,
     AT_CONFIGURATION,
     AT_DEPENDENT_V,
     AT_DRIVEN,
@@ -35,12 +36,14 @@ from psp3.multibody.tree import (
     AT_SCREWS,
     AT_VELOCITIES,
     BODIES,
+    DAMPING,
     DRIVEN_AT,
     ELEMENT_INTEGERS,
     ELEMENTS,
     FACTOR_AT,
     FIRST_DRIVER,
     FREEDOMS,
+    FRICTION,
     GROUP_COLUMN,
     GROUP_COLUMNS,
     GROUP_DRIVERS,
@@ -54,6 +57,7 @@ from psp3.multibody.tree import (
     KIND,
     PARENT,
     SCREW,
+    STIFFNESS,
     VELOCITIES,
 )
 
@@ -213,13 +217,16 @@ def joint_forces(tree, numbers, memory):
                 + memory[s + 3] * memory[o + 3]
                 + memory[s + 4] * memory[o + 4]
                 + memory[s + 5] * memory[o + 5]
-                + numbers[joint] * memory[tree[AT_JOINT_ACCELERATIONS] + velocity]
-                + numbers[joint + 1] * memory[tree[AT_JOINT_SPEEDS] + velocity]
+                + numbers[joint + ARMATURE] * memory[tree[AT_JOINT_ACCELERATIONS] + velocity]
+                + numbers[joint + DAMPING] * memory[tree[AT_JOINT_SPEEDS] + velocity]
             )
+            friction, speed = numbers[joint + FRICTION], memory[tree[AT_JOINT_SPEEDS] + velocity]
+            if friction != 0.0 and speed != 0.0:
+                memory[tree[AT_JOINT_FORCES] + velocity] += friction if speed > 0.0 else -friction
         if tree[row + KIND] == SCREW:
             at, joint = tree[row + INDEX_Q], tree[AT_JOINTS] + JOINT_NUMBERS * first
             stretch = memory[q + at] - numbers[rests + at]
-            memory[tree[AT_JOINT_FORCES] + first] += numbers[joint + 2] * stretch
+            memory[tree[AT_JOINT_FORCES] + first] += numbers[joint + STIFFNESS] * stretch
         if parent >= 0:
             for i in range(6):
                 memory[forces + 6 * parent + i] += memory[o + i]

@@ -5,17 +5,20 @@ matrix is :math:`\sum X_i^T I X_j`, and the matrix of Christoffel symbols
 
 .. math:: C_{ij} = \sum X_i^T \big( I (\dot X_j - \tfrac12 V \times X_j)
           + \tfrac12 V \times^* I X_j + \tfrac12 X_j \times^* I V \big)
+          + \sum L_i^T R \dot L_j
 
-(the factor of a single body after S. Echeandia and P. M. Wensing, Numerical methods to compute the
-Coriolis matrix and Christoffel symbols for rigid-body systems, Journal of Computational and
-Nonlinear Dynamics 16, 2021, here in base axes).
+with R the inertias of the motors, which turn with their joints; of a ball joint
+:math:`\tfrac12 \omega \times L_j` joins its rows of :math:`\dot L_j`, because its speeds are no
+rates of coordinates. (The factor of a single body after S. Echeandia and P. M. Wensing, Numerical
+methods to compute the Coriolis matrix and Christoffel symbols for rigid-body systems, Journal of
+Computational and Nonlinear Dynamics 16, 2021, here in base axes.)
 """
 
 from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inlined
+from fuzzy2.support.compiled import compiled, inlined, merged
 from psp3.multibody.bodies import momentum
 from psp3.multibody.forces import (
     add_change,
@@ -28,12 +31,12 @@ from psp3.multibody.tree import (
     AT_ACCELERATIONS,
     AT_BODIES,
     AT_COMPLEMENT,
+    AT_COMPLEMENT_RATES,
     AT_CONFIGURATION,
     AT_ELEMENTS,
     AT_FIELDS,
     AT_FORCES,
     AT_FREE_FALL,
-    AT_JOINT_ACCELERATIONS,
     AT_JOINT_SPEEDS,
     AT_JOINTS,
     AT_MASSIVE,
@@ -42,11 +45,15 @@ from psp3.multibody.tree import (
     AT_RESTS,
     AT_ROOM,
     AT_VELOCITIES,
+    BALL,
     BODIES,
     CENTER_AT,
+    DAMPING,
     ELEMENT_INTEGERS,
     ELEMENT_NUMBERS,
     ELEMENTS,
+    FREEDOMS,
+    FRICTION,
     INDEPENDENT,
     INDEX_Q,
     INDEX_V,
@@ -60,12 +67,12 @@ from psp3.multibody.tree import (
 
 @compiled
 def complement(tree, numbers, memory, with_rates):
-    """Write L, column by column, the twists that belong to its columns, and how these change.
+    """Write L, column by column, the twists that belong to its columns, and how both change.
 
-    How they change only where ``with_rates`` is 1; the elements' own twists are then there.
+    How they change only where ``with_rates`` is 1.0; the elements' own twists are then there.
     """
     n, nv, elements = tree[INDEPENDENT], tree[VELOCITIES], tree[ELEMENTS]
-    unit, change = tree[AT_ROOM], tree[AT_JOINT_ACCELERATIONS]
+    unit = tree[AT_ROOM]
     for j in range(n):
         memory[unit + j] = 0.0
     for j in range(n):
@@ -75,10 +82,11 @@ def complement(tree, numbers, memory, with_rates):
         memory[unit + j] = 0.0
         X = tree[AT_FIELDS] + 6 * (elements + 1) * j
         rate = tree[AT_RATES] + 6 * (elements + 1) * j
-        if with_rates == 0:
+        if with_rates == 0.0:
             twists(tree, memory, column, X)
         else:
             carried(tree, memory, column, X, rate)
+            change = tree[AT_COMPLEMENT_RATES] + nv * j
             for velocity in range(nv):
                 memory[change + velocity] = 0.0
             change_of_joint_speeds(tree, numbers, memory, column, X, rate, change)
@@ -154,8 +162,8 @@ def gravity(tree, numbers, memory, out):
 
 
 @compiled
-def coriolis_matrix(tree, memory, out):
-    """Write the matrix of Christoffel symbols (n²) from the twists of L and how these change.
+def coriolis_matrix(tree, numbers, memory, out):
+    """Write the matrix of Christoffel symbols (n²) from L, its twists and how these change.
 
     The elements' forces and accelerations are overwritten.
     """
@@ -170,6 +178,53 @@ def coriolis_matrix(tree, memory, out):
             _coriolis_wrench(tree, memory, e, X + at, rates + at, H, P + 6 * e)
         for i in range(n):
             memory[out + n * i + j] = _power(tree, memory, X + wide * i, P)
+    _add_motors(tree, numbers, memory, out)
+
+
+@merged
+def _add_motors(tree, numbers, memory, out):
+    """Add to the matrix of Christoffel symbols what the motors' own inertia does."""
+    n, nv = tree[INDEPENDENT], tree[VELOCITIES]
+    L, rates, z = tree[AT_COMPLEMENT], tree[AT_COMPLEMENT_RATES], tree[AT_JOINT_SPEEDS]
+    for e in range(tree[ELEMENTS]):
+        row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
+        first, kind = tree[row + INDEX_V], tree[row + KIND]
+        for k in range(tree[row + FREEDOMS]):
+            motor = numbers[tree[AT_JOINTS] + JOINT_NUMBERS * (first + k)]
+            if motor == 0.0:
+                continue
+            # The two axes after this one, in turn.
+            one, two = first + (k + 1) % 3, first + (k + 2) % 3
+            for j in range(n):
+                column = L + nv * j
+                rate = memory[rates + nv * j + first + k]
+                if kind == BALL:
+                    rate += 0.5 * (
+                        memory[z + one] * memory[column + two]
+                        - memory[z + two] * memory[column + one]
+                    )
+                for i in range(n):
+                    memory[out + n * i + j] += motor * memory[L + nv * i + first + k] * rate
+
+
+@compiled
+def add_damping(tree, numbers, memory, out):
+    r"""Add to a matrix (n²) what makes its product with the speeds brake the joints.
+
+    That is :math:`L^T D L` with D the joints' viscous damping and, where they slip, their dry
+    friction over their speed.
+    """
+    n, nv, L = tree[INDEPENDENT], tree[VELOCITIES], tree[AT_COMPLEMENT]
+    for velocity in range(nv):
+        joint = tree[AT_JOINTS] + JOINT_NUMBERS * velocity
+        damping, speed = numbers[joint + DAMPING], memory[tree[AT_JOINT_SPEEDS] + velocity]
+        if speed != 0.0:
+            damping += numbers[joint + FRICTION] / abs(speed)
+        if damping != 0.0:
+            for i in range(n):
+                share = damping * memory[L + nv * i + velocity]
+                for j in range(n):
+                    memory[out + n * i + j] += share * memory[L + nv * j + velocity]
 
 
 @inlined
@@ -239,10 +294,10 @@ def potential_energy(tree, numbers, memory):
 
 
 @compiled
-def solve_positive(memory, matrix, order, right):
-    """Replace the right side by the solution of a symmetric positive definite system (n²).
+def factor_positive(memory, matrix, order):
+    """Overwrite a symmetric matrix (n²) with Cholesky's factor.
 
-    By Cholesky's factors, which overwrite the matrix. Return whether it is positive definite.
+    Return whether it is positive definite.
     """
     for k in range(order):
         d = matrix + order * k
@@ -259,6 +314,12 @@ def solve_positive(memory, matrix, order, right):
             for j in range(k):
                 rest -= memory[c + j] * memory[d + j]
             memory[c + k] = rest / value
+    return True
+
+
+@compiled
+def solve_positive(memory, matrix, order, right):
+    """Replace the right side by the solution of a system whose matrix is factored."""
     for k in range(order):
         d = matrix + order * k
         value = memory[right + k]
@@ -270,4 +331,3 @@ def solve_positive(memory, matrix, order, right):
         for i in range(k + 1, order):
             value -= memory[matrix + order * i + k] * memory[right + i]
         memory[right + k] = value / memory[matrix + order * k + k]
-    return True

@@ -21,8 +21,8 @@ def factor(tree, memory, ends, at, into, rows, columns):
     """Factor the matrix that begins at ``at`` in place, Q R; weights of reflections go to ``into``.
 
     ``ends`` is where the whole numbers say, of each column, the row below its last entry. Return
-    the smallest pivot, with the sign of the determinant if the matrix is
-    square; 0 if its columns are not independent.
+    the smallest pivot, with the sign of the determinant if the matrix is square; 0 if its columns
+    are not independent.
     """
     sign, largest, least = 1.0, 0.0, math.inf
     for k in range(columns):

@@ -1,9 +1,11 @@
 r"""The closure equations of a tree: residual, Jacobian, and what velocities alone accelerate.
 
 Compiled. With :math:`R_1, p_1, R_2, p_2` the two frames of a closure, its residual is
-:math:`R_1^T (p_2 - p_1)`; of a frame followed by :math:`\log R_1^T R_2`; of a hinge by the first two
-entries of :math:`R_1^T R_2 e_z`. All rows are in the axes of the first frame, so that they do not
-depend on where the base of a group is. The Jacobian is the exact derivative, also away from
+:math:`R_1^T (p_2 - p_1)`; of a frame followed by :math:`\log R_1^T R_2`; of a hinge by the first
+two entries of :math:`R_1^T R_2 e_z`; a spin is the part along its axis of the vector of a ball's
+quaternion, seen from the one at which it is zero. All rows are in the axes of the first frame, so
+that they do not depend on where the base of a group is. The Jacobian is the exact derivative, also
+away from
 closure.
 """
 
@@ -56,16 +58,78 @@ from psp3.multibody.tree import (
     PATH_VELOCITY,
     POINT,
     SECOND_END,
+    SPIN,
 )
 
 
 @compiled
-def _polynomial(numbers, at, x, derivative):
-    """Value of a polynomial, or of its first or second derivative."""
+def polynomial(numbers, at, x, derivative):
+    """Value of a polynomial, or of one of its derivatives."""
     value = 0.0
     for k in range(LARGEST_DEGREE, derivative - 1, -1):
-        factor = 1.0 if derivative == 0 else float(k) if derivative == 1 else float(k * (k - 1))
+        factor = 1.0
+        for j in range(derivative):
+            factor *= float(k - j)
         value = value * x + factor * numbers[at + k]
+    return value
+
+
+@compiled
+def turned(numbers, at, memory, q, k, derivative):
+    """Return a part of a spin: its residual, or its derivative by the k-th angular velocity."""
+    a, b = at + 3, q
+    w = numbers[a + 3] * memory[b + 3]
+    x = y = z = 0.0
+    for i in range(3):
+        w += numbers[a + i] * memory[b + i]
+    x = (
+        numbers[a + 3] * memory[b]
+        - numbers[a] * memory[b + 3]
+        - numbers[a + 1] * memory[b + 2]
+        + numbers[a + 2] * memory[b + 1]
+    )
+    y = (
+        numbers[a + 3] * memory[b + 1]
+        - numbers[a + 1] * memory[b + 3]
+        - numbers[a + 2] * memory[b]
+        + numbers[a] * memory[b + 2]
+    )
+    z = (
+        numbers[a + 3] * memory[b + 2]
+        - numbers[a + 2] * memory[b + 3]
+        - numbers[a] * memory[b + 1]
+        + numbers[a + 1] * memory[b]
+    )
+    nx, ny, nz = numbers[at], numbers[at + 1], numbers[at + 2]
+    if derivative == 0:
+        return nx * x + ny * y + nz * z
+    if k == 0:
+        return 0.5 * (w * nx + ny * z - nz * y)
+    if k == 1:
+        return 0.5 * (w * ny + nz * x - nx * z)
+    return 0.5 * (w * nz + nx * y - ny * x)
+
+
+@compiled
+def _spin_change(numbers, at, memory, q, v, z):
+    """Return how fast the derivative of a spin along angular velocities z changes at those at v."""
+    # The residual is n · u with the quaternion (u, w); its derivative, 0.5 (w n + n × u) · z, is
+    # linear in (u, w), and these change by 0.5 (w ω + u × ω) and −0.5 u · ω. A quaternion's second
+    # derivative along ω and z is −0.25 (ω · z) times itself and 0.25 times what ω × z turns.
+    n_u = turned(numbers, at, memory, q, 0, 0)
+    value = (
+        -0.25
+        * n_u
+        * (memory[v] * memory[z] + memory[v + 1] * memory[z + 1] + memory[v + 2] * memory[z + 2])
+    )
+    cx = memory[v + 1] * memory[z + 2] - memory[v + 2] * memory[z + 1]
+    cy = memory[v + 2] * memory[z] - memory[v] * memory[z + 2]
+    cz = memory[v] * memory[z + 1] - memory[v + 1] * memory[z]
+    value += 0.5 * (
+        turned(numbers, at, memory, q, 0, 1) * cx
+        + turned(numbers, at, memory, q, 1, 1) * cy
+        + turned(numbers, at, memory, q, 2, 1) * cz
+    )
     return value
 
 
@@ -120,7 +184,10 @@ def residual_of(tree, numbers, memory, group):
         one, two = tree[c + FIRST_END], tree[c + SECOND_END]
         if kind == COUPLING:
             x = memory[configuration + two]
-            memory[row] = memory[configuration + one] - _polynomial(numbers, at, x, 0)
+            memory[row] = memory[configuration + one] - polynomial(numbers, at, x, 0)
+            continue
+        if kind == SPIN:
+            memory[row] = turned(numbers, at, memory, configuration + one, 0, 0)
             continue
         for side in range(2):
             end = one if side == 0 else two
@@ -208,7 +275,12 @@ def jacobian(tree, numbers, memory, group):
         if kind == COUPLING:
             at = in_elements + CLOSURE_NUMBERS * closure
             x = memory[configuration + tree[c + SECOND_END]]
-            memory[k] += 1.0 if sign > 0.0 else -_polynomial(numbers, at, x, 1)
+            memory[k] += 1.0 if sign > 0.0 else -polynomial(numbers, at, x, 1)
+            continue
+        if kind == SPIN:
+            at = in_elements + CLOSURE_NUMBERS * closure
+            q, axis = configuration + tree[c + FIRST_END], tree[p + PATH_VELOCITY]
+            memory[k] += turned(numbers, at, memory, q, axis - tree[c + COUPLED_SPEED], 1)
             continue
         s = screws + 6 * tree[p + PATH_VELOCITY]
         x, y, z = memory[f + 21], memory[f + 22], memory[f + 23]
@@ -269,17 +341,24 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
             at = in_elements + CLOSURE_NUMBERS * closure
             speed = tree[c + COUPLED_SPEED]
             memory[row] = (
-                -_polynomial(numbers, at, memory[configuration + two], 2)
+                -polynomial(numbers, at, memory[configuration + two], 2)
                 * memory[joint_speeds + speed]
                 * memory[speeds + speed]
             )
+            continue
+        if kind == SPIN:
+            at = in_elements + CLOSURE_NUMBERS * closure
+            speed = tree[c + COUPLED_SPEED]
+            v = joint_speeds + speed
+            memory[row] = _spin_change(numbers, at, memory, configuration + one, v, speeds + speed)
             continue
         a = 6 * (one if one >= 0 else base)
         b = 6 * (two if two >= 0 else base)
         x, y, z = memory[f + 21], memory[f + 22], memory[f + 23]
         ax = ay = az = 0.0
         for side in range(2):
-            end, sign = (a, -1.0) if side == 0 else (b, 1.0)
+            end = a if side == 0 else b
+            sign = -1.0 if side == 0 else 1.0
             e, k, r = V + end, X + end, rate + end
             # Speed of the point, which the field turns.
             vx = memory[e] + memory[e + 4] * z - memory[e + 5] * y

@@ -12,9 +12,11 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, merged
+from psp3.checks import Array, Indices
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
+from psp3.multibody.derivatives import differentiate
 from psp3.multibody.forces import (
     add_change,
     carried,
@@ -25,8 +27,10 @@ from psp3.multibody.forces import (
     projected,
 )
 from psp3.multibody.inertia import (
+    add_damping,
     complement,
     coriolis_matrix,
+    factor_positive,
     gravity,
     kinetic_energy,
     mass_matrix,
@@ -36,10 +40,11 @@ from psp3.multibody.inertia import (
 from psp3.multibody.tree import (
     AT_ACCELERATIONS,
     AT_BEFORE,
+    AT_BY_POSITIONS,
+    AT_BY_SPEEDS,
     AT_COMPLEMENT,
     AT_CONFIGURATION,
     AT_FREE_FALL,
-    AT_INDEPENDENT_Q,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
@@ -51,6 +56,7 @@ from psp3.multibody.tree import (
     AT_VELOCITIES,
     COORDINATES,
     INDEPENDENT,
+    POSITIONS,
     VELOCITIES,
 )
 
@@ -62,10 +68,14 @@ from psp3.multibody.tree import (
     EQUATION_OF_MOTION,
     ENERGIES,
     MOTION,
-) = range(7)
+    INVERSE_DERIVATIVES,
+    FORWARD_DERIVATIVES,
+) = range(9)
 """Questions, and what their answers are: q (nq); q and L, column by column (n · nv); forces of a
 motion (n); accelerations under forces (n); M, C (n² each) and G (n); kinetic and potential energy;
-configuration, velocities and accelerations of all joints.
+configuration, velocities and accelerations of all joints; derivatives of the forces of a motion by
+positions, speeds and accelerations (n² each); derivatives of the accelerations under forces by
+positions, speeds and forces (n² each).
 """
 
 BEYOND_LIMIT, NOT_FINITE = 3, 4
@@ -79,8 +89,9 @@ how many threads share the rows.
 """
 
 NEAR = 0.1
-"""A row starts from the pose of the row before where no independent coordinate is farther from it
-than this [m, rad], and else from the reference: so its answer does not depend on other rows.
+"""A row starts from the pose of the row before where no independent coordinate of it is farther
+than this [m, rad] from that of the last row that started from the reference. So answers do not
+depend on other rows, to rounding, unless a singular pose lies in the narrow space between the ways.
 """
 
 
@@ -92,26 +103,26 @@ def start_from(tree, reference, memory):
 
 
 @compiled
-def assemble(tree, numbers, memory):
+def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
     """Close the loops from the guess with which the memory begins, independent joints fixed.
 
     Return what became of it. The memory then begins with a pose that can be a reference.
     """
-    return settled(tree, numbers, memory)
+    outcome: int = settled(tree, numbers, memory)
+    return outcome
 
 
-@compiled
-def _aim(tree, memory, positions, row):
-    """Make a row of positions the target; return whether it is near the pose."""
-    target, near = tree[AT_TARGET], True
-    _take(tree, memory, positions, row, target)
-    for j in range(tree[INDEPENDENT]):
-        at = memory[tree[AT_CONFIGURATION] + tree[tree[AT_INDEPENDENT_Q] + j]]
-        near = near and abs(memory[target + j] - at) <= NEAR
+@merged
+def _aim(tree, memory, positions, row, anchor):
+    """Make a row of positions the target; return whether it is near another row."""
+    target, near, p = tree[AT_TARGET], True, tree[POSITIONS]
+    for j in range(p):
+        memory[target + j] = positions[p * row + j]
+        near = near and abs(memory[target + j] - positions[p * anchor + j]) <= NEAR
     return near
 
 
-@compiled
+@merged
 def _reach(tree, numbers, memory):
     """Move to the target, all loops closed; return what became of it."""
     outcome = moved_to(tree, numbers, memory)
@@ -124,16 +135,16 @@ def _reach(tree, numbers, memory):
     return outcome
 
 
-@compiled
+@merged
 def _is_finite(out, first, end):
     """Tell whether all numbers from the first to the end are finite."""
+    finite = True
     for i in range(first, end):
-        if not abs(out[i]) < math.inf:
-            return False
-    return True
+        finite = finite and abs(out[i]) < math.inf
+    return finite
 
 
-@compiled
+@merged
 def _move_with(tree, memory, speeds):
     """Give all joints and elements the velocities of independent speeds."""
     z, V = tree[AT_JOINT_SPEEDS], tree[AT_VELOCITIES]
@@ -141,7 +152,7 @@ def _move_with(tree, memory, speeds):
     carried(tree, memory, z, V, tree[AT_ACCELERATIONS])
 
 
-@compiled
+@merged
 def _forces_of(tree, numbers, memory, accelerations, out):
     """Write the independent forces of a motion, of which the velocities are there."""
     change, rate = tree[AT_JOINT_ACCELERATIONS], tree[AT_ACCELERATIONS]
@@ -154,8 +165,8 @@ def _forces_of(tree, numbers, memory, accelerations, out):
     projected(tree, memory, tree[AT_JOINT_FORCES], out)
 
 
-@compiled
-def balance(tree, numbers, memory, speeds, forces, out):
+@merged
+def balance(tree, numbers, memory, speeds, forces, out, with_rates):
     """Write the mass matrix of a closed pose, and what forces leave over for accelerations."""
     n = tree[INDEPENDENT]
     for j in range(n):
@@ -164,18 +175,25 @@ def balance(tree, numbers, memory, speeds, forces, out):
     _forces_of(tree, numbers, memory, out, out)
     for j in range(n):
         memory[out + j] = memory[forces + j] - memory[out + j]
-    complement(tree, numbers, memory, 0)
+    complement(tree, numbers, memory, with_rates)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
 
 
-@compiled
-def accelerate(tree, numbers, memory, speeds, forces, out):
-    """Write the accelerations of a closed pose under forces; return whether there are any."""
-    balance(tree, numbers, memory, speeds, forces, out)
-    return solve_positive(memory, tree[AT_MASS], tree[INDEPENDENT], out)
+@merged
+def accelerate(tree, numbers, memory, speeds, forces, out, with_rates):
+    """Write the accelerations of a closed pose under forces; return whether there are any.
+
+    Leave L, as :func:`complement` writes it.
+    """
+    n = tree[INDEPENDENT]
+    balance(tree, numbers, memory, speeds, forces, out, with_rates)
+    if not factor_positive(memory, tree[AT_MASS], n):
+        return False
+    solve_positive(memory, tree[AT_MASS], n, out)
+    return True
 
 
-@compiled
+@merged
 def _take(tree, memory, values, row, at):
     """Copy a row of independent speeds, accelerations or forces into the memory."""
     n = tree[INDEPENDENT]
@@ -183,39 +201,86 @@ def _take(tree, memory, values, row, at):
         memory[at + j] = values[n * row + j]
 
 
-@compiled
+@merged
 def _copy(memory, at, count, out, into):
     """Copy numbers of the memory into an answer."""
     for i in range(count):
         out[into + i] = memory[at + i]
 
 
-@compiled
+@merged
+def _differentiate_forward(tree, memory, out, into):
+    """Write derivatives of accelerations from those of forces and the factored mass matrix."""
+    n, column = tree[INDEPENDENT], tree[AT_ROOM]
+    for part in range(3):
+        at = tree[AT_BY_POSITIONS] if part == 0 else tree[AT_BY_SPEEDS]
+        for k in range(n):
+            for i in range(n):
+                unit = 1.0 if i == k else 0.0
+                memory[column + i] = unit if part == 2 else -memory[at + n * k + i]
+            solve_positive(memory, tree[AT_MASS], n, column)
+            for i in range(n):
+                out[into + n * (n * part + i) + k] = memory[column + i]
+
+
+@merged
+def _differentiated(question, tree, numbers, memory, forces, out, into):
+    """Write the derivatives of a motion; return what became of them."""
+    n = tree[INDEPENDENT]
+    differentiate(tree, numbers, memory, forces)
+    if question == FORWARD_DERIVATIVES:
+        if not factor_positive(memory, tree[AT_MASS], n):
+            return SINGULAR
+        _differentiate_forward(tree, memory, out, into)
+        return CLOSED
+    for k in range(n):
+        for i in range(n):
+            out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
+            out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
+    _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
+    return CLOSED
+
+
+@merged
+def _prepare(question, tree, numbers, memory):
+    """Write L with its rates and the mass matrix for a question that needs them."""
+    if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
+        # Forward dynamics has written L.
+        if question != FORWARD_DERIVATIVES:
+            complement(tree, numbers, memory, 1.0)
+        mass_matrix(tree, numbers, memory, tree[AT_MASS])
+
+
+@merged
 def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
     if question <= COMPLEMENT:
         _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
         if question == COMPLEMENT:
-            complement(tree, numbers, memory, 0)
+            complement(tree, numbers, memory, 0.0)
             _copy(memory, tree[AT_COMPLEMENT], n * nv, out, into + nq)
         return CLOSED
     # The first vector of the room is taken by the complement.
     speeds, others, result = room + n, room + 2 * n, room + 3 * n
     _take(tree, memory, second, row, speeds)
     weigh(tree, numbers, memory)
-    if question == FORWARD_DYNAMICS:
-        _take(tree, memory, third, row, others)
-        if not accelerate(tree, numbers, memory, speeds, others, result):
+    _take(tree, memory, third, row, others)
+    with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
+    if question == FORWARD_DYNAMICS or with_rates > 0.0:
+        if not accelerate(tree, numbers, memory, speeds, others, result, with_rates):
             return SINGULAR
-        _copy(memory, result, n, out, into)
-        return CLOSED
+        if question == FORWARD_DYNAMICS:
+            _copy(memory, result, n, out, into)
+            return CLOSED
+        for j in range(n):
+            memory[others + j] = memory[result + j]
     _move_with(tree, memory, speeds)
+    _prepare(question, tree, numbers, memory)
     if question == EQUATION_OF_MOTION:
-        complement(tree, numbers, memory, 1)
-        mass_matrix(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into)
-        coriolis_matrix(tree, memory, tree[AT_MASS])
+        coriolis_matrix(tree, numbers, memory, tree[AT_MASS])
+        add_damping(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into + n * n)
         gravity(tree, numbers, memory, result)
         _copy(memory, result, n, out, into + 2 * n * n)
@@ -223,52 +288,59 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         out[into] = kinetic_energy(tree, numbers, memory)
         out[into + 1] = potential_energy(tree, numbers, memory)
     else:
-        _take(tree, memory, third, row, others)
         _forces_of(tree, numbers, memory, others, result)
         if question == INVERSE_DYNAMICS:
             _copy(memory, result, n, out, into)
-        else:
+        elif question == MOTION:
             _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
             _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, into + nq)
             _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, into + nq + nv)
+        else:
+            return _differentiated(question, tree, numbers, memory, result, out, into)
     return CLOSED
 
 
 @compiled
 def answer(
-    question,
-    rows,
-    is_warm,
-    is_path,
-    tree,
-    numbers,
-    free_fall,
-    reference,
-    memory,
-    positions,
-    second,
-    third,
-    out,
-):
+    question: int,
+    rows: int,
+    is_warm: int,
+    is_path: int,
+    tree: Indices,
+    numbers: Array,
+    free_fall: Array,
+    reference: Array,
+    memory: Array,
+    positions: Array,
+    second: Array,
+    third: Array,
+    out: Array,
+) -> int:
     """Write the answers to a question, row by row.
 
-    ``free_fall`` is the acceleration of gravity (3). Positions, speeds (second), and accelerations or forces (third) are rows · n numbers each; where
-    a question needs fewer, they are not looked at. With ``is_warm`` the memory begins with a pose
-    from which the first row starts, and else that is the reference; the other rows start from it,
-    too, but on a path from the row before. Return the first row that has no answer, −1 if all have
-    one, or −2 if an argument has another size.
+    ``free_fall`` is the acceleration of gravity (3). Positions are rows · p numbers, speeds
+    (second), and accelerations or forces (third) rows · n each; where a question needs fewer, they
+    are not looked at. With ``is_warm`` the memory begins with a pose from which the first row
+    starts, and else that is the reference; the other rows start from it, too, but on a path from
+    the row before. Return the first row that has no answer, −1 if all have one, or −2 if an
+    argument has another size.
     """
     size, width = rows * tree[INDEPENDENT], out.shape[0] // max(rows, 1)
-    if positions.shape[0] != size or second.shape[0] != size or third.shape[0] != size:
+    if positions.shape[0] != rows * tree[POSITIONS]:
+        return -2
+    if second.shape[0] != size or third.shape[0] != size:
         return -2
     for i in range(3):
         numbers[tree[AT_FREE_FALL] + i] = free_fall[i]
     if is_warm == 0:
         start_from(tree, reference, memory)
+    # The last row that started from the reference.
+    anchor = 0
     for row in range(rows):
-        near = _aim(tree, memory, positions, row)
+        near = _aim(tree, memory, positions, row, anchor)
         if row > 0 and is_path == 0 and (not near or row % BLOCK == 0):
             start_from(tree, reference, memory)
+            anchor = row
         outcome = _reach(tree, numbers, memory)
         if outcome == CLOSED:
             into = width * row
@@ -279,6 +351,30 @@ def answer(
             memory[tree[AT_REPORT] + 3] = float(outcome)
             return row
     return -1
+
+
+@compiled
+def reach(tree, numbers, memory, positions):
+    """Move to positions (n, or more), all loops closed; return what became of it."""
+    _take(tree, memory, positions, 0, tree[AT_TARGET])
+    return _reach(tree, numbers, memory)
+
+
+@compiled
+def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, out):
+    """Write the independent forces of a motion (n); return whether there are any."""
+    n = tree[INDEPENDENT]
+    if reach(tree, numbers, memory, positions) != CLOSED:
+        return False
+    # The first vector of the room is taken by the complement.
+    at, others, result = tree[AT_ROOM] + n, tree[AT_ROOM] + 2 * n, tree[AT_ROOM] + 3 * n
+    _take(tree, memory, speeds, 0, at)
+    _take(tree, memory, accelerations, 0, others)
+    weigh(tree, numbers, memory)
+    _move_with(tree, memory, at)
+    _forces_of(tree, numbers, memory, others, result)
+    _copy(memory, result, n, out, 0)
+    return _is_finite(out, 0, n)
 
 
 @compiled
@@ -295,29 +391,12 @@ def balance_of_state(tree, numbers, memory, state, forces, mass, net):
     _take(tree, memory, state, 1, speeds)
     _take(tree, memory, forces, 0, others)
     weigh(tree, numbers, memory)
-    balance(tree, numbers, memory, speeds, others, result)
+    balance(tree, numbers, memory, speeds, others, result, 0)
     for i in range(n):
         net[i] = memory[result + i]
         for j in range(n):
             mass[i, j] = memory[tree[AT_MASS] + n * i + j]
     return True
-
-
-@compiled
-def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, out):
-    """Write the independent forces of a motion (n); return whether there are any."""
-    n = tree[INDEPENDENT]
-    if reach(tree, numbers, memory, positions) != CLOSED:
-        return False
-    _answer(INVERSE_DYNAMICS, tree, numbers, memory, speeds, accelerations, 0, out, 0)
-    return _is_finite(out, 0, n)
-
-
-@compiled
-def reach(tree, numbers, memory, positions):
-    """Move to positions (n, or more), all loops closed; return what became of it."""
-    _take(tree, memory, positions, 0, tree[AT_TARGET])
-    return _reach(tree, numbers, memory)
 
 
 @compiled
@@ -340,7 +419,7 @@ def runge_kutta(tree, numbers, memory, state, forces, step, steps):
             if _reach(tree, numbers, memory) != CLOSED:
                 return False
             weigh(tree, numbers, memory)
-            if not accelerate(tree, numbers, memory, u, force, k):
+            if not accelerate(tree, numbers, memory, u, force, k, 0):
                 return False
             weight = 1.0 if stage == 0 or stage == 3 else 2.0
             ahead = 0.5 * step if stage < 2 else step

@@ -21,6 +21,7 @@ from psp3.multibody.tree import (
     INDEX_V,
     KIND,
     PARENT,
+    PLANAR,
     SCREW_AT,
     UNBOUNDED,
 )
@@ -124,6 +125,26 @@ def _spin_screws(memory, o, s):
 
 
 @compiled
+def _glide(memory, q, o, s):
+    """Move a placement in its own x-y plane and turn it there; write the three screws."""
+    x, y, c, t = memory[q], memory[q + 1], memory[q + 2], memory[q + 3]
+    for i in range(3):
+        k = o + 3 * i
+        r0, r1 = memory[k], memory[k + 1]
+        memory[o + 9 + i] += r0 * x + r1 * y
+        memory[k], memory[k + 1] = r0 * c + r1 * t, r1 * c - r0 * t
+    for axis in range(2):
+        for i in range(3):
+            memory[s + 6 * axis + i] = memory[o + 3 * i + axis]
+            memory[s + 6 * axis + 3 + i] = 0.0
+    px, py, pz = memory[o + 9], memory[o + 10], memory[o + 11]
+    x, y, z = memory[o + 2], memory[o + 5], memory[o + 8]
+    k = s + 12
+    memory[k], memory[k + 1], memory[k + 2] = py * z - pz * y, pz * x - px * z, px * y - py * x
+    memory[k + 3], memory[k + 4], memory[k + 5] = x, y, z
+
+
+@compiled
 def place(tree, numbers, memory, first, last):
     """Place the members from ``first`` to ``last``, whose parents are placed before them."""
     configuration = tree[AT_CONFIGURATION]
@@ -149,6 +170,8 @@ def place(tree, numbers, memory, first, last):
         if kind <= UNBOUNDED:
             amount = math.atan2(memory[q + 1], memory[q]) if kind == UNBOUNDED else memory[q]
             _turn_by_screw(numbers, at, amount, memory, o, s)
+        elif kind == PLANAR:
+            _glide(memory, q, o, s)
         elif kind == BALL:
             _turn_by_quaternion(memory, q, o)
             _spin_screws(memory, o, s)
@@ -194,6 +217,15 @@ def move(tree, memory, first, last, start, step, column, share):
                 memory[q], memory[q + 1] = x * c - y * s, y * c + x * s
             else:
                 memory[configuration + at] = memory[start + at] + amount
+        elif kind == PLANAR:
+            k += step
+            q, p = configuration + at, start + at
+            vx, vy = share * memory[k], share * memory[k + 1]
+            x, y = memory[p + 2], memory[p + 3]
+            memory[q] = memory[p] + x * vx - y * vy
+            memory[q + 1] = memory[p + 1] + y * vx + x * vy
+            c, s = math.cos(share * memory[k + 2]), math.sin(share * memory[k + 2])
+            memory[q + 2], memory[q + 3] = x * c - y * s, y * c + x * s
         else:
             k += step
             if kind == FREE:

@@ -14,20 +14,20 @@ of the memory is the first of the screw of velocity v.
 
 from __future__ import annotations
 
-SCREW, UNBOUNDED, BALL, FREE = range(4)
+SCREW, UNBOUNDED, BALL, FREE, PLANAR = range(5)
 """Kinds of elements: one degree of freedom in one coordinate; an angle as cosine and sine; a
-quaternion; position and quaternion.
+quaternion; position and quaternion; position in a plane, and the cosine and sine of an angle.
 """
 
-POINT, HINGE, FRAME, COUPLING = range(4)
+POINT, HINGE, FRAME, COUPLING, SPIN = range(5)
 """Kinds of closures: two frames share their origin; also their z axes; they coincide; a coordinate
-is a polynomial of another.
+is a polynomial of another; a ball does not turn about an axis of what it carries.
 """
 
-ROWS_OF_KIND = (3, 5, 6, 1)
+ROWS_OF_KIND = (3, 5, 6, 1, 1)
 """Equations of each kind of closure."""
 
-COUNTS = 14
+COUNTS = 15
 (
     ELEMENTS,
     BODIES,
@@ -43,9 +43,11 @@ COUNTS = 14
     ROWS,
     FACTORS,
     DRIVEN,
+    POSITIONS,
 ) = range(COUNTS)
-"""How many there are; the last three are closure equations, and entries of all groups' Jacobians by
-dependent and by independent speeds.
+"""How many there are; the last four are closure equations, entries of all groups' Jacobians by
+dependent and by independent speeds, and coordinates of the independent joints, which are more than
+their speeds where one of them is a free flyer.
 """
 
 INTEGER_PARTS = 12
@@ -65,12 +67,14 @@ INTEGER_PARTS = 12
 ) = range(COUNTS, COUNTS + INTEGER_PARTS)
 """Where the parts of the whole numbers begin.
 
-Elements, the numbers of those that are bodies, with mass or inertia, closures, groups (one more than there are: the last holds the ends), and paths are rows,
-see below. Members are the elements of each group, parents first, and after the last group all of
-them. Drivers are the places of the groups' independent speeds among all of them. A velocity's column
-is its place among the dependent speeds, or −1 − its place among the independent ones, or
-``LOCKED``. The others are the coordinate and the velocity of each independent speed, the velocity
-of each dependent one, and the row below the last entry of its column when that is factored.
+Elements, closures, groups (one more than there are: the last holds the ends) and paths are rows,
+see below; massive are the numbers of the elements that are bodies, with mass or inertia. Members
+are the elements of each group, parents first, and after the last group all of them. Drivers are the
+places of the groups' independent speeds among all of them. A velocity's column is its place among
+the dependent speeds, or −1 − its place among the independent ones, or ``LOCKED``. The others are
+the coordinates of the independent joints, the velocity of each independent speed (joints of one
+degree of freedom come first, so that both have the same places), the velocity of each dependent
+one, and the row below the last entry of its column when that is factored.
 """
 
 NUMBER_PARTS = 7
@@ -83,11 +87,12 @@ NUMBER_PARTS = 7
     AT_LIMITS,
     AT_FREE_FALL,
 ) = range(COUNTS + INTEGER_PARTS, COUNTS + INTEGER_PARTS + NUMBER_PARTS)
-"""Where the parts of the other numbers begin: rows of elements, closures, groups and velocities, see
-below; of each coordinate the rest of its spring, and its lowest and highest value; and the acceleration of free fall (3) [m/s²].
+"""Where the parts of the other numbers begin: rows of elements, closures, groups and velocities,
+see below; of each coordinate the rest of its spring, and its lowest and highest value; and the
+acceleration of free fall (3) [m/s²].
 """
 
-MEMORY_PARTS = 32
+MEMORY_PARTS = 42
 (
     AT_CONFIGURATION,
     AT_PLACEMENTS,
@@ -118,9 +123,19 @@ MEMORY_PARTS = 32
     AT_FIELDS,
     AT_RATES,
     AT_COMPLEMENT,
+    AT_COMPLEMENT_RATES,
     AT_MASS,
     AT_ROOM,
     AT_REPORT,
+    AT_SECOND_RATES,
+    AT_FIELD_FORCES,
+    AT_SPINS,
+    AT_LOADS,
+    AT_LOOP_FORCES,
+    AT_JOINT_LOADS,
+    AT_BY_POSITIONS,
+    AT_BY_SPEEDS,
+    AT_VECTORS,
 ) = range(
     COUNTS + INTEGER_PARTS + NUMBER_PARTS, COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
 )
@@ -129,19 +144,25 @@ stays true of it, and can be copied as a whole:
 
 configuration; placements of the elements in the base (12: rotation, row by row, and position);
 screws of the velocities (6: linear part at the base's origin, and angular part); the two frames of
-each closure in the base (24); Jacobians of the groups by their dependent speeds, factored, column by
-column, with the weights of the reflections; by their independent speeds; and each
-group's smallest pivot, with the sign of its determinant.
+each closure in the base (24); Jacobians of the groups by their dependent speeds, factored, column
+by column, with the weights of the reflections; by their independent speeds; and each group's
+smallest pivot, with the sign of its determinant.
 
 Then factors, weights and configuration of the pose from which the next is looked for; independent
 coordinates from which and to which a motion goes; residual; right side of a group's equations, then
-their solution; speeds of the dependent joints along the way, and how far Newton's method moved them;
-how a rotation vector changes with the angular velocity (9); a square matrix of the dependent speeds
-of a group; velocities, accelerations and forces of all joints; inertias of the elements (10); twists of the elements (6), the base
-last, what these accelerate, and the elements' forces; the same twists and accelerations for every
-independent speed; L, column by column; a square matrix of the independent speeds; room for eight
-vectors of these; and what became of a closure (4): the share of the way, the residual, the group,
-and the outcome.
+their solution; speeds of the dependent joints along the way, and how far Newton's method moved
+them; how a rotation vector changes with the angular velocity (9); a square matrix of the dependent
+speeds of a group; velocities, accelerations and forces of all joints; inertias of the elements
+(10); twists of the elements (6), the base last, what these accelerate, and the elements' forces;
+the same twists and accelerations for every independent speed; L, column by column, and how it
+changes; a square matrix of the independent speeds; room for eight vectors of these; and what became
+of a closure (4): the share of the way, the residual, the group, and the outcome.
+
+Last, for derivatives: second rates of the twists of one column,
+and wrenches of the elements that belong to it; what turning does to the momenta of each body (12);
+the wrenches on all that the elements carry; the force in each closure (6); what changes of the
+joints' own forces; the derivatives by positions and by speeds, column by column; and room for seven
+twists.
 """
 
 SIZE = COUNTS + INTEGER_PARTS + NUMBER_PARTS + MEMORY_PARTS
@@ -165,13 +186,14 @@ CLOSURE_INTEGERS = 5
 CLOSURE_KIND, FIRST_END, SECOND_END, FIRST_ROW, COUPLED_SPEED = range(CLOSURE_INTEGERS)
 """Of each closure: kind, the two elements that it joins (−1 is the base), and its first equation
 among those of its group. A coupling names the coordinates y and x instead of elements, and last the
-velocity of x.
+velocity of x; a spin the first coordinate of its ball, and last its first velocity.
 """
 
 CLOSURE_NUMBERS = 24
 LARGEST_DEGREE = 4
 """Of each closure: the placements of its two frames in their elements. A coupling has the
-coefficients of its polynomial instead, the constant first.
+coefficients of its polynomial instead, the constant first; a spin its axis (3) and the quaternion
+at which it is zero.
 """
 
 GROUP_INTEGERS = 12
@@ -205,13 +227,16 @@ group's independent ones; its element.
 LOCKED = -1_000_000
 """In place of a column: a velocity that is held at zero."""
 
-GROUP_NUMBERS = 3
-"""Of each group: the largest residual of a closed group [m, rad], the residual or step of a joint at
-which Newton's method has arrived [m, rad], and the smallest pivot below which a pose counts as near
-a singular one.
+GROUP_NUMBERS = 5
+MISMATCH_AT, WEAKEST_AT = 3, 4
+"""Of each group: the largest residual of a closed group [m, rad], the residual or step of a joint
+at which Newton's method has arrived [m, rad], the smallest pivot below which a pose counts as near
+a singular one, the residual that may be left where equations contradict each other by rounding, and
+the pivot up to which a pose counts as singular.
 """
 
-JOINT_NUMBERS = 3
-"""Of each velocity: inertia of its motor that turns with it [kg or kg m²], viscous damping, and
-stiffness of its spring, about the rest that stands with its coordinate.
+JOINT_NUMBERS = 4
+ARMATURE, DAMPING, STIFFNESS, FRICTION = range(JOINT_NUMBERS)
+"""Of each velocity: inertia of its motor that turns with it [kg or kg m²], viscous damping,
+stiffness of its spring, about the rest that stands with its coordinate, and dry friction.
 """

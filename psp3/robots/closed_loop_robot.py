@@ -18,7 +18,8 @@ uses the closed form of the 3-PSP, the thesis's natural orthogonal complement or
 from __future__ import annotations
 
 import functools
-from collections.abc import Callable, Sequence
+import logging
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -27,12 +28,21 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, applied_to_rows, finite_rows, one_row, together
-from psp3.closure.assembly import assembled
-from psp3.closure.mobility import mobility
+from psp3.closure.coordinates import chosen_coordinates
+from psp3.closure.mobility import mobility_of
 from psp3.closure.passive_limits import PassiveLimits
-from psp3.closure.rank import dependent_solver
+from psp3.closure.rank import dependent_solver, null_space
+from psp3.closure.structure import (
+    EXACT,
+    LARGEST_MISMATCH,
+    TOLD_MISMATCH,
+    Structure,
+    closure_names,
+    structure,
+)
 from psp3.description.urdf import read_robot
 from psp3.dynamics.closed_pose import ClosedPose
+from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import (
     ClosureFailed,
@@ -40,26 +50,59 @@ from psp3.errors import (
     JointLimitExceeded,
     MobilityMismatch,
     NoFiniteAnswer,
+    RoundedLoops,
     SingularConfiguration,
     UnknownName,
+    UnreachableForces,
 )
 from psp3.multibody.closing import SINGULAR
 from psp3.multibody.core import Core, LastPose, NoAnswer
-from psp3.multibody.flatten import NO_MOTORS, flattened
+from psp3.multibody.equations import Hinge
+from psp3.multibody.flatten import NO_MOTORS, Springs, flattened
 from psp3.multibody.motion import (
     BEYOND_LIMIT,
     COMPLEMENT,
     CONFIGURATION,
     ENERGIES,
     EQUATION_OF_MOTION,
+    FORWARD_DERIVATIVES,
     FORWARD_DYNAMICS,
+    INVERSE_DERIVATIVES,
     INVERSE_DYNAMICS,
     MOTION,
     NOT_FINITE,
 )
+from psp3.robots.construction import motor_matrix, named_closures
+from psp3.robots.loop_forces import ClosureForces, forces_of_motion
+from psp3.robots.pickling import constraints, plain
 
 DYNAMICS_MODELS = ("core", "pinocchio", "noc")
 """Names of the implementations of the equation of motion of any robot."""
+
+FREE = ("lock", "keep", "refuse")
+"""What can be done with motions that no motor commands."""
+
+ALLOWED_MISMATCH = 10.0
+"""Elsewhere in the workspace loops may stay open by so many times what was found near home."""
+
+PRELOAD_TOLERANCE = 1e-7
+"""Share of the largest singular value of the actuation matrix up to which one counts as zero."""
+
+UNREACHABLE = 1e-8
+"""Share of the forces of a motion that the motors may leave over, by rounding."""
+
+logger = logging.getLogger(__name__)
+
+
+class ClosureMismatch(NamedTuple):
+    """How far a robot's loops contradict themselves, and what that did to its home."""
+
+    length: float
+    """How far redundant closure equations stay open in position [m]."""
+    angle: float
+    """And in direction [rad]."""
+    home_moved: float
+    """How far the reference pose is from the one that was given, in any joint [m, rad]."""
 
 
 class ClosedLoopRobot:
@@ -68,7 +111,7 @@ class ClosedLoopRobot:
     Arguments and results are in actuated coordinates.
 
     What Pinocchio computes (frames and their Jacobians) serves one thread at a time, because it is
-    computed in one ``data``; everything else serves many.
+    computed in one ``data``; everything else serves many. A robot can be pickled and copied.
 
     Parameters
     ----------
@@ -83,22 +126,49 @@ class ClosedLoopRobot:
         only nearly close the loops.
     visual_model : pinocchio.GeometryModel, optional
         What the robot looks like.
+    equations : sequence of Hinge or Coupling
+        Closures that Pinocchio has no model of.
+    springs : mapping of str to (float, float), optional
+        Stiffness and rest of joints of one degree of freedom [N/m, m or N m, rad].
+    tendons : mapping of str to mapping, optional
+        Motors that drive several joints: by a name that is in ``actuated``, the lever of each joint
+        by its name.
+    closures : sequence of (str, str, str)
+        More closures: two frames and ``"3d"``, ``"6d"`` or ``"hinge"`` (origin and z axis). With
+        ``"world"`` instead of the second frame the first one stays where it is in the reference
+        configuration, as a foot on the ground.
+    free : {"lock", "keep", "refuse"}
+        What becomes of motions that no motor commands: one joint is held where it is in the
+        reference configuration, its inertia kept, and a warning names it (``locked``); or that
+        joint becomes a coordinate beside the motors; or :class:`MobilityMismatch` is raised. Which
+        joint that is, is said in :mod:`psp3.closure.coordinates`. A floating base is always kept.
+    coordinates : sequence of str, optional
+        Joints that are coordinates, first of all; else the motors.
 
     Attributes
     ----------
     actuated_q, actuated_v, dependent_v : ndarray of int
-        Places of the actuated joints in configurations and in joint velocities, and of the other
-        joints in joint velocities.
+        Places of the actuated joints in configurations and in joint velocities, and in joint
+        velocities of those that follow from the coordinates.
+    coordinates : tuple of str
+        Joints whose positions, speeds and forces all functions take and return: the motors, where
+        they are as many as the degrees of freedom. Positions stand as in a configuration, speeds
+        and forces as in a velocity: a floating base, which is last, has 7 and 6.
+    locked : tuple of Locked
+        Free motions that are held.
     mobility : Mobility
         How many ways the mechanism can move, and how many of them its motors command.
+    closure_mismatch : ClosureMismatch
+        How far the loops contradict themselves, by the rounding of their numbers.
 
     Raises
     ------
     ClosureFailed
         If the loops cannot be closed near the reference configuration.
+    RoundedLoops
+        If redundant loops contradict themselves by more than rounding, or leave nothing to move.
     MobilityMismatch
-        If the number of actuated joints is not the number of degrees of freedom that the loops
-        leave.
+        If nothing moves, or motors leave motions free and ``free="refuse"``.
     """
 
     urdf: Path | None = None
@@ -115,20 +185,124 @@ class ClosedLoopRobot:
         actuated: Sequence[str],
         q0: ArrayLike | None = None,
         visual_model: Any = None,
+        equations: Sequence[Any] = (),
+        springs: Springs | None = None,
+        tendons: Mapping[str, Mapping[str, float]] | None = None,
+        *,
+        closures: Sequence[tuple[str, str, str]] = (),
+        free: str = "lock",
+        coordinates: Sequence[str] | None = None,
     ) -> None:
+        if free not in FREE:
+            raise UnknownName("treatment of free motions", free, FREE)
+        self.options: dict[str, Any] = {
+            "equations": tuple(equations),
+            "springs": springs,
+            "tendons": tendons,
+            "free": free,
+            "coordinates": coordinates,
+        }
         self.model = model
-        self.data = model.createData()
         self.visual_model = visual_model if visual_model is not None else pin.GeometryModel()
         self.constraint_models = pin.StdVec_RigidConstraintModel()
         self.constraint_models.extend(list(constraint_models))
         self.actuated = tuple(actuated)
-        for name in self.actuated:
-            if not model.existJointName(name):
-                raise UnknownName("actuated joint", name, tuple(model.names)[1:])
-        joints = [model.joints[model.getJointId(name)] for name in self.actuated]
+        twice = [name for name in self.actuated if self.actuated.count(name) > 1]
+        if twice:
+            raise InvalidValue(
+                "actuated", self.actuated, f"each joint once, not {twice[0]!r} twice"
+            )
+        self.motors = motor_matrix(model, self.actuated, tendons or {})
+        driven = [name for name in self.actuated if name not in (tendons or {})]
+        joints = [model.joints[model.getJointId(name)] for name in driven]
         self.actuated_q = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         self.actuated_v = np.array([joint.idx_v for joint in joints], dtype=np.int64)
-        self.dependent_v = np.setdiff1d(np.arange(model.nv), self.actuated_v)
+        home = None if q0 is None else one_row("q0", q0, model.nq)
+        more = named_closures(model, closures, home)
+        self.constraint_models.extend([one for one in more if not isinstance(one, Hinge)])
+        self.equations = (*equations, *(one for one in more if isinstance(one, Hinge)))
+        self.options["equations"] = self.equations
+        every = [*self.constraint_models, *self.equations]
+        self._create_data()
+        names = closure_names(every)
+        flat = flattened(model, every, NO_MOTORS)
+        found = structure(model, flat, home, self.motors, names)
+        self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
+        _refuse(found, self.mobility, self.actuated, names, free)
+        chosen = chosen_coordinates(model, found, every, self.motors, free, coordinates, springs)
+        if not chosen.names:
+            raise MobilityMismatch(self.mobility, self.actuated)
+        self.coordinates, self.locked = chosen.names, chosen.locked
+        self.coordinates_q, self.coordinates_v = chosen.positions, chosen.speeds
+        self._position_count, self._speed_count = len(chosen.positions), len(chosen.speeds)
+        self.dependent_v = np.setdiff1d(np.arange(model.nv), [*chosen.speeds, *chosen.held])
+        self._limited = PassiveLimits(model, chosen.names)
+        self._held = chosen.held
+        self._core = self._settled(found.home if home is None else home, found)
+        self.q0: Array = self._core.q0
+        given = found.home if home is None else home
+        moved = float(np.abs(pin.difference(model, given, self.q0)).max(initial=0.0))
+        self.closure_mismatch = ClosureMismatch(found.length, found.angle, moved)
+        self._tell(names[found.worst] if names else "", found)
+
+    def _settled(self, guess: Array, found: Structure) -> Core:
+        """Return the core at a pose whose coordinates are those of the guess.
+
+        Or where all joints are closed best, if they cannot be kept.
+        """
+        mismatch, weakest = _allowance(found)
+
+        def core(start: Array) -> Core:
+            return Core(
+                self.model,
+                self._all_closures(),
+                self.coordinates_v,
+                start,
+                self._held,
+                self.options["springs"],
+                mismatch,
+                weakest,
+            )
+
+        try:
+            return core(guess)
+        except NoAnswer as failed:
+            refused = self._refused(failed, guess[self.coordinates_q][np.newaxis])
+        try:
+            return core(found.home)
+        except NoAnswer:
+            raise refused from None
+
+    def _all_closures(self) -> list[Any]:
+        """Return what closes the tree: loops, other equations, and balls held in spin."""
+        spins = [one.spin for one in self.locked if one.spin is not None]
+        return [*self.constraint_models, *self.equations, *spins]
+
+    def _tell(self, loop: str, found: Structure) -> None:
+        """Warn of what the file may not have meant: rounded loops, and motions that are held."""
+        if found.mismatch > TOLD_MISMATCH:
+            logger.warning(
+                "%s: redundant loops contradict each other by %.2g m and %.2g rad, most of all %r; "
+                "they are closed as well as they can be, and home was moved by %.2g (m, rad): "
+                "more digits would close them (robot.closure_mismatch)",
+                self.title,
+                found.length,
+                found.angle,
+                loop,
+                self.closure_mismatch.home_moved,
+            )
+        if self.locked:
+            logger.warning(
+                "%s: no motor commands these motions, which are held where they are: %s; a body "
+                "that would turn keeps its inertia where it is, also off its axis "
+                '(free="keep" makes them coordinates, free="refuse" refuses the robot)',
+                self.title,
+                "; ".join(map(str, self.locked)),
+            )
+
+    def _create_data(self) -> None:
+        """Make the memory in which Pinocchio computes."""
+        self.data = self.model.createData()
         self._constraint_data = pin.StdVec_RigidConstraintData()
         self._dynamics_data = pin.StdVec_RigidConstraintData()
         for constraint in self.constraint_models:
@@ -136,26 +310,29 @@ class ClosedLoopRobot:
             # Constraint data must not be shared between algorithms of Pinocchio: results would be
             # silently wrong.
             self._dynamics_data.append(constraint.createData())
-        self._limited = PassiveLimits(model, self.actuated)
-        start = (
-            assembled(
-                model, flattened(model, self.constraint_models, NO_MOTORS), pin.neutral(model)
-            )
-            if q0 is None
-            else one_row("q0", q0, model.nq)
-        )
-        self.mobility = mobility(model, self.constraint_models, self.actuated, start)
-        if self.mobility.under_actuation or self.mobility.over_actuation:
-            raise MobilityMismatch(self.mobility, self.actuated)
-        try:
-            self._core = Core(model, self.constraint_models, self.actuated_v, start)
-        except NoAnswer as failed:
-            raise self._refused(failed, start[self.actuated_q][np.newaxis]) from None
-        self.q0: Array = self._core.q0
+
+    def __getstate__(self) -> dict[str, Any]:
+        # Pinocchio pickles neither constraints nor what it computes of them.
+        state = {**self.__dict__, "constraint_models": plain(self.constraint_models)}
+        for made in ("data", "_constraint_data", "_dynamics_data"):
+            del state[made]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self.constraint_models = constraints(self.model, state["constraint_models"])
+        self._create_data()
 
     @classmethod
     def from_urdf(
-        cls, urdf: str | Path, loops: str | Path, srdf: str | Path | None = None
+        cls,
+        urdf: str | Path,
+        loops: str | Path,
+        srdf: str | Path | None = None,
+        *,
+        free: str = "lock",
+        coordinates: Sequence[str] | None = None,
+        closures: Sequence[tuple[str, str, str]] = (),
     ) -> ClosedLoopRobot:
         """Load a robot from a URDF and a loop file.
 
@@ -167,18 +344,30 @@ class ClosedLoopRobot:
             The loop file, in the keys of :mod:`psp3.description.loop_file`.
         srdf : path, optional
             Reference poses; the pose ``home`` becomes ``q0``.
+        free, coordinates, closures
+            See the class.
 
         Raises
         ------
         InvalidRobotFile
             If a file is missing or malformed, or a frame or joint it names does not exist.
         """
-        robot = cls(*read_robot(urdf, loops, srdf))
+        robot = cls(
+            *read_robot(urdf, loops, srdf), free=free, coordinates=coordinates, closures=closures
+        )
         robot.urdf, robot.srdf = Path(urdf), None if srdf is None else Path(srdf)
         return robot
 
     @classmethod
-    def from_mjcf(cls, mjcf: str | Path, actuated: Sequence[str] | None = None) -> ClosedLoopRobot:
+    def from_mjcf(
+        cls,
+        mjcf: str | Path,
+        actuated: Sequence[str] | None = None,
+        *,
+        free: str = "lock",
+        coordinates: Sequence[str] | None = None,
+        closures: Sequence[tuple[str, str, str]] = (),
+    ) -> ClosedLoopRobot:
         """Load a robot from an MJCF file whose loops are equality constraints.
 
         Parameters
@@ -187,6 +376,8 @@ class ClosedLoopRobot:
             The file; what it may hold is said in :func:`psp3.description.mjcf.read_mjcf`.
         actuated : sequence of str, optional
             Names of the actuated joints; those of the file's actuators by default.
+        free, coordinates, closures
+            See the class.
 
         Raises
         ------
@@ -196,12 +387,14 @@ class ClosedLoopRobot:
         """
         from psp3.description.mjcf import read_mjcf
 
-        return cls(*read_mjcf(mjcf, actuated))
+        return cls(
+            *read_mjcf(mjcf, actuated), free=free, coordinates=coordinates, closures=closures
+        )
 
     @property
     def reference(self) -> Array:
-        """Actuated positions of the reference configuration ``q0``, (n,) [m or rad]."""
-        positions: Array = self.q0[self.actuated_q]
+        """Positions of the coordinates in the reference configuration ``q0``, (p,) [m or rad]."""
+        positions: Array = self.q0[self.coordinates_q]
         return positions
 
     @property
@@ -224,19 +417,23 @@ class ClosedLoopRobot:
         """How to make a compiled plant of the robot from a number of steps and its drives."""
         from psp3.robots.stepping import CoreSteps
 
+        if not self._drives_coordinates:
+            # Quaternions among the coordinates, or motors that are not these.
+            raise InvalidValue("robot", self.title, "one whose coordinates are those of its motors")
         return functools.partial(CoreSteps, self._core)
 
     def compiled_table(self) -> NamedTuple | None:
         """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
         import psp3.robots.stepping  # noqa: F401 # registers what loops ask of it
 
-        return self._core.tables() if type(self) is ClosedLoopRobot else None
+        is_ours = type(self) is ClosedLoopRobot and self._drives_coordinates
+        return self._core.tables() if is_ours else None
 
     @property
     def limits(self) -> tuple[Array, Array]:
-        """Lowest and highest positions of the actuated joints, each (n,) [m or rad]."""
-        return self.model.lowerPositionLimit[self.actuated_q], self.model.upperPositionLimit[
-            self.actuated_q
+        """Lowest and highest positions of the coordinates, each (p,) [m or rad]."""
+        return self.model.lowerPositionLimit[self.coordinates_q], self.model.upperPositionLimit[
+            self.coordinates_q
         ]
 
     def dynamics(self, name: str) -> DynamicsModel:
@@ -261,6 +458,13 @@ class ClosedLoopRobot:
         """
         if name == "core":
             return self
+        unknown = self._known_to_core_alone()
+        if unknown and name in DYNAMICS_MODELS:
+            raise InvalidValue(
+                f"robot.dynamics({name!r}) of a robot with",
+                unknown,
+                "a tree with closures at points or frames; robot.dynamics('core') knows the rest",
+            )
         if name == "pinocchio":
             from psp3.dynamics.projected import ProjectedDynamics
 
@@ -270,6 +474,19 @@ class ClosedLoopRobot:
 
             return NaturalOrthogonalComplement(self)
         raise UnknownName("dynamics model", name, DYNAMICS_MODELS)
+
+    def _known_to_core_alone(self) -> str:
+        """Say what of the robot the other routes do not know; nothing if they know all."""
+        parts = {
+            "hinges or couplings": bool(self.equations),
+            "a ball whose spin is held": any(one.spin is not None for one in self.locked),
+            "springs": bool(self.options["springs"]),
+            "joint damping": bool(self.model.damping.any()),
+            "dry friction": bool(self.model.upperDryFrictionLimit.any()),
+            "loops closed in the least-squares sense": self.closure_mismatch.length > EXACT
+            or self.closure_mismatch.angle > EXACT,
+        }
+        return ", ".join(part for part, is_there in parts.items() if is_there)
 
     # Closing the loops
 
@@ -293,8 +510,7 @@ class ClosedLoopRobot:
         """Return a memory of the pose that the caller was in last.
 
         Given as ``guess``, closing the loops starts from there, which is faster where the robot
-        moves little between two calls. It belongs to one thread at a time. None, which is no guess,
-        of a robot in closed form: it has nothing to look for.
+        moves little between two calls. It belongs to one thread at a time.
         """
         return self._core.last_pose()
 
@@ -334,18 +550,18 @@ class ClosedLoopRobot:
                     return out
             except TypeError:  # lists, many states, numbers of another kind
                 pass
-        n = len(self.actuated)
+        p, n = self._position_count, self._speed_count
         arrays = together(
             **{
-                name: finite_rows(name, value, n)
-                for name, value in (
-                    ("positions", positions),
-                    ("speeds", speeds),
-                    (name_of_third, third),
+                name: finite_rows(name, value, count)
+                for name, value, count in (
+                    ("positions", positions, p),
+                    ("speeds", speeds, n),
+                    (name_of_third, third, n),
                 )
             }
         )
-        shape, rows = arrays[0].shape[:-1], [array.reshape(-1, n) for array in arrays]
+        shape, rows = arrays[0].shape[:-1], [array.reshape(-1, array.shape[-1]) for array in arrays]
         if guess is not None and not isinstance(guess, LastPose):
             guess = np.array(one_row("guess", guess, self.model.nq))
         out = np.empty((len(rows[0]), width))
@@ -362,10 +578,21 @@ class ClosedLoopRobot:
 
         Its result has the given shape.
         """
-        width = len(self.actuated)
+        widths = self._widths(arguments)
         return applied_to_rows(
-            function, shape, **{name: (values, width) for name, values in arguments.items()}
+            function,
+            shape,
+            **{
+                name: (values, width)
+                for (name, values), width in zip(arguments.items(), widths, strict=True)
+            },
         )
+
+    def _widths(self, arguments: Mapping[str, Any]) -> list[int]:
+        """Return how many numbers each argument has: positions may be more than speeds."""
+        return [
+            self._position_count if name == "positions" else self._speed_count for name in arguments
+        ]
 
     def configuration(
         self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None
@@ -396,7 +623,9 @@ class ClosedLoopRobot:
         JointLimitExceeded
             If an un-actuated joint would be beyond its limits.
         """
-        return self._ask(CONFIGURATION, self.model.nq, guess, positions, positions, positions)
+        same = self._position_count == self._speed_count
+        rest = positions if same else np.zeros(self._speed_count)
+        return self._ask(CONFIGURATION, self.model.nq, guess, positions, rest, rest)
 
     def configurations_along(self, path: ArrayLike, guess: ArrayLike | None = None) -> Array:
         """Return the configurations along a path.
@@ -420,11 +649,14 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, JointLimitExceeded
             See :meth:`configuration`.
         """
-        rows = finite_rows("positions", path, len(self.actuated)).reshape(-1, len(self.actuated))
+        rows = finite_rows("positions", path, self._position_count).reshape(
+            -1, self._position_count
+        )
         start = None if guess is None else np.array(one_row("guess", guess, self.model.nq))
         out = np.empty((len(rows), self.model.nq))
         try:
-            self._core.ask(CONFIGURATION, rows, rows, rows, out, start, is_path=True)
+            rest = np.zeros((len(rows), self._speed_count))
+            self._core.ask(CONFIGURATION, rows, rest, rest, out, start, is_path=True)
         except NoAnswer as failed:
             raise self._refused(failed, rows) from None
         return out.reshape(*np.shape(path)[:-1], self.model.nq)
@@ -450,9 +682,10 @@ class ClosedLoopRobot:
         SingularConfiguration
             If the actuated joints do not determine the others here.
         """
-        row = one_row("positions", positions, len(self.actuated))
-        nq, n = self.model.nq, len(self.actuated)
-        both = self._ask(COMPLEMENT, nq + self.model.nv * n, None, row, row, row)
+        row = one_row("positions", positions, self._position_count)
+        nq, n = self.model.nq, self._speed_count
+        rest = np.zeros(n)
+        both = self._ask(COMPLEMENT, nq + self.model.nv * n, None, row, rest, rest)
         complement = np.ascontiguousarray(both[nq:].reshape(n, self.model.nv).T)
         return ClosedPose(both[:nq].copy(), complement, self._dependent_inverse)
 
@@ -478,7 +711,7 @@ class ClosedLoopRobot:
             See :meth:`configuration`.
         """
         nq, nv = self.model.nq, self.model.nv
-        rest = np.zeros(len(self.actuated))
+        rest = np.zeros(self._speed_count)
         motion = self._ask(MOTION, nq + 2 * nv, None, positions, speeds, rest)
         return motion[..., nq : nq + nv]
 
@@ -511,9 +744,9 @@ class ClosedLoopRobot:
             MOTION,
             nq + 2 * nv,
             q,
-            q[self.actuated_q],
-            v[self.actuated_v],
-            np.zeros(len(self.actuated)),
+            q[self.coordinates_q],
+            v[self.coordinates_v],
+            np.zeros(self._speed_count),
         )
         return motion[nq + nv :]
 
@@ -547,7 +780,7 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        n = len(self.actuated)
+        n = self._speed_count
         packed = self._ask(EQUATION_OF_MOTION, 2 * n * n + n, guess, positions, speeds, speeds)
         square = (*packed.shape[:-1], n, n)
         return (
@@ -558,7 +791,7 @@ class ClosedLoopRobot:
 
     def mass_matrix(self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         """Return the mass matrix M, of shape (..., n, n); see :meth:`equation_of_motion`."""
-        return self.equation_of_motion(positions, np.zeros(len(self.actuated)), guess)[0]
+        return self.equation_of_motion(positions, np.zeros(self._speed_count), guess)[0]
 
     def coriolis_matrix(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the Coriolis matrix C, of shape (..., n, n); see :meth:`equation_of_motion`."""
@@ -566,7 +799,7 @@ class ClosedLoopRobot:
 
     def gravity(self, positions: ArrayLike) -> Array:
         """Return the gravity vector G, of shape (..., n); see :meth:`equation_of_motion`."""
-        return self.equation_of_motion(positions, np.zeros(len(self.actuated)))[2]
+        return self.equation_of_motion(positions, np.zeros(self._speed_count))[2]
 
     def inverse_dynamics(
         self,
@@ -596,7 +829,7 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        n = len(self.actuated)
+        n = self._speed_count
         return self._ask(INVERSE_DYNAMICS, n, guess, positions, speeds, accelerations)
 
     def actuator_forces(
@@ -606,11 +839,122 @@ class ClosedLoopRobot:
         accelerations: ArrayLike,
         guess: ArrayLike | LastPose | None = None,
     ) -> Array:
-        """Return the forces of the motors for a motion; see :meth:`inverse_dynamics`.
+        r"""Return the forces of the motors for a motion, of least norm where motors are many.
 
-        The motors are as many as the coordinates, so that both are the same.
+        They solve :math:`A \tau = y` with :math:`A` from :meth:`actuation_matrix` and y from
+        :meth:`inverse_dynamics`. With as many motors as coordinates both are the same.
+
+        Parameters
+        ----------
+        positions, speeds, accelerations : (..., p), (..., n), (..., n) array_like
+            Motion of the coordinates.
+
+        Returns
+        -------
+        (..., m) ndarray
+            Forces [N] or torques [N m] of the motors, in the order of ``actuated``.
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, SingularConfiguration
+            See :meth:`configuration`.
+        UnreachableForces
+            If motors are missing for this motion.
         """
-        return self.inverse_dynamics(positions, speeds, accelerations, guess)
+        forces = self.inverse_dynamics(positions, speeds, accelerations, guess)
+        if self._drives_coordinates:
+            return forces
+        actuation = self.actuation_matrix(positions)
+        inverse = np.linalg.pinv(actuation, rcond=PRELOAD_TOLERANCE)
+        motors: Array = np.einsum("...mn,...n->...m", inverse, forces)
+        left = np.abs(forces - np.einsum("...nm,...m->...n", actuation, motors))
+        size = float(left.max(initial=0.0))
+        if size > UNREACHABLE * (1.0 + float(np.abs(forces).max(initial=0.0))):
+            raise UnreachableForces(size, self.coordinates)
+        return motors
+
+    @property
+    def _drives_coordinates(self) -> bool:
+        """Whether each coordinate is that of a motor, in the same order."""
+        same = self.motors.shape[1] == self._speed_count
+        return same and bool((self.motors[self.coordinates_v] == np.eye(self._speed_count)).all())
+
+    def actuation_matrix(self, positions: ArrayLike) -> Array:
+        r"""Return what the motors' forces do along the coordinates, :math:`A = L^T B`.
+
+        B has a column a motor, with a one at its joint, or the levers of its tendon. The equation
+        of motion is :math:`M a + C v + G = A \tau`.
+
+        Parameters
+        ----------
+        positions : (..., p) array_like
+            Positions of the coordinates [m or rad].
+
+        Returns
+        -------
+        (..., n, m) ndarray
+            The unit matrix, where the coordinates are those of the motors.
+        """
+        nq, nv, n = self.model.nq, self.model.nv, self._speed_count
+        rest = np.zeros(n)
+        both = self._ask(COMPLEMENT, nq + nv * n, None, positions, rest, rest)
+        transposed = both[..., nq:].reshape(*both.shape[:-1], n, nv)
+        return np.asarray(transposed @ self.motors)
+
+    def preload(self, positions: ArrayLike) -> Array:
+        """Return a basis of the motors' forces that move nothing, (m, k), at one pose.
+
+        With more motors than degrees of freedom they can work against each other; without, k is 0.
+
+        Parameters
+        ----------
+        positions : (p,) array_like
+            Positions of the coordinates [m or rad].
+        """
+        row = one_row("positions", positions, self._position_count)
+        return null_space(self.actuation_matrix(row), PRELOAD_TOLERANCE, 1.0)
+
+    def closure_forces(
+        self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike
+    ) -> ClosureForces:
+        r"""Return the forces in every loop and every joint of one state.
+
+        They are the :math:`\lambda` of :math:`J^T \lambda = f - B \tau`, with f the forces of the
+        open tree in the motion that the motors' forces bring about, and J the derivative of the
+        closure equations. Where loops are redundant they are the shortest.
+
+        Parameters
+        ----------
+        positions, speeds : (p,), (n,) array_like
+            State of the coordinates.
+        forces : (n,) array_like
+            Forces along the coordinates; of motors, :meth:`actuation_matrix` times theirs.
+
+        Returns
+        -------
+        ClosureForces
+            ``.loops`` in the order of ``constraint_models`` and then of ``equations``, without
+            couplings, whose forces are along the joints; ``.joints`` in the order of the model.
+        """
+        row = one_row("positions", positions, self._position_count)
+        speed = one_row("speeds", speeds, self._speed_count)
+        force = one_row("forces", forces, self._speed_count)
+        acceleration = self.forward_dynamics(row, speed, force)
+        nq, nv = self.model.nq, self.model.nv
+        motion = self._ask(MOTION, nq + 2 * nv, None, row, speed, acceleration)
+        q, v, a = motion[:nq], motion[nq : nq + nv], motion[nq + nv :]
+        # The forces along the coordinates act at their joints.
+        acting = -self.joint_resistance(q, v)
+        acting[self.coordinates_v] += force
+        return forces_of_motion(self.model, self._all_closures(), self._held, (q, v, a), acting)
+
+    def joint_resistance(self, q: Array, v: Array) -> Array:
+        """Return the forces of springs, damping and dry friction of all joints, (nv,)."""
+        forces = self.model.damping * v + self.model.upperDryFrictionLimit * np.sign(v)
+        for name, (stiffness, rest) in (self.options["springs"] or {}).items():
+            joint = self.model.joints[self.model.getJointId(name)]
+            forces[joint.idx_v] += stiffness * (q[joint.idx_q] - rest)
+        return np.asarray(forces)
 
     def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return all joint accelerations of the tree under actuator forces.
@@ -637,7 +981,7 @@ class ClosedLoopRobot:
         # Redundant closures make the constraint inertia singular; the proximal iteration then
         # converges to the same motion.
         rows = sum(constraint.residualSize() for constraint in self.constraint_models)
-        redundant = rows > self.model.nv - len(self.actuated)
+        redundant = rows > self.model.nv - self._speed_count
         settings = pin.ProximalSettings(
             1e-12, 1e-12, 1e-6 if redundant else 0.0, 50 if redundant else 1
         )
@@ -677,8 +1021,81 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, SingularConfiguration
             See :meth:`configuration`.
         """
-        n = len(self.actuated)
+        n = self._speed_count
         return self._ask(FORWARD_DYNAMICS, n, guess, positions, speeds, forces, "forces")
+
+    def inverse_dynamics_derivatives(
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> InverseDynamicsDerivatives:
+        """Return the derivatives of the actuator forces of a motion, along the closed loops.
+
+        See :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`.
+
+        Parameters
+        ----------
+        positions, speeds, accelerations : (..., n) array_like
+            Motion of the actuated joints [m, m/s, m/s² or rad, rad/s, rad/s²].
+        guess : (nq,) array_like or LastPose, optional
+            Where closing the loops starts; ``q0`` by default.
+
+        Returns
+        -------
+        InverseDynamicsDerivatives
+            ``.by_positions .by_speeds .by_accelerations``, each (..., n, n).
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, SingularConfiguration
+            See :meth:`configuration`.
+        """
+        return InverseDynamicsDerivatives(
+            *self._three_matrices(INVERSE_DERIVATIVES, guess, positions, speeds, accelerations)
+        )
+
+    def forward_dynamics_derivatives(
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        forces: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> ForwardDynamicsDerivatives:
+        """Return the derivatives of the accelerations under actuator forces.
+
+        See :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`.
+
+        Parameters
+        ----------
+        positions, speeds, forces : (..., n) array_like
+            State of the actuated joints, and their forces [N or N m].
+        guess : (nq,) array_like or LastPose, optional
+            Where closing the loops starts; ``q0`` by default.
+
+        Returns
+        -------
+        ForwardDynamicsDerivatives
+            ``.by_positions .by_speeds .by_forces``, each (..., n, n).
+
+        Raises
+        ------
+        InvalidArray, ClosureFailed, SingularConfiguration
+            See :meth:`configuration`.
+        """
+        return ForwardDynamicsDerivatives(
+            *self._three_matrices(FORWARD_DERIVATIVES, guess, positions, speeds, forces, "forces")
+        )
+
+    def _three_matrices(
+        self, question: int, guess: ArrayLike | LastPose | None, *arguments: Any
+    ) -> tuple[Array, Array, Array]:
+        """Return three answers that are matrices, each (..., n, n)."""
+        n = self._speed_count
+        found = self._ask(question, 3 * n * n, guess, *arguments)
+        found = found.reshape(*found.shape[:-1], 3, n, n)
+        return found[..., 0, :, :], found[..., 1, :, :], found[..., 2, :, :]
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
         """Return the Jacobian of a frame by the actuated coordinates.
@@ -715,7 +1132,7 @@ class ClosedLoopRobot:
             # Of a model with a single degree of freedom Pinocchio returns a vector.
             return np.asarray(jacobian.reshape(6, self.model.nv) @ complement)
 
-        return self._map(one, (6, len(self.actuated)), positions=positions)
+        return self._map(one, (6, self._speed_count), positions=positions)
 
     def frame_placement(self, positions: ArrayLike, frame: str) -> Array:
         """Return the placement of a frame in base axes.
@@ -814,5 +1231,28 @@ class ClosedLoopRobot:
 
         Zero with all masses at the base's height.
         """
-        rest = np.zeros(len(self.actuated))
+        rest = np.zeros(self._speed_count)
         return self._ask(ENERGIES, 2, None, positions, rest, rest)[..., 1]
+
+
+def _allowance(found: Structure) -> tuple[float, float]:
+    """Return the residual that loops may keep by rounding, and the weakest pivot that counts."""
+    if found.mismatch <= EXACT:
+        return 0.0, 0.0
+    # In meters and radians at once: the kernels look at the largest.
+    return ALLOWED_MISMATCH * max(found.length, found.angle), 3.0 * found.dropped
+
+
+def _refuse(
+    found: Structure,
+    found_mobility: Any,
+    actuated: Sequence[str],
+    names: Sequence[str],
+    free: str,
+) -> None:
+    """Refuse a mechanism that does not move, or whose loops do not agree."""
+    freedoms = found_mobility.degrees_of_freedom
+    if found.mismatch > LARGEST_MISMATCH or (freedoms == 0 and found.mismatch > EXACT):
+        raise RoundedLoops(names[found.worst], found.length, found.angle, freedoms)
+    if freedoms == 0 or (free == "refuse" and found_mobility.under_actuation):
+        raise MobilityMismatch(found_mobility, actuated)

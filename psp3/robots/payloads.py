@@ -70,5 +70,10 @@ def with_payload(
         place.parentJoint, pin.Inertia(mass, np.zeros(3), np.diag(moments)), place.placement
     )
     return ClosedLoopRobot(
-        model, robot.constraint_models, robot.actuated, robot.q0, robot.visual_model
+        model,
+        robot.constraint_models,
+        robot.actuated,
+        robot.q0,
+        robot.visual_model,
+        **robot.options,
     )

@@ -102,12 +102,9 @@ class PSP3(ClosedLoopRobot):
         visual_model: Any,
         parameters: Parameters,
     ) -> None:
-        from psp3.three_psp import closed_form, many_states
-
         super().__init__(model, constraint_models, actuated, q0, visual_model)
         self.parameters = parameters
-        self._kernels = closed_form
-        self._of_many = many_states.first_refused_row
+        self._load_kernels()
         self._p = parameters.as_array()
         self._configuration_order = np.array(
             [
@@ -116,6 +113,22 @@ class PSP3(ClosedLoopRobot):
                 for joint in ("a", "phi", "theta", "lambda", "b")
             ]
         )
+
+    def _load_kernels(self) -> None:
+        from psp3.three_psp import closed_form, many_states
+
+        self._kernels = closed_form
+        self._of_many = many_states.first_refused_row
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = super().__getstate__()
+        # A module cannot be pickled.
+        del state["_kernels"], state["_of_many"]
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        super().__setstate__(state)
+        self._load_kernels()
 
     @property
     def stroke(self) -> tuple[Array, Array]:
@@ -147,14 +160,14 @@ class PSP3(ClosedLoopRobot):
 
         return functools.partial(ClosedFormSteps, self._p)
 
+    def last_pose(self) -> None:
+        """Return None: a closed form has no pose to look for."""
+
     def compiled_table(self) -> NamedTuple | None:
         """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
         from psp3.three_psp.stepping import closed_form_table
 
         return closed_form_table(self._p) if type(self) is PSP3 else None
-
-    def last_pose(self) -> None:
-        """Return None: a closed form has no pose to look for."""
 
     def _ask(
         self,
@@ -168,9 +181,9 @@ class PSP3(ClosedLoopRobot):
     ) -> Array:
         """Return answers of the core, each from the pose in closed form."""
 
-        def one(row: Array, *others: Array) -> Array:
+        def one(row: Array, speed: Array, other: Array) -> Array:
             start = self.configuration(row) if guess is None else guess
-            return super(PSP3, self)._ask(question, width, start, row, *others, name_of_third)
+            return super(PSP3, self)._ask(question, width, start, row, speed, other, name_of_third)
 
         return applied_to_rows(
             one,
@@ -241,7 +254,7 @@ class PSP3(ClosedLoopRobot):
             self._refuse(row, heights=a)
         return Pose(out)
 
-    def configuration(self, heights: ArrayLike, guess: object = None) -> Array:
+    def configuration(self, heights: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         r"""Return the Pinocchio configuration that closes the loops (eq. 3.5).
 
         With :math:`(x, y)` the star's slope in the axes of leg k: :math:`\tan\varphi_k = x`,
@@ -449,7 +462,10 @@ class PSP3(ClosedLoopRobot):
     # Dynamics
 
     def equation_of_motion(
-        self, heights: ArrayLike, speeds: ArrayLike, guess: object = None
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity vector in one call (eq. 3.1–3.4).
 
@@ -459,8 +475,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds : (..., 3) array_like
             Nut heights [m] and speeds [m/s].
-        guess : object, optional
-            Any robot takes one; the closed form has no need of it.
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------
@@ -493,7 +509,7 @@ class PSP3(ClosedLoopRobot):
         square = (*a.shape[:-1], 3, 3)
         return out[..., :9].reshape(square), out[..., 9:18].reshape(square), out[..., 18:]
 
-    def mass_matrix(self, heights: ArrayLike, guess: object = None) -> Array:
+    def mass_matrix(self, heights: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         """Return the mass matrix M (eq. 3.2), of shape (..., 3, 3) [kg].
 
         See :meth:`equation_of_motion`.
@@ -519,7 +535,7 @@ class PSP3(ClosedLoopRobot):
         heights: ArrayLike,
         speeds: ArrayLike,
         accelerations: ArrayLike,
-        guess: object = None,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         r"""Return the screw forces of a motion, :math:`\tau = M \ddot a + C \dot a + G` (eq. 3.1).
 
@@ -527,8 +543,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, accelerations : (..., 3) array_like
             Nut heights [m], speeds [m/s] and accelerations [m/s²].
-        guess : object, optional
-            Any robot takes one; the closed form has no need of it.
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------
@@ -557,7 +573,11 @@ class PSP3(ClosedLoopRobot):
         return out
 
     def forward_dynamics(
-        self, heights: ArrayLike, speeds: ArrayLike, forces: ArrayLike, guess: object = None
+        self,
+        heights: ArrayLike,
+        speeds: ArrayLike,
+        forces: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         r"""Return the accelerations under given screw forces.
 
@@ -567,8 +587,8 @@ class PSP3(ClosedLoopRobot):
         ----------
         heights, speeds, forces : (..., 3) array_like
             Nut heights [m], speeds [m/s] and forces along the screws [N].
-        guess : object, optional
-            Any robot takes one; the closed form has no need of it.
+        guess : ignored
+            The closed form needs none; here for the signature of :class:`psp3.ClosedLoopRobot`.
 
         Returns
         -------

@@ -589,14 +589,18 @@ def test_a_linkage_closes_and_moves_as_in_mujoco(tmp_path: Path, equality: str) 
 def test_what_is_not_read_of_the_forces_is_logged(
     tmp_path: Path, caplog: pytest.LogCaptureFixture
 ) -> None:
-    body = f'<body name="a" gravcomp="1"><joint name="j" stiffness="3"/>{INERTIA}</body>'
+    body = (
+        f'<body name="a" gravcomp="1"><joint name="j" type="ball" stiffness="3"/>{INERTIA}</body>'
+    )
+    body += f'<body name="b"><joint name="k"/>{INERTIA}</body>'
     with caplog.at_level(logging.WARNING, "psp3"):
         read(
             tmp_path,
             model(
                 body,
                 '<option density="1.2"/>',
-                '<tendon><fixed name="t"><joint joint="j" coef="1"/></fixed></tendon>',
+                '<tendon><fixed name="t" stiffness="1"><joint joint="k" coef="1"/></fixed>'
+                "</tendon>",
             ),
         )
     assert (

@@ -82,6 +82,11 @@ EXAMPLES = [
         ["11 of 12", "1.5e+16"],
     ),
     (
+        errors.NoFiniteAnswer(HEIGHTS),
+        {"positions": HEIGHTS},
+        ["0.2", "smaller speeds or forces", "mass or inertia"],
+    ),
+    (
         errors.MobilityMismatch(Mobility(3, 2, 2, 15, 12, 12, ("a3", "b3"), ()), ["a1", "a2"]),
         {"actuated": ("a1", "a2")},
         ["3 degrees of freedom", "2 actuated", "a1, a2", "a3, b3 can still move"],
@@ -177,6 +182,31 @@ EXAMPLES = [
         errors.StudyMismatch("some.sqlite", "format version", 2, 1),
         {"what": "format version", "found": 2, "expected": 1},
         ["some.sqlite", "format version is 2, not 1", "another file"],
+    ),
+    (
+        errors.LoopsDoNotClose(np.zeros(3), 0.25, "tip-top", 31),
+        {"residual": 0.25, "loop": "tip-top", "tried": 31},
+        ["31 starts", "loop 'tip-top'", "0.25", "home"],
+    ),
+    (
+        errors.RoundedLoops("tip-top", 0.01, 0.02, 0),
+        {"loop": "tip-top", "length": 0.01, "angle": 0.02, "freedoms": 0},
+        ["'tip-top'", "0.01 m", "0.02 rad", "0 degrees of freedom", "more digits"],
+    ),
+    (
+        errors.DependentCoordinates("m2", ["m1", "p1"]),
+        {"joint": "m2", "others": ("m1", "p1")},
+        ["'m2'", "m1, p1", "coordinates=[...]"],
+    ),
+    (
+        errors.DependentCoordinates("", []),
+        {"joint": "", "others": ()},
+        ["coordinates=[...]", "FIXED"],
+    ),
+    (
+        errors.UnreachableForces(0.5, ["m1", "p1"]),
+        {"residual": 0.5, "coordinates": ("m1", "p1")},
+        ["0.5 (N or N m)", "m1, p1", "forward_dynamics"],
     ),
 ]
 

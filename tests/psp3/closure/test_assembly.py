@@ -54,7 +54,12 @@ def test_a_robot_without_a_reference_pose_is_assembled() -> None:
     """With all joints at zero the legs do not meet."""
     robot = five_bar()
     without = ClosedLoopRobot(robot.model, robot.constraint_models, robot.actuated)
-    assert np.abs(residual(flattened(without.model, without.constraint_models, NO_MOTORS), without.q0)).max() < 1e-13
+    assert (
+        np.abs(
+            residual(flattened(without.model, without.constraint_models, NO_MOTORS), without.q0)
+        ).max()
+        < 1e-13
+    )
 
 
 def test_links_too_short_to_meet_are_refused_with_the_residual() -> None:

@@ -83,7 +83,9 @@ def test_right_in_number_but_wrong_in_kind(star: psp3.PSP3) -> None:
     assert (found.degrees_of_freedom, found.actuators, found.commanded) == (3, 3, 2)
     assert {"a1", "a2", "a3"} <= set(found.free_joints)
     with pytest.raises(MobilityMismatch) as caught:
-        psp3.ClosedLoopRobot(star.model, star.constraint_models, ("b1", "b2", "b3"), star.q0)
+        psp3.ClosedLoopRobot(
+            star.model, star.constraint_models, ("b1", "b2", "b3"), star.q0, free="refuse"
+        )
     assert caught.value.mobility == found
 
 

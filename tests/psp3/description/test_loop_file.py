@@ -73,7 +73,7 @@ def test_keys_of_other_tools_are_left_alone(tmp_path: Path) -> None:
             "for each of the 1 closed loops",
         ),
         ("closed_loop: [[A, B]]\ntype: []\nname_mot: [x]\n", "for each of the 1 closed loops"),
-        ("closed_loop: [[A, B]]\ntype: ['2d']\nname_mot: [x]\n", "'6d' or '3d'"),
+        ("closed_loop: [[A, B]]\ntype: ['2d']\nname_mot: [x]\n", "'6d', '3d' or 'hinge'"),
         ("closed_loop: [[A, B]]\ntype: 6d\nname_mot: [x]\n", "'type' must hold a list of names"),
         (
             "closed_loop: [[A, B]]\ntype: ['6d']\nname_mot: x\n",

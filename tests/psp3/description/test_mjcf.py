@@ -64,6 +64,7 @@ def by_hand() -> ClosedLoopRobot:
             pin.Inertia(2.0, np.array([0.1, 0.02, -0.03]), np.diag([0.02, 0.03, 0.04])),
             pin.SE3.Identity(),
         )
+    model.damping[:] = 0.1
     tip = pin.SE3(np.eye(3), np.array([0.35, 0.0, 0.01]))
     loop = pin.RigidConstraintModel(
         pin.ContactType.CONTACT_6D, model, 2, tip, 4, pin.SE3.Identity(), pin.ReferenceFrame.LOCAL
@@ -350,8 +351,8 @@ BAD = [
     ),
     (
         'weld name="loop" site1="tip" site2="top"',
-        'joint joint1="pin" joint2="crank"',
-        "an active <joint> is not read; only connect and weld",
+        'tendon tendon1="t"',
+        "an active <tendon> is not read; only connect, weld and joint",
     ),
     ('weld name="loop"', 'weld name="loop" active="perhaps"', "active must be true or false"),
     # Motors and poses
@@ -368,7 +369,7 @@ BAD = [
     (
         '<motor joint="crank"/>',
         '<motor name="m" tendon="t"/>',
-        "actuator: <motor name='m'> drives no joint",
+        "actuator: <motor name='m'> drives tendon 't', which is no fixed tendon",
     ),
     ("1 -0.6 1.2 -0.8", "1 -0.6 1.2", "<key name='home'>: qpos must hold 4 numbers, got 3"),
     ("1 -0.6 1.2 -0.8", "1 -0.6 nan -0.8", "qpos must be finite numbers"),

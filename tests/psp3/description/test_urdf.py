@@ -255,7 +255,7 @@ def test_a_hinge_that_is_there_twice_is_named_and_can_be_fixed(tmp_path: Path) -
     """
     urdf = closed_with_two_hinges(tmp_path)
     with pytest.raises(MobilityMismatch, match="2 degrees of freedom") as caught:
-        ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path), home(tmp_path)))
+        ClosedLoopRobot(*read_robot(urdf, loop_file(tmp_path), home(tmp_path)), free="refuse")
     assert set(caught.value.mobility.free_joints) == {"tip", "top"}
     assert caught.value.mobility.under_actuation == 1
     whole = ClosedLoopRobot(
@@ -307,7 +307,7 @@ def test_a_rod_between_two_ball_joints_spins_and_a_universal_joint_holds_it(tmp_
     urdf, loops = rod_between_two_balls(tmp_path), tmp_path / "rod.yaml"
     loops.write_text(ROD.format("SPHERICAL"))
     with pytest.raises(MobilityMismatch, match="2 degrees of freedom") as caught:
-        ClosedLoopRobot(*read_robot(urdf, loops))
+        ClosedLoopRobot(*read_robot(urdf, loops), free="refuse")
     assert caught.value.mobility.free_joints == ("foot",)
     loops.write_text(ROD.format("UJOINT_ZY"))
     robot = ClosedLoopRobot(*read_robot(urdf, loops))
@@ -368,3 +368,47 @@ def test_our_own_robots_read_without_a_warning(name: str, caplog: pytest.LogCapt
     assert parts.q0 is not None
     assert parts.visual_model.ngeoms > 0
     assert not caplog.records
+
+
+def test_a_mimic_joint_follows_by_its_multiplier_and_offset(tmp_path: Path) -> None:
+    """A pendulum whose second joint turns by −2 times the first, and 0.1.
+
+    Its motor feels the tree's forces by the chain rule, f1 − 2 f2.
+    """
+    body = '<inertial><origin xyz="0.1 0 0"/><mass value="1"/>' + (
+        '<inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    urdf, loops = tmp_path / "gears.urdf", tmp_path / "gears.yaml"
+    for kind in ("revolute", "continuous"):
+        limit = '<limit effort="1" velocity="1"/>'
+        urdf.write_text(
+            f"""<robot name="gears"><link name="base"/><link name="a">{body}</link>
+            <link name="b">{body}</link>
+            <joint name="one" type="{kind}"><parent link="base"/><child link="a"/>
+             <axis xyz="0 1 0"/>{limit}</joint>
+            <joint name="two" type="{kind}"><parent link="a"/><child link="b"/>
+             <origin xyz="0.2 0 0"/><axis xyz="0 1 0"/>{limit}
+             <mimic joint="one" multiplier="-2" offset="0.1"/></joint></robot>"""
+        )
+        loops.write_text("closed_loop: []\ntype: []\nname_mot: [one]\n")
+        robot = ClosedLoopRobot.from_urdf(urdf, loops)
+        q = robot.configuration([0.3])
+        assert_allclose(q, [0.3, 0.1 - 0.6], rtol=0, atol=1e-15)
+        v, a = np.array([0.5, -1.0]), np.array([0.7, -1.4])
+        tree = pin.rnea(robot.model, robot.model.createData(), q, v, a)
+        assert_allclose(
+            robot.inverse_dynamics([0.3], [0.5], [0.7]), [tree[0] - 2.0 * tree[1]], rtol=1e-13
+        )
+
+
+def test_a_mimic_joint_of_no_joint_is_refused(tmp_path: Path) -> None:
+    urdf, loops = tmp_path / "gears.urdf", tmp_path / "gears.yaml"
+    urdf.write_text(
+        """<robot name="gears"><link name="base"/><link name="a"/>
+        <joint name="one" type="revolute"><parent link="base"/><child link="a"/>
+         <axis xyz="0 1 0"/><limit effort="1" velocity="1"/>
+         <mimic joint="three"/></joint></robot>"""
+    )
+    loops.write_text("closed_loop: []\ntype: []\nname_mot: [one]\n")
+    with pytest.raises(InvalidRobotFile, match="three"):
+        ClosedLoopRobot.from_urdf(urdf, loops)

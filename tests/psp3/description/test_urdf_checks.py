@@ -78,7 +78,6 @@ def test_our_own_files_pass(path: Path) -> None:
             f"{JOINT.replace('revolute', 'prismatic').replace(LIMIT, '')}</robot>",
             "a prismatic joint needs a <limit>",
         ),
-        ("<limit", "<mimic joint='k'/><limit", "follows another joint (<mimic>)"),
         (
             "<parent link='base'/>",
             "<parent link='bass'/>",

@@ -507,7 +507,7 @@ def test_a_wrong_closed_form_is_not_followed(star: Case) -> None:
 def test_nothing_else_that_closes_loops_is_called(
     star: Case, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Neither the closed form nor the compiled closure, nor any of their kernels."""
+    """Neither the closed form nor the core, nor any of their kernels."""
     robot = psp3.load("psp3")
     noc = robot.dynamics("noc")
 
@@ -518,12 +518,13 @@ def test_nothing_else_that_closes_loops_is_called(
         "configuration",
         "configurations_along",
         "closure",
-        "_close",
+        "_ask",
         "equation_of_motion",
     ):
         monkeypatch.setattr(robot, name, called)
     monkeypatch.setattr(robot, "_kernels", None)
-    monkeypatch.setattr("psp3.robots.closed_loop_robot.close", called)
+    monkeypatch.setattr(robot, "_core", None)
+    monkeypatch.setattr("psp3.multibody.core.answer", called)
     found = noc.equation_of_motion(star.positions, star.speeds)
     assert_array_equal(found[0], star.noc.equation_of_motion(star.positions, star.speeds)[0])
     forces = noc.actuator_forces(star.positions, star.speeds, np.zeros(3))

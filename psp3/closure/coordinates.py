@@ -1,0 +1,283 @@
+r"""Independent coordinates of a mechanism, and what is held where no motor commands a motion.
+
+The motions that the loops leave are a basis N of velocities at several poses. A coordinate is a row
+w of joint velocities: it measures :math:`w N` of them. What it measures is taken out of the basis,
+and what is left goes to the next one, so the coordinates are independent of each other.
+
+In this order they are taken: the coordinates that are asked for; the motors in the order of the
+file, each if it measures something new; and, of motions that are still left, free ones, one joint
+each: of the joints that measure at least a tenth of what the best does in the pose that is worst
+for it, one with a spring before others, then joints of one degree of freedom before the spin of a
+ball, and of these the first in the file. A floating base always keeps its own coordinates, which
+come last.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array, Indices
+from psp3.closure.rank import null_space
+from psp3.closure.structure import Structure
+from psp3.errors import DependentCoordinates, UnknownName
+from psp3.multibody.equations import Coupling, Spin
+
+NOTHING = 1e-6
+"""A coordinate that measures less than this of the motions left measures nothing."""
+
+GOOD_SHARE = 0.1
+"""A joint that measures this share of what the best one does is good enough."""
+
+
+class Locked(NamedTuple):
+    """A free motion that is held: the joint that is frozen, and all that could move with it."""
+
+    joint: str
+    moving: tuple[str, ...]
+    spin: Spin | None
+    """For a ball, the direction in which it does not turn."""
+
+    def __str__(self) -> str:
+        what = f"the spin of {self.joint}" if self.spin is not None else self.joint
+        others = [name for name in self.moving if name != self.joint]
+        return what + (f" (would move {', '.join(others)})" if others else "")
+
+
+class Coordinates(NamedTuple):
+    """Independent coordinates of a mechanism."""
+
+    names: tuple[str, ...]
+    """Joints, in the order of the coordinates; a floating base is last."""
+    positions: Indices
+    """Places of the coordinates in a configuration, (p,)."""
+    speeds: Indices
+    """Places of their speeds in the velocities, (n,)."""
+    locked: tuple[Locked, ...]
+    """What is held, or would be if free motions were locked."""
+    held: tuple[int, ...]
+    """Velocities that are held at zero."""
+
+    @property
+    def spins(self) -> list[Spin]:
+        """The directions in which balls do not turn."""
+        return [one.spin for one in self.locked if one.spin is not None]
+
+
+def chosen_coordinates(
+    model: pin.Model,
+    found: Structure,
+    closures: Sequence[Any],
+    motors: Array,
+    free: str,
+    wanted: Sequence[str] | None = None,
+    springs: Mapping[str, Any] | None = None,
+) -> Coordinates:
+    """Return the coordinates of a mechanism, by the rule of this module.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The tree.
+    found : Structure
+        Of its closures.
+    closures : sequence
+        The closures.
+    motors : (nv, m) ndarray
+        What each motor drives.
+    free : str
+        ``"keep"``: free motions get coordinates; otherwise they are named in ``locked``.
+    wanted : sequence of str, optional
+        Joints of one degree of freedom that come first.
+    springs : mapping, optional
+        Whose keys are the joints that have a spring.
+
+    Raises
+    ------
+    UnknownName
+        If a wanted joint does not exist.
+    DependentCoordinates
+        If a wanted joint cannot be a coordinate besides those before it.
+    """
+    choice = _Choice(model, found)
+    base = _floating_base(model, closures)
+    if base is not None:
+        choice.take(range(base.idx_v, base.idx_v + base.nv))
+    velocities = [*choice.wanted(wanted or ()), *choice.driven(motors)]
+    commanded = len(velocities)
+    locked: list[Locked] = []
+    held: list[int] = []
+    rows = [np.eye(model.nv)[v] for v in velocities]
+    while choice.left:
+        row, spin = choice.best(springs or {}, free == "keep", found.home)
+        rows.append(row)
+        choice.remove(row)
+        velocity = int(np.argmax(np.abs(row)))
+        if spin is None and free == "keep":
+            velocities.append(velocity)
+        elif spin is None:
+            held.append(velocity)
+        locked.append(Locked(choice.names[velocity], (), spin))
+    moving = _moving(model, found, rows[commanded:], rows[:commanded])
+    locked = [one._replace(moving=names) for one, names in zip(locked, moving, strict=True)]
+    if free == "keep":
+        locked = [one for one in locked if one.spin is not None]
+    of_velocity = {joint.idx_v: joint for joint in list(model.joints)[1:]}
+    positions = [choice.places[v] for v in velocities]
+    names = [choice.names[v] for v in velocities]
+    if base is not None:
+        velocities += range(base.idx_v, base.idx_v + base.nv)
+        positions += range(base.idx_q, base.idx_q + base.nq)
+        names.append(str(model.names[of_velocity[base.idx_v].id]))
+    return Coordinates(
+        tuple(names),
+        np.array(positions, dtype=np.int64),
+        np.array(velocities, dtype=np.int64),
+        tuple(locked),
+        tuple(held),
+    )
+
+
+def is_ball(joint: Any) -> bool:
+    """Tell whether a joint turns about a point."""
+    return (joint.nq, joint.nv) == (4, 3) and "Spherical" in joint.shortname()
+
+
+class _Choice:
+    """The motions that are still without a coordinate, at every pose."""
+
+    def __init__(self, model: pin.Model, found: Structure) -> None:
+        self.model, self.least = model, max(NOTHING, found.tolerance)
+        self.bases = [np.linalg.qr(motions)[0] for motions in found.motions]
+        self.names, self.places = {}, {}
+        for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
+            for k in range(joint.nv):
+                self.names[joint.idx_v + k] = str(name)
+                self.places[joint.idx_v + k] = joint.idx_q + min(k, joint.nq - 1)
+
+    @property
+    def left(self) -> int:
+        """How many motions are left."""
+        return int(min((basis.shape[1] for basis in self.bases), default=0))
+
+    def measured(self, row: Array) -> float:
+        """Return how much a row of velocities measures in the pose that is best for it."""
+        return float(max(np.linalg.norm(row @ basis) for basis in self.bases))
+
+    def measures(self, velocity: int) -> float:
+        """Return how much one velocity measures in the pose that is best for it."""
+        return float(max(np.linalg.norm(basis[velocity]) for basis in self.bases))
+
+    def wanted(self, names: Sequence[str]) -> list[int]:
+        """Take the coordinates that are asked for; return their velocities."""
+        taken: list[int] = []
+        for name in names:
+            if not self.model.existJointName(name) or name == self.model.names[0]:
+                raise UnknownName("coordinate", name, tuple(self.model.names)[1:])
+            joint = self.model.joints[self.model.getJointId(name)]
+            if (joint.nq, joint.nv) != (1, 1) or not self.measures(joint.idx_v) > self.least:
+                raise DependentCoordinates(name, [self.names[v] for v in taken])
+            self.take([joint.idx_v])
+            taken.append(joint.idx_v)
+        return taken
+
+    def driven(self, motors: Array) -> list[int]:
+        """Take a coordinate of each motor that commands a motion of its own."""
+        taken: list[int] = []
+        for column in motors.T:
+            if not self.measured(column / np.linalg.norm(column)) > self.least:
+                continue
+            for velocity in map(int, np.flatnonzero(column)):
+                if self.measures(velocity) > self.least:
+                    self.take([velocity])
+                    taken.append(velocity)
+                    break
+        return taken
+
+    def worst(self, row: Array) -> float:
+        """Return how much a row measures in the pose that is worst for it."""
+        return float(min(np.linalg.norm(row @ basis) for basis in self.bases))
+
+    def take(self, velocities: Sequence[int]) -> None:
+        """Take out what joint velocities measure."""
+        for velocity in velocities:
+            self.remove(np.eye(self.model.nv)[velocity])
+
+    def remove(self, row: Array) -> None:
+        """Take out what a row measures; a pose where that is nothing is left out, too."""
+        able = [basis for basis in self.bases if np.linalg.norm(row @ basis) > self.least]
+        self.bases = [basis @ null_space((row @ basis)[np.newaxis], 0.5) for basis in able]
+
+    def best(
+        self, springs: Mapping[str, Any], scalar: bool, home: Array
+    ) -> tuple[Array, Spin | None]:
+        """Return the row that measures one more motion by the rule, for a ball with its spin."""
+        found: list[tuple[float, int, Array, Spin | None]] = []
+        for index in range(1, self.model.njoints):
+            joint, name = self.model.joints[index], str(self.model.names[index])
+            if is_ball(joint):
+                own = slice(joint.idx_v, joint.idx_v + 3)
+                axis = np.linalg.svd(self.bases[0][own])[0][:, 0]
+                row = np.zeros(self.model.nv)
+                row[own] = axis
+                quaternion = np.array(home[joint.idx_q : joint.idx_q + 4])
+                found.append((self.worst(row), 2, row, Spin(name, index, axis, quaternion)))
+            elif joint.nq == joint.nv or joint.nv == 1:
+                for velocity in range(joint.idx_v, joint.idx_v + joint.nv):
+                    row = np.eye(self.model.nv)[velocity]
+                    rank = 0 if name in springs else 1
+                    # An angle kept as cosine and sine is no coordinate of its own.
+                    rank = 3 if scalar and joint.nq != joint.nv else rank
+                    found.append((self.worst(row), rank, row, None))
+        best = max((one[0] for one in found), default=0.0)
+        if not best > self.least:
+            raise DependentCoordinates("", [])
+        good = [one for one in found if one[0] >= GOOD_SHARE * best]
+        # Of equals the first.
+        _, rank, row, spin = min(good, key=lambda one: one[1])
+        if scalar and rank == 3:
+            raise DependentCoordinates(self.names[int(np.argmax(row))], [])
+        return row, spin
+
+
+def _floating_base(model: pin.Model, closures: Sequence[Any]) -> Any:
+    """Return the joint of a floating base that no loop contains, or None."""
+    for joint in list(model.joints)[1:]:
+        is_base = (joint.nq, joint.nv) == (7, 6) or "Planar" in joint.shortname()
+        if not is_base or model.parents[joint.id] != 0:
+            continue
+        for one in closures:
+            if isinstance(one, Coupling | Spin):
+                continue
+            ends = [list(model.supports[end]) for end in (one.joint1_id, one.joint2_id)]
+            if (joint.id in ends[0]) != (joint.id in ends[1]):
+                return None
+        return joint
+    return None
+
+
+def _moving(
+    model: pin.Model, found: Structure, rows: Sequence[Array], others: Sequence[Array]
+) -> list[tuple[str, ...]]:
+    """Return the joints that move when one of the rows does and all others do not."""
+    moving = []
+    for row in rows:
+        still = np.array([other for other in (*rows, *others) if other is not row])
+        moves = np.zeros(model.nv, dtype=bool)
+        for motions in found.motions:
+            basis = np.linalg.qr(motions)[0]
+            left = basis @ null_space(still @ basis, 1e-6, 1.0) if len(still) else basis
+            share = np.abs(row @ left).max(initial=0.0)
+            if share > NOTHING:
+                moves |= np.abs(left).max(axis=1) > 1e-5 + 10.0 * found.mismatch
+        moving.append(
+            tuple(
+                str(name)
+                for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+                if moves[joint.idx_v : joint.idx_v + joint.nv].any()
+            )
+        )
+    return moving

@@ -1,0 +1,397 @@
+r"""What closure equations are in general position: rank, and how far they contradict each other.
+
+The numbers of a robot file are rounded. Where a loop says something twice, as a planar loop in
+space does, the two then differ a little, the loop closes nowhere exactly, and the Jacobian J of the
+closure equations has full rank by a hair. A singular pose lowers the rank, too. What tells the
+three apart: redundancy persists over the poses, a singular pose does not, and a singular value that
+is there by rounding alone is no larger than the residual that rounding leaves.
+
+So loops are closed by Gauss–Newton steps in which singular values below a threshold count as zero,
+at home and at poses of a random walk along the motions that are left. Thresholds are tried by
+decades, and the strictest is taken that is explained: the loops come to rest with a small residual
+:math:`\mu`, and what counts as zero is far below what does not, and at most some :math:`\mu`.
+
+Position rows and sliding joints are measured in sizes of the robot, so that lengths and angles
+compare.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.closure.assembly import by_short_steps, jacobian, nearly_closed, residual
+from psp3.closure.rank import ASSEMBLED_RANK_TOLERANCE
+from psp3.errors import LoopsDoNotClose
+from psp3.multibody.flatten import FlatTree
+
+LARGEST_MISMATCH = 2e-3
+"""Loops that stay open by more than this do not close [rad, or sizes of the robot]: four digits
+leave up to 1e-3.
+"""
+
+TOLD_MISMATCH = 1e-6
+"""From here on a mismatch is told [rad, or sizes of the robot]: a small real error cannot be told
+from a rounded number.
+"""
+
+EXACT = 1e-11
+"""A mismatch up to this is the rounding of the computer, not of the file [rad, or sizes]."""
+
+THRESHOLDS = (1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2)
+"""Shares of the largest singular value that may count as zero, strictest first."""
+
+GAP = 10.0
+"""The last singular value that counts is so many times the first that does not, at least."""
+
+EXPLAINED = 30.0
+"""A singular value may count as zero that is at most so many times the mismatch; where rounding
+makes both, it was up to twice.
+"""
+
+WEAK = 1e-3
+"""With all singular values that count above this the strictest threshold is right without doubt."""
+
+LARGEST_WAY = 1.0
+"""Loops that close only after their joints have moved by more than this are closed elsewhere [rad,
+or sizes of the robot].
+"""
+
+LARGEST_STEP = 0.3
+"""No Gauss–Newton step moves a joint by more than this [rad, or sizes]."""
+
+MOST_STEPS = 60
+
+STEPS = (0.3, 0.1, 0.03)
+"""How far apart the poses are at which the equations are looked at [rad, or sizes of the robot];
+the smaller ones where a larger one does not close.
+"""
+
+POSES = 8
+
+MOST_SECONDS = 3.0
+"""So long other starts are tried for a robot whose loops do not close."""
+
+
+class Structure(NamedTuple):
+    """What closure equations are in general position."""
+
+    home: Array
+    """The configuration near the given one in which the loops are closed as well as they can be,
+    (nq,).
+    """
+    poses: tuple[Array, ...]
+    """Configurations that close the loops, home first."""
+    motions: tuple[Array, ...]
+    """At each of them a basis of the velocities that keep the loops closed, (nv, f), in m and
+    rad.
+    """
+    rank: int
+    """Independent closure equations."""
+    values: Array
+    """Singular values over the largest, of each the largest over the poses."""
+    length: float
+    """How far redundant equations contradict each other in position [m]."""
+    angle: float
+    """And in direction [rad]."""
+    size: float
+    """Of the robot [m], in which lengths are measured."""
+    worst: int
+    """Which of the given closures stays open most; −1 without one."""
+
+    @property
+    def mismatch(self) -> float:
+        """The larger of length, over the size of the robot, and angle."""
+        return max(self.length / self.size, self.angle)
+
+    @property
+    def kept(self) -> float:
+        """The last singular value that counts."""
+        return float(self.values[self.rank - 1]) if self.rank else 1.0
+
+    @property
+    def dropped(self) -> float:
+        """The first singular value that does not count."""
+        return float(self.values[self.rank]) if self.rank < len(self.values) else 0.0
+
+    @property
+    def tolerance(self) -> float:
+        """Share of the largest up to which a singular value of some motions counts as zero."""
+        return max(ASSEMBLED_RANK_TOLERANCE, 3.0 * self.dropped)
+
+
+def structure(
+    model: pin.Model,
+    flat: FlatTree,
+    q: Array | None,
+    motors: Array,
+    names: Sequence[str] = (),
+) -> Structure:
+    """Return the structure of closure equations near a configuration.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The tree.
+    flat : FlatTree
+        It and its closures, flattened without motors.
+    q : (nq,) ndarray or None
+        A configuration that closes the loops, or nearly. Without one, ``neutral`` within the joint
+        limits and then others are tried.
+    motors : (nv, m) ndarray
+        What each motor drives, a column of joint velocities each.
+    names : sequence of str
+        Names of the closures, for the error.
+
+    Returns
+    -------
+    Structure
+
+    Raises
+    ------
+    LoopsDoNotClose
+        If no configuration closes the loops, not even nearly; after some seconds at most.
+    """
+    start = q
+    if start is None:
+        start = within_limits(model, pin.neutral(model))
+        near = by_short_steps(model, flat, start)
+        start = start if near is None else near
+    equations = _Equations(model, flat, start)
+    found = equations.structure(start, motors)
+    if found is not None and (q is not None or _is_good(model, found, motors)):
+        return found
+    begun, tried = time.process_time(), 1
+    least, worst = equations.openness(start)
+    nearest = start
+    others = [found] if found is not None else []
+    for near in _other_starts(model, flat, start):
+        tried += 1
+        size, where = equations.openness(near)
+        if size < least:
+            least, worst, nearest = size, where, near
+        found = equations.structure(near, motors)
+        if found is not None:
+            if _is_good(model, found, motors) or q is not None:
+                return found
+            others.append(found)
+        if time.process_time() - begun > MOST_SECONDS:
+            break
+    if others:
+        # That in which motors command most; of equals one within the limits.
+        return max(others, key=lambda one: (commanded(one, motors), is_within(model, one.home)))
+    loop = names[worst] if 0 <= worst < len(names) else ""
+    raise LoopsDoNotClose(start, float(np.abs(residual(flat, nearest)).max()), loop, tried)
+
+
+def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:
+    """Tell whether a home that nobody gave can be one.
+
+    Within the joint limits, and with each motor at work that can be: in the fold of a leg, for
+    example, none is.
+    """
+    most = min(motors.shape[1], model.nv - found.rank)
+    return is_within(model, found.home) and commanded(found, motors) == most
+
+
+def _other_starts(model: pin.Model, flat: FlatTree, start: Array) -> Iterator[Array]:
+    """Yield other configurations to start from: first within the joint limits, then anywhere."""
+    for near, _ in nearly_closed(model, flat, start):
+        yield near
+    rng = np.random.default_rng(1)
+    for attempt in range(1, 31):
+        way = 0.1 * attempt * rng.uniform(-1.0, 1.0, model.nv)
+        yield np.asarray(pin.integrate(model, start, way))
+
+
+def within_limits(model: pin.Model, q: Array) -> Array:
+    """Return a configuration with every joint of one coordinate brought inside its limits."""
+    inside = np.array(q, dtype=float)
+    for joint in list(model.joints)[1:]:
+        if joint.nq == 1:
+            low, high = _limits(model, joint.idx_q)
+            # A limit that is at infinity, or below the other, is none.
+            if low <= high and not low <= inside[joint.idx_q] <= high:
+                # Not on the limit, where a leg may be stretched.
+                margin = 0.05 * min(high - low, 1.0)
+                inside[joint.idx_q] = low + margin if inside[joint.idx_q] < low else high - margin
+    return inside
+
+
+def is_within(model: pin.Model, q: Array) -> bool:
+    """Tell whether all joints of one coordinate are within their limits, to rounding."""
+    for joint in list(model.joints)[1:]:
+        if joint.nq == 1:
+            low, high = _limits(model, joint.idx_q)
+            if low <= high and not low - 1e-6 <= q[joint.idx_q] <= high + 1e-6:
+                return False
+    return True
+
+
+def _limits(model: pin.Model, at: int) -> tuple[float, float]:
+    return float(model.lowerPositionLimit[at]), float(model.upperPositionLimit[at])
+
+
+class _Equations:
+    """Closure equations in which lengths are measured in sizes of the robot."""
+
+    def __init__(self, model: pin.Model, flat: FlatTree, q: Array) -> None:
+        self.model, self.flat, self.size = model, flat, robot_size(model, q)
+        self.units = np.where(flat.sliding, self.size, 1.0)
+        self.scale = np.where(flat.is_length, self.size, 1.0)
+
+    def openness(self, q: Array) -> tuple[float, int]:
+        """Return the largest residual, and the closure that has it."""
+        gaps = np.abs(residual(self.flat, q) / self.scale)
+        if not gaps.size:
+            return 0.0, -1
+        ends = np.cumsum(self.flat.closure_rows)
+        place = int(np.searchsorted(ends, int(np.argmax(gaps)), side="right"))
+        return float(gaps.max()), self.flat.order[place]
+
+    def decomposed(self, q: Array) -> tuple[Array, Array, Array]:
+        """Return the singular value decomposition of J at a configuration."""
+        matrix = jacobian(self.flat, q) * self.units / self.scale[:, np.newaxis]
+        if not matrix.size:
+            return np.zeros((0, 0)), np.zeros(0), np.eye(matrix.shape[1])
+        left, values, right = np.linalg.svd(matrix)
+        return left, values, right
+
+    def settled(self, q: Array, threshold: float) -> tuple[Array, Array] | None:
+        """Return where Gauss–Newton steps come to rest, and the residual there; None if nowhere."""
+        way, last = np.zeros(self.model.nv), np.inf
+        for _ in range(MOST_STEPS):
+            gaps = residual(self.flat, q) / self.scale
+            left, values, right = self.decomposed(q)
+            rank = _count(values, threshold)
+            step = -right[:rank].T @ (left[:, :rank].T @ gaps / values[:rank])
+            largest = float(np.abs(step).max(initial=0.0))
+            if largest < 1e-13 or (largest < 1e-9 and largest >= 0.5 * last):
+                return q, gaps
+            step *= min(1.0, LARGEST_STEP / largest)
+            way += np.abs(step)
+            if not way.max() <= LARGEST_WAY:
+                return None
+            q, last = pin.integrate(self.model, q, self.units * step), largest
+        return None
+
+    def explored(self, q: Array, threshold: float) -> Structure | None:
+        """Return the structure if singular values below a threshold count as zero.
+
+        None if home cannot be closed then.
+        """
+        at_home = self.settled(q, threshold)
+        if at_home is None or np.abs(at_home[1]).max(initial=0.0) > LARGEST_MISMATCH:
+            return None
+        here, gaps = at_home
+        poses, spectra, bases = [here], [], []
+        rng = np.random.default_rng(0)
+        home, worst = here, np.abs(gaps)
+        while True:
+            _, values, right = self.decomposed(here)
+            spectra.append(values / max(values.max(initial=0.0), 1e-300))
+            bases.append(right)
+            motions = right[_count(values, threshold) :].T
+            if len(poses) > POSES or not motions.shape[1]:
+                break
+            away = self._away(here, motions @ rng.normal(size=motions.shape[1]), threshold)
+            if away is None and here is home:
+                break
+            # From home once more where the walk has come to an end.
+            here = home if away is None else away[0]
+            if away is not None:
+                worst = np.maximum(worst, np.abs(away[1]))
+            poses.append(here)
+        largest = np.max(spectra, axis=0)
+        rank = int(np.count_nonzero(largest > threshold))
+        length = self.size * float(worst[self.flat.is_length].max(initial=0.0))
+        angle = float(worst[~self.flat.is_length].max(initial=0.0))
+        motions_of = tuple(self.units[:, np.newaxis] * right[rank:].T for right in bases)
+        return Structure(
+            home,
+            tuple(poses),
+            motions_of,
+            rank,
+            largest,
+            length,
+            angle,
+            self.size,
+            self.openness(home)[1],
+        )
+
+    def _away(self, q: Array, direction: Array, threshold: float) -> tuple[Array, Array] | None:
+        """Return a closed pose in a direction and its residual; None where there is none."""
+        for step in STEPS:
+            way = step / np.abs(direction).max() * self.units * direction
+            found = self.settled(pin.integrate(self.model, q, way), threshold)
+            if found is not None and np.abs(found[1]).max(initial=0.0) <= LARGEST_MISMATCH:
+                return found
+        return None
+
+    def structure(self, q: Array, motors: Array) -> Structure | None:
+        """Return the structure by the strictest threshold that is explained; None without one."""
+        accepted: list[Structure] = []
+        for threshold in THRESHOLDS:
+            found = self.explored(q, threshold)
+            if found is None or any(found.rank == other.rank for other in accepted):
+                continue
+            if found.kept < GAP * found.dropped:
+                continue
+            if found.dropped > max(EXACT, EXPLAINED * found.mismatch):
+                continue
+            if found.dropped > EXACT:
+                # Once more from the given configuration, with the threshold amid the gap: too
+                # strict a one may have led far astray.
+                again = self.explored(q, max(1e-9, float(np.sqrt(found.kept * found.dropped))))
+                if again is None or again.rank != found.rank:
+                    continue
+                if again.kept < GAP * again.dropped:
+                    continue
+                found = again
+            accepted.append(found)
+            if found.kept > WEAK and commanded(found, motors) == motors.shape[1]:
+                break
+        if not accepted:
+            return None
+        # That in which the motors command most; of equals those that leave home where it was; of
+        # these the strictest.
+        moved = [np.abs(pin.difference(self.model, q, one.home)).max() for one in accepted]
+        near = [one < 10.0 * min(moved) + 1e-6 for one in moved]
+        return accepted[
+            max(
+                range(len(accepted)),
+                key=lambda k: (commanded(accepted[k], motors), near[k], -k),
+            )
+        ]
+
+
+def commanded(found: Structure, motors: Array) -> int:
+    """Return how many motors command motions of their own, in a pose away from home."""
+    return rank_of_motions(motors.T @ found.motions[-1], found.tolerance)
+
+
+def rank_of_motions(rows: Array, tolerance: float) -> int:
+    """Return how many rows of a basis of motions are independent."""
+    return int(np.linalg.matrix_rank(rows, tol=tolerance)) if rows.size else 0
+
+
+def robot_size(model: pin.Model, q: Array) -> float:
+    """Return how far apart the joints of a robot are [m]; 1 if they are all at one place."""
+    data = model.createData()
+    pin.forwardKinematics(model, data, q)
+    places = np.array([data.oMi[index].translation for index in range(1, model.njoints)])
+    return (float(np.linalg.norm(np.ptp(places, axis=0))) if len(places) else 0.0) or 1.0
+
+
+def _count(values: Array, threshold: float) -> int:
+    return int(np.count_nonzero(values > threshold * max(values.max(initial=0.0), 1e-300)))
+
+
+def closure_names(constraints: Sequence[Any]) -> list[str]:
+    """Return what closures are called in messages."""
+    return [str(getattr(one, "name", "")) or f"loop {k}" for k, one in enumerate(constraints, 1)]

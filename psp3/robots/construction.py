@@ -1,0 +1,59 @@
+"""What a robot is made of besides its tree: motors, and closures given by names of frames."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.errors import UnknownName
+from psp3.multibody.equations import Hinge
+
+CLOSURE_KINDS = ("3d", "6d", "hinge")
+"""Kinds of closures that can be added: a point; position and direction; a point and an axis."""
+
+
+def motor_matrix(
+    model: pin.Model, actuated: Sequence[str], tendons: Mapping[str, Mapping[str, float]]
+) -> Array:
+    """Return what each motor drives, a column of joint velocities each, (nv, m)."""
+    matrix = np.zeros((model.nv, len(actuated)))
+    for column, name in enumerate(actuated):
+        for joint, lever in tendons.get(name, {name: 1.0}).items():
+            if not model.existJointName(joint) or joint == model.names[0]:
+                raise UnknownName("actuated joint", joint, tuple(model.names)[1:])
+            matrix[model.joints[model.getJointId(joint)].idx_v, column] += lever
+    return matrix
+
+
+def named_closures(
+    model: pin.Model, closures: Sequence[tuple[str, str, str]], q: Array | None
+) -> list[Any]:
+    """Return more closures, given by frames and kinds."""
+    data, made = model.createData(), []
+    pin.framesForwardKinematics(model, data, pin.neutral(model) if q is None else q)
+    for first, second, kind in closures:
+        if kind not in CLOSURE_KINDS:
+            raise UnknownName("kind of closure", kind, CLOSURE_KINDS)
+        for name in (first, second):
+            if name != "world" and not model.existFrame(name):
+                raise UnknownName("frame", name, ["world", *(frame.name for frame in model.frames)])
+        frame = model.frames[model.getFrameId(first)]
+        one = frame.parentJoint, frame.placement
+        if second == "world":
+            two = 0, data.oMf[model.getFrameId(first)]
+        else:
+            frame = model.frames[model.getFrameId(second)]
+            two = frame.parentJoint, frame.placement
+        if kind == "hinge":
+            made.append(Hinge(f"{first}-{second}", *one, *two))
+        else:
+            contact = pin.ContactType.CONTACT_6D if kind == "6d" else pin.ContactType.CONTACT_3D
+            local = pin.ReferenceFrame.LOCAL
+            loop = pin.RigidConstraintModel(contact, model, *one, *two, local)
+            loop.name = f"{first}-{second}"
+            made.append(loop)
+    return made

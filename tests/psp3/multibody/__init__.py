@@ -1,0 +1,1 @@
+"""Tests of psp3.multibody, one file per module."""
