@@ -43,10 +43,6 @@ ELSEWHERE = {
         "cross/test_bad_input.py",
         "what is refused is tested where users meet it",
     ),
-    "fuzzy2/support/compiled.py": (
-        "fuzzy2/test_facade.py",
-        "where nothing can be written it is a new process that shows it",
-    ),
     "fuzzy2/support/lazy.py": ("test_public_names.py", "tested on every facade of both packages"),
     "fuzzy2/support/quadrature.py": ("fuzzy2/sets/test_interval_type2.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/construction.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
