@@ -873,7 +873,7 @@ class ClosedLoopRobot:
             raise UnreachableForces(size, self.coordinates)
         return motors
 
-    @property
+    @functools.cached_property
     def _drives_coordinates(self) -> bool:
         """Whether each coordinate is that of a motor, in the same order."""
         same = self.motors.shape[1] == self._speed_count
