@@ -27,13 +27,14 @@ derivatives by speeds.
 
 from __future__ import annotations
 
-from fuzzy2.support.compiled import compiled, merged
+from fuzzy2.support.compiled import compiled, inlined, merged
 from psp3.multibody.bodies import momentum
 from psp3.multibody.closing import spread
 from psp3.multibody.forces import add_change
 from psp3.multibody.least_squares import solve_transposed
-from psp3.multibody.loops import polynomial
+from psp3.multibody.loops import polynomial, turned
 from psp3.multibody.tree import (
+    ARMATURE,
     AT_ACCELERATIONS,
     AT_BY_POSITIONS,
     AT_BY_SPEEDS,
@@ -71,6 +72,7 @@ from psp3.multibody.tree import (
     AT_SPINS,
     AT_VECTORS,
     AT_VELOCITIES,
+    BALL,
     BODIES,
     CLOSURE_INTEGERS,
     CLOSURE_KIND,
@@ -78,6 +80,7 @@ from psp3.multibody.tree import (
     CLOSURES,
     COUPLED_SPEED,
     COUPLING,
+    DAMPING,
     ELEMENT_INTEGERS,
     ELEMENTS,
     FACTOR_AT,
@@ -86,6 +89,7 @@ from psp3.multibody.tree import (
     FIRST_ROW,
     FRAME,
     FREEDOMS,
+    FRICTION,
     GROUP_COLUMN,
     GROUP_COLUMNS,
     GROUP_INTEGERS,
@@ -97,9 +101,12 @@ from psp3.multibody.tree import (
     JOINT_NUMBERS,
     KIND,
     PARENT,
+    PLANAR,
     POINT,
     SCREW,
     SECOND_END,
+    SPIN,
+    STIFFNESS,
     UNBOUNDED,
     VELOCITIES,
 )
@@ -153,7 +160,7 @@ def differentiate(tree, numbers, memory, forces):
     matrix, L, its twists and their rates. The elements' forces are overwritten.
     """
     _load(tree, numbers, memory)
-    _spin(tree, memory)
+    _spins(tree, memory)
     n = tree[INDEPENDENT]
     _set(memory, tree[AT_BY_POSITIONS], n * n, 0.0)
     _set(memory, tree[AT_BY_SPEEDS], n * n, 0.0)
@@ -191,7 +198,7 @@ def _load(tree, numbers, memory):
         for closure in range(tree[g + FIRST_CLOSURE], tree[g + GROUP_INTEGERS + FIRST_CLOSURE]):
             c = tree[AT_CLOSURES] + CLOSURE_INTEGERS * closure
             row, o = right + tree[c + FIRST_ROW], loops + 6 * closure
-            if tree[c + CLOSURE_KIND] == COUPLING:
+            if tree[c + CLOSURE_KIND] >= COUPLING:
                 memory[o] = memory[row]
                 continue
             wrench = _pull(tree, memory, closure, row, o)
@@ -236,7 +243,7 @@ def _pull(tree, memory, closure, row, out):
 
 
 @merged
-def _spin(tree, memory):
+def _spins(tree, memory):
     r"""Write B of all bodies: twice the momentum (3), and the matrix of the torque by columns (9).
 
     With x the places of a body's particles and v their velocities, B Z is the wrench of
@@ -297,28 +304,36 @@ def _along_speed(tree, numbers, memory, k):
     for velocity in range(nv):
         joint = tree[AT_JOINTS] + JOINT_NUMBERS * velocity
         memory[tree[AT_JOINT_LOADS] + velocity] = (
-            2.0 * numbers[joint] * memory[change + velocity]
-            + numbers[joint + 1] * memory[L + velocity]
+            2.0 * numbers[joint + ARMATURE] * memory[change + velocity]
+            + numbers[joint + DAMPING] * memory[L + velocity]
         )
     for e in range(elements):
         if tree[tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e + KIND] > UNBOUNDED:
-            _add_bracket(tree, numbers, memory, e, 0, tree[AT_JOINT_SPEEDS], L)
+            _add_bracket(tree, numbers, memory, e, ARMATURE, tree[AT_JOINT_SPEEDS], L)
+
+
+@inlined
+def _axis_of(kind, number):
+    """Return the place of a joint's velocity in its twist, of a joint of many freedoms."""
+    if kind == BALL:
+        return 3 + number
+    return 5 if kind == PLANAR and number == 2 else number
 
 
 @compiled
 def _lift(tree, memory, e, speeds, out):
-    """Write the twist of a ball or a free flyer in its own axes, from speeds or forces of joints."""
+    """Write the twist of a joint of many freedoms in its own axes, from speeds of all joints."""
     row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
-    first, skipped = tree[row + INDEX_V], 6 - tree[row + FREEDOMS]
-    for i in range(6):
-        memory[out + i] = memory[speeds + first - skipped + i] if i >= skipped else 0.0
+    _set(memory, out, 6, 0.0)
+    for i in range(tree[row + FREEDOMS]):
+        memory[out + _axis_of(tree[row + KIND], i)] = memory[speeds + tree[row + INDEX_V] + i]
 
 
 @compiled
 def _add_bracket(tree, numbers, memory, e, factor, one, other):
-    """Add to the loads of a ball or a free flyer a factor of the joint times a cross product.
+    """Add to the loads of a joint of many freedoms a factor of the joint times a cross product.
 
-    Of two of its twists in its own axes. The factor is its inertia or its damping, 0 or 1.
+    Of two of its twists in its own axes. The factor is its inertia or its damping.
     """
     row, a = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e, tree[AT_VECTORS]
     _lift(tree, memory, e, one, a)
@@ -329,7 +344,7 @@ def _add_bracket(tree, numbers, memory, e, factor, one, other):
     for i in range(count):
         joint = tree[AT_JOINTS] + JOINT_NUMBERS * (first + i)
         memory[tree[AT_JOINT_LOADS] + first + i] += (
-            numbers[joint + factor] * memory[a + 18 - count + i]
+            numbers[joint + factor] * memory[a + 12 + _axis_of(tree[row + KIND], i)]
         )
 
 
@@ -390,6 +405,12 @@ def _accelerated_again(tree, numbers, memory, group, k):
                 + 2.0 * bend * speed * memory[tree[AT_COMPLEMENT_RATES] + nv * k + v]
             )
             continue
+        if kind == SPIN:
+            _spin_again(tree, numbers, memory, closure, k)
+            memory[row] = 0.0
+            for i in range(3):
+                memory[row] += memory[x + i] * memory[x + 9 + i]
+            continue
         a = 6 * (one if one >= 0 else base)
         b = 6 * (two if two >= 0 else base)
         # How the second body moves against the first: X, 2 Ẋ and Ẍ.
@@ -401,7 +422,7 @@ def _accelerated_again(tree, numbers, memory, group, k):
             for i in range(3):
                 memory[x + 18 + i] = memory[f + 21 + i] if part == 0 else memory[f + 14 + 3 * i]
             if part == 0 or kind == HINGE:
-                _bend(tree, memory, b, part)
+                _swing(tree, memory, b, part)
             else:
                 for i in range(3):
                     memory[x + 27 + i] = memory[second + 3 + i]
@@ -413,7 +434,40 @@ def _accelerated_again(tree, numbers, memory, group, k):
 
 
 @compiled
-def _bend(tree, memory, b, part):
+def _slope_of_spin(tree, numbers, memory, closure, out):
+    """Write the derivative of a spin by the angular velocity of its ball (3)."""
+    c = tree[AT_CLOSURES] + CLOSURE_INTEGERS * closure
+    at = tree[AT_CLOSURE_FRAMES] + CLOSURE_NUMBERS * closure
+    q = tree[AT_CONFIGURATION] + tree[c + FIRST_END]
+    for i in range(3):
+        memory[out + i] = turned(numbers, at, memory, q, i, 1)
+
+
+@merged
+def _spin_again(tree, numbers, memory, closure, k):
+    """Write a spin's derivative, and what of its second rate is along it.
+
+    With the quaternion Q of its ball, which the residual takes linearly, and angular velocities ω
+    and z of the motion and of column k of L, that is the part along the derivative of the product
+    Q (¼ ω ω z + ½ ω' z + ω z'); what is along Q itself has no part in a closed spin.
+    """
+    nv, x = tree[VELOCITIES], tree[AT_VECTORS]
+    v = tree[tree[AT_CLOSURES] + CLOSURE_INTEGERS * closure + COUPLED_SPEED]
+    speed, z = tree[AT_JOINT_SPEEDS] + v, tree[AT_COMPLEMENT] + nv * k + v
+    change = tree[AT_COMPLEMENT_RATES] + nv * k + v
+    _slope_of_spin(tree, numbers, memory, closure, x)
+    square = 0.0
+    for i in range(3):
+        square += memory[speed + i] * memory[speed + i]
+        memory[x + 3 + i] = 0.5 * memory[z + i]
+    for i in range(3):
+        memory[x + 9 + i] = -0.25 * square * memory[z + i]
+    _add_cross(memory, tree[AT_JOINT_ACCELERATIONS] + v, x + 3, x + 9)
+    _add_cross(memory, speed, change, x + 9)
+
+
+@compiled
+def _swing(tree, memory, b, part):
     """Write the second rate of what the relative twists do to a vector that moves with a body.
 
     The vectors hold these twists (3 · 6) and the vector (3), and get its rate and second rate (6),
@@ -457,11 +511,12 @@ def _along_position(tree, numbers, memory, k):
             joint, at = tree[AT_JOINTS] + JOINT_NUMBERS * velocity, tree[AT_JOINT_LOADS] + velocity
             # The loads begin with the second rate of L.
             memory[at] = (
-                numbers[joint] * memory[at] + numbers[joint + 1] * memory[change + velocity]
+                numbers[joint + ARMATURE] * memory[at]
+                + numbers[joint + DAMPING] * memory[change + velocity]
             )
         if tree[row + KIND] == SCREW:
             joint = tree[AT_JOINTS] + JOINT_NUMBERS * first
-            memory[tree[AT_JOINT_LOADS] + first] += numbers[joint + 2] * memory[L + first]
+            memory[tree[AT_JOINT_LOADS] + first] += numbers[joint + STIFFNESS] * memory[L + first]
         elif tree[row + KIND] != UNBOUNDED:
             _turn_joint(tree, numbers, memory, e, L, change)
     for closure in range(tree[CLOSURES]):
@@ -470,7 +525,7 @@ def _along_position(tree, numbers, memory, k):
 
 @merged
 def _turn_joint(tree, numbers, memory, e, L, change):
-    """Add to the loads of a ball or a free flyer what its motors and damping do in its axes.
+    """Add to the loads of a joint of many freedoms what its motors and damping do in its axes.
 
     Its axes turn: derivatives of its twists by two coordinates differ by their cross product, and
     so does the force that these twists meet.
@@ -478,20 +533,23 @@ def _turn_joint(tree, numbers, memory, e, L, change):
     row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
     first, count = tree[row + INDEX_V], tree[row + FREEDOMS]
     speed, faster, a = tree[AT_JOINT_SPEEDS], tree[AT_JOINT_ACCELERATIONS], tree[AT_VECTORS]
-    _add_bracket(tree, numbers, memory, e, 1, speed, L)
-    _add_bracket(tree, numbers, memory, e, 0, faster, L)
-    _add_bracket(tree, numbers, memory, e, 0, speed, change)
+    _add_bracket(tree, numbers, memory, e, DAMPING, speed, L)
+    _add_bracket(tree, numbers, memory, e, ARMATURE, faster, L)
+    _add_bracket(tree, numbers, memory, e, ARMATURE, speed, change)
     _lift(tree, memory, e, L, a)
     _set(memory, a + 6, 12, 0.0)
     for i in range(count):
         joint = tree[AT_JOINTS] + JOINT_NUMBERS * (first + i)
-        memory[a + 12 - count + i] = (
-            numbers[joint] * memory[faster + first + i]
-            + numbers[joint + 1] * memory[speed + first + i]
+        friction, motion = numbers[joint + FRICTION], memory[speed + first + i]
+        friction = friction if motion > 0.0 else -friction if motion < 0.0 else 0.0
+        memory[a + 6 + _axis_of(tree[row + KIND], i)] = (
+            numbers[joint + ARMATURE] * memory[faster + first + i]
+            + numbers[joint + DAMPING] * motion
+            + friction
         )
     _add_dual_product(memory, a, a + 6, a + 12)
     for i in range(count):
-        memory[tree[AT_JOINT_LOADS] + first + i] += memory[a + 18 - count + i]
+        memory[tree[AT_JOINT_LOADS] + first + i] += memory[a + 12 + _axis_of(tree[row + KIND], i)]
 
 
 @merged
@@ -509,6 +567,12 @@ def _turn_closure(tree, numbers, memory, closure, k):
         memory[tree[AT_JOINT_LOADS] + v] -= (
             memory[o] * bend * memory[tree[AT_COMPLEMENT] + nv * k + v]
         )
+    elif kind == SPIN:
+        v = tree[c + COUPLED_SPEED]
+        _slope_of_spin(tree, numbers, memory, closure, x)
+        for i in range(3):
+            memory[x + i] *= 0.5 * memory[o]
+        _add_cross(memory, tree[AT_COMPLEMENT] + nv * k + v, x, tree[AT_JOINT_LOADS] + v)
     elif kind != FRAME and two >= 0:
         # Joined frames do not turn against each other, and the base does not move.
         _subtract(memory, X + 6 * two, X + 6 * (one if one >= 0 else base), 1.0, x)
@@ -526,7 +590,7 @@ def _turn_closure(tree, numbers, memory, closure, k):
 
 @merged
 def _at_free_joints(tree, memory, forces):
-    """Correct the derivatives by an independent ball or free flyer, whose speeds are no rates.
+    """Correct derivatives by an independent joint of many freedoms, whose speeds are no rates.
 
     Derivatives along two of these may not be exchanged: they differ by the one along their cross
     product. Those by positions are at constant speeds, in the joint's own axes, which turn.
@@ -545,12 +609,12 @@ def _at_free_joints(tree, memory, forces):
         _set(memory, speeds + 12, 6, 0.0)
         for i in range(count):
             j = -1 - tree[column_of + first + i]
-            memory[speeds + 18 - count + i] = memory[forces + j]
+            memory[speeds + 12 + _axis_of(tree[row + KIND], i)] = memory[forces + j]
         for part in range(2):
             for axis in range(count):
                 k = -1 - tree[column_of + first + axis]
                 _set(memory, unit, 6, 0.0)
-                memory[unit + 6 - count + axis] = 1.0
+                memory[unit + _axis_of(tree[row + KIND], axis)] = 1.0
                 # How much faster it seems to turn, and to speed up, and its force.
                 _set(memory, unit + 24, 18, 0.0)
                 _add_product(memory, speeds, unit, unit + 24)
@@ -559,7 +623,8 @@ def _at_free_joints(tree, memory, forces):
                 by_speed = tree[AT_BY_SPEEDS] + n * k
                 by_position = tree[AT_BY_POSITIONS] + n * k
                 for i in range(count):
-                    j, at = -1 - tree[column_of + first + i], unit + 30 - count + i
+                    j = -1 - tree[column_of + first + i]
+                    at = unit + 24 + _axis_of(tree[row + KIND], i)
                     for f in range(n):
                         mass = memory[M + n * f + j]
                         if part == 0:

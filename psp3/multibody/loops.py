@@ -75,7 +75,7 @@ def polynomial(numbers, at, x, derivative):
 
 
 @compiled
-def _turned(numbers, at, memory, q, k, derivative):
+def turned(numbers, at, memory, q, k, derivative):
     """Return a part of a spin: its residual, or its derivative by the k-th angular velocity."""
     a, b = at + 3, q
     w = numbers[a + 3] * memory[b + 3]
@@ -116,7 +116,7 @@ def _spin_change(numbers, at, memory, q, v, z):
     # The residual is n · u with the quaternion (u, w); its derivative, 0.5 (w n + n × u) · z, is
     # linear in (u, w), and these change by 0.5 (w ω + u × ω) and −0.5 u · ω. A quaternion's second
     # derivative along ω and z is −0.25 (ω · z) times itself and 0.25 times what ω × z turns.
-    n_u = _turned(numbers, at, memory, q, 0, 0)
+    n_u = turned(numbers, at, memory, q, 0, 0)
     value = (
         -0.25
         * n_u
@@ -126,9 +126,9 @@ def _spin_change(numbers, at, memory, q, v, z):
     cy = memory[v + 2] * memory[z] - memory[v] * memory[z + 2]
     cz = memory[v] * memory[z + 1] - memory[v + 1] * memory[z]
     value += 0.5 * (
-        _turned(numbers, at, memory, q, 0, 1) * cx
-        + _turned(numbers, at, memory, q, 1, 1) * cy
-        + _turned(numbers, at, memory, q, 2, 1) * cz
+        turned(numbers, at, memory, q, 0, 1) * cx
+        + turned(numbers, at, memory, q, 1, 1) * cy
+        + turned(numbers, at, memory, q, 2, 1) * cz
     )
     return value
 
@@ -187,7 +187,7 @@ def residual_of(tree, numbers, memory, group):
             memory[row] = memory[configuration + one] - polynomial(numbers, at, x, 0)
             continue
         if kind == SPIN:
-            memory[row] = _turned(numbers, at, memory, configuration + one, 0, 0)
+            memory[row] = turned(numbers, at, memory, configuration + one, 0, 0)
             continue
         for side in range(2):
             end = one if side == 0 else two
@@ -280,7 +280,7 @@ def jacobian(tree, numbers, memory, group):
         if kind == SPIN:
             at = in_elements + CLOSURE_NUMBERS * closure
             q, axis = configuration + tree[c + FIRST_END], tree[p + PATH_VELOCITY]
-            memory[k] += _turned(numbers, at, memory, q, axis - tree[c + COUPLED_SPEED], 1)
+            memory[k] += turned(numbers, at, memory, q, axis - tree[c + COUPLED_SPEED], 1)
             continue
         s = screws + 6 * tree[p + PATH_VELOCITY]
         x, y, z = memory[f + 21], memory[f + 22], memory[f + 23]

@@ -45,7 +45,6 @@ from psp3.multibody.tree import (
     AT_COMPLEMENT,
     AT_CONFIGURATION,
     AT_FREE_FALL,
-    AT_INDEPENDENT_Q,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
@@ -90,9 +89,9 @@ how many threads share the rows.
 """
 
 NEAR = 0.1
-"""A row starts from the pose of the row before where no independent coordinate is farther from it
-than this [m, rad], and else from the reference. So its answer is that of the row alone, to
-rounding, unless a singular pose lies between the two ways to it.
+"""A row starts from the pose of the row before where no independent coordinate of it is farther
+than this [m, rad] from that of the last row that started from the reference. So answers do not
+depend on other rows, to rounding, unless a singular pose lies in the narrow space between the ways.
 """
 
 
@@ -114,13 +113,12 @@ def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
 
 
 @merged
-def _aim(tree, memory, positions, row):
-    """Make a row of positions the target; return whether it is near the pose."""
-    target, near = tree[AT_TARGET], True
-    for j in range(tree[POSITIONS]):
-        memory[target + j] = positions[tree[POSITIONS] * row + j]
-        at = memory[tree[AT_CONFIGURATION] + tree[tree[AT_INDEPENDENT_Q] + j]]
-        near = near and abs(memory[target + j] - at) <= NEAR
+def _aim(tree, memory, positions, row, anchor):
+    """Make a row of positions the target; return whether it is near another row."""
+    target, near, p = tree[AT_TARGET], True, tree[POSITIONS]
+    for j in range(p):
+        memory[target + j] = positions[p * row + j]
+        near = near and abs(memory[target + j] - positions[p * anchor + j]) <= NEAR
     return near
 
 
@@ -219,6 +217,34 @@ def _differentiate_forward(tree, memory, out, into):
 
 
 @merged
+def _differentiated(question, tree, numbers, memory, forces, out, into):
+    """Write the derivatives of a motion; return what became of them."""
+    n = tree[INDEPENDENT]
+    differentiate(tree, numbers, memory, forces)
+    if question == FORWARD_DERIVATIVES:
+        if not factor_positive(memory, tree[AT_MASS], n):
+            return SINGULAR
+        _differentiate_forward(tree, memory, out, into)
+        return CLOSED
+    for k in range(n):
+        for i in range(n):
+            out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
+            out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
+    _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
+    return CLOSED
+
+
+@merged
+def _prepare(question, tree, numbers, memory):
+    """Write L with its rates and the mass matrix for a question that needs them."""
+    if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
+        # Forward dynamics has written L.
+        if question != FORWARD_DERIVATIVES:
+            complement(tree, numbers, memory, 1.0)
+        mass_matrix(tree, numbers, memory, tree[AT_MASS])
+
+
+@merged
 def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
@@ -233,8 +259,8 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
     _take(tree, memory, second, row, speeds)
     weigh(tree, numbers, memory)
     _take(tree, memory, third, row, others)
-    if question == FORWARD_DYNAMICS or question == FORWARD_DERIVATIVES:
-        with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
+    with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
+    if question == FORWARD_DYNAMICS or with_rates > 0.0:
         if not accelerate(tree, numbers, memory, speeds, others, result, with_rates):
             return SINGULAR
         if question == FORWARD_DYNAMICS:
@@ -243,10 +269,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         for j in range(n):
             memory[others + j] = memory[result + j]
     _move_with(tree, memory, speeds)
-    if question == EQUATION_OF_MOTION or question == INVERSE_DERIVATIVES:
-        complement(tree, numbers, memory, 1.0)
-    if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
-        mass_matrix(tree, numbers, memory, tree[AT_MASS])
+    _prepare(question, tree, numbers, memory)
     if question == EQUATION_OF_MOTION:
         _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, numbers, memory, tree[AT_MASS])
@@ -266,17 +289,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
             _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, into + nq)
             _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, into + nq + nv)
         else:
-            differentiate(tree, numbers, memory, result)
-            if question == FORWARD_DERIVATIVES:
-                if not factor_positive(memory, tree[AT_MASS], n):
-                    return SINGULAR
-                _differentiate_forward(tree, memory, out, into)
-                return CLOSED
-            for k in range(n):
-                for i in range(n):
-                    out[into + n * i + k] = memory[tree[AT_BY_POSITIONS] + n * k + i]
-                    out[into + n * (n + i) + k] = memory[tree[AT_BY_SPEEDS] + n * k + i]
-            _copy(memory, tree[AT_MASS], n * n, out, into + 2 * n * n)
+            return _differentiated(question, tree, numbers, memory, result, out, into)
     return CLOSED
 
 
@@ -314,10 +327,13 @@ def answer(
         numbers[tree[AT_FREE_FALL] + i] = free_fall[i]
     if is_warm == 0:
         start_from(tree, reference, memory)
+    # The last row that started from the reference.
+    anchor = 0
     for row in range(rows):
-        near = _aim(tree, memory, positions, row)
+        near = _aim(tree, memory, positions, row, anchor)
         if row > 0 and is_path == 0 and (not near or row % BLOCK == 0):
             start_from(tree, reference, memory)
+            anchor = row
         outcome = _reach(tree, numbers, memory)
         if outcome == CLOSED:
             into = width * row

@@ -1073,11 +1073,12 @@ class ClosedLoopRobot:
 
     def _three_matrices(
         self, question: int, guess: ArrayLike | LastPose | None, *arguments: Any
-    ) -> Array:
-        """Return three answers that are matrices, (3, ..., n, n)."""
-        n = len(self.actuated)
+    ) -> tuple[Array, Array, Array]:
+        """Return three answers that are matrices, each (..., n, n)."""
+        n = self._speed_count
         found = self._ask(question, 3 * n * n, guess, *arguments)
-        return np.moveaxis(found.reshape(*found.shape[:-1], 3, n, n), -3, 0)
+        found = found.reshape(*found.shape[:-1], 3, n, n)
+        return found[..., 0, :, :], found[..., 1, :, :], found[..., 2, :, :]
 
     def frame_jacobian(self, positions: ArrayLike, frame: str) -> Array:
         """Return the Jacobian of a frame by the actuated coordinates.

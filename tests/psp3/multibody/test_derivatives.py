@@ -16,8 +16,9 @@ from numpy.testing import assert_allclose, assert_array_equal
 import psp3
 from psp3.description.parts import ROBOTS
 from psp3.errors import ClosureFailed, InvalidArray
-from psp3.multibody import flatten
 from psp3.multibody.closing import CLOSED
+from psp3.multibody.equations import Coupling, Hinge, Spin
+from psp3.multibody.flatten import flattened
 from psp3.multibody.motion import (
     FORWARD_DERIVATIVES,
     INVERSE_DERIVATIVES,
@@ -26,21 +27,14 @@ from psp3.multibody.motion import (
     assemble,
 )
 from psp3.multibody.tree import (
-    AT_CLOSURE_FRAMES,
-    AT_CLOSURES,
     AT_CONFIGURATION,
     AT_INDEPENDENT_Q,
     AT_JOINTS,
     AT_RESTS,
-    CLOSURE_INTEGERS,
-    CLOSURE_NUMBERS,
     COORDINATES,
-    COUPLED_SPEED,
-    COUPLING,
     FRICTION,
-    HINGE,
-    INDEPENDENT,
     JOINT_NUMBERS,
+    POSITIONS,
     SIZE,
     VELOCITIES,
 )
@@ -61,10 +55,11 @@ ANGLES = np.array([0.3, 0.4, 0.1, 0.5, -0.3, 0.2, 0.1])
 
 
 def of_their_own(tree: Any, numbers: Array) -> None:
-    """Give all joints motors with inertia, damping and springs; dry friction has no derivative."""
+    """Give all joints motors with inertia, damping and springs."""
     rng, first, rests = np.random.default_rng(3), int(tree[AT_JOINTS]), int(tree[AT_RESTS])
     count = JOINT_NUMBERS * int(tree[VELOCITIES])
     numbers[first : first + count] = rng.uniform(0.1, 1.0, count)
+    # Dry friction jumps where a joint turns around, as it does between differences.
     numbers[first + FRICTION : first + count : JOINT_NUMBERS] = 0.0
     numbers[rests : rests + int(tree[COORDINATES])] = 0.1
 
@@ -90,6 +85,27 @@ def test_whatever_joints_have_of_their_own(robot: ClosedLoopRobot) -> None:
             )
             for one, other in zip(found, expected, strict=True):
                 assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
+
+
+def test_dry_friction_turns_with_the_joints() -> None:
+    """Of all joints, a ball's, too; 1e-9, in steps in which no joint turns around."""
+    robot = EVERY_ROBOT["spatial_loop_of_every_joint"]()
+    numbers, first = robot._core.numbers, int(robot._core.tree[AT_JOINTS])
+    count = JOINT_NUMBERS * robot.model.nv
+    numbers[first + FRICTION : first + count : JOINT_NUMBERS] = np.linspace(
+        0.5, 1.5, robot.model.nv
+    )
+    for a, v, w in states(robot, 3):
+        signs = [np.sign(robot.velocity(a + step, v)) for step in (-0.004, 0.0, 0.004)]
+        assert (signs[0] == signs[1]).all()
+        assert (signs[1] == signs[2]).all()
+        found = robot.inverse_dynamics_derivatives(a, v, w)
+        expected = (
+            differences(lambda x: robot.inverse_dynamics(x, v, w), a, 1e-3),  # noqa: B023
+            differences(lambda x: robot.inverse_dynamics(a, x, w), v, 1e-3),  # noqa: B023
+        )
+        for one, other in zip(found[:2], expected, strict=True):
+            assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
 
 
 def test_a_derivative_by_speeds_is_twice_the_coriolis_matrix() -> None:
@@ -160,9 +176,9 @@ class Asked:
         self.memory[at : at + q0.size] = q0
         assert assemble(self.tree, self.numbers, self.memory) == CLOSED
         self.reference = self.memory.copy()
-        first, n = int(self.tree[AT_INDEPENDENT_Q]), int(self.tree[INDEPENDENT])
+        first, n = int(self.tree[AT_INDEPENDENT_Q]), int(self.tree[POSITIONS])
         self.home = self.memory[at + self.tree[first : first + n]]
-        """Independent coordinates of the reference, (n,)."""
+        """Independent coordinates of the reference."""
 
     def __call__(self, question: int, width: int, a: Array, v: Array, third: Array) -> Array:
         """Return the answer to a question about one state."""
@@ -172,38 +188,9 @@ class Asked:
         return out
 
 
-class Coupling:
-    """The coordinate of a joint as a polynomial of that of another."""
-
-    kind = COUPLING
-    placements = pin.SE3.Identity(), pin.SE3.Identity()
-
-    def __init__(self, model: pin.Model, y: int, x: int, coefficients: list[float]) -> None:
-        self.speed, self.coefficients = model.joints[x].idx_v, coefficients
-        self.ends = model.joints[y].idx_q, model.joints[x].idx_q
-        # All joints before these have one element each.
-        self.sides = {y - 1: 1, x - 1: -1}
-
-
 def asked(model: pin.Model, closures: list[Any], motors: list[int], q0: Array) -> Asked:
-    """Return a tree closed by hinges, given as constraint models, and by couplings."""
-    elements, of_joint = flatten._elements(model)
-    known: list[Any] = []
-    for closure in closures:
-        if not isinstance(closure, Coupling):
-            closure = flatten._Closure(elements, of_joint, closure)
-            closure.kind = HINGE
-        known.append(closure)
-    independent = {v: number for number, v in enumerate(motors)}
-    groups = flatten._groups(elements, known, independent, set())
-    flat = flatten._packed(model, elements, known, groups, independent, set(), {})
-    for place, number in enumerate(number for members in groups for number in members):
-        if isinstance(known[number], Coupling):
-            c = int(flat.integers[AT_CLOSURES]) + CLOSURE_INTEGERS * place
-            flat.integers[c + COUPLED_SPEED] = known[number].speed
-            k = int(flat.integers[AT_CLOSURE_FRAMES]) + CLOSURE_NUMBERS * place
-            flat.numbers[k : k + CLOSURE_NUMBERS] = 0.0
-            flat.numbers[k : k + len(known[number].coefficients)] = known[number].coefficients
+    """Return a tree closed by hinges, couplings and spins."""
+    flat = flattened(model, closures, np.array(motors, dtype=np.int64))
     return Asked(flat, model.gravity.linear, q0)
 
 
@@ -222,7 +209,7 @@ def arm() -> SimpleNamespace:
     return _robot(joints, (7, 1, pin.ContactType.CONTACT_6D), list(ANGLES), ("j1",))
 
 
-def hinge(model: pin.Model, q0: Array, first: int, second: int) -> pin.RigidConstraintModel:
+def hinge(model: pin.Model, q0: Array, first: int, second: int) -> Hinge:
     """Return a closure of two joints, whose frames are turned about the hinge."""
     data = model.createData()
     pin.forwardKinematics(model, data, q0)
@@ -230,15 +217,8 @@ def hinge(model: pin.Model, q0: Array, first: int, second: int) -> pin.RigidCons
         pin.utils.rotate("x", 0.3), np.array([0.25, 0.05, 0.1])
     )
     turned = place * pin.SE3(pin.utils.rotate("z", 0.7), np.zeros(3))
-    return pin.RigidConstraintModel(
-        pin.ContactType.CONTACT_6D,
-        model,
-        first,
-        data.oMi[first].actInv(place),
-        second,
-        data.oMi[second].actInv(turned),
-        pin.ReferenceFrame.LOCAL,
-    )
+    ends = data.oMi[first].actInv(place), data.oMi[second].actInv(turned)
+    return Hinge("", first, ends[0], second, ends[1])
 
 
 def coupled_in_a_loop() -> Asked:
@@ -247,7 +227,7 @@ def coupled_in_a_loop() -> Asked:
     y, x = ANGLES[3], ANGLES[1]
     bend = [0.5, 0.3, 0.1, 0.2]
     constant = y - sum(c * x ** (k + 1) for k, c in enumerate(bend))
-    closures = [hinge(model, ANGLES, 0, 7), Coupling(model, 4, 2, [constant, *bend])]
+    closures = [hinge(model, ANGLES, 0, 7), Coupling("", 4, 2, (constant, *bend))]
     return asked(model, closures, [0], ANGLES)
 
 
@@ -261,10 +241,21 @@ def two_couplings() -> Asked:
     """Return an arm two of whose joints follow others; nothing is held."""
     model = arm().model
     closures = [
-        Coupling(model, 4, 2, [0.1, 0.5, 0.3, -0.2, 0.15]),
-        Coupling(model, 6, 4, [0.0, 1.0, -0.5, 0.0, 0.3]),
+        Coupling("", 4, 2, (0.1, 0.5, 0.3, -0.2, 0.15)),
+        Coupling("", 6, 4, (0.0, 1.0, -0.5, 0.0, 0.3)),
     ]
     return asked(model, closures, [0, 1, 2, 4, 6], ANGLES)
+
+
+def rod_on_balls() -> Asked:
+    """Return an arm whose end a rod on two balls holds, which does not spin about itself."""
+    axes = [pin.JointModelRZ(), pin.JointModelRY(), pin.JointModelSpherical()]
+    joints = [(k, joint, np.array([0.1, 0.05 * k, 0.1])) for k, joint in enumerate(axes)]
+    ball = pin.Quaternion(pin.utils.rpyToMatrix(0.3, -0.2, 0.4)).coeffs()
+    q0 = np.array([0.3, 0.4, *ball])
+    parts = _robot(joints, (3, 0, pin.ContactType.CONTACT_3D), list(q0), ("j1",))
+    axis = np.array([0.25, 0.05, 0.1]) / np.linalg.norm([0.25, 0.05, 0.1])
+    return asked(parts.model, [*parts.constraint_models, Spin("", 3, axis, ball)], [0], q0)
 
 
 @pytest.mark.parametrize(
@@ -276,10 +267,19 @@ def two_couplings() -> Asked:
         (lambda: held_by_a_hinge(1, 7, [0, 4]), 2),
         (coupled_in_a_loop, 1),
         (two_couplings, 5),
+        (rod_on_balls, 1),
     ],
-    ids=["end on base", "base on end", "end on link", "link on end", "coupled", "coupled only"],
+    ids=[
+        "end on base",
+        "base on end",
+        "end on link",
+        "link on end",
+        "coupled",
+        "coupled only",
+        "spin",
+    ],
 )
-def test_hinges_and_couplings(build_one: Any, n: int) -> None:
+def test_hinges_couplings_and_spins(build_one: Any, n: int) -> None:
     """1e-9 of the largest entry; steps are small because singular poses are near."""
     tree, rng = build_one(), np.random.default_rng(3)
     a = tree.home + rng.uniform(-0.05, 0.05, n)
@@ -298,44 +298,35 @@ def test_hinges_and_couplings(build_one: Any, n: int) -> None:
         assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
 
 
-def floating() -> SimpleNamespace:
-    """Return a free flyer that carries an arm with a ball."""
+def floating(base: str) -> SimpleNamespace:
+    """Return a free flyer or a planar joint that carries an arm with a ball."""
     axes = [
-        pin.JointModelFreeFlyer(),
+        pin.JointModelPlanar() if base == "planar" else pin.JointModelFreeFlyer(),
         pin.JointModelRY(),
         pin.JointModelSpherical(),
         pin.JointModelPX(),
         pin.JointModelRX(),
     ]
     joints = [(k, joint, np.array([0.1, 0.05 * k, 0.1])) for k, joint in enumerate(axes)]
-    q0 = [0.3, 0.2, 0.5, 0.1, 0.2, -0.1, np.sqrt(0.94), 0.3, 0.5, 0.5, 0.5, 0.5, 0.1, 0.2]
+    pose = [0.3, 0.2, 0.6, 0.8]
+    if base != "planar":
+        pose = [0.3, 0.2, 0.5, 0.1, 0.2, -0.1, np.sqrt(0.94)]
+    q0 = [*pose, 0.3, 0.5, 0.5, 0.5, 0.5, 0.1, 0.2]
     return _robot(joints, (1, 5, pin.ContactType.CONTACT_6D), q0, ("j2",))
 
 
-class OneCoordinateEach:
-    """A model in which every velocity has a joint and a coordinate of its own."""
-
-    def __init__(self, model: pin.Model) -> None:
-        self._model = model
-        each = [SimpleNamespace(idx_v=v, idx_q=v, nq=0) for v in range(model.nv)]
-        self.joints = [None, *each]
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._model, name)
-
-
 @pytest.mark.parametrize("question", [INVERSE_DERIVATIVES, FORWARD_DERIVATIVES])
-def test_all_speeds_of_a_floating_tree_are_those_of_pinocchio(question: int) -> None:
+@pytest.mark.parametrize("base", ["free", "planar"])
+def test_all_speeds_of_a_floating_tree_are_those_of_pinocchio(base: str, question: int) -> None:
     """Pinocchio's derivatives of RNEA, along and at constant twists of the free joints.
 
-    1e-12 of the largest entry. The order of the speeds is not that of the tree.
+    1e-12 of the largest entry. The arm's speeds come first, in an order of their own.
     """
-    parts, rng = floating(), np.random.default_rng(5)
+    parts, rng = floating(base), np.random.default_rng(5)
     model, data, nv = parts.model, parts.model.createData(), parts.model.nv
-    order = rng.permutation(nv)
-    elements, _ = flatten._elements(model)
-    independent = {int(v): number for number, v in enumerate(order)}
-    flat = flatten._packed(OneCoordinateEach(model), elements, [], [], independent, set(), {})
+    first = 3 if base == "planar" else 6
+    order = np.concatenate([rng.permutation(np.arange(first, nv)), np.arange(first)])
+    flat = flattened(model, [], order)
     q = pin.integrate(model, parts.q0, rng.normal(size=nv))
     v, w = rng.normal(size=(2, nv))
     tree = Asked(flat, model.gravity.linear, q)
