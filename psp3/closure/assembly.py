@@ -73,7 +73,7 @@ def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
         If no start leads to a closed configuration.
     """
     lower, upper = _tangent_limits(model, q0)
-    nearest = _by_short_steps(model, flat, q0)
+    nearest = by_short_steps(model, flat, q0)
     if nearest is not None:
         way = pin.difference(model, q0, nearest)
         if (lower <= way).all() and (way <= upper).all():
@@ -122,7 +122,7 @@ def nearly_closed(model: pin.Model, flat: FlatTree, q0: Array) -> Iterator[tuple
         )
 
 
-def _by_short_steps(model: pin.Model, flat: FlatTree, q: Array) -> Array | None:
+def by_short_steps(model: pin.Model, flat: FlatTree, q: Array) -> Array | None:
     """Return where Newton's method leads, or None if that is too far.
 
     Its steps are those of least length. Too far is farther than a guess may be off.

@@ -25,7 +25,7 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array
-from psp3.closure.assembly import jacobian, nearly_closed, residual
+from psp3.closure.assembly import by_short_steps, jacobian, nearly_closed, residual
 from psp3.closure.rank import ASSEMBLED_RANK_TOLERANCE
 from psp3.errors import LoopsDoNotClose
 from psp3.multibody.flatten import FlatTree
@@ -74,7 +74,7 @@ the smaller ones where a larger one does not close.
 
 POSES = 8
 
-MOST_SECONDS = 4.0
+MOST_SECONDS = 3.0
 """So long other starts are tried for a robot whose loops do not close."""
 
 
@@ -157,7 +157,11 @@ def structure(
     LoopsDoNotClose
         If no configuration closes the loops, not even nearly; after some seconds at most.
     """
-    start = within_limits(model, pin.neutral(model)) if q is None else q
+    start = q
+    if start is None:
+        start = within_limits(model, pin.neutral(model))
+        near = by_short_steps(model, flat, start)
+        start = start if near is None else near
     equations = _Equations(model, flat, start)
     found = equations.structure(start, motors)
     if found is not None and (q is not None or _is_good(model, found, motors)):

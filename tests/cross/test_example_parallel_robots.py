@@ -77,7 +77,7 @@ ROBOTS = {
     "wl16_like": Example(
         6,
         tuple(f"hip_part_motor_part{leg}_rev2" for leg in ("", "_2", "_3", "_4", "_5", "_6")),
-        0.002,
+        0.001,
     ),
 }
 SPINNING = [name for name, example in ROBOTS.items() if example.spins]
