@@ -295,7 +295,7 @@ def derivatives(question: int, tree: Indices, numbers: Array, memory: Array, out
     complement(tree, numbers, memory, 1.0)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
     _forces_of(tree, numbers, memory, others, result)
-    outcome = _differentiated(question, tree, numbers, memory, result, out, 0)
+    outcome: int = _differentiated(question, tree, numbers, memory, result, out, 0)
     if outcome == CLOSED and not _is_finite(out, 0, out.shape[0]):
         outcome = NOT_FINITE
     memory[tree[AT_REPORT] + 3] = float(outcome)
