@@ -327,9 +327,9 @@ class Core:
         out: Array,
     ) -> int:
         if question >= INVERSE_DERIVATIVES:
-            for row in range(len(positions)):
+            states = zip(*map(np.ascontiguousarray, (positions, second, third)), strict=True)
+            for row, state in enumerate(states):
                 warm = is_warm if row == 0 else is_path
-                state = positions[row], second[row], third[row]
                 if self._differentiated(question, warm, memory, *state, out[row]) >= 0:
                     return row
             return -1
