@@ -5,11 +5,11 @@ w of joint velocities: it measures :math:`w N` of them. What it measures is take
 and what is left goes to the next one, so the coordinates are independent of each other.
 
 In this order they are taken: the coordinates that are asked for; the motors in the order of the
-file, each if it measures something new, those first that do so at every pose; and, of motions that are still left, free ones, one joint
-each: of the joints that measure at least a tenth of what the best does in the pose that is worst
-for it, one with a spring before others, then joints of one degree of freedom before the spin of a
-ball, and of these the first in the file. A floating base always keeps its own coordinates, which
-come last.
+file, each if it measures something new, those first that do so at every pose; and, of motions that
+are still left, free ones, one joint each: of the joints that measure at least a tenth of what the
+best does in the pose that is worst for it, one with a spring before others, then joints of one
+degree of freedom before the spin of a ball, and of these the first in the file. A floating base
+always keeps its own coordinates, which come last.
 """
 
 from __future__ import annotations
