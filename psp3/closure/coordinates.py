@@ -92,7 +92,8 @@ def chosen_coordinates(
     motors : (nv, m) ndarray
         What each motor drives.
     free : str
-        ``"keep"``: free motions get coordinates; otherwise they are named in ``locked``.
+        ``"keep"``: free motions of joints of one degree of freedom get coordinates; otherwise,
+        and of the spin of a ball, they are named in ``locked``.
     wanted : sequence of str, optional
         Joints of one degree of freedom that come first.
     springs : mapping, optional
