@@ -328,9 +328,12 @@ class Core:
     ) -> int:
         if question >= INVERSE_DERIVATIVES:
             states = zip(*map(np.ascontiguousarray, (positions, second, third)), strict=True)
-            for row, state in enumerate(states):
+            for row, (position, speed, other) in enumerate(states):
                 warm = is_warm if row == 0 else is_path
-                if self._differentiated(question, warm, memory, *state, out[row]) >= 0:
+                if (
+                    self._differentiated(question, warm, memory, position, speed, other, out[row])
+                    >= 0
+                ):
                     return row
             return -1
         refused: int = answer(
