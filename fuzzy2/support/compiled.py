@@ -9,11 +9,13 @@ kernel clears the cache: ``make`` does, by deleting every ``*.nbi`` and ``*.nbc`
 
 from __future__ import annotations
 
+import functools
 import threading
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, Protocol, TypeVar, cast
 
 import numba
+from numba.extending import overload
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -82,6 +84,60 @@ def inlined(function: Function) -> Function:
         The compiled function.
     """
     return _compiled(function, forceinline=True)
+
+
+class ChosenByTable(Protocol):
+    """What :func:`chosen_by_table` returns."""
+
+    def __call__(self, table: Any, *arguments: Any) -> Any:
+        """Return what the body for the table's type does."""
+        ...
+
+    def register(self, kind: Any) -> Callable[[Function], Function]:
+        """Return a decorator of the body for a NamedTuple class."""
+        ...
+
+
+def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
+    """Declare a compiled function that has one body for each type of its first argument.
+
+    So a kernel that serves any table, a NamedTuple of arrays, can ask it for what depends on its
+    kind; whoever has a kind of table gives the body. Which one it is stands fixed once the kernel
+    is compiled for the table, and the compiled kernel can be kept on disk.
+
+    Parameters
+    ----------
+    declaration : callable
+        A function that says what all bodies do.
+
+    Returns
+    -------
+    ChosenByTable
+        The function; ``@declared.register(Table)`` stands above the body for a NamedTuple class. A
+        body is compiled where it is called from; what is long in it belongs into a function of its
+        own that is :func:`compiled`.
+    """
+    bodies: dict[Any, Callable[..., Any]] = {}
+
+    @functools.wraps(declaration)
+    def chosen(table: Any, *arguments: Any) -> Any:
+        return bodies[type(table)](table, *arguments)
+
+    def body_of(table: Any, *_: Any) -> Callable[..., Any] | None:
+        body = bodies.get(getattr(table, "instance_class", None))
+        return getattr(body, "py_func", body)
+
+    overload(chosen, strict=False, jit_options={"error_model": "numpy"})(body_of)
+
+    def register(kind: Any) -> Callable[[Function], Function]:
+        def registered(body: Function) -> Function:
+            bodies[kind] = body
+            return body
+
+        return registered
+
+    chosen.register = register  # type: ignore[attr-defined]
+    return cast("ChosenByTable", chosen)
 
 
 def merged(function: Function) -> Function:

@@ -9,14 +9,15 @@ errors are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats, checked_not_negative, checked_positive
-from psp3.control.controller import Stateless
-from psp3.dynamics.dynamics_model import DynamicsModel, equation_of_motion_of
+from psp3.control import kernels
+from psp3.control.controller import SaysNothing, Stateless
+from psp3.dynamics.dynamics_model import DynamicsModel, ForcesOfMotions
 from psp3.errors import InvalidArray
 from psp3.trajectories.motion import Motion
 
@@ -74,7 +75,23 @@ def _times(gain: float | Array, error: Array) -> Array:
     return product
 
 
-class FeedForward(Stateless):
+class _OfModel(SaysNothing):
+    """What asks a model for forces, each closing of its loops from the pose of the one before."""
+
+    def __init__(self, model: DynamicsModel) -> None:
+        self.model = model
+        self._forces_of = ForcesOfMotions(model)
+
+    def reset(self) -> None:
+        """Forget the pose of the last call, which changes nothing but rounding."""
+        self._forces_of.forget()
+
+    def _model_table(self) -> NamedTuple | None:
+        table: NamedTuple | None = getattr(self.model, "compiled_table", lambda: None)()
+        return table
+
+
+class FeedForward(_OfModel):
     r"""Open loop: the forces of the desired motion, without any feedback (eq. 4.1).
 
     .. math:: \tau = M(a_d)\, \ddot a_d + C(a_d, \dot a_d)\, \dot a_d + G(a_d)
@@ -85,18 +102,19 @@ class FeedForward(Stateless):
         Where M, C and G come from: a robot, or one of ``robot.dynamics(name)``.
     """
 
-    def __init__(self, model: DynamicsModel) -> None:
-        self.model = model
-        self._equation = equation_of_motion_of(model)
-
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion, of shape (3,) [N]."""
-        M, C, G = self._equation(desired.positions, desired.speeds)
-        torque: Array = M @ desired.accelerations + C @ desired.speeds + G
-        return torque
+        return self._forces_of(desired.positions, desired.speeds, desired.accelerations)
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        model = self._model_table()
+        if model is None or type(self) is not FeedForward:
+            return None
+        return kernels.classical(kernels.FEED_FORWARD, 0.0, 0.0, model, joints)
 
 
-class PD(Stateless):
+class PD(SaysNothing, Stateless):
     r"""Proportional and derivative feedback, :math:`\tau = k_p e + k_v \dot e`.
 
     There is no gravity term, so under the thesis's gains (Table 6.1) every screw sags by its weight
@@ -126,8 +144,14 @@ class PD(Stateless):
             self.kv, desired.speeds - speeds
         )
 
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        if type(self) is not PD or robot is None:
+            return None
+        return kernels.classical(kernels.PD, self.kp, self.kv, robot, joints)
 
-class GravityCompensatedPD(PD):
+
+class GravityCompensatedPD(_OfModel, PD):
     r"""PD plus the model's gravity at the present pose, :math:`\tau = k_p e + k_v \dot e + G(a)`.
 
     No sag at rest.
@@ -143,13 +167,21 @@ class GravityCompensatedPD(PD):
     def __init__(
         self, model: DynamicsModel, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0
     ) -> None:
-        super().__init__(kp, kv)
-        self.model = model
-        self._equation = equation_of_motion_of(model)
+        PD.__init__(self, kp, kv)
+        _OfModel.__init__(self, model)
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return feedback and gravity forces, of shape (3,) [N]."""
-        return super().torque(t, positions, speeds, desired) + self._equation(positions, speeds)[2]
+        rest = np.zeros(len(speeds))
+        feedback = PD.torque(self, t, positions, speeds, desired)
+        return feedback + self._forces_of(positions, rest, rest)
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        model = self._model_table()
+        if model is None or type(self) is not GravityCompensatedPD:
+            return None
+        return kernels.classical(kernels.GRAVITY_COMPENSATED_PD, self.kp, self.kv, model, joints)
 
 
 class PID(PD):
@@ -187,8 +219,20 @@ class PID(PD):
         self._last = (t, error)
         return super().torque(t, positions, speeds, desired) + self.ki * self._integral
 
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        if type(self) is not PID or robot is None:
+            return None
+        return kernels.classical(kernels.PD, self.kp, self.kv, robot, joints, self.ki)
 
-class ComputedTorque(Stateless):
+    def take(self, table: Any, steps: Array) -> dict[str, Array]:
+        """Go on from where a compiled loop ended."""
+        self._integral = table.memory[kernels.INTEGRAL].copy()
+        self._last = (float(table.clock[kernels.TIME]), table.memory[kernels.LAST_ERROR].copy())
+        return {}
+
+
+class ComputedTorque(_OfModel):
     r"""Computed torque (eq. 4.10–4.18).
 
     The model makes the robot a unit mass, which a servo then steers.
@@ -214,9 +258,8 @@ class ComputedTorque(Stateless):
     """
 
     def __init__(self, model: DynamicsModel, kp: float = 10.0, kv: float = 1.0) -> None:
-        self.model = model
+        super().__init__(model)
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
-        self._equation = equation_of_motion_of(model)
 
     @classmethod
     def critically_damped(cls, model: DynamicsModel, kp: float = 10.0) -> ComputedTorque:
@@ -228,11 +271,16 @@ class ComputedTorque(Stateless):
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of eq. 4.10, of shape (3,) [N]."""
-        M, C, G = self._equation(positions, speeds)
         servo = (
             desired.accelerations
             + self.kv * (desired.speeds - speeds)
             + self.kp * (desired.positions - positions)
         )
-        torque: Array = M @ servo + C @ speeds + G
-        return torque
+        return self._forces_of(positions, speeds, servo)
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        model = self._model_table()
+        if model is None or type(self) is not ComputedTorque:
+            return None
+        return kernels.classical(kernels.COMPUTED_TORQUE, self.kp, self.kv, model, joints)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Any, NamedTuple, Protocol
 
+from fuzzy2.support.compiled import chosen_by_table
 from psp3.checks import Array
 from psp3.trajectories.motion import Motion
 
@@ -25,3 +26,52 @@ class Stateless:
 
     def reset(self) -> None:
         """Forget nothing: this controller remembers nothing."""
+
+
+class SaysNothing:
+    """A controller that says nothing of its steps but the forces."""
+
+    numbers_said = 0
+
+    def take(self, table: Any, steps: Array) -> dict[str, Array]:
+        """Return what is reported of the steps of a compiled loop: nothing."""
+        return {}
+
+
+class CompiledController(Controller, Protocol):
+    """A controller that the compiled loop takes, too."""
+
+    numbers_said: int
+    """Numbers that a step writes after the n forces: what the controller says of the step."""
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as :func:`steer` takes it, or None where it cannot be compiled.
+
+        ``robot`` is a table of what is steered, or None if it has none, for a controller without a
+        model of its own: the loop is then not compiled for yet another model.
+        """
+        ...
+
+    def take(self, table: Any, steps: Array) -> dict[str, Array]:
+        """Be as after the last of the steps, and return what is reported of all.
+
+        The steps are what :func:`steer` wrote, (N, n + numbers_said).
+        """
+        ...
+
+
+@chosen_by_table
+def steer(
+    controller: Any,
+    sample: int,
+    t: float,
+    positions: Array,
+    speeds: Array,
+    desired: Array,
+    out: Array,
+) -> bool:
+    """Write a step's numbers, the forces first; return whether these are finite.
+
+    ``desired`` are positions, speeds and accelerations (3n,).
+    """
+    raise NotImplementedError

@@ -16,12 +16,15 @@ Quadratic Methods, 1990, chapters 2 and 3).
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, as_floats, checked_positive, one_row
+from psp3.control import kernels
+from psp3.control.controller import SaysNothing
+from psp3.dynamics.dynamics_model import ForcesOfMotions
 from psp3.dynamics.linearization import LinearSystem, checked_matrices, discretize, linearize
 from psp3.errors import InvalidArray, InvalidValue, NoStabilizingSolution
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -191,7 +194,7 @@ def _weight(name: str, values: ArrayLike, width: int, definite: bool = False) ->
     return symmetric
 
 
-class LinearQuadraticRegulator:
+class LinearQuadraticRegulator(SaysNothing):
     r"""The forces of the desired motion and a regulator of one pose.
 
     It is the linear-quadratic regulator on the errors of position and speed.
@@ -236,19 +239,25 @@ class LinearQuadraticRegulator:
             if positions is None
             else one_row("positions", positions, len(robot.actuated))
         )
-        self.robot = robot
+        self.robot, self._forces_of = robot, ForcesOfMotions(robot)
         self.system = discretize(linearize(robot, pose), period)
         self.regulator = lqr(self.system, Q, R)
 
     def reset(self) -> None:
-        """Forget nothing: this controller remembers nothing."""
+        """Forget the pose of the last call, which changes nothing but rounding."""
+        self._forces_of.forget()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
-        return _forces(self.robot, self.regulator.K, positions, speeds, desired)
+        K = self.regulator.K
+        return _forces(self._forces_of, K, positions, speeds, desired)
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        return _table(self.robot, self.regulator.K, joints, 1.0)
 
 
-class TimeVaryingLinearQuadraticRegulator:
+class TimeVaryingLinearQuadraticRegulator(SaysNothing):
     r"""The forces of the desired motion and a regulator along it.
 
     It is the linear-quadratic regulator on the errors of position and speed.
@@ -295,6 +304,7 @@ class TimeVaryingLinearQuadraticRegulator:
         terminal: ArrayLike | None = None,
     ) -> None:
         self.robot, self.period = robot, checked_positive("period", period)
+        self._forces_of = ForcesOfMotions(robot)
         self.t = self.period * np.arange(
             int(checked_positive("duration", duration) / self.period + 1e-9) + 1
         )
@@ -305,20 +315,34 @@ class TimeVaryingLinearQuadraticRegulator:
         self.regulator = time_varying_lqr(self.system, Q, R, terminal)
 
     def reset(self) -> None:
-        """Forget nothing: the gains depend on time alone."""
+        """Forget the pose of the last call, which changes nothing but rounding."""
+        self._forces_of.forget()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
         # The small excess keeps rounding from taking the gains of the sample before.
         sample = min(max(int(t / self.period + 1e-6), 0), len(self.t) - 1)
-        return _forces(self.robot, self.regulator.K[sample], positions, speeds, desired)
+        K = self.regulator.K[sample]
+        return _forces(self._forces_of, K, positions, speeds, desired)
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        # After the last period the gains of the last one stay.
+        gains = self.regulator.K[: len(self.t)]
+        return _table(self.robot, gains, joints, self.period)
 
 
 def _forces(
-    robot: ClosedLoopRobot, K: Array, positions: Array, speeds: Array, desired: Motion
+    forces_of: ForcesOfMotions, K: Array, positions: Array, speeds: Array, desired: Motion
 ) -> Array:
     error = np.concatenate([desired.positions - positions, desired.speeds - speeds])
-    forces: Array = (
-        robot.inverse_dynamics(desired.positions, desired.speeds, desired.accelerations) + K @ error
-    )
+    forces: Array = forces_of(desired.positions, desired.speeds, desired.accelerations) + K @ error
     return forces
+
+
+def _table(robot: ClosedLoopRobot, K: Array, joints: int, period: float) -> NamedTuple | None:
+    model = robot.compiled_table()
+    if model is None:
+        return None
+    kp, kv = K[..., :joints], K[..., joints:]
+    return kernels.classical(kernels.FEED_FORWARD, kp, kv, model, joints, gain_period=period)

@@ -45,6 +45,7 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, checked_not_negative
 from psp3.closure.rank import RANK_TOLERANCE
+from psp3.dynamics.dynamics_model import ForcesOfMotions
 from psp3.errors import InvalidValue
 from psp3.kinematics.frames import FrameMotion, frame_motion
 from psp3.kinematics.task_space import TaskSpace, square_task
@@ -147,7 +148,7 @@ class TaskSpaceComputedTorque:
         task: Sequence[str] = ("x", "y", "z"),
         damped_below: float = 0.15,
     ) -> None:
-        self.robot, self.path = robot, path
+        self.robot, self.path, self._forces_of = robot, path, ForcesOfMotions(robot)
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         share = checked_not_negative("damped_below", damped_below)
         if share >= 1.0:
@@ -162,7 +163,8 @@ class TaskSpaceComputedTorque:
         r"""The singular value :math:`\varepsilon` below which the inverse is damped."""
 
     def reset(self) -> None:
-        """Forget nothing: this controller remembers nothing."""
+        """Forget the pose of the last call, which changes nothing but rounding."""
+        self._forces_of.forget()
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the actuated joints (n,) [N or N m] for a state.
@@ -182,7 +184,7 @@ class TaskSpaceComputedTorque:
         rows, now = self.space.rows, self.space.state(positions, speeds)
         servo = goal.acceleration[rows] + self.kv * (goal.velocity[rows] - now.velocity)
         servo += self.kp * self.space.error(goal.placement, now.placement) - now.drift
-        return self.robot.inverse_dynamics(
+        return self._forces_of(
             positions, speeds, self._accelerations(positions, speeds, now.jacobian, servo)
         )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol, runtime_checkable
+from typing import Any, Protocol, runtime_checkable
 
 from numpy.typing import ArrayLike
 
@@ -30,6 +30,74 @@ class DynamicsModel(Protocol):
     ) -> Array:
         """Return the forces of the motors for a motion, (..., n) [N], of hinges [N m]."""
         ...
+
+
+class StateAfterState:
+    """A caller who asks a model about one state after the other.
+
+    Loops are closed from the pose of the state before, of a model that has loops to close and a
+    ``last_pose``. Threads may share it: each has a pose of its own while it asks.
+
+    Parameters
+    ----------
+    model : object
+        A robot, or any other model.
+    """
+
+    def __init__(self, model: Any) -> None:
+        new_pose = getattr(model, "last_pose", None)
+        pose = None if new_pose is None else new_pose()
+        self._new_pose: Callable[[], Any] | None = None if pose is None else new_pose
+        self._poses = [pose]
+
+    def ask(self, question: Callable[..., Any], *arguments: ArrayLike) -> Any:
+        """Return what a method of the model answers; it takes the pose as its ``guess``."""
+        if self._new_pose is None:
+            return question(*arguments)
+        try:
+            pose = self._poses.pop()
+        except IndexError:
+            pose = self._new_pose()
+        try:
+            return question(*arguments, guess=pose)
+        finally:
+            self._poses.append(pose)
+
+    def forget(self) -> None:
+        """Start from the reference again."""
+        self._poses.clear()
+
+
+class ForcesOfMotions(StateAfterState):
+    """The motors' forces of one motion after the other.
+
+    They are the model's ``actuator_forces``, or M a + C v + G of a model of a user's own that lacks
+    them.
+
+    Parameters
+    ----------
+    model : DynamicsModel
+        A robot, one of ``robot.dynamics(name)``, or any other.
+
+    Raises
+    ------
+    InvalidValue
+        If the model offers neither.
+    """
+
+    def __init__(self, model: DynamicsModel) -> None:
+        super().__init__(model)
+        self._forces: Any = getattr(model, "actuator_forces", None)
+        self._equation = None if self._forces is not None else equation_of_motion_of(model)
+
+    def __call__(self, positions: Array, speeds: Array, accelerations: Array) -> Array:
+        """Return the forces (n,) of a state's accelerations (n,)."""
+        if self._equation is None:
+            forces: Array = self.ask(self._forces, positions, speeds, accelerations)
+            return forces
+        M, C, G = self.ask(self._equation, positions, speeds)
+        assembled: Array = M @ accelerations + C @ speeds + G
+        return assembled
 
 
 def equation_of_motion_of(

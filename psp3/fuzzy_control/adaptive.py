@@ -33,6 +33,7 @@ manipulators", Automatica 25(4), 1989, for the filtered regressor.
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -40,7 +41,7 @@ from psp3.checks import Array, checked_number, checked_positive, one_row
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control import adaptive_kernels as kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-from psp3.fuzzy_control.kernels import INTERVAL, STEP
+from psp3.fuzzy_control.kernels import STEP, reported
 from psp3.fuzzy_control.records import unpack
 from psp3.trajectories.motion import Motion
 
@@ -88,7 +89,7 @@ class AdaptiveFuzzyComputedTorque:
         The trained controller.
     rules : Rules
         What it was trained to, with weight and box of adaptation.
-    settings : ndarray
+    settings : Settings
         Numbers of the controller, as :mod:`psp3.fuzzy_control.adaptive_kernels` takes them.
 
     Raises
@@ -131,17 +132,13 @@ class AdaptiveFuzzyComputedTorque:
             float(reach),
         )
         self.lag = checked_positive("lag", lag)
-        self.settings = np.array(
-            [
-                INTERVAL,
-                controller.kp,
-                controller.kv,
-                self.memory,
-                self.lag,
-                UPDATE_PERIOD,
-                LEAST_SHARE_OF_MASS,
-            ],
-            dtype=np.float64,
+        self.settings = kernels.Settings(
+            float(controller.kp),
+            float(controller.kv),
+            self.memory,
+            self.lag,
+            UPDATE_PERIOD,
+            LEAST_SHARE_OF_MASS,
         )
         self.reset()
 
@@ -193,6 +190,20 @@ class AdaptiveFuzzyComputedTorque:
         self._step = step
         torque: Array = step[:3].copy()
         return torque
+
+    numbers_said = STEP - 3
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        if type(self) is not AdaptiveFuzzyComputedTorque:
+            return None
+        # The memory is this controller's own: what is learned in the loop stays.
+        return kernels.Adaptive(self.settings, self.rules, self._memory)
+
+    def take(self, table: Any, steps: Array) -> dict[str, Array]:
+        """Be as after the last of the steps, and return what is reported of all."""
+        self._step = steps[-1].copy() if len(steps) else self._step
+        return reported(steps)
 
     @property
     def consequents(self) -> Array:

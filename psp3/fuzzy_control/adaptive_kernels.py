@@ -4,9 +4,7 @@ One step of the controller, and whole runs of it.
 
 A rule base of type-1 or interval type-2 is ``table``, see ``fuzzy2.systems.kernels``, with
 consequents (18, 2, R): left and right ends of the estimated numbers, for every rule. Of them M and
-G adapt, n = 9 R parameters. ``settings`` are, beginning as a controller of ``control_kernels``
-does, (kind, kp, kv, memory, lag, update period, least share of the trained M); without a memory, 0,
-nothing is learned.
+G adapt, n = 9 R parameters.
 """
 
 from __future__ import annotations
@@ -20,6 +18,7 @@ from numpy.typing import NDArray
 from fuzzy2.learning.adaptation_kernels import add, basis, forget, solve_within
 from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
+from psp3.control.controller import steer
 from psp3.fuzzy_control.kernels import (
     OUTPUTS,
     apply_model,
@@ -28,12 +27,24 @@ from psp3.fuzzy_control.kernels import (
     write_servo,
 )
 
-MEMORY, LAG, UPDATE_PERIOD, LEAST_SHARE = range(3, 7)
-
 ADAPTED = 9
 """Estimated numbers that adapt: the upper triangle of M and G."""
 
 TIME, SINCE_UPDATE, CALLED = range(3)
+
+
+class Settings(NamedTuple):
+    """Gains, and the times and the share that adaptation goes by.
+
+    Without a ``memory``, 0, nothing is learned; ``least_share`` is that of the trained M.
+    """
+
+    kp: float
+    kv: float
+    memory: float
+    lag: float
+    update_period: float
+    least_share: float
 
 
 class Rules(NamedTuple):
@@ -72,6 +83,14 @@ class Memory(NamedTuple):
     delta: Array
     consequents: Array
     orders: NDArray[np.int64]
+
+
+class Adaptive(NamedTuple):
+    """An adaptive controller in a loop."""
+
+    settings: Settings
+    rules: Rules
+    memory: Memory
 
 
 def new_memory(trained: Array) -> Memory:
@@ -137,8 +156,8 @@ def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi
     _inputs(rules.ranges, middle[:3], middle[3:], x)
     if not basis(rules.table, x, memory.consequents, memory.orders, strengths, phi):
         return
-    blend = -math.expm1(-period / settings[LAG])
-    forget(memory.information, memory.right, math.exp(-period / settings[MEMORY]))
+    blend = -math.expm1(-period / settings.lag)
+    forget(memory.information, memory.right, math.exp(-period / settings.memory))
     for i in range(3):
         row = memory.rows[i]
         for k in range(row.size):
@@ -170,7 +189,7 @@ def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi
 def _update(settings, rules, memory):
     """Solve the least-squares problem now and then, within reach of what was trained."""
     # The small excess keeps rounding from waiting for one period more.
-    if memory.clock[SINCE_UPDATE] < (1.0 - 1e-9) * settings[UPDATE_PERIOD]:
+    if memory.clock[SINCE_UPDATE] < (1.0 - 1e-9) * settings.update_period:
         return
     memory.clock[SINCE_UPDATE] = 0.0
     solve_within(
@@ -207,7 +226,7 @@ def _estimate(phi, consequents, middle, spread):
 
 @compiled
 def adaptive_step(
-    settings: Array,
+    settings: Settings,
     rules: Rules,
     memory: Memory,
     t: float,
@@ -218,7 +237,7 @@ def adaptive_step(
 ) -> bool:
     """Learn from the last period and write the next torque.
 
-    As ``control_kernels.fuzzy_torque`` does. Return whether it is finite.
+    As ``kernels.fuzzy_torque`` does. Return whether it is finite.
 
     ``fell back`` says that the trained consequents took the place of the adapted ones, because
     those gave no usable M.
@@ -232,7 +251,7 @@ def adaptive_step(
     count = rules.trained.shape[2]
     x, strengths, phi = np.empty(4), np.empty(2 * count), np.empty((OUTPUTS, 2, count))
     period = t - memory.clock[TIME]
-    if memory.clock[CALLED] > 0.0 and period > 0.0 and settings[MEMORY] > 0.0:
+    if memory.clock[CALLED] > 0.0 and period > 0.0 and settings.memory > 0.0:
         _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi)
         _update(settings, rules, memory)
     covered = _inputs(rules.ranges, heights, speeds, x)
@@ -243,7 +262,7 @@ def adaptive_step(
         trained, other, least = np.empty(OUTPUTS), np.empty(OUTPUTS), np.empty(OUTPUTS)
         _estimate(phi, rules.trained, trained, other)
         for j in range(OUTPUTS):
-            least[j] = middle[j] - settings[LEAST_SHARE] * trained[j]
+            least[j] = middle[j] - settings.least_share * trained[j]
         fell_back = not is_positive_definite(least)
         if fell_back:
             # Their order is another one than that of the adapted consequents, and so are their
@@ -261,3 +280,21 @@ def adaptive_step(
     for i in range(3):
         memory.last[i], memory.last[3 + i], memory.last[6 + i] = heights[i], speeds[i], out[i]
     return math.isfinite(out[0] + out[1] + out[2])
+
+
+@steer.register(Adaptive)
+@compiled
+def run_step(
+    run: Adaptive,
+    sample: int,
+    t: float,
+    heights: Array,
+    speeds: Array,
+    desired: Array,
+    out: Array,
+) -> bool:
+    """Do as ``adaptive_step`` in a loop."""
+    done: bool = adaptive_step(
+        run.settings, run.rules, run.memory, t, heights, speeds, desired, out
+    )
+    return done

@@ -18,7 +18,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -87,7 +87,7 @@ LEAST_SNR = -100.0
 FuzzyNumbers = IntervalNumber | GaussianNumber
 
 _SYSTEMS = dict(zip(KINDS, (Type1System, IntervalType2System, GeneralType2System), strict=True))
-_NONE = np.empty(0)
+_NO_PLANES, _NO_MOMENTS = np.empty((2, 0)), np.empty((2, 0, kernels.OUTPUTS))
 _ROWS = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")
 
 
@@ -215,7 +215,7 @@ class FuzzyComputedTorque:
         if robot is not None and not isinstance(robot, PSP3):
             raise InvalidValue("robot", robot, 'a robot, such as psp3.load("psp3")')
         self.robot = load("psp3") if robot is None else robot
-        self._controller: Array | None = None
+        self._controller: kernels.Fuzzy | None = None
         self._parameters = self.robot.parameters.as_array()
         self.reset()
 
@@ -316,43 +316,25 @@ class FuzzyComputedTorque:
         if not np.isfinite(fallback).all() or np.linalg.eigvalsh(mass)[0] <= 0.0:
             raise UnusableEstimate(mass)
         self.system_, self.ranges_, self.fallback_ = system, ranges, fallback
-        kind, levels, product, alphas, widths, after = (
-            kernels.INTERVAL,
-            0,
-            False,
-            _NONE,
-            _NONE,
-            _NONE,
-        )
+        kind, product, planes, moments = kernels.INTERVAL, False, _NO_PLANES, _NO_MOMENTS
         if isinstance(system, GeneralType2System):
             if system.reduction == "gaussian":
                 kind, product = kernels.COROLLARY, system.grade_t_norm == "product"
-                after = np.concatenate([moments.ravel() for moments in system.moments])
+                moments = np.stack(system.moments)
             else:
-                kind, levels, alphas, widths = (
-                    kernels.CENTROID if self.order == "last" else kernels.PLANES,
-                    system.levels,
-                    system.alphas,
-                    system.widths,
-                )
+                kind = kernels.CENTROID if self.order == "last" else kernels.PLANES
+                planes = np.stack([system.alphas, system.widths])
         assert system.table is not None
-        header = [
-            kind,
-            self.kp,
-            self.kv,
-            OUTSIDE.index(self.outside),
-            levels,
-            product,
-            system.table.size,
-        ]
-        self._controller = np.concatenate(
-            [header, ranges.ravel(), fallback, alphas, widths, system.table, after]
-        ).astype(np.float64)
+        self._controller = kernels.Fuzzy(
+            *(kind, float(self.kp), float(self.kv), OUTSIDE.index(self.outside), int(product)),
+            *map(_floats, (ranges, fallback, planes, system.table, moments)),
+        )
+        self._packed = kernels.packed(self._controller)
         self.reset()
         row = np.zeros(3)
         only_for(
             kernels.control_step,
-            self._controller,
+            self._packed,
             self._parameters,
             row,
             row,
@@ -363,8 +345,8 @@ class FuzzyComputedTorque:
         )
 
     @property
-    def controller(self) -> Array:
-        """The trained controller as the one array that :mod:`psp3.fuzzy_control.kernels` takes."""
+    def controller(self) -> kernels.Fuzzy:
+        """The trained controller as :mod:`psp3.fuzzy_control.kernels` takes it."""
         if self._controller is None:
             raise NotTrained(type(self).__name__)
         return self._controller
@@ -374,6 +356,19 @@ class FuzzyComputedTorque:
     def reset(self) -> None:
         """Forget the last call; what was learned stays."""
         self._step = np.full(kernels.STEP, np.nan)
+
+    numbers_said = kernels.STEP - 3
+
+    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+        """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        if type(self) is not FuzzyComputedTorque or self._controller is None:
+            return None
+        return kernels.FuzzyRun(self._controller, self._parameters, kernels.NOTHING_ADDED)
+
+    def take(self, table: Any, steps: Array) -> dict[str, Array]:
+        """Be as after the last of the steps, and return what is reported of all."""
+        self._step = steps[-1].copy() if len(steps) else self._step
+        return kernels.reported(steps)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the crisp torque, of shape (3,) [N].
@@ -409,7 +404,7 @@ class FuzzyComputedTorque:
         step = np.empty(kernels.STEP)
         rows = (heights, speeds, desired.heights, desired.speeds, desired.accelerations)
         try:
-            done = kernels.control_step(self._controller, self._parameters, *rows, step)
+            done = kernels.control_step(self._packed, self._parameters, *rows, step)
         except TypeError:
             done = -1
         if done != 1:
@@ -419,9 +414,7 @@ class FuzzyComputedTorque:
                 np.array(one_row(name, row, 3)) for name, row in zip(_ROWS, rows, strict=True)
             )
             if (
-                kernels.control_step(
-                    self._controller, self._parameters, a, v, a_d, v_d, acc_d, step
-                )
+                kernels.control_step(self._packed, self._parameters, a, v, a_d, v_d, acc_d, step)
                 != 1
                 and self.outside == "crisp"
             ):
@@ -756,6 +749,10 @@ def _wider(term: Any, width: float) -> Any:
     if isinstance(term, GaussianType2Set):
         return GaussianType2Set(_wider(term.principal, width), term.sigma)
     return type(term)(term.mean, width * term.sigma)
+
+
+def _floats(values: ArrayLike) -> Array:
+    return np.ascontiguousarray(values, dtype=np.float64)
 
 
 def checked_snr(snr_db: object) -> float:

@@ -1,32 +1,22 @@
-"""Compiled control loops.
+"""Compiled control steps of the fuzzy computed-torque controller.
 
-One step of the fuzzy computed-torque controller, and whole runs of every controller of chapter 6.
-
-A controller is one array of floats, so that a call hands over one table and not a dozen arrays. It
-starts with (kind, kp, kv, what to do outside, planes L, product grades, size of the fuzzy system's
-table), then follow
-
-  ranges 4 lower and 4 upper ends of the trained inputs fallback 18 numbers, used where an estimate
-  cannot be alphas, widths L numbers each, see ``fuzzy2.systems.kernels.evaluate_planes`` table the
-  fuzzy system, see ``fuzzy2.systems.kernels`` middles, spreads R rows of 18 each, see
-  ``fuzzy2.systems.kernels.evaluate_corollary``; for that kind only
-
-``p`` are the robot's parameters as ``closed_form`` takes them.
+``p`` are the robot's parameters as :mod:`psp3.three_psp.closed_form` takes them.
 """
 
 from __future__ import annotations
 
 import math
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from fuzzy2.support.compiled import compiled
 from fuzzy2.systems.kernels import evaluate, evaluate_corollary, evaluate_planes
 from psp3.checks import Array
+from psp3.control.controller import steer
 from psp3.three_psp.closed_form import equation_of_motion
 
-FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE = range(4)
-INTERVAL, PLANES, COROLLARY, CENTROID = range(4, 8)
+INTERVAL, PLANES, COROLLARY, CENTROID = range(4)
 """Fuzzy controllers by what their estimates are: intervals, α-planes whose middles are weighted
 before the torque is computed, Gaussian numbers, and α-planes that are carried on to the torque,
 whose centroid is taken.
@@ -34,7 +24,6 @@ whose centroid is taken.
 
 CLAMP, CRISP = range(2)
 
-HEADER = 7
 OUTPUTS = 18
 """Estimated numbers: the upper triangle of M, C and G."""
 
@@ -43,9 +32,89 @@ STEP = 11
 (3), covered, fell back.
 """
 
-_RANGES = HEADER
-_FALLBACK = HEADER + 8
-_ALPHAS = HEADER + 8 + OUTPUTS
+NOTHING_ADDED = np.empty((0, OUTPUTS))
+
+
+def reported(steps: Array) -> dict[str, Any]:
+    """Return what results report of steps (N, STEP), by its name."""
+    return {
+        "covered": steps[:, 9] > 0.0,
+        "fell_back": steps[:, 10] > 0.0,
+        "torque_interval": np.stack([steps[:, 3:6], steps[:, 6:9]], axis=-1),
+    }
+
+
+class Fuzzy(NamedTuple):
+    """A trained controller.
+
+    ``kind`` see above; gains ``kp`` and ``kv``; what to do ``outside``, ``CLAMP`` or ``CRISP``;
+    whether grades are multiplied, 1 or 0; ``ranges`` (2, 4) lower and upper ends of the trained
+    inputs; ``fallback`` (18,) numbers used where an estimate cannot be; ``planes`` (2, L) levels
+    and widths, see ``fuzzy2.systems.kernels.evaluate_planes``; ``system`` the fuzzy system, see
+    ``fuzzy2.systems.kernels``; ``moments`` (2, R, 18) middles and spreads, see
+    ``fuzzy2.systems.kernels.evaluate_corollary``, of that kind only.
+    """
+
+    kind: int
+    kp: float
+    kv: float
+    outside: int
+    product: int
+    ranges: Array
+    fallback: Array
+    planes: Array
+    system: Array
+    moments: Array
+
+
+HEADER = 8
+"""Numbers with which a packed controller begins: its scalars, then L, the size of the system, R."""
+
+
+def packed(controller: Fuzzy) -> Array:
+    """Return a controller as one array.
+
+    Python hands over one array in less than a third of the time that five take, which single steps
+    would feel; ``_unpacked`` reads it.
+    """
+    kind, kp, kv, outside, product, *arrays = controller
+    header = [kind, kp, kv, outside, product]
+    header += [controller.planes.shape[1], controller.system.size, controller.moments.shape[1]]
+    return np.concatenate([header, *(array.ravel() for array in arrays)]).astype(np.float64)
+
+
+@compiled
+def _unpacked(array: Array) -> Fuzzy:
+    """Return the controller that ``packed`` made one array of; its arrays are views."""
+    levels, size, rules = int(array[5]), int(array[6]), int(array[7])
+    ranges = HEADER
+    fallback = ranges + 8
+    planes = fallback + OUTPUTS
+    system = planes + 2 * levels
+    moments = system + size
+    return Fuzzy(
+        int(array[0]),
+        array[1],
+        array[2],
+        int(array[3]),
+        int(array[4]),
+        array[ranges:fallback].reshape(2, 4),
+        array[fallback:planes],
+        array[planes:system].reshape(2, levels),
+        array[system:moments],
+        array[moments:].reshape(2, rules, OUTPUTS),
+    )
+
+
+class FuzzyRun(NamedTuple):
+    """A trained controller in a loop: with the ``model`` that takes over where it is ``CRISP``.
+
+    ``added`` (N, 18) is added to the estimates at each sample, or (0, 18).
+    """
+
+    controller: Fuzzy
+    model: Array
+    added: Array
 
 
 @compiled
@@ -67,25 +136,19 @@ def _estimate(controller, x, numbers, crisp, middle, spread):
     Crisp values, middles and half-widths, or means and standard deviations. ``numbers`` gets them
     as they are estimated: ends of the intervals, plane by plane, or means and standard deviations.
     """
-    kind, planes, size = int(controller[0]), int(controller[4]), int(controller[6])
-    start = _ALPHAS + 2 * planes
-    table = controller[start : start + size]
+    kind, planes = controller.kind, controller.planes.shape[1]
     if kind == COROLLARY:
-        rules = int(table[2])
-        after = start + size
-        middles = controller[after : after + rules * OUTPUTS].reshape(rules, OUTPUTS)
-        spreads = controller[after + rules * OUTPUTS : after + 2 * rules * OUTPUTS].reshape(
-            rules, OUTPUTS
-        )
-        evaluate_corollary(table, x, middles, spreads, controller[5] > 0.0, numbers)
+        middles, spreads = controller.moments[0], controller.moments[1]
+        product = controller.product > 0
+        evaluate_corollary(controller.system, x, middles, spreads, product, numbers)
         for j in range(OUTPUTS):
             crisp[j] = middle[j] = numbers[2 * j]
             spread[j] = numbers[2 * j + 1]
         return
     if kind == INTERVAL:
-        evaluate(table, x, 0.0, False, numbers)
+        evaluate(controller.system, x, 0.0, False, numbers)
     else:
-        evaluate_planes(table, x, controller[_ALPHAS + planes : start], numbers)
+        evaluate_planes(controller.system, x, controller.planes[1], numbers)
     # What is shown of a general type-2 estimate is its lowest plane, the first.
     for j in range(OUTPUTS):
         middle[j], spread[j] = (
@@ -96,12 +159,12 @@ def _estimate(controller, x, numbers, crisp, middle, spread):
     if kind != INTERVAL:
         total = 0.0
         for plane in range(planes):
-            total += controller[_ALPHAS + plane]
+            total += controller.planes[0, plane]
         for j in range(OUTPUTS):
             moment = 0.0
             for plane in range(planes):
                 o = 2 * (plane * OUTPUTS + j)
-                moment += controller[_ALPHAS + plane] * (0.5 * (numbers[o] + numbers[o + 1]))
+                moment += controller.planes[0, plane] * (0.5 * (numbers[o] + numbers[o + 1]))
             crisp[j] = moment / total
 
 
@@ -146,7 +209,7 @@ def _centroid_of_force(controller, ends, added, servo, speeds, out):
     (Theorem 1.4), its α-cut. Between two planes the ends of the cut are linear in the level, and
     below the lowest plane they are those of the lowest: ``fuzzy2.reduction.general.cut_centroid``.
     """
-    planes = int(controller[4])
+    planes = controller.planes.shape[1]
     middle, spread = np.empty(OUTPUTS), np.empty(OUTPUTS)
     centers, widths = np.empty(3 * planes), np.empty(3 * planes)
     for plane in range(planes):
@@ -160,9 +223,9 @@ def _centroid_of_force(controller, ends, added, servo, speeds, out):
             widths[3 * plane + i] = width_of_force(spread, servo, speeds, i, False)
     for i in range(3):
         # About the middle of the lowest cut, so that a force far from zero keeps its digits.
-        origin, area, moment = centers[i], controller[_ALPHAS] * widths[i], 0.0
+        origin, area, moment = centers[i], controller.planes[0, 0] * widths[i], 0.0
         for plane in range(1, planes):
-            o, step = 3 * plane + i, controller[_ALPHAS + plane] - controller[_ALPHAS + plane - 1]
+            o, step = 3 * plane + i, controller.planes[0, plane] - controller.planes[0, plane - 1]
             c0, c1, w0, w1 = centers[o - 3] - origin, centers[o] - origin, widths[o - 3], widths[o]
             area += step * 0.5 * (w0 + w1)
             moment += step * (c0 * (2.0 * w0 + w1) + c1 * (w0 + 2.0 * w1)) / 6.0
@@ -188,14 +251,14 @@ def write_servo(controller, heights, speeds, desired, servo):
     for i in range(3):
         servo[i] = (
             desired[6 + i]
-            + controller[2] * (desired[3 + i] - speeds[i])
-            + controller[1] * (desired[i] - heights[i])
+            + controller.kv * (desired[3 + i] - speeds[i])
+            + controller.kp * (desired[i] - heights[i])
         )
 
 
 @compiled
 def fuzzy_torque(
-    controller: Array,
+    controller: Fuzzy,
     p: Array,
     heights: Array,
     speeds: Array,
@@ -217,9 +280,9 @@ def fuzzy_torque(
         speeds[0] - speeds[1],
         speeds[0] - speeds[2],
     )
-    clamp, covered = int(controller[3]) == CLAMP, True
+    clamp, covered = controller.outside == CLAMP, True
     for i in range(4):
-        low, high = controller[_RANGES + i], controller[_RANGES + 4 + i]
+        low, high = controller.ranges[0, i], controller.ranges[1, i]
         if not low <= x[i] <= high:
             covered = False
             if clamp:
@@ -230,7 +293,7 @@ def fuzzy_torque(
         np.zeros(OUTPUTS),
         np.empty(3),
     )
-    numbers = np.empty(max(int(controller[4]), 1) * 2 * OUTPUTS)
+    numbers = np.empty(max(controller.planes.shape[1], 1) * 2 * OUTPUTS)
     fell_back, estimated = False, covered or clamp
     if estimated:
         total = x[0] + x[1] + x[2] + x[3]
@@ -244,7 +307,7 @@ def fuzzy_torque(
         if not (math.isfinite(total) and is_positive_definite(crisp)):
             fell_back = True
             for j in range(OUTPUTS):
-                crisp[j] = middle[j] = controller[_FALLBACK + j]
+                crisp[j] = middle[j] = controller.fallback[j]
                 spread[j] = 0.0
     else:
         exact_model(heights, speeds, p, np.empty(21), crisp)
@@ -253,12 +316,12 @@ def fuzzy_torque(
         middle[:] = crisp
     write_servo(controller, heights, speeds, desired, servo)
     apply_model(crisp, servo, speeds, out, 0)
-    if int(controller[0]) == CENTROID and estimated and not fell_back:
+    if controller.kind == CENTROID and estimated and not fell_back:
         _centroid_of_force(controller, numbers, added, servo, speeds, out)
     apply_model(middle, servo, speeds, out, 3)
-    corollary = int(controller[0]) == COROLLARY
+    corollary = controller.kind == COROLLARY
     for i in range(3):
-        width = width_of_force(spread, servo, speeds, i, corollary and controller[5] > 0.0)
+        width = width_of_force(spread, servo, speeds, i, corollary and controller.product > 0)
         if corollary:
             out[6 + i] = width
         else:
@@ -278,7 +341,7 @@ def control_step(
     desired_accelerations: Array,
     out: Array,
 ) -> int:
-    """Do as ``fuzzy_torque`` for rows that come one by one.
+    """Do as ``fuzzy_torque`` for a packed controller and rows that come one by one.
 
     Return 1, 0 where the torque is not finite, or -1 for a row that is not of three.
     """
@@ -298,4 +361,25 @@ def control_step(
             desired_speeds[i],
             desired_accelerations[i],
         )
-    return 1 if fuzzy_torque(controller, p, heights, speeds, desired, np.empty(0), out) else 0
+    return (
+        1
+        if fuzzy_torque(_unpacked(controller), p, heights, speeds, desired, np.empty(0), out)
+        else 0
+    )
+
+
+@steer.register(FuzzyRun)
+@compiled
+def run_step(
+    run: FuzzyRun,
+    sample: int,
+    t: float,
+    heights: Array,
+    speeds: Array,
+    desired: Array,
+    out: Array,
+) -> bool:
+    """Do as ``fuzzy_torque`` in a loop."""
+    added = run.added[sample] if run.added.shape[0] > 0 else run.added[:0].reshape(0)
+    done: bool = fuzzy_torque(run.controller, run.model, heights, speeds, desired, added, out)
+    return done

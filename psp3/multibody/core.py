@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -26,6 +26,7 @@ from psp3.multibody.motion import (
 )
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
+    AT_FREE_FALL,
     AT_REPORT,
     AT_SIGNS,
     AT_TOLERANCES,
@@ -52,6 +53,14 @@ class NoAnswer(Exception):
     def __init__(self, row: int, outcome: int, share: float, residual: float, q: Array) -> None:
         super().__init__(row, outcome, share, residual, q)
         self.row, self.outcome, self.share, self.residual, self.q = row, outcome, share, residual, q
+
+
+class Tables(NamedTuple):
+    """What kernels take that go on by themselves: the tree, its numbers, and a memory of theirs."""
+
+    tree: Indices
+    numbers: Array
+    memory: Array
 
 
 class LastPose:
@@ -118,7 +127,7 @@ class Core:
     ) -> None:
         flat = flattened(model, constraint_models, independent_v, locked_v, springs)
         self.tree, self.numbers = flat.integers, flat.numbers
-        self.coordinates = model.nq
+        self.coordinates, self.joints = model.nq, int(self.tree[INDEPENDENT])
         self._model = model
         # A view of the model's own: who changes gravity there changes it here.
         self._free_fall = model.gravity.linear
@@ -163,6 +172,12 @@ class Core:
     def last_pose(self) -> LastPose:
         """Return memory for a caller who asks about one pose after the other."""
         return LastPose(self)
+
+    def tables(self) -> Tables:
+        """Return the tables of a kernel that starts in the reference pose."""
+        at = int(self.tree[AT_FREE_FALL])
+        self.numbers[at : at + 3] = self._free_fall
+        return Tables(self.tree, self.numbers, self._reference.copy())
 
     def _check(self, last_pose: LastPose) -> None:
         if last_pose.core is not self:

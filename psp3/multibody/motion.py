@@ -166,11 +166,8 @@ def _forces_of(tree, numbers, memory, accelerations, out):
 
 
 @merged
-def accelerate(tree, numbers, memory, speeds, forces, out):
-    """Write the accelerations of a closed pose under forces; return whether there are any.
-
-    Leave L, as :func:`complement` writes it.
-    """
+def balance(tree, numbers, memory, speeds, forces, out):
+    """Write the mass matrix of a closed pose, and what forces leave over for accelerations."""
     n = tree[INDEPENDENT]
     for j in range(n):
         memory[out + j] = 0.0
@@ -180,6 +177,16 @@ def accelerate(tree, numbers, memory, speeds, forces, out):
         memory[out + j] = memory[forces + j] - memory[out + j]
     complement(tree, numbers, memory, 0.0)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
+
+
+@merged
+def accelerate(tree, numbers, memory, speeds, forces, out):
+    """Write the accelerations of a closed pose under forces; return whether there are any.
+
+    Leave L, as :func:`complement` writes it.
+    """
+    n = tree[INDEPENDENT]
+    balance(tree, numbers, memory, speeds, forces, out)
     if not factor_positive(memory, tree[AT_MASS], n):
         return False
     solve_positive(memory, tree[AT_MASS], n, out)
@@ -356,51 +363,82 @@ def answer(
 
 
 @compiled
-def runge_kutta(
-    tree: Indices,
-    numbers: Array,
-    memory: Array,
-    positions: Array,
-    speeds: Array,
-    forces: Array,
-    duration: float,
-    steps: int,
-    trace: Array,
-) -> int:
+def reach(tree, numbers, memory, positions):
+    """Move to positions (n, or more), all loops closed; return what became of it."""
+    _take(tree, memory, positions, 0, tree[AT_TARGET])
+    return _reach(tree, numbers, memory)
+
+
+@compiled
+def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, out):
+    """Write the independent forces of a motion (n); return whether there are any."""
+    n = tree[INDEPENDENT]
+    if reach(tree, numbers, memory, positions) != CLOSED:
+        return False
+    # The first vector of the room is taken by the complement.
+    at, others, result = tree[AT_ROOM] + n, tree[AT_ROOM] + 2 * n, tree[AT_ROOM] + 3 * n
+    _take(tree, memory, speeds, 0, at)
+    _take(tree, memory, accelerations, 0, others)
+    weigh(tree, numbers, memory)
+    _move_with(tree, memory, at)
+    _forces_of(tree, numbers, memory, others, result)
+    _copy(memory, result, n, out, 0)
+    return _is_finite(out, 0, n)
+
+
+@compiled
+def balance_of_state(tree, numbers, memory, state, forces, mass, net):
+    """Write the mass matrix (n, n) and what forces leave over for accelerations (n).
+
+    Of a state, positions and speeds (2n). Return whether it is one of the robot's.
+    """
+    n = tree[INDEPENDENT]
+    if reach(tree, numbers, memory, state) != CLOSED:
+        return False
+    # The first vector of the room is taken by the complement.
+    speeds, others, result = tree[AT_ROOM] + n, tree[AT_ROOM] + 2 * n, tree[AT_ROOM] + 3 * n
+    _take(tree, memory, state, 1, speeds)
+    _take(tree, memory, forces, 0, others)
+    weigh(tree, numbers, memory)
+    balance(tree, numbers, memory, speeds, others, result, 0)
+    for i in range(n):
+        net[i] = memory[result + i]
+        for j in range(n):
+            mass[i, j] = memory[tree[AT_MASS] + n * i + j]
+    return True
+
+
+@compiled
+def runge_kutta(tree, numbers, memory, state, forces, step, steps):
     """Take steps of the classical Runge–Kutta method under constant forces (n), in place.
 
-    ``trace`` (steps · 2 n) gets the states. Return the step at which there was no answer, or −1.
+    The state are positions and speeds (2n). Return whether it went from pose to pose of the robot,
+    as far as the pose from which the last step was to go on.
     """
-    n, h, target = tree[INDEPENDENT], duration, tree[AT_TARGET]
+    n, target = tree[INDEPENDENT], tree[AT_TARGET]
     # The first vector of the room is taken by the complement.
     u = tree[AT_ROOM] + n
     k, moved, changed, force = u + n, u + 2 * n, u + 3 * n, u + 4 * n
-    for j in range(n):
-        memory[force + j] = forces[j]
-    for step in range(steps):
+    _take(tree, memory, forces, 0, force)
+    for _ in range(steps):
         for j in range(n):
-            memory[target + j], memory[u + j] = positions[j], speeds[j]
+            memory[target + j], memory[u + j] = state[j], state[n + j]
             memory[moved + j] = memory[changed + j] = 0.0
         for stage in range(4):
-            outcome = _reach(tree, numbers, memory)
-            if outcome != CLOSED:
-                memory[tree[AT_REPORT] + 3] = float(outcome)
-                return step
+            if _reach(tree, numbers, memory) != CLOSED:
+                return False
             weigh(tree, numbers, memory)
             if not accelerate(tree, numbers, memory, u, force, k):
-                memory[tree[AT_REPORT] + 3] = float(SINGULAR)
-                return step
+                return False
             weight = 1.0 if stage == 0 or stage == 3 else 2.0
-            ahead = 0.5 * h if stage < 2 else h
+            ahead = 0.5 * step if stage < 2 else step
             for j in range(n):
                 memory[moved + j] += weight * memory[u + j]
                 memory[changed + j] += weight * memory[k + j]
                 if stage < 3:
-                    memory[target + j] = positions[j] + ahead * memory[u + j]
-                    memory[u + j] = speeds[j] + ahead * memory[k + j]
+                    memory[target + j] = state[j] + ahead * memory[u + j]
+                    memory[u + j] = state[n + j] + ahead * memory[k + j]
         for j in range(n):
-            positions[j] += h / 6.0 * memory[moved + j]
-            speeds[j] += h / 6.0 * memory[changed + j]
-            at = 2 * n * step + j
-            trace[at], trace[at + n] = positions[j], speeds[j]
-    return -1
+            state[j] += step / 6.0 * memory[moved + j]
+            state[n + j] += step / 6.0 * memory[changed + j]
+    return True

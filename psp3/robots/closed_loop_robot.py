@@ -17,6 +17,7 @@ uses the closed form of the 3-PSP, the thesis's natural orthogonal complement or
 
 from __future__ import annotations
 
+import functools
 import logging
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
@@ -413,9 +414,21 @@ class ClosedLoopRobot:
         return np.zeros(3)
 
     @property
-    def compiled_steps(self) -> Callable[[int, Any], Any] | None:
-        """How to make a compiled plant from a number of steps and drives; None if there is none."""
-        return None
+    def compiled_steps(self) -> Callable[[int, Any], Any]:
+        """How to make a compiled plant of the robot from a number of steps and its drives."""
+        from psp3.robots.stepping import CoreSteps
+
+        if not self._drives_coordinates:
+            # Quaternions among the coordinates, or motors that are not these.
+            raise InvalidValue("robot", self.title, "one whose coordinates are those of its motors")
+        return functools.partial(CoreSteps, self._core)
+
+    def compiled_table(self) -> NamedTuple | None:
+        """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
+        import psp3.robots.stepping  # noqa: F401 # registers what loops ask of it
+
+        is_ours = type(self) is ClosedLoopRobot and self._drives_coordinates
+        return self._core.tables() if is_ours else None
 
     @property
     def limits(self) -> tuple[Array, Array]:
@@ -494,7 +507,7 @@ class ClosedLoopRobot:
         )
         return jacobian
 
-    def last_pose(self) -> LastPose:
+    def last_pose(self) -> LastPose | None:
         """Return a memory of the pose that the caller was in last.
 
         Given as ``guess``, closing the loops starts from there, which is faster where the robot
@@ -777,9 +790,9 @@ class ClosedLoopRobot:
             packed[..., 2 * n * n :],
         )
 
-    def mass_matrix(self, positions: ArrayLike) -> Array:
+    def mass_matrix(self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         """Return the mass matrix M, of shape (..., n, n); see :meth:`equation_of_motion`."""
-        return self.equation_of_motion(positions, np.zeros(self._speed_count))[0]
+        return self.equation_of_motion(positions, np.zeros(self._speed_count), guess)[0]
 
     def coriolis_matrix(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the Coriolis matrix C, of shape (..., n, n); see :meth:`equation_of_motion`."""
@@ -821,7 +834,11 @@ class ClosedLoopRobot:
         return self._ask(INVERSE_DYNAMICS, n, guess, positions, speeds, accelerations)
 
     def actuator_forces(
-        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         r"""Return the forces of the motors for a motion, of least norm where motors are many.
 
@@ -845,7 +862,7 @@ class ClosedLoopRobot:
         UnreachableForces
             If motors are missing for this motion.
         """
-        forces = self.inverse_dynamics(positions, speeds, accelerations)
+        forces = self.inverse_dynamics(positions, speeds, accelerations, guess)
         if self._drives_coordinates:
             return forces
         actuation = self.actuation_matrix(positions)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, Indices
 from psp3.dynamics.dynamics_model import DynamicsModel
+from psp3.multibody.core import LastPose
 
 
 @runtime_checkable
@@ -67,11 +68,21 @@ class Robot(DynamicsModel, Protocol):
         ...
 
     @property
-    def compiled_steps(self) -> Callable[[int, Any], Any] | None:
-        """How to make a compiled plant from a number of steps and drives; None if there is none."""
+    def compiled_steps(self) -> Callable[[int, Any], Any]:
+        """How to make a compiled plant from a number of steps and drives."""
         ...
 
-    def configuration(self, positions: ArrayLike, guess: ArrayLike | None = None) -> Array:
+    def compiled_table(self) -> NamedTuple | None:
+        """Return the robot as compiled loops take it, or None; a new memory in every call."""
+        ...
+
+    def last_pose(self) -> LastPose | None:
+        """Return a memory of the caller's last pose, to be given as ``guess``."""
+        ...
+
+    def configuration(
+        self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None
+    ) -> Array:
         """Return the configurations (..., nq) that close the loops at positions (..., n)."""
         ...
 
@@ -97,16 +108,26 @@ class Robot(DynamicsModel, Protocol):
         """Return the placement of a frame in base axes, (..., 4, 4)."""
         ...
 
-    def mass_matrix(self, positions: ArrayLike) -> Array:
+    def mass_matrix(self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         """Return the mass matrix, (..., n, n)."""
         ...
 
     def inverse_dynamics(
-        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
     ) -> Array:
         """Return the forces (..., n) of a motion."""
         ...
 
-    def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
+    def forward_dynamics(
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        forces: ArrayLike,
+        guess: ArrayLike | LastPose | None = None,
+    ) -> Array:
         """Return the accelerations (..., n) under forces (..., n)."""
         ...

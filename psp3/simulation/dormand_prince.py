@@ -43,6 +43,7 @@ class DormandPrince(DrivenPlant):
 
         Positions [m, rad] and speeds of the actuated joints, each (n,).
         """
+        self._states.forget()
         self._state = np.concatenate([positions, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:

@@ -9,6 +9,7 @@ import numpy as np
 
 from psp3.checks import Array
 from psp3.drives.drive import Drive, drive_table
+from psp3.dynamics.dynamics_model import StateAfterState
 from psp3.errors import (
     ClosureFailed,
     InvalidArray,
@@ -61,20 +62,24 @@ class DrivenPlant:
             self._drives[:, drive_kernels.DRY] > 0.0,
         )
         self._slip = np.ones(self._joints)
+        self._states = StateAfterState(robot)
 
     def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
         """Return M + J, and what is left of the forces for acceleration and dry friction."""
         inertia, viscous, _ = self._drives.T
         return (
-            self._robot.mass_matrix(q) + np.diag(inertia),
-            forces - self._robot.inverse_dynamics(q, v, np.zeros_like(v)) - viscous * v,
+            self._states.ask(self._robot.mass_matrix, q) + np.diag(inertia),
+            forces
+            - self._states.ask(self._robot.inverse_dynamics, q, v, np.zeros_like(v))
+            - viscous * v,
         )
 
     def _accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return the derivative of v while the slip of the joints is constant."""
         if self._is_driven:
             return self._joint_accelerations(*self._balance(q, v, forces))
-        return self._robot.forward_dynamics(q, v, forces)
+        accelerations: Array = self._states.ask(self._robot.forward_dynamics, q, v, forces)
+        return accelerations
 
     def _joint_accelerations(self, mass: Array, net: Array) -> Array:
         out = np.empty(self._joints)

@@ -4,8 +4,7 @@ They take forces for a while and return the state that results.
 
 Three plants integrate the same robot by independent routes, so that each checks the others:
 
-* :class:`RungeKutta`: actuated coordinates, classical Runge–Kutta steps, compiled for the 3-PSP;
-  the one to use;
+* :class:`RungeKutta`: actuated coordinates, classical Runge–Kutta steps, compiled; the one to use;
 * :class:`DormandPrince`: actuated coordinates, SciPy's DOP853 with tight tolerances; the reference
   for integration errors;
 * :class:`ConstraintDynamics`: the whole tree under Pinocchio's ``constraintDynamics``, loops held
@@ -26,13 +25,13 @@ import numpy as np
 from psp3.checks import Array, checked_count
 from psp3.drives.drive import NO_DRIVE, Drive
 from psp3.robots.robot import Robot
-from psp3.simulation.plant import NO_POSE, DrivenPlant, Plant
+from psp3.simulation.plant import NO_POSE, DrivenPlant
 
 
 class RungeKutta:
     """Actuated coordinates, integrated with classical Runge–Kutta steps.
 
-    Compiled, in closed form, where the robot is a 3-PSP.
+    Compiled; in closed form where the robot is a 3-PSP.
 
     Parameters
     ----------
@@ -48,32 +47,30 @@ class RungeKutta:
     def __init__(
         self, robot: Robot, steps: int = 1, drive: Drive | Sequence[Drive] = NO_DRIVE
     ) -> None:
-        self._plant: Plant
-        compiled = robot.compiled_steps
-        self._plant = (
-            FixedSteps(robot, steps, drive) if compiled is None else compiled(steps, drive)
-        )
+        self.compiled = robot.compiled_steps(steps, drive)
+        """The compiled plant, which compiled loops take themselves."""
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
         Positions [m, rad] and speeds of the actuated joints, each (n,).
         """
-        self._plant.start(positions, speeds)
+        self.compiled.start(positions, speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return positions and speeds after ``duration`` [s], or None.
 
         Each is (n,), under constant forces.
         """
-        return self._plant.advance(forces, duration)
+        state: tuple[Array, Array] | None = self.compiled.advance(forces, duration)
+        return state
 
 
 class FixedSteps(DrivenPlant):
     """Classical Runge–Kutta steps, cut where a joint comes to rest or lets go.
 
-    As :func:`psp3.three_psp.stepping.advance_driven`, which is compiled for one robot. The state
-    are q and v, of which the actuated joints are those at ``_places`` and ``_rows``.
+    As :func:`psp3.dynamics.driven_steps.advance_driven`, in Python. The state are q and v, of which
+    the actuated joints are those at ``_places`` and ``_rows``.
     """
 
     def __init__(self, robot: Robot, steps: int, drive: Drive | Sequence[Drive]) -> None:
@@ -87,6 +84,7 @@ class FixedSteps(DrivenPlant):
 
         Positions [m, rad] and speeds of the actuated joints, each (n,).
         """
+        self._states.forget()
         self.q, self.v = np.array(positions), np.array(speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
@@ -103,9 +101,8 @@ class FixedSteps(DrivenPlant):
 
     def _is_pose(self) -> bool:
         # A state is refused where it is reached, not in the next period.
-        return bool(
-            np.isfinite(self._robot.configuration(self.q)).all() and np.isfinite(self.v).all()
-        )
+        configuration = self._states.ask(self._robot.configuration, self.q)
+        return bool(np.isfinite(configuration).all() and np.isfinite(self.v).all())
 
     def _moved(self, q: Array, way: Array) -> Array:
         """Return q after a way along the velocity."""

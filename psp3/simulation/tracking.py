@@ -6,7 +6,6 @@ It is called once a control period, and its force is held in between.
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable
 from typing import Any
 
@@ -18,7 +17,8 @@ from psp3.collisions.motion import check_clearance
 from psp3.control.controller import Controller
 from psp3.errors import InvalidTorque, InvalidValue, SimulationDiverged
 from psp3.robots.robot import Robot
-from psp3.simulation.encoder import Encoder
+from psp3.simulation.kernels import LEFT_POSES, NO_FORCE, WHOLE
+from psp3.simulation.loop import Ended, Wiring, compiled_loop, new_track, python_loop
 from psp3.simulation.plant import NO_POSE, Plant
 from psp3.simulation.result import JOINTS, REPORTED, Result
 from psp3.simulation.runge_kutta import RungeKutta
@@ -114,7 +114,9 @@ def simulate(
     limit = None if torque_limit is None else _one_or_each("torque_limit", torque_limit, n)
     if limit is not None and not (limit > 0.0).all():
         raise InvalidValue("torque_limit", torque_limit, f"one positive number or {n}")
-    encoder = Encoder(_one_or_each("encoder_resolution", encoder_resolution, n), period)
+    resolution = _one_or_each("encoder_resolution", encoder_resolution, n)
+    if not (resolution >= 0.0).all():
+        raise InvalidValue("encoder_resolution", resolution.tolist(), "not negative")
     delay = checked_count("delay", delay, 0)
     t: Array = period * np.arange(steps + 1, dtype=np.float64)
     desired = trajectory(t)
@@ -138,69 +140,127 @@ def simulate(
             f"within the stroke, {lower.tolist()} to {upper.tolist()} m",
         )
 
-    all_positions, all_speeds, all_asked, all_torque = np.empty((4, steps + 1, n))
-    reported: dict[str, Any] = {
-        name: np.empty((steps + 1, *(n if length == JOINTS else length for length in shape)), kind)
-        for name, (shape, kind) in REPORTED.items()
-        if hasattr(controller, name)
-    }
-    low, high = lower.tolist(), upper.tolist()
+    infinite = np.full(n, np.inf)
+    wiring = Wiring(period, lower, upper, infinite if limit is None else limit, resolution, delay)
+    plant = RungeKutta(robot) if plant is None else plant
+    return _Experiment(robot, controller, plant, wiring, t, desired, progress).run(
+        np.concatenate([positions, speeds])
+    )
 
-    def result(samples: int) -> Result:
-        return Result(
-            t[:samples],
-            all_positions[:samples],
-            all_speeds[:samples],
-            Motion(*(array[:samples] for array in desired)),
-            all_torque[:samples],
-            _tips(robot, all_positions[:samples]),
-            **{name: array[:samples] for name, array in reported.items()},
+
+class _Experiment:
+    """A loop about to run, and what becomes of it in words."""
+
+    def __init__(
+        self,
+        robot: Robot,
+        controller: Controller,
+        plant: Plant,
+        wiring: Wiring,
+        t: Array,
+        desired: Motion,
+        progress: Callable[[float], None] | None,
+    ) -> None:
+        self._robot, self._controller, self._plant = robot, controller, plant
+        self._wiring, self._desired, self._progress = wiring, desired, progress
+        self._every = max(1, (len(t) - 1) // 100)
+        self._reported: dict[str, Any] = {}
+        said = getattr(controller, "numbers_said", 0)
+        self._track = new_track(t, desired, said)
+
+    def run(self, state: Array) -> Result:
+        """Return what happens from a state (2n,) on, or raise why it ends before its time."""
+        self._controller.reset()
+        compiled = self._plant.compiled if type(self._plant) is RungeKutta else None
+        table = None
+        if compiled is not None and hasattr(self._controller, "table"):
+            table = self._controller.table(self._robot.compiled_table(), len(self._wiring.limit))
+        ended = self._in_python(state) if table is None else self._compiled(table, compiled, state)
+        if ended.why == WHOLE:
+            return self._result(ended.samples)
+        raise self._error(ended)
+
+    def _compiled(self, table: Any, plant: Any, state: Array) -> Ended:
+        n, controller, track = len(self._wiring.limit), self._controller, self._track
+        self._plant.start(state[:n], state[n:])
+        every = None if self._progress is None else self._every
+        ended = compiled_loop(
+            table, plant, self._wiring, track, state, progress=self._tell, every=every
+        )
+        self._reported = controller.take(table, track.wrote[: ended.samples])  # type: ignore[attr-defined]
+        if ended.why == NO_FORCE:
+            # It says itself why.
+            k, seen = ended.samples, np.asarray(ended.returned)
+            now = Motion(*(array[k] for array in self._desired))
+            returned = controller.torque(float(track.t[k]), seen[:n].copy(), seen[n:].copy(), now)
+            ended = ended._replace(state=track.states[k].copy(), returned=returned)
+        elif ended.why == LEFT_POSES:
+            ended = ended._replace(state=track.states[ended.samples - 1].copy())
+        return ended
+
+    def _in_python(self, state: Array) -> Ended:
+        n, controller = len(self._wiring.limit), self._controller
+        count = len(self._track.t)
+        self._reported = {
+            name: np.empty((count, *(n if length == JOINTS else length for length in shape)), kind)
+            for name, (shape, kind) in REPORTED.items()
+            if hasattr(controller, name)
+        }
+
+        def after(k: int) -> None:
+            for name, array in self._reported.items():
+                array[k] = getattr(controller, name)
+            self._tell(k)
+
+        return python_loop(
+            controller,
+            self._plant,
+            self._wiring,
+            self._track,
+            self._desired,
+            state,
+            lambda returned: _finite_row(returned, n),
+            after,
         )
 
-    controller.reset()
-    plant = RungeKutta(robot) if plant is None else plant
-    plant.start(positions, speeds)
-    report_every = max(1, steps // 100)
-    times = t.tolist()
-    for k, now in enumerate(map(Motion._make, zip(*desired, strict=True))):
-        all_positions[k], all_speeds[k] = positions, speeds
-        # The controller gets copies of its own: what it does to them changes nothing here.
-        returned = controller.torque(times[k], *encoder.read(all_positions[k], all_speeds[k]), now)
-        torque = _finite_row(returned, n)
-        if torque is None:
-            raise InvalidTorque(
-                f"the controller {type(controller).__name__} returned something else than {n} "
-                "finite forces",
-                times[k],
-                positions.copy(),
-                speeds.copy(),
-                np.asarray(returned, dtype=object),
-                result(k),
+    def _tell(self, sample: int) -> None:
+        """Tell how far it is, at every hundredth of the steps."""
+        is_due = 0 < sample < len(self._track.t) and sample % self._every == 0
+        if self._progress is not None and is_due:
+            self._progress(float(self._track.t[sample]))
+
+    def _result(self, samples: int) -> Result:
+        track, n = self._track, len(self._wiring.limit)
+        positions = np.ascontiguousarray(track.states[:samples, :n])
+        return Result(
+            track.t[:samples],
+            positions,
+            np.ascontiguousarray(track.states[:samples, n:]),
+            Motion(*(array[:samples] for array in self._desired)),
+            track.applied[:samples],
+            _tips(self._robot, positions),
+            **{name: array[:samples] for name, array in self._reported.items()},
+        )
+
+    def _error(self, ended: Ended) -> Exception:
+        k, n, track = ended.samples, len(self._wiring.limit), self._track
+        state = ended.state[:n], ended.state[n:]
+        if ended.why == NO_FORCE:
+            name = type(self._controller).__name__
+            return InvalidTorque(
+                f"the controller {name} returned something else than {n} finite forces",
+                float(track.t[k]),
+                *state,
+                np.asarray(ended.returned, dtype=object),
+                self._result(k),
             )
-        if limit is not None:
-            torque = np.clip(torque, -limit, limit)
-        all_asked[k] = torque
-        torque = all_torque[k] = all_asked[max(k - delay, 0)]
-        for name, array in reported.items():
-            array[k] = getattr(controller, name)
-        if k == steps:
-            break
-        state = plant.advance(torque, period)
-        inside = state is not None and _is_between(low, state[0].tolist(), high)
-        if state is None or not inside:
-            message = (
-                "the robot left the poses it can take" if state is None else robot.limit_message
-            )
-            last_positions, last_speeds = (
-                (all_positions[k], all_speeds[k]) if state is None else state
-            )
-            raise SimulationDiverged(
-                message, times[k] + period, last_positions, last_speeds, torque, result(k + 1)
-            )
-        positions, speeds = state
-        if progress is not None and (k + 1) % report_every == 0:
-            progress(times[k + 1])
-    return result(steps + 1)
+        message = (
+            "the robot left the poses it can take"
+            if ended.why == LEFT_POSES
+            else self._robot.limit_message
+        )
+        time = float(track.t[k - 1]) + self._wiring.period
+        return SimulationDiverged(message, time, *state, track.applied[k - 1], self._result(k))
 
 
 def _tips(robot: Robot, positions: Array) -> Array:
@@ -214,14 +274,6 @@ def _tips(robot: Robot, positions: Array) -> Array:
         if len(positions) == 1:
             return np.full((1, 3), np.nan)
         return np.concatenate([_tips(robot, row[np.newaxis]) for row in positions])
-
-
-def _is_between(low: list[float], values: list[float], high: list[float]) -> bool:
-    """Whether none of the values is outside its limits, nor NaN.
-
-    For three numbers faster than arrays.
-    """
-    return all(map(operator.le, low, values)) and all(map(operator.le, values, high))
 
 
 def _finite_row(values: object, width: int) -> Array | None:

@@ -38,6 +38,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from psp3.checks import Array, checked_count, checked_positive
+from psp3.drives.drive import NO_DRIVE
 from psp3.fuzzy_control import adaptive_kernels
 from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
@@ -45,11 +46,13 @@ from psp3.fuzzy_control.kernels import STEP
 from psp3.fuzzy_control.monitor import Monitor, torque_width
 from psp3.fuzzy_control.records import Record, differences, record
 from psp3.loading import load
-from psp3.study import loops
+from psp3.simulation.kernels import WHOLE, Track
+from psp3.simulation.loop import compiled_loop, new_track, unbounded
 from psp3.study.mismatch import MEASUREMENT_NOISE, PERIOD, UNCERTAINTY_SNR
 from psp3.study.run import mismatched
 from psp3.study.statistics import Estimate, median, share
 from psp3.three_psp.robot import PSP3
+from psp3.three_psp.stepping import ClosedFormSteps
 from psp3.trajectories.paths import Helix
 from psp3.trajectories.trajectory import Trajectory
 
@@ -413,34 +416,24 @@ def watch_run(
     ) * np.repeat(INITIAL_ERRORS, 3)
     noise = rng.standard_normal((len(t), 6)) * np.repeat(MEASUREMENT_NOISE, 3)
     adaptive = AdaptiveFuzzyComputedTorque(controller)
-    settings = adaptive.settings.copy()
-    settings[adaptive_kernels.MEMORY] = 0.0
-    memory = adaptive_kernels.new_memory(adaptive.rules.trained)
-    desired = np.concatenate([motion.heights, motion.speeds, motion.accelerations], axis=1)
-    samples = np.empty((len(t), 6 + STEP))
+    table = adaptive_kernels.Adaptive(
+        adaptive.settings._replace(memory=0.0),
+        adaptive.rules,
+        adaptive_kernels.new_memory(adaptive.rules.trained),
+    )
     loaded = mismatched(robot.parameters, 0.0, payload, np.random.default_rng(0))
-    middle = round(EVENT / PERIOD)
-    # The sample between both parts is done twice, from the same state.
-    for part, parameters in (
-        (slice(0, middle + 1), robot.parameters),
-        (slice(middle, len(t)), loaded),
-    ):
-        loops.adaptive_run(
-            settings,
-            adaptive.rules,
-            memory,
-            parameters.as_array(),
-            np.zeros((3, 3)),
-            desired[part],
-            state,
-            t[part.start],
-            PERIOD,
-            noise[part],
-            samples[part],
-        )
-    seen = samples[:, :6] + noise
-    interval = np.stack([samples[:, 9:12], samples[:, 12:15]], axis=-1)
-    return Watched(t, seen[:, :3], seen[:, 3:], samples[:, 6:9], interval, motion.heights)
+    wiring, middle = unbounded(PERIOD, np.zeros(3), noise=noise), round(EVENT / PERIOD)
+    track = new_track(t, motion, STEP - 3)
+    before = Track(*(array[: middle + 1] for array in track))
+    plant = ClosedFormSteps(robot.parameters.as_array(), 1, NO_DRIVE)
+    ended = compiled_loop(table, plant, wiring, before, state)
+    if ended.why == WHOLE:
+        # The sample between both parts is done twice, from the same state.
+        plant = ClosedFormSteps(loaded.as_array(), 1, NO_DRIVE)
+        compiled_loop(table, plant, wiring, track, ended.state, middle)
+    seen = track.states + noise
+    interval = np.stack([track.wrote[:, 3:6], track.wrote[:, 6:9]], axis=-1)
+    return Watched(t, seen[:, :3], seen[:, 3:], track.applied, interval, motion.heights)
 
 
 def _signals(controller: FuzzyComputedTorque, run: Watched) -> tuple[Array, dict[str, Array]]:

@@ -31,13 +31,15 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
 from fuzzy2.learning.noise import mean_variation_from_snr
 from psp3.checks import Array, checked_count, checked_not_negative, checked_positive
+from psp3.control.kernels import COMPUTED_TORQUE, FEED_FORWARD, Classical, classical
 from psp3.control.linear_quadratic_regulator import LinearQuadraticRegulator
-from psp3.drives.drive import NO_DRIVE, Drive, drive_table
+from psp3.drives.drive import NO_DRIVE, Drive
 from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_control import adaptive_kernels
 from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
@@ -46,11 +48,11 @@ from psp3.fuzzy_control.kernels import STEP
 from psp3.fuzzy_control.records import Record, record
 from psp3.loading import load
 from psp3.published import DURATION, TABLE_6_1, THESIS_SAMPLING_PERIOD
-from psp3.study import loops
-from psp3.study import loops as mismatch_kernels
+from psp3.simulation.loop import compiled_loop, new_track, unbounded
 from psp3.study.run import FIRST_TRAJECTORY, TRAJECTORIES, mismatched
 from psp3.study.statistics import Estimate, mean, ratio_of_means, share
 from psp3.three_psp.robot import PSP3
+from psp3.three_psp.stepping import ClosedFormSteps, closed_form_table
 from psp3.trajectories.motion import Motion, check_stroke
 
 FUZZY = ("t1", "it2", "adaptive-t1", "adaptive-it2")
@@ -398,42 +400,38 @@ def simulate_run(case: Case, controller: str, seed: int = 0, duration: float = D
     case.check()
     _check_controller(controller)
     seed = checked_count("seed", seed, 0)
-    t, motion, desired = _desired(case.trajectory, checked_positive("duration", duration))
+    t, motion = _desired(case.trajectory, checked_positive("duration", duration))
     # One stream for each use of noise, so that runs of one seed can be paired whatever else they
     # draw.
     records, plants, measurements = (np.random.default_rng([seed, use]) for use in range(3))
     robot = _robot()
     plant = mismatched(robot.parameters, MASS_MISMATCH, case.payload, plants).as_array()
     measured = measurements.standard_normal((len(t), 6)) * np.repeat(MEASUREMENT_NOISE, 3)
-    drives = drive_table(case.drive, 3)
-    state = np.concatenate([motion.heights[0], np.zeros(3)])
+    wiring = unbounded(PERIOD, np.zeros(3), noise=measured)
     if controller in FUZZY:
-        rules, memory, settings = _fuzzy(controller, case.snr_db, records)
-        steps = np.empty((len(t), 6 + STEP))
-        done = loops.adaptive_run(
-            settings, rules, memory, plant, drives, desired, state, 0.0, PERIOD, measured, steps
-        )
-        return steps[:done, :9]
-    samples = np.empty((len(t), 9))
-    if controller in REGULATOR_FORCES:
-        forces = robot.inverse_dynamics(motion.heights, motion.speeds, motion.accelerations)
-        K = _regulator(controller)
-        done = mismatch_kernels.feedback_run(
-            K, forces, plant, drives, desired, state, PERIOD, measured, samples
-        )
+        table: NamedTuple = _fuzzy(controller, case.snr_db, records)
     else:
-        gains = np.array(
-            [*TABLE_6_1["CTC"], INTEGRAL_GAIN if controller == "ctc-integral" else 0.0]
-        )
-        model = robot.parameters.as_array()
-        done = mismatch_kernels.computed_torque_run(
-            gains, model, plant, drives, desired, state, PERIOD, measured, samples
-        )
-    return samples[:done]
+        table = _classical(controller)
+    said = STEP - 3 if controller in FUZZY else 0
+    track, steps = new_track(t, motion, said), ClosedFormSteps(plant, 1, case.drive)
+    state = np.concatenate([motion.heights[0], np.zeros(3)])
+    done = compiled_loop(table, steps, wiring, track, state).samples
+    return np.concatenate([track.states[:done], track.applied[:done]], axis=1)
+
+
+def _classical(controller: str) -> Classical:
+    """Return a controller without rules as loops take it."""
+    model = closed_form_table(_robot().parameters.as_array())
+    if controller in REGULATOR_FORCES:
+        K = _regulator(controller)
+        return classical(FEED_FORWARD, K[:, :3], K[:, 3:], model, 3)
+    kp, kv = TABLE_6_1["CTC"]
+    ki = INTEGRAL_GAIN if controller == "ctc-integral" else 0.0
+    return classical(COMPUTED_TORQUE, kp, kv, model, 3, ki)
 
 
 def _measured(samples: Array, case: Case, duration: float) -> Outcome:
-    t, motion, _ = _desired(case.trajectory, duration)
+    t, motion = _desired(case.trajectory, duration)
     if len(samples) < len(t):
         return Outcome(math.nan, math.nan, math.nan, True)
     squares = ((motion.heights - samples[:, :3]) ** 2).sum(axis=1)
@@ -459,13 +457,8 @@ def _check_controller(name: str) -> None:
         raise UnknownName("controller", name, CONTROLLERS)
 
 
-def _fuzzy(
-    controller: str, snr_db: float, rng: np.random.Generator
-) -> tuple[adaptive_kernels.Rules, adaptive_kernels.Memory, Array]:
-    """Return a fuzzy controller, trained and not called yet.
-
-    It is as :mod:`psp3.fuzzy_control.adaptive_kernels` takes it.
-    """
+def _fuzzy(controller: str, snr_db: float, rng: np.random.Generator) -> adaptive_kernels.Adaptive:
+    """Return a fuzzy controller as loops take it, trained and not called yet."""
     kp, kv = TABLE_6_1["CTC"]
     variation = float(mean_variation_from_snr(min(snr_db, UNCERTAINTY_SNR)))
     base = FuzzyComputedTorque(
@@ -477,10 +470,12 @@ def _fuzzy(
         mean_variation=variation,
     )
     adaptive = AdaptiveFuzzyComputedTorque(base.learn(_record(), rng=rng))
-    settings = adaptive.settings.copy()
-    if not controller.startswith("adaptive-"):
-        settings[adaptive_kernels.MEMORY] = 0.0
-    return adaptive.rules, adaptive_kernels.new_memory(adaptive.rules.trained), settings
+    memory = adaptive.settings.memory if controller.startswith("adaptive-") else 0.0
+    return adaptive_kernels.Adaptive(
+        adaptive.settings._replace(memory=memory),
+        adaptive.rules,
+        adaptive_kernels.new_memory(adaptive.rules.trained),
+    )
 
 
 # The same for all runs, and more costly than a run.
@@ -507,15 +502,12 @@ def _regulator(controller: str) -> Array:
 
 
 @lru_cache(maxsize=16)
-def _desired(trajectory: str, duration: float) -> tuple[Array, Motion, Array]:
-    """Return times, the desired motion and its samples.
-
-    Heights, speeds and accelerations, as the loops take them, (N, 9).
-    """
+def _desired(trajectory: str, duration: float) -> tuple[Array, Motion]:
+    """Return times and the desired motion."""
     robot = _robot()
     t = PERIOD * np.arange(int(duration / PERIOD * (1.0 + 1e-12) + 1e-9) + 1, dtype=np.float64)
     if len(t) < 3:
         raise InvalidValue("duration", duration, f"at least two periods of {PERIOD} s")
     motion = TRAJECTORIES[trajectory](robot)(t)
     check_stroke(robot, t, motion)
-    return t, motion, np.concatenate([motion.heights, motion.speeds, motion.accelerations], axis=1)
+    return t, motion

@@ -32,6 +32,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from functools import lru_cache
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,9 +40,10 @@ from fuzzy2.learning.noise import mean_variation_from_snr
 from fuzzy2.learning.partition import KINDS
 from fuzzy2.learning.wang_mendel import LEARNERS
 from psp3.checks import Array, checked_count, checked_not_negative, checked_positive
-from psp3.drives.drive import Drive, drive_table
+from psp3.control import kernels
+from psp3.control.kernels import classical
+from psp3.drives.drive import Drive
 from psp3.errors import InvalidValue, UnknownName
-from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import (
     ORDERS,
     OUTSIDE,
@@ -49,18 +51,20 @@ from psp3.fuzzy_control.computed_torque import (
     FuzzyComputedTorque,
     checked_snr,
 )
+from psp3.fuzzy_control.kernels import NOTHING_ADDED, Fuzzy, FuzzyRun, reported
 from psp3.fuzzy_control.records import ENTRIES, REFERENCES, Record, RecordNoise, record
 from psp3.loading import load
 from psp3.published import DURATION, TABLE_6_1, THESIS_SAMPLING_PERIOD
+from psp3.simulation.loop import compiled_loop, new_track, unbounded
 from psp3.simulation.metrics import (
     integral_of_squared_error,
     largest_tip_error,
     sum_of_squared_errors,
 )
 from psp3.simulation.result import Result
-from psp3.study import loops
 from psp3.three_psp.parameters import PARAMETER_SETS, Parameters
 from psp3.three_psp.robot import PSP3
+from psp3.three_psp.stepping import ClosedFormSteps, closed_form_table
 from psp3.trajectories.motion import Motion, check_stroke
 from psp3.trajectories.paths import Circle, Helix, PointToPoint
 from psp3.trajectories.recorded import Waypoints
@@ -468,8 +472,7 @@ def simulate_run(run: Run) -> Samples:
     run.check()
     robot = _robot(run.parameters)
     t, desired = _desired(run.trajectory, run.parameters, run.duration, run.period)
-    plant, measured, added = robot.parameters.as_array(), np.empty((0, 6)), np.empty((0, 18))
-    drives = drive_table(run._drive(), 3)
+    plant, measured, added = robot.parameters.as_array(), None, NOTHING_ADDED
     # One stream for each use of noise (that of rules is 0), so that runs of one seed can be paired
     # whatever else they draw.
     noise = np.random.default_rng([run.seed, 1])
@@ -484,34 +487,27 @@ def simulate_run(run: Run) -> Samples:
         added = ratio * amplitudes * noise.standard_normal((len(t), 18))
     elif run.reading == "plant":
         plant = mismatched(robot.parameters, ratio, run.payload, noise).as_array()
-    controller = _controller(run, robot)
-    wanted = np.concatenate([desired.heights, desired.speeds, desired.accelerations], axis=1)
+    wiring = unbounded(run.period, np.full(3, run.encoder_resolution), run.delay, measured)
+    controller, said = _controller(run, robot, added)
+    track = new_track(t, desired, said)
+    steps = ClosedFormSteps(plant, 1, run._drive())
     state = np.concatenate([desired.heights[0], np.zeros(3)])
-    samples = np.empty((len(t), 11))
-    done = loops.run(
-        controller,
-        robot.parameters.as_array(),
-        plant,
-        drives if drives.any() else drives[:0],
-        wanted,
-        state,
-        run.period,
-        run.encoder_resolution,
-        run.delay,
-        measured,
-        added,
-        samples,
+    done = compiled_loop(controller, steps, wiring, track, state).samples
+    heights, speeds = (track.states[:done, i : i + 3].copy() for i in (0, 3))
+    flags = (
+        reported(track.wrote[:done])
+        if said
+        else {"covered": np.ones(done, bool), "fell_back": np.zeros(done, bool)}
     )
-    heights, speeds, torque = (samples[:done, i : i + 3].copy() for i in (0, 3, 6))
     result = Result(
         t[:done],
         heights,
         speeds,
         Motion(*(array[:done] for array in desired)),
-        torque,
+        track.applied[:done].copy(),
         _tips(robot, heights),
-        covered=samples[:done, 9] > 0.0,
-        fell_back=samples[:done, 10] > 0.0,
+        covered=flags["covered"],
+        fell_back=flags["fell_back"],
     )
     return Samples(result, len(t))
 
@@ -585,14 +581,20 @@ def mismatched(
     return replace(parameters, star_inertia=inertia, **changed)
 
 
-def _controller(run: Run, robot: PSP3) -> Array:
-    """Return the controller of a run as :mod:`psp3.fuzzy_control.kernels` takes it."""
+def _controller(run: Run, robot: PSP3, added: Array) -> tuple[NamedTuple, int]:
+    """Return the controller of a run as loops take it, and how many numbers it says of a step."""
+    model = robot.parameters.as_array()
     if run.controller in CLASSICAL:
         kp, kv = TABLE_6_1["PD" if run.controller.startswith("pd") else "CTC"]
-        return np.array([CLASSICAL[run.controller], kp, kv, 0.0, 0.0, 0.0, 0.0])
+        if run.controller == "feed-forward":
+            kp = kv = 0.0
+        table, kind = closed_form_table(model), CLASSICAL[run.controller]
+        return classical(kind, kp, kv, table, 3, added=added), 0
     if run.reading == "inputs" and run.snr_db < math.inf:
-        return _learned_from_noisy_inputs(run.canonical())
-    return trained(run, robot, np.random.default_rng([run.seed, 0])).controller
+        controller = _learned_from_noisy_inputs(run.canonical())
+    else:
+        controller = trained(run, robot, np.random.default_rng([run.seed, 0])).controller
+    return FuzzyRun(controller, model, added), FuzzyComputedTorque.numbers_said
 
 
 def trained(run: Run, robot: PSP3, rng: np.random.Generator) -> FuzzyComputedTorque:
@@ -677,7 +679,7 @@ def _try_to_learn(
 
 
 @lru_cache(maxsize=8)
-def _learned_from_noisy_inputs(run: Run) -> Array:
+def _learned_from_noisy_inputs(run: Run) -> Fuzzy:
     """Return the controller that learned from noisy inputs; the check of a run needs it, too."""
     return trained(run, _robot(run.parameters), np.random.default_rng([run.seed, 0])).controller
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NamedTuple, NoReturn
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -159,6 +159,15 @@ class PSP3(ClosedLoopRobot):
         from psp3.three_psp.stepping import ClosedFormSteps
 
         return functools.partial(ClosedFormSteps, self._p)
+
+    def last_pose(self) -> None:
+        """Return None: a closed form has no pose to look for."""
+
+    def compiled_table(self) -> NamedTuple | None:
+        """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
+        from psp3.three_psp.stepping import closed_form_table
+
+        return closed_form_table(self._p) if type(self) is PSP3 else None
 
     def _ask(
         self,
@@ -500,7 +509,7 @@ class PSP3(ClosedLoopRobot):
         square = (*a.shape[:-1], 3, 3)
         return out[..., :9].reshape(square), out[..., 9:18].reshape(square), out[..., 18:]
 
-    def mass_matrix(self, heights: ArrayLike) -> Array:
+    def mass_matrix(self, heights: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:
         """Return the mass matrix M (eq. 3.2), of shape (..., 3, 3) [kg].
 
         See :meth:`equation_of_motion`.

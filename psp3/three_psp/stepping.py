@@ -4,44 +4,49 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from fuzzy2.support.compiled import compiled
 from psp3.checks import Array, checked_count
 from psp3.drives.drive import Drive, drive_table
-from psp3.drives.kernels import (
-    DRY,
-    INERTIA,
-    MOST_EVENTS,
-    RESOLUTION,
-    VISCOUS,
-    accelerations,
-    choose_slip,
-    slip_of,
-    spare_friction,
-    stop_what_turned_back,
-)
+from psp3.drives.kernels import INERTIA, VISCOUS
+from psp3.dynamics import driven_steps
+from psp3.dynamics.compiled_robot import advance as advance_any
+from psp3.dynamics.compiled_robot import balance, is_state, write_forces
 from psp3.three_psp.closed_form import (
     RADIUS,
     accelerations_of_state,
     cosine_of_tilt,
     equation_of_motion,
     forward_kinematics,
+    inverse_dynamics,
     is_finite,
     is_valid_pose,
     slope_of_nuts,
 )
 
-MOST_TRIALS = 60
-"""Trials in the search for the time of an event; some eight do."""
+
+class ClosedForm(NamedTuple):
+    """The 3-PSP as compiled loops take it: its numbers, and room for six."""
+
+    parameters: Array
+    scratch: Array
 
 
-@compiled
-def _balance(state: Array, forces: Array, p: Array, drives: Array, mass: Array, net: Array) -> None:
+def closed_form_table(parameters: Array) -> ClosedForm:
+    """Return the table of a loop; two loops at once need one each."""
+    return ClosedForm(parameters, np.empty(6))
+
+
+@balance.register(ClosedForm)
+def _balance(
+    robot: ClosedForm, state: Array, forces: Array, drives: Array, mass: Array, net: Array
+) -> None:
     """Write M + J and what is left of the forces; NaN where the pose is none of the machine's."""
     full = np.empty(21)
-    if equation_of_motion(state[:3], state[3:], p, full) >= 0:
+    if equation_of_motion(state[:3], state[3:], robot.parameters, full) >= 0:
         full[:] = math.nan
     for i in range(3):
         net[i] = forces[i] - full[18 + i] - drives[i, VISCOUS] * state[3 + i]
@@ -51,136 +56,20 @@ def _balance(state: Array, forces: Array, p: Array, drives: Array, mass: Array, 
         mass[i, i] += drives[i, INERTIA]
 
 
-@compiled
-def _step(
-    state: Array,
-    forces: Array,
-    duration: float,
-    p: Array,
-    drives: Array,
-    slip: Array,
-    mass: Array,
-    net: Array,
-    rates: Array,
-    new: Array,
-) -> None:
-    """Write the state after one step with constant slip.
-
-    The method is the classical Runge–Kutta; ``rates`` is scratch space (4, 6).
-    """
-    acceleration = np.empty(3)
-    for i in range(6):
-        new[i] = state[i]
-    for stage in range(4):
-        _balance(new, forces, p, drives, mass, net)
-        accelerations(mass, net, drives, slip, acceleration)
-        for i in range(3):
-            rates[stage, i], rates[stage, 3 + i] = new[3 + i], acceleration[i]
-        share = duration if stage == 2 else 0.5 * duration
-        for i in range(6):
-            new[i] = state[i] + share * rates[stage, i]
-    for i in range(6):
-        new[i] = state[i] + duration / 6.0 * (
-            rates[0, i] + 2.0 * (rates[1, i] + rates[2, i]) + rates[3, i]
-        )
-
-
-@compiled
-def _margin(
-    state: Array, forces: Array, p: Array, drives: Array, slip: Array, mass: Array, net: Array
-) -> float:
-    """Return what is left until a joint comes to rest or lets go.
-
-    In m/s or N; negative once it has happened.
-    """
-    margin, sticks = math.inf, False
-    for i in range(3):
-        if slip[i] == 0.0:
-            sticks = True
-        elif drives[i, DRY] > 0.0:
-            margin = min(margin, slip[i] * state[3 + i])
-    if sticks:
-        acceleration = np.empty(3)
-        _balance(state, forces, p, drives, mass, net)
-        accelerations(mass, net, drives, slip, acceleration)
-        for i in range(3):
-            if slip[i] == 0.0:
-                margin = min(margin, spare_friction(mass, net, drives, acceleration, i))
-    return margin
-
-
-@compiled
-def _first_event(
-    state: Array,
-    forces: Array,
-    step: float,
-    p: Array,
-    drives: Array,
-    slip: Array,
-    mass: Array,
-    net: Array,
-    rates: Array,
-    new: Array,
-) -> float:
-    """Write the state just after the first event in a step that has one, and return its time.
-
-    False position (Illinois).
-    """
-    high, above = step, _margin(new, forces, p, drives, slip, mass, net)
-    # A joint that has just let go has no margin at first, so that a time must be found when it has.
-    low, below = high, above
-    while below < 0.0 and low > RESOLUTION * step:
-        high, above, low = low, below, 0.5 * low
-        _step(state, forces, low, p, drives, slip, mass, net, rates, new)
-        below = _margin(new, forces, p, drives, slip, mass, net)
-    if below < 0.0:
-        return low
-    for _ in range(MOST_TRIALS):
-        if high - low <= RESOLUTION * step:
-            break
-        time = (low * above - high * below) / (above - below)
-        if not low < time < high:
-            time = 0.5 * (low + high)
-        _step(state, forces, time, p, drives, slip, mass, net, rates, new)
-        margin = _margin(new, forces, p, drives, slip, mass, net)
-        # An end that stays counts for half, so that it does not stay for ever.
-        if margin < 0.0:
-            high, above, below = time, margin, 0.5 * below
-        else:
-            low, below, above = time, margin, 0.5 * above
-    _step(state, forces, high, p, drives, slip, mass, net, rates, new)
-    return high
+@is_state.register(ClosedForm)
+def _is_state(robot: ClosedForm, state: Array) -> bool:
+    total = state[3] + state[4] + state[5]
+    pose = np.empty(18)
+    valid: bool = math.isfinite(total) and forward_kinematics(state[:3], robot.parameters, pose) < 0
+    return valid
 
 
 @compiled
 def advance_driven(
     state: Array, forces: Array, step: float, steps: int, p: Array, drives: Array
 ) -> bool:
-    """Do as ``closed_form.advance`` for a robot with drives, an array (3, 3)."""
-    mass, net, rates, new, slip = (
-        np.empty((3, 3)),
-        np.empty(3),
-        np.empty((4, 6)),
-        np.empty(6),
-        np.zeros(3),
-    )
-    for _ in range(steps):
-        left = step
-        for event in range(MOST_EVENTS + 1):
-            if slip_of(drives, state[3:], slip):
-                _balance(state, forces, p, drives, mass, net)
-                choose_slip(mass, net, drives, state[3:], slip)
-            part = left
-            _step(state, forces, part, p, drives, slip, mass, net, rates, new)
-            if event < MOST_EVENTS and _margin(new, forces, p, drives, slip, mass, net) < 0.0:
-                part = _first_event(state, forces, part, p, drives, slip, mass, net, rates, new)
-            stop_what_turned_back(drives, new[3:], slip)
-            state[:] = new
-            left -= part
-            if left <= 0.0:
-                break
-    total = state[3] + state[4] + state[5]
-    valid: bool = math.isfinite(total) and forward_kinematics(state[:3], p, np.empty(18)) < 0
+    """Do as ``advance`` for a robot with drives, an array (3, 3)."""
+    valid: bool = driven_steps.advance_driven(ClosedForm(p, p), state, forces, step, steps, drives)
     return valid
 
 
@@ -231,6 +120,27 @@ def advance(state: Array, forces: Array, step: float, steps: int, p: Array, mid:
     return valid
 
 
+@advance_any.register(ClosedForm)
+@compiled
+def advance_closed_form(
+    robot: ClosedForm, state: Array, forces: Array, step: float, steps: int, drives: Array
+) -> bool:
+    """Take steps with drives (3, 3), or (0, 3) for none; see ``advance``."""
+    if drives.shape[0] > 0:
+        valid: bool = advance_driven(state, forces, step, steps, robot.parameters, drives)
+    else:
+        valid = advance(state, forces, step, steps, robot.parameters, robot.scratch)
+    return valid
+
+
+@write_forces.register(ClosedForm)
+def _write_forces(
+    robot: ClosedForm, positions: Array, speeds: Array, accelerations: Array, out: Array
+) -> bool:
+    row: int = inverse_dynamics(positions, speeds, accelerations, robot.parameters, out)
+    return row < 0
+
+
 class ClosedFormSteps:
     """A plant: the 3-PSP in closed form, compiled.
 
@@ -245,20 +155,20 @@ class ClosedFormSteps:
     """
 
     def __init__(self, parameters: Array, steps: int, drive: Drive | Sequence[Drive]) -> None:
-        self._p, self._scratch, self._steps = parameters, np.empty(6), checked_count("steps", steps)
-        self._drives = drive_table(drive, 3)
-        self._is_driven = bool(self._drives.any())
-        self._state = np.zeros(6)
+        self.robot, self.steps = closed_form_table(parameters), checked_count("steps", steps)
+        drives = drive_table(drive, 3)
+        self.drives = drives if drives.any() else drives[:0]
+        self.state = np.zeros(6)
 
     def start(self, heights: Array, speeds: Array) -> None:
         """Put the robot into a state; nut heights [m] and speeds [m/s], each (3,)."""
-        self._state = np.concatenate([heights, speeds])
+        self.state = np.concatenate([heights, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
         """Return heights and speeds, each (3,), after ``duration`` [s], or None."""
-        step = duration / self._steps
-        if self._is_driven:
-            valid = advance_driven(self._state, forces, step, self._steps, self._p, self._drives)
+        step, (p, scratch) = duration / self.steps, self.robot
+        if self.drives.size:
+            valid = advance_driven(self.state, forces, step, self.steps, p, self.drives)
         else:
-            valid = advance(self._state, forces, step, self._steps, self._p, self._scratch)
-        return (self._state[:3], self._state[3:]) if valid else None
+            valid = advance(self.state, forces, step, self.steps, p, scratch)
+        return (self.state[:3], self.state[3:]) if valid else None

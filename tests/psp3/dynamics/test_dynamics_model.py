@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -10,8 +11,12 @@ from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.description.parts import ROBOTS
-from psp3.dynamics.dynamics_model import DynamicsModel, equation_of_motion_of
-from psp3.errors import InvalidArray, InvalidValue
+from psp3.dynamics.dynamics_model import (
+    DynamicsModel,
+    ForcesOfMotions,
+    equation_of_motion_of,
+)
+from psp3.errors import ClosureFailed, InvalidArray, InvalidValue
 from psp3.robots import dynamics_model as first_path
 from psp3.three_psp.robot import DYNAMICS_MODELS
 from tests.helpers import random_states
@@ -90,3 +95,40 @@ def test_the_path_by_which_the_names_were_public_first_still_leads_to_them() -> 
 def test_what_is_no_model_is_refused() -> None:
     with pytest.raises(InvalidValue, match="a model with equation_of_motion"):
         equation_of_motion_of(object())  # type: ignore[arg-type]
+
+
+# One state after the other
+
+
+def test_forces_of_motions_of_a_users_model_are_m_a_plus_c_v_plus_g() -> None:
+    forces = ForcesOfMotions(OfThreeMethods())  # type: ignore[arg-type]
+    speeds, accelerations = np.array([1.0, -2.0]), np.array([0.5, 4.0])
+    assert_allclose(forces(np.zeros(2), speeds, accelerations), [5.5, 3.0], rtol=1e-15)
+
+
+def test_forces_of_motions_from_the_last_pose_are_those_from_the_reference() -> None:
+    """Four threads share one caller, each on a walk of its own; loops are closed to rounding."""
+    robot = psp3.load("five_bar")
+    forces = ForcesOfMotions(robot)
+
+    def walk(thread: int) -> float:
+        rng, worst = np.random.default_rng(thread), 0.0
+        a = robot.reference.copy()
+        for _ in range(200):
+            a += rng.uniform(-0.01, 0.01, 2)
+            v, w = rng.normal(size=(2, 2))
+            expected = robot.inverse_dynamics(a, v, w)
+            worst = max(worst, float(np.abs(forces(a, v, w) / expected - 1.0).max()))
+        return worst
+
+    with ThreadPoolExecutor(4) as pool:
+        assert max(pool.map(walk, range(4))) < 1e-9
+
+
+def test_a_refused_state_does_not_spoil_the_next() -> None:
+    robot = psp3.load("five_bar")
+    forces, rest = ForcesOfMotions(robot), np.zeros(2)
+    before = forces(robot.reference, rest, rest)
+    with pytest.raises(ClosureFailed):
+        forces(robot.reference + np.array([3.0, -3.0]), rest, rest)
+    assert_allclose(forces(robot.reference, rest, rest), before, rtol=1e-12)

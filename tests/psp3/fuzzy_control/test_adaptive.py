@@ -16,6 +16,7 @@ import pytest
 
 import psp3
 from fuzzy2.learning.adaptation_kernels import settle, solve
+from psp3.drives import NO_DRIVE
 from psp3.errors import InvalidArray, InvalidValue, NotTrained
 from psp3.fuzzy_control import adaptive_kernels as kernels
 from psp3.fuzzy_control.adaptive import (
@@ -27,9 +28,11 @@ from psp3.fuzzy_control.adaptive import (
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import Record, differences, pack, record, unpack
 from psp3.simulation import Result, simulate
+from psp3.simulation.loop import compiled_loop, new_track, unbounded
 from psp3.simulation.metrics import sum_of_squared_errors
-from psp3.study import loops
+from psp3.simulation.runge_kutta import RungeKutta
 from psp3.three_psp.robot import PSP3
+from psp3.three_psp.stepping import ClosedFormSteps
 from psp3.trajectories import Helix, Motion
 
 PERIOD = 0.002
@@ -46,6 +49,31 @@ def loaded(payload: float) -> PSP3:
     return psp3.load(
         "psp3", parameters=dataclasses.replace(parameters, star_mass=parameters.star_mass + payload)
     )
+
+
+def adaptive_run(
+    controller: AdaptiveFuzzyComputedTorque,
+    plant: np.ndarray,
+    desired: np.ndarray,
+    state: np.ndarray,
+    start: float,
+    measured: np.ndarray,
+    samples: np.ndarray,
+) -> int:
+    """Write states and what the controller says (N, 17) of a compiled run, and its last state."""
+    motion = Motion(*(desired[:, i : i + 3] for i in (0, 3, 6, 0)))
+    track = new_track(start + PERIOD * np.arange(len(desired)), motion, controller.numbers_said)
+    noise = measured if len(measured) else None
+    ended = compiled_loop(
+        controller.table(None, 3),
+        ClosedFormSteps(plant, 1, NO_DRIVE),
+        unbounded(PERIOD, np.zeros(3), noise=noise),
+        track,
+        state,
+    )
+    state[:] = ended.state
+    samples[:] = np.concatenate([track.states, track.wrote], axis=1)
+    return ended.samples
 
 
 @cache
@@ -276,16 +304,12 @@ def test_at_rest_nothing_winds_up() -> None:
     samples = np.empty((4001, 6 + 11))
     seen = []
     for part in range(2):
-        loops.adaptive_run(
-            controller.settings,
-            controller.rules,
-            controller._memory,
+        adaptive_run(
+            controller,
             plant,
-            np.zeros((3, 3)),
             wanted,
             state,
             8.0 * part,
-            PERIOD,
             np.empty((0, 6)),
             samples,
         )
@@ -310,16 +334,12 @@ def test_noise_of_measurement_disturbs_little() -> None:
     for measured in (np.empty((0, 6)), noise):
         controller.reset()
         samples, state = np.empty((len(t), 17)), np.concatenate([motion.heights[0], np.zeros(3)])
-        done = loops.adaptive_run(
-            controller.settings,
-            controller.rules,
-            controller._memory,
+        done = adaptive_run(
+            controller,
             loaded(2.0).parameters.as_array(),
-            np.zeros((3, 3)),
             desired,
             state,
             0.0,
-            PERIOD,
             measured,
             samples,
         )
@@ -366,23 +386,29 @@ def test_the_least_squares_within_the_box_are_the_ones_that_are_found() -> None:
 
 @pytest.mark.parametrize("kind", ["t1", "it2"])
 def test_the_compiled_run_is_the_simulation(kind: str) -> None:
-    """To the last bit: the same kernels in the same order."""
-    result = run(kind, 2.0, True)
+    """To the last bit: the same kernels in the same order, called from Python here and there."""
+
+    class InPython(RungeKutta):
+        """A plant that the compiled loop does not know."""
+
+    result = simulate(
+        robot(),
+        AdaptiveFuzzyComputedTorque(trained(kind)),
+        Helix(robot=robot()),
+        1.0,
+        plant=InPython(loaded(2.0)),
+    )
     controller = AdaptiveFuzzyComputedTorque(trained(kind))
     desired = np.concatenate(
         [result.desired.heights, result.desired.speeds, result.desired.accelerations], axis=1
     )
     samples, state = np.empty((len(result.t), 17)), np.concatenate([result.heights[0], np.zeros(3)])
-    done = loops.adaptive_run(
-        controller.settings,
-        controller.rules,
-        controller._memory,
+    done = adaptive_run(
+        controller,
         loaded(2.0).parameters.as_array(),
-        np.zeros((3, 3)),
         desired,
         state,
         0.0,
-        PERIOD,
         np.empty((0, 6)),
         samples,
     )

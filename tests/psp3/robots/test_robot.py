@@ -68,17 +68,16 @@ def test_a_motion_of_the_tip_is_one_of_the_joints_or_refused(robot: psp3.ClosedL
 
 
 def test_compiled_steps_are_those_of_the_plant(robot: psp3.ClosedLoopRobot) -> None:
-    """The plant takes them where there are any; where there are none it steps in Python."""
+    """Not a bit of difference; and the motion is that of the forces."""
     rest = np.zeros(len(robot.actuated))
     forces = robot.inverse_dynamics(robot.reference, rest, rest + 0.1)
     plant = RungeKutta(robot, steps=2)
     plant.start(robot.reference, rest)
     state = plant.advance(forces, 0.01)
     assert state is not None
-    if robot.compiled_steps is not None:
-        own = robot.compiled_steps(2, psp3.Drive())
-        own.start(robot.reference, rest)
-        assert_array_equal(own.advance(forces, 0.01), state)
+    own = robot.compiled_steps(2, psp3.Drive())
+    own.start(robot.reference, rest)
+    assert_array_equal(own.advance(forces, 0.01), state)
     # Uniform acceleration to first order: the forces are those of 0.1 at the start.
     assert_allclose(state[0] - robot.reference, 0.5 * 0.1 * 0.01**2, rtol=0.05)
 

@@ -1,29 +1,30 @@
-"""Compiled runs against the same loops in Python.
-
-The simulation with the Python controllers, and loops with noise written out here.
-"""
+"""The compiled loop against the loop in Python, and both against loops written out here."""
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 import fuzzy2
 import psp3
-from psp3.drives import NO_DRIVE, Drive, drive_table
+from psp3.control import kernels as classical_kernels
+from psp3.control.linear_quadratic_regulator import TimeVaryingLinearQuadraticRegulator
+from psp3.drives import NO_DRIVE, Drive
 from psp3.errors import SimulationDiverged
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import Record, record, unpack
+from psp3.simulation.loop import compiled_loop, new_track, unbounded
 from psp3.simulation.runge_kutta import RungeKutta
-from psp3.study import loops
 from psp3.three_psp.parameters import Parameters
+from psp3.three_psp.stepping import ClosedFormSteps
 from psp3.trajectories import Helix, Motion, Trajectory
+from psp3.trajectories.fourier_series import FourierSeries
 
 ROBOT = psp3.load("psp3")
 HELIX = Helix(robot=ROBOT)
@@ -56,8 +57,20 @@ def trained(recorded: Record) -> dict[str, FuzzyComputedTorque]:
         }
 
 
+class InPython(RungeKutta):
+    """The same plant, which the compiled loop does not know."""
+
+
+def in_python(
+    robot: Any, controller: Any, trajectory: Trajectory, duration: float, **options: Any
+) -> psp3.Result:
+    """Return what the simulation does without its compiled loop."""
+    options.setdefault("plant", InPython(robot))
+    return psp3.simulate(robot, controller, trajectory, duration, **options)
+
+
 def compiled_run(
-    controller: np.ndarray,
+    controller: Any,
     trajectory: Trajectory,
     steps: int,
     measured: np.ndarray | None = None,
@@ -69,26 +82,32 @@ def compiled_run(
 ) -> tuple[int, np.ndarray]:
     """Return the number of samples and the samples; those that were not written are NaN."""
     desired = trajectory(0.002 * np.arange(steps + 1))
-    samples = np.full((steps + 1, 11), np.nan)
-    done = loops.run(
-        controller,
-        ROBOT.parameters.as_array(),
-        (plant or ROBOT.parameters).as_array(),
-        drive_table(drive, 3)[: 0 if drive == NO_DRIVE else 3],
-        np.concatenate([desired.heights, desired.speeds, desired.accelerations], axis=1),
+    noise = np.empty((0, 18)) if added is None else added
+    is_fuzzy, table = isinstance(controller, kernels.Fuzzy), controller
+    if is_fuzzy:
+        table = kernels.FuzzyRun(controller, ROBOT.parameters.as_array(), noise)
+    else:
+        # A run changes the memory of its controller.
+        table = controller._replace(added=noise, memory=np.zeros((4, 3)), clock=np.zeros(2))
+    track = new_track(0.002 * np.arange(steps + 1), desired, 8 if is_fuzzy else 0)
+    done = compiled_loop(
+        table,
+        ClosedFormSteps((plant or ROBOT.parameters).as_array(), 1, drive),
+        unbounded(0.002, np.full(3, resolution), delay, measured),
+        track,
         np.concatenate([desired.heights[0], np.zeros(3)]),
-        0.002,
-        resolution,
-        delay,
-        np.empty((0, 6)) if measured is None else measured,
-        np.empty((0, 18)) if added is None else added,
-        samples,
-    )
+    ).samples
+    flags = track.wrote[:, 9:] if is_fuzzy else np.tile([1.0, 0.0], (steps + 1, 1))
+    samples = np.concatenate([track.states, track.applied, flags], axis=1)
+    samples[done:] = np.nan
     return done, samples
 
 
-def classical(kind: int, kp: float = 10.0, kv: float = 1.0) -> np.ndarray:
-    return np.array([kind, kp, kv, 0.0, 0.0, 0.0, 0.0])
+def classical(kind: int, kp: float = 10.0, kv: float = 1.0) -> classical_kernels.Classical:
+    model = ROBOT.compiled_table()
+    if kind == classical_kernels.FEED_FORWARD:
+        kp = kv = 0.0
+    return classical_kernels.classical(kind, kp, kv, model, 3)
 
 
 def python_loop(
@@ -123,8 +142,8 @@ def python_loop(
 
 
 def test_pd_is_bit_for_bit_that_of_the_simulation() -> None:
-    done, samples = compiled_run(classical(kernels.PD, 1000.0, 100.0), HELIX, 1000)
-    expected = psp3.simulate(ROBOT, psp3.PD(), HELIX, 2.0)
+    done, samples = compiled_run(classical(classical_kernels.PD, 1000.0, 100.0), HELIX, 1000)
+    expected = in_python(ROBOT, psp3.PD(), HELIX, 2.0)
     assert done == 1001
     np.testing.assert_array_equal(samples[:, :3], expected.heights)
     np.testing.assert_array_equal(samples[:, 3:6], expected.speeds)
@@ -135,9 +154,13 @@ def test_pd_is_bit_for_bit_that_of_the_simulation() -> None:
 @pytest.mark.parametrize(
     ("kind", "gains", "controller"),
     [
-        (kernels.GRAVITY_COMPENSATED_PD, (1000.0, 100.0), psp3.GravityCompensatedPD(ROBOT)),
-        (kernels.COMPUTED_TORQUE, (10.0, 1.0), psp3.ComputedTorque(ROBOT)),
-        (kernels.COMPUTED_TORQUE, (250.0, 30.0), psp3.ComputedTorque(ROBOT, 250.0, 30.0)),
+        (
+            classical_kernels.GRAVITY_COMPENSATED_PD,
+            (1000.0, 100.0),
+            psp3.GravityCompensatedPD(ROBOT),
+        ),
+        (classical_kernels.COMPUTED_TORQUE, (10.0, 1.0), psp3.ComputedTorque(ROBOT)),
+        (classical_kernels.COMPUTED_TORQUE, (250.0, 30.0), psp3.ComputedTorque(ROBOT, 250.0, 30.0)),
     ],
 )
 def test_classical_controllers_are_those_of_the_simulation(
@@ -148,7 +171,7 @@ def test_classical_controllers_are_those_of_the_simulation(
     Ulps of 100 N, which the loops damp; 1e-12 relative.
     """
     done, samples = compiled_run(classical(kind, *gains), HELIX, 1000)
-    expected = psp3.simulate(ROBOT, controller, HELIX, 2.0)
+    expected = in_python(ROBOT, controller, HELIX, 2.0)
     assert done == 1001
     np.testing.assert_allclose(samples[:, 6:9], expected.torque, rtol=1e-12)
     np.testing.assert_allclose(samples[:, :3], expected.heights, rtol=0.0, atol=1e-13)
@@ -161,9 +184,9 @@ def test_feed_forward_is_that_of_the_simulation_until_a_nut_leaves_its_screw() -
     The open loop is unstable, so 1e-9 m.
     """
     with pytest.raises(SimulationDiverged, match="ran off its screw") as caught:
-        psp3.simulate(ROBOT, psp3.FeedForward(ROBOT), HELIX, 10.0)
+        in_python(ROBOT, psp3.FeedForward(ROBOT), HELIX, 10.0)
     expected = caught.value.result
-    done, samples = compiled_run(classical(kernels.FEED_FORWARD, 0.0, 0.0), HELIX, 5000)
+    done, samples = compiled_run(classical(classical_kernels.FEED_FORWARD, 0.0, 0.0), HELIX, 5000)
     shared = len(expected.t)
     assert shared < done < 5001
     np.testing.assert_allclose(samples[:shared, :3], expected.heights, rtol=0.0, atol=1e-9)
@@ -178,7 +201,7 @@ def test_fuzzy_controllers_are_bit_for_bit_those_of_the_simulation(
     trained: dict[str, FuzzyComputedTorque], name: str, trajectory: Trajectory
 ) -> None:
     done, samples = compiled_run(trained[name].controller, trajectory, 1000)
-    expected = psp3.simulate(ROBOT, trained[name], trajectory, 2.0)
+    expected = in_python(ROBOT, trained[name], trajectory, 2.0)
     assert done == 1001
     assert expected.covered is not None
     assert expected.fell_back is not None
@@ -197,7 +220,7 @@ def test_what_a_fuzzy_controller_says_of_itself_is_in_the_result_and_its_file(
     trained: dict[str, FuzzyComputedTorque], tmp_path: Path
 ) -> None:
     controller = trained["it2"]
-    result = psp3.simulate(ROBOT, controller, FAST, 0.5)
+    result = in_python(ROBOT, controller, FAST, 0.5)
     loaded = psp3.load_result(result.save(tmp_path / "run.npz"))
     for k in (0, 100, 250):
         controller.torque(
@@ -213,16 +236,14 @@ def test_what_a_fuzzy_controller_says_of_itself_is_in_the_result_and_its_file(
     for name in ("covered", "fell_back", "torque_interval"):
         np.testing.assert_array_equal(getattr(loaded, name), getattr(result, name))
         assert getattr(loaded, name).dtype == getattr(result, name).dtype
-    plain = psp3.load_result(
-        psp3.simulate(ROBOT, psp3.PD(), HELIX, 0.1).save(tmp_path / "plain.npz")
-    )
+    plain = psp3.load_result(in_python(ROBOT, psp3.PD(), HELIX, 0.1).save(tmp_path / "plain.npz"))
     assert (plain.covered, plain.fell_back, plain.torque_interval) == (None, None, None)
 
 
 def test_a_file_with_flags_of_another_shape_is_refused(
     trained: dict[str, FuzzyComputedTorque], tmp_path: Path
 ) -> None:
-    path = psp3.simulate(ROBOT, trained["t1"], HELIX, 0.1).save(tmp_path / "run.npz")
+    path = in_python(ROBOT, trained["t1"], HELIX, 0.1).save(tmp_path / "run.npz")
     with np.load(path) as archive:
         arrays = dict(archive)
     for name, array in (
@@ -250,10 +271,10 @@ ADDED = noise(300, [0.5] * 6 + [0.05] * 9 + [2.0] * 3, seed=1)
 
 
 PYTHON: dict[int, Any] = {
-    kernels.PD: psp3.PD(),
-    kernels.GRAVITY_COMPENSATED_PD: psp3.GravityCompensatedPD(ROBOT),
-    kernels.COMPUTED_TORQUE: psp3.ComputedTorque(ROBOT, 1000.0, 100.0),
-    kernels.FEED_FORWARD: psp3.FeedForward(ROBOT),
+    classical_kernels.PD: psp3.PD(),
+    classical_kernels.GRAVITY_COMPENSATED_PD: psp3.GravityCompensatedPD(ROBOT),
+    classical_kernels.COMPUTED_TORQUE: psp3.ComputedTorque(ROBOT, 1000.0, 100.0),
+    classical_kernels.FEED_FORWARD: psp3.FeedForward(ROBOT),
 }
 
 
@@ -271,7 +292,7 @@ def test_measurement_noise_is_seen_by_classical_controllers(kind: int) -> None:
     np.testing.assert_allclose(samples[:, 6:9], expected[:, 6:], rtol=1e-11)
     np.testing.assert_allclose(samples[:, :6], expected[:, :6], rtol=0.0, atol=1e-12)
     clean = compiled_run(classical(kind, 1000.0, 100.0), HELIX, 300)[1]
-    assert np.array_equal(clean, samples) == (kind == kernels.FEED_FORWARD)
+    assert np.array_equal(clean, samples) == (kind == classical_kernels.FEED_FORWARD)
 
 
 @pytest.mark.parametrize("name", KINDS)
@@ -296,17 +317,17 @@ def test_online_noise_is_added_to_the_models_of_classical_controllers(kind: int)
     pinocchio = ROBOT.dynamics("pinocchio")
 
     def torque(k: int, a: np.ndarray, v: np.ndarray, desired: Motion) -> np.ndarray:
-        open_loop = kind == kernels.FEED_FORWARD
+        open_loop = kind == classical_kernels.FEED_FORWARD
         exact = pinocchio.equation_of_motion(
             *((desired.heights, desired.speeds) if open_loop else (a, v))
         )
         M, C, G = (one + other for one, other in zip(exact, unpack(ADDED[k]), strict=True))
         feedback = 1000.0 * (desired.heights - a) + 100.0 * (desired.speeds - v)
-        if kind == kernels.PD:
+        if kind == classical_kernels.PD:
             return np.asarray(feedback)
-        if kind == kernels.GRAVITY_COMPENSATED_PD:
+        if kind == classical_kernels.GRAVITY_COMPENSATED_PD:
             return np.asarray(feedback + G)
-        if kind == kernels.COMPUTED_TORQUE:
+        if kind == classical_kernels.COMPUTED_TORQUE:
             return np.asarray(M @ (desired.accelerations + feedback) + C @ v + G)
         return np.asarray(M @ desired.accelerations + C @ desired.speeds + G)
 
@@ -412,8 +433,8 @@ REALISTIC: dict[str, dict[str, Any]] = {
 def realistic(
     controller: Any, drive: Drive = NO_DRIVE, resolution: float = 0.0, delay: int = 0
 ) -> psp3.Result:
-    plant = RungeKutta(ROBOT, drive=drive)
-    return psp3.simulate(
+    plant = InPython(ROBOT, drive=drive)
+    return in_python(
         ROBOT, controller, HELIX, 2.0, plant=plant, encoder_resolution=resolution, delay=delay
     )
 
@@ -428,7 +449,7 @@ def test_a_realistic_plant_is_bit_for_bit_that_of_the_simulation(
     """
     plain = compiled_run(trained["it2"].controller, HELIX, 1000)[1]
     for table, controller in (
-        (classical(kernels.PD, 1000.0, 100.0), psp3.PD()),
+        (classical(classical_kernels.PD, 1000.0, 100.0), psp3.PD()),
         (trained["it2"].controller, trained["it2"]),
     ):
         expected = realistic(controller, **REALISTIC[what])
@@ -453,7 +474,7 @@ def test_computed_torque_on_a_realistic_plant_is_that_of_the_simulation(what: st
     """
     expected = realistic(psp3.ComputedTorque(ROBOT, 250.0, 30.0), **REALISTIC[what])
     samples = compiled_run(
-        classical(kernels.COMPUTED_TORQUE, 250.0, 30.0), HELIX, 1000, **REALISTIC[what]
+        classical(classical_kernels.COMPUTED_TORQUE, 250.0, 30.0), HELIX, 1000, **REALISTIC[what]
     )[1]
     last = 10 if "resolution" in REALISTIC[what] else 1001
     np.testing.assert_allclose(samples[:last, :3], expected.heights[:last], rtol=0.0, atol=1e-11)
@@ -471,13 +492,15 @@ def test_measurement_noise_comes_before_the_counting() -> None:
 
     expected = python_loop(torque, HELIX, 300, MEASURED)
     samples = compiled_run(
-        classical(kernels.PD, 1000.0, 100.0), HELIX, 300, MEASURED, resolution=1e-4
+        classical(classical_kernels.PD, 1000.0, 100.0), HELIX, 300, MEASURED, resolution=1e-4
     )[1]
     np.testing.assert_array_equal(samples[:, :9], expected)
 
 
 def test_a_delay_beyond_the_end_holds_the_first_force() -> None:
-    samples = compiled_run(classical(kernels.PD, 1000.0, 100.0), HELIX, 50, delay=10**9)[1]
+    samples = compiled_run(classical(classical_kernels.PD, 1000.0, 100.0), HELIX, 50, delay=10**9)[
+        1
+    ]
     np.testing.assert_array_equal(samples[:, 6:9], np.tile(samples[0, 6:9], (51, 1)))
 
 
@@ -489,7 +512,7 @@ def test_a_run_ends_where_the_robot_leaves_its_poses() -> None:
 
     The loop is unstable at this period.
     """
-    done, samples = compiled_run(classical(kernels.PD, 1e8, 0.0), HELIX, 100, MEASURED)
+    done, samples = compiled_run(classical(classical_kernels.PD, 1e8, 0.0), HELIX, 100, MEASURED)
     assert 1 <= done < 101
     assert np.isfinite(samples[:done]).all()
     assert np.isnan(samples[done:]).all()
@@ -502,14 +525,139 @@ def test_a_run_ends_where_the_force_is_not_finite() -> None:
     """
     measured = np.zeros((101, 6))
     measured[40, 1:3] = 1.0, -1.0
-    done, samples = compiled_run(classical(kernels.COMPUTED_TORQUE), HELIX, 100, measured)
+    done, samples = compiled_run(classical(classical_kernels.COMPUTED_TORQUE), HELIX, 100, measured)
     assert done == 40
     assert np.isnan(samples[40, 6:9]).all()
     assert np.isnan(samples[41:]).all()
 
 
 def test_a_run_of_one_sample_only_asks_for_a_force() -> None:
-    done, samples = compiled_run(classical(kernels.COMPUTED_TORQUE), HELIX, 0)
+    done, samples = compiled_run(classical(classical_kernels.COMPUTED_TORQUE), HELIX, 0)
     expected = psp3.ComputedTorque(ROBOT).torque(0.0, HELIX(0.0).heights, np.zeros(3), HELIX(0.0))
     assert done == 1
     np.testing.assert_allclose(samples[0, 6:9], expected, rtol=1e-13)
+
+
+# Whole simulations: the loop is chosen, and nothing but the time that it takes changes
+
+
+FIVE_BAR = psp3.load("five_bar")
+SWING = FourierSeries(
+    FIVE_BAR.reference, np.full((1, 2), 0.05), np.full((1, 2), 0.05), 1.0, FIVE_BAR
+)
+
+
+def of(robot: Any) -> dict[str, Any]:
+    """All controllers that any robot can have."""
+    n, scale = len(robot.actuated), 1.0 if robot is ROBOT else 0.003
+    weights = np.diag(np.repeat([1e4, 1e2], n)), np.eye(n)
+    motion = HELIX if robot is ROBOT else SWING
+    return {
+        "feed-forward": psp3.FeedForward(robot),
+        "pd": psp3.PD(1000.0 * scale, 100.0 * scale),
+        "pd, matrices": psp3.PD(
+            scale * (1000.0 * np.eye(n) + 50.0), scale * (100.0 * np.eye(n) + 5.0)
+        ),
+        "pd-gravity": psp3.GravityCompensatedPD(robot, 1000.0 * scale, 100.0 * scale),
+        "pid": psp3.PID(1000.0 * scale, 100.0 * scale, 300.0 * scale),
+        "ctc": psp3.ComputedTorque(robot, 100.0, 20.0),
+        "lqr": psp3.LinearQuadraticRegulator(robot, *weights),
+        "time-varying lqr": TimeVaryingLinearQuadraticRegulator(robot, motion, 0.3, *weights),
+    }
+
+
+WIRED: dict[str, dict[str, Any]] = {
+    "plain": {},
+    "all": {"encoder_resolution": 5e-6, "delay": 2, "torque_limit": 90.0},
+}
+
+
+def outcome(*arguments: Any, **options: Any) -> tuple[str, psp3.Result]:
+    """Return what is said at the end, and what happened until then."""
+    try:
+        return "", psp3.simulate(*arguments, **options)
+    except SimulationDiverged as ended:
+        return str(ended), cast("psp3.Result", ended.result)
+
+
+@pytest.mark.parametrize("wires", WIRED)
+@pytest.mark.parametrize("drive", [NO_DRIVE, Drive(0.005, 0.1)], ids=["free", "driven"])
+@pytest.mark.parametrize("name", of(ROBOT))
+@pytest.mark.parametrize("robot", [ROBOT, FIVE_BAR], ids=["psp3", "five_bar"])
+def test_both_loops_agree(robot: Any, name: str, drive: Drive, wires: str) -> None:
+    """Bit for bit, but where matrices multiply.
+
+    Those are summed in another order, 1e-9 after 150 periods; encoders would make a count of that
+    now and then, so that matrices are compared without. The five-bar is thrown about by some.
+    """
+    controller, motion = of(robot)[name], HELIX if robot is ROBOT else SWING
+    is_product, options = name in ("pd, matrices", "lqr", "time-varying lqr"), dict(WIRED[wires])
+    if is_product:
+        options.pop("encoder_resolution", None)
+    if "torque_limit" in options:
+        options["torque_limit"] = 90.0 if robot is ROBOT else 0.25
+    plants = RungeKutta(robot, 2, drive), InPython(robot, 2, drive)
+    (said, compiled), (said_too, python) = (
+        outcome(robot, controller, motion, 0.3, plant=plant, **options) for plant in plants
+    )
+    assert controller.table(robot.compiled_table(), len(robot.actuated)) is not None
+    assert len(compiled.t) == len(python.t) > 20
+    if not is_product:
+        assert said == said_too
+    for field in ("positions", "speeds", "torque"):
+        one, other = getattr(compiled, field), getattr(python, field)
+        assert np.abs(one).max() > 0.0
+        if is_product:
+            np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+        else:
+            np.testing.assert_array_equal(one, other)
+
+
+def test_a_controller_is_afterwards_as_after_the_loop_in_python(
+    trained: dict[str, FuzzyComputedTorque],
+) -> None:
+    """Of the integral and the last step, which a next call goes on from."""
+    desired = HELIX(0.102)
+    for controller in (psp3.PID(), trained["it2"], psp3.AdaptiveFuzzyComputedTorque(trained["t1"])):
+        next_forces = []
+        for plant in (RungeKutta(ROBOT), InPython(ROBOT)):
+            psp3.simulate(ROBOT, controller, HELIX, 0.1, plant=plant)
+            said = [getattr(controller, name, None) for name in ("covered", "torque_interval")]
+            force = controller.torque(0.102, desired.heights - 1e-3, desired.speeds, desired)
+            next_forces.append((force, said))
+        np.testing.assert_array_equal(next_forces[0][0], next_forces[1][0])
+        for one, other in zip(next_forces[0][1], next_forces[1][1], strict=True):
+            np.testing.assert_array_equal(one, other)
+
+
+class Stiffer(psp3.PD):
+    """What a user makes of a controller."""
+
+    def torque(self, t: float, positions: Any, speeds: Any, desired: Motion) -> np.ndarray:
+        """Return twice the force."""
+        return 2.0 * super().torque(t, positions, speeds, desired)
+
+
+def test_a_class_of_a_users_own_is_asked_itself() -> None:
+    twice = psp3.simulate(ROBOT, Stiffer(500.0, 50.0), HELIX, 0.1)
+    expected = psp3.simulate(ROBOT, psp3.PD(1000.0, 100.0), HELIX, 0.1)
+    np.testing.assert_array_equal(twice.torque, expected.torque)
+    assert Stiffer().table(ROBOT.compiled_table(), 3) is None
+
+
+def test_progress_is_told_at_every_hundredth() -> None:
+    for steps in (7, 100, 1000, 30_000):
+        told: list[list[float]] = [[], []]
+        for plant, times in zip((RungeKutta(ROBOT), InPython(ROBOT)), told, strict=True):
+            if steps <= 1000 or type(plant) is RungeKutta:
+                psp3.simulate(
+                    ROBOT,
+                    psp3.GravityCompensatedPD(ROBOT),
+                    psp3.trajectories.Hold(robot=ROBOT),
+                    0.002 * steps,
+                    plant=plant,
+                    progress=times.append,
+                )
+        assert len(told[0]) == min(steps, 100)
+        assert told[0][-1] == pytest.approx(0.002 * steps)
+        assert told[1] in ([], told[0])

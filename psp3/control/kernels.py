@@ -1,0 +1,173 @@
+"""Compiled steps of the classical controllers, of any robot."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.support.compiled import compiled
+from psp3.checks import Array
+from psp3.control.controller import steer
+from psp3.dynamics.compiled_robot import write_forces
+
+FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE = range(4)
+"""What is asked of the model: the forces of the desired motion; nothing; gravity at the present
+pose; the forces of the accelerations that the servo wants.
+"""
+
+LAST_ERROR, INTEGRAL, FEEDBACK, REST = range(4)
+TIME, CALLED = range(2)
+
+
+class Classical(NamedTuple):
+    """A classical controller.
+
+    ``kind`` see above; gains ``kp`` and ``kv`` (S, n, n), of S samples of the period
+    ``gain_period`` or for all times, ``ki`` of the integral; ``model`` the robot's table as the
+    controller knows it; ``memory`` (4, n) last error, integral of the error, feedback, and zeros;
+    ``clock`` (2,) time of the last call, and whether there was one; ``added`` (N, m) what is added
+    to the model's numbers at each sample, or (0, m): the upper triangle of M, C and G.
+    """
+
+    kind: int
+    kp: Array
+    kv: Array
+    ki: float
+    gain_period: float
+    model: Any
+    memory: Array
+    clock: Array
+    added: Array
+
+
+def classical(
+    kind: int,
+    kp: ArrayLike,
+    kv: ArrayLike,
+    model: Any,
+    joints: int,
+    ki: float = 0.0,
+    gain_period: float = 1.0,
+    added: Array | None = None,
+) -> Classical:
+    """Return a controller that has not been called yet.
+
+    Parameters
+    ----------
+    kind : int
+        One of the above.
+    kp, kv : float, (n, n) or (S, n, n) array_like
+        Gains.
+    model : NamedTuple
+        A robot's table.
+    joints : int
+        Number n of actuated joints.
+    ki, gain_period, added
+        See :class:`Classical`.
+    """
+    unit = np.eye(joints)
+
+    def gains(gain: ArrayLike) -> Array:
+        full = np.asarray(gain, dtype=np.float64)
+        full = full * unit if full.ndim == 0 else full
+        return np.ascontiguousarray(full.reshape(-1, joints, joints))
+
+    none = np.empty((0, (joints * (joints + 1)) // 2 + joints * joints + joints))
+    return Classical(
+        kind,
+        gains(kp),
+        gains(kv),
+        float(ki),
+        float(gain_period),
+        model,
+        np.zeros((4, joints)),
+        np.zeros(2),
+        none if added is None else added,
+    )
+
+
+@compiled
+def _write_feedback(
+    controller: Classical, t: float, positions: Array, speeds: Array, desired: Array
+) -> None:
+    """Write what the servo wants: forces, or of computed torque accelerations."""
+    n, memory, clock, ki = positions.size, controller.memory, controller.clock, controller.ki
+    kp, kv, is_servo = controller.kp, controller.kv, controller.kind == COMPUTED_TORQUE
+    sample = 0
+    if kp.shape[0] > 1:
+        sample = min(max(int(t / controller.gain_period + 1e-6), 0), kp.shape[0] - 1)
+    for i in range(n):
+        total = desired[2 * n + i] if is_servo else 0.0
+        damping, stiffness = 0.0, 0.0
+        for j in range(n):
+            damping += kv[sample, i, j] * (desired[n + j] - speeds[j])
+            stiffness += kp[sample, i, j] * (desired[j] - positions[j])
+        total = total + damping + stiffness
+        if ki != 0.0:
+            error = desired[i] - positions[i]
+            if clock[CALLED] > 0.0:
+                step = 0.5 * (t - clock[TIME])
+                memory[INTEGRAL, i] += step * (error + memory[LAST_ERROR, i])
+            memory[LAST_ERROR, i] = error
+            total += ki * memory[INTEGRAL, i]
+        memory[FEEDBACK, i] = total
+    clock[TIME], clock[CALLED] = t, 1.0
+
+
+@compiled
+def add_force(added: Array, accelerations: Array, speeds: Array, out: Array) -> None:
+    """Add the force M a + C v + G of numbers: the upper triangle of M, C and G."""
+    n = out.size
+    coriolis = (n * (n + 1)) // 2
+    gravity, place = coriolis + n * n, 0
+    for i in range(n):
+        for j in range(i, n):
+            out[i] += added[place] * accelerations[j]
+            if j > i:
+                out[j] += added[place] * accelerations[i]
+            place += 1
+    for i in range(n):
+        for j in range(n):
+            out[i] += added[coriolis + n * i + j] * speeds[j]
+        out[i] += added[gravity + i]
+
+
+@steer.register(Classical)
+@compiled
+def classical_step(
+    controller: Classical,
+    sample: int,
+    t: float,
+    positions: Array,
+    speeds: Array,
+    desired: Array,
+    out: Array,
+) -> bool:
+    """Write the forces (n,) of a classical controller; return whether they are finite."""
+    n, kind, model = positions.size, controller.kind, controller.model
+    feedback, rest = controller.memory[FEEDBACK], controller.memory[REST]
+    _write_feedback(controller, t, positions, speeds, desired)
+    if kind == PD:
+        out[:] = feedback
+    else:
+        # One call, which may take long to compile.
+        a, v, w = positions, rest, rest
+        if kind == FEED_FORWARD:
+            a, v, w = desired[:n], desired[n : 2 * n], desired[2 * n :]
+        elif kind == COMPUTED_TORQUE:
+            v, w = speeds, feedback
+        if not write_forces(model, a, v, w, out):
+            out[:] = math.nan
+            return False
+        if controller.added.shape[0] > 0:
+            add_force(controller.added[sample], w, v, out)
+        if kind != COMPUTED_TORQUE:
+            for i in range(n):
+                out[i] += feedback[i]
+    total = 0.0
+    for i in range(n):
+        total += out[i]
+    return math.isfinite(total)

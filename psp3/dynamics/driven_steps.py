@@ -1,0 +1,176 @@
+"""Compiled Runge–Kutta steps of any robot with drives, from event to event of the dry friction.
+
+A robot is a table of :mod:`psp3.dynamics.compiled_robot`. States are positions and speeds (2n,).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.support.compiled import compiled
+from psp3.checks import Array
+from psp3.drives.kernels import (
+    DRY,
+    MOST_EVENTS,
+    RESOLUTION,
+    accelerations,
+    choose_slip,
+    slip_of,
+    spare_friction,
+    stop_what_turned_back,
+)
+from psp3.dynamics.compiled_robot import balance, is_state
+
+MOST_TRIALS = 60
+"""Trials in the search for the time of an event; some eight do."""
+
+
+@compiled
+def _speed_margin(drives: Array, slip: Array, state: Array) -> float:
+    """Return what speed is left until a joint that slips comes to rest."""
+    n, margin = slip.size, math.inf
+    for i in range(n):
+        if slip[i] != 0.0 and drives[i, DRY] > 0.0:
+            margin = min(margin, slip[i] * state[n + i])
+    return margin
+
+
+@compiled
+def _force_margin(mass: Array, net: Array, drives: Array, slip: Array, rate: Array) -> float:
+    """Return what force is left until a joint that sticks lets go, at accelerations ``rate``."""
+    margin = math.inf
+    for i in range(slip.size):
+        if slip[i] == 0.0:
+            margin = min(margin, spare_friction(mass, net, drives, rate, i))
+    return margin
+
+
+@compiled
+def _some_stick(slip: Array) -> bool:
+    for i in range(slip.size):  # noqa: SIM110 (compiled: a loop, not a generator)
+        if slip[i] == 0.0:
+            return True
+    return False
+
+
+@compiled
+def _trial(
+    robot: Any,
+    state: Array,
+    forces: Array,
+    duration: float,
+    drives: Array,
+    slip: Array,
+    mass: Array,
+    net: Array,
+    rates: Array,
+    new: Array,
+) -> float:
+    """Write the state after one step with constant slip, and return its margin.
+
+    The method is the classical Runge–Kutta; ``rates`` is scratch space (4, 2n). The margin is what
+    is left until a joint comes to rest or lets go, in its speed or N; negative once it has
+    happened. There is one call of ``balance``, which may take long to compile.
+    """
+    n = net.size
+    acceleration, margin = np.empty(n), math.inf
+    for i in range(2 * n):
+        new[i] = state[i]
+    for stage in range(5):
+        if stage == 4:
+            for i in range(2 * n):
+                new[i] = state[i] + duration / 6.0 * (
+                    rates[0, i] + 2.0 * (rates[1, i] + rates[2, i]) + rates[3, i]
+                )
+            margin = _speed_margin(drives, slip, new)
+            if not _some_stick(slip):
+                return margin
+        balance(robot, new, forces, drives, mass, net)
+        accelerations(mass, net, drives, slip, acceleration)
+        if stage < 4:
+            share = duration if stage == 2 else 0.5 * duration
+            for i in range(n):
+                rates[stage, i], rates[stage, n + i] = new[n + i], acceleration[i]
+            for i in range(2 * n):
+                new[i] = state[i] + share * rates[stage, i]
+    return min(margin, _force_margin(mass, net, drives, slip, acceleration))
+
+
+@compiled
+def _first_event(
+    robot: Any,
+    state: Array,
+    forces: Array,
+    step: float,
+    last: float,
+    drives: Array,
+    slip: Array,
+    mass: Array,
+    net: Array,
+    rates: Array,
+    new: Array,
+) -> float:
+    """Write the state just after the first event in a step, and return its time.
+
+    ``last`` is the margin at the end of the step, which is negative. False position (Illinois).
+    """
+    # A joint that has just let go has no margin at first, so that a time must be found when it has.
+    high, above, low, below = step, last, step, last
+    while below < 0.0 and low > RESOLUTION * step:
+        high, above, low = low, below, 0.5 * low
+        below = _trial(robot, state, forces, low, drives, slip, mass, net, rates, new)
+    if below < 0.0:
+        return low
+    for trial in range(MOST_TRIALS + 1):
+        is_found = high - low <= RESOLUTION * step or trial == MOST_TRIALS
+        time = (low * above - high * below) / (above - below)
+        if not low < time < high:
+            time = 0.5 * (low + high)
+        if is_found:
+            time = high
+        margin = _trial(robot, state, forces, time, drives, slip, mass, net, rates, new)
+        if is_found:
+            break
+        # An end that stays counts for half, so that it does not stay for ever.
+        if margin < 0.0:
+            high, above, below = time, margin, 0.5 * below
+        else:
+            low, below, above = time, margin, 0.5 * above
+    return high
+
+
+@compiled
+def advance_driven(
+    robot: Any, state: Array, forces: Array, step: float, steps: int, drives: Array
+) -> bool:
+    """Take steps under constant forces, in place, each in as many parts as it has events.
+
+    ``drives`` has a row for each of the n joints, see :mod:`psp3.drives.kernels`. Return whether
+    the state reached is one of the robot's.
+    """
+    n = drives.shape[0]
+    mass, net, slip = np.empty((n, n)), np.empty(n), np.zeros(n)
+    rates, new = np.empty((4, 2 * n)), np.empty(2 * n)
+    for _ in range(steps):
+        left = step
+        for event in range(MOST_EVENTS + 1):
+            if slip_of(drives, state[n:], slip):
+                balance(robot, state, forces, drives, mass, net)
+                choose_slip(mass, net, drives, state[n:], slip)
+            part = left
+            margin = _trial(robot, state, forces, part, drives, slip, mass, net, rates, new)
+            if event < MOST_EVENTS and margin < 0.0:
+                part = _first_event(
+                    robot, state, forces, part, margin, drives, slip, mass, net, rates, new
+                )
+            stop_what_turned_back(drives, new[n:], slip)
+            for i in range(2 * n):
+                state[i] = new[i]
+            left -= part
+            if left <= 0.0:
+                break
+    valid: bool = is_state(robot, state)
+    return valid

@@ -1,0 +1,104 @@
+"""The compiled loop of controller and plant."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from fuzzy2.support.compiled import compiled
+from psp3.checks import Array, Indices
+from psp3.control.controller import steer
+from psp3.dynamics.compiled_robot import advance
+
+WHOLE, NO_FORCE, LEFT_POSES, BEYOND_LIMITS = range(4)
+"""How a loop ended: it did not; the controller's forces were not finite; the robot left the poses
+it can take; an actuated joint left its limits.
+"""
+
+
+class Wires(NamedTuple):
+    """What lies between controller and robot of n joints.
+
+    ``resolution`` (n,) of the encoders, 0 for a perfect one, and their ``last`` positions (n,);
+    ``noise`` (N, 2n) what measurement adds to positions and speeds, or (0, 2n); ``limit`` (n,)
+    largest forces, infinite for none; ``low`` and ``high`` (n,) ends of the joints; ``seen`` (2n,)
+    what the controller saw last.
+    """
+
+    resolution: Array
+    last: Array
+    noise: Array
+    limit: Array
+    low: Array
+    high: Array
+    seen: Array
+
+
+class Track(NamedTuple):
+    """What happens, a row a sample.
+
+    ``t`` (N,) and ``desired`` (N, 3n) are given; ``states`` (N, 2n), forces ``asked`` for and
+    ``applied`` (N, n) and what the controller ``wrote`` (N, w) are written.
+    """
+
+    t: Array
+    desired: Array
+    states: Array
+    asked: Array
+    applied: Array
+    wrote: Array
+
+
+@compiled
+def run(
+    controller: Any,
+    robot: Any,
+    drives: Array,
+    state: Array,
+    wires: Wires,
+    track: Track,
+    period: float,
+    steps: int,
+    delay: int,
+    first: int,
+    end: int,
+    ending: Indices,
+) -> int:
+    """Let a controller steer a robot from sample ``first`` up to ``end``.
+
+    ``state`` (2n,) is where the robot is, changed in place; ``steps`` of integration in a period;
+    forces come late by ``delay`` periods. Return the number of samples whose force is known, and
+    write to ``ending`` (1,) why there are no more.
+    """
+    # Taken out of the tables once: in the loop that would cost as much as a step of PD.
+    resolutions, last, noise, limit, low, high, seen = wires
+    times, wanted, states, asked, applied, wrote = track
+    n, count, is_noisy = resolutions.size, times.size, noise.shape[0] > 0
+    positions, speeds, rates = seen[:n], seen[n:], state[n:]
+    for k in range(first, end):
+        for i in range(n):
+            states[k, i], states[k, n + i] = state[i], rates[i]
+            positions[i], speeds[i] = state[i], rates[i]
+            if is_noisy:
+                positions[i] += noise[k, i]
+                speeds[i] += noise[k, n + i]
+            resolution = resolutions[i]
+            if resolution > 0.0:
+                positions[i] = resolution * math.floor(positions[i] / resolution + 0.5)
+                speeds[i] = (positions[i] - last[i]) / period if k > 0 else 0.0
+                last[i] = positions[i]
+        if not steer(controller, k, times[k], positions, speeds, wanted[k], wrote[k]):
+            ending[0] = NO_FORCE
+            return k
+        for i in range(n):
+            asked[k, i] = min(max(wrote[k, i], -limit[i]), limit[i])
+            applied[k, i] = asked[max(k - delay, 0), i]
+        if k + 1 < count:
+            if not advance(robot, state, applied[k], period / steps, steps, drives):
+                ending[0] = LEFT_POSES
+                return k + 1
+            for i in range(n):
+                if not low[i] <= state[i] <= high[i]:
+                    ending[0] = BEYOND_LIMITS
+                    return k + 1
+    return end

@@ -1,0 +1,199 @@
+"""The loop of controller and plant: in Python for any of them, compiled for those that offer that.
+
+Both do the same: encoders, noise of measurement, limits of force, delay, drives, ends of the
+joints.
+"""
+
+from __future__ import annotations
+
+import operator
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from psp3.checks import Array
+from psp3.control.controller import Controller
+from psp3.simulation import kernels
+from psp3.simulation.encoder import Encoder
+from psp3.simulation.kernels import BEYOND_LIMITS, LEFT_POSES, NO_FORCE, WHOLE, Track, Wires
+from psp3.simulation.plant import Plant
+from psp3.trajectories.motion import Motion
+
+CHUNK = 8000
+"""Steps of joints after which the compiled loop returns to Python, so that Ctrl-C ends it within a
+second: some 3 ms of the 3-PSP, and some tenths of a second of robots with many loops and friction.
+"""
+
+
+@dataclass(frozen=True)
+class Wiring:
+    """What lies between controller and robot.
+
+    Parameters
+    ----------
+    period : float
+        Control period [s].
+    low, high : (n,) ndarray
+        Where a joint ends, and the loop with it.
+    limit : (n,) ndarray
+        Largest forces; infinite for none.
+    resolution : (n,) ndarray
+        Of the encoders, 0 for perfect ones.
+    delay : int
+        Periods by which forces come late.
+    noise : (N, 2n) ndarray, optional
+        What measurement adds to positions and speeds at each sample.
+    """
+
+    period: float
+    low: Array
+    high: Array
+    limit: Array
+    resolution: Array
+    delay: int = 0
+    noise: Array | None = None
+
+
+def unbounded(
+    period: float, resolution: Array, delay: int = 0, noise: Array | None = None
+) -> Wiring:
+    """Return a wiring without ends of the joints and limits of force."""
+    infinite = np.full(len(resolution), np.inf)
+    return Wiring(period, -infinite, infinite, infinite, resolution, delay, noise)
+
+
+class Ended(NamedTuple):
+    """How a loop ended.
+
+    The number of ``samples`` whose force is known, ``why`` there are no more, the ``state`` (2n,)
+    reached, and what the controller ``returned`` last where that was no force.
+    """
+
+    samples: int
+    why: int
+    state: Array
+    returned: object = None
+
+
+def new_track(t: Array, desired: Motion, numbers_said: int = 0) -> Track:
+    """Return what a loop fills in, for a motion desired at times t (N,)."""
+    count, n = desired.positions.shape
+    wanted = np.concatenate(desired[:3], axis=1)
+    states, asked, applied = np.empty((count, 2 * n)), np.empty((count, n)), np.empty((count, n))
+    return Track(t, wanted, states, asked, applied, np.empty((count, n + numbers_said)))
+
+
+def compiled_loop(
+    controller: Any,
+    plant: Any,
+    wiring: Wiring,
+    track: Track,
+    state: Array,
+    first: int = 0,
+    progress: Callable[[int], None] | None = None,
+    every: int | None = None,
+) -> Ended:
+    """Let a controller steer a plant, compiled.
+
+    Parameters
+    ----------
+    controller : NamedTuple
+        Table of a controller.
+    plant : CompiledPlant
+        What has ``robot``, a table, ``drives`` and ``steps``: what ``robot.compiled_steps`` makes.
+    wiring, track
+        What lies between them, and what is filled in.
+    state : (2n,) ndarray
+        Where the robot is at the first sample.
+    first : int
+        That sample; those before are filled in already.
+    progress : callable, optional
+        Called with the number of samples that are done.
+    every : int
+        After so many it is called, too.
+    """
+    n, count = len(wiring.limit), len(track.t)
+    noise = np.empty((0, 2 * n)) if wiring.noise is None else wiring.noise
+    state, ending = np.array(state), np.array([WHOLE])
+    wires = Wires(
+        *(wiring.resolution, np.zeros(n), noise),
+        *(wiring.limit, wiring.low, wiring.high, np.zeros(2 * n)),
+    )
+    done, chunk = first, max(1, CHUNK // (n * plant.steps))
+    while done < count:
+        end = min(done + chunk, count)
+        if every is not None:
+            end = min(end, (done // every + 1) * every)
+        done = kernels.run(
+            *(controller, plant.robot, plant.drives, state, wires, track),
+            *(wiring.period, plant.steps, wiring.delay, done, end, ending),
+        )
+        if ending[0] != WHOLE:
+            return Ended(done, int(ending[0]), state, wires.seen)
+        if progress is not None:
+            progress(done)
+    return Ended(count, WHOLE, state)
+
+
+def python_loop(
+    controller: Controller,
+    plant: Plant,
+    wiring: Wiring,
+    track: Track,
+    desired: Motion,
+    state: Array,
+    finite_force: Callable[[object], Array | None],
+    after: Callable[[int], None],
+) -> Ended:
+    """Let any controller steer any plant.
+
+    Parameters
+    ----------
+    controller, plant, wiring, track, state
+        As of :func:`compiled_loop`, but for the controller and the plant, which are objects; what
+        the controller says of itself is not filled in.
+    desired : Motion
+        The desired motion, (N, n) each.
+    finite_force : callable
+        Returns what a controller returned as forces (n,), or None if it is none.
+    after : callable
+        Called with each sample after its force is known.
+    """
+    n, count, low, high = len(wiring.limit), len(track.t), wiring.low.tolist(), wiring.high.tolist()
+    encoder, is_limited = Encoder(wiring.resolution, wiring.period), np.isfinite(wiring.limit).any()
+    positions, speeds = state[:n], state[n:]
+    plant.start(positions, speeds)
+    times = track.t.tolist()
+    for k, now in enumerate(map(Motion._make, zip(*desired, strict=True))):
+        row = track.states[k]
+        row[:n], row[n:] = positions, speeds
+        seen = row if wiring.noise is None else row + wiring.noise[k]
+        # The controller gets copies of its own: what it does to them changes nothing here.
+        returned = controller.torque(times[k], *encoder.read(seen[:n], seen[n:]), now)
+        force = finite_force(returned)
+        if force is None:
+            return Ended(k, NO_FORCE, row.copy(), returned)
+        if is_limited:
+            force = np.clip(force, -wiring.limit, wiring.limit)
+        track.asked[k] = force
+        force = track.applied[k] = track.asked[max(k - wiring.delay, 0)]
+        after(k)
+        if k + 1 == count:
+            break
+        reached = plant.advance(force, wiring.period)
+        if reached is None:
+            return Ended(k + 1, LEFT_POSES, row.copy())
+        positions, speeds = reached
+        if not _is_between(low, positions.tolist(), high):
+            return Ended(k + 1, BEYOND_LIMITS, np.concatenate(reached))
+    return Ended(count, WHOLE, track.states[-1].copy())
+
+
+def _is_between(low: list[float], values: list[float], high: list[float]) -> bool:
+    """Whether none of the values is outside its limits, nor NaN.
+
+    For three numbers faster than arrays.
+    """
+    return all(map(operator.le, low, values)) and all(map(operator.le, values, high))

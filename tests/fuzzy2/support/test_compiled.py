@@ -1,0 +1,78 @@
+"""Functions that are chosen by the type of a table, in Python and in compiled code."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pytest
+from numba.core.errors import TypingError
+
+from fuzzy2.support.compiled import chosen_by_table, compiled
+
+
+class Line(NamedTuple):
+    """Of one coefficient."""
+
+    slope: np.ndarray
+
+
+class Parabola(NamedTuple):
+    """Of two."""
+
+    slope: np.ndarray
+    bend: np.ndarray
+
+
+class Unknown(NamedTuple):
+    """Of which nothing is registered."""
+
+    slope: np.ndarray
+
+
+@chosen_by_table
+def value(curve: Any, x: float) -> float:
+    """Return the value of a curve."""
+    raise NotImplementedError
+
+
+@value.register(Line)
+def _of_line(curve: Line, x: float) -> float:
+    result: float = curve.slope[0] * x
+    return result
+
+
+@value.register(Parabola)
+@compiled
+def _of_parabola(curve: Parabola, x: float) -> float:
+    result: float = curve.slope[0] * x + curve.bend[0] * x * x
+    return result
+
+
+@compiled
+def total(curve: Any, count: int) -> float:
+    """Return the sum of a curve's values at the first whole numbers."""
+    result = 0.0
+    for x in range(count):
+        result += value(curve, float(x))
+    return result
+
+
+LINE, PARABOLA = Line(np.array([2.0])), Parabola(np.array([2.0]), np.array([3.0]))
+
+
+def test_each_table_has_its_own_body() -> None:
+    assert total(LINE, 4) == 2.0 * 6.0
+    assert total(PARABOLA, 4) == 2.0 * 6.0 + 3.0 * 14.0
+
+
+def test_in_python_it_is_the_same() -> None:
+    assert value(LINE, 3.0) == 6.0
+    assert value(PARABOLA, 3.0) == 33.0
+
+
+def test_a_table_of_no_body_is_refused() -> None:
+    with pytest.raises(TypingError, match="value"):
+        total(Unknown(np.ones(1)), 2)
+    with pytest.raises(KeyError):
+        value(Unknown(np.ones(1)), 2.0)
