@@ -400,7 +400,7 @@ def balance_of_state(tree, numbers, memory, state, forces, mass, net):
     _take(tree, memory, state, 1, speeds)
     _take(tree, memory, forces, 0, others)
     weigh(tree, numbers, memory)
-    balance(tree, numbers, memory, speeds, others, result, 0)
+    balance(tree, numbers, memory, speeds, others, result)
     for i in range(n):
         net[i] = memory[result + i]
         for j in range(n):
