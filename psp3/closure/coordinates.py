@@ -5,11 +5,11 @@ w of joint velocities: it measures :math:`w N` of them. What it measures is take
 and what is left goes to the next one, so the coordinates are independent of each other.
 
 In this order they are taken: the coordinates that are asked for; the motors in the order of the
-file, each if it measures something new; and, of motions that are still left, free ones, one joint
-each: of the joints that measure at least a tenth of what the best does in the pose that is worst
-for it, one with a spring before others, then joints of one degree of freedom before the spin of a
-ball, and of these the first in the file. A floating base always keeps its own coordinates, which
-come last.
+file, each if it measures something new, those first that do so at every pose; and, of motions that
+are still left, free ones, one joint each: of the joints that measure at least a tenth of what the
+best does in the pose that is worst for it, one with a spring before others, then joints of one
+degree of freedom before the spin of a ball, and of these the first in the file. A floating base
+always keeps its own coordinates, which come last.
 """
 
 from __future__ import annotations
@@ -28,6 +28,9 @@ from psp3.multibody.equations import Coupling, Spin
 
 NOTHING = 1e-6
 """A coordinate that measures less than this of the motions left measures nothing."""
+
+WELL = 0.01
+"""A motor that measures this much of the motions left, at every pose, does it well."""
 
 GOOD_SHARE = 0.1
 """A joint that measures this share of what the best one does is good enough."""
@@ -89,7 +92,8 @@ def chosen_coordinates(
     motors : (nv, m) ndarray
         What each motor drives.
     free : str
-        ``"keep"``: free motions get coordinates; otherwise they are named in ``locked``.
+        ``"keep"``: free motions of joints of one degree of freedom get coordinates; otherwise,
+        and of the spin of a ball, they are named in ``locked``.
     wanted : sequence of str, optional
         Joints of one degree of freedom that come first.
     springs : mapping, optional
@@ -185,17 +189,24 @@ class _Choice:
         return taken
 
     def driven(self, motors: Array) -> list[int]:
-        """Take a coordinate of each motor that commands a motion of its own."""
-        taken: list[int] = []
-        for column in motors.T:
-            if not self.measured(column / np.linalg.norm(column)) > self.least:
-                continue
-            for velocity in map(int, np.flatnonzero(column)):
-                if self.measures(velocity) > self.least:
-                    self.take([velocity])
-                    taken.append(velocity)
-                    break
-        return taken
+        """Take a coordinate of each motor that commands a motion of its own.
+
+        First of those that do it well at every pose, so that home is no dead point; then of those
+        that do it at some pose.
+        """
+        taken: dict[int, int] = {}
+        for measure, least in ((self.worst, WELL), (self.measured, self.least)):
+            for number, column in enumerate(motors.T):
+                if number in taken or not self.left:
+                    continue
+                if not measure(column / np.linalg.norm(column)) > least:
+                    continue
+                for velocity in map(int, np.flatnonzero(column)):
+                    if measure(np.eye(self.model.nv)[velocity]) > least:
+                        self.take([velocity])
+                        taken[number] = velocity
+                        break
+        return [taken[number] for number in sorted(taken)]
 
     def worst(self, row: Array) -> float:
         """Return how much a row measures in the pose that is worst for it."""

@@ -14,7 +14,16 @@ from psp3.checks import Array, Indices
 from psp3.errors import InvalidValue
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.flatten import Springs, flattened
-from psp3.multibody.motion import BLOCK, CONFIGURATION, answer, assemble
+from psp3.multibody.motion import (
+    BLOCK,
+    CONFIGURATION,
+    FORWARD_DYNAMICS,
+    INVERSE_DERIVATIVES,
+    INVERSE_DYNAMICS,
+    answer,
+    assemble,
+    derivatives,
+)
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
     AT_FREE_FALL,
@@ -223,21 +232,24 @@ class Core:
             memory, warm = last_pose.memory, last_pose.is_closed
             # Until this call has gone well.
             last_pose.is_closed = 0
-        row = answer(
-            question,
-            1,
-            warm,
-            0,
-            self.tree,
-            self.numbers,
-            self._free_fall,
-            self._reference,
-            memory,
-            positions,
-            second,
-            third,
-            out,
-        )
+        if question >= INVERSE_DERIVATIVES:
+            row = self._differentiated(question, warm, memory, positions, second, third, out)
+        else:
+            row = answer(
+                question,
+                1,
+                warm,
+                0,
+                self.tree,
+                self.numbers,
+                self._free_fall,
+                self._reference,
+                memory,
+                positions,
+                second,
+                third,
+                out,
+            )
         if last_pose is None:
             self._spare.append(memory)
         elif row == -1:
@@ -329,7 +341,17 @@ class Core:
         third: Array,
         out: Array,
     ) -> int:
-        row: int = answer(
+        if question >= INVERSE_DERIVATIVES:
+            states = zip(*map(np.ascontiguousarray, (positions, second, third)), strict=True)
+            for row, (position, speed, other) in enumerate(states):
+                warm = is_warm if row == 0 else is_path
+                if (
+                    self._differentiated(question, warm, memory, position, speed, other, out[row])
+                    >= 0
+                ):
+                    return row
+            return -1
+        refused: int = answer(
             question,
             len(positions),
             is_warm,
@@ -344,4 +366,35 @@ class Core:
             third.reshape(-1),
             out.reshape(-1),
         )
+        return refused
+
+    def _differentiated(
+        self,
+        question: int,
+        is_warm: int,
+        memory: Array,
+        positions: Array,
+        second: Array,
+        third: Array,
+        out: Array,
+    ) -> int:
+        """Write derivatives of one state: those of the answer that is asked for first."""
+        dynamics = INVERSE_DYNAMICS if question == INVERSE_DERIVATIVES else FORWARD_DYNAMICS
+        row: int = answer(
+            dynamics,
+            1,
+            is_warm,
+            0,
+            self.tree,
+            self.numbers,
+            self._free_fall,
+            self._reference,
+            memory,
+            positions,
+            second,
+            third,
+            np.empty(int(self.tree[INDEPENDENT])),
+        )
+        if row == -1 and derivatives(question, self.tree, self.numbers, memory, out) != CLOSED:
+            return 0
         return row

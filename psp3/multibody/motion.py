@@ -166,7 +166,7 @@ def _forces_of(tree, numbers, memory, accelerations, out):
 
 
 @merged
-def balance(tree, numbers, memory, speeds, forces, out, with_rates):
+def balance(tree, numbers, memory, speeds, forces, out):
     """Write the mass matrix of a closed pose, and what forces leave over for accelerations."""
     n = tree[INDEPENDENT]
     for j in range(n):
@@ -175,18 +175,18 @@ def balance(tree, numbers, memory, speeds, forces, out, with_rates):
     _forces_of(tree, numbers, memory, out, out)
     for j in range(n):
         memory[out + j] = memory[forces + j] - memory[out + j]
-    complement(tree, numbers, memory, with_rates)
+    complement(tree, numbers, memory, 0.0)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
 
 
 @merged
-def accelerate(tree, numbers, memory, speeds, forces, out, with_rates):
+def accelerate(tree, numbers, memory, speeds, forces, out):
     """Write the accelerations of a closed pose under forces; return whether there are any.
 
     Leave L, as :func:`complement` writes it.
     """
     n = tree[INDEPENDENT]
-    balance(tree, numbers, memory, speeds, forces, out, with_rates)
+    balance(tree, numbers, memory, speeds, forces, out)
     if not factor_positive(memory, tree[AT_MASS], n):
         return False
     solve_positive(memory, tree[AT_MASS], n, out)
@@ -242,16 +242,6 @@ def _differentiated(question, tree, numbers, memory, forces, out, into):
 
 
 @merged
-def _prepare(question, tree, numbers, memory):
-    """Write L with its rates and the mass matrix for a question that needs them."""
-    if question == EQUATION_OF_MOTION or question >= INVERSE_DERIVATIVES:
-        # Forward dynamics has written L.
-        if question != FORWARD_DERIVATIVES:
-            complement(tree, numbers, memory, 1.0)
-        mass_matrix(tree, numbers, memory, tree[AT_MASS])
-
-
-@merged
 def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
@@ -266,18 +256,15 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
     _take(tree, memory, second, row, speeds)
     weigh(tree, numbers, memory)
     _take(tree, memory, third, row, others)
-    with_rates = 1.0 if question == FORWARD_DERIVATIVES else 0.0
-    if question == FORWARD_DYNAMICS or with_rates > 0.0:
-        if not accelerate(tree, numbers, memory, speeds, others, result, with_rates):
+    if question == FORWARD_DYNAMICS:
+        if not accelerate(tree, numbers, memory, speeds, others, result):
             return SINGULAR
-        if question == FORWARD_DYNAMICS:
-            _copy(memory, result, n, out, into)
-            return CLOSED
-        for j in range(n):
-            memory[others + j] = memory[result + j]
+        _copy(memory, result, n, out, into)
+        return CLOSED
     _move_with(tree, memory, speeds)
-    _prepare(question, tree, numbers, memory)
     if question == EQUATION_OF_MOTION:
+        complement(tree, numbers, memory, 1.0)
+        mass_matrix(tree, numbers, memory, tree[AT_MASS])
         _copy(memory, tree[AT_MASS], n * n, out, into)
         coriolis_matrix(tree, numbers, memory, tree[AT_MASS])
         add_damping(tree, numbers, memory, tree[AT_MASS])
@@ -291,13 +278,35 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
         _forces_of(tree, numbers, memory, others, result)
         if question == INVERSE_DYNAMICS:
             _copy(memory, result, n, out, into)
-        elif question == MOTION:
+        else:
             _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
             _copy(memory, tree[AT_JOINT_SPEEDS], nv, out, into + nq)
             _copy(memory, tree[AT_JOINT_ACCELERATIONS], nv, out, into + nq + nv)
-        else:
-            return _differentiated(question, tree, numbers, memory, result, out, into)
     return CLOSED
+
+
+@compiled
+def derivatives(question: int, tree: Indices, numbers: Array, memory: Array, out: Array) -> int:
+    """Write the derivatives that belong to the last answer; return what became of them.
+
+    That answer was to ``INVERSE_DYNAMICS`` for ``INVERSE_DERIVATIVES``, and to ``FORWARD_DYNAMICS``
+    for ``FORWARD_DERIVATIVES``. This is a function of its own because it takes long to compile, and
+    few ask for it.
+    """
+    n, room = tree[INDEPENDENT], tree[AT_ROOM]
+    speeds, others, result = room + n, room + 2 * n, room + 3 * n
+    if question == FORWARD_DERIVATIVES:
+        for j in range(n):
+            memory[others + j] = memory[result + j]
+    _move_with(tree, memory, speeds)
+    complement(tree, numbers, memory, 1.0)
+    mass_matrix(tree, numbers, memory, tree[AT_MASS])
+    _forces_of(tree, numbers, memory, others, result)
+    outcome: int = _differentiated(question, tree, numbers, memory, result, out, 0)
+    if outcome == CLOSED and not _is_finite(out, 0, out.shape[0]):
+        outcome = NOT_FINITE
+    memory[tree[AT_REPORT] + 3] = float(outcome)
+    return outcome
 
 
 @compiled
@@ -391,7 +400,7 @@ def balance_of_state(tree, numbers, memory, state, forces, mass, net):
     _take(tree, memory, state, 1, speeds)
     _take(tree, memory, forces, 0, others)
     weigh(tree, numbers, memory)
-    balance(tree, numbers, memory, speeds, others, result, 0)
+    balance(tree, numbers, memory, speeds, others, result)
     for i in range(n):
         net[i] = memory[result + i]
         for j in range(n):
@@ -419,7 +428,7 @@ def runge_kutta(tree, numbers, memory, state, forces, step, steps):
             if _reach(tree, numbers, memory) != CLOSED:
                 return False
             weigh(tree, numbers, memory)
-            if not accelerate(tree, numbers, memory, u, force, k, 0):
+            if not accelerate(tree, numbers, memory, u, force, k):
                 return False
             weight = 1.0 if stage == 0 or stage == 3 else 2.0
             ahead = 0.5 * step if stage < 2 else step

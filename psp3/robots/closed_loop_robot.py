@@ -141,7 +141,8 @@ class ClosedLoopRobot:
         What becomes of motions that no motor commands: one joint is held where it is in the
         reference configuration, its inertia kept, and a warning names it (``locked``); or that
         joint becomes a coordinate beside the motors; or :class:`MobilityMismatch` is raised. Which
-        joint that is, is said in :mod:`psp3.closure.coordinates`. A floating base is always kept.
+        joint that is, is said in :mod:`psp3.closure.coordinates`. A floating base is always kept,
+        and the spin of a ball always held, unless it is refused.
     coordinates : sequence of str, optional
         Joints that are coordinates, first of all; else the motors.
 

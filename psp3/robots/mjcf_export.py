@@ -26,7 +26,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, one_row
-from psp3.errors import MasslessBody, UnexportableJoint, UnphysicalInertia
+from psp3.errors import InvalidValue, MasslessBody, UnexportableJoint, UnphysicalInertia
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 HARD = ((1e-6, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.0))
@@ -68,7 +68,8 @@ class _Motion(NamedTuple):
     axis: Array
     anchor: Array
     limits: tuple[float, float]
-    armature: float
+    forces: dict[str, float]
+    """Armature, damping, dry friction and spring, by MuJoCo's names; what is zero is left out."""
 
 
 class _Body(NamedTuple):
@@ -90,9 +91,10 @@ class _Body(NamedTuple):
 def to_mjcf(robot: ClosedLoopRobot) -> str:
     """Return a robot as an MJCF document.
 
-    Gravity, masses, joints with limits and armature, closures, a motor on every actuated joint with
-    the model's effort limit (none where that is not positive), a site for every frame, primitive
-    shapes of the visual model, and the keyframe ``home`` at ``robot.q0``.
+    Gravity, masses, joints with limits, armature, damping, friction and springs, closures, a motor
+    on every actuated joint with the model's effort limit (none where that is not positive), a site
+    for every frame, primitive shapes of the visual model, and the keyframe ``home`` at
+    ``robot.q0``.
 
     Parameters
     ----------
@@ -112,8 +114,18 @@ def to_mjcf(robot: ClosedLoopRobot) -> str:
         If a body without mass carries a closure, no other body or more than one.
     UnexportableJoint
         If a joint is helical, is a ball with armature, or has too many degrees of freedom.
+    InvalidValue
+        If the robot has hinges or couplings for closures, motors on tendons, or joints that are
+        held.
     """
     model = robot.model
+    if robot.equations or robot.locked or robot.options["tendons"]:
+        raise InvalidValue(
+            "robot",
+            robot.title,
+            "one without couplings, closing hinges, tendons and joints that are held, which are "
+            'not written for MuJoCo (free="keep" holds none)',
+        )
     bodies = _tree(robot)
     root = ET.Element("mujoco", model=model.name or "robot")
     ET.SubElement(root, "compiler", angle="radian", autolimits="true", balanceinertia="false")
@@ -277,13 +289,18 @@ def _subspace(model: pin.Model, number: int) -> Array:
     return np.array(_neutral(model, number).S).reshape(6, -1)
 
 
-def _motions(model: pin.Model, number: int, frame: pin.SE3) -> Iterator[_Motion]:
+def _motions(robot: ClosedLoopRobot, number: int, frame: pin.SE3) -> Iterator[_Motion]:
     """Yield the joints of MuJoCo that make up a joint of Pinocchio, in the order in which they act.
 
     A joint is a chain of screws, each seen from the end of the chain, or ends in a ball; the robot
     has no others.
     """
-    joint, anchor = model.joints[number], frame.translation
+    model, anchor = robot.model, frame.translation
+    joint = model.joints[number]
+    if "Planar" in joint.shortname():
+        raise UnexportableJoint(
+            str(model.names[number]), "it is planar, of which the angle is a cosine and a sine"
+        )
     ball = joint.nq > joint.nv and joint.nv >= 3
     if ball and model.armature[joint.idx_v : joint.idx_v + joint.nv].any():
         raise UnexportableJoint(str(model.names[number]), "it is a ball or free, and has armature")
@@ -298,9 +315,9 @@ def _motions(model: pin.Model, number: int, frame: pin.SE3) -> Iterator[_Motion]
                 float(model.lowerPositionLimit[joint.idx_q + k]),
                 float(model.upperPositionLimit[joint.idx_q + k]),
             )
-        armature = float(model.armature[joint.idx_v + k])
+        forces = _forces(robot, number, joint.idx_v + k)
         if not angular.any():
-            yield _Motion("slide", frame.rotation @ linear, anchor, limits, armature)
+            yield _Motion("slide", frame.rotation @ linear, anchor, limits, forces)
         elif abs(angular @ linear) > ROUNDING:
             raise UnexportableJoint(
                 str(model.names[number]), f"it turns and slides at once ({joint.shortname()})"
@@ -311,10 +328,31 @@ def _motions(model: pin.Model, number: int, frame: pin.SE3) -> Iterator[_Motion]
                 frame.rotation @ angular,
                 frame.act(np.cross(angular, linear)),
                 limits,
-                armature,
+                forces,
             )
     if ball:
-        yield _Motion("ball", np.zeros(3), anchor, (-np.inf, np.inf), 0.0)
+        # MuJoCo brakes the three directions of a ball alike.
+        forces = _forces(robot, number, joint.idx_v + joint.nv - 3)
+        for other in range(joint.idx_v + joint.nv - 2, joint.idx_v + joint.nv):
+            if _forces(robot, number, other) != forces:
+                raise UnexportableJoint(
+                    str(model.names[number]), "it is a ball that its directions brake unequally"
+                )
+        yield _Motion("ball", np.zeros(3), anchor, (-np.inf, np.inf), forces)
+
+
+def _forces(robot: ClosedLoopRobot, number: int, velocity: int) -> dict[str, float]:
+    """Return the numbers of a velocity's own forces, by MuJoCo's names."""
+    model = robot.model
+    stiffness, rest = (robot.options["springs"] or {}).get(str(model.names[number]), (0.0, 0.0))
+    found = {
+        "armature": float(model.armature[velocity]),
+        "damping": float(model.damping[velocity]),
+        "frictionloss": float(model.upperDryFrictionLimit[velocity]),
+        "stiffness": float(stiffness),
+        "springref": float(rest),
+    }
+    return {name: value for name, value in found.items() if value != 0.0}
 
 
 def _body_name(model: pin.Model, joint: int) -> str:
@@ -351,7 +389,7 @@ def _body_element(robot: ClosedLoopRobot, body: _Body, parent: ET.Element) -> ET
         return element
     element.append(_inertial(body, model.inertias[body.joint]))
     for number, frame in body.joints:
-        name, motions = str(model.names[number]), list(_motions(model, number, frame))
+        name, motions = str(model.names[number]), list(_motions(robot, number, frame))
         for place, motion in enumerate(motions, start=1):
             joint = ET.SubElement(
                 element,
@@ -366,8 +404,7 @@ def _body_element(robot: ClosedLoopRobot, body: _Body, parent: ET.Element) -> ET
                 joint.attrib |= {
                     "range": _text(np.clip(motion.limits, -UNLIMITED, UNLIMITED))
                 } | _hard("solreflimit", "solimplimit")
-            if motion.armature:
-                joint.set("armature", _text(motion.armature))
+            joint.attrib |= {key: _text(value) for key, value in motion.forces.items()}
             if name in robot.actuated and (limit := _effort(model, name)):
                 joint.set("actuatorfrcrange", _text([-limit, limit]))
     return element

@@ -91,8 +91,8 @@ class MuJoCo:
             )
             model.jnt_actfrclimited[joints] = 0
         model.dof_armature[self._speeds] += table[:, 0]
-        model.dof_damping[self._speeds] = table[:, 1]
-        model.dof_frictionloss[self._speeds] = table[:, 2]
+        model.dof_damping[self._speeds] += table[:, 1]
+        model.dof_frictionloss[self._speeds] += table[:, 2]
         model.dof_solref[self._speeds], model.dof_solimp[self._speeds] = HARD
         # A state that MuJoCo finds bad ends the simulation; its own answer would be to begin anew.
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET

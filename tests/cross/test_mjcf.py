@@ -15,6 +15,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import psp3
 from psp3.description.mjcf import read_mjcf
 from psp3.description.parts import ROBOTS
+from psp3.errors import InvalidValue, UnexportableJoint
 from psp3.robots.mjcf_export import mujoco_state, to_mjcf
 from tests.helpers import (
     ROBOTS_WITH_LOOPS,
@@ -226,6 +227,9 @@ def tree_of_every_joint() -> Any:
         model=model,
         constraint_models=[],
         actuated=(),
+        equations=(),
+        locked=(),
+        options={"springs": None, "tendons": None},
         q0=pin.neutral(model),
         visual_model=pin.GeometryModel(),
     )
@@ -333,3 +337,41 @@ def test_default_closures_are_soft_and_exported_ones_are_not(robot: psp3.ClosedL
     assert exported < 5e-3
     assert exported < 3e-3 * default
     assert stiffest < 1e-6
+
+
+def test_forces_of_the_joints_come_back(tmp_path: Path) -> None:
+    """Armature, damping, dry friction and springs of every joint of a five-bar, to 1e-12."""
+    robot = psp3.load("five_bar")
+    model, rng = robot.model.copy(), np.random.default_rng(8)
+    model.armature[:] = rng.uniform(0.01, 0.1, model.nv)
+    model.damping[:] = rng.uniform(0.1, 1.0, model.nv)
+    model.upperDryFrictionLimit[:] = rng.uniform(0.1, 1.0, model.nv)
+    springs = {"leg1_elbow": (3.0, 0.2), "leg2_shoulder": (2.0, -0.1)}
+    given = psp3.ClosedLoopRobot(
+        model, robot.constraint_models, robot.actuated, robot.q0, springs=springs
+    )
+    path = tmp_path / "robot.xml"
+    path.write_text(to_mjcf(given), encoding="utf-8")
+    again = psp3.ClosedLoopRobot.from_mjcf(path)
+    positions, speeds = robot.reference + 0.1, np.array([0.5, -0.7])
+    for ours, theirs in zip(
+        again.equation_of_motion(positions, speeds),
+        given.equation_of_motion(positions, speeds),
+        strict=True,
+    ):
+        assert_allclose(ours, theirs, rtol=0, atol=1e-12)
+
+
+def test_robots_that_cannot_be_written_whole_are_refused() -> None:
+    """A joint that is held, and one that is planar."""
+    robot = psp3.load("five_bar")
+    held = psp3.ClosedLoopRobot(robot.model, robot.constraint_models, robot.actuated[:1], robot.q0)
+    with pytest.raises(InvalidValue, match="held"):
+        to_mjcf(held)
+    model = pin.Model()
+    table = model.addJoint(0, pin.JointModelPlanar(), pin.SE3.Identity(), "table")
+    arm = model.addJoint(table, pin.JointModelRX(), pin.SE3.Identity(), "arm")
+    for joint in (table, arm):
+        model.appendBodyToJoint(joint, pin.Inertia(1.0, np.zeros(3), np.eye(3)), pin.SE3.Identity())
+    with pytest.raises(UnexportableJoint, match="planar"):
+        to_mjcf(psp3.ClosedLoopRobot(model, [], ("arm",)))

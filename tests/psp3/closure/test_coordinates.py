@@ -206,3 +206,16 @@ def test_robots_with_locks_and_equations_can_be_copied() -> None:
     expected = robot.inverse_dynamics([0.2], [0.3], [0.4])
     for again in (pickle.loads(pickle.dumps(robot)), copy.deepcopy(robot)):
         assert again.inverse_dynamics([0.2], [0.3], [0.4]) == pytest.approx(expected, rel=1e-15)
+
+
+def test_motors_at_a_dead_point_are_no_coordinates_where_others_do() -> None:
+    """At home, by symmetry, no arm length of the 3-PSP changes at first: the nuts must measure."""
+    star = psp3.load("psp3")
+    motors = ("b1", "b2", "b3", "a1", "a2", "a3")
+    robot = psp3.ClosedLoopRobot(star.model, star.constraint_models, motors, star.q0)
+    assert robot.coordinates == ("a1", "a2", "a3")
+    positions = star.reference + np.array([0.01, 0.0, -0.02])
+    forces = robot.actuator_forces(positions, np.zeros(3), np.zeros(3))
+    alone = star.inverse_dynamics(positions, np.zeros(3), np.zeros(3))
+    assert np.linalg.norm(forces) <= np.linalg.norm(alone)
+    assert np.allclose(robot.actuation_matrix(positions) @ forces, alone, rtol=1e-9)

@@ -21,10 +21,12 @@ from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.multibody.flatten import flattened
 from psp3.multibody.motion import (
     FORWARD_DERIVATIVES,
+    FORWARD_DYNAMICS,
     INVERSE_DERIVATIVES,
     INVERSE_DYNAMICS,
     answer,
     assemble,
+    derivatives,
 )
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
@@ -184,7 +186,16 @@ class Asked:
         """Return the answer to a question about one state."""
         out = np.empty(width)
         arrays = self.tree, self.numbers, self.gravity, self.reference, self.memory
-        assert answer(question, 1, 0, 0, *arrays, a, v, third, out) == -1
+        dynamics = {
+            INVERSE_DERIVATIVES: INVERSE_DYNAMICS,
+            FORWARD_DERIVATIVES: FORWARD_DYNAMICS,
+        }
+        if question in dynamics:
+            forces = np.empty(len(v))
+            assert answer(dynamics[question], 1, 0, 0, *arrays, a, v, third, forces) == -1
+            assert derivatives(question, self.tree, self.numbers, self.memory, out) == CLOSED
+        else:
+            assert answer(question, 1, 0, 0, *arrays, a, v, third, out) == -1
         return out
 
 

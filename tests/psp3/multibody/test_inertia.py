@@ -14,6 +14,7 @@ from psp3.multibody.bodies import weigh
 from psp3.multibody.inertia import (
     complement,
     coriolis_matrix,
+    factor_positive,
     gravity,
     kinetic_energy,
     mass_matrix,
@@ -188,7 +189,8 @@ def test_positive_definite_systems_are_solved(seed: int, order: int) -> None:
     matrix = axes @ np.diag(10.0 ** rng.uniform(-2.0, 2.0, order)) @ axes.T
     right = rng.normal(size=order)
     memory = np.concatenate([matrix.ravel(), right])
-    assert solve_positive(memory, 0, order, order * order)
+    assert factor_positive(memory, 0, order)
+    solve_positive(memory, 0, order, order * order)
     solution = memory[order * order :]
     expected = np.linalg.solve(matrix, right)
     assert_allclose(solution, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())
@@ -201,5 +203,5 @@ def test_a_matrix_that_is_not_positive_definite_is_refused(seed: int, order: int
     values = rng.uniform(1.0, 2.0, order)
     values[0] = -1.0
     memory = np.concatenate([(axes @ np.diag(values) @ axes.T).ravel(), np.zeros(order)])
-    assert not solve_positive(memory, 0, order, order * order)
-    assert not solve_positive(np.full(order * order + order, np.nan), 0, order, order * order)
+    assert not factor_positive(memory, 0, order)
+    assert not factor_positive(np.full(order * order + order, np.nan), 0, order)

@@ -47,6 +47,9 @@ def arm(*inertias: pin.Inertia, joints: Any = None) -> Any:
         model=model,
         constraint_models=[],
         actuated=(),
+        equations=(),
+        locked=(),
+        options={"springs": None, "tendons": None},
         q0=pin.neutral(model),
         visual_model=pin.GeometryModel(),
     )
