@@ -387,8 +387,8 @@ def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, ou
 
 
 @compiled
-def balance_of_state(tree, numbers, memory, state, forces, mass, net):
-    """Write the mass matrix (n, n) and what forces leave over for accelerations (n).
+def balance_of_state(tree, numbers, memory, state, forces):
+    """Write the mass matrix (n²), and to the room's fourth vector what is left for accelerations.
 
     Of a state, positions and speeds (2n). Return whether it is one of the robot's.
     """
@@ -401,10 +401,6 @@ def balance_of_state(tree, numbers, memory, state, forces, mass, net):
     _take(tree, memory, forces, 0, others)
     weigh(tree, numbers, memory)
     balance(tree, numbers, memory, speeds, others, result)
-    for i in range(n):
-        net[i] = memory[result + i]
-        for j in range(n):
-            mass[i, j] = memory[tree[AT_MASS] + n * i + j]
     return True
 
 

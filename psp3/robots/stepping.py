@@ -17,6 +17,7 @@ from psp3.dynamics.driven_steps import advance_driven
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.core import Core, Tables
 from psp3.multibody.motion import balance_of_state, forces_of_motion, reach, runge_kutta
+from psp3.multibody.tree import AT_MASS, AT_ROOM
 
 
 class DrivenTables(NamedTuple):
@@ -31,11 +32,12 @@ class DrivenTables(NamedTuple):
 def _balance(
     robot: DrivenTables, state: Array, forces: Array, drives: Array, mass: Array, net: Array
 ) -> None:
-    n = net.size
-    if not balance_of_state(robot.tree, robot.numbers, robot.memory, state, forces, mass, net):
-        mass[:] = math.nan
+    n, tree, memory = net.size, robot.tree, robot.memory
+    is_state = balance_of_state(tree, robot.numbers, memory, state, forces)
     for i in range(n):
-        net[i] -= drives[i, VISCOUS] * state[n + i]
+        net[i] = memory[tree[AT_ROOM] + 3 * n + i] - drives[i, VISCOUS] * state[n + i]
+        for j in range(n):
+            mass[i, j] = memory[tree[AT_MASS] + n * i + j] if is_state else math.nan
         mass[i, i] += drives[i, INERTIA]
 
 
