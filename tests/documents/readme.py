@@ -85,7 +85,7 @@ TEMPLATES = (
     (
         "**The reason to learn is gone.** In closed form, which the thesis itself asks for, "
         "computed torque takes {µs/One control step/CTC, closed form} µs a step, compiled; by the "
-        "thesis's own equations in Python {µs/One control step/CTC, NOC} µs, more than the "
+        "thesis's own equations in Python {µs/One control step/CTC, NOC} µs, less than the "
         "{printed/budget:ms.0f} ms that it allows; on its Pentium 4 it took "
         "{printed/step/CTC:ms.0f} ms."
     ),

@@ -324,8 +324,8 @@ TEMPLATES = (
     ),
     "through Pinocchio {µs/One control step/CTC, Pinocchio} µs;",
     (
-        "by the thesis's own equations in Python {µs/One control step/CTC, NOC} µs, which still "
-        "does not keep its limit of {printed/budget:ms.0f} ms."
+        "by the thesis's own equations in Python {µs/One control step/CTC, NOC} µs, which "
+        "keeps its limit of {printed/budget:ms.0f} ms here."
     ),
     "{µs/One control step/t1} and {µs/One control step/it2} µs;",
     "by five α-planes {µs/One control step/gt2, 5 α-planes} µs.",
@@ -533,8 +533,8 @@ def comparisons(sources: Mapping[str, Any]) -> list[tuple[str, bool]]:
             float(step["t1"]) < float(step["it2"]) < 1e6 * sources["printed"]["budget"],
         ),
         (
-            "which still does not keep its limit",
-            float(step["CTC, NOC"]) > 1e6 * sources["printed"]["budget"],
+            "which keeps its limit",
+            float(step["CTC, NOC"]) < 1e6 * sources["printed"]["budget"],
         ),
         (
             "of type-1's error, interval type-2 less",
