@@ -305,17 +305,13 @@ class ClosedLoopRobot:
         """Make the memory in which Pinocchio computes."""
         self.data = self.model.createData()
         self._constraint_data = pin.StdVec_RigidConstraintData()
-        self._dynamics_data = pin.StdVec_RigidConstraintData()
         for constraint in self.constraint_models:
             self._constraint_data.append(constraint.createData())
-            # Constraint data must not be shared between algorithms of Pinocchio: results would be
-            # silently wrong.
-            self._dynamics_data.append(constraint.createData())
 
     def __getstate__(self) -> dict[str, Any]:
         # Pinocchio pickles neither constraints nor what it computes of them.
         state = {**self.__dict__, "constraint_models": plain(self.constraint_models)}
-        for made in ("data", "_constraint_data", "_dynamics_data"):
+        for made in ("data", "_constraint_data"):
             del state[made]
         return state
 
@@ -956,43 +952,6 @@ class ClosedLoopRobot:
             joint = self.model.joints[self.model.getJointId(name)]
             forces[joint.idx_v] += stiffness * (q[joint.idx_q] - rest)
         return np.asarray(forces)
-
-    def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
-        """Return all joint accelerations of the tree under actuator forces.
-
-        From Pinocchio's ``constraintDynamics``.
-
-        Parameters
-        ----------
-        q : (nq,) ndarray
-            Configuration. Where it leaves the loops a little open, the constraint models' Baumgarte
-            gains close them again.
-        v : (nv,) ndarray
-            Joint velocities.
-        forces : (n,) ndarray
-            Actuator forces.
-
-        Returns
-        -------
-        (nv,) ndarray
-            Joint accelerations.
-        """
-        tau = np.zeros(self.model.nv)
-        tau[self.actuated_v] = forces
-        # Redundant closures make the constraint inertia singular; the proximal iteration then
-        # converges to the same motion.
-        rows = sum(constraint.residualSize() for constraint in self.constraint_models)
-        redundant = rows > self.model.nv - self._speed_count
-        settings = pin.ProximalSettings(
-            1e-12, 1e-12, 1e-6 if redundant else 0.0, 50 if redundant else 1
-        )
-        pin.initConstraintDynamics(
-            self.model, self.data, self.constraint_models, self._dynamics_data
-        )
-        acceleration = pin.constraintDynamics(
-            self.model, self.data, q, v, tau, self.constraint_models, self._dynamics_data, settings
-        )
-        return np.array(acceleration)
 
     def forward_dynamics(
         self,
