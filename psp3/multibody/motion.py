@@ -88,7 +88,7 @@ BLOCK = 64
 how many threads share the rows.
 """
 
-NEAR = 0.1
+NEAR = 0.003
 """A row starts from the pose of the row before where no independent coordinate of it is farther
 than this [m, rad] from that of the last row that started from the reference. So answers do not
 depend on other rows, to rounding, unless a singular pose lies in the narrow space between the ways.

@@ -28,6 +28,7 @@ from psp3.errors import (
     PSP3Error,
     UnknownName,
 )
+from psp3.kinematics.task_driven import without_limits
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.helpers import ROBOTS_WITH_LOOPS, Array, derivative
 
@@ -365,6 +366,29 @@ def test_batches_are_loops_of_singles(robot: ClosedLoopRobot) -> None:
             assert_allclose(
                 whole[index], part, rtol=0.0, atol=1e-12 * np.abs(part).max(initial=1.0)
             )
+
+
+@pytest.mark.parametrize("step", [0.09, 0.002])
+def test_rows_of_a_walk_are_those_of_the_row_alone(step: float) -> None:
+    """Each row is closed as if it were alone, not along all rows before it; 1e-9 rad.
+
+    On walks that turn around poses which a five-bar without limits cannot pass straight.
+    """
+    bounded, rng, answered = psp3.load("five_bar"), np.random.default_rng(0), 0
+    robot = ClosedLoopRobot(
+        without_limits(bounded.model), bounded.constraint_models, bounded.actuated, bounded.q0
+    )
+    for _ in range(200):
+        angle = rng.uniform(0.0, 2.0 * np.pi) + np.cumsum(rng.normal(0.1, 0.15, 64))
+        way = np.cumsum(step * np.stack([np.cos(angle), np.sin(angle)], axis=1), axis=0)
+        try:
+            found = robot.configuration(robot.reference + way)
+        except ClosureFailed:
+            continue
+        answered += 1
+        alone = np.array([robot.configuration(row) for row in robot.reference + way])
+        assert_allclose(found, alone, rtol=0.0, atol=1e-9)
+    assert answered > 30
 
 
 SHAPES = {
