@@ -53,7 +53,6 @@ from psp3.errors import (
     RoundedLoops,
     SingularConfiguration,
     UnknownName,
-    UnreachableForces,
 )
 from psp3.multibody.closing import SINGULAR
 from psp3.multibody.core import Core, LastPose, NoAnswer
@@ -74,6 +73,7 @@ from psp3.multibody.motion import (
 )
 from psp3.robots.construction import motor_matrix, named_closures
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
+from psp3.robots.motors import Motors, least_norm, partly_linearizing
 from psp3.robots.pickling import constraints, plain
 
 DYNAMICS_MODELS = ("core", "pinocchio", "noc")
@@ -87,9 +87,6 @@ ALLOWED_MISMATCH = 10.0
 
 PRELOAD_TOLERANCE = 1e-7
 """Share of the largest singular value of the actuation matrix up to which one counts as zero."""
-
-UNREACHABLE = 1e-8
-"""Share of the forces of a motion that the motors may leave over, by rounding."""
 
 logger = logging.getLogger(__name__)
 
@@ -414,24 +411,26 @@ class ClosedLoopRobot:
         """How to make a compiled plant of the robot from a number of steps and its drives."""
         from psp3.robots.stepping import CoreSteps
 
-        if not self._drives_coordinates:
-            # Quaternions among the coordinates, or motors that are not these.
-            raise InvalidValue("robot", self.title, "one whose coordinates are those of its motors")
-        return functools.partial(CoreSteps, self._core)
+        return functools.partial(CoreSteps, self._core, self._motors)
 
     def compiled_table(self) -> NamedTuple | None:
         """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
         import psp3.robots.stepping  # noqa: F401 # registers what loops ask of it
 
-        is_ours = type(self) is ClosedLoopRobot and self._drives_coordinates
+        is_ours = type(self) is ClosedLoopRobot and self.drives_coordinates
         return self._core.tables() if is_ours else None
 
     @property
     def limits(self) -> tuple[Array, Array]:
-        """Lowest and highest positions of the coordinates, each (p,) [m or rad]."""
-        return self.model.lowerPositionLimit[self.coordinates_q], self.model.upperPositionLimit[
-            self.coordinates_q
-        ]
+        """Lowest and highest positions of the coordinates, each (p,) [m or rad].
+
+        A floating base has none: those that Pinocchio gives it are of its quaternion.
+        """
+        lower = self.model.lowerPositionLimit[self.coordinates_q]
+        upper = self.model.upperPositionLimit[self.coordinates_q]
+        joints = self._position_count - self._motors.base_coordinates
+        lower[joints:], upper[joints:] = -np.inf, np.inf
+        return lower, upper
 
     def dynamics(self, name: str) -> DynamicsModel:
         """Return one of the implementations of the equation of motion.
@@ -844,7 +843,9 @@ class ClosedLoopRobot:
         Parameters
         ----------
         positions, speeds, accelerations : (..., p), (..., n), (..., n) array_like
-            Motion of the coordinates.
+            Motion of the coordinates. Fewer accelerations, (..., k), are those of the first k
+            coordinates, usually of the ``commanded`` ones, and the others follow, as they will
+            (partial feedback linearization).
 
         Returns
         -------
@@ -858,23 +859,68 @@ class ClosedLoopRobot:
         UnreachableForces
             If motors are missing for this motion.
         """
+        if not self.drives_coordinates and np.shape(accelerations)[-1:] < (self._speed_count,):
+            return self._forces_for_some(positions, speeds, accelerations)
         forces = self.inverse_dynamics(positions, speeds, accelerations, guess)
-        if self._drives_coordinates:
+        if self.drives_coordinates:
             return forces
+        return least_norm(self.actuation_matrix(positions), forces, self.coordinates)
+
+    def _forces_for_some(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        """Return the motors' forces for accelerations of the first coordinates alone."""
+        wanted = finite_rows("accelerations", accelerations, np.shape(accelerations)[-1])
+        rest = np.zeros(self._speed_count)
+        mass = self.mass_matrix(positions)
+        bias = self.inverse_dynamics(positions, speeds, rest)
         actuation = self.actuation_matrix(positions)
-        inverse = np.linalg.pinv(actuation, rcond=PRELOAD_TOLERANCE)
-        motors: Array = np.einsum("...mn,...n->...m", inverse, forces)
-        left = np.abs(forces - np.einsum("...nm,...m->...n", actuation, motors))
-        size = float(left.max(initial=0.0))
-        if size > UNREACHABLE * (1.0 + float(np.abs(forces).max(initial=0.0))):
-            raise UnreachableForces(size, self.coordinates)
-        return motors
+        return partly_linearizing(mass, bias, actuation, wanted, self.coordinates)
+
+    def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:
+        """Return the motors' forces of least norm that make forces along the first coordinates.
+
+        Parameters
+        ----------
+        positions : (..., p) array_like
+            Positions of the coordinates.
+        forces : (..., k) array_like
+            Forces [N] or torques [N m] along the first k coordinates, usually the ``commanded``
+            ones. What the motors do along the others is not asked.
+
+        Returns
+        -------
+        (..., m) ndarray
+            Forces of the motors. With as many motors as coordinates, whose they are, the same.
+
+        Raises
+        ------
+        UnreachableForces
+            If the motors cannot.
+        """
+        k = np.shape(forces)[-1]
+        wanted = finite_rows("forces", forces, k)
+        if self.drives_coordinates:
+            return wanted
+        actuation = self.actuation_matrix(positions)[..., :k, :]
+        return least_norm(actuation, wanted, self.coordinates[:k])
 
     @functools.cached_property
-    def _drives_coordinates(self) -> bool:
+    def _motors(self) -> Motors:
+        last = self.model.joints[self.model.getJointId(self.coordinates[-1])]
+        base = last.nq if last.nq > last.nv > 1 else 0
+        matrix = np.ascontiguousarray(self.motors)
+        return Motors(self.actuated, matrix, self.coordinates_v, base, self.model)
+
+    @functools.cached_property
+    def drives_coordinates(self) -> bool:
         """Whether each coordinate is that of a motor, in the same order."""
-        same = self.motors.shape[1] == self._speed_count
-        return same and bool((self.motors[self.coordinates_v] == np.eye(self._speed_count)).all())
+        return self._motors.are_coordinates
+
+    @property
+    def commanded(self) -> int:
+        """How many coordinates, the first ones, the motors command; the others follow."""
+        return int(self.mobility.commanded)
 
     def actuation_matrix(self, positions: ArrayLike) -> Array:
         r"""Return what the motors' forces do along the coordinates, :math:`A = L^T B`.

@@ -50,11 +50,22 @@ class DrivenPlant:
     """A robot with drives in Python, in actuated coordinates.
 
     What is common to the ways to integrate it.
+
+    Raises
+    ------
+    InvalidValue
+        If the robot's coordinates are not those of its motors.
     """
 
     def __init__(self, robot: Robot, drive: Drive | Sequence[Drive]) -> None:
         from psp3.drives import kernels as drive_kernels
 
+        if not robot.drives_coordinates:
+            raise InvalidValue(
+                f"robot of {type(self).__name__}",
+                robot.title,
+                "one whose coordinates are those of its motors; RungeKutta takes any",
+            )
         self._robot, self._kernels, self._joints = robot, drive_kernels, len(robot.actuated)
         self._drives = drive_table(drive, self._joints)
         self._is_driven, self._is_dry = (

@@ -34,8 +34,13 @@ class Motion(NamedTuple):
 def tip_of(robot: Robot, positions: Array) -> Array:
     """Return the frame ``tip`` at actuated positions (..., n), in base axes (..., 3) [m].
 
-    NaN if the robot has no such frame.
+    NaN if the robot has no such frame. Where fewer are given than the robot has coordinates, the
+    others are where they are in the reference pose.
     """
+    others = robot.reference[np.shape(positions)[-1] :]
+    if others.size:
+        shape = (*np.shape(positions)[:-1], others.size)
+        positions = np.concatenate([positions, np.broadcast_to(others, shape)], axis=-1)
     return robot.tip(positions)
 
 
@@ -44,7 +49,8 @@ def check_stroke(robot: Robot, t: Array, motion: Motion) -> None:
 
     At the first time; the limits are those of the actuated joints.
     """
-    lower, upper = robot.limits
+    k = motion.positions.shape[-1]
+    lower, upper = (limit[:k] for limit in robot.limits)
     outside = ((motion.positions < lower) | (motion.positions > upper)).any(axis=-1)
     if outside.any():
         first = np.unravel_index(int(np.argmax(outside)), outside.shape)

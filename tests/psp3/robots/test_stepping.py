@@ -42,7 +42,7 @@ def test_steps_are_those_in_python(name: str, drive: str) -> None:
     """
     robot = psp3.load(name)
     tree = psp3.ClosedLoopRobot(robot.model, robot.constraint_models, robot.actuated, robot.q0)
-    compiled = walk(CoreSteps(tree._core, 2, DRIVES[drive]), tree)
+    compiled = walk(CoreSteps(tree._core, tree._motors, 2, DRIVES[drive]), tree)
     expected = walk(FixedSteps(tree, 2, DRIVES[drive]), tree)
     assert_allclose(compiled, expected, rtol=0.0, atol=1e-12)
     if drive == "dry friction":
