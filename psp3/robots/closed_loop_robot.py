@@ -46,6 +46,7 @@ from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamic
 from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import (
     ClosureFailed,
+    DependentCoordinates,
     InvalidValue,
     JointLimitExceeded,
     MobilityMismatch,
@@ -75,6 +76,13 @@ from psp3.robots.construction import motor_matrix, named_closures
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.motors import Motors, least_norm, partly_linearizing
 from psp3.robots.pickling import constraints, plain
+from psp3.robots.simple_joints import (
+    SimpleTree,
+    base_in_loop,
+    can_spin,
+    parts_of_base,
+    with_simple_joints,
+)
 
 DYNAMICS_MODELS = ("core", "pinocchio", "noc")
 """Names of the implementations of the equation of motion of any robot."""
@@ -138,8 +146,10 @@ class ClosedLoopRobot:
         What becomes of motions that no motor commands: one joint is held where it is in the
         reference configuration, its inertia kept, and a warning names it (``locked``); or that
         joint becomes a coordinate beside the motors; or :class:`MobilityMismatch` is raised. Which
-        joint that is, is said in :mod:`psp3.closure.coordinates`. A floating base is always kept,
-        and the spin of a ball always held, unless it is refused.
+        joint that is, is said in :mod:`psp3.closure.coordinates`. A floating base is always kept. A
+        ball whose spin becomes a coordinate is replaced by hinges, and so is a base in a loop that
+        keeps some of its motions, by slides and hinges (:mod:`psp3.robots.simple_joints`): the
+        model is then another than the given one.
     coordinates : sequence of str, optional
         Joints that are coordinates, first of all; else the motors.
 
@@ -200,25 +210,33 @@ class ClosedLoopRobot:
             "free": free,
             "coordinates": coordinates,
         }
-        self.model = model
-        self.visual_model = visual_model if visual_model is not None else pin.GeometryModel()
-        self.constraint_models = pin.StdVec_RigidConstraintModel()
-        self.constraint_models.extend(list(constraint_models))
         self.actuated = tuple(actuated)
         twice = [name for name in self.actuated if self.actuated.count(name) > 1]
         if twice:
             raise InvalidValue(
                 "actuated", self.actuated, f"each joint once, not {twice[0]!r} twice"
             )
+        home = None if q0 is None else one_row("q0", q0, model.nq)
+        more = named_closures(model, closures, home)
+        loops = [*constraint_models, *(one for one in more if not isinstance(one, Hinge))]
+        others = [*equations, *(one for one in more if isinstance(one, Hinge))]
+        shapes = visual_model if visual_model is not None else pin.GeometryModel()
+        self._take(SimpleTree(model, shapes, loops, others, home))
+
+    def _take(self, tree: SimpleTree, kept: Sequence[str] = ()) -> None:
+        """Take a tree with its closures, choose coordinates, and close the loops."""
+        model, home, options = tree.model, tree.home, self.options
+        free, springs = options["free"], options["springs"]
+        self.model, self.visual_model = model, tree.visual_model
+        self.constraint_models = pin.StdVec_RigidConstraintModel()
+        self.constraint_models.extend(tree.constraint_models)
+        tendons = options["tendons"]
         self.motors = motor_matrix(model, self.actuated, tendons or {})
         driven = [name for name in self.actuated if name not in (tendons or {})]
         joints = [model.joints[model.getJointId(name)] for name in driven]
         self.actuated_q = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         self.actuated_v = np.array([joint.idx_v for joint in joints], dtype=np.int64)
-        home = None if q0 is None else one_row("q0", q0, model.nq)
-        more = named_closures(model, closures, home)
-        self.constraint_models.extend([one for one in more if not isinstance(one, Hinge)])
-        self.equations = (*equations, *(one for one in more if isinstance(one, Hinge)))
+        self.equations = tuple(tree.equations)
         self.options["equations"] = self.equations
         every = [*self.constraint_models, *self.equations]
         self._create_data()
@@ -227,7 +245,22 @@ class ClosedLoopRobot:
         found = structure(model, flat, home, self.motors, names)
         self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
         _refuse(found, self.mobility, self.actuated, names, free)
-        chosen = chosen_coordinates(model, found, every, self.motors, free, coordinates, springs)
+        base: int | None = None
+        spins: list[Any] = []
+        try:
+            chosen = chosen_coordinates(
+                model, found, every, self.motors, free, options["coordinates"], springs, kept
+            )
+        except DependentCoordinates as error:
+            base = base_in_loop(model, every)
+            if error.joint or base is None:
+                raise
+        else:
+            spins = [one for one in chosen.spins if free == "keep" and can_spin(model, one)]
+        if spins or base is not None:
+            names = kept if base is None else parts_of_base(model, base)
+            self._take(with_simple_joints(tree._replace(home=found.home), spins, base), names)
+            return
         if not chosen.names:
             raise MobilityMismatch(self.mobility, self.actuated)
         self.coordinates, self.locked = chosen.names, chosen.locked
