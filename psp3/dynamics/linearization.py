@@ -70,7 +70,7 @@ def linearize(
     InvalidArray, ClosureFailed, SingularConfiguration
         See :meth:`psp3.ClosedLoopRobot.configuration`.
     """
-    rest = np.zeros(np.shape(positions)[-1])
+    rest = np.zeros(np.shape(positions)[-1:])
     by_positions, by_speeds, mass = inverse_dynamics_derivatives(
         robot,
         positions,

@@ -74,7 +74,7 @@ from psp3.multibody.motion import (
 )
 from psp3.robots.construction import motor_matrix, named_closures
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
-from psp3.robots.motors import Motors, least_norm, partly_linearizing
+from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
 from psp3.robots.pickling import constraints, plain
 from psp3.robots.simple_joints import (
     SimpleTree,
@@ -487,12 +487,13 @@ class ClosedLoopRobot:
         """
         if name == "core":
             return self
-        unknown = self._known_to_core_alone()
-        if unknown and name in DYNAMICS_MODELS:
+        unknown = self._unknown_to_the_thesis()
+        if unknown and name == "noc":
             raise InvalidValue(
                 f"robot.dynamics({name!r}) of a robot with",
                 unknown,
-                "a tree with closures at points or frames; robot.dynamics('core') knows the rest",
+                "a tree with closures at points or frames; robot.dynamics('pinocchio') knows the "
+                "rest, too",
             )
         if name == "pinocchio":
             from psp3.dynamics.projected import ProjectedDynamics
@@ -504,12 +505,18 @@ class ClosedLoopRobot:
             return NaturalOrthogonalComplement(self)
         raise UnknownName("dynamics model", name, DYNAMICS_MODELS)
 
-    def _known_to_core_alone(self) -> str:
-        """Say what of the robot the other routes do not know; nothing if they know all."""
+    @property
+    def springs(self) -> Springs:
+        """Stiffness and rest of joints, by name [N/m, m or N m, rad]."""
+        return self.options["springs"] or {}
+
+    def _unknown_to_the_thesis(self) -> str:
+        """Say what of the robot the thesis's method has no word for; nothing if it knows all."""
         parts = {
             "hinges or couplings": bool(self.equations),
             "a ball whose spin is held": any(one.spin is not None for one in self.locked),
-            "springs": bool(self.options["springs"]),
+            "springs": bool(self.springs),
+            "a floating base": self._position_count != self._speed_count,
             "joint damping": bool(self.model.damping.any()),
             "dry friction": bool(self.model.upperDryFrictionLimit.any()),
             "loops closed in the least-squares sense": self.closure_mismatch.length > EXACT
@@ -1027,7 +1034,7 @@ class ClosedLoopRobot:
     def joint_resistance(self, q: Array, v: Array) -> Array:
         """Return the forces of springs, damping and dry friction of all joints, (nv,)."""
         forces = self.model.damping * v + self.model.upperDryFrictionLimit * np.sign(v)
-        for name, (stiffness, rest) in (self.options["springs"] or {}).items():
+        for name, (stiffness, rest) in self.springs.items():
             joint = self.model.joints[self.model.getJointId(name)]
             forces[joint.idx_v] += stiffness * (q[joint.idx_q] - rest)
         return np.asarray(forces)

@@ -27,7 +27,7 @@ from psp3.multibody.tree import (
     POSITIONS,
     VELOCITIES,
 )
-from psp3.robots.motors import Motors
+from psp3.dynamics.motors import Motors
 
 
 PLANAR_COORDINATES = 4

@@ -154,22 +154,41 @@ KNOWN_TO_NOC = (
 
 @pytest.mark.parametrize(
     ("name", "route", "count"),
-    [(name, "pinocchio", 500) for name in KNOWN_TO_NOC]
-    + [(name, "noc", 100) for name in KNOWN_TO_NOC],
+    [(name, "pinocchio", 500) for name in ROBOTS] + [(name, "noc", 100) for name in KNOWN_TO_NOC],
 )
 def test_the_other_routes_take_the_same_coordinates(
     name: str, route: str, count: int, tmp_path: Path
 ) -> None:
-    """To 1e-10, as of the shipped robots."""
+    """To 1e-10, as of the shipped robots: M, C v and G, and the motors' forces of a motion."""
     robot = loaded(tmp_path, *ROBOTS[name][:2])
     other, rng = robot.dynamics(route), np.random.default_rng(1)
     positions, speeds = random_states(robot, rng, count)
     (M, C, G), (M2, C2, G2) = (one.equation_of_motion(positions, speeds) for one in (robot, other))
-    largest = np.abs(M).max(axis=(1, 2))
+    largest = np.abs(M).max(axis=(1, 2)) + np.abs(G).max(axis=1)
     assert (np.abs(M - M2).max(axis=(1, 2)) < 1e-10 * largest).all()
     rates = np.einsum("kij,kj->ki", C - C2, speeds)
     assert (np.abs(rates).max(axis=1) < 1e-10 * largest).all()
-    assert (np.abs(G - G2).max(axis=1) < 1e-10 * np.abs(G).max(axis=1)).all()
+    assert (np.abs(G - G2).max(axis=1) < 1e-10 * largest).all()
+
+
+@pytest.mark.parametrize("name", list(ROBOTS))
+def test_the_motors_forces_are_those_of_the_other_route(name: str, tmp_path: Path) -> None:
+    """50 states to 1e-9, because the condition of the actuation comes on top: of all coordinates.
+
+    And of the commanded ones alone.
+    """
+    robot = loaded(tmp_path, *ROBOTS[name][:2])
+    other, rng = robot.dynamics("pinocchio"), np.random.default_rng(1)
+    positions, speeds = random_states(robot, rng, 50)
+    forces = rng.uniform(-1.0, 1.0, (50, len(robot.actuated)))
+    along = np.einsum("knm,km->kn", robot.actuation_matrix(positions), forces)
+    made = other.forward_dynamics(positions, speeds, along)
+    ours = robot.forward_dynamics(positions, speeds, along)
+    assert (np.abs(made - ours).max(axis=1) < 1e-9 * np.abs(ours).max(axis=1)).all()
+    for wanted in (made, made[:, : robot.commanded]):
+        found = other.actuator_forces(positions, speeds, wanted)
+        expected = robot.actuator_forces(positions, speeds, wanted)
+        assert np.abs(found - expected).max() < 1e-8 * (1.0 + np.abs(expected).max())
 
 
 @pytest.mark.parametrize(
@@ -178,13 +197,31 @@ def test_the_other_routes_take_the_same_coordinates(
         ("rod, its spin locked", "a ball whose spin is held"),
         ("gripper: tendon, coupling, springs", "springs"),
         ("five-bar, a mimic joint drives", "couplings"),
+        ("biped on a floating base", "a floating base"),
     ],
 )
-def test_what_only_the_core_knows_is_said(name: str, part: str, tmp_path: Path) -> None:
+def test_what_the_thesis_has_no_word_for_is_said(name: str, part: str, tmp_path: Path) -> None:
     robot = loaded(tmp_path, *ROBOTS[name][:2])
-    for route in ("pinocchio", "noc"):
-        with pytest.raises(InvalidValue, match=part):
-            robot.dynamics(route)
+    with pytest.raises(InvalidValue, match=part):
+        robot.dynamics("noc")
+
+
+@pytest.mark.parametrize("free", ["lock", "keep"])
+def test_hinges_in_the_other_route(free: str, tmp_path: Path) -> None:
+    """A biped with a foot on a hinge, whose base follows: 100 states to 1e-10."""
+    file = tmp_path / "robot.xml"
+    file.write_text(biped("l_hip", "l_motor", "r_hip", "r_motor"), encoding="utf-8")
+    robot = psp3.ClosedLoopRobot.from_mjcf(
+        file, free=free, closures=[("l_shank", "world", "hinge")]
+    )
+    other, rng = robot.dynamics("pinocchio"), np.random.default_rng(1)
+    n = len(robot.coordinates_v)
+    positions = robot.reference + rng.uniform(-0.1, 0.1, (100, n))
+    speeds = rng.uniform(-1.0, 1.0, (100, n))
+    forces = robot.inverse_dynamics(positions, speeds, speeds)
+    found = other.inverse_dynamics(positions, speeds, speeds)
+    size = np.abs(forces).max(axis=1)
+    assert (np.abs(found - forces).max(axis=1) < 1e-10 * size).all()
 
 
 def test_too_few_motors_cannot_bring_about_every_motion(tmp_path: Path) -> None:

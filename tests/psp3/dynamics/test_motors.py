@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 from psp3.errors import InvalidValue, UnreachableForces
-from psp3.robots.motors import Motors, least_norm, partly_linearizing
+from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
 from tests.helpers import Array
 
 
