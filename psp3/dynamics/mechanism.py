@@ -19,8 +19,8 @@ number of actuators.
 
 
 MISMATCHED = 300.0
-"""So many times their mismatch rounded loops may miss their velocity equations: where rounding makes
-both, a singular value was up to thirty times the mismatch.
+"""So many times their mismatch rounded loops may miss their velocity equations: where rounding
+makes both, a singular value was up to thirty times the mismatch.
 """
 
 

@@ -162,9 +162,7 @@ class JointElements:
     def __init__(self, model: pin.Model, springs: Any) -> None:
         self._has = springs is not None
         self._damping = np.array(model.damping) if self._has else np.zeros(model.nv)
-        self._friction = (
-            np.array(model.upperDryFrictionLimit) if self._has else np.zeros(model.nv)
-        )
+        self._friction = np.array(model.upperDryFrictionLimit) if self._has else np.zeros(model.nv)
         self._springs = [
             (joint.idx_v, joint.idx_q, stiffness, rest)
             for name, (stiffness, rest) in (springs or {}).items()

@@ -107,7 +107,7 @@ def least_norm(matrix: Array, wanted: Array, names: Sequence[str], what: str = "
 def partly_linearizing(
     mass: Array, bias: Array, actuation: Array, accelerations: Array, names: Sequence[str]
 ) -> Array:
-    """Return the shortest motor forces (..., m) for accelerations (..., k) of the first coordinates.
+    """Return the shortest motor forces (..., m) that accelerate the first coordinates as wanted.
 
     Parameters
     ----------

@@ -96,6 +96,8 @@ class NewtonFromHome:
         Velocities of the joints that follow; all but the actuated ones by default.
     mismatch : float
         Residual that rounded loops keep where they are closed best [m, rad].
+    may_float : bool
+        Whether the last joint may be a floating base, which no loop contains.
     """
 
     def __init__(
@@ -107,22 +109,17 @@ class NewtonFromHome:
         complement: Callable[[Array, Array], tuple[Array, Array]],
         dependent: Indices | None = None,
         mismatch: float = 0.0,
+        may_float: bool = False,
     ) -> None:
         self._model = model
         self._mismatch = LARGEST_SHARE * mismatch
         joints = [model.joints[model.getJointId(name)] for name in names]
-        for name, joint in zip(names[:-1], joints[:-1], strict=True):
+        base = joints.pop() if may_float and joints and joints[-1].nq > joints[-1].nv > 1 else None
+        for name, joint in zip(names, joints, strict=False):
             if joint.nq != 1:
                 raise InvalidValue("actuated joint", name, "a joint of one coordinate")
-        # A floating base, which is last, and which no loop contains.
-        base = joints[-1] if joints and joints[-1].nq > joints[-1].nv > 1 else None
-        if joints and base is None and joints[-1].nq != 1:
-            raise InvalidValue("actuated joint", names[-1], "a joint of one coordinate")
-        self._base: Indices = np.arange(0 if base is None else base.nq) + (
-            0 if base is None else base.idx_q
-        )
-        if base is not None:
-            joints = joints[:-1]
+        first, count = (0, 0) if base is None else (base.idx_q, base.nq)
+        self._base: Indices = np.arange(first, first + count)
         self._places = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         speeds = [joint.idx_v for joint in joints]
         if base is not None:

@@ -127,6 +127,7 @@ class ProjectedDynamics:
             self._mechanism.complement,
             self._mechanism.dependent,
             self._mechanism.mismatch,
+            may_float=True,
         )
 
     def _closed(self, positions: Array) -> Closed:

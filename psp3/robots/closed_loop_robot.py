@@ -44,6 +44,7 @@ from psp3.description.urdf import read_robot
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
+from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
 from psp3.errors import (
     ClosureFailed,
     DependentCoordinates,
@@ -74,7 +75,6 @@ from psp3.multibody.motion import (
 )
 from psp3.robots.construction import motor_matrix, named_closures
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
-from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
 from psp3.robots.pickling import constraints, plain
 from psp3.robots.simple_joints import (
     SimpleTree,
@@ -258,8 +258,8 @@ class ClosedLoopRobot:
         else:
             spins = [one for one in chosen.spins if free == "keep" and can_spin(model, one)]
         if spins or base is not None:
-            names = kept if base is None else parts_of_base(model, base)
-            self._take(with_simple_joints(tree._replace(home=found.home), spins, base), names)
+            kept = kept if base is None else parts_of_base(model, base)
+            self._take(with_simple_joints(tree._replace(home=found.home), spins, base), kept)
             return
         if not chosen.names:
             raise MobilityMismatch(self.mobility, self.actuated)

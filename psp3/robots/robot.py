@@ -44,14 +44,17 @@ class Robot(DynamicsModel, Protocol):
     """The URDF it was loaded from, if it was."""
     srdf: Path | None
     """The SRDF it was loaded with."""
-    drives_coordinates: bool
-    """Whether each coordinate is that of a motor, in the same order."""
     has_inverse_of_tip: bool
     """Whether :meth:`motion_of_tip` can be asked for."""
 
     @property
     def reference(self) -> Array:
         """Actuated positions of the reference configuration, (n,) [m or rad]."""
+        ...
+
+    @property
+    def drives_coordinates(self) -> bool:
+        """Whether each coordinate is that of a motor, in the same order."""
         ...
 
     @property

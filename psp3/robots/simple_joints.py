@@ -1,4 +1,4 @@
-"""Balls and bases in whose place simple joints stand, so that what nothing commands has a coordinate.
+"""Simple joints in place of balls and bases, so that what nothing commands has a coordinate.
 
 A ball joint has a quaternion, of which no number is the spin about an axis. Where that spin is to
 be a coordinate, three hinges stand in the ball's place: ``<ball>_swing`` and ``<ball>_tilt``, a
@@ -7,8 +7,8 @@ right angle swing and spin are the same motion, and the pose is singular.
 
 A floating base in a loop, as of a robot that stands on a point of its foot, keeps some of its
 motions. So that they have coordinates, slides ``<base>_x``, ``_y`` and ``_z`` and hinges
-``<base>_yaw``, ``_pitch`` and ``_roll`` stand in its place, singular at a pitch of a right angle; of
-a planar base ``_x``, ``_y`` and ``_yaw``.
+``<base>_yaw``, ``_pitch`` and ``_roll`` stand in its place, singular at a pitch of a right angle;
+of a planar base ``_x``, ``_y`` and ``_yaw``.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from psp3.robots.pickling import constraints, plain
 
 
 class SimpleTree(NamedTuple):
-    """A tree in which simple joints stand for others, and all that names joints by their numbers."""
+    """A tree in which simple joints stand for others, and all that numbers its joints."""
 
     model: pin.Model
     visual_model: Any
@@ -103,9 +103,12 @@ def _of_base(model: pin.Model, base: int, home: Array) -> list[tuple[str, Any, f
     joint = model.joints[base]
     x = home[joint.idx_q : joint.idx_q + joint.nq]
     if joint.nq == 4:
-        kinds = (pin.JointModelPX(), pin.JointModelPY(), pin.JointModelRZ())
-        angles = (x[0], x[1], np.arctan2(x[3], x[2]))
-        return list(zip(("x", "y", "yaw"), kinds, map(float, angles), strict=True))
+        angle = float(np.arctan2(x[3], x[2]))
+        return [
+            ("x", pin.JointModelPX(), float(x[0])),
+            ("y", pin.JointModelPY(), float(x[1])),
+            ("yaw", pin.JointModelRZ(), angle),
+        ]
     roll, pitch, yaw = pin.rpy.matrixToRpy(pin.XYZQUATToSE3(x).rotation)
     kinds = (
         *(pin.JointModelPX(), pin.JointModelPY(), pin.JointModelPZ()),

@@ -14,6 +14,7 @@ from psp3.drives.drive import Drive, drive_table
 from psp3.drives.kernels import DRY, INERTIA, VISCOUS
 from psp3.dynamics.compiled_robot import advance, balance, is_state, write_forces, write_rates
 from psp3.dynamics.driven_steps import advance_driven
+from psp3.dynamics.motors import Motors
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.core import Core, Tables
 from psp3.multibody.motion import balance_of_state, forces_of_motion, reach, runge_kutta
@@ -27,8 +28,6 @@ from psp3.multibody.tree import (
     POSITIONS,
     VELOCITIES,
 )
-from psp3.dynamics.motors import Motors
-
 
 PLANAR_COORDINATES = 4
 """Of a base that moves in a plane: position, and the cosine and sine of its angle."""

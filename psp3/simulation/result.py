@@ -182,5 +182,5 @@ def _widths(content: dict[str, Array]) -> dict[str, int]:
         "speeds": speeds if speeds == positions - 1 else positions,
         "torque": motors,
         "torque_interval": motors,
-        **{name: desired for name in _DESIRED},
+        **dict.fromkeys(_DESIRED, desired),
     }

@@ -44,7 +44,8 @@ class Trajectory:
         Whose motion it is; ``psp3.load("psp3")`` by default.
     space : str, optional
         ``"tip"``, a path of the tip in base axes [m], or ``"joints"``, of the n actuated joints [m
-        or rad], or those coordinates that the motors command (``robot.commanded``). By default the tip of a 3-PSP, and the joints of any other robot.
+        or rad], or those coordinates that the motors command (``robot.commanded``). By default the
+        tip of a 3-PSP, and the joints of any other robot.
 
     Raises
     ------

@@ -142,9 +142,7 @@ def test_energy_and_momentum_of_a_floating_robot_are_kept(tmp_path: Path) -> Non
         )
         energy = robot.kinetic_energy(result.positions, result.speeds)
         drifts.append(np.ptp(energy))
-        first, last = (
-            momentum(robot, result.positions[k], result.speeds[k]) for k in (0, -1)
-        )
+        first, last = (momentum(robot, result.positions[k], result.speeds[k]) for k in (0, -1))
         assert np.abs(last - first).max() < 1e-5
         assert np.ptp(energy) < 1e-5 * energy[0]
         quaternions = result.positions[:, -4:]
@@ -183,9 +181,9 @@ def test_a_falling_robot_falls_as_a_stone_does(tmp_path: Path) -> None:
 def test_computed_torque_of_a_floating_robot_steers_its_motors(
     motors: tuple[str, ...], tmp_path: Path
 ) -> None:
-    """Their errors obey the servo's equation, whatever the base does: from rest on the path,
+    """Their errors obey the servo's equation, whatever the base does.
 
-    they are those of the forces' hold alone, half a period's jerk over kp.
+    From rest on the path they are those of the forces' hold alone, half a period's jerk over kp.
     """
     robot = loaded(tmp_path, biped(*motors))
     assert robot.commanded == 4
@@ -228,8 +226,7 @@ def test_motors_beyond_the_freedoms_make_the_same_motion(name: str, tmp_path: Pa
         }[name]()
 
     robots = [
-        loaded(tmp_path, five_bar(*motors))
-        for motors in (("m1", "m2"), ("m1", "m2", "p1", "p2"))
+        loaded(tmp_path, five_bar(*motors)) for motors in (("m1", "m2"), ("m1", "m2", "p1", "p2"))
     ]
     path = PointToPoint(robots[0].reference, robots[0].reference + 0.1, 0.2, robots[0])
     start = robots[0].reference + 0.01
@@ -291,7 +288,9 @@ def test_a_spring_and_a_motor_balance(tmp_path: Path) -> None:
     regulator = psp3.LinearQuadraticRegulator(
         robot, np.diag([100.0, 100.0, 1.0, 1.0]), 0.01 * np.eye(1), positions=pose
     )
-    back = psp3.simulate(robot, regulator, hold, 5.0, initial_positions=pose + [0.02, -0.02])
+    back = psp3.simulate(
+        robot, regulator, hold, 5.0, initial_positions=pose + np.array([0.02, -0.02])
+    )
     assert np.abs(back.positions[-1] - pose).max() < 1e-3
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from psp3.errors import InvalidValue, UnreachableForces
 from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
+from psp3.errors import InvalidValue, UnreachableForces
 from tests.helpers import Array
 
 
@@ -35,11 +35,11 @@ def test_the_first_coordinates_are_accelerated_as_wanted(k: int) -> None:
 def test_what_is_missed_is_told() -> None:
     matrix = np.array([[1.0, 1.0], [2.0, 2.0]])
     np.testing.assert_allclose(least_norm(matrix, np.array([2.0, 4.0]), "ab"), [1.0, 1.0])
-    with pytest.raises(UnreachableForces, match="forces of 0.4 ") as caught:
+    with pytest.raises(UnreachableForces, match=r"forces of 0\.4 ") as caught:
         least_norm(matrix, np.array([1.0, 0.0]) / 2.0, "ab")
     assert caught.value.coordinates == ("a", "b")
     mass, bias, actuation = random_matrices(np.random.default_rng(0))
-    with pytest.raises(UnreachableForces, match="accelerations of .* coordinates a, b, c, d"):
+    with pytest.raises(UnreachableForces, match=r"accelerations of .* coordinates a, b, c, d"):
         partly_linearizing(mass, bias, actuation, np.ones(4), "abcd")
 
 

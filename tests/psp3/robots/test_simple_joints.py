@@ -39,8 +39,9 @@ def as_given(
     motion = np.zeros(given.nq), np.zeros(given.nv), np.zeros(given.nv)
     for index in range(1, given.njoints):
         name, joint = given.names[index], given.joints[index]
-        at, own = slice(joint.idx_q, joint.idx_q + joint.nq), slice(
-            joint.idx_v, joint.idx_v + joint.nv
+        at, own = (
+            slice(joint.idx_q, joint.idx_q + joint.nq),
+            slice(joint.idx_v, joint.idx_v + joint.nv),
         )
         if model.existJointName(name):
             same = model.joints[model.getJointId(name)]
@@ -94,8 +95,9 @@ def largest_difference(
         a = robot.drift(q, v) + robot.velocity(positions, found)
         at, moving, ours = as_given(robot, given.model, q, v, a)
         rates = derivative(
-            lambda t, at=at, moving=moving: held(pin.integrate(given.model, at, t * moving))
-            @ moving,
+            lambda t, at=at, moving=moving: (
+                held(pin.integrate(given.model, at, t * moving)) @ moving
+            ),
             1e-2,
         )
         expected, gap, opening = engine.accelerations(
@@ -121,8 +123,8 @@ def test_a_rod_between_balls_spins_freely(moments: str, tmp_path: Path) -> None:
     at, _, _ = as_given(robot, given.model, robot.q0, still, still)
     np.testing.assert_allclose(at, given.q0, rtol=0.0, atol=1e-12)
     # A turn of the spin moves neither the crank nor the rocker.
-    positions = robot.reference + [0.1, 0.0]
-    turned = positions + [0.0, 4.0 * np.pi]
+    positions = robot.reference + np.array([0.1, 0.0])
+    turned = positions + np.array([0.0, 4.0 * np.pi])
     before, after = robot.configuration(positions), robot.configuration(turned)
     spin = robot.model.joints[robot.model.getJointId("ball_spin")].idx_q
     others = np.delete(np.arange(robot.model.nq), spin)
@@ -146,9 +148,7 @@ def test_a_spinning_rod_keeps_its_energy_and_its_spin(tmp_path: Path) -> None:
     assert np.ptp(energies) < 1e-8 * energies[0]
 
 
-def test_a_ball_with_damping_stays_held(
-    tmp_path: Path, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_a_ball_with_damping_stays_held(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
     """Damping of each hinge would be another than that of the ball."""
     text = rod().replace('type="ball" name="ball"', 'type="ball" name="ball" damping=".1"')
     robot = loaded(tmp_path, text, free="keep")
