@@ -68,6 +68,9 @@ class DrivenPlant:
             )
         self._robot, self._kernels, self._joints = robot, drive_kernels, len(robot.actuated)
         self._drives = drive_table(drive, self._joints)
+        # The joints' own friction, too, can hold them.
+        self._own_friction = np.array(robot.model.upperDryFrictionLimit[robot.coordinates_v])
+        self._drives[:, drive_kernels.DRY] += self._own_friction
         self._is_driven, self._is_dry = (
             bool(self._drives.any()),
             self._drives[:, drive_kernels.DRY] > 0.0,
@@ -82,6 +85,7 @@ class DrivenPlant:
             self._states.ask(self._robot.mass_matrix, q) + np.diag(inertia),
             forces
             - self._states.ask(self._robot.inverse_dynamics, q, v, np.zeros_like(v))
+            + self._own_friction * np.sign(v)
             - viscous * v,
         )
 
