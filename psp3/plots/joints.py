@@ -131,7 +131,10 @@ def _draw(panel: Axes, t: Array, values: Array, names: Sequence[str]) -> None:
 
 def _name(panel: Axes, names: Sequence[str]) -> None:
     if len(names) <= NAMED:
-        panel.legend(ncols=min(len(names), 4))
+        # Above the axes, where it hides nothing.
+        panel.legend(
+            ncols=min(len(names), 4), loc="lower left", bbox_to_anchor=(0.0, 1.0), frameon=False
+        )
 
 
 def _units(robot: Robot) -> tuple[str, str]:
