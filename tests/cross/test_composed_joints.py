@@ -67,7 +67,7 @@ def test_composed_joints_move_as_those_of_mujoco(name: str, tmp_path: Path) -> N
 
 
 def link(name: str, joint: str, parent: str, place: str, axis: str, kind: str = "revolute") -> str:
-    """Return a joint of a URDF and its link, with the inertia of the MJCF's rod or of the others."""
+    """Return a joint of a URDF and its link, with the inertia of the MJCF's rod or the others."""
     is_rod = name == "rod"
     com, mass = (".1 .02 .15", 0.8) if is_rod else (".1 0 .02", 1.0)
     return f"""<joint name="{joint}" type="{kind}"><parent link="{parent}"/><child link="{name}"/>

@@ -152,4 +152,4 @@ def test_a_drive_of_a_joint_that_is_no_coordinate_is_refused(tmp_path: Path) -> 
     drives = (NO_DRIVE, NO_DRIVE, Drive(coulomb_friction=1.0))
     with pytest.raises(InvalidValue, match="drive of p1"):
         robot.compiled_steps(1, drives)
-    assert robot.compiled_steps(1, drives[:2] + (NO_DRIVE,)).drives.shape == (2, 3)
+    assert robot.compiled_steps(1, (*drives[:2], NO_DRIVE)).drives.shape == (2, 3)
