@@ -22,7 +22,7 @@ from psp3.simulation.loop import Ended, Wiring, compiled_loop, new_track, python
 from psp3.simulation.plant import NO_POSE, Plant
 from psp3.simulation.result import JOINTS, REPORTED, Result
 from psp3.simulation.runge_kutta import RungeKutta
-from psp3.trajectories.motion import Motion, check_stroke
+from psp3.trajectories.motion import Motion, check_stroke, completed
 from psp3.trajectories.trajectory import Trajectory
 
 
@@ -129,10 +129,10 @@ def simulate(
         raise InvalidValue("trajectory", trajectory, f"a motion of {k} actuated joints")
     check_stroke(robot, t, desired)
     if clearance is not None:
-        check_clearance(robot, desired.positions, t, clearance)
+        check_clearance(robot, completed(robot, desired.positions), t, clearance)
     reference, n = robot.reference, len(robot.coordinates_v)
     positions = (
-        np.concatenate([desired.positions[0], reference[k:]])
+        completed(robot, desired.positions[0])
         if initial_positions is None
         else one_row("initial_positions", initial_positions, len(reference))
     )

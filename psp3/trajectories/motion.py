@@ -34,14 +34,21 @@ class Motion(NamedTuple):
 def tip_of(robot: Robot, positions: Array) -> Array:
     """Return the frame ``tip`` at actuated positions (..., n), in base axes (..., 3) [m].
 
-    NaN if the robot has no such frame. Where fewer are given than the robot has coordinates, the
-    others are where they are in the reference pose.
+    NaN if the robot has no such frame. Positions may be :func:`completed`.
+    """
+    return robot.tip(completed(robot, positions))
+
+
+def completed(robot: Robot, positions: Array) -> Array:
+    """Return positions (..., k) with those of coordinates that follow, (..., p).
+
+    They are where they are in the reference pose.
     """
     others = robot.reference[np.shape(positions)[-1] :]
-    if others.size:
-        shape = (*np.shape(positions)[:-1], others.size)
-        positions = np.concatenate([positions, np.broadcast_to(others, shape)], axis=-1)
-    return robot.tip(positions)
+    if not others.size:
+        return positions
+    shape = (*np.shape(positions)[:-1], others.size)
+    return np.concatenate([positions, np.broadcast_to(others, shape)], axis=-1)
 
 
 def check_stroke(robot: Robot, t: Array, motion: Motion) -> None:

@@ -19,7 +19,7 @@ from psp3.checks import Array
 from psp3.collisions.motion import check_clearance
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.robot import Robot
-from psp3.trajectories.motion import Motion, check_stroke, finite_times, tip_of
+from psp3.trajectories.motion import Motion, check_stroke, completed, finite_times, tip_of
 
 SPACES = ("tip", "joints")
 """Names of the spaces in which a path can be given."""
@@ -137,5 +137,5 @@ class Trajectory:
         motion = self(t)
         check_stroke(self.robot, np.asarray(t, dtype=float), motion)
         if clearance is not None:
-            check_clearance(self.robot, motion.positions, t, clearance)
+            check_clearance(self.robot, completed(self.robot, motion.positions), t, clearance)
         return motion

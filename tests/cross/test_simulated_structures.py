@@ -15,6 +15,7 @@ import pytest
 import psp3
 from psp3.errors import InvalidValue, UnreachableForces
 from psp3.simulation.dormand_prince import DormandPrince
+from psp3.simulation.metrics import rms_error
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.trajectories.motion import Motion
 from psp3.trajectories.paths import Hold, PointToPoint
@@ -325,3 +326,34 @@ def test_controllers_that_need_all_coordinates_say_so(tmp_path: Path) -> None:
         psp3.TimeVaryingLinearQuadraticRegulator(
             floating, Hold(robot=floating), 0.1, np.eye(20), np.eye(4)
         )
+
+
+def test_limits_encoders_and_delay_of_a_floating_robot(tmp_path: Path) -> None:
+    """A limit for each motor, an encoder for each commanded coordinate; the base is seen."""
+    robot = loaded(tmp_path, biped(*LEGS, "l_knee", "r_knee"))
+    seen = []
+
+    class Watched(Constant):
+        def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
+            seen.append((positions, speeds))
+            return self.forces + t
+
+    limit = np.array([1.0, 2.0, 3.0, 4.0, 5.0, 6.0]) / 10.0
+    result = psp3.simulate(
+        robot,
+        Watched(np.full(6, 0.25)),
+        Hold(robot=robot),
+        0.1,
+        torque_limit=limit,
+        encoder_resolution=[1e-3, 0.0, 0.0, 0.0],
+        delay=2,
+    )
+    asked = np.clip(0.25 + result.t[:, np.newaxis], -limit, limit)
+    np.testing.assert_allclose(result.torque[2:], asked[:-2], rtol=0.0, atol=1e-15)
+    positions, speeds = (np.array(rows) for rows in zip(*seen, strict=True))
+    counts = positions[:, 0] / 1e-3
+    np.testing.assert_allclose(counts, np.round(counts), rtol=0.0, atol=1e-9)
+    np.testing.assert_array_equal(positions[:, 1:], result.positions[:, 1:])
+    np.testing.assert_array_equal(speeds[:, 1:], result.speeds[:, 1:])
+    error = result.desired.positions - result.positions[:, :4]
+    assert rms_error(result) == pytest.approx(np.sqrt((error**2).sum(axis=1).mean()), rel=1e-12)
