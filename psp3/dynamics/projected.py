@@ -22,6 +22,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, applied_to_rows, one_row
+from psp3.closure.coordinates import floating_base
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
@@ -119,6 +120,7 @@ class ProjectedDynamics:
 
     @functools.cached_property
     def _from_home(self) -> NewtonFromHome:
+        closures = [*self._mechanism.loops, *self._mechanism.equations]
         return NewtonFromHome(
             self.model,
             self.actuated,
@@ -127,7 +129,7 @@ class ProjectedDynamics:
             self._mechanism.complement,
             self._mechanism.dependent,
             self._mechanism.mismatch,
-            may_float=True,
+            may_float=floating_base(self.model, closures) is not None,
         )
 
     def _closed(self, positions: Array) -> Closed:

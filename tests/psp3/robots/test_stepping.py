@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -153,3 +154,49 @@ def test_a_drive_of_a_joint_that_is_no_coordinate_is_refused(tmp_path: Path) -> 
     with pytest.raises(InvalidValue, match="drive of p1"):
         robot.compiled_steps(1, drives)
     assert robot.compiled_steps(1, (*drives[:2], NO_DRIVE)).drives.shape == (2, 3)
+
+
+def swinging(planar: bool) -> psp3.ClosedLoopRobot:
+    """Return a pendulum with a motor on a cart that slides and turns, in one joint or in three."""
+    model, unit = pin.Model(), pin.SE3.Identity()
+    kinds = (
+        [("cart", pin.JointModelPlanar())]
+        if planar
+        else [("x", pin.JointModelPX()), ("y", pin.JointModelPY()), ("yaw", pin.JointModelRZ())]
+    )
+    parent = 0
+    for name, kind in kinds:
+        parent = model.addJoint(parent, kind, unit, name)
+    inertia = pin.Inertia(2.0, np.array([0.1, 0.2, 0.0]), np.diag([0.1, 0.2, 0.3]))
+    model.appendBodyToJoint(parent, inertia, unit)
+    arm = model.addJoint(parent, pin.JointModelRZ(), pin.SE3(np.eye(3), np.ones(3)), "arm")
+    model.appendBodyToJoint(arm, inertia, unit)
+    model.gravity = pin.Motion(np.array([1.0, -9.0, 0.0]), np.zeros(3))
+    return psp3.ClosedLoopRobot(model, [], ["arm"], free="keep")
+
+
+def test_a_planar_base_moves_as_two_slides_and_a_hinge() -> None:
+    """Whose coordinates are other functions of time: over 0.5 s in steps of 1 ms to 1e-9.
+
+    The cart's own speeds are in its axes, which turn by more than a radian.
+    """
+    planar, composed = swinging(True), swinging(False)
+    assert planar.coordinates == ("arm", "cart")
+    assert set(composed.coordinates) == {"arm", "x", "y", "yaw"}
+    names = list(composed.coordinates)
+    order = [names.index(name) for name in ("arm", "x", "y", "yaw")]
+    plants = [robot.compiled_steps(1, NO_DRIVE) for robot in (planar, composed)]
+    speeds = np.array([1.0, 0.5, -0.3, 2.5])
+    plants[0].start(planar.reference, speeds)
+    mixed = np.zeros(4)
+    mixed[order] = speeds
+    plants[1].start(composed.reference, mixed)
+    for _ in range(500):
+        first, second = (plant.advance(np.array([0.4]), 0.001) for plant in plants)
+    arm, x, y, yaw = second[0][order]
+    expected = [arm, x, y, np.cos(yaw), np.sin(yaw)]
+    assert_allclose(first[0], expected, rtol=0.0, atol=1e-9)
+    assert abs(yaw) > 1.0
+    rates = second[1][order]
+    turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    assert_allclose(first[1], [rates[0], *(turn @ rates[1:3]), rates[3]], rtol=0.0, atol=1e-9)
