@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, overload
 
-from psp3.description.parts import ROBOT_FILES, ROBOTS
+from psp3.description.parts import MJCF_ROBOTS, ROBOT_FILES, ROBOTS
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.three_psp.model import load_psp3
@@ -57,5 +57,8 @@ def load(name: str = "psp3", parameters: str | Parameters = "default") -> Closed
         raise InvalidValue(
             "parameters", parameters, f"'default' for robot {name!r}: only 'psp3' has other sets"
         )
+    if name in MJCF_ROBOTS:
+        # Their springs move, with or without a motor.
+        return ClosedLoopRobot.from_mjcf(ROBOT_FILES / f"{name}.xml", free="keep")
     files = (ROBOT_FILES / f"{name}.{kind}" for kind in ("urdf", "yaml", "srdf"))
     return ClosedLoopRobot.from_urdf(*files)
