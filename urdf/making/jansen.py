@@ -55,7 +55,7 @@ def points(angle: float) -> dict[str, Array]:
     at_pin["Y"] = meet(at_pin["B"], d, at_pin["X"], e, 1.0)
     at_pin["Z"] = meet(at_pin["B"], c, at_pin["P"], k, -1.0)
     at_pin["W"] = meet(at_pin["Y"], f, at_pin["Z"], g, -1.0)
-    at_pin["F"] = meet(at_pin["W"], h, at_pin["Z"], i, 1.0)
+    at_pin["F"] = meet(at_pin["W"], h, at_pin["Z"], i, -1.0)
     return at_pin
 
 
@@ -72,7 +72,9 @@ def jansen() -> Robot:
         """Return a tube between two pins, seen from a third one."""
         depth = 0.03 * layer * Y
         start, end = (pins[name] - pins[about] + depth for name in (first, second))
-        return [rod(start, end, TUBE, "pvc", BORE), ball(1.3 * TUBE, end, "anodized")]
+        bolts = [rod(point - 1.6 * TUBE * Y - depth, point + 1.6 * TUBE * Y, 0.005, "steel")
+                 for point in (start, end)]
+        return [rod(start, end, TUBE, "pvc", BORE), *bolts]
 
     base = [
         box((0.55, 0.04, 0.05), 0.5 * pins["B"] - 0.07 * Y, "anodized"),

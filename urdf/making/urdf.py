@@ -10,6 +10,14 @@ from numpy.typing import ArrayLike
 
 from making.solids import MATERIALS, Solid, at
 
+NO_MASS = (
+    "    <inertial>",
+    '      <mass value="0"/>',
+    '      <inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/>',
+    "    </inertial>",
+)
+"""What has no mass says so: PyBullet gives a link without words about it a kilogram."""
+
 PASSIVE_SPEED = 100.0
 """Limit of the velocity of joints without a motor [rad/s, m/s]: none, in words that a URDF
 accepts.
@@ -114,7 +122,9 @@ class Robot:
     ) -> None:
         """Add a frame on a link."""
         self.elements += [
-            f'  <link name="{name}"/>',
+            f'  <link name="{name}">',
+            *NO_MASS,
+            "  </link>",
             f'  <joint name="{name}_fixed" type="fixed">',
             f'    <parent link="{parent}"/>',
             f'    <child link="{name}"/>',
@@ -128,7 +138,9 @@ class Robot:
 
     def _link(self, name: str, inertia: pin.Inertia | None, solids: Sequence[Solid]) -> None:
         self.elements.append(f'  <link name="{name}">')
-        if inertia is not None:
+        if inertia is None:
+            self.elements += NO_MASS
+        else:
             moments = inertia.inertia
             entries = zip(
                 ("ixx", "ixy", "ixz", "iyy", "iyz", "izz"), moments[np.triu_indices(3)], strict=True
