@@ -24,7 +24,7 @@ import yaml
 from numpy.testing import assert_allclose
 
 import psp3
-from psp3.description.parts import ROBOT_FILES, ROBOTS
+from psp3.description.parts import ROBOT_FILES, THESIS_ROBOTS
 from psp3.description.srdf import reference_poses
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -39,7 +39,7 @@ from tests.closed_form_kinematics import (
 from tests.helpers import Array, relative_error
 from tests.robot_samplers import WORKSPACES, Reachable, reachable
 
-NAMES = ROBOTS[1:]
+NAMES = THESIS_ROBOTS[1:]
 POSES = 500
 TOLERANCE = 1e-10
 

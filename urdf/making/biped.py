@@ -23,7 +23,7 @@ body where its angle is zero [m].
 HEEL, CRANK_PIN, ANKLE = (-0.0127, -0.0306), (0.058, -0.034), (0.408, -0.04)
 """On the tarsus: pins of the heel spring, of the toe's crank, and of the foot."""
 
-HEEL_SPRING, TOE_CRANK, TOE_HORN = (-0.1140, 0.0360), (0.055, 0.0), (0.0551, 0.006)
+HEEL_SPRING, TOE_CRANK, TOE_HORN = (-0.1054, 0.0568), (0.055, 0.0), (0.0551, 0.006)
 """From the heel's pin to the Achilles rod, from the crank's pin to the plantar rod, and from the
 ankle to its other end, in axes of the tarsus where all angles are zero.
 """

@@ -18,7 +18,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
 from psp3.errors import InvalidArray
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -156,7 +156,7 @@ BUILDERS: dict[str, Callable[[], ClosedLoopRobot]] = {
     },
     "rotors": lambda: geared(ROBOTS_WITH_LOOPS[2]()),
     "arm without loops": arm_without_loops,
-    **{name: (lambda name=name: psp3.load(name)) for name in ROBOTS},
+    **{name: (lambda name=name: psp3.load(name)) for name in THESIS_ROBOTS},
     "psp3 by Newton": lambda: psp3.load("psp3").dynamics("core"),  # type: ignore[return-value]
 }
 
