@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from making.mjcf import Assembly, Joint
-from making.solids import Array, Z, box, rod
+from making.solids import Array, Z, box, meet, rod
 
 DRIVER, SPRING = (0.0306, 0.0549), (0.0132, 0.0609)
 """Pins of a finger's two arms on the palm, (y, z) [m]."""
@@ -18,6 +18,9 @@ TIP = (0.0180, -0.0065)
 
 PAD = 0.0427
 """Distance of an open pad from the middle: 85 mm between the two."""
+
+HALF = 0.4
+"""Angle of the drivers at home, of 0.8 where the pads touch [rad]."""
 
 STIFFNESS, REST = 0.05, 2.62
 """Spring of each finger [N m/rad, rad]."""
@@ -40,7 +43,32 @@ def gripper() -> Assembly:
     robot.couple("left_driver", "right_driver", (0.0, 1.0, 0.0, 0.0, 0.0))
     robot.tendon("split", {"right_driver": 0.5, "left_driver": 0.5})
     robot.motor("split", 5.0, "tendon")
+    angles = half_closed()
+    robot.home(
+        {f"{name}_{joint}": at for name in ("right", "left") for joint, at in angles.items()}
+    )
     return robot
+
+
+def half_closed() -> dict[str, float]:
+    """Return the angles of a finger whose driver is half way and whose pad has not turned."""
+    open_end = np.add(np.add(SPRING, SPRING_ARM), TIP)
+    coupler = open_end - np.add(DRIVER, DRIVER_ARM)
+    c, s = np.cos(HALF), np.sin(HALF)
+    arm = np.array([c * DRIVER_ARM[0] - s * DRIVER_ARM[1], s * DRIVER_ARM[0] + c * DRIVER_ARM[1]])
+    knee = np.add(DRIVER, arm)
+    # The fingertip only shifts, so that its two pins are as one.
+    knuckle = meet(np.array(SPRING), np.hypot(*SPRING_ARM), knee - TIP, np.hypot(*coupler), 1.0)
+    turned, before = knuckle - SPRING, np.arctan2(SPRING_ARM[1], SPRING_ARM[0])
+    spring = np.arctan2(turned[1], turned[0]) - before
+    way = knuckle + TIP - knee
+    tilt = np.arctan2(way[1], way[0]) - np.arctan2(coupler[1], coupler[0])
+    return {
+        "driver": HALF,
+        "coupler": float(tilt - HALF),
+        "spring": float(spring),
+        "fingertip": float(-spring),
+    }
 
 
 def _finger(robot: Assembly, name: str, side: float) -> None:

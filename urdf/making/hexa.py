@@ -52,7 +52,7 @@ def hexa() -> Assembly:
             ball(0.008, end, "steel"),
         ]
         motor = {"range": (-1.2, 1.2), "actuatorfrcrange": (-3.0, 3.0)}
-        turning = Joint(f"{leg}_motor", axis=tuple(-axis), more=motor)
+        turning = Joint(f"{leg}_motor", axis=tuple(axis), more=motor)
         robot.body(f"{leg}_crank", "world", feet[number], turning, crank)
         thin = [rod(end, corner, 0.004, "carbon")]
         robot.body(f"{leg}_rod", f"{leg}_crank", end, Joint(f"{leg}_ball", "ball"), thin)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.solids import Array, Solid, X, Y, Z, at, ball, box, rod
+from making.solids import Array, Solid, X, Y, Z, at, ball, box, meet, rod
 from making.urdf import Robot
 
 LENGTHS = {
@@ -29,17 +29,6 @@ HOME = 0.3
 
 TUBE, BORE = 0.0095, 0.0078
 """Radii of electrical conduit of 19 mm [m]."""
-
-
-def meet(first: Array, r1: float, second: Array, r2: float, side: float) -> Array:
-    """Return the point at given distances from two others, to the left (1) or right of the way."""
-    across = second - first
-    distance = float(np.linalg.norm(across))
-    along = (r1**2 - r2**2 + distance**2) / (2.0 * distance)
-    x, z = across / distance
-    return np.asarray(
-        first + along * across / distance + side * np.sqrt(r1**2 - along**2) * np.array([-z, x])
-    )
 
 
 def points(angle: float) -> dict[str, Array]:

@@ -1,7 +1,8 @@
 """A robot on its way to an MJCF file: what a URDF and a loop file cannot say.
 
-Floating bases, balls, springs, couplings and tendons. Everything is given where it is at home, in
-axes of the world: at home every joint is at zero and every body's axes are those of the world.
+Floating bases, balls, springs, couplings and tendons. Everything is given where it is while every
+joint is at zero, in axes of the world, which are those of every body then. That is the pose home,
+unless another one is given.
 """
 
 from __future__ import annotations
@@ -30,17 +31,19 @@ class Joint(NamedTuple):
 
 
 class Assembly:
-    """A robot as it stands at home, with its loops, couplings, tendons and motors."""
+    """A robot as it stands with all joints at zero, with its loops, couplings, tendons and motors."""
 
     def __init__(self, name: str, title: str) -> None:
         self.name, self.title = name, title
         self._places: dict[str, Array] = {"world": np.zeros(3)}
         self._bodies: dict[str, list[str]] = {"world": []}
+        self._joints: dict[str, list[str]] = {"world": []}
         self._children: dict[str, list[str]] = {"world": []}
         self._loops: list[str] = []
         self._couplings: list[str] = []
         self._tendons: list[str] = []
         self._motors: list[str] = []
+        self._home: dict[str, float] = {}
         self._materials: set[str] = set()
 
     def base(self, solids: Sequence[Solid]) -> None:
@@ -73,6 +76,7 @@ class Assembly:
         self._places[name] = here
         self._children[parent].append(name)
         self._children[name] = []
+        self._joints[name] = [joint.name]
         self._bodies[name] = [
             f'<{tag} name="{joint.name}"{kind}{axis}{more}/>',
             (
@@ -118,6 +122,10 @@ class Assembly:
             f'<motor name="{name}" {kind}="{name}" ctrlrange="{-limit:g} {limit:g}"/>'
         )
 
+    def home(self, angles: Mapping[str, float]) -> None:
+        """Give another pose for home, by the angles of all joints, which are hinges."""
+        self._home = dict(angles)
+
     def _geoms(self, solids: Sequence[Solid], origin: Array) -> list[str]:
         lines = []
         for solid in solids:
@@ -149,6 +157,10 @@ class Assembly:
             ]
         return lines
 
+    def _order(self, name: str) -> list[str]:
+        """Return a body and all that it carries, in the order of the file."""
+        return [name, *(one for child in self._children[name] for one in self._order(child))]
+
     def texts(self) -> Mapping[str, str]:
         """Return the content of the file by its name."""
         materials = [
@@ -177,4 +189,8 @@ class Assembly:
                 text += ["  <worldbody>", *self._body_lines("world", 2), "  </worldbody>"]
             if lines:
                 text += [f"  <{tag}>", *(f"    {line}" for line in lines), f"  </{tag}>"]
+        if self._home:
+            joints = [joint for body in self._order("world") for joint in self._joints[body]]
+            pose = exact([self._home[joint] for joint in joints])
+            text += ["  <keyframe>", f'    <key name="home" qpos="{pose}"/>', "  </keyframe>"]
         return {f"{self.name}.xml": "\n".join([*text, "</mujoco>", ""])}

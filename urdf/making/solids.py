@@ -144,3 +144,14 @@ def columns(
             rod(foot - width * Z, foot - 0.5 * width * Z, 1.2 * width, "rubber"),
         ]
     return solids
+
+
+def meet(first: Array, r1: float, second: Array, r2: float, side: float) -> Array:
+    """Return the point at given distances from two others, to the left (1) or right of the way."""
+    across = second - first
+    distance = float(np.linalg.norm(across))
+    along = (r1**2 - r2**2 + distance**2) / (2.0 * distance)
+    x, z = across / distance
+    return np.asarray(
+        first + along * across / distance + side * np.sqrt(r1**2 - along**2) * np.array([-z, x])
+    )
