@@ -22,6 +22,9 @@ PAD = 0.0427
 HALF = 0.4
 """Angle of the drivers at home, of 0.8 where the pads touch [rad]."""
 
+TIP_HEIGHT = 0.13
+"""Of the point between the pads, as the frame ``tip`` has it [m]."""
+
 STIFFNESS, REST = 0.05, 2.62
 """Spring of each finger [N m/rad, rad]."""
 
@@ -38,6 +41,7 @@ def gripper() -> Assembly:
             box((0.012, 0.066, 0.026), 0.058 * Z, "rubber"),
         ]
     )
+    robot.site("tip", "world", np.array([0.0, 0.0, TIP_HEIGHT]))
     for name, side in (("right", 1.0), ("left", -1.0)):
         _finger(robot, name, side)
     robot.couple("left_driver", "right_driver", (0.0, 1.0, 0.0, 0.0, 0.0))
