@@ -229,14 +229,13 @@ def _tree(robot: ClosedLoopRobot) -> list[_Body]:
         for joint in (closure.joint1_id, closure.joint2_id)
     }
     bodies = [_Body(_body_name(model, 0), 0, -1, pin.SE3.Identity(), [], False)]
-    waiting: list[tuple[int, int, list[int]]] = [(joint, 0, []) for joint in reversed(children[0])]
+    # What floats stands beside the base, and so comes after all that the base carries.
+    roots = sorted(children[0], key=lambda joint: _is_free(model, joint) and _has_mass(model, joint))
+    waiting: list[tuple[int, int, list[int]]] = [(joint, 0, []) for joint in reversed(roots)]
     while waiting:
         joint, parent, carriers = waiting.pop()
         chain = [*carriers, joint]
-        if (
-            model.inertias[joint].mass < LEAST
-            and np.abs(model.inertias[joint].inertia).max() < LEAST
-        ):
+        if not _has_mass(model, joint):
             if joint in closed or len(children[joint]) != 1:
                 raise MasslessBody(_body_name(model, joint), joint in closed, len(children[joint]))
             waiting.append((children[joint][0], parent, chain))
@@ -268,7 +267,16 @@ def _floating(model: pin.Model, body: _Body) -> bool:
     """Tell whether a body is free in the world by one joint."""
     if len(body.joints) != 1 or body.parent != 0:
         return False
-    return "FreeFlyer" in str(model.joints[body.joints[0][0]].shortname())
+    return _is_free(model, body.joints[0][0])
+
+
+def _is_free(model: pin.Model, joint: int) -> bool:
+    return "FreeFlyer" in str(model.joints[joint].shortname())
+
+
+def _has_mass(model: pin.Model, joint: int) -> bool:
+    inertia = model.inertias[joint]
+    return bool(inertia.mass >= LEAST or np.abs(inertia.inertia).max() >= LEAST)
 
 
 def _neutral(model: pin.Model, number: int) -> Any:

@@ -37,7 +37,7 @@ class Assembly:
         self.name, self.title = name, title
         self._places: dict[str, Array] = {"world": np.zeros(3)}
         self._bodies: dict[str, list[str]] = {"world": []}
-        self._joints: dict[str, list[str]] = {"world": []}
+        self._joints: dict[str, Joint] = {}
         self._children: dict[str, list[str]] = {"world": []}
         self._loops: list[str] = []
         self._couplings: list[str] = []
@@ -76,7 +76,7 @@ class Assembly:
         self._places[name] = here
         self._children[parent].append(name)
         self._children[name] = []
-        self._joints[name] = [joint.name]
+        self._joints[name] = joint
         self._bodies[name] = [
             f'<{tag} name="{joint.name}"{kind}{axis}{more}/>',
             (
@@ -123,7 +123,7 @@ class Assembly:
         )
 
     def home(self, angles: Mapping[str, float]) -> None:
-        """Give another pose for home, by the angles of all joints, which are hinges."""
+        """Give another pose for home than all zeros, by the angles of hinges."""
         self._home = dict(angles)
 
     def _geoms(self, solids: Sequence[Solid], origin: Array) -> list[str]:
@@ -161,6 +161,13 @@ class Assembly:
         """Return a body and all that it carries, in the order of the file."""
         return [name, *(one for child in self._children[name] for one in self._order(child))]
 
+    def _position(self, body: str) -> Array:
+        """Return the coordinates of a body's joint at home."""
+        joint, upright = self._joints[body], np.array([1.0, 0.0, 0.0, 0.0])
+        if joint.kind == "hinge":
+            return np.array([self._home.get(joint.name, 0.0)])
+        return upright if joint.kind == "ball" else np.append(self._places[body], upright)
+
     def texts(self) -> Mapping[str, str]:
         """Return the content of the file by its name."""
         materials = [
@@ -189,8 +196,6 @@ class Assembly:
                 text += ["  <worldbody>", *self._body_lines("world", 2), "  </worldbody>"]
             if lines:
                 text += [f"  <{tag}>", *(f"    {line}" for line in lines), f"  </{tag}>"]
-        if self._home:
-            joints = [joint for body in self._order("world") for joint in self._joints[body]]
-            pose = exact([self._home[joint] for joint in joints])
-            text += ["  <keyframe>", f'    <key name="home" qpos="{pose}"/>', "  </keyframe>"]
+        pose = exact(np.concatenate([self._position(name) for name in self._order("world")[1:]]))
+        text += ["  <keyframe>", f'    <key name="home" qpos="{pose}"/>', "  </keyframe>"]
         return {f"{self.name}.xml": "\n".join([*text, "</mujoco>", ""])}
