@@ -26,9 +26,11 @@ def load(name: str = "psp3", parameters: str | Parameters = "default") -> Closed
     Parameters
     ----------
     name : str
-        ``"psp3"``, the 3-PSP, which has a closed form, or ``"five_bar"``, ``"planar_3rrr"``,
-        ``"delta"``, ``"gough_stewart"`` or ``"tricept"``, whose loops are closed by iteration.
-        ``urdf/README.md`` describes them.
+        ``"psp3"``, the 3-PSP, which has a closed form; or a robot whose loops are closed by
+        iteration: ``"five_bar"``, ``"planar_3rrr"``, ``"delta"``, ``"gough_stewart"`` or
+        ``"tricept"`` of the thesis, or one of what people build: ``"planar_4rrr"``, ``"jansen"``,
+        ``"agile_eye"``, ``"hexa"``, ``"gripper"`` or ``"biped"``. ``urdf/README.md`` describes
+        them.
     parameters : str or Parameters
         Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see
         :mod:`psp3.three_psp.parameters`) or your own. The other robots have those of their files

@@ -43,7 +43,7 @@ class JansenLeg:
     """
 
     a, b, c, d, e, f, g = 0.38, 0.415, 0.393, 0.401, 0.558, 0.394, 0.367
-    h, i, j, k, l, m = 0.657, 0.49, 0.5, 0.619, 0.078, 0.15
+    h, i, j, k, lift, m = 0.657, 0.49, 0.5, 0.619, 0.078, 0.15
 
     @staticmethod
     def apex(start: Array, first: float, end: Array, last: float, side: int) -> Array:
@@ -56,7 +56,7 @@ class JansenLeg:
     def foot(self, crank: ArrayLike) -> Array:
         """Foot (..., 2), x forward and z up, seen from the crank's shaft."""
         angle = np.asarray(crank, dtype=float)
-        hip = np.full(angle.shape, -self.a - 1j * self.l)
+        hip = np.full(angle.shape, -self.a - 1j * self.lift)
         pin = self.m * np.exp(1j * angle)
         top = self.apex(hip, self.b, pin, self.j, 1)
         back = self.apex(hip, self.d, top, self.e, 1)

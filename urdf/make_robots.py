@@ -1,4 +1,6 @@
-"""Write the files of all robots but the 3-PSP: ``<name>.urdf``, ``.srdf`` and ``.yaml``, or ``.xml``.
+"""Write the files of all robots but the 3-PSP.
+
+``<name>.urdf``, ``.srdf`` and ``.yaml``, or ``<name>.xml``.
 
 Run by ``python urdf/make_robots.py [directory]``.
 
@@ -13,11 +15,11 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from making.agile_eye import agile_eye
 from making.biped import biped
 from making.delta import delta
 from making.five_bar import five_bar
 from making.gough_stewart import gough_stewart
-from making.agile_eye import agile_eye
 from making.gripper import gripper
 from making.hexa import hexa
 from making.jansen import jansen

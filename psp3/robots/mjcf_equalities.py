@@ -82,6 +82,7 @@ def add_equalities(
     """
     equality = ET.SubElement(root, "equality")
     sites = _Sites(at_joint, text)
+    ends: tuple[tuple[int, pin.SE3], ...]
     for closure in robot.constraint_models:
         kind = "weld" if closure.type == pin.ContactType.CONTACT_6D else "connect"
         ends = (

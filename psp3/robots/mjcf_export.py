@@ -183,12 +183,12 @@ def mujoco_state(
     for body in _tree(robot):
         for number, frame in body.joints:
             joint = model.joints[number]
-            q = position[joint.idx_q : joint.idx_q + joint.nq]
-            v = velocity[joint.idx_v : joint.idx_v + joint.nv]
+            x = position[joint.idx_q : joint.idx_q + joint.nq]
+            rates = velocity[joint.idx_v : joint.idx_v + joint.nv]
             if _floating(model, body):
                 # Counted from the world, not from where the body stands in the neutral pose.
-                q = pin.SE3ToXYZQUAT(model.jointPlacements[number] * pin.XYZQUATToSE3(q))
-            coordinates = _coordinates(q, v, frame.rotation)
+                x = pin.SE3ToXYZQUAT(model.jointPlacements[number] * pin.XYZQUATToSE3(x))
+            coordinates = _coordinates(np.asarray(x), rates, frame.rotation)
             qpos.append(coordinates[0])
             qvel.append(coordinates[1])
     return np.concatenate(qpos), np.concatenate(qvel)
@@ -230,7 +230,9 @@ def _tree(robot: ClosedLoopRobot) -> list[_Body]:
     }
     bodies = [_Body(_body_name(model, 0), 0, -1, pin.SE3.Identity(), [], False)]
     # What floats stands beside the base, and so comes after all that the base carries.
-    roots = sorted(children[0], key=lambda joint: _is_free(model, joint) and _has_mass(model, joint))
+    roots = sorted(
+        children[0], key=lambda joint: _is_free(model, joint) and _has_mass(model, joint)
+    )
     waiting: list[tuple[int, int, list[int]]] = [(joint, 0, []) for joint in reversed(roots)]
     while waiting:
         joint, parent, carriers = waiting.pop()

@@ -40,6 +40,7 @@ class Case(NamedTuple):
 
     @property
     def floats(self) -> bool:
+        """Whether its base floats: positions then are a number more than speeds."""
         return len(self.robot.coordinates_q) > len(self.robot.coordinates_v)
 
 
@@ -154,9 +155,7 @@ def test_export_is_read_back_as_the_same_robot(case: Case, tmp_path: Path) -> No
     assert again.mobility.degrees_of_freedom == robot.mobility.degrees_of_freedom
     for _ in range(3):
         positions, speeds = random_state(case, rng)
-        ours, theirs = (
-            one.equation_of_motion(positions, speeds) for one in (robot, again)
-        )
+        ours, theirs = (one.equation_of_motion(positions, speeds) for one in (robot, again))
         size = np.abs(ours[0]).max() + np.abs(ours[2]).max()
         for one, other in zip(ours, theirs, strict=True):
             assert np.abs(one - other).max() < max(1e-10, case.bar) * size

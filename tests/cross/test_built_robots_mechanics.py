@@ -65,9 +65,7 @@ def test_mobility_is_what_the_drawing_says(
 
 
 @pytest.mark.parametrize("name", BUILT)
-def test_the_readme_describes_the_robot(
-    name: str, robots: dict[str, psp3.ClosedLoopRobot]
-) -> None:
+def test_the_readme_describes_the_robot(name: str, robots: dict[str, psp3.ClosedLoopRobot]) -> None:
     """The row of the table: counts, and the moving mass to 0.01 kg."""
     found = re.search(rf"^\| `{name}` \|(.*)\|$", README, flags=re.MULTILINE)
     assert found is not None
@@ -210,7 +208,9 @@ def test_agile_eye_says_that_its_digits_do_not_close_it(
     mismatch = robots["agile_eye"].closure_mismatch
     assert 1e-7 < mismatch.length < 1e-5
     assert 1e-7 < mismatch.angle < 1e-5
-    assert all(robots[name].closure_mismatch.length < 1e-12 for name in BUILT if name != "agile_eye")
+    assert all(
+        robots[name].closure_mismatch.length < 1e-12 for name in BUILT if name != "agile_eye"
+    )
 
 
 # Hexa
@@ -256,7 +256,7 @@ def test_gripper_has_the_fingertips_of_two_five_bars(
     assert robot.coordinates == ("right_driver", "right_spring", "left_spring")
     drivers, springs = finger_states(30)
     positions = np.column_stack([drivers, springs])
-    for side, (name, spring) in zip((1.0, -1.0), zip(("right", "left"), springs.T, strict=True)):
+    for side, name, spring in zip((1.0, -1.0), ("right", "left"), springs.T, strict=True):
         pad = robot.frame_placement(positions, f"{name}_pad")
         expected = closed_form.place(drivers, spring)
         assert_allclose(pad[:, 1, 3], side * expected[:, 0], rtol=0, atol=TOLERANCE)
@@ -317,17 +317,13 @@ def test_gripper_holds_by_virtual_work(robots: dict[str, psp3.ClosedLoopRobot]) 
             across = derivative(lambda t, s=spring: closed_form.place(driver, s + t), 1e-3)  # noqa: B023
             by_springs.append(push @ across)
         assert_allclose(outside, [by_driver, *by_springs], rtol=0, atol=1e-9)
-        assert_allclose(
-            robot.actuation_matrix(row)[:, 0], [1.0, 0.0, 0.0], rtol=0, atol=1e-12
-        )
+        assert_allclose(robot.actuation_matrix(row)[:, 0], [1.0, 0.0, 0.0], rtol=0, atol=1e-12)
         holding = robot.inverse_dynamics(row, np.zeros(3), np.zeros(3))
         weight = pin.computeGeneralizedGravity(
             robot.model, robot.model.createData(), robot.configuration(row)
         )
         lift = robot.closure(row).complement.T @ weight
-        assert_allclose(
-            holding - lift, [0.0, *(0.05 * (pair - 2.62))], rtol=0, atol=1e-12
-        )
+        assert_allclose(holding - lift, [0.0, *(0.05 * (pair - 2.62))], rtol=0, atol=1e-12)
     with pytest.raises(UnreachableForces):
         robot.actuator_forces(row, np.zeros(3), np.zeros(3))
 
@@ -433,6 +429,4 @@ def test_motors_and_springs_of_a_biped_move_no_center_of_mass(
         momentum = pin.computeCentroidalMomentum(model, data, q, v)
         center = pin.SE3(np.eye(3), data.com[0])
         seen = pin.XYZQUATToSE3(positions[14:]).actInv(center.act(momentum))
-        assert_allclose(
-            robot.mass_matrix(positions)[14:] @ speeds, seen.vector, rtol=0, atol=1e-9
-        )
+        assert_allclose(robot.mass_matrix(positions)[14:] @ speeds, seen.vector, rtol=0, atol=1e-9)

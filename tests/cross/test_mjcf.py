@@ -40,7 +40,9 @@ def universal_joint_with_a_cross_without_mass() -> SimpleNamespace:
 
 
 MADE = (*ROBOTS_WITH_LOOPS, free_body_carried_by_an_arm, universal_joint_with_a_cross_without_mass)
-LOOPED = {name: psp3.load(name) for name in THESIS_ROBOTS} | {make.__name__: made(make) for make in MADE}
+LOOPED = {name: psp3.load(name) for name in THESIS_ROBOTS} | {
+    make.__name__: made(make) for make in MADE
+}
 
 
 @pytest.fixture(params=LOOPED)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 
-from making.solids import Array, Solid, Z, at, ball, box, rod, turn_to
-from making.urdf import Robot
+from .solids import Array, Solid, Z, at, ball, box, rod, turn_to
+from .urdf import Robot
 
 MOTOR, OUTER, INNER, PLATE = 0.13, 0.105, 0.085, 0.070
 """Distances from the center of motors, of the two joints of a leg, and of the platform's pins."""
@@ -29,7 +31,7 @@ def arc(first: Array, last: Array, radii: tuple[float, float], thick: float) -> 
     angles = np.linspace(0.0, 0.5 * np.pi, 7)
     ring = np.cos(angles)[:, None] * first + np.sin(angles)[:, None] * last
     ring *= np.linspace(*radii, len(angles))[:, None]
-    return [rod(a, b, thick, "aluminum") for a, b in zip(ring, ring[1:], strict=False)]
+    return [rod(a, b, thick, "aluminum") for a, b in itertools.pairwise(ring)]
 
 
 def agile_eye() -> Robot:
@@ -55,9 +57,7 @@ def agile_eye() -> Robot:
     ) -> None:
         """Add a link whose hinge is on an axis through the center, all solids about the center."""
         world = at(distance * along, turn_to(along))
-        inside = [
-            solid._replace(placement=world.inverse() * solid.placement) for solid in solids
-        ]
+        inside = [solid._replace(placement=world.inverse() * solid.placement) for solid in solids]
         motor = (5.0, 30.0) if parent == "base" else None
         place = last[parent].inverse() * world
         robot.body(name, inside, joint, parent, place, "z", (-1.5, 1.5), 0.0, motor)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from making.mjcf import Assembly, Joint
-from making.solids import Array, Solid, Z, ball, box, rod
+from .mjcf import Assembly, Joint, More
+from .solids import Array, Solid, Z, ball, box, rod
 
 PELVIS_HEIGHT = 1.0
 """Of the floating base at home [m]."""
@@ -106,20 +106,18 @@ def pins() -> Pins:
     between = np.arccos((distance**2 + arm**2 - PLANTAR**2) / (2.0 * distance * arm))
     plantar = crank + turned(np.arctan2(across[1], across[0]) - between, (float(arm), 0.0))
     sole = [ankle + turned(foot_at, end) for end in ((-0.053, 0.093), (0.070, -0.010))]
-    return Pins(
-        hip, knee, shin, tarsus, heel, end, crank, plantar, ankle, horn, sole[0], sole[1]
-    )
+    return Pins(hip, knee, shin, tarsus, heel, end, crank, plantar, ankle, horn, sole[0], sole[1])
 
 
 def biped() -> Assembly:
     """Return a pelvis with two legs, all motors but the toes' at hip and knee."""
     robot = Assembly("biped", "Biped on a floating base with rod-driven legs and springs.")
     up = PELVIS_HEIGHT * Z
+    near, far = np.array([-0.02, 0.10, 0.0]), np.array([-0.02, 0.17, 0.0])
     trunk = [
-        box((0.16, 0.17, 0.13), up + [0.03, 0.0, 0.05], "anodized"),
-        box((0.05, 0.12, 0.09), up + [0.10, 0.0, 0.16], "rubber"),
-        *(rod(up + [-0.02, s * 0.10, 0.0], up + [-0.02, s * 0.17, 0.0], 0.03, "anodized")
-          for s in (-1.0, 1.0)),
+        box((0.16, 0.17, 0.13), up + np.array([0.03, 0.0, 0.05]), "anodized"),
+        box((0.05, 0.12, 0.09), up + np.array([0.10, 0.0, 0.16]), "rubber"),
+        *(rod(up + near * [1, s, 1], up + far * [1, s, 1], 0.03, "anodized") for s in (-1.0, 1.0)),
     ]
     robot.body("pelvis", "world", up, Joint("root", "free"), trunk)
     robot.site("tip", "pelvis", up)
@@ -134,7 +132,7 @@ def _leg(robot: Assembly, name: str, side: float) -> None:
 
     def place(point: Array, inward: float = 0.0) -> Array:
         """Return a point of the leg's plane, or beside it, in the world."""
-        return hip + np.array([point[1], -side * inward, -point[0]])
+        return np.asarray(hip + np.array([point[1], -side * inward, -point[0]]))
 
     def bar(first: Array, last: Array, radius: float, material: str = "carbon") -> Solid:
         return rod(first, last, radius, material, 0.75 * radius)
@@ -145,18 +143,18 @@ def _leg(robot: Assembly, name: str, side: float) -> None:
         if joint == "hip_roll" and side < 0.0:
             low, high = -high, -low
         robot.motor(f"{name}_{joint}", torque)
-        more = {"range": (low, high), "actuatorfrcrange": (-torque, torque), "armature": rotor}
+        more: More = {
+            "range": (low, high),
+            "actuatorfrcrange": (-torque, torque),
+            "armature": rotor,
+        }
         return Joint(f"{name}_{joint}", axis=axis, more=more)
 
-    def add(
-        body: str, parent: str, where: Array, joint: Joint, solids: list[Solid]
-    ) -> None:
+    def add(body: str, parent: str, where: Array, joint: Joint, solids: list[Solid]) -> None:
         robot.body(f"{name}_{body}", parent and f"{name}_{parent}", where, joint, solids)
 
     pitch = (0.0, -1.0, 0.0)
-    roll, yaw = (
-        PELVIS_HEIGHT * Z + np.array([x, side * y, z]) for x, y, z in (HIP_ROLL, HIP_YAW)
-    )
+    roll, yaw = (PELVIS_HEIGHT * Z + np.array([x, side * y, z]) for x, y, z in (HIP_ROLL, HIP_YAW))
     forward = np.array([1.0, 0.0, 0.0])
     robot.body(
         f"{name}_hip_roll",
@@ -186,7 +184,7 @@ def _leg(robot: Assembly, name: str, side: float) -> None:
         ],
     )
     add("knee", "thigh", knee, motor("knee", pitch), [rod(knee, shin, 0.022, "anodized")])
-    sprung = {"range": (-0.35, 0.35), "stiffness": SHIN_STIFFNESS}
+    sprung: More = {"range": (-0.35, 0.35), "stiffness": SHIN_STIFFNESS}
     add(
         "shin",
         "knee",
@@ -222,7 +220,13 @@ def _leg(robot: Assembly, name: str, side: float) -> None:
     )
     plantar, horn = (place(p, -0.023) for p in (at_pin.plantar, at_pin.horn))
     crank_beside = place(at_pin.crank, -0.023)
-    add("toe_crank", "tarsus", crank, motor("toe", pitch), [rod(crank_beside, plantar, 0.01, "steel")])
+    add(
+        "toe_crank",
+        "tarsus",
+        crank,
+        motor("toe", pitch),
+        [rod(crank_beside, plantar, 0.01, "steel")],
+    )
     add(
         "plantar_rod",
         "toe_crank",

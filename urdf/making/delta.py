@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.solids import Y, Z, around, at, ball, beams, box, columns, cross, moved, rod, turn
-from making.urdf import Robot
+from .solids import Y, Z, around, at, ball, beams, box, columns, cross, moved, rod, turn
+from .urdf import Robot
 
 
 def delta() -> Robot:

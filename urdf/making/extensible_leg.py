@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.solids import Z, at, ball, cross, rod, turn_to, Array
-from making.urdf import Robot
+from .solids import Array, Z, at, ball, cross, rod, turn_to
+from .urdf import Robot
 
 
 def extensible_leg(

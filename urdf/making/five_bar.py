@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.solids import X, Y, Z, at, box, rod
-from making.urdf import Robot
+from .solids import X, Y, Z, at, box, rod
+from .urdf import Robot
 
 
 def five_bar() -> Robot:

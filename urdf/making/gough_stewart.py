@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.extensible_leg import extensible_leg
-from making.solids import Z, around, at, ball, cross, moved, rod, turn_to
-from making.urdf import Robot
+from .extensible_leg import extensible_leg
+from .solids import Z, around, at, cross, moved, rod, turn_to
+from .urdf import Robot
 
 
 def gough_stewart() -> Robot:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.mjcf import Assembly, Joint
-from making.solids import Array, Z, box, meet, rod
+from .mjcf import Assembly, Joint, More
+from .solids import Array, Solid, Z, box, meet, rod
 
 DRIVER, SPRING = (0.0306, 0.0549), (0.0132, 0.0609)
 """Pins of a finger's two arms on the palm, (y, z) [m]."""
@@ -92,16 +92,18 @@ def _finger(robot: Assembly, name: str, side: float) -> None:
     # Bars lie in layers: arms outside, coupler and fingertip between them.
     across = np.array([0.004, 0.0, 0.0])
 
-    def bar(first: str, last: str, layer: float, thick: float) -> list:
+    def bar(first: str, last: str, layer: float, thick: float) -> list[Solid]:
         return [
-            rod(pins[first] + k * layer * across, pins[last] + k * layer * across, thick, "aluminum")
+            rod(
+                pins[first] + k * layer * across, pins[last] + k * layer * across, thick, "aluminum"
+            )
             for k in (-1.0, 1.0)
         ]
 
-    def pin(at: str, layer: float) -> list:
+    def pin(at: str, layer: float) -> list[Solid]:
         return [rod(pins[at] - layer * across, pins[at] + layer * across, 0.003, "steel")]
 
-    driven = {"range": (0.0, 0.8), "actuatorfrcrange": (-5.0, 5.0), "armature": 0.005}
+    driven: More = {"range": (0.0, 0.8), "actuatorfrcrange": (-5.0, 5.0), "armature": 0.005}
     robot.body(
         f"{name}_driver",
         "world",
@@ -116,7 +118,7 @@ def _finger(robot: Assembly, name: str, side: float) -> None:
         Joint(f"{name}_coupler", axis=axis, more={"range": (-1.57, 0.5)}),
         bar("coupler", "end", 2.0, 0.003),
     )
-    sprung = {"range": (-0.3, 0.8), "stiffness": STIFFNESS, "springref": REST}
+    sprung: More = {"range": (-0.3, 0.8), "stiffness": STIFFNESS, "springref": REST}
     robot.body(
         f"{name}_spring_arm",
         "world",

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.mjcf import Assembly, Joint
-from making.solids import Solid, Y, Z, around, ball, box, rod
+from .mjcf import Assembly, Joint
+from .solids import Solid, Z, around, ball, box, rod
 
 BASE, PLATFORM, CRANK, ROD = 0.14, 0.10, 0.06, 0.20
 """Circles of the motors and of the platform's balls, and lengths [m]."""
@@ -27,14 +27,15 @@ def hexa() -> Assembly:
             feet.append(around(azimuth, BASE))
             # The two cranks of a pair point away from each other.
             along.append(side * around(thirds * pair + 0.5 * np.pi, 1.0))
-            corners.append(
-                around(thirds * (pair + 0.5 * side) - side * NEAR_PLATFORM, PLATFORM)
-            )
+            corners.append(around(thirds * (pair + 0.5 * side) - side * NEAR_PLATFORM, PLATFORM))
     ends = [foot + CRANK * way for foot, way in zip(feet, along, strict=True)]
     # All rods are as steep as each other at home.
     level = float(np.linalg.norm(corners[0] - ends[0]))
     lift = np.sqrt(ROD**2 - level**2) * Z
-    floor = [rod(-0.07 * Z, -0.055 * Z, 0.18, "anodized"), rod(-0.08 * Z, -0.07 * Z, 0.17, "rubber")]
+    floor = [
+        rod(-0.07 * Z, -0.055 * Z, 0.18, "anodized"),
+        rod(-0.08 * Z, -0.07 * Z, 0.17, "rubber"),
+    ]
     for number, foot in enumerate(feet):
         azimuth = thirds * (number // 2)
         inward = -around(azimuth, 1.0)
@@ -57,11 +58,17 @@ def hexa() -> Assembly:
         thin = [rod(end, corner, 0.004, "carbon")]
         robot.body(f"{leg}_rod", f"{leg}_crank", end, Joint(f"{leg}_ball", "ball"), thin)
         robot.motor(f"{leg}_motor", 3.0)
-    robot.body("platform", "leg1_rod", corners[0] + lift, Joint("platform_ball", "ball"), [
-        rod(lift + 0.004 * Z, lift + 0.012 * Z, 0.11, "aluminum"),
-        rod(lift + 0.012 * Z, lift + 0.06 * Z, 0.008, "accent"),
-        *(_socket(corner + lift) for corner in corners),
-    ])
+    robot.body(
+        "platform",
+        "leg1_rod",
+        corners[0] + lift,
+        Joint("platform_ball", "ball"),
+        [
+            rod(lift + 0.004 * Z, lift + 0.012 * Z, 0.11, "aluminum"),
+            rod(lift + 0.012 * Z, lift + 0.06 * Z, 0.008, "accent"),
+            *(_socket(corner + lift) for corner in corners),
+        ],
+    )
     robot.site("tip", "platform", lift)
     for number in range(1, 6):
         robot.connect(f"leg{number + 1}_rod", "platform", corners[number] + lift)

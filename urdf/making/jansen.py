@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.solids import Array, Solid, X, Y, Z, at, ball, box, meet, rod
-from making.urdf import Robot
+from .solids import Array, Solid, X, Y, at, ball, box, meet, rod
+from .urdf import Robot
 
 LENGTHS = {
     "a": 38.0,
@@ -51,9 +51,7 @@ def points(angle: float) -> dict[str, Array]:
 def jansen() -> Robot:
     """Return a crank, three rods, a rocker and two triangles, in a vertical plane."""
     robot = Robot("jansen", "Jansen's leg in the plane y = 0.")
-    pins = {
-        name: np.array([point[0], 0.0, point[1]]) for name, point in points(HOME).items()
-    }
+    pins = {name: np.array([point[0], 0.0, point[1]]) for name, point in points(HOME).items()}
     # Every bar has a layer of its own.
     layers = {"j": 1.0, "k": 2.0, "f": 2.0, "c": 1.0}
 
@@ -61,8 +59,10 @@ def jansen() -> Robot:
         """Return a tube between two pins, seen from a third one."""
         depth = 0.03 * layer * Y
         start, end = (pins[name] - pins[about] + depth for name in (first, second))
-        bolts = [rod(point - 1.6 * TUBE * Y - depth, point + 1.6 * TUBE * Y, 0.005, "steel")
-                 for point in (start, end)]
+        bolts = [
+            rod(point - 1.6 * TUBE * Y - depth, point + 1.6 * TUBE * Y, 0.005, "steel")
+            for point in (start, end)
+        ]
         return [rod(start, end, TUBE, "pvc", BORE), *bolts]
 
     base = [

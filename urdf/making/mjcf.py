@@ -14,8 +14,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from making.solids import MATERIALS, Array, Solid
-from making.urdf import exact, short
+from .solids import MATERIALS, Array, Solid
+from .urdf import exact, short
+
+More = Mapping[str, float | tuple[float, float]]
+"""Attributes of a joint in MJCF."""
 
 
 class Joint(NamedTuple):
@@ -27,11 +30,11 @@ class Joint(NamedTuple):
     name: str
     kind: str = "hinge"
     axis: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    more: Mapping[str, ArrayLike] = {}  # noqa: RUF012 - never changed
+    more: More = {}  # noqa: RUF012 - never changed
 
 
 class Assembly:
-    """A robot as it stands with all joints at zero, with its loops, couplings, tendons and motors."""
+    """A robot as it stands with all joints at zero: loops, couplings, tendons and motors."""
 
     def __init__(self, name: str, title: str) -> None:
         self.name, self.title = name, title
@@ -130,11 +133,12 @@ class Assembly:
         lines = []
         for solid in solids:
             half = 0.5 * np.array(solid.size)
-            size = {
+            sizes: dict[str, ArrayLike] = {
                 "box": half,
                 "sphere": [solid.size[0]],
                 "cylinder": [solid.size[0], half[-1]],
-            }[solid.shape]
+            }
+            size = sizes[solid.shape]
             x, y, z, w = pin.Quaternion(solid.placement.rotation).coeffs()
             turned = "" if abs(w) > 1.0 - 1e-12 else f' quat="{short([w, x, y, z])}"'
             lines.append(

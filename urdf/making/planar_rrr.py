@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from making.solids import X, Z, around, at, box, moved, rod, turn
-from making.urdf import Robot
+from .solids import Z, around, at, box, moved, rod, turn
+from .urdf import Robot
 
 BASE, PLATFORM, CRANK, COUPLER = 0.3, 0.08, 0.16, 0.18
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from making.extensible_leg import extensible_leg
-from making.solids import X, Y, Z, around, at, beams, box, columns, rod
-from making.urdf import Robot
+from .extensible_leg import extensible_leg
+from .solids import X, Y, Z, around, at, beams, box, columns, rod
+from .urdf import Robot
 
 
 def tricept() -> Robot:

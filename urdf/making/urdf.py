@@ -8,7 +8,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from making.solids import MATERIALS, Solid, at
+from .solids import MATERIALS, Solid, at
 
 NO_MASS = (
     "    <inertial>",
