@@ -395,6 +395,12 @@ def test_biped_bends_as_cassie_does() -> None:
     assert toe_crank(-1.5968) == pytest.approx(-1.5244, abs=0.04)
 
 
+def test_a_spinning_rod_moves_no_floating_base(robots: dict[str, psp3.ClosedLoopRobot]) -> None:
+    held = robots["biped"].locked
+    assert [one.joint for one in held] == ["left_achilles", "right_achilles"]
+    assert all(one.moving == (one.joint,) for one in held)
+
+
 def test_biped_falls_freely(robots: dict[str, psp3.ClosedLoopRobot]) -> None:
     """With no force of its motors and its springs at rest, nothing moves but the whole, by g."""
     robot = robots["biped"]
