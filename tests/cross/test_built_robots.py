@@ -20,6 +20,8 @@ import psp3
 from psp3.description.parts import MJCF_ROBOTS, ROBOTS, THESIS_ROBOTS
 from psp3.errors import InvalidValue
 from psp3.robots.mjcf_export import mujoco_state, to_mjcf
+from psp3.simulation.mujoco import MuJoCo
+from psp3.simulation.runge_kutta import RungeKutta
 from tests.cross.test_mujoco_structures import held_rows
 from tests.helpers import Array, derivative
 from tests.mujoco_null_space import NullSpace, mujoco, shipped
@@ -240,3 +242,51 @@ def test_a_rod_that_is_off_its_axis_is_not_exported(tmp_path: Path) -> None:
     heavy = psp3.ClosedLoopRobot(model, robot.constraint_models, robot.actuated, robot.q0)
     with pytest.raises(InvalidValue, match="spin of leg3_ball"):
         to_mjcf(heavy)
+
+
+# The other routes
+
+
+@pytest.mark.parametrize("route", ["pinocchio", "noc"])
+def test_other_routes_agree_or_say_what_they_do_not_know(case: Case, route: str) -> None:
+    """M, C v and G to 1e-10 where all closures are points; what else there is, is named."""
+    robot, rng = case.robot, np.random.default_rng(5)
+    unknown = {
+        "agile_eye": "hinges",
+        "hexa": "a ball whose spin is held",
+        "gripper": "springs",
+        "biped": "springs",
+    }
+    if case.name in unknown:
+        with pytest.raises(InvalidValue, match=unknown[case.name]):
+            robot.dynamics(route)
+        return
+    other = robot.dynamics(route)
+    for _ in range(STATES):
+        positions, speeds = random_state(case, rng)
+        (M, C, G), (M2, C2, G2) = (
+            one.equation_of_motion(positions, speeds) for one in (robot, other)
+        )
+        size = np.abs(M).max()
+        assert np.abs(M - M2).max() < 1e-10 * size
+        assert np.abs((C - C2) @ speeds).max() < 1e-10 * size
+        assert np.abs(G - G2).max() < 1e-10 * (size + np.abs(G).max())
+
+
+@pytest.mark.parametrize("name", ["jansen", "agile_eye", "hexa"])
+def test_computed_torque_moves_them_alike_in_both_engines(name: str) -> None:
+    """From 5 mrad beside the path, with ours and with MuJoCo as the plant, as other robots.
+
+    Loops of MuJoCo give way. Where they are rounded, they are springs that pull against each other,
+    by micrometers in milliseconds: 6e-3 rad of the Agile Eye's 0.04 rad.
+    """
+    robot = psp3.load(name)
+    goal = robot.reference + np.linspace(0.02, 0.04, len(robot.actuated))
+    way = psp3.trajectories.PointToPoint(robot.reference, goal, 0.2, robot)
+    controller, start = psp3.ComputedTorque(robot, 100.0, 20.0), robot.reference - 0.005
+    theirs, ours = (
+        psp3.simulate(robot, controller, way, 0.2, initial_positions=start, plant=plant).positions
+        for plant in (MuJoCo(robot, 4), RungeKutta(robot))
+    )
+    assert np.abs(ours - start).max() > 0.02
+    assert np.abs(theirs - ours).max() < (1e-2 if name == "agile_eye" else 1e-6)
