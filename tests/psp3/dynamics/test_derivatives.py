@@ -170,7 +170,7 @@ def states(
     robot: ClosedLoopRobot, count: int, reach: float = 0.05
 ) -> list[tuple[Array, Array, Array]]:
     """Positions near the reference pose, speeds and accelerations (or forces) of the order of 1."""
-    rng, n = np.random.default_rng(11), len(robot.actuated)
+    rng, n = np.random.default_rng(11), len(robot.coordinates_v)
     return [
         (robot.reference + rng.uniform(-reach, reach, n), *rng.normal(size=(2, n)))
         for _ in range(count)
