@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal, overload
 
-from psp3.description.parts import ROBOT_FILES, ROBOTS
+from psp3.description.parts import MJCF_ROBOTS, ROBOT_FILES, ROBOTS
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.three_psp.model import load_psp3
@@ -26,9 +26,11 @@ def load(name: str = "psp3", parameters: str | Parameters = "default") -> Closed
     Parameters
     ----------
     name : str
-        ``"psp3"``, the 3-PSP, which has a closed form, or ``"five_bar"``, ``"planar_3rrr"``,
-        ``"delta"``, ``"gough_stewart"`` or ``"tricept"``, whose loops are closed by iteration.
-        ``urdf/README.md`` describes them.
+        ``"psp3"``, the 3-PSP, which has a closed form; or a robot whose loops are closed by
+        iteration: ``"five_bar"``, ``"planar_3rrr"``, ``"delta"``, ``"gough_stewart"`` or
+        ``"tricept"`` of the thesis, or one of what people build: ``"planar_4rrr"``, ``"jansen"``,
+        ``"agile_eye"``, ``"hexa"``, ``"gripper"`` or ``"biped"``. ``urdf/README.md`` describes
+        them.
     parameters : str or Parameters
         Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see
         :mod:`psp3.three_psp.parameters`) or your own. The other robots have those of their files
@@ -57,5 +59,8 @@ def load(name: str = "psp3", parameters: str | Parameters = "default") -> Closed
         raise InvalidValue(
             "parameters", parameters, f"'default' for robot {name!r}: only 'psp3' has other sets"
         )
+    if name in MJCF_ROBOTS:
+        # Their springs move, with or without a motor.
+        return ClosedLoopRobot.from_mjcf(ROBOT_FILES / f"{name}.xml", free="keep")
     files = (ROBOT_FILES / f"{name}.{kind}" for kind in ("urdf", "yaml", "srdf"))
     return ClosedLoopRobot.from_urdf(*files)

@@ -1187,9 +1187,9 @@ class ClosedLoopRobot:
         return self._ask(ENERGIES, 2, None, positions, speeds, speeds)[..., 0]
 
     def potential_energy(self, positions: ArrayLike) -> Array:
-        """Return the potential energy in the field of gravity [J], of shape (...,).
+        """Return the potential energy in the field of gravity and in springs [J], (...,).
 
-        Zero with all masses at the base's height.
+        Zero with all masses at the base's height and all springs at rest.
         """
         rest = np.zeros(self._speed_count)
         return self._ask(ENERGIES, 2, None, positions, rest, rest)[..., 1]
