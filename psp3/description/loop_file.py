@@ -171,7 +171,9 @@ def _frame(model: pin.Model, name: str, pair: tuple[str, str], path: str | Path)
     return first
 
 
-def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
+def constraint_models(
+    model: pin.Model, loops: Loops, path: str | Path, key: str = "name_mot"
+) -> Any:
     """Return the loops as Pinocchio constraint models.
 
     Parameters
@@ -182,6 +184,8 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
         Frame pairs and kinds of closure.
     path : path
         The loop file, for error messages.
+    key : str
+        What names the motors, for error messages.
 
     Returns
     -------
@@ -208,7 +212,7 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
             )
         )
         models[-1].name = f"{pair[0]}-{pair[1]}"
-    check_actuated(model, loops.actuated, path, "name_mot")
+    check_actuated(model, loops.actuated, path, key)
     return models
 
 

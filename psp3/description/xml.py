@@ -17,7 +17,6 @@ import numpy as np
 from psp3.checks import Array
 from psp3.errors import InvalidRobotFile
 
-
 LONGEST_SHOWN = 80
 """So many characters of an attribute are shown in an error message."""
 

@@ -324,23 +324,29 @@ class ClosedLoopRobot:
     def from_urdf(
         cls,
         urdf: str | Path,
-        loops: str | Path,
+        loops: str | Path | None = None,
         srdf: str | Path | None = None,
         *,
+        actuated: Sequence[str] | None = None,
         free: str = "lock",
         coordinates: Sequence[str] | None = None,
         closures: Sequence[tuple[str, str, str]] = (),
     ) -> ClosedLoopRobot:
-        """Load a robot from a URDF and a loop file.
+        """Load a robot from a URDF, with a loop file or without.
 
         Parameters
         ----------
         urdf : path
             The tree, with the frames that the loops join.
-        loops : path
-            The loop file, in the keys of :mod:`psp3.description.loop_file`.
+        loops : path, optional
+            The loop file, in the keys of :mod:`psp3.description.loop_file`. Without one, frames
+            ``closing_<name>_1`` and ``closing_<name>_2`` are joined, see
+            :mod:`psp3.description.closing_frames`; a URDF without such frames is a tree.
         srdf : path, optional
             Reference poses; the pose ``home`` becomes ``q0``.
+        actuated : sequence of str, optional
+            Names of the motors; by default those of the loop file, or, of a tree, all joints of one
+            degree of freedom that mimic no other.
         free, coordinates, closures
             See the class.
 
@@ -348,10 +354,11 @@ class ClosedLoopRobot:
         ------
         InvalidRobotFile
             If a file is missing or malformed, or a frame or joint it names does not exist.
+        InvalidValue
+            If a robot has loops, but neither a loop file nor ``actuated``.
         """
-        robot = cls(
-            *read_robot(urdf, loops, srdf), free=free, coordinates=coordinates, closures=closures
-        )
+        parts = read_robot(urdf, loops, srdf, actuated, closures)
+        robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
         robot.urdf, robot.srdf = Path(urdf), None if srdf is None else Path(srdf)
         return robot
 
