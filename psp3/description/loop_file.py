@@ -25,6 +25,7 @@ import pinocchio as pin
 from psp3.description.joint_replacement import REPLACEMENTS
 from psp3.errors import InvalidRobotFile
 from psp3.multibody.equations import Hinge
+from psp3.multibody.named_frames import frames_named
 
 KINDS = ("6d", "3d", "hinge")
 
@@ -155,9 +156,10 @@ def _replaced(
 def _frame(model: pin.Model, name: str, pair: tuple[str, str], path: str | Path) -> Any:
     """Return the frame of a name.
 
-    A URDF may give a joint and a link the same one, which is clear if the two coincide.
+    A URDF may give a joint and a link the same one, which is clear if the two coincide, or if it is
+    said which is meant, as ``body:name`` or ``joint:name``.
     """
-    first, *others = [frame for frame in model.frames if frame.name == name] or [None]
+    first, *others = [model.frames[number] for number in frames_named(model, name)] or [None]
     if first is None:
         raise InvalidRobotFile(path, f"closed loop {list(pair)}: the robot has no frame {name!r}")
     for other in others:
@@ -165,8 +167,8 @@ def _frame(model: pin.Model, name: str, pair: tuple[str, str], path: str | Path)
         if other.parentJoint != first.parentJoint or apart > SAME_PLACE:
             raise InvalidRobotFile(
                 path,
-                f"closed loop {list(pair)}: the robot has several frames {name!r}; rename the "
-                "others",
+                f"closed loop {list(pair)}: the robot has several frames {name!r}; say "
+                f"which, 'body:{name}', 'frame:{name}' or 'joint:{name}'",
             )
     return first
 

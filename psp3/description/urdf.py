@@ -115,7 +115,7 @@ def _motors(
         return tuple(actuated)
     movable = tuple(
         name
-        for name, joint in zip(model.names, model.joints, strict=True)
+        for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
         if joint.nv == 1 and name not in followers
     )
     if has_loops:

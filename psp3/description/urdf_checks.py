@@ -123,8 +123,6 @@ def check_urdf(path: Path, root: ElementTree.Element) -> None:
 
     It must be one tree of links with finite numbers.
     """
-    if not root.get("name"):
-        raise InvalidRobotFile(path, "the <robot> has no name")
     _check_places(path, root)
     links, joints = (
         unique_names(path, root.findall("link")),
@@ -189,7 +187,7 @@ def _check_mimics(path: Path, joints: Mapping[str, ElementTree.Element]) -> None
     leaders = {
         name: mimic.attrib["joint"]
         for name, joint in joints.items()
-        if (mimic := joint.find("mimic")) is not None
+        if (mimic := joint.find("mimic")) is not None and joint.get("type") != "fixed"
     }
     for name, leader in leaders.items():
         if leader not in joints:

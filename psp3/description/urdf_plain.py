@@ -26,9 +26,10 @@ brought to one.
 def plain_urdf(urdf: str | Path) -> ElementTree.Element:
     """Return the outermost element of a URDF that was checked, in plain words.
 
-    The axis of every joint is written out. A planar joint moves in the plane that its axis is
-    normal to, as the format says; Pinocchio passes over that axis, so such a joint is turned, and
-    its link hangs, turned back, on a link between.
+    A robot without a name is called as its file, and a fixed joint mimics nothing. The axis of
+    every joint is written out. A planar joint moves in the plane that its axis is normal to, as the
+    format says; Pinocchio passes over that axis, so such a joint is turned, and its link hangs,
+    turned back, on a link between.
 
     Raises
     ------
@@ -40,7 +41,11 @@ def plain_urdf(urdf: str | Path) -> ElementTree.Element:
     root = read_xml(path, "robot")
     check_urdf(path, root)
     plain = _plain(path, root)
+    plain.set("name", root.get("name") or path.stem)
     for joint in plain.findall("joint"):
+        mimic = joint.find("mimic")
+        if joint.get("type") == "fixed" and mimic is not None:
+            joint.remove(mimic)
         if joint.get("type") in (*TURNING, "planar"):
             _write_axis(joint)
         if joint.get("type") == "planar":

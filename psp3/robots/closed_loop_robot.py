@@ -72,6 +72,7 @@ from psp3.multibody.motion import (
     MOTION,
     NOT_FINITE,
 )
+from psp3.multibody.named_frames import frame_number
 from psp3.robots.construction import motor_matrix, named_closures
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.pickling import constraints, plain
@@ -1074,7 +1075,8 @@ class ClosedLoopRobot:
         positions : (..., n) array_like
             Actuated positions.
         frame : str
-            Name of a frame of the model.
+            Name of a frame of the model. Where a body and a joint share it, the body is meant,
+            and ``joint:name`` means the other.
 
         Returns
         -------
@@ -1086,7 +1088,7 @@ class ClosedLoopRobot:
         UnknownName
             If the model has no such frame.
         """
-        index = self._frame(frame)
+        index = frame_number(self.model, frame)
 
         def one(position: Array) -> Array:
             closure = self.closure(position)
@@ -1109,7 +1111,8 @@ class ClosedLoopRobot:
         positions : (..., n) array_like
             Actuated positions.
         frame : str
-            Name of a frame of the model.
+            Name of a frame of the model. Where a body and a joint share it, the body is meant,
+            and ``joint:name`` means the other.
 
         Returns
         -------
@@ -1123,7 +1126,7 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, JointLimitExceeded
             See :meth:`configuration`.
         """
-        index = self._frame(frame)
+        index = frame_number(self.model, frame)
         configurations = self.configuration(positions)
 
         def one(q: Array) -> Array:
@@ -1183,11 +1186,6 @@ class ClosedLoopRobot:
             "one with an inverse kinematics of its tip, as the 3-PSP has; give a path of the "
             "joints",
         )
-
-    def _frame(self, frame: str) -> int:
-        if not self.model.existFrame(frame):
-            raise UnknownName("frame", frame, [known.name for known in self.model.frames])
-        return int(self.model.getFrameId(frame))
 
     def kinetic_energy(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the kinetic energy [J], of shape (...,)."""
