@@ -14,6 +14,8 @@ The keys are those of toolbox-parallel-robots, so its files can be read here and
 
 from __future__ import annotations
 
+import logging
+import reprlib
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,6 +28,11 @@ from psp3.description.joint_replacement import REPLACEMENTS
 from psp3.errors import InvalidRobotFile
 from psp3.multibody.equations import Hinge
 from psp3.multibody.named_frames import frames_named
+
+logger = logging.getLogger(__name__)
+
+KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
+"""Keys of a loop file."""
 
 KINDS = ("6d", "3d", "hinge")
 
@@ -50,7 +57,9 @@ class Loops(NamedTuple):
 
 def _names(path: Path, value: Any, key: str) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
-        raise InvalidRobotFile(path, f"key {key!r} must hold a list of names, got {value!r}")
+        raise InvalidRobotFile(
+            path, f"key {key!r} must hold a list of names, got {reprlib.repr(value)}"
+        )
     return tuple(value)
 
 
@@ -80,7 +89,7 @@ def read_loops(path: str | Path) -> Loops:
     path = Path(path)
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
         raise InvalidRobotFile(
             path, f"cannot be read as YAML ({getattr(error, 'strerror', None) or error})"
         ) from error
@@ -89,14 +98,19 @@ def read_loops(path: str | Path) -> Loops:
     missing = [key for key in ("closed_loop", "type", "name_mot") if key not in content]
     if missing:
         raise InvalidRobotFile(path, f"lacks the key {', '.join(missing)}")
+    unread = [reprlib.repr(key) for key in content if key not in KEYS]
+    if unread:
+        logger.warning("%s: these keys are not read: %s", path, ", ".join(unread))
     pairs = content["closed_loop"]
     if not isinstance(pairs, list):
         raise InvalidRobotFile(
-            path, f"key 'closed_loop' must hold a list of frame pairs, got {pairs!r}"
+            path, f"key 'closed_loop' must hold a list of frame pairs, got {reprlib.repr(pairs)}"
         )
     frames = tuple(_names(path, pair, "closed_loop") for pair in pairs)
     if any(len(pair) != 2 for pair in frames):
-        raise InvalidRobotFile(path, f"every closed loop joins two frames, got {pairs!r}")
+        raise InvalidRobotFile(
+            path, f"every closed loop joins two frames, got {reprlib.repr(pairs)}"
+        )
     itself = [pair for pair in frames if pair[0] == pair[1]]
     if itself:
         raise InvalidRobotFile(path, f"closed loop {list(itself[0])} joins a frame with itself")
@@ -105,7 +119,7 @@ def read_loops(path: str | Path) -> Loops:
         raise InvalidRobotFile(
             path,
             f"key 'type' must give '6d', '3d' or 'hinge' for each of the {len(frames)} closed "
-            f"loops, got {content['type']!r}",
+            f"loops, got {reprlib.repr(content['type'])}",
         )
     actuated = _names(path, content["name_mot"], "name_mot")
     _no_name_twice(path, actuated, "name_mot")
