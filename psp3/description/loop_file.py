@@ -31,6 +31,10 @@ from psp3.multibody.named_frames import frames_named
 
 logger = logging.getLogger(__name__)
 
+SHORT = reprlib.Repr()
+"""Writes a value in an error message: of lists in lists in lists no more than two."""
+SHORT.maxlevel = 2
+
 KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
 """Keys of a loop file."""
 
@@ -58,7 +62,7 @@ class Loops(NamedTuple):
 def _names(path: Path, value: Any, key: str) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
         raise InvalidRobotFile(
-            path, f"key {key!r} must hold a list of names, got {reprlib.repr(value)}"
+            path, f"key {key!r} must hold a list of names, got {SHORT.repr(value)}"
         )
     return tuple(value)
 
@@ -98,19 +102,17 @@ def read_loops(path: str | Path) -> Loops:
     missing = [key for key in ("closed_loop", "type", "name_mot") if key not in content]
     if missing:
         raise InvalidRobotFile(path, f"lacks the key {', '.join(missing)}")
-    unread = [reprlib.repr(key) for key in content if key not in KEYS]
+    unread = [SHORT.repr(key) for key in content if key not in KEYS]
     if unread:
         logger.warning("%s: these keys are not read: %s", path, ", ".join(unread))
     pairs = content["closed_loop"]
     if not isinstance(pairs, list):
         raise InvalidRobotFile(
-            path, f"key 'closed_loop' must hold a list of frame pairs, got {reprlib.repr(pairs)}"
+            path, f"key 'closed_loop' must hold a list of frame pairs, got {SHORT.repr(pairs)}"
         )
     frames = tuple(_names(path, pair, "closed_loop") for pair in pairs)
     if any(len(pair) != 2 for pair in frames):
-        raise InvalidRobotFile(
-            path, f"every closed loop joins two frames, got {reprlib.repr(pairs)}"
-        )
+        raise InvalidRobotFile(path, f"every closed loop joins two frames, got {SHORT.repr(pairs)}")
     itself = [pair for pair in frames if pair[0] == pair[1]]
     if itself:
         raise InvalidRobotFile(path, f"closed loop {list(itself[0])} joins a frame with itself")
@@ -119,7 +121,7 @@ def read_loops(path: str | Path) -> Loops:
         raise InvalidRobotFile(
             path,
             f"key 'type' must give '6d', '3d' or 'hinge' for each of the {len(frames)} closed "
-            f"loops, got {reprlib.repr(content['type'])}",
+            f"loops, got {SHORT.repr(content['type'])}",
         )
     actuated = _names(path, content["name_mot"], "name_mot")
     _no_name_twice(path, actuated, "name_mot")

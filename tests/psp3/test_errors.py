@@ -72,6 +72,11 @@ EXAMPLES = [
         ["0.2", "0.5", "25 %"],
     ),
     (
+        errors.ClosureFailed(np.zeros(0), 0.5, 0.0),
+        {"residual": 0.5},
+        ["the loops could not be closed near the reference pose"],
+    ),
+    (
         errors.JointLimitExceeded("b1", -0.031, 0.0, 0.6),
         {"joint": "b1", "position": -0.031, "lower": 0.0, "upper": 0.6},
         ["'b1'", "-0.031", "0 to 0.6"],
