@@ -71,6 +71,12 @@ PASSED_OVER = (
 )
 """Elements for other programs, which say nothing of the motion."""
 
+LARGEST_NUMBER = 1e50
+"""Numbers of a mechanism are multiplied with each other, up to six of them."""
+
+UNBOUNDED = ("limit", "axis")
+"""Elements whose numbers may be larger: no limit at all, and a direction of any length."""
+
 MATTERS = (
     "link",
     "joint",
@@ -216,9 +222,19 @@ def _check_numbers(path: Path, item: ElementTree.Element) -> None:
                 )
         for attribute, count in NUMBERS.get(element.tag, {}).items():
             try:
-                numbers(path, element, attribute, count)
+                values = numbers(path, element, attribute, count)
             except InvalidRobotFile as error:
                 raise InvalidRobotFile(path, f"{described(item)}: {error.reason}") from None
+            if (
+                values is not None
+                and np.abs(values).max() > LARGEST_NUMBER
+                and element.tag not in UNBOUNDED
+            ):
+                raise InvalidRobotFile(
+                    path,
+                    f"{described(item)}: {described(element)}: {attribute} is larger than "
+                    f"{LARGEST_NUMBER:g}, so that products of it are no numbers",
+                )
 
 
 def _check_inertia(path: Path, link: ElementTree.Element) -> None:

@@ -52,6 +52,7 @@ def test_our_own_files_pass(path: Path) -> None:
         ),
         ("<mass value='2'/>", "<mass value='inf'/>", "finite"),
         ("<mass value='2'/>", "<mass value='2 kg'/>", "'2 kg'"),
+        ("<mass value='2'/>", "<mass value='2e50'/>", "value is larger than 1e+50"),
         ("<mass value='2'/>", "<mass/>", "<mass> lacks value"),
         ("<mass value='2'/>", "<mass value='-2'/>", "the mass -2 is negative"),
         ("<mass value='2'/>", "", "<inertial> needs <mass> and <inertia>"),
