@@ -74,12 +74,11 @@ def shapes(tree: Tree) -> Any:
                     _color(link, visual),
                 )
             )
-    for file, reason in unreadable.items():
+    if unreadable:
         logger.warning(
-            "%s: mesh %s cannot be read and is not drawn (%s)",
+            "%s: meshes that cannot be read and are not drawn: %s",
             tree.reader.found.links[0].document.path,
-            file,
-            reason,
+            "; ".join(f"{file} ({reason})" for file, reason in unreadable.items()),
         )
     return drawn
 
@@ -120,7 +119,7 @@ def _mesh(
 ) -> tuple[Any, str, Array] | None:
     import coal
 
-    uri = link.document.text(mesh, "uri") or ""
+    uri = (mesh.findtext("uri") or "").strip()
     scale = link.document.numbers(mesh, "scale", 3)
     scale = np.ones(3) if scale is None else scale
     if uri in unreadable:

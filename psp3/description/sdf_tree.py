@@ -118,8 +118,10 @@ class Tree:
 
     def _must_stay(self, joint: Joint) -> bool:
         is_plain = joint.kind in ("revolute", "continuous", "ball")
-        is_kept = any(name in self.kept for name in (joint.name, *(a.name for a in joint.axes)))
-        return not is_plain or is_kept or any(axis.acts for axis in joint.axes)
+        return not is_plain or self._is_kept(joint) or any(axis.acts for axis in joint.axes)
+
+    def _is_kept(self, joint: Joint) -> bool:
+        return any(name in self.kept for name in (joint.name, *(a.name for a in joint.axes)))
 
     def _grow(self, joints: Sequence[Joint], doubled: Sequence[Joint]) -> None:
         """Add all bodies, every chain to its end before the next one."""
@@ -132,25 +134,49 @@ class Tree:
         self._copies = dict.fromkeys((joint.name for joint in doubled), 0)
         self._add_body(0, 0)
         self._branch(0, of_body)
-        for link in self._bases():
+        floating = False
+        for link in self._bases(joints):
             body = self.body(link)
             if body in self._joint_of:
                 continue
-            where = self.reader.placement(link)
-            number = self.model.addJoint(0, pin.JointModelFreeFlyer(), where, self._base(link))
-            self._origins.append(where)
-            self.model.addJointFrame(number)
+            number = self._float(link, is_first=not floating)
+            floating = True
             self._add_body(body, number)
             self._branch(body, of_body)
 
-    def _bases(self) -> list[Frame]:
-        """Return links on which a part may float: those of the models first."""
-        models = [self.reader.link(model) for model in self.reader.found.models]
-        return [link for link in (*models, *self.reader.found.links) if link is not None]
+    def _bases(self, joints: Sequence[Joint]) -> list[Frame]:
+        """Return links on which a part may float, those of the first one that has a motor first."""
+        links = [self.reader.link(model) for model in self.reader.found.models]
+        bases = [link for link in (*links, *self.reader.found.links) if link is not None]
+        group = list(range(max(self._bodies.values(), default=0) + 1))
+        for joint in joints:
+            one, two = (_root(group, self.body(end)) for end in (joint.parent, joint.child))
+            group[one] = two
+        driven = [joint for joint in joints if self._is_kept(joint)]
+        first = {_root(group, self.body(joint.child)) for joint in driven[:1]}
+        return sorted(bases, key=lambda link: _root(group, self.body(link)) not in first)
 
-    def _base(self, link: Frame) -> str:
-        name = link.scope.prefix + "root_joint"
-        return name if not self.model.existJointName(name) else f"{link.full_name}_{'root_joint'}"
+    def _float(self, link: Frame, *, is_first: bool) -> int:
+        """Add what lets a part float; return the number of its last joint.
+
+        That is one joint for the first part, and six for any other: a robot has one floating base,
+        and of six joints each can be a coordinate, or be held.
+        """
+        where, prefix = self.reader.placement(link), f"{link.scope.prefix}root_joint"
+        if self.model.existJointName(prefix) or self.model.existJointName(f"{prefix}_x"):
+            prefix = f"{link.full_name}_root_joint"
+        joints = [(prefix, pin.JointModelFreeFlyer())]
+        if not is_first:
+            joints = [(f"{prefix}_{end}", model()) for end, model in _SIX]
+        number = 0
+        for name, model in joints:
+            if self.model.existJointName(name):
+                raise link.document.wrong(f"two joints of the robot would be {name!r}")
+            place = self._origins[number].actInv(where)
+            number = self.model.addJoint(number, model, place, name)
+            self._origins.append(where)
+            self.model.addJointFrame(number)
+        return number
 
     def _branch(self, start: int, of_body: dict[int, list[Joint]]) -> None:
         waiting = [(start, joint) for joint in reversed(of_body.get(start, []))]
@@ -283,6 +309,16 @@ class Tree:
                     False,
                 )
 
+
+_SIX = (
+    ("x", pin.JointModelPX),
+    ("y", pin.JointModelPY),
+    ("z", pin.JointModelPZ),
+    ("yaw", pin.JointModelRZ),
+    ("pitch", pin.JointModelRY),
+    ("roll", pin.JointModelRX),
+)
+"""Joints that let a second part float."""
 
 _ENTRIES = (
     (0, 0, "ixx"),
