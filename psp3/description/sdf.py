@@ -100,7 +100,7 @@ def read_sdf(
         axis.name: (axis.stiffness, axis.rest)
         for joint in tree.moving
         for axis in joint.axes
-        if axis.stiffness != 0.0 and joint.kind != "ball"
+        if axis.stiffness != 0.0
     }
     couplings = tuple(
         Coupling(name, tree.model.getJointId(follows), tree.model.getJointId(leads), coefficients)
@@ -272,9 +272,12 @@ def _refuse_extensions(reader: Reader, document: SdfDocument) -> None:
 def _warn(document: SdfDocument, tree: Tree, joints: Sequence[Joint]) -> None:
     """Tell what is left out, and what the format makes of what is not there."""
     ignored = [
-        f"spring of ball joint {joint.name}"
+        f"{what} of ball joint {joint.name}"
         for joint in joints
-        if joint.kind == "ball" and any(axis.stiffness for axis in joint.axes)
+        if joint.kind == "ball"
+        for dynamics in joint.frame.element.findall("axis/dynamics")
+        for tag, what in (("friction", "dry friction"), ("spring_stiffness", "spring"))
+        if joint.frame.document.number(dynamics, tag, 0.0)
     ]
     ignored += [f"joint {name}, whose links are welded" for name in tree.still]
     for link in tree.reader.found.links:

@@ -88,8 +88,6 @@ class Scope:
         name = user.model if name == MODEL else name
         if name in self.frames:
             return self.frames[name]
-        if name == "world":
-            return self.world
         head, nested, rest = name.partition("::")
         if nested and head in self.inner and rest != MODEL:
             return self.inner[head].find(rest, user._replace(model=MODEL))
@@ -98,11 +96,6 @@ class Scope:
             f"{described(user.element)}: there is no {name[:80]!r} in {self.title}; it has "
             f"{', '.join(known[:12]) or 'none'}{' and others' if len(known) > 12 else ''}"
         )
-
-    @property
-    def world(self) -> Frame:
-        """The frame of the world around."""
-        return self.frames["world"] if self.outer is None else self.outer.world
 
     @property
     def title(self) -> str:

@@ -73,7 +73,7 @@ class Joint(NamedTuple):
     child: Frame | None
     """The link it carries."""
     axes: tuple[Axis, ...]
-    """Its axes, the parent's first; of a ball there may be one, for its damping."""
+    """Its axes, the parent's first; of a ball there may be one, for its damping alone."""
     pitch: float
     """What a screw moves along its axis while it turns [m/rad]."""
 
@@ -193,10 +193,10 @@ def _axis(reader: Reader, frame: Frame, kind: str, tag: str, is_one_of_two: bool
         effort if effort >= 0.0 else math.inf,
         velocity if velocity >= 0.0 else math.inf,
         damping,
-        friction,
-        stiffness,
+        friction if kind != "ball" else 0.0,
+        stiffness if kind != "ball" else 0.0,
         rest,
-        _only(frame, element, "mimic"),
+        _only(frame, element, "mimic") if kind != "ball" else None,
     )
 
 
