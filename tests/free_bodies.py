@@ -1,9 +1,9 @@
 """Dynamics of bodies that float freely, held together by joints as constraints.
 
 Newton's and Euler's equations of every body, with its twist in its own frame, and the rows of
-velocities that its joints forbid. No tree is chosen and none cut, so what a tree with loops says can
-be compared with it. From the robot under test come the places of its links and their twists alone,
-and both are checked: they must satisfy every joint.
+velocities that its joints forbid. No tree is chosen and none cut, so what a tree with loops says
+can be compared with it. From the robot under test come the places of its links and their twists
+alone, and both are checked: they must satisfy every joint.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class FreeBodies:
         return self.places[k], self.twists[k].vector, slice(6 * k, 6 * k + 6)
 
     def _relative(self, joint: Connection) -> tuple[pin.SE3, Array, Array, Array]:
-        """Return the child's joint frame in the parent's, its twist there, that twist's rows and rate.
+        """Return the child's joint frame in the parent's, its twist, that twist's rows and rate.
 
         All in the axes of the child's joint frame; the rate is what is left without accelerations.
         """
@@ -106,7 +106,7 @@ class FreeBodies:
         return apart, twist, rows, rate
 
     def rows(self) -> tuple[Array, Array, Array]:
-        """Return the rows of all joints, their rates times the twists, and how far joints are apart."""
+        """Return the rows of all joints, their rates times the twists, and their gaps."""
         rows, rates, gaps = [], [], []
         for joint in self.joints:
             apart, twist, motion, rate = self._relative(joint)
@@ -186,7 +186,11 @@ class FreeBodies:
         return (row @ motion[3:])[None], np.atleast_1d(change @ turning + row @ rate[3:])
 
     def answer(
-        self, coordinates: Array, rates: Array, held: Array | None = None, changes: Array | None = None
+        self,
+        coordinates: Array,
+        rates: Array,
+        held: Array | None = None,
+        changes: Array | None = None,
     ) -> tuple[Array, Array, float]:
         """Return mass matrix and all other forces along coordinates, and how well they are defined.
 

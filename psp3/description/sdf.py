@@ -5,8 +5,6 @@ Links, joints that join them in any way, and so loops.
 
 from __future__ import annotations
 
-import logging
-import xml.etree.ElementTree as ElementTree
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,21 +14,17 @@ import pinocchio as pin
 from psp3.checks import Array
 from psp3.description.loop_file import check_actuated
 from psp3.description.parts import RobotParts
-from psp3.description.sdf_document import SdfDocument, extensions
+from psp3.description.sdf_document import SdfDocument
 from psp3.description.sdf_frames import Frame, Reader, Scope
 from psp3.description.sdf_joints import Joint, read_joint
 from psp3.description.sdf_shapes import shapes
 from psp3.description.sdf_tree import Tree
+from psp3.description.sdf_unread import refuse_extensions, tell
 from psp3.description.xml import described
 from psp3.multibody.equations import Coupling
 
-logger = logging.getLogger(__name__)
-
-MECHANICAL = ("joint", "ball_constraint", "linear_bushing_rpy", "tendon_constraint", "link")
-"""Elements of other formats, after their prefix, without which the robot is another one."""
-
 PARALLEL = 0.99
-"""Cosine from which on axes of a gearbox and of its joints are parallel: poses are often rounded."""
+"""Cosine from which on axes of a gearbox and its joints are parallel: poses are often rounded."""
 
 
 def read_sdf(
@@ -39,12 +33,12 @@ def read_sdf(
     """Read a robot from an SDF file, version 1.4 or later.
 
     Links, joints, frames and nested or included models have the places that the file gives them,
-    which is the pose where all coordinates are zero. A link that two joints carry closes a loop, and
-    so does any joint between links that others join already; :mod:`psp3.description.sdf_tree` says
-    how. Joints of type ``gearbox``, and axes with ``<mimic>``, couple two coordinates. A universal
-    joint ``j`` is two revolutes, ``j_axis`` and ``j_axis2``. A model that no joint holds to the
-    world floats on a free joint ``root_joint``. Names in nested models are ``model::name``; of a
-    world, the names of its only model that is not static stand alone.
+    which is the pose where all coordinates are zero. A link that two joints carry closes a loop,
+    and so does any joint between links that others join already; see
+    :mod:`psp3.description.sdf_tree`. Joints of type ``gearbox``, and axes with ``<mimic>``, couple
+    two coordinates. A universal joint ``j`` is two revolutes, ``j_axis`` and ``j_axis2``. A model
+    that no joint holds to the world floats on a free joint ``root_joint``. Names in nested models
+    are ``model::name``; of a world, the names of its only model that is not static stand alone.
 
     What the equation of motion does not know (springs of balls, drag, wind, added mass of fluids,
     links without gravity) is logged as a warning, and so are links that give no inertia.
@@ -76,12 +70,12 @@ def read_sdf(
     if not reader.found.links:
         raise document.wrong("has no <link> in a <model>")
     joints = [read_joint(reader, frame) for frame in reader.found.joints]
-    _refuse_extensions(reader, document)
+    refuse_extensions(reader)
     if actuated is None:
-        names = [name for joint in joints for name in _driven(joint)]
+        known = [name for joint in joints for name in _driven(joint)]
         raise document.wrong(
             "names no motors, as no SDF does: say which joints are actuated (actuated=[...]), of "
-            f"{', '.join(names[:20]) or 'none'}{' and others' if len(names) > 20 else ''}"
+            f"{', '.join(known[:20]) or 'none'}{' and others' if len(known) > 20 else ''}"
         )
     names = tuple(actuated)
     pairs = [*_gears(reader, joints), *_mimics(joints)]
@@ -95,7 +89,7 @@ def read_sdf(
     check_actuated(tree.model, names, path, "actuated")
     tree.model.name = reader.found.models[0].name
     tree.model.gravity = pin.Motion(_gravity(document), np.zeros(3))
-    _warn(document, tree, joints)
+    tell(document, tree, joints)
     springs = {
         axis.name: (axis.stiffness, axis.rest)
         for joint in tree.moving
@@ -175,7 +169,7 @@ def _gears(reader: Reader, joints: Sequence[Joint]) -> list[Pair]:
 
     The angles are those of the reference body's joints with the parent and the child.
     """
-    pairs = []
+    pairs: list[Pair] = []
     for gear in joints:
         if gear.kind != "gearbox":
             continue
@@ -226,7 +220,7 @@ def _same(one: Frame | None, two: Frame | None) -> bool:
 
 def _mimics(joints: Sequence[Joint]) -> list[Pair]:
     """Return the axes that follow others, y = offset + multiplier (x − reference)."""
-    pairs = []
+    pairs: list[Pair] = []
     for joint in joints:
         for axis in joint.axes:
             if axis.mimic is None or joint.kind == "gearbox":
@@ -254,62 +248,3 @@ def _mimics(joints: Sequence[Joint]) -> list[Pair]:
                 )
             )
     return pairs
-
-
-# What is not read
-
-
-def _refuse_extensions(reader: Reader, document: SdfDocument) -> None:
-    for model in reader.found.models:
-        for item in extensions(model.element):
-            if item.tag.partition(":")[2] in MECHANICAL:
-                raise document.wrong(
-                    f"{described(item)} is no element of SDF, and without it the robot would be "
-                    "another: write it as an SDF joint, or give it in Python as a closure"
-                )
-
-
-def _warn(document: SdfDocument, tree: Tree, joints: Sequence[Joint]) -> None:
-    """Tell what is left out, and what the format makes of what is not there."""
-    ignored = [
-        f"{what} of ball joint {joint.name}"
-        for joint in joints
-        if joint.kind == "ball"
-        for dynamics in joint.frame.element.findall("axis/dynamics")
-        for tag, what in (("friction", "dry friction"), ("spring_stiffness", "spring"))
-        if joint.frame.document.number(dynamics, tag, 0.0)
-    ]
-    ignored += [f"joint {name}, whose links are welded" for name in tree.still]
-    for link in tree.reader.found.links:
-        if tree.place(link).joint:
-            ignored += [f"{what} of link {link.full_name}" for what in _unknown(link)]
-    if ignored:
-        logger.warning(
-            "%s: the equation of motion does not know: %s", document.path, ", ".join(ignored)
-        )
-    if tree.unspecified:
-        logger.warning(
-            "%s: without <inertial>, so by the format of 1 kg and 1 kg m²: %s",
-            document.path,
-            ", ".join(tree.unspecified),
-        )
-
-
-def _unknown(link: Frame) -> list[str]:
-    """Return what of a link the equation of motion does not know."""
-    document, element = link.document, link.element
-    found = []
-    if not document.is_true(element, "gravity", True):
-        found.append("lack of gravity")
-    if document.is_true(element, "kinematic"):
-        raise document.wrong(
-            f"{described(element)} is moved from outside (kinematic), which is not read"
-        )
-    if document.is_true(element, "enable_wind"):
-        found.append("wind")
-    decay: ElementTree.Element | None = element.find("velocity_decay")
-    if decay is not None and any(document.number(decay, tag, 0.0) for tag in ("linear", "angular")):
-        found.append("drag (velocity_decay)")
-    if element.find("inertial/fluid_added_mass") is not None:
-        found.append("added mass of a fluid")
-    return found

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from xml.parsers import expat
 
@@ -90,13 +90,22 @@ class SdfDocument:
         """Return the error that says what is wrong with this file."""
         return InvalidRobotFile(self.path, reason)
 
+    def titled(self, element: ElementTree.Element) -> str:
+        """Return what to call an element: what has a name around it, and its own tag."""
+        above = {child: parent for parent in self.root.iter() for child in parent}
+        owner = element
+        while owner.get("name") is None and owner in above:
+            owner = above[owner]
+        own = "" if owner is element else f": <{element.tag}>"
+        return described(element if owner.get("name") is None else owner) + own
+
     # What an element holds
 
     def text(self, element: ElementTree.Element, tag: str) -> str | None:
         """Return the text of the one child of a tag without blanks around it, None without it."""
         children = element.findall(tag)
         if len(children) > 1:
-            raise self.wrong(f"{described(element)} has {len(children)} of <{tag}>")
+            raise self.wrong(f"{self.titled(element)} has {len(children)} of <{tag}>")
         return (children[0].text or "").strip(BLANKS) if children else None
 
     def name(self, element: ElementTree.Element, what: str = "name") -> str:
@@ -134,7 +143,7 @@ class SdfDocument:
         if wrong or values.size not in counts:
             finite = "" if infinite else "finite "
             raise self.wrong(
-                f"{described(element)}: <{tag}> must be {' or '.join(map(str, counts))} {finite}"
+                f"{self.titled(element)}: <{tag}> must be {' or '.join(map(str, counts))} {finite}"
                 f"number{'s' if tuple(counts) != (1,) else ''}, got {text[:60]!r}"
             )
         return values
@@ -163,7 +172,7 @@ class SdfDocument:
     def _boolean(self, element: ElementTree.Element, what: str, text: str) -> bool:
         if text.lower() not in ("true", "false", "1", "0"):
             raise self.wrong(
-                f"{described(element)}: {what} must be true or false, got {text[:60]!r}"
+                f"{self.titled(element)}: {what} must be true or false, got {text[:60]!r}"
             )
         return text.lower() in ("true", "1")
 
@@ -183,10 +192,10 @@ class SdfDocument:
             values = self._numbers(element, "pose", text, (7,))
             length = float(np.linalg.norm(values[3:]))
             if not 1e-6 < length < 1e6:
-                raise self.wrong(f"{described(element)}: <pose> has a quaternion of no direction")
+                raise self.wrong(f"{self.titled(element)}: <pose> has a quaternion of no direction")
             return pin.SE3(pin.Quaternion(values[3:] / length), values[:3]), relative_to
         if form != "euler_rpy":
-            raise self.wrong(f"{described(element)}: <pose> has the unknown format {form!r}")
+            raise self.wrong(f"{self.titled(element)}: <pose> has the unknown format {form!r}")
         values = self._numbers(element, "pose", text, (6,))
         unit = math.pi / 180.0 if self.has_flag(pose, "degrees") else 1.0
         return pin.SE3(pin.rpy.rpyToMatrix(*(unit * values[3:])), values[:3]), relative_to
@@ -201,7 +210,9 @@ class SdfDocument:
         InvalidRobotFile
             If it lies outside the folders that may be read from, is missing or holds not one model.
         """
-        uri = self.text(element, "uri") or ""
+        uri = self.text(element, "uri")
+        if not uri:
+            raise self.wrong("an <include> lacks <uri>")
         path = self._file(uri)
         if path.is_dir():
             path = self._file_of_model(path)
@@ -232,7 +243,7 @@ class SdfDocument:
                     f"<include>: {uri[:80]!r} lies outside the folder of the file: name its "
                     "folder in model_paths=[...]"
                 )
-            if uri and resolved.exists():
+            if resolved.exists():
                 return resolved
         raise self.wrong(
             f"<include>: {uri[:80]!r} is not there; looked for in "
@@ -305,10 +316,3 @@ def _without_comment(found: re.Match[bytes]) -> bytes:
     """Return literal text as it is, and of a comment its line breaks."""
     text = found[0]
     return text if text.startswith(b"<![") else b"\n" * text.count(b"\n")
-
-
-def extensions(element: ElementTree.Element) -> Iterator[ElementTree.Element]:
-    """Yield the elements within that are not of the format, but of one with a prefix."""
-    for item in element.iter():
-        if ":" in item.tag:
-            yield item

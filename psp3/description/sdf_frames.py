@@ -203,7 +203,17 @@ class Reader:
             raise told.wrong(f"<include>: {name!r} is merged, but has no link")
         self._put(
             scope,
-            Frame(scope, proxy, "frame", include, told, pose, relative_to, canonical, model),
+            Frame(
+                scope,
+                proxy,
+                "frame",
+                include,
+                told,
+                pose,
+                relative_to or model,
+                canonical,
+                model,
+            ),
         )
         self._fill(scope, element, document, proxy, depth)
 

@@ -114,7 +114,7 @@ def read_joint(reader: Reader, frame: Frame) -> Joint:
             f"{described(element)}: type {element.get('type')!r} is unknown; known are "
             f"{', '.join(AXES)}"
         )
-    ends = []
+    ends: list[Frame | None] = []
     for role in ("parent", "child"):
         name = document.text(element, role) or ""
         if not name:

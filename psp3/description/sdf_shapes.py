@@ -42,7 +42,8 @@ def shapes(tree: Tree) -> Any:
     InvalidRobotFile
         If a number of a shape is none, or not positive.
     """
-    drawn, unreadable = pin.GeometryModel(), {}
+    drawn = pin.GeometryModel()
+    unreadable: dict[str, str] = {}
     for link in tree.reader.found.links:
         for number, visual in enumerate(link.element.findall("visual")):
             geometry = visual.find("geometry")

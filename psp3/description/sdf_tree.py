@@ -108,7 +108,8 @@ class Tree:
             order.append((not self._must_stay(joint), child in has_parent, number))
             has_parent.add(child)
         group = list(range(max(self._bodies.values(), default=0) + 1))
-        in_tree, left = [], []
+        in_tree: list[int] = []
+        left: list[int] = []
         for _, _, number in sorted(order):
             joint = self.moving[number]
             ends = [_root(group, self.body(end)) for end in (joint.parent, joint.child)]
@@ -204,7 +205,7 @@ class Tree:
                     f"{described(joint.frame.element)}: two joints of the robot would be {name!r}"
                 )
             if not is_forward:
-                model = _reversed(joint, axis, model)  # noqa: PLW2901 - the same joint
+                model = _reversed(joint, axis, model)
             parent = self.model.addJoint(parent, model, self._origins[parent].actInv(where), name)
             self._origins.append(where)
             self._limit(parent, axis)
@@ -255,8 +256,8 @@ class Tree:
             return pin.Inertia(LENGTH, np.zeros(3), LENGTH * np.eye(3))
         if document.has_flag(inertial, "auto"):
             raise document.wrong(
-                f"{described(element)}: <inertial auto='true'> is not computed here; let SDFormat's "
-                "own tool write it out (gz sdf --print FILE --expand-auto-inertials)"
+                f"{described(element)}: <inertial auto='true'> is not computed here; let the "
+                "format's own tool write it out (gz sdf --print FILE --expand-auto-inertials)"
             )
         mass = document.number(inertial, "mass", LENGTH)
         place, relative_to = document.pose(inertial)

@@ -163,7 +163,9 @@ def slider_crank(closing: str) -> tuple[list[Link], list[Hung]]:
         link("rod", base * place(0.1, 0.15, 0.02)),
         link("slider", base * place(0.5, 0.0, 0.0, 0.3, 0.0, 0.0)),
     ]
-    slides = Hung("slide", "prismatic", "", "slider", base * place(0.5, 0.0, 0.0), ((1.0, 0.0, 0.0),))
+    slides = Hung(
+        "slide", "prismatic", "", "slider", base * place(0.5, 0.0, 0.0), ((1.0, 0.0, 0.0),)
+    )
     pin_ = Hung("pin", "revolute", "rod", "slider", base * place(0.5, 0.0, 0.0), (Z,))
     joints = [
         Hung("A", "revolute", "", "crank", base, (Z,)),
