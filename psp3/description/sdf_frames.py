@@ -91,6 +91,11 @@ class Scope:
         head, nested, rest = name.partition("::")
         if nested and head in self.inner and rest != MODEL:
             return self.inner[head].find(rest, user._replace(model=MODEL))
+        if name == "world":
+            raise user.document.wrong(
+                f"{described(user.element)}: the frame 'world' is known in a model as the <parent> "
+                "of joints alone: leave attached_to or relative_to out for the frame of the model"
+            )
         known = [known for known in self.frames if known != self.own]
         raise user.document.wrong(
             f"{described(user.element)}: there is no {name[:80]!r} in {self.title}; it has "

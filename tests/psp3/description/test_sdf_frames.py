@@ -240,6 +240,7 @@ def test_a_model_that_nothing_holds_floats_from_its_canonical_link(tmp_path: Pat
         (f'<link name="a">{pose(A, "nowhere")}</link>', "no 'nowhere' in the model"),
         ('<link name="a"/><frame name="a"/>', "two of 'a'"),
         ('<link name="world"/>', "keeps for itself"),
+        ('<link name="a"/><frame name="f" attached_to="world"/>', "<parent> of joints alone"),
         ('<link name="a"/>' + hinge("j", "a", "a"), "with itself"),
         ('<link name="a"/>' + hinge("j", "a", "world"), "<child> must be"),
         ('<link name="a"/><model name="n"><link/></model>', "a <link> has no name"),
