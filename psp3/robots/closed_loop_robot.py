@@ -396,6 +396,45 @@ class ClosedLoopRobot:
             *read_mjcf(mjcf, actuated), free=free, coordinates=coordinates, closures=closures
         )
 
+    @classmethod
+    def from_sdf(
+        cls,
+        sdf: str | Path,
+        actuated: Sequence[str] | None = None,
+        *,
+        model_paths: Sequence[str | Path] = (),
+        free: str = "lock",
+        coordinates: Sequence[str] | None = None,
+        closures: Sequence[tuple[str, str, str]] = (),
+    ) -> ClosedLoopRobot:
+        """Load a robot from an SDF file, in which a link that two joints carry closes a loop.
+
+        Parameters
+        ----------
+        sdf : path
+            The file; what it may hold is said in :func:`psp3.description.sdf.read_sdf`.
+        actuated : sequence of str
+            Names of the actuated joints, which an SDF does not say.
+        model_paths : sequence of path, optional
+            Folders from which models may be included, besides that of the file.
+        free, coordinates, closures
+            See the class.
+
+        Raises
+        ------
+        InvalidRobotFile
+            If the file is missing, malformed, holds something that cannot be read without changing
+            the robot, or no joint is named as actuated.
+        """
+        from psp3.description.sdf import read_sdf
+
+        return cls(
+            *read_sdf(sdf, actuated, model_paths),
+            free=free,
+            coordinates=coordinates,
+            closures=closures,
+        )
+
     @property
     def reference(self) -> Array:
         """Positions of the coordinates in the reference configuration ``q0``, (p,) [m or rad]."""
