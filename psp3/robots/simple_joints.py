@@ -36,8 +36,34 @@ class SimpleTree(NamedTuple):
     home: Array | None
 
 
+SYMMETRIC = 1e-6
+"""Share of its largest moment, and of its size, by which a body that spins may be off its axis; the
+axis of a spin is found to 1e-8.
+"""
+
+
+def is_round(model: pin.Model, spin: Spin) -> bool:
+    """Tell whether what spins is a body of revolution, of which nothing feels how it has turned."""
+    inertia, axis = model.inertias[spin.joint], spin.axis
+    across = np.eye(3) - np.outer(axis, axis)
+    moments = inertia.inertia
+    round_one = 0.5 * np.trace(across @ moments) * across + (axis @ moments @ axis) * np.outer(
+        axis, axis
+    )
+    off = np.abs(across @ inertia.lever).max()
+    return bool(
+        np.abs(moments - round_one).max() <= SYMMETRIC * np.abs(moments).max()
+        and off <= SYMMETRIC * max(np.abs(inertia.lever).max(), 1e-3)
+    )
+
+
 def can_spin(model: pin.Model, spin: Spin) -> bool:
-    """Tell whether hinges move as a ball: not where it has damping, friction or inertia."""
+    """Tell whether a spin gets a coordinate: hinges move as the ball, and something feels it.
+
+    Hinges do not where the ball has damping, friction or inertia.
+    """
+    if is_round(model, spin):
+        return False
     joint = model.joints[spin.joint]
     own = slice(joint.idx_v, joint.idx_v + 3)
     parts = (model.damping, model.armature, model.upperDryFrictionLimit)
