@@ -18,6 +18,7 @@ import pinocchio as pin
 from psp3.checks import Array
 from psp3.description.loop_file import check_actuated, rigid_constraint
 from psp3.description.mjcf_document import MjcfDocument
+from psp3.description.mjcf_expansion import spelled_out
 from psp3.description.mjcf_tree import MjcfJoint, PlainMjcf, plain_mjcf
 from psp3.description.parts import RobotParts
 from psp3.description.xml import described
@@ -60,7 +61,7 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
         moved from outside, geoms whose inertia is not a formula, or elements that stand for several
         others (MuJoCo can write those out).
     """
-    document = MjcfDocument(path)
+    document = spelled_out(path)
     plain = plain_mjcf(document)
     model, visual_model = _tree(document, plain)
     for name, (body, placement) in plain.sites.items():
@@ -160,8 +161,7 @@ def _couplings(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> tu
     """Return the active joint equalities."""
     joints = {joint.name: joint for joint in plain.joints}
     couplings = []
-    for item in document.section("equality"):
-        element = document.full(item, tag="equality")
+    for element in document.section("equality"):
         if element.tag != "joint" or not document.is_true(element, "active", True):
             continue
         follows = element.get("joint1", "")
@@ -230,8 +230,7 @@ def _loops(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Any:
     closures = pin.StdVec_RigidConstraintModel()
     data = model.createData()
     pin.framesForwardKinematics(model, data, pin.neutral(model))
-    for item in document.section("equality"):
-        element = document.full(item, tag="equality")
+    for element in document.section("equality"):
         if not document.is_true(element, "active", True):
             continue
         if element.tag == "joint":
@@ -374,6 +373,12 @@ def _warn(document: MjcfDocument, plain: PlainMjcf) -> None:
             "%s: forces that the equation of motion does not know: %s",
             document.path,
             ", ".join(ignored),
+        )
+    for name in plain.from_outside:
+        logger.warning(
+            "%s: body %s, which MuJoCo lets its user move (mocap), stays where it is",
+            document.path,
+            name,
         )
     for name, reason in plain.unreadable.items():
         logger.warning(
