@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from psp3.checks import Array
+from psp3.checks import Array, Indices
 from psp3.errors import InvalidFile
 
 STL_HEADER = 84
@@ -31,7 +31,7 @@ class Mesh(NamedTuple):
 
     vertices: Array
     """Its vertices, (n, 3) [m, in the scale of the file]."""
-    faces: Array
+    faces: Indices
     """The vertices of each triangle, (m, 3), counterclockwise seen from outside."""
 
 
@@ -85,12 +85,12 @@ def _stl(content: bytes) -> Mesh:
     if not content.lstrip().startswith(b"solid"):
         raise ValueError("neither the text form nor the size of the binary one")
     words = content.split()
-    corners = [
+    texts = [
         [float(number) for number in words[at + 1 : at + 4]]
         for at, word in enumerate(words)
         if word == b"vertex"
     ]
-    return _joined(np.array(corners, dtype=float).reshape(-1, 3))
+    return _joined(np.array(texts, dtype=float).reshape(-1, 3))
 
 
 def _joined(corners: Array) -> Mesh:
@@ -98,7 +98,7 @@ def _joined(corners: Array) -> Mesh:
     if len(corners) % 3:
         raise ValueError("a triangle without three corners")
     vertices, faces = np.unique(corners, axis=0, return_inverse=True)
-    return Mesh(vertices, faces.reshape(-1, 3))
+    return Mesh(vertices, faces.reshape(-1, 3).astype(np.int64))
 
 
 def _obj(content: bytes) -> Mesh:
@@ -115,7 +115,7 @@ def _obj(content: bytes) -> Mesh:
     return Mesh(
         # In single precision, as engines that draw it hold it.
         np.array(vertices, dtype=np.float32).astype(float).reshape(-1, 3),
-        np.array(faces, dtype=int).reshape(-1, 3),
+        np.array(faces, dtype=np.int64).reshape(-1, 3),
     )
 
 
@@ -127,5 +127,5 @@ def _msh(content: bytes) -> Mesh:
     if len(content) != 16 + 4 * (numbers + 3 * faces):
         raise ValueError("a size that is not that of its counts")
     places = np.frombuffer(content, "<f4", 3 * vertices, 16).astype(float)
-    corners = np.frombuffer(content, "<i4", 3 * faces, 16 + 4 * numbers).astype(int)
+    corners = np.frombuffer(content, "<i4", 3 * faces, 16 + 4 * numbers).astype(np.int64)
     return Mesh(places.reshape(-1, 3), corners.reshape(-1, 3))

@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 import tempfile
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array
+from psp3.description.joint_replacement import replace_joints
 from psp3.description.loop_file import check_actuated, rigid_constraint
 from psp3.description.mjcf_document import MjcfDocument
 from psp3.description.mjcf_expansion import spelled_out
@@ -27,7 +28,11 @@ from psp3.multibody.equations import Coupling
 logger = logging.getLogger(__name__)
 
 
-def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotParts:
+def read_mjcf(
+    path: str | Path,
+    actuated: Sequence[str] | None = None,
+    joint_type: Mapping[str, str] | None = None,
+) -> RobotParts:
     """Read a robot from an MJCF file.
 
     Loops are the active equality constraints ``connect`` (a point) and ``weld`` (position and
@@ -47,6 +52,8 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
         The file.
     actuated : sequence of str, optional
         Names of the actuated joints, if they are not those of the file.
+    joint_type : mapping of str to str, optional
+        What hinges stand for, as in a loop file: see :mod:`psp3.description.joint_replacement`.
 
     Returns
     -------
@@ -73,8 +80,12 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
             )
         )
     _set_joints(model, plain)
+    replaced = dict(joint_type or {})
+    model, visual_model = replace_joints(
+        model, visual_model, list(replaced.items()), (), document.path
+    )
     model.gravity = pin.Motion(_gravity(document), np.zeros(3))
-    tendons = _tendons(document, plain)
+    tendons = _tendons(document, plain, model)
     names = tuple(_motors(document, plain, tendons) if actuated is None else actuated)
     driven = tuple(name for name in names if name not in tendons)
     check_actuated(model, driven, document.path, "actuator" if actuated is None else "actuated")
@@ -90,7 +101,9 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
         {
             joint.name: (joint.stiffness, joint.rest)
             for joint in plain.joints
-            if joint.stiffness != 0.0 and joint.kind in ("hinge", "slide")
+            if joint.stiffness != 0.0
+            and joint.kind in ("hinge", "slide")
+            and joint.name not in replaced
         },
         {name: levers for name, levers in tendons.items() if name in names},
     )
@@ -103,14 +116,25 @@ def _tree(document: MjcfDocument, plain: PlainMjcf) -> tuple[pin.Model, Any]:
         ElementTree.ElementTree(plain.root).write(file, encoding="utf-8")
         try:
             model = pin.buildModelFromMJCF(str(file))
-            visual_model = pin.buildGeomFromMJCF(model, str(file), pin.GeometryType.VISUAL)
+            return model, _shapes(plain, model, file)
         except (ValueError, RuntimeError) as error:
             raise document.wrong(f"Pinocchio cannot read it: {error}") from error
-    return model, visual_model
+
+
+def _shapes(plain: PlainMjcf, model: pin.Model, file: Path) -> Any:
+    """Return the shapes, but not those whose meshes cannot be read."""
+    try:
+        return pin.buildGeomFromMJCF(model, str(file), pin.GeometryType.VISUAL)
+    except (ValueError, RuntimeError):
+        # Which of them is read once more only where one cannot be.
+        if not plain.leave_out_unreadable():
+            raise
+    ElementTree.ElementTree(plain.root).write(file, encoding="utf-8")
+    return pin.buildGeomFromMJCF(model, str(file), pin.GeometryType.VISUAL)
 
 
 def _set_joints(model: pin.Model, plain: PlainMjcf) -> None:
-    """Write limits, damping, friction and armature of the joints into a model."""
+    """Write limits, damping, friction, armature and the places of free joints into a model."""
     for item in plain.joints:
         joint = model.joints[model.getJointId(item.name)]
         velocities = slice(joint.idx_v, joint.idx_v + joint.nv)
@@ -125,6 +149,10 @@ def _set_joints(model: pin.Model, plain: PlainMjcf) -> None:
         )
         model.damping[velocities] = item.damping
         model.armature[velocities] = item.armature
+        if item.kind == "free":
+            # Pinocchio's parser puts it elsewhere, and at qpos0 of its own where the file has it.
+            model.jointPlacements[joint.id] = item.placement
+    model.referenceConfigurations["qpos0"] = pin.neutral(model)
 
 
 def _gravity(document: MjcfDocument) -> Array:
@@ -137,7 +165,19 @@ def _gravity(document: MjcfDocument) -> Array:
     return gravity
 
 
-def _tendons(document: MjcfDocument, plain: PlainMjcf) -> dict[str, dict[str, float]]:
+def _is_scalar(model: pin.Model, joint: MjcfJoint | None) -> bool:
+    """Tell whether a joint is in the file, and a hinge or slide that nothing has replaced."""
+    return (
+        joint is not None
+        and joint.kind in ("hinge", "slide")
+        and model.existJointName(joint.name)
+        and model.joints[model.getJointId(joint.name)].nq == 1
+    )
+
+
+def _tendons(
+    document: MjcfDocument, plain: PlainMjcf, model: pin.Model
+) -> dict[str, dict[str, float]]:
     """Return the levers of the joints of every fixed tendon."""
     joints = {joint.name: joint for joint in plain.joints}
     tendons: dict[str, dict[str, float]] = {}
@@ -147,7 +187,7 @@ def _tendons(document: MjcfDocument, plain: PlainMjcf) -> dict[str, dict[str, fl
         levers: dict[str, float] = {}
         for part in element.findall("joint"):
             name = part.get("joint", "")
-            if name not in joints or joints[name].kind not in ("hinge", "slide"):
+            if not _is_scalar(model, joints.get(name)):
                 raise document.wrong(
                     f"tendon: {described(element)} pulls joint {name!r}, which is no hinge or "
                     "slide of the file"
@@ -167,7 +207,7 @@ def _couplings(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> tu
         follows = element.get("joint1", "")
         leads = element.get("joint2", follows)
         for name in (follows, leads):
-            if name not in joints or joints[name].kind not in ("hinge", "slide"):
+            if not _is_scalar(model, joints.get(name)):
                 raise document.wrong(
                     f"equality: {described(element)} couples joint {name!r}, which is no hinge or "
                     "slide of the file"
@@ -319,22 +359,26 @@ def _home(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Array |
         q = pin.neutral(model)
         ends = np.cumsum([widths[joint.kind] for joint in plain.joints])
         for item, part in zip(plain.joints, np.split(positions, ends[:-1]), strict=True):
-            index = model.getJointId(item.name)
-            start = model.joints[index].idx_q
-            q[start : start + part.size] = _coordinates(
-                document, item, part, model.jointPlacements[index]
-            )
+            if not model.existJointName(item.name):
+                # It was replaced by no joint, or by two.
+                continue
+            joint = model.joints[model.getJointId(item.name)]
+            q[joint.idx_q : joint.idx_q + joint.nq] = _coordinates(document, item, part, joint.nq)
         model.referenceConfigurations[key.attrib["name"]] = q
     poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
     return poses.get("home")
 
 
-def _coordinates(
-    document: MjcfDocument, joint: MjcfJoint, position: Array, placement: pin.SE3
-) -> Array:
-    """Return Pinocchio's coordinates of a joint from MuJoCo's."""
+def _coordinates(document: MjcfDocument, joint: MjcfJoint, position: Array, count: int) -> Array:
+    """Return Pinocchio's coordinates of a joint, so many, from MuJoCo's."""
     if joint.kind in ("hinge", "slide"):
-        return position - joint.reference
+        turned = position - joint.reference
+        # A hinge that stands for a ball turns about its axis.
+        return (
+            turned
+            if count == 1
+            else np.asarray(pin.Quaternion(pin.AngleAxis(float(turned[0]), joint.axis)).coeffs())
+        )
     w, x, y, z = position[-4:]
     if not np.any(position[-4:]):
         raise document.wrong(f"a key frame gives joint {joint.name!r} a quaternion of zeros")
@@ -342,7 +386,7 @@ def _coordinates(
     if joint.kind == "ball":
         return np.asarray(turn.coeffs())
     # MuJoCo counts from the world, Pinocchio from where the body stands in the file.
-    return np.asarray(pin.SE3ToXYZQUAT(placement.actInv(pin.SE3(turn, position[:3]))))
+    return np.asarray(pin.SE3ToXYZQUAT(joint.placement.actInv(pin.SE3(turn, position[:3]))))
 
 
 def _warn(document: MjcfDocument, plain: PlainMjcf) -> None:

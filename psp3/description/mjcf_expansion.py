@@ -81,7 +81,7 @@ class _Expansion:
     def __init__(self, document: MjcfDocument) -> None:
         self.document = document
         self.models = {
-            item.get("name") or other.document.root.get("model", "MuJoCo Model"): other
+            str(item.get("name") or other.document.root.get("model", "MuJoCo Model")): other
             for item in document.section("asset")
             if item.tag == "model"
             for other in [_Expansion(document.attached(item))]
@@ -97,11 +97,11 @@ class _Expansion:
         for section in self.document.root.findall("worldbody"):
             self.fill(world, section, None, pin.SE3.Identity())
         for tag, item in [*self.sections(), *self.additions]:
-            section = root.find(tag)
+            holder = root.find(tag)
             if item.tag == tag:
                 root.append(item)
             else:
-                (ElementTree.SubElement(root, tag) if section is None else section).append(item)
+                (ElementTree.SubElement(root, tag) if holder is None else holder).append(item)
         return self.document.written_out(root)
 
     # Sections that are no tree

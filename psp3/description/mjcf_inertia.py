@@ -43,7 +43,7 @@ class MjcfInertias:
             for element in document.section("asset")
             if element.tag == "mesh"
         }
-        self._known: dict[str, MeshInertia] = {}
+        self._known: dict[tuple[str, bool], MeshInertia] = {}
 
     def of(self, body: ElementTree.Element, moves: bool) -> pin.Inertia:
         """Return the inertia of a body.
@@ -144,8 +144,8 @@ class MjcfInertias:
         if fitted and not moves:
             return pin.Inertia.Zero()
         shell = document.is_true(geom, "shellinertia", False)
-        if kind == "mesh" and fitted and not shell:
-            return self._of_mesh(body, geom, mass, density)
+        if kind == "mesh" and fitted:
+            return self._of_mesh(body, geom, mass, density, shell)
         if kind not in SIZES or shell or fitted:
             what = f"a {kind} fitted to a mesh" if fitted else f"{'the shell of ' * shell}a {kind}"
             raise document.wrong(
@@ -165,27 +165,29 @@ class MjcfInertias:
         geom: ElementTree.Element,
         mass: float | None,
         density: float,
+        shell: bool,
     ) -> pin.Inertia:
         name = geom.attrib["mesh"]
-        if name not in self._known:
+        if (name, shell) not in self._known:
             try:
-                self._known[name] = self._computed(name)
+                self._known[name, shell] = self._computed(name, shell)
             except InvalidFile as error:
                 raise self.document.wrong(
                     f"{described(body)}: the inertia of mesh {name!r} is needed, and cannot be "
                     f"computed: {error}; bring the mesh there, or give the body an <inertial>"
                 ) from error
-        volume, center, inertia = self._known[name]
+        volume, center, inertia = self._known[name, shell]
         if mass is None:
             mass = density * volume
         return self.document.placement(geom).act(pin.Inertia(mass, center, mass / volume * inertia))
 
-    def _computed(self, name: str) -> MeshInertia:
+    def _computed(self, name: str, shell: bool) -> MeshInertia:
         document = self.document
         element = self._meshes.get(name)
         if element is None:
             raise document.wrong(f"<asset> has no mesh {name!r}")
-        kind = element.get("inertia", KINDS[0])
+        # Files of before MuJoCo 3.3 say so in the geom.
+        kind = "shell" if shell else element.get("inertia", KINDS[0])
         if kind not in KINDS:
             raise document.wrong(
                 f"{described(element)}: inertia must be one of {', '.join(KINDS)}, got {kind!r}"

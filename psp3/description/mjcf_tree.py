@@ -14,12 +14,14 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
+from psp3.checks import Array
 from psp3.description.mjcf_document import MjcfDocument, set_place, text_of
 from psp3.description.mjcf_inertia import SIZES, MjcfInertias, placed
 from psp3.description.xml import described
@@ -54,6 +56,10 @@ class MjcfJoint(NamedTuple):
     """Of the spring in the joint [N/m or N m]."""
     rest: float
     """Pinocchio's coordinate where the spring is at rest [m or rad]."""
+    placement: pin.SE3
+    """Where its body stands in the one above, as the file has it."""
+    axis: Array
+    """Of a hinge or slide, in the axes of its body, (3,)."""
 
 
 class PlainMjcf(NamedTuple):
@@ -71,6 +77,23 @@ class PlainMjcf(NamedTuple):
     """Files of meshes that cannot be drawn, with the reason."""
     from_outside: tuple[str, ...]
     """Bodies that MuJoCo lets its user move (``mocap``)."""
+
+    def leave_out_unreadable(self) -> bool:
+        """Take shapes out whose meshes cannot be read; tell whether there are any."""
+        import coal
+
+        lost = set()
+        for mesh in self.root.iter("mesh"):
+            try:
+                coal.MeshLoader().load(mesh.attrib["file"], np.ones(3))
+            except ValueError as error:
+                self.unreadable[mesh.attrib["file"]] = str(error).strip().splitlines()[-1]
+                lost.add(mesh.attrib["name"])
+        for holder in list(self.root.iter()):
+            for one in list(holder):
+                if one.get("mesh") in lost or (one.tag == "mesh" and one.get("name") in lost):
+                    holder.remove(one)
+        return bool(lost)
 
 
 def plain_mjcf(document: MjcfDocument) -> PlainMjcf:
@@ -195,11 +218,11 @@ class _Writer:
                 # The first joint of a body is the first to move it: it carries the others.
                 body = _write_body(body, f"{name}:{number}", placement)
                 _write_inertia(body, pin.Inertia.Zero())
-                self._joint(joint, body, name)
+                self._joint(joint, body, name, placement)
                 placement = pin.SE3.Identity()
         body = _write_body(body, name, placement)
         if joints:
-            self._joint(joints[-1], body, name)
+            self._joint(joints[-1], body, name, placement)
         moves = moves or bool(joints)
         _write_inertia(body, self.inertias.of(element, moves or self.total_mass is not None))
         self._fill(body, name, element, moves)
@@ -209,6 +232,7 @@ class _Writer:
         element: ElementTree.Element,
         body: ElementTree.Element,
         owner: str,
+        placement: pin.SE3,
     ) -> None:
         document = self.document
         kind = "free" if element.tag == "freejoint" else element.get("type", "hinge")
@@ -217,17 +241,23 @@ class _Writer:
                 f"{described(element)}: type {kind!r} is unknown; known are hinge, slide, ball "
                 "and free"
             )
+        if document.numbers(element, "springdamper", 2) is not None:
+            raise document.wrong(
+                f"{described(element)}: springdamper, whose stiffness depends on the inertia of "
+                "the whole robot, is not read; give stiffness and damping"
+            )
         name = element.get("name") or f"{owner}_joint_{len(self.joints) + 1}"
         if name in self.joints:
             raise document.wrong(f"there are two joints {name!r}")
         plain = ElementTree.SubElement(body, "joint", name=name, type=kind)
         if kind != "free":
             plain.set("pos", text_of(document.vector(element, "pos")))
+        axis = document.vector(element, "axis", (0.0, 0.0, 1.0))
         if kind in ("hinge", "slide"):
-            axis = document.vector(element, "axis", (0.0, 0.0, 1.0))
             if not axis.any():
                 raise document.wrong(f"{described(element)}: the axis is zero")
-            plain.set("axis", text_of(axis / np.linalg.norm(axis)))
+            axis = axis / np.linalg.norm(axis)
+            plain.set("axis", text_of(axis))
         turns = document.radians_per_unit if kind in ("hinge", "ball") else 1.0
         reference = (
             turns * document.number(element, "ref", 0.0) if kind in ("hinge", "slide") else 0.0
@@ -248,6 +278,8 @@ class _Writer:
             document.number(element, "armature", 0.0),
             document.number(element, "stiffness", 0.0),
             turns * document.number(element, "springref", 0.0) - reference,
+            placement,
+            axis,
         )
 
     def _range(
@@ -319,8 +351,6 @@ class _Writer:
 
     def _is_drawn(self, name: str) -> bool:
         """Tell whether a mesh can be read, and keep it for drawing if so."""
-        import coal
-
         element = self.assets.get(name)
         if name in self.meshes or element is None:
             return name in self.meshes
@@ -328,14 +358,10 @@ class _Writer:
         if path is None:
             self.unreadable[name] = "has no file"
             return False
-        if path in self.unreadable:
+        if not Path(path).is_file():
+            self.unreadable[path] = "no such file"
             return False
         scale = self.document.vector(element, "scale", (1.0, 1.0, 1.0))
-        try:
-            coal.MeshLoader().load(path, scale)
-        except ValueError as error:
-            self.unreadable[path] = str(error).strip().splitlines()[-1]
-            return False
         self.meshes[name] = path, text_of(scale)
         return True
 
