@@ -21,12 +21,16 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.description.mjcf_document import MjcfDocument, text_of
+from psp3.description.xml import described
 
 PLACED = {"body", "geom", "site", "camera", "light", "inertial", "joint", "freejoint"}
 """What stands in a body and has a place there."""
 
 TURNS = ("range", "ref", "springref")
 """Attributes of a joint that are angles, if it turns."""
+
+LIMITS = {"range": "limited", "actuatorfrcrange": "actuatorfrclimited"}
+"""Limits of a joint, with what switches them on."""
 
 MOST_ELEMENTS = 100_000
 """So many elements may come of the copies in one file."""
@@ -193,9 +197,12 @@ class _Expansion:
                 if values is not None:
                     joint.set(key, text_of(document.radians_per_unit * values))
         if document.compiler.get("autolimits", "true") == "false":
-            for key in ("limited", "actuatorfrclimited"):
-                if joint.get(key, "auto") == "auto":
-                    joint.set(key, "false")
+            for key, switch in LIMITS.items():
+                if joint.get(key) is not None and joint.get(switch, "auto") == "auto":
+                    raise document.wrong(
+                        f"{described(joint)} has {key} but not {switch}, and the compiler's "
+                        "autolimits is false: say which is meant"
+                    )
 
     # Copies
 
