@@ -228,12 +228,17 @@ class MjcfDocument:
         By a position and a quaternion, or by its ends. Numbers that nothing changes stay as they
         are written, to the last digit.
         """
-        ends = self.numbers(element, "fromto", 6)
         still = frame.isIdentity(0.0)
+        ends = None if still else self.ends(element)
         if ends is not None:
-            if not still:
-                moved = [*frame.act(ends[:3]), *frame.act(ends[3:])]
-                element.set("fromto", text_of(moved))
+            # The ends leave a turn about their line open, which the frame turns along.
+            thickness = element.get("size", "").split()[:1]
+            wide = element.get("type") in ("box", "ellipsoid")
+            element.set("size", " ".join([*thickness * (1 + wide), text_of([ends[1]])]))
+            element.attrib.pop("fromto")
+            set_place(element, frame * ends[0])
+            return
+        if element.get("fromto") is not None:
             return
         given = [attribute for attribute in ORIENTATIONS if element.get(attribute) is not None]
         if still and given in ([], ["quat"]):

@@ -18,9 +18,10 @@ from psp3.description.mjcf_expansion import spelled_out
 from psp3.description.mjcf_tree import MjcfJoint, plain_mjcf
 from psp3.errors import MissingPackage
 
-AGREEMENT = 1e-8
+AGREEMENT = 1e-6
 """Two numbers agree that differ by at most this share of the larger one, or of the robot's size.
-Rounding of both readers is below 1e-12.
+Rounding of both readers is below 1e-12, but MuJoCo holds the vertices of meshes in single
+precision.
 """
 
 

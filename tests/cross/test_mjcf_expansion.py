@@ -23,11 +23,13 @@ mujoco = pytest.importorskip("mujoco", reason="MuJoCo is in the extras mujoco an
 ARM = f'<body name="a" pos=".3 0 .1"><joint name="j" axis="1 2 0" pos="0 .1 0"/>{INERTIA}'
 
 TREES = {
-    "frames in each other, around everything": f"""<frame pos="0 0 1" euler="10 70 0">
+    "frames in each other, around everything": """<frame pos="0 0 1" euler="10 70 0">
       <frame euler="0 0 40" childclass="heavy"><body name="a" pos=".3 0 .1" euler="20 0 0">
         <frame pos=".1 .2 0" axisangle="1 1 0 50"><joint name="j" axis="1 2 0" pos="0 .1 0"/>
-          <geom type="capsule" size=".1" fromto="0 0 0 .2 .3 .4"/><geom size=".1 .2 .3"/>
-          <site name="s" pos="1 0 0" zaxis="1 1 1"/><site name="t" type="capsule" size=".1" fromto="0 0 0 1 2 3"/></frame>
+          <geom type="capsule" size=".1" fromto="0 0 0 .2 .3 .4"/>\
+<geom size=".1" fromto=".1 0 0 .2 .3 .9"/><geom size=".1 .2 .3"/>
+          <site name="s" pos="1 0 0" zaxis="1 1 1"/>\
+<site name="t" type="capsule" size=".1" fromto="0 0 0 1 2 3"/></frame>
       </body></frame></frame>""",
     "an inertia in a frame": f"""<body name="a"><frame pos="0 .1 0" euler="0 30 0">{INERTIA}\
 <joint/></frame></body>""",
@@ -73,7 +75,8 @@ CHILD = f"""<mujoco model="kid">
     <body name="a" pos="1 0 0" euler="0.2 0.4 1" childclass="quick">
       <joint name="j" range="0 1" limited="true" axis="0 1 0"/>{INERTIA}
       <body name="in" pos="0 0 .3"><joint name="i" axis="1 0 0" ref=".2"/>
-        <geom type="mesh" mesh="m" density="20"/><site name="tip" pos="0 0 .2"/></body></body></frame>
+        <geom type="mesh" mesh="m" density="20"/><site name="tip" pos="0 0 .2"/></body></body>
+    </frame>
     <body name="b"><joint name="k" type="slide"/>{INERTIA}</body></worldbody>
   <tendon><fixed name="t"><joint joint="j" coef="1"/><joint joint="i" coef="-2"/></fixed></tendon>
   <equality><joint joint1="j" joint2="i" polycoef="0 1 .5 0 0"/><joint joint1="j" joint2="k"/>
@@ -101,7 +104,8 @@ def test_attached_models(tmp_path: Path, kind: str, named: bool) -> None:
     name = 'name="other"' if named else ""
     text = model(
         f"{ARM}{ATTACHED[kind].format('other' if named else 'kid')}</body>",
-        f'<default><joint armature="7"/></default><asset><model {name} file="parts/kid.xml"/></asset>',
+        '<default><joint armature="7"/></default>',
+        f'<asset><model {name} file="parts/kid.xml"/></asset>',
         '<actuator><motor joint="j"/></actuator>',
         compiler='angle="degree"',
     )
