@@ -64,9 +64,9 @@ def read_mjcf(
     ------
     InvalidRobotFile
         If the file is missing or malformed, or holds what cannot be read: other active constraints
-        than loops, motors that drive something else than a joint of one degree of freedom, bodies
-        moved from outside, geoms whose inertia is not a formula, or elements that stand for several
-        others (MuJoCo can write those out).
+        than loops, motors that drive something else than a joint of one degree of freedom, geoms
+        whose inertia is needed and not known, or bodies that MuJoCo makes of one element
+        (``composite``, ``flexcomp``; it can write those out).
     """
     document = spelled_out(path)
     plain = plain_mjcf(document)
