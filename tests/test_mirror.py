@@ -63,6 +63,7 @@ ELSEWHERE = {
     "psp3/control/kernels.py": ("psp3/simulation/test_loop.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_document.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_expansion.py": ("cross/test_mjcf_expansion.py", THROUGH_ITS_FACE),
+    "psp3/description/mjcf_words.py": ("cross/test_mutated_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_inertia.py": ("cross/test_mjcf_meshes.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_tree.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/parts.py": ("psp3/test_loading.py", NAMES_ONLY),

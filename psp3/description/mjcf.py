@@ -418,6 +418,10 @@ def _warn(document: MjcfDocument, plain: PlainMjcf) -> None:
             document.path,
             ", ".join(ignored),
         )
+    if document.unknown:
+        logger.warning(
+            "%s: no words of MJCF, and not read: %s", document.path, ", ".join(document.unknown)
+        )
     for name in plain.from_outside:
         logger.warning(
             "%s: body %s, which MuJoCo lets its user move (mocap), stays where it is",

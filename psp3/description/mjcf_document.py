@@ -18,14 +18,21 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array
+from psp3.description.mjcf_words import unknown_words
 from psp3.description.xml import described, numbers, read_xml
 from psp3.errors import InvalidRobotFile
 
 ORIENTATIONS = {"quat": 4, "axisangle": 4, "euler": 3, "xyaxes": 6, "zaxis": 3}
 """Attributes that give an orientation, and how many numbers each holds."""
 
-DEEPEST = 100
-"""So many files may include or attach each other in a row, and so many elements be nested."""
+DEEPEST = 200
+"""So many elements may be in each other."""
+
+SHORTEST = 1e-14
+"""A vector below this has no direction, and a mass below this is none: MuJoCo's ``mjEPS``."""
+
+LARGEST = 1e50
+"""A larger number is that of no robot, and its square may be none of a computer."""
 
 
 class MjcfDocument:
@@ -45,6 +52,8 @@ class MjcfDocument:
         The file's root, with what it includes in its place.
     compiler : dict of str to str
         Settings of the compiler.
+    unknown : tuple of str
+        What is no word of the format.
     radians_per_unit : float
         What an angle of the file is multiplied with.
     settings : dict
@@ -64,6 +73,7 @@ class MjcfDocument:
         self.settings: dict[ElementTree.Element, dict[str, str]] = {}
         self.root = read_xml(self.path, "mujoco")
         self._include(self.root, {self.path.resolve()})
+        self.unknown = tuple(unknown_words(self.root))
         self.compiler: dict[str, str] = {}
         for element in self.root.findall("compiler"):
             self.compiler.update(element.attrib)
@@ -95,8 +105,12 @@ class MjcfDocument:
         """Return the error that says what is wrong with this file."""
         return InvalidRobotFile(self.path, reason)
 
-    def _include(self, element: ElementTree.Element, included: set[Path]) -> None:
+    def _include(self, element: ElementTree.Element, included: set[Path], depth: int = 1) -> None:
         """Put the children of included files where the elements <include> stand."""
+        if depth > DEEPEST:
+            raise self.wrong(
+                f"more than {DEEPEST} elements are in each other, the last {described(element)}"
+            )
         for index in reversed(range(len(element))):
             child = element[index]
             if child.tag == "include":
@@ -105,10 +119,10 @@ class MjcfDocument:
                     raise self.wrong(f"{path.name} is included twice")
                 included.add(path)
                 other = read_xml(path, None)
-                self._include(other, included)
+                self._include(other, included, depth + 1)
                 element[index : index + 1] = list(other)
             else:
-                self._include(child, included)
+                self._include(child, included, depth + 1)
 
     def _inside(self, element: ElementTree.Element) -> Path:
         """Return the file that an element names, which must be in the folder of the robot."""
@@ -127,7 +141,9 @@ class MjcfDocument:
         path = self._inside(element)
         if path in [one.path.resolve() for one in (*self.above, self)]:
             raise self.wrong(f"{described(element)}: {path.name} attaches itself")
-        return MjcfDocument(path, (*self.above, self))
+        other = MjcfDocument(path, (*self.above, self))
+        self.unknown += other.unknown
+        return other
 
     def written_out(self, root: ElementTree.Element) -> MjcfDocument:
         """Return this file with another tree, in radians, that has no classes."""
@@ -186,7 +202,13 @@ class MjcfDocument:
 
         See :func:`psp3.description.xml.numbers`.
         """
-        return numbers(self.path, element, attribute, *counts)
+        values = numbers(self.path, element, attribute, *counts)
+        if values is not None and np.abs(values).max() > LARGEST:
+            raise self.wrong(
+                f"{described(element)}: {attribute} has a number beyond {LARGEST:g}, "
+                f"{element.attrib[attribute][:80]!r}"
+            )
+        return values
 
     def number(self, element: ElementTree.Element, attribute: str, default: float) -> float:
         """Return the one number of an attribute."""
@@ -344,7 +366,7 @@ def set_place(element: ElementTree.Element, placement: pin.SE3) -> None:
 def unit(vector: Array) -> Array:
     """Return a vector divided by its length; raise :class:`ZeroDivisionError` if it has none."""
     length = float(np.linalg.norm(vector))
-    if length < 1e-14:
+    if length < SHORTEST:
         raise ZeroDivisionError
     return np.asarray(vector / length)
 

@@ -182,7 +182,7 @@ class _Expansion:
             document.place_in(plain, frame)
         if item.tag == "body":
             # Its inertia follows the settings of the file that it comes from.
-            document.settings[plain] = document.compiler
+            document.settings[plain] = {**document.compiler, "own_pos": item.get("pos", "0 0 0")}
         return plain
 
     def _joint(self, joint: ElementTree.Element, frame: pin.SE3) -> None:

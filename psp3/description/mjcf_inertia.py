@@ -16,7 +16,7 @@ import pinocchio as pin
 from psp3.checks import Array
 from psp3.description.mesh_inertia import KINDS, MeshInertia, hull, mesh_inertia
 from psp3.description.meshes import Mesh, read_mesh
-from psp3.description.mjcf_document import MjcfDocument
+from psp3.description.mjcf_document import SHORTEST, MjcfDocument
 from psp3.description.xml import check_inertia, described
 from psp3.errors import InvalidFile
 
@@ -74,6 +74,10 @@ class MjcfInertias:
             if from_geoms != "false":
                 for geom in body.findall("geom"):
                     inertia += self._of_geom(body, geom, moves)
+            if inertia.mass == 0.0:
+                # Where a least mass gives it one, MuJoCo has its center there.
+                own = ElementTree.Element("body", pos=document.setting(body, "own_pos", "0 0 0"))
+                inertia.lever = document.vector(own, "pos")
         return self._bounded(body, inertia)
 
     def _given_inertia(
@@ -153,9 +157,11 @@ class MjcfInertias:
                 "an <inertial>"
             )
         placement, sizes = placed(document, geom, kind)
-        return placement.act(
-            _solid(kind, sizes, density * _volume(kind, sizes) if mass is None else mass)
-        )
+        if mass is None:
+            mass = density * _volume(kind, sizes)
+        if mass <= SHORTEST:
+            return pin.Inertia.Zero()
+        return placement.act(_solid(kind, sizes, mass))
 
     # Meshes
 
@@ -179,6 +185,8 @@ class MjcfInertias:
         volume, center, inertia = self._known[name, shell]
         if mass is None:
             mass = density * volume
+        if mass <= SHORTEST:
+            return pin.Inertia.Zero()
         return self.document.placement(geom).act(pin.Inertia(mass, center, mass / volume * inertia))
 
     def _computed(self, name: str, shell: bool) -> MeshInertia:

@@ -22,12 +22,15 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array
-from psp3.description.mjcf_document import MjcfDocument, set_place, text_of
+from psp3.description.mjcf_document import SHORTEST, MjcfDocument, set_place, text_of
 from psp3.description.mjcf_inertia import SIZES, MjcfInertias, placed
 from psp3.description.xml import described
 
 IN_A_BODY = {"inertial", "joint", "freejoint", "geom", "site", "body", "camera", "light"}
 """What a body may hold."""
+
+RESERVED = "universe"
+"""Pinocchio's name of what does not move; its parser crashes where another joint has it."""
 
 COLLISION_GROUP = 3
 """From this group on, geoms are by custom for collisions only, and MuJoCo's viewer hides them."""
@@ -199,6 +202,7 @@ class _Writer:
         moves: bool,
     ) -> None:
         name = element.get("name") or f"body_{len(self.bodies)}"
+        self._not_reserved(element, name)
         if name in self.bodies:
             raise self.document.wrong(f"there are two bodies {name!r}")
         self.bodies.append(name)
@@ -247,6 +251,7 @@ class _Writer:
                 "the whole robot, is not read; give stiffness and damping"
             )
         name = element.get("name") or f"{owner}_joint_{len(self.joints) + 1}"
+        self._not_reserved(element, name)
         if name in self.joints:
             raise document.wrong(f"there are two joints {name!r}")
         plain = ElementTree.SubElement(body, "joint", name=name, type=kind)
@@ -254,7 +259,7 @@ class _Writer:
             plain.set("pos", text_of(document.vector(element, "pos")))
         axis = document.vector(element, "axis", (0.0, 0.0, 1.0))
         if kind in ("hinge", "slide"):
-            if not axis.any():
+            if np.linalg.norm(axis) < SHORTEST:
                 raise document.wrong(f"{described(element)}: the axis is zero")
             axis = axis / np.linalg.norm(axis)
             plain.set("axis", text_of(axis))
@@ -304,10 +309,18 @@ class _Writer:
             )
         return float(ends[0]), float(ends[1])
 
+    def _not_reserved(self, element: ElementTree.Element, name: str | None) -> None:
+        if name == RESERVED:
+            raise self.document.wrong(
+                f"{described(element)}: Pinocchio keeps the name {RESERVED!r} for itself; choose "
+                "another"
+            )
+
     # Sites and shapes
 
     def _site(self, element: ElementTree.Element, owner: str) -> None:
         name = element.get("name")
+        self._not_reserved(element, name)
         if name in self.sites:
             raise self.document.wrong(f"there are two sites {name!r}")
         if name is not None:

@@ -17,7 +17,6 @@ import numpy as np
 from psp3.checks import Array
 from psp3.errors import InvalidRobotFile
 
-
 LONGEST_SHOWN = 80
 """So many characters of an attribute are shown in an error message."""
 
@@ -80,6 +79,9 @@ def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
 
 LEAST_MOMENT = -1e-9
 """A moment of inertia below this share of the largest one is negative, not rounded."""
+
+SMALLEST_RADIUS = 1e-6
+"""Beside a body's mass at this distance [m] its moments of inertia count as zero."""
 
 
 def described(element: ElementTree.Element) -> str:
@@ -160,7 +162,7 @@ def check_inertia(path: Path, body: ElementTree.Element, mass: float, inertia: A
     moments = np.linalg.eigvalsh(inertia)
     if mass < 0.0:
         raise InvalidRobotFile(path, f"{described(body)}: the mass {mass:g} is negative")
-    if moments[0] < LEAST_MOMENT * abs(moments[2]):
+    if moments[0] < LEAST_MOMENT * abs(moments[2]) - mass * SMALLEST_RADIUS**2:
         raise InvalidRobotFile(
             path,
             f"{described(body)}: a principal moment of inertia is negative, {moments[0]:.6g} kg m²",

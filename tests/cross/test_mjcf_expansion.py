@@ -85,7 +85,7 @@ CHILD = f"""<mujoco model="kid">
 </mujoco>"""
 
 ATTACHED = {
-    "a body": '<frame pos="0 0 1" euler="0 0 90"><attach model="{0}" body="a" prefix="L-"/></frame>',
+    "a body": '<frame pos="0 1 1" euler="0 0 9"><attach model="{0}" body="a" prefix="L-"/></frame>',
     "a frame": '<attach model="{0}" frame="F" prefix="L-"/>',
     "all of it": '<attach model="{0}" prefix="L-"/>',
     "two of it": (
