@@ -191,8 +191,12 @@ def test_a_loop_of_a_free_body_closes_where_the_file_has_it(tmp_path: Path) -> N
         'inertiafromgeom="true" inertiagrouprange="0 0"',
     ],
 )
-def test_settings_of_all_masses(tmp_path: Path, compiler: str) -> None:
+def test_settings_of_all_masses(
+    tmp_path: Path, compiler: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """One body of geoms of several groups, one with an inertia, and one that stands still."""
+    # MuJoCo writes a warning of "settotalmass" into a file where it runs.
+    monkeypatch.chdir(tmp_path)
     bodies = f"""<body name="a"><joint axis="1 0 0"/><joint axis="0 1 0"/><geom size=".2"/>
       <geom type="box" size=".1 .2 .3" pos="1 0 0" group="1"/>\
 <geom type="box" size=".2 .1 .1" pos="0 1 0" group="2"/>
