@@ -276,14 +276,19 @@ class DependentCoordinates(PSP3Error, ValueError):
 
 
 class UnreachableForces(PSP3Error, ValueError):
-    """The motors cannot bring about a motion: some force is needed where none of them acts."""
+    """The motors cannot bring about a motion: some force is needed where none of them acts.
 
-    def __init__(self, residual: float, coordinates: Sequence[str]) -> None:
-        self.residual, self.coordinates = residual, tuple(coordinates)
+    ``what`` is missed: ``"forces"`` (N or N m), or ``"accelerations"`` (m/s² or rad/s²).
+    """
+
+    def __init__(self, residual: float, coordinates: Sequence[str], what: str = "forces") -> None:
+        self.residual, self.coordinates, self.what = residual, tuple(coordinates), what
+        units = "N or N m" if what == "forces" else "m/s² or rad/s²"
         super().__init__(
-            f"the motors cannot bring about this motion: forces of {residual:.3g} (N or N m) are "
+            f"the motors cannot bring about this motion: {what} of {residual:.3g} ({units}) are "
             f"left over at the coordinates {', '.join(coordinates)}; ask for accelerations from "
-            "forward_dynamics, or drive more joints"
+            "forward_dynamics, for those of fewer or other coordinates (coordinates=[...]), or "
+            "drive more joints"
         )
 
 

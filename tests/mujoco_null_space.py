@@ -138,8 +138,7 @@ class NullSpace:
         mujoco.mj_forward(m, d)
         J, b, gaps = self._rows()
         J = np.vstack([J, held @ np.linalg.inv(matrix)])
-        # Only of joints whose velocities are the same in both.
-        b = np.concatenate([b, held_rates])
+        b = np.concatenate([b, held_rates - held @ np.linalg.solve(matrix, rate)])
         mass = np.zeros((m.nv, m.nv))
         for row, unit in zip(mass, np.eye(m.nv), strict=True):
             mujoco.mj_mulM(m, d, row, unit)

@@ -9,7 +9,8 @@ file, each if it measures something new, those first that do so at every pose; a
 are still left, free ones, one joint each: of the joints that measure at least a tenth of what the
 best does in the pose that is worst for it, one with a spring before others, then joints of one
 degree of freedom before the spin of a ball, and of these the first in the file. A floating base
-always keeps its own coordinates, which come last.
+always keeps its own coordinates, which come last. In a loop it follows, and what motions it has
+left then are kept, too (:mod:`psp3.robots.simple_joints`).
 """
 
 from __future__ import annotations
@@ -78,6 +79,7 @@ def chosen_coordinates(
     free: str,
     wanted: Sequence[str] | None = None,
     springs: Mapping[str, Any] | None = None,
+    kept: Sequence[str] = (),
 ) -> Coordinates:
     """Return the coordinates of a mechanism, by the rule of this module.
 
@@ -98,6 +100,8 @@ def chosen_coordinates(
         Joints of one degree of freedom that come first.
     springs : mapping, optional
         Whose keys are the joints that have a spring.
+    kept : sequence of str
+        Joints of one degree of freedom that come after the motors, and are never locked.
 
     Raises
     ------
@@ -107,10 +111,12 @@ def chosen_coordinates(
         If a wanted joint cannot be a coordinate besides those before it.
     """
     choice = _Choice(model, found)
-    base = _floating_base(model, closures)
+    base = floating_base(model, closures)
     if base is not None:
         choice.take(range(base.idx_v, base.idx_v + base.nv))
     velocities = [*choice.wanted(wanted or ()), *choice.driven(motors)]
+    own = [model.joints[model.getJointId(name)].idx_v for name in kept]
+    velocities += choice.driven(np.eye(model.nv)[:, own])
     commanded = len(velocities)
     locked: list[Locked] = []
     held: list[int] = []
@@ -255,12 +261,19 @@ class _Choice:
         return row, spin
 
 
-def _floating_base(model: pin.Model, closures: Sequence[Any]) -> Any:
+def bases(model: pin.Model) -> list[Any]:
+    """Return the joints of floating and planar bases."""
+    return [
+        joint
+        for joint in list(model.joints)[1:]
+        if model.parents[joint.id] == 0
+        and ((joint.nq, joint.nv) == (7, 6) or "Planar" in joint.shortname())
+    ]
+
+
+def floating_base(model: pin.Model, closures: Sequence[Any]) -> Any:
     """Return the joint of a floating base that no loop contains, or None."""
-    for joint in list(model.joints)[1:]:
-        is_base = (joint.nq, joint.nv) == (7, 6) or "Planar" in joint.shortname()
-        if not is_base or model.parents[joint.id] != 0:
-            continue
+    for joint in bases(model):
         for one in closures:
             if isinstance(one, Coupling | Spin):
                 continue

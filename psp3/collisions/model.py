@@ -181,7 +181,7 @@ class CollisionModel:
         InvalidArray, ClosureFailed, JointLimitExceeded, UnreachablePose
             See the robot's ``configuration``.
         """
-        row = one_row("positions", positions, len(self.robot.actuated))
+        row = one_row("positions", positions, len(self.robot.reference))
         return self.nearest_at(self.robot.configuration(row))
 
     def nearest_at(self, configuration: Array) -> Nearest:

@@ -109,9 +109,9 @@ def check(
     InvalidRobotFile, OverlappingShapes
         If the robot has no usable shapes, see :func:`psp3.collisions.model.collision_model`.
     """
-    path = finite_rows("positions", positions, len(robot.actuated))
+    path = finite_rows("positions", positions, len(robot.reference))
     if path.ndim != 2 or not len(path):
-        raise InvalidArray("positions", f"(N, {len(robot.actuated)}) with N of at least 1", path)
+        raise InvalidArray("positions", f"(N, {len(robot.reference)}) with N of at least 1", path)
     times = np.arange(float(len(path))) if time is None else as_floats("time", time, "(N,)")
     if (
         times.shape != path.shape[:1]

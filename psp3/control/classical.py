@@ -4,6 +4,12 @@ A controller has ``reset()``, called once before a run, and
 ``torque(t, positions, speeds, desired)``, called once a control period. Everything that offers
 these two can be simulated. ``desired`` is a :class:`psp3.trajectories.motion.Motion`; the servo
 errors are :math:`e = a_d - a` and :math:`\dot e = \dot a_d - \dot a` (eq. 4.2).
+
+Of a robot whose coordinates are not its motors the motion is that of the coordinates that the
+motors command, which are the first ones; errors are of these, and the others follow. A model then
+says what the motors must do: with more motors than coordinates the least, and where coordinates are
+free the commanded ones are accelerated as the servo wants, whatever the others do then (partial
+feedback linearization, :meth:`psp3.ClosedLoopRobot.actuator_forces`).
 """
 
 from __future__ import annotations
@@ -75,6 +81,20 @@ def _times(gain: float | Array, error: Array) -> Array:
     return product
 
 
+def _error(desired: Array, found: Array) -> Array:
+    """Return the error of the first coordinates, of which a motion is desired."""
+    return desired - found[: len(desired)]
+
+
+def _allocated(model: Any, positions: Array, forces: Array) -> Array:
+    """Return the motors' forces for forces along the coordinates, of which they are as a rule."""
+    allocate = getattr(model, "allocated_forces", None)
+    if allocate is None or getattr(model, "drives_coordinates", True):
+        return forces
+    motors: Array = allocate(positions, forces)
+    return motors
+
+
 class _OfModel(SaysNothing):
     """What asks a model for forces, each closing of its loops from the pose of the one before."""
 
@@ -91,6 +111,17 @@ class _OfModel(SaysNothing):
         return table
 
 
+def feed_forward(
+    forces_of: ForcesOfMotions, positions: Array, speeds: Array, desired: Motion
+) -> Array:
+    """Return the forces of a desired motion, coordinates that follow being where they are."""
+    wanted, rates, k = desired.positions, desired.speeds, len(desired.positions)
+    if k < len(positions):
+        wanted = np.concatenate([wanted, positions[k:]])
+        rates = np.concatenate([rates, speeds[k:]])
+    return forces_of(wanted, rates, desired.accelerations)
+
+
 class FeedForward(_OfModel):
     r"""Open loop: the forces of the desired motion, without any feedback (eq. 4.1).
 
@@ -104,7 +135,7 @@ class FeedForward(_OfModel):
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion, of shape (3,) [N]."""
-        return self._forces_of(desired.positions, desired.speeds, desired.accelerations)
+        return feed_forward(self._forces_of, positions, speeds, desired)
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
@@ -126,6 +157,9 @@ class PD(SaysNothing, Stateless):
         Proportional gain [N/m]: one for every screw by itself, or a matrix.
     kv : float or (n, n) array_like
         Derivative gain [N s/m]. :func:`critically_damped_gains` makes both of a bandwidth.
+    model : ClosedLoopRobot, optional
+        The robot, where its motors are not its first coordinates: it turns the feedback, forces
+        along the coordinates, into the motors' forces of least norm.
 
     Raises
     ------
@@ -135,14 +169,25 @@ class PD(SaysNothing, Stateless):
         If a matrix is not square or not finite.
     """
 
-    def __init__(self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0) -> None:
-        self.kp, self.kv = _gain("kp", kp), _gain("kv", kv)
+    def __init__(
+        self,
+        kp: float | ArrayLike = 1000.0,
+        kv: float | ArrayLike = 100.0,
+        model: Any = None,
+    ) -> None:
+        self.kp, self.kv, self.model = _gain("kp", kp), _gain("kv", kv), model
+
+    @property
+    def along_coordinates(self) -> bool:
+        """Whether the forces are along the coordinates, because nothing is known of the motors."""
+        return self.model is None
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the feedback forces, of shape (3,) [N]."""
-        return _times(self.kp, desired.positions - positions) + _times(
-            self.kv, desired.speeds - speeds
+        forces = _times(self.kp, _error(desired.positions, positions)) + _times(
+            self.kv, _error(desired.speeds, speeds)
         )
+        return _allocated(self.model, positions, forces)
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
@@ -159,7 +204,8 @@ class GravityCompensatedPD(_OfModel, PD):
     Parameters
     ----------
     model : DynamicsModel
-        Where G comes from.
+        Where G comes from. Where the motors do not command all coordinates, they hold the commanded
+        ones against gravity while the others follow.
     kp, kv : float or (n, n) array_like
         See :class:`PD`.
     """
@@ -172,9 +218,9 @@ class GravityCompensatedPD(_OfModel, PD):
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return feedback and gravity forces, of shape (3,) [N]."""
-        rest = np.zeros(len(speeds))
+        rest, still = np.zeros(len(speeds)), np.zeros(len(desired.positions))
         feedback = PD.torque(self, t, positions, speeds, desired)
-        return feedback + self._forces_of(positions, rest, rest)
+        return feedback + self._forces_of(positions, rest, still)
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
@@ -193,16 +239,20 @@ class PID(PD):
 
     Parameters
     ----------
-    kp, kv : float or (n, n) array_like
+    kp, kv, model
         See :class:`PD`.
     ki : float
         Integral gain [N/(m s)]; the loop of a mass m is stable for ki < kp kv / m.
     """
 
     def __init__(
-        self, kp: float | ArrayLike = 1000.0, kv: float | ArrayLike = 100.0, ki: float = 2000.0
+        self,
+        kp: float | ArrayLike = 1000.0,
+        kv: float | ArrayLike = 100.0,
+        ki: float = 2000.0,
+        model: Any = None,
     ) -> None:
-        super().__init__(kp, kv)
+        super().__init__(kp, kv, model)
         self.ki = checked_not_negative("ki", ki)
         self.reset()
 
@@ -213,11 +263,13 @@ class PID(PD):
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the feedback forces, of shape (3,) [N], and go on with the integral."""
-        error = desired.positions - positions
+        error = _error(desired.positions, positions)
         if self._last is not None:
             self._integral = self._integral + 0.5 * (t - self._last[0]) * (error + self._last[1])
         self._last = (t, error)
-        return super().torque(t, positions, speeds, desired) + self.ki * self._integral
+        integral = np.broadcast_to(self.ki * self._integral, error.shape)
+        feedback = super().torque(t, positions, speeds, desired)
+        return feedback + _allocated(self.model, positions, integral)
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
@@ -273,8 +325,8 @@ class ComputedTorque(_OfModel):
         """Return the forces of eq. 4.10, of shape (3,) [N]."""
         servo = (
             desired.accelerations
-            + self.kv * (desired.speeds - speeds)
-            + self.kp * (desired.positions - positions)
+            + self.kv * _error(desired.speeds, speeds)
+            + self.kp * _error(desired.positions, positions)
         )
         return self._forces_of(positions, speeds, servo)
 

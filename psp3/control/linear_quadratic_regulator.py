@@ -207,13 +207,17 @@ class LinearQuadraticRegulator(SaysNothing):
     While the desired motion rests the first terms are the weight. Gains are those of the sampled
     system, as the force is held for a period.
 
+    Of a robot with other coordinates than its motors the feedback is a force along each of the k
+    coordinates that the motors command. Where others are free, K brings them back, too: to where
+    they are in the pose about which the robot is linearized, which should be an equilibrium.
+
     Parameters
     ----------
     robot : ClosedLoopRobot
         The robot as the controller knows it.
     Q : (2n, 2n) array_like
         Weight of the errors, positions first, see :func:`lqr`.
-    R : (n, n) array_like
+    R : (k, k) array_like
         Weight of the forces.
     period : float
         Control period [s].
@@ -223,7 +227,8 @@ class LinearQuadraticRegulator(SaysNothing):
     Raises
     ------
     InvalidArray, InvalidValue, NoStabilizingSolution
-        See :func:`lqr`.
+        See :func:`lqr`; also of a robot whose base floats, or whose motors also act along
+        coordinates that they do not command.
     """
 
     def __init__(
@@ -234,13 +239,21 @@ class LinearQuadraticRegulator(SaysNothing):
         period: float = 0.002,
         positions: ArrayLike | None = None,
     ) -> None:
+        if len(robot.reference) != len(robot.coordinates_v):
+            raise InvalidValue(
+                "robot",
+                robot.title,
+                f"one without a floating base, not with {robot.coordinates[-1]}, whose positions "
+                "are more than its speeds; close it to the world with closures=[...], or use "
+                "ComputedTorque",
+            )
         pose = (
             robot.reference
             if positions is None
-            else one_row("positions", positions, len(robot.actuated))
+            else one_row("positions", positions, len(robot.reference))
         )
-        self.robot, self._forces_of = robot, ForcesOfMotions(robot)
-        self.system = discretize(linearize(robot, pose), period)
+        self.robot, self._forces_of, self._pose = robot, ForcesOfMotions(robot), pose
+        self.system = discretize(_commanded(robot, linearize(robot, pose), pose), period)
         self.regulator = lqr(self.system, Q, R)
 
     def reset(self) -> None:
@@ -249,8 +262,12 @@ class LinearQuadraticRegulator(SaysNothing):
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces of the desired motion and of the feedback, of shape (n,) [N or N m]."""
-        K = self.regulator.K
-        return _forces(self._forces_of, K, positions, speeds, desired)
+        K, k, n = self.regulator.K, len(desired.positions), len(speeds)
+        if k < n:
+            at, rest = np.concatenate([desired.positions, self._pose[k:]]), np.zeros(n - k)
+            rates = np.concatenate([desired.speeds, rest])
+            desired = desired._replace(positions=at, speeds=rates)
+        return _forces(self.robot, self._forces_of, K, positions, speeds, desired)
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
@@ -303,6 +320,14 @@ class TimeVaryingLinearQuadraticRegulator(SaysNothing):
         period: float = 0.002,
         terminal: ArrayLike | None = None,
     ) -> None:
+        if robot.commanded < len(robot.coordinates_v):
+            others = robot.coordinates[robot.commanded :]
+            raise InvalidValue(
+                "robot",
+                robot.title,
+                f"one whose motors command all coordinates, not one that lets {', '.join(others)} "
+                "follow; LinearQuadraticRegulator takes free coordinates about an equilibrium",
+            )
         self.robot, self.period = robot, checked_positive("period", period)
         self._forces_of = ForcesOfMotions(robot)
         self.t = self.period * np.arange(
@@ -323,7 +348,7 @@ class TimeVaryingLinearQuadraticRegulator(SaysNothing):
         # The small excess keeps rounding from taking the gains of the sample before.
         sample = min(max(int(t / self.period + 1e-6), 0), len(self.t) - 1)
         K = self.regulator.K[sample]
-        return _forces(self._forces_of, K, positions, speeds, desired)
+        return _forces(self.robot, self._forces_of, K, positions, speeds, desired)
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
@@ -333,11 +358,37 @@ class TimeVaryingLinearQuadraticRegulator(SaysNothing):
 
 
 def _forces(
-    forces_of: ForcesOfMotions, K: Array, positions: Array, speeds: Array, desired: Motion
+    robot: ClosedLoopRobot,
+    forces_of: ForcesOfMotions,
+    K: Array,
+    positions: Array,
+    speeds: Array,
+    desired: Motion,
 ) -> Array:
     error = np.concatenate([desired.positions - positions, desired.speeds - speeds])
-    forces: Array = forces_of(desired.positions, desired.speeds, desired.accelerations) + K @ error
-    return forces
+    feedback: Array = K @ error
+    if robot.drives_coordinates:
+        forces: Array = forces_of(desired.positions, desired.speeds, desired.accelerations)
+        return forces + feedback
+    if len(feedback) == len(speeds):
+        # Shared among the motors where they are, and not where they should be.
+        feedback += robot.inverse_dynamics(*desired[:3])
+        return robot.allocated_forces(positions, feedback)
+    motors = forces_of(desired.positions, desired.speeds, desired.accelerations)
+    return np.asarray(motors + robot.allocated_forces(positions, feedback))
+
+
+def _commanded(robot: ClosedLoopRobot, system: LinearSystem, pose: Array) -> LinearSystem:
+    """Return a linearization whose input are forces along the commanded coordinates alone."""
+    k = robot.commanded
+    if robot.actuation_matrix(pose)[k:].any():
+        raise InvalidValue(
+            "robot",
+            robot.title,
+            f"one whose motors do not act along {', '.join(robot.coordinates[k:])}, which they do "
+            "not command; choose their joints with coordinates=[...]",
+        )
+    return LinearSystem(system.A, system.B[..., :k])
 
 
 def _table(robot: ClosedLoopRobot, K: Array, joints: int, period: float) -> NamedTuple | None:

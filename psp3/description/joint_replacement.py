@@ -123,7 +123,7 @@ def replace_joints(
                 new_joints[name] = [(name, _revolute_like(joint))]
     if not kinds and not new_joints:
         return model, visual_model
-    model, visual_model = _rebuilt(model, visual_model, new_joints, path)
+    model, visual_model = rebuilt(model, visual_model, new_joints, path)
     locked = [model.getJointId(name) for name, kind in replaced if kind == "FIXED"]
     if locked:
         model, visual_model = _locked(model, visual_model, locked)
@@ -185,10 +185,14 @@ def _revolute_like(joint: Any) -> Any:
     return pin.JointModelRevoluteUnaligned(np.asarray(data.S)[3:].ravel())
 
 
-def _rebuilt(
+def rebuilt(
     model: pin.Model, visual_model: Any, new_joints: NewJoints, path: str | Path
 ) -> tuple[pin.Model, Any]:
-    """Return the tree and its shapes with some of the joints replaced."""
+    """Return the tree and its shapes with some of the joints replaced.
+
+    What a joint has for each degree of freedom its replacements all have, or, of a joint of
+    several, what it has for the first.
+    """
     new = pin.Model()
     new.name, new.gravity = model.name, model.gravity
     new.inertias[0] = model.inertias[0]
@@ -222,7 +226,7 @@ def _copy_limits(model: pin.Model, old: int, new: pin.Model, number: int, replac
     before, after = model.joints[old], new.joints[number]
     for attribute in PER_DEGREE_OF_FREEDOM:
         getattr(new, attribute)[after.idx_v : after.idx_v + after.nv] = getattr(model, attribute)[
-            before.idx_v : before.idx_v + before.nv
+            before.idx_v : before.idx_v + min(before.nv, after.nv)
         ]
     coordinates = slice(after.idx_q, after.idx_q + after.nq)
     if not replaced:

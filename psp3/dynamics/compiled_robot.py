@@ -19,8 +19,17 @@ def balance(
 ) -> None:
     """Write M + J (n, n) and what is left of the forces for accelerations and dry friction (n,).
 
-    The state are positions and speeds (2n,), ``drives`` (n, 3) see :mod:`psp3.drives.kernels`.
-    What is written is NaN where the state is none of the robot's.
+    The state are positions and speeds (p + n,), ``forces`` those of the motors, ``drives`` (n, 3)
+    see :mod:`psp3.drives.kernels`. What is written is NaN where the state is none of the robot's.
+    """
+
+
+@chosen_by_table
+def write_rates(robot: Any, state: Array, rates: Array) -> None:
+    """Write how the positions of a state change, (p,), to the first of the rates.
+
+    Of positions that are joint angles and ways these are the speeds. A quaternion among them is
+    first brought to unit length, in the state, which rounding and steps of integration leave.
     """
 
 

@@ -1,6 +1,7 @@
 """Compiled Runge–Kutta steps of any robot with drives, from event to event of the dry friction.
 
-A robot is a table of :mod:`psp3.dynamics.compiled_robot`. States are positions and speeds (2n,).
+A robot is a table of :mod:`psp3.dynamics.compiled_robot`. States are positions and speeds (p + n,):
+where a base floats, positions are more than speeds, and their rates are not the speeds.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from psp3.drives.kernels import (
     spare_friction,
     stop_what_turned_back,
 )
-from psp3.dynamics.compiled_robot import balance, is_state
+from psp3.dynamics.compiled_robot import balance, is_state, write_rates
 
 MOST_TRIALS = 60
 """Trials in the search for the time of an event; some eight do."""
@@ -31,10 +32,10 @@ MOST_TRIALS = 60
 @compiled
 def _speed_margin(drives: Array, slip: Array, state: Array) -> float:
     """Return what speed is left until a joint that slips comes to rest."""
-    n, margin = slip.size, math.inf
-    for i in range(n):
+    p, margin = state.size - slip.size, math.inf
+    for i in range(slip.size):
         if slip[i] != 0.0 and drives[i, DRY] > 0.0:
-            margin = min(margin, slip[i] * state[n + i])
+            margin = min(margin, slip[i] * state[p + i])
     return margin
 
 
@@ -71,30 +72,32 @@ def _trial(
 ) -> float:
     """Write the state after one step with constant slip, and return its margin.
 
-    The method is the classical Runge–Kutta; ``rates`` is scratch space (4, 2n). The margin is what
-    is left until a joint comes to rest or lets go, in its speed or N; negative once it has
+    The method is the classical Runge–Kutta; ``rates`` is scratch space (4, p + n). The margin is
+    what is left until a joint comes to rest or lets go, in its speed or N; negative once it has
     happened. There is one call of ``balance``, which may take long to compile.
     """
-    n = net.size
-    acceleration, margin = np.empty(n), math.inf
-    for i in range(2 * n):
+    n, size = net.size, state.size
+    p, acceleration, margin = size - n, np.empty(n), math.inf
+    for i in range(size):
         new[i] = state[i]
     for stage in range(5):
         if stage == 4:
-            for i in range(2 * n):
+            for i in range(size):
                 new[i] = state[i] + duration / 6.0 * (
                     rates[0, i] + 2.0 * (rates[1, i] + rates[2, i]) + rates[3, i]
                 )
             margin = _speed_margin(drives, slip, new)
-            if not _some_stick(slip):
-                return margin
+        # After the last stage for the unit length of quaternions only.
+        write_rates(robot, new, rates[stage % 4])
+        if stage == 4 and not _some_stick(slip):
+            return margin
         balance(robot, new, forces, drives, mass, net)
         accelerations(mass, net, drives, slip, acceleration)
         if stage < 4:
             share = duration if stage == 2 else 0.5 * duration
             for i in range(n):
-                rates[stage, i], rates[stage, n + i] = new[n + i], acceleration[i]
-            for i in range(2 * n):
+                rates[stage, p + i] = acceleration[i]
+            for i in range(size):
                 new[i] = state[i] + share * rates[stage, i]
     return min(margin, _force_margin(mass, net, drives, slip, acceleration))
 
@@ -148,26 +151,27 @@ def advance_driven(
 ) -> bool:
     """Take steps under constant forces, in place, each in as many parts as it has events.
 
-    ``drives`` has a row for each of the n joints, see :mod:`psp3.drives.kernels`. Return whether
+    ``drives`` has a row for each of the n speeds, see :mod:`psp3.drives.kernels`. Return whether
     the state reached is one of the robot's.
     """
-    n = drives.shape[0]
+    n, size = drives.shape[0], state.size
+    p = size - n
     mass, net, slip = np.empty((n, n)), np.empty(n), np.zeros(n)
-    rates, new = np.empty((4, 2 * n)), np.empty(2 * n)
+    rates, new = np.empty((4, size)), np.empty(size)
     for _ in range(steps):
         left = step
         for event in range(MOST_EVENTS + 1):
-            if slip_of(drives, state[n:], slip):
+            if slip_of(drives, state[p:], slip):
                 balance(robot, state, forces, drives, mass, net)
-                choose_slip(mass, net, drives, state[n:], slip)
+                choose_slip(mass, net, drives, state[p:], slip)
             part = left
             margin = _trial(robot, state, forces, part, drives, slip, mass, net, rates, new)
             if event < MOST_EVENTS and margin < 0.0:
                 part = _first_event(
                     robot, state, forces, part, margin, drives, slip, mass, net, rates, new
                 )
-            stop_what_turned_back(drives, new[n:], slip)
-            for i in range(2 * n):
+            stop_what_turned_back(drives, new[p:], slip)
+            for i in range(size):
                 state[i] = new[i]
             left -= part
             if left <= 0.0:

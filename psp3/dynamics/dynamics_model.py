@@ -91,7 +91,7 @@ class ForcesOfMotions(StateAfterState):
         self._equation = None if self._forces is not None else equation_of_motion_of(model)
 
     def __call__(self, positions: Array, speeds: Array, accelerations: Array) -> Array:
-        """Return the forces (n,) of a state's accelerations (n,)."""
+        """Return the forces of the motors of a state's accelerations (n,), or of the first (k,)."""
         if self._equation is None:
             forces: Array = self.ask(self._forces, positions, speeds, accelerations)
             return forces

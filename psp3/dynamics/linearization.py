@@ -62,21 +62,22 @@ def linearize(
     Returns
     -------
     LinearSystem
-        ``.A`` (..., 2n, 2n) and ``.B`` (..., 2n, n), continuous.
+        ``.A`` (..., 2n, 2n) and ``.B`` (..., 2n, n), continuous. Of a robot whose coordinates are
+        not its motors the input are forces along the coordinates.
 
     Raises
     ------
     InvalidArray, ClosureFailed, SingularConfiguration
         See :meth:`psp3.ClosedLoopRobot.configuration`.
     """
-    n = len(robot.actuated)
-    rest = np.zeros(n)
+    rest = np.zeros(np.shape(positions)[-1:])
     by_positions, by_speeds, mass = inverse_dynamics_derivatives(
         robot,
         positions,
         rest if speeds is None else speeds,
         rest if accelerations is None else accelerations,
     )
+    n = mass.shape[-1]
     A, B = np.zeros((*mass.shape[:-2], 2 * n, 2 * n)), np.zeros((*mass.shape[:-2], 2 * n, n))
     A[..., :n, n:] = np.eye(n)
     A[..., n:, :n] = -np.linalg.solve(mass, by_positions)

@@ -18,6 +18,12 @@ number of actuators.
 """
 
 
+MISMATCHED = 300.0
+"""So many times their mismatch rounded loops may miss their velocity equations: where rounding
+makes both, a singular value was up to thirty times the mismatch.
+"""
+
+
 class HasTree(Protocol):
     """Anything with a Pinocchio ``model``.
 
@@ -46,6 +52,14 @@ class Mechanism:
         The tree.
     loops : list of pinocchio.RigidConstraintModel
         The loop closures.
+    equations : list of Coupling, Hinge or Spin
+        What else closes it.
+    springs : mapping or None
+        Of joints; None of a bare tree.
+    motors : (nv, m) ndarray or None
+        What the motors drive; None of a bare tree, whose coordinates are driven.
+    mismatch : float
+        How far rounding leaves the loops open [m, rad].
     names : tuple of str
         The actuated joints, or what else are the robot's ``coordinates``.
     actuated, dependent : ndarray of int
@@ -62,6 +76,15 @@ class Mechanism:
         self._robot = robot
         self.model = robot.model
         self.loops: list[Any] = list(getattr(robot, "constraint_models", None) or ())
+        locked = getattr(robot, "locked", ())
+        self.equations: list[Any] = [
+            *(getattr(robot, "equations", None) or ()),
+            *(one.spin for one in locked if one.spin is not None),
+        ]
+        self.springs = getattr(robot, "springs", None)
+        self.motors: Any = getattr(robot, "motors", None)
+        mismatch = getattr(robot, "closure_mismatch", None)
+        self.mismatch = 0.0 if mismatch is None else max(mismatch.length, mismatch.angle)
         known = tuple(str(name) for name in self.model.names)[1:]
         chosen = getattr(robot, "coordinates", None) or getattr(robot, "actuated", None)
         self.names: tuple[str, ...] = tuple(chosen or known)
@@ -74,7 +97,8 @@ class Mechanism:
         )
         held = [
             self.model.joints[self.model.getJointId(one.joint)].idx_v
-            for one in getattr(robot, "locked", ())
+            for one in locked
+            if one.spin is None
         ]
         self.dependent: Indices = np.setdiff1d(np.arange(self.model.nv), [*self.actuated, *held])
 
@@ -119,7 +143,8 @@ class Mechanism:
         # pseudo-inverse only comes near. An inverse solves every equation.
         if len(jacobian) > self.dependent.size:
             missed = np.abs(jacobian @ complement).max(initial=0.0)
-            if missed > MOBILITY_TOLERANCE * np.abs(jacobian).max(initial=1.0):
+            allowed = MOBILITY_TOLERANCE + MISMATCHED * self.mismatch
+            if missed > allowed * np.abs(jacobian).max(initial=1.0):
                 raise MobilityMismatch(mobility(self.model, self.loops, self.names, q), self.names)
         return complement, inverse
 

@@ -49,6 +49,9 @@ LAST_CORRECTION = 1e-8
 rounding [m, rad].
 """
 
+LARGEST_SHARE = 10.0
+"""Elsewhere rounded loops may stay open by so many times what was found near home."""
+
 MOST_CORRECTIONS = 25
 """A predicted configuration that needs more corrections than this is not near a closed one."""
 
@@ -91,6 +94,10 @@ class NewtonFromHome:
         derivative's un-actuated columns, (nv − n, m).
     dependent : (u,) ndarray of int, optional
         Velocities of the joints that follow; all but the actuated ones by default.
+    mismatch : float
+        Residual that rounded loops keep where they are closed best [m, rad].
+    may_float : bool
+        Whether the last joint may be a floating base, which no loop contains.
     """
 
     def __init__(
@@ -101,18 +108,27 @@ class NewtonFromHome:
         constraint: Callable[[Array], tuple[Array, Array]],
         complement: Callable[[Array, Array], tuple[Array, Array]],
         dependent: Indices | None = None,
+        mismatch: float = 0.0,
+        may_float: bool = False,
     ) -> None:
         self._model = model
+        self._mismatch = LARGEST_SHARE * mismatch
         joints = [model.joints[model.getJointId(name)] for name in names]
-        for name, joint in zip(names, joints, strict=True):
+        base = joints.pop() if may_float and joints and joints[-1].nq > joints[-1].nv > 1 else None
+        for name, joint in zip(names, joints, strict=False):
             if joint.nq != 1:
                 raise InvalidValue("actuated joint", name, "a joint of one coordinate")
+        first, count = (0, 0) if base is None else (base.idx_q, base.nq)
+        self._base: Indices = np.arange(first, first + count)
         self._places = np.array([joint.idx_q for joint in joints], dtype=np.int64)
-        others = np.setdiff1d(np.arange(model.nv), [joint.idx_v for joint in joints])
+        speeds = [joint.idx_v for joint in joints]
+        if base is not None:
+            speeds += range(base.idx_v, base.idx_v + base.nv)
+        others = np.setdiff1d(np.arange(model.nv), speeds)
         self._dependent = others if dependent is None else dependent
         self._constraint, self._complement = constraint, complement
         q, residual, moved, jacobian = self._corrected(home, exactly=True)
-        if not residual <= CLOSED or not moved <= LARGEST_REPAIR:
+        if not residual <= CLOSED + self._mismatch or not moved <= LARGEST_REPAIR:
             raise ClosureFailed(home[self._places], residual, 0.0)
         self._home = Closed(q, jacobian, *self._complement(q, jacobian))
 
@@ -127,9 +143,15 @@ class NewtonFromHome:
             If the way from home ends before: at the border of the workspace, or at a singularity.
         """
         at, start = self._home, self._home.q[self._places]
+        positions, base = positions[: len(start)], positions[len(start) :]
+        if base.size:
+            q = at.q.copy()
+            q[self._base] = base
+            _, jacobian = self._constraint(q)
+            at = Closed(q, jacobian, *self._complement(q, jacobian))
         way, done, step = positions - start, 0.0, 1.0
         for _ in range(MOST_STEPS):
-            velocity = at.complement @ way
+            velocity = at.complement[:, : len(way)] @ way
             fastest = float(np.abs(velocity).max(initial=0.0))
             step = min(step, LONGEST_STEP / max(fastest, LONGEST_STEP))
             if step < SHORTEST_STEP:
@@ -153,7 +175,7 @@ class NewtonFromHome:
     def _next(self, at: Closed, predicted: Array, length: float, last: bool) -> Closed | None:
         """Return the closed configuration near a predicted one, or None if the step is too long."""
         q, residual, moved, jacobian = self._corrected(predicted, exactly=last)
-        if not residual <= (CLOSED if last else ON_THE_WAY):
+        if not residual <= (CLOSED if last else ON_THE_WAY) + self._mismatch:
             return None
         if not moved <= LARGEST_CORRECTION * length + LAST_CORRECTION:
             return None

@@ -22,12 +22,16 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, applied_to_rows, one_row
+from psp3.closure.coordinates import floating_base
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.mechanism import HasTree, Mechanism, check_order
+from psp3.dynamics.more_equations import JointElements, MoreEquations
+from psp3.dynamics.motors import least_norm, partly_linearizing
 from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
 from psp3.dynamics.projected_derivatives import projected_derivatives
+from psp3.errors import InvalidValue
 
 
 class ProjectedDynamics:
@@ -73,6 +77,10 @@ class ProjectedDynamics:
         self.dependent_v = self._mechanism.dependent
         self._limited = PassiveLimits(self.model, self.actuated)
         self._frames = _JoinedFrames(self._mechanism)
+        self._more = MoreEquations(self.model, self._mechanism.equations)
+        self._elements = JointElements(self.model, self._mechanism.springs)
+        joints = [self.model.joints[self.model.getJointId(name)] for name in self.actuated]
+        self._widths = sum(joint.nq for joint in joints), self.actuated_v.size
         # Where subtrees are not contiguous, CRBA is silently wrong and RNEA is not.
         self._crba_holds = bool(self.model.check(self.data))
         self._upper = np.triu(np.ones((self.model.nv, self.model.nv)))
@@ -87,8 +95,9 @@ class ProjectedDynamics:
         is not quite the derivative, which Newton's method does not mind.
         """
         pin.computeJointJacobians(self.model, self.data, q)
+        others, rows = self._more.at(self.data, q)
         if not self._mechanism.loops:
-            return np.zeros(0), np.zeros((0, self.model.nv))
+            return others, rows
         for loop, state in zip(self._mechanism.loops, self._states, strict=True):
             # Without this call the Jacobian below is silently wrong.
             loop.calc(self.model, self.data, state)
@@ -96,10 +105,22 @@ class ProjectedDynamics:
             self.model, self.data, self.constraint_models, self._constraint_data
         )
         # Of a model with a single degree of freedom Pinocchio returns a vector.
-        return self._frames.opening(self._states), jacobian.reshape(-1, self.model.nv)
+        jacobian = jacobian.reshape(-1, self.model.nv)
+        if not self._more.rows:
+            return self._frames.opening(self._states), jacobian
+        residual = np.concatenate([self._frames.opening(self._states), others])
+        return residual, np.concatenate([jacobian, rows])
+
+    def _openings(self, q: Array, v: Array) -> Array:
+        """Return how all closures open, (m,), in the motion of which RNEA was just asked."""
+        opening = self._frames.accelerations(self.data, self._states)
+        if not self._more.rows:
+            return opening
+        return np.concatenate([opening, self._more.accelerations(self.data, q, v)])
 
     @functools.cached_property
     def _from_home(self) -> NewtonFromHome:
+        closures = [*self._mechanism.loops, *self._mechanism.equations]
         return NewtonFromHome(
             self.model,
             self.actuated,
@@ -107,6 +128,8 @@ class ProjectedDynamics:
             self._constraint,
             self._mechanism.complement,
             self._mechanism.dependent,
+            self._mechanism.mismatch,
+            may_float=floating_base(self.model, closures) is not None,
         )
 
     def _closed(self, positions: Array) -> Closed:
@@ -117,11 +140,16 @@ class ProjectedDynamics:
     def _map(
         self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: ArrayLike
     ) -> Array:
-        n = self.actuated_v.size
         # First of all, so that a home that is none is found without a pose, too.
         _ = self._from_home
+        p, n = self._widths
         return applied_to_rows(
-            function, shape, **{name: (values, n) for name, values in arguments.items()}
+            function,
+            shape,
+            **{
+                name: (values, p if name == "positions" else n)
+                for name, values in arguments.items()
+            },
         )
 
     def configuration(self, positions: ArrayLike) -> Array:
@@ -165,7 +193,7 @@ class ProjectedDynamics:
 
         Errors as in :meth:`configuration`.
         """
-        found = self._closed(one_row("positions", positions, self.actuated_v.size))
+        found = self._closed(one_row("positions", positions, self._widths[0]))
         return ClosedPose(found.q, found.complement, lambda q: found.inverse)
 
     def drift(self, q: Array, v: Array) -> Array:
@@ -195,7 +223,7 @@ class ProjectedDynamics:
     def _drift(self, q: Array, v: Array, inverse: Array) -> Array:
         accelerations = np.zeros(self.model.nv)
         pin.rnea(self._weightless, self.data, q, v, self._rest)
-        opening = self._frames.accelerations(self.data, self._states)
+        opening = self._openings(q, v)
         accelerations[self.dependent_v] = -inverse @ opening
         return accelerations
 
@@ -206,10 +234,11 @@ class ProjectedDynamics:
         loops open, (m, k).
         """
         count = velocities.shape[1]
-        forces, openings = np.empty_like(velocities), np.empty((self._frames.rows, count))
+        rows = self._frames.rows + self._more.rows
+        forces, openings = np.empty_like(velocities), np.empty((rows, count))
         for k, v in enumerate(velocities.T):
             forces[:, k] = pin.rnea(self._weightless, self.data, q, v, self._rest)
-            openings[:, k] = self._frames.accelerations(self.data, self._states)
+            openings[:, k] = self._openings(q, v)
         return forces, openings
 
     # Dynamics
@@ -269,6 +298,10 @@ class ProjectedDynamics:
                 form = complement.T @ forces - tree[self.dependent_v].T @ (inverse @ openings)
                 coriolis = (form[:, 1 : n + 1] - form[:, :1] - form[:, n + 1 :]) / (2.0 * scale)
             gravity = pin.computeGeneralizedGravity(self.model, self.data, q)
+            if self._elements.are_there:
+                damping = self._elements.of_speeds(complement @ speed)
+                coriolis = coriolis + complement.T @ (damping[:, np.newaxis] * complement)
+                gravity = gravity + self._elements.of_positions(q)
             return np.concatenate(
                 [(complement.T @ tree).ravel(), coriolis.ravel(), complement.T @ gravity]
             )
@@ -330,16 +363,31 @@ class ProjectedDynamics:
         q, L = found.q, found.complement
         v = L @ speed
         joints = L @ acceleration + self._drift(q, v, found.inverse)
-        return np.asarray(L.T @ pin.rnea(self.model, self.data, q, v, joints))
+        forces = pin.rnea(self.model, self.data, q, v, joints)
+        if self._elements.are_there:
+            forces = forces + self._elements.resistance(q, v)
+        return np.asarray(L.T @ forces)
 
     def actuator_forces(
         self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
     ) -> Array:
-        """Return the forces of the motors for a motion; see :meth:`inverse_dynamics`.
+        """Return the forces of the motors for a motion, of least norm where motors are many.
 
-        The motors are as many as the coordinates, so that both are the same.
+        As :meth:`psp3.ClosedLoopRobot.actuator_forces`, also for fewer accelerations.
         """
-        return self.inverse_dynamics(positions, speeds, accelerations)
+        n, motors = self.actuated_v.size, self._mechanism.motors
+        if motors is None or (
+            motors.shape[1] == n and (motors[self.actuated_v] == np.eye(n)).all()
+        ):
+            return self.inverse_dynamics(positions, speeds, accelerations)
+        actuation = np.swapaxes(self.complement(positions), -1, -2) @ motors
+        if np.shape(accelerations)[-1] < n:
+            bias = self.inverse_dynamics(positions, speeds, np.zeros(n))
+            mass = self.mass_matrix(positions)
+            wanted = np.asarray(accelerations, dtype=np.float64)
+            return partly_linearizing(mass, bias, actuation, wanted, self.actuated)
+        forces = self.inverse_dynamics(positions, speeds, accelerations)
+        return least_norm(actuation, forces, self.actuated)
 
     def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
         r"""Return the accelerations of the actuated joints under actuator forces.
@@ -398,6 +446,13 @@ class ProjectedDynamics:
             See :meth:`configuration`.
         """
         n = self.actuated_v.size
+        if self._more.rows or self._elements.are_there or self._mechanism.mismatch > 1e-9:
+            raise InvalidValue(
+                "derivatives by robot.dynamics('pinocchio') of a robot with",
+                "couplings, hinges, held spins, springs, damping or rounded loops",
+                "a tree with exact closures at points or frames; those of the robot itself know "
+                "the rest",
+            )
         found = self._map(
             lambda a, v, w: projected_derivatives(self, self.closure(a), v, w),
             (3, n, n),

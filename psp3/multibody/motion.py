@@ -364,8 +364,9 @@ def answer(
 
 @compiled
 def reach(tree, numbers, memory, positions):
-    """Move to positions (n, or more), all loops closed; return what became of it."""
-    _take(tree, memory, positions, 0, tree[AT_TARGET])
+    """Move to positions (p, or more), all loops closed; return what became of it."""
+    for j in range(tree[POSITIONS]):
+        memory[tree[AT_TARGET] + j] = positions[j]
     return _reach(tree, numbers, memory)
 
 
@@ -390,14 +391,15 @@ def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, ou
 def balance_of_state(tree, numbers, memory, state, forces):
     """Write the mass matrix (n²), and to the room's fourth vector what is left for accelerations.
 
-    Of a state, positions and speeds (2n). Return whether it is one of the robot's.
+    Of a state, positions and speeds (p + n). Return whether it is one of the robot's.
     """
-    n = tree[INDEPENDENT]
+    n, p = tree[INDEPENDENT], tree[POSITIONS]
     if reach(tree, numbers, memory, state) != CLOSED:
         return False
     # The first vector of the room is taken by the complement.
     speeds, others, result = tree[AT_ROOM] + n, tree[AT_ROOM] + 2 * n, tree[AT_ROOM] + 3 * n
-    _take(tree, memory, state, 1, speeds)
+    for j in range(n):
+        memory[speeds + j] = state[p + j]
     _take(tree, memory, forces, 0, others)
     weigh(tree, numbers, memory)
     balance(tree, numbers, memory, speeds, others, result)

@@ -44,8 +44,10 @@ from psp3.description.urdf import read_robot
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
+from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
 from psp3.errors import (
     ClosureFailed,
+    DependentCoordinates,
     InvalidValue,
     JointLimitExceeded,
     MobilityMismatch,
@@ -53,7 +55,6 @@ from psp3.errors import (
     RoundedLoops,
     SingularConfiguration,
     UnknownName,
-    UnreachableForces,
 )
 from psp3.multibody.closing import SINGULAR
 from psp3.multibody.core import Core, LastPose, NoAnswer
@@ -76,6 +77,13 @@ from psp3.multibody.named_frames import frame_number
 from psp3.robots.construction import motor_matrix, named_closures
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.pickling import constraints, plain
+from psp3.robots.simple_joints import (
+    SimpleTree,
+    base_in_loop,
+    can_spin,
+    parts_of_base,
+    with_simple_joints,
+)
 
 DYNAMICS_MODELS = ("core", "pinocchio", "noc")
 """Names of the implementations of the equation of motion of any robot."""
@@ -88,9 +96,6 @@ ALLOWED_MISMATCH = 10.0
 
 PRELOAD_TOLERANCE = 1e-7
 """Share of the largest singular value of the actuation matrix up to which one counts as zero."""
-
-UNREACHABLE = 1e-8
-"""Share of the forces of a motion that the motors may leave over, by rounding."""
 
 logger = logging.getLogger(__name__)
 
@@ -142,8 +147,10 @@ class ClosedLoopRobot:
         What becomes of motions that no motor commands: one joint is held where it is in the
         reference configuration, its inertia kept, and a warning names it (``locked``); or that
         joint becomes a coordinate beside the motors; or :class:`MobilityMismatch` is raised. Which
-        joint that is, is said in :mod:`psp3.closure.coordinates`. A floating base is always kept,
-        and the spin of a ball always held, unless it is refused.
+        joint that is, is said in :mod:`psp3.closure.coordinates`. A floating base is always kept. A
+        ball whose spin becomes a coordinate is replaced by hinges, and so is a base in a loop that
+        keeps some of its motions, by slides and hinges (:mod:`psp3.robots.simple_joints`): the
+        model is then another than the given one.
     coordinates : sequence of str, optional
         Joints that are coordinates, first of all; else the motors.
 
@@ -204,25 +211,33 @@ class ClosedLoopRobot:
             "free": free,
             "coordinates": coordinates,
         }
-        self.model = model
-        self.visual_model = visual_model if visual_model is not None else pin.GeometryModel()
-        self.constraint_models = pin.StdVec_RigidConstraintModel()
-        self.constraint_models.extend(list(constraint_models))
         self.actuated = tuple(actuated)
         twice = [name for name in self.actuated if self.actuated.count(name) > 1]
         if twice:
             raise InvalidValue(
                 "actuated", self.actuated, f"each joint once, not {twice[0]!r} twice"
             )
+        home = None if q0 is None else one_row("q0", q0, model.nq)
+        more = named_closures(model, closures, home)
+        loops = [*constraint_models, *(one for one in more if not isinstance(one, Hinge))]
+        others = [*equations, *(one for one in more if isinstance(one, Hinge))]
+        shapes = visual_model if visual_model is not None else pin.GeometryModel()
+        self._take(SimpleTree(model, shapes, loops, others, home))
+
+    def _take(self, tree: SimpleTree, kept: Sequence[str] = ()) -> None:
+        """Take a tree with its closures, choose coordinates, and close the loops."""
+        model, home, options = tree.model, tree.home, self.options
+        free, springs = options["free"], options["springs"]
+        self.model, self.visual_model = model, tree.visual_model
+        self.constraint_models = pin.StdVec_RigidConstraintModel()
+        self.constraint_models.extend(tree.constraint_models)
+        tendons = options["tendons"]
         self.motors = motor_matrix(model, self.actuated, tendons or {})
         driven = [name for name in self.actuated if name not in (tendons or {})]
         joints = [model.joints[model.getJointId(name)] for name in driven]
         self.actuated_q = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         self.actuated_v = np.array([joint.idx_v for joint in joints], dtype=np.int64)
-        home = None if q0 is None else one_row("q0", q0, model.nq)
-        more = named_closures(model, closures, home)
-        self.constraint_models.extend([one for one in more if not isinstance(one, Hinge)])
-        self.equations = (*equations, *(one for one in more if isinstance(one, Hinge)))
+        self.equations = tuple(tree.equations)
         self.options["equations"] = self.equations
         every = [*self.constraint_models, *self.equations]
         self._create_data()
@@ -231,7 +246,22 @@ class ClosedLoopRobot:
         found = structure(model, flat, home, self.motors, names)
         self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
         _refuse(found, self.mobility, self.actuated, names, free)
-        chosen = chosen_coordinates(model, found, every, self.motors, free, coordinates, springs)
+        base: int | None = None
+        spins: list[Any] = []
+        try:
+            chosen = chosen_coordinates(
+                model, found, every, self.motors, free, options["coordinates"], springs, kept
+            )
+        except DependentCoordinates as error:
+            base = base_in_loop(model, every)
+            if error.joint or base is None:
+                raise
+        else:
+            spins = [one for one in chosen.spins if free == "keep" and can_spin(model, one)]
+        if spins or base is not None:
+            kept = kept if base is None else parts_of_base(model, base)
+            self._take(with_simple_joints(tree._replace(home=found.home), spins, base), kept)
+            return
         if not chosen.names:
             raise MobilityMismatch(self.mobility, self.actuated)
         self.coordinates, self.locked = chosen.names, chosen.locked
@@ -468,24 +498,26 @@ class ClosedLoopRobot:
         """How to make a compiled plant of the robot from a number of steps and its drives."""
         from psp3.robots.stepping import CoreSteps
 
-        if not self._drives_coordinates:
-            # Quaternions among the coordinates, or motors that are not these.
-            raise InvalidValue("robot", self.title, "one whose coordinates are those of its motors")
-        return functools.partial(CoreSteps, self._core)
+        return functools.partial(CoreSteps, self._core, self._motors)
 
     def compiled_table(self) -> NamedTuple | None:
         """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
         import psp3.robots.stepping  # noqa: F401 # registers what loops ask of it
 
-        is_ours = type(self) is ClosedLoopRobot and self._drives_coordinates
+        is_ours = type(self) is ClosedLoopRobot and self.drives_coordinates
         return self._core.tables() if is_ours else None
 
     @property
     def limits(self) -> tuple[Array, Array]:
-        """Lowest and highest positions of the coordinates, each (p,) [m or rad]."""
-        return self.model.lowerPositionLimit[self.coordinates_q], self.model.upperPositionLimit[
-            self.coordinates_q
-        ]
+        """Lowest and highest positions of the coordinates, each (p,) [m or rad].
+
+        A floating base has none: those that Pinocchio gives it are of its quaternion.
+        """
+        lower = self.model.lowerPositionLimit[self.coordinates_q]
+        upper = self.model.upperPositionLimit[self.coordinates_q]
+        joints = self._position_count - self._motors.base_coordinates
+        lower[joints:], upper[joints:] = -np.inf, np.inf
+        return lower, upper
 
     def dynamics(self, name: str) -> DynamicsModel:
         """Return one of the implementations of the equation of motion.
@@ -509,12 +541,13 @@ class ClosedLoopRobot:
         """
         if name == "core":
             return self
-        unknown = self._known_to_core_alone()
-        if unknown and name in DYNAMICS_MODELS:
+        unknown = self._unknown_to_the_thesis()
+        if unknown and name == "noc":
             raise InvalidValue(
                 f"robot.dynamics({name!r}) of a robot with",
                 unknown,
-                "a tree with closures at points or frames; robot.dynamics('core') knows the rest",
+                "a tree with closures at points or frames; robot.dynamics('pinocchio') knows the "
+                "rest, too",
             )
         if name == "pinocchio":
             from psp3.dynamics.projected import ProjectedDynamics
@@ -526,12 +559,18 @@ class ClosedLoopRobot:
             return NaturalOrthogonalComplement(self)
         raise UnknownName("dynamics model", name, DYNAMICS_MODELS)
 
-    def _known_to_core_alone(self) -> str:
-        """Say what of the robot the other routes do not know; nothing if they know all."""
+    @property
+    def springs(self) -> Springs:
+        """Stiffness and rest of joints, by name [N/m, m or N m, rad]."""
+        return self.options["springs"] or {}
+
+    def _unknown_to_the_thesis(self) -> str:
+        """Say what of the robot the thesis's method has no word for; nothing if it knows all."""
         parts = {
             "hinges or couplings": bool(self.equations),
             "a ball whose spin is held": any(one.spin is not None for one in self.locked),
-            "springs": bool(self.options["springs"]),
+            "springs": bool(self.springs),
+            "a floating base": self._position_count != self._speed_count,
             "joint damping": bool(self.model.damping.any()),
             "dry friction": bool(self.model.upperDryFrictionLimit.any()),
             "loops closed in the least-squares sense": self.closure_mismatch.length > EXACT
@@ -898,7 +937,9 @@ class ClosedLoopRobot:
         Parameters
         ----------
         positions, speeds, accelerations : (..., p), (..., n), (..., n) array_like
-            Motion of the coordinates.
+            Motion of the coordinates. Fewer accelerations, (..., k), are those of the first k
+            coordinates, usually of the ``commanded`` ones, and the others follow, as they will
+            (partial feedback linearization).
 
         Returns
         -------
@@ -912,23 +953,68 @@ class ClosedLoopRobot:
         UnreachableForces
             If motors are missing for this motion.
         """
+        if not self.drives_coordinates and np.shape(accelerations)[-1:] < (self._speed_count,):
+            return self._forces_for_some(positions, speeds, accelerations)
         forces = self.inverse_dynamics(positions, speeds, accelerations, guess)
-        if self._drives_coordinates:
+        if self.drives_coordinates:
             return forces
+        return least_norm(self.actuation_matrix(positions), forces, self.coordinates)
+
+    def _forces_for_some(
+        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
+    ) -> Array:
+        """Return the motors' forces for accelerations of the first coordinates alone."""
+        wanted = finite_rows("accelerations", accelerations, np.shape(accelerations)[-1])
+        rest = np.zeros(self._speed_count)
+        mass = self.mass_matrix(positions)
+        bias = self.inverse_dynamics(positions, speeds, rest)
         actuation = self.actuation_matrix(positions)
-        inverse = np.linalg.pinv(actuation, rcond=PRELOAD_TOLERANCE)
-        motors: Array = np.einsum("...mn,...n->...m", inverse, forces)
-        left = np.abs(forces - np.einsum("...nm,...m->...n", actuation, motors))
-        size = float(left.max(initial=0.0))
-        if size > UNREACHABLE * (1.0 + float(np.abs(forces).max(initial=0.0))):
-            raise UnreachableForces(size, self.coordinates)
-        return motors
+        return partly_linearizing(mass, bias, actuation, wanted, self.coordinates)
+
+    def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:
+        """Return the motors' forces of least norm that make forces along the first coordinates.
+
+        Parameters
+        ----------
+        positions : (..., p) array_like
+            Positions of the coordinates.
+        forces : (..., k) array_like
+            Forces [N] or torques [N m] along the first k coordinates, usually the ``commanded``
+            ones. What the motors do along the others is not asked.
+
+        Returns
+        -------
+        (..., m) ndarray
+            Forces of the motors. With as many motors as coordinates, whose they are, the same.
+
+        Raises
+        ------
+        UnreachableForces
+            If the motors cannot.
+        """
+        k = np.shape(forces)[-1]
+        wanted = finite_rows("forces", forces, k)
+        if self.drives_coordinates:
+            return wanted
+        actuation = self.actuation_matrix(positions)[..., :k, :]
+        return least_norm(actuation, wanted, self.coordinates[:k])
 
     @functools.cached_property
-    def _drives_coordinates(self) -> bool:
+    def _motors(self) -> Motors:
+        last = self.model.joints[self.model.getJointId(self.coordinates[-1])]
+        base = last.nq if last.nq > last.nv > 1 else 0
+        matrix = np.ascontiguousarray(self.motors)
+        return Motors(self.actuated, matrix, self.coordinates_v, base, self.model)
+
+    @functools.cached_property
+    def drives_coordinates(self) -> bool:
         """Whether each coordinate is that of a motor, in the same order."""
-        same = self.motors.shape[1] == self._speed_count
-        return same and bool((self.motors[self.coordinates_v] == np.eye(self._speed_count)).all())
+        return self._motors.are_coordinates
+
+    @property
+    def commanded(self) -> int:
+        """How many coordinates, the first ones, the motors command; the others follow."""
+        return int(self.mobility.commanded)
 
     def actuation_matrix(self, positions: ArrayLike) -> Array:
         r"""Return what the motors' forces do along the coordinates, :math:`A = L^T B`.
@@ -1002,7 +1088,7 @@ class ClosedLoopRobot:
     def joint_resistance(self, q: Array, v: Array) -> Array:
         """Return the forces of springs, damping and dry friction of all joints, (nv,)."""
         forces = self.model.damping * v + self.model.upperDryFrictionLimit * np.sign(v)
-        for name, (stiffness, rest) in (self.options["springs"] or {}).items():
+        for name, (stiffness, rest) in self.springs.items():
             joint = self.model.joints[self.model.getJointId(name)]
             forces[joint.idx_v] += stiffness * (q[joint.idx_q] - rest)
         return np.asarray(forces)

@@ -26,11 +26,7 @@ from psp3.closure.coordinates import Locked, is_ball
 from psp3.errors import InvalidValue
 from psp3.multibody.equations import Coupling, Hinge
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
-
-SYMMETRIC = 1e-6
-"""Share of its largest moment, and of its size, by which a body that spins may be off its axis; the
-axis of a spin is found to 1e-8.
-"""
+from psp3.robots.simple_joints import is_round
 
 HINGE_SHARE = 0.5
 """Distance of the two points of a hinge, in mean distances of its bodies' joints to it."""
@@ -56,17 +52,7 @@ def _spins_freely(robot: ClosedLoopRobot, held: Locked) -> bool:
     for name in held.moving:
         if not is_ball(model.joints[model.getJointId(name)]):
             return False
-    inertia, axis = model.inertias[spin.joint], spin.axis
-    across = np.eye(3) - np.outer(axis, axis)
-    moments = inertia.inertia
-    round_one = 0.5 * np.trace(across @ moments) * across + (axis @ moments @ axis) * np.outer(
-        axis, axis
-    )
-    off = np.abs(across @ inertia.lever).max()
-    return bool(
-        np.abs(moments - round_one).max() <= SYMMETRIC * np.abs(moments).max()
-        and off <= SYMMETRIC * max(np.abs(inertia.lever).max(), 1e-3)
-    )
+    return is_round(model, spin)
 
 
 def add_equalities(

@@ -18,6 +18,9 @@ from psp3.multibody.core import LastPose
 class Robot(DynamicsModel, Protocol):
     """A robot in the coordinates of its n actuated joints.
 
+    Where coordinates and motors are not the same, positions are (..., p), speeds, accelerations and
+    forces along the coordinates (..., n), and forces of the motors (..., m).
+
     :class:`psp3.ClosedLoopRobot` is one for any tree with loops, :class:`psp3.PSP3` one in closed
     form. What is asked of a robot here, every robot can answer; nothing that takes a ``Robot`` asks
     which one it is.
@@ -33,6 +36,8 @@ class Robot(DynamicsModel, Protocol):
     """Names of the actuated joints, in the order of all actuated coordinates."""
     actuated_v: Indices
     """Indices of the actuated joints in a velocity of the tree, (n,)."""
+    coordinates_v: Indices
+    """Indices of the coordinates in a velocity of the tree, (n,)."""
     q0: Array
     """Reference configuration, (nq,)."""
     urdf: Path | None
@@ -45,6 +50,16 @@ class Robot(DynamicsModel, Protocol):
     @property
     def reference(self) -> Array:
         """Actuated positions of the reference configuration, (n,) [m or rad]."""
+        ...
+
+    @property
+    def drives_coordinates(self) -> bool:
+        """Whether each coordinate is that of a motor, in the same order."""
+        ...
+
+    @property
+    def commanded(self) -> int:
+        """How many coordinates, the first ones, the motors command; the others follow."""
         ...
 
     @property
@@ -106,6 +121,10 @@ class Robot(DynamicsModel, Protocol):
 
     def frame_placement(self, positions: ArrayLike, frame: str) -> Array:
         """Return the placement of a frame in base axes, (..., 4, 4)."""
+        ...
+
+    def actuation_matrix(self, positions: ArrayLike) -> Array:
+        """Return what the motors' forces do along the coordinates, (..., n, m)."""
         ...
 
     def mass_matrix(self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:

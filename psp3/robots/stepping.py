@@ -11,31 +11,62 @@ import numpy as np
 from fuzzy2.support.compiled import compiled
 from psp3.checks import Array, Indices, checked_count
 from psp3.drives.drive import Drive, drive_table
-from psp3.drives.kernels import INERTIA, VISCOUS
-from psp3.dynamics.compiled_robot import advance, balance, is_state, write_forces
+from psp3.drives.kernels import DRY, INERTIA, VISCOUS
+from psp3.dynamics.compiled_robot import advance, balance, is_state, write_forces, write_rates
 from psp3.dynamics.driven_steps import advance_driven
+from psp3.dynamics.motors import Motors
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.core import Core, Tables
 from psp3.multibody.motion import balance_of_state, forces_of_motion, reach, runge_kutta
-from psp3.multibody.tree import AT_MASS, AT_ROOM
+from psp3.multibody.tree import (
+    AT_COMPLEMENT,
+    AT_JOINTS,
+    AT_MASS,
+    AT_ROOM,
+    FRICTION,
+    JOINT_NUMBERS,
+    POSITIONS,
+    VELOCITIES,
+)
+
+PLANAR_COORDINATES = 4
+"""Of a base that moves in a plane: position, and the cosine and sine of its angle."""
 
 
 class DrivenTables(NamedTuple):
-    """A robot with drives: what takes much longer to compile than one without."""
+    """A robot with drives, or whose coordinates are not its motors.
+
+    It takes much longer to compile than one without. ``motors`` (nv, m) are what each motor drives,
+    ``rest`` (n,) zeros, ``base`` the coordinates of a floating base, which are the last: 7, in a
+    plane 4, or none.
+    """
 
     tree: Indices
     numbers: Array
     memory: Array
+    motors: Array
+    rest: Array
+    base: int
 
 
 @balance.register(DrivenTables)
 def _balance(
     robot: DrivenTables, state: Array, forces: Array, drives: Array, mass: Array, net: Array
 ) -> None:
-    n, tree, memory = net.size, robot.tree, robot.memory
-    is_state = balance_of_state(tree, robot.numbers, memory, state, forces)
+    n, tree, memory, motors = net.size, robot.tree, robot.memory, robot.motors
+    nv, p = tree[VELOCITIES], tree[POSITIONS]
+    is_state = balance_of_state(tree, robot.numbers, memory, state, robot.rest)
     for i in range(n):
-        net[i] = memory[tree[AT_ROOM] + 3 * n + i] - drives[i, VISCOUS] * state[n + i]
+        net[i] = memory[tree[AT_ROOM] + 3 * n + i] - drives[i, VISCOUS] * state[p + i]
+    # The motors' forces along the coordinates, L^T B τ.
+    for v in range(nv):
+        force = 0.0
+        for j in range(forces.size):
+            force += motors[v, j] * forces[j]
+        if force != 0.0:
+            for i in range(n):
+                net[i] += memory[tree[AT_COMPLEMENT] + nv * i + v] * force
+    for i in range(n):
         for j in range(n):
             mass[i, j] = memory[tree[AT_MASS] + n * i + j] if is_state else math.nan
         mass[i, i] += drives[i, INERTIA]
@@ -66,6 +97,54 @@ def advance_free(
     return arrived
 
 
+@write_rates.register(DrivenTables)
+def _write_rates(robot: DrivenTables, state: Array, rates: Array) -> None:
+    p = robot.tree[POSITIONS]
+    base, n = p - robot.base, state.size - p
+    for i in range(base):
+        rates[i] = state[p + i]
+    if robot.base == PLANAR_COORDINATES:
+        _write_rates_in_plane(state, base, p + n - 3, rates)
+    elif robot.base > 0:
+        _write_rates_of_flyer(state, base, p + n - 6, rates)
+
+
+@compiled
+def _write_rates_in_plane(state: Array, q: int, u: int, rates: Array) -> None:
+    """Write the rates of a planar base's coordinates at q, whose speeds in its own axes are at u.
+
+    Cosine and sine are first brought to unit length.
+    """
+    size = math.hypot(state[q + 2], state[q + 3])
+    c, s = state[q + 2] / size, state[q + 3] / size
+    state[q + 2], state[q + 3] = c, s
+    rates[q], rates[q + 1] = c * state[u] - s * state[u + 1], s * state[u] + c * state[u + 1]
+    rates[q + 2], rates[q + 3] = -s * state[u + 2], c * state[u + 2]
+
+
+@compiled
+def _write_rates_of_flyer(state: Array, q: int, u: int, rates: Array) -> None:
+    """Write the rates of a floating base's coordinates at q, whose speeds in its axes are at u.
+
+    The quaternion (x, y, z, w) is first brought to unit length.
+    """
+    x, y, z, w = state[q + 3], state[q + 4], state[q + 5], state[q + 6]
+    size = math.sqrt(x * x + y * y + z * z + w * w)
+    x, y, z, w = x / size, y / size, z / size, w / size
+    state[q + 3], state[q + 4], state[q + 5], state[q + 6] = x, y, z, w
+    a, b, c = state[u + 3], state[u + 4], state[u + 5]
+    rates[q + 3] = 0.5 * (w * a + y * c - z * b)
+    rates[q + 4] = 0.5 * (w * b + z * a - x * c)
+    rates[q + 5] = 0.5 * (w * c + x * b - y * a)
+    rates[q + 6] = -0.5 * (x * a + y * b + z * c)
+    a, b, c = state[u], state[u + 1], state[u + 2]
+    # Twice the cross product of the quaternion's vector with the velocity.
+    d, e, f = 2.0 * (y * c - z * b), 2.0 * (z * a - x * c), 2.0 * (x * b - y * a)
+    rates[q] = a + w * d + y * f - z * e
+    rates[q + 1] = b + w * e + z * d - x * f
+    rates[q + 2] = c + w * f + x * e - y * d
+
+
 @is_state.register(DrivenTables)
 def _is_driven_state(robot: DrivenTables, state: Array) -> bool:
     arrived: bool = _is_state(robot.tree, robot.numbers, robot.memory, state)
@@ -92,36 +171,63 @@ def _write_forces(
 class CoreSteps:
     """A plant: any tree with loops, compiled.
 
+    Its state are positions and speeds of the coordinates, (p,) and (n,); forces are those of the
+    motors, (m,). A floating base's position and quaternion take classical Runge–Kutta steps like
+    all the rest, and the quaternion is brought to unit length after each, which keeps the order.
+    Dry friction of a joint that is a coordinate, a drive's or its own, can hold it.
+
     Parameters
     ----------
     core : Core
         The robot's core.
+    motors : Motors
+        What the motors drive.
     steps : int
         Integration steps in a control period.
     drive : Drive or sequence of Drive
         Friction and motor inertia of all actuated joints, or of each.
+
+    Raises
+    ------
+    InvalidValue
+        If a joint has a drive that is no coordinate.
     """
 
-    def __init__(self, core: Core, steps: int, drive: Drive | Sequence[Drive]) -> None:
-        self._core, self.steps = core, checked_count("steps", steps)
-        self._joints = core.joints
-        self.drives = drive_table(drive, self._joints)
-        self._advance: Any = advance_driven if self.drives.any() else advance_free
-        self.robot, self.state = self._tables(), np.zeros(2 * self._joints)
+    def __init__(
+        self, core: Core, motors: Motors, steps: int, drive: Drive | Sequence[Drive]
+    ) -> None:
+        self._core, self._motors, self.steps = core, motors, checked_count("steps", steps)
+        self.drives = motors.driven(drive_table(drive, len(motors.names)))
+        friction = motors.friction()
+        self.drives[:, DRY] += friction
+        self._is_driven = bool(self.drives.any()) or not motors.are_coordinates
+        self._without = np.flatnonzero(friction)
+        self._advance: Any = advance_driven if self._is_driven else advance_free
+        self._positions = int(core.tree[POSITIONS])
+        self.robot, self.state = self._tables(), np.zeros(self._positions + len(motors.speeds))
 
     def _tables(self) -> Tables | DrivenTables:
-        tables = self._core.tables()
-        return DrivenTables(*tables) if self.drives.any() else tables
+        tables, motors = self._core.tables(), self._motors
+        if not self._is_driven:
+            return tables
+        numbers = tables.numbers.copy()
+        # What can hold a joint at rest is the integrator's business.
+        for velocity in motors.speeds[self._without]:
+            numbers[tables.tree[AT_JOINTS] + JOINT_NUMBERS * velocity + FRICTION] = 0.0
+        rest = np.zeros(len(motors.speeds))
+        return DrivenTables(
+            tables.tree, numbers, tables.memory, motors.matrix, rest, motors.base_coordinates
+        )
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
-        Positions [m, rad] and speeds of the actuated joints, each (n,).
+        Positions (p,) [m, rad] and speeds (n,) of the coordinates.
         """
         self.robot, self.state = self._tables(), np.concatenate([positions, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds, each (n,), after ``duration`` [s], or None."""
-        step = duration / self.steps
+        """Return positions (p,) and speeds (n,) after ``duration`` [s], or None."""
+        step, p = duration / self.steps, self._positions
         valid = self._advance(self.robot, self.state, forces, step, self.steps, self.drives)
-        return (self.state[: self._joints], self.state[self._joints :]) if valid else None
+        return (self.state[:p], self.state[p:]) if valid else None

@@ -9,7 +9,10 @@ from psp3.errors import InvalidValue
 
 
 class Encoder:
-    """What a drive sees of its joints, see ``encoder_resolution`` of :func:`simulate`."""
+    """What a drive sees of its joints, see ``encoder_resolution`` of :func:`simulate`.
+
+    Of the first coordinates, one a resolution; the others are seen as they are.
+    """
 
     def __init__(self, resolution: Array, period: float) -> None:
         if not (resolution >= 0.0).all():
@@ -20,9 +23,15 @@ class Encoder:
         self._last: Array | None = None
 
     def read(self, positions: Array, speeds: Array) -> tuple[Array, Array]:
-        """Return the positions and speeds that a controller sees, each (n,)."""
+        """Return the positions (p,) and speeds (n,) that a controller sees."""
+        seen, rates = positions.copy(), speeds.copy()
         if self._is_perfect:
-            return positions.copy(), speeds.copy()
+            return seen, rates
+        k = len(self._resolution)
+        seen[:k], rates[:k] = self._counted(positions[:k], speeds[:k])
+        return seen, rates
+
+    def _counted(self, positions: Array, speeds: Array) -> tuple[Array, Array]:
         with np.errstate(divide="ignore", invalid="ignore"):  # of perfect encoders among others
             counted = np.where(
                 self._coarse,
@@ -31,4 +40,4 @@ class Encoder:
             )
         last = counted if self._last is None else self._last
         self._last = counted
-        return counted.copy(), np.where(self._coarse, (counted - last) / self._period, speeds)
+        return counted, np.where(self._coarse, (counted - last) / self._period, speeds)

@@ -35,15 +35,16 @@ class Wiring:
     ----------
     period : float
         Control period [s].
-    low, high : (n,) ndarray
+    low, high : (p,) ndarray
         Where a joint ends, and the loop with it.
-    limit : (n,) ndarray
+    limit : (m,) ndarray
         Largest forces; infinite for none.
-    resolution : (n,) ndarray
-        Of the encoders, 0 for perfect ones.
+    resolution : (k,) ndarray
+        Of the encoders of the first k coordinates, 0 for perfect ones; the others are seen as they
+        are.
     delay : int
         Periods by which forces come late.
-    noise : (N, 2n) ndarray, optional
+    noise : (N, p + n) ndarray, optional
         What measurement adds to positions and speeds at each sample.
     """
 
@@ -77,12 +78,19 @@ class Ended(NamedTuple):
     returned: object = None
 
 
-def new_track(t: Array, desired: Motion, numbers_said: int = 0) -> Track:
-    """Return what a loop fills in, for a motion desired at times t (N,)."""
+def new_track(
+    t: Array, desired: Motion, numbers_said: int = 0, widths: tuple[int, int] | None = None
+) -> Track:
+    """Return what a loop fills in, for a motion desired at times t (N,).
+
+    ``widths`` are those of a state and of the motors' forces, if they are not 2n and n.
+    """
     count, n = desired.positions.shape
+    state, motors = (2 * n, n) if widths is None else widths
     wanted = np.concatenate(desired[:3], axis=1)
-    states, asked, applied = np.empty((count, 2 * n)), np.empty((count, n)), np.empty((count, n))
-    return Track(t, wanted, states, asked, applied, np.empty((count, n + numbers_said)))
+    states = np.empty((count, state))
+    asked, applied = np.empty((count, motors)), np.empty((count, motors))
+    return Track(t, wanted, states, asked, applied, np.empty((count, motors + numbers_said)))
 
 
 def compiled_loop(
@@ -161,17 +169,17 @@ def python_loop(
     after : callable
         Called with each sample after its force is known.
     """
-    n, count, low, high = len(wiring.limit), len(track.t), wiring.low.tolist(), wiring.high.tolist()
+    p, count, low, high = len(wiring.low), len(track.t), wiring.low.tolist(), wiring.high.tolist()
     encoder, is_limited = Encoder(wiring.resolution, wiring.period), np.isfinite(wiring.limit).any()
-    positions, speeds = state[:n], state[n:]
+    positions, speeds = state[:p], state[p:]
     plant.start(positions, speeds)
     times = track.t.tolist()
     for k, now in enumerate(map(Motion._make, zip(*desired, strict=True))):
         row = track.states[k]
-        row[:n], row[n:] = positions, speeds
+        row[:p], row[p:] = positions, speeds
         seen = row if wiring.noise is None else row + wiring.noise[k]
         # The controller gets copies of its own: what it does to them changes nothing here.
-        returned = controller.torque(times[k], *encoder.read(seen[:n], seen[n:]), now)
+        returned = controller.torque(times[k], *encoder.read(seen[:p], seen[p:]), now)
         force = finite_force(returned)
         if force is None:
             return Ended(k, NO_FORCE, row.copy(), returned)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from psp3.checks import Array
 from psp3.errors import InvalidValue
 from psp3.published import THESIS_SAMPLING_PERIOD
 from psp3.simulation.result import Result
@@ -36,22 +37,28 @@ def sum_of_squared_errors(result: Result, sampling_period: float = THESIS_SAMPLI
         raise InvalidValue(
             "sampling_period", sampling_period, f"a multiple of the control period, {period:.6g} s"
         )
-    error = result.desired.positions[::every] - result.positions[::every]
+    error = _errors(result)[::every]
     return float((error**2).sum())
 
 
 def integral_of_squared_error(result: Result) -> float:
     r"""Return :math:`\int \lVert e \rVert^2 dt` over the screws by the trapezoidal rule [m² s]."""
-    error = result.desired.positions - result.positions
+    error = _errors(result)
     return float(np.trapezoid((error**2).sum(axis=-1), result.t))
 
 
 def rms_error(result: Result) -> float:
     r"""Return the root mean square of :math:`\lVert e \rVert` over the samples [m]."""
-    error = result.desired.positions - result.positions
+    error = _errors(result)
     return float(np.sqrt((error**2).sum(axis=-1).mean()))
 
 
 def largest_tip_error(result: Result) -> float:
     """Return the largest distance between the desired and the actual tip [m]."""
     return float(np.linalg.norm(result.desired.tip - result.tip, axis=-1).max())
+
+
+def _errors(result: Result) -> Array:
+    """Return the errors of the coordinates of which a motion is desired, which are the first."""
+    wanted = result.desired.positions
+    return wanted - result.positions[..., : wanted.shape[-1]]

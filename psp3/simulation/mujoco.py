@@ -72,6 +72,12 @@ class MuJoCo:
     ) -> None:
         self._engine = mujoco = _mujoco()
         self._robot, self._steps = robot, checked_count("steps", steps)
+        if not robot.drives_coordinates:
+            raise InvalidValue(
+                "robot of MuJoCo",
+                robot.title,
+                "one whose coordinates are those of its motors; RungeKutta takes any",
+            )
         n = len(robot.actuated)
         table = drive_table(drive, n)
         self.model = model = mujoco.MjModel.from_xml_string(to_mjcf(robot))

@@ -50,13 +50,27 @@ class DrivenPlant:
     """A robot with drives in Python, in actuated coordinates.
 
     What is common to the ways to integrate it.
+
+    Raises
+    ------
+    InvalidValue
+        If the robot's coordinates are not those of its motors.
     """
 
     def __init__(self, robot: Robot, drive: Drive | Sequence[Drive]) -> None:
         from psp3.drives import kernels as drive_kernels
 
+        if not robot.drives_coordinates:
+            raise InvalidValue(
+                f"robot of {type(self).__name__}",
+                robot.title,
+                "one whose coordinates are those of its motors; RungeKutta takes any",
+            )
         self._robot, self._kernels, self._joints = robot, drive_kernels, len(robot.actuated)
         self._drives = drive_table(drive, self._joints)
+        # The joints' own friction, too, can hold them.
+        self._own_friction = np.array(robot.model.upperDryFrictionLimit[robot.coordinates_v])
+        self._drives[:, drive_kernels.DRY] += self._own_friction
         self._is_driven, self._is_dry = (
             bool(self._drives.any()),
             self._drives[:, drive_kernels.DRY] > 0.0,
@@ -71,6 +85,7 @@ class DrivenPlant:
             self._states.ask(self._robot.mass_matrix, q) + np.diag(inertia),
             forces
             - self._states.ask(self._robot.inverse_dynamics, q, v, np.zeros_like(v))
+            + self._own_friction * np.sign(v)
             - viscous * v,
         )
 

@@ -36,6 +36,11 @@ _ARRAYS: dict[str, tuple[int, ...]] = {
 _DESIRED = tuple(f"desired_{POSITIONS if name == 'positions' else name}" for name in Motion._fields)
 """What every result holds of the desired motion, in the order of its fields."""
 
+_OWN_WIDTH = (POSITIONS, "torque", _DESIRED[0])
+"""What may be of any width. Speeds are as many as positions, or one less where a base floats; all
+else is as wide as what it belongs to.
+"""
+
 REPORTED: dict[str, tuple[tuple[int, ...], type]] = {
     "covered": ((), np.bool_),
     "fell_back": ((), np.bool_),
@@ -54,9 +59,10 @@ class Result:
         Times, from 0 [s].
     positions, speeds : (N, n) ndarray
         Positions of the actuated joints and their speeds [m or rad, per s]; of the 3-PSP nut
-        heights.
+        heights. Of a robot whose coordinates are not its motors these, (N, p) and (N, n).
     desired : Motion
-        Desired ``.positions .speeds .accelerations``, each (N, n), and ``.tip`` (N, 3).
+        Desired ``.positions .speeds .accelerations``, each (N, n), and ``.tip`` (N, 3); of such a
+        robot those of the first k coordinates, which the motors command.
     torque : (N, n) ndarray
         Forces of the actuated joints applied from each sample on [N], at revolute joints torques [N
         m]. As motor torques: ``drive.motor_torque(result.torque)``.
@@ -141,12 +147,12 @@ def load_result(path: str | Path) -> Result:
             f"must hold the arrays {', '.join(sorted(shapes))}; it holds "
             f"{', '.join(sorted(content))}",
         )
-    samples, joints = content["t"].shape, content[POSITIONS].shape[-1:]
+    samples, widths = content["t"].shape, _widths(content)
     for name, array in content.items():
         shape, kind = REPORTED.get(name) or (shapes[name], np.float64)
         whole = (
             *samples,
-            *(joints[0] if length == JOINTS and joints else length for length in shape),
+            *(widths.get(name, JOINTS) if length == JOINTS else length for length in shape),
         )
         if len(samples) != 1 or array.shape != whole or array.dtype != kind:
             raise InvalidResultFile(
@@ -163,3 +169,18 @@ def load_result(path: str | Path) -> Result:
         content["tip"],
         **reported,
     )
+
+
+def _widths(content: dict[str, Array]) -> dict[str, int]:
+    """Return how wide the arrays of a file must be, by name."""
+    positions, motors, desired = (
+        content[name].shape[-1] if content[name].ndim else JOINTS for name in _OWN_WIDTH
+    )
+    speeds = content["speeds"].shape[-1] if content["speeds"].ndim else JOINTS
+    return {
+        POSITIONS: positions,
+        "speeds": speeds if speeds == positions - 1 else positions,
+        "torque": motors,
+        "torque_interval": motors,
+        **dict.fromkeys(_DESIRED, desired),
+    }

@@ -22,7 +22,7 @@ from psp3.simulation.loop import Ended, Wiring, compiled_loop, new_track, python
 from psp3.simulation.plant import NO_POSE, Plant
 from psp3.simulation.result import JOINTS, REPORTED, Result
 from psp3.simulation.runge_kutta import RungeKutta
-from psp3.trajectories.motion import Motion, check_stroke
+from psp3.trajectories.motion import Motion, check_stroke, completed
 from psp3.trajectories.trajectory import Trajectory
 
 
@@ -50,23 +50,27 @@ def simulate(
     Parameters
     ----------
     robot : Robot
-        The robot that is simulated, with n actuated joints.
+        The robot that is simulated, with n actuated joints. Of one whose coordinates are not its
+        motors the state are its coordinates, positions (p,) and speeds (n,); forces are those of
+        its m motors; and the motion is that of the k coordinates that they command, which are the
+        first ones, while the others follow.
     controller : Controller
         Called at every control period, at the end of the simulation too; its force is held until
         the next call. If it has attributes ``covered``, ``fell_back`` or ``torque_interval``, the
         result has them for every sample.
     trajectory : Trajectory
-        The desired motion.
+        The desired motion of the k commanded coordinates, which are n as a rule.
     duration : float
         Time to simulate [s]; the last sample is the last whole control period in it.
     period : float
         Control period [s]; 2 ms is the thesis's real-time budget.
-    initial_positions, initial_speeds : (n,) array_like, optional
-        Where the robot starts [m], [m/s]; by default on the trajectory, at rest.
-    torque_limit : float or (n,) array_like, optional
+    initial_positions, initial_speeds : (p,), (n,) array_like, optional
+        Where the robot starts [m], [m/s]; by default on the trajectory, coordinates that follow
+        where they are in the reference pose, at rest.
+    torque_limit : float or (m,) array_like, optional
         Largest absolute force of a joint [N]; a controller that asks for more gets this much. Of a
         motor torque: ``drive.force(1.27)``.
-    encoder_resolution : float or (n,) array_like
+    encoder_resolution : float or (k,) array_like
         Travel of a joint from one count of its encoder to the next [m or rad]; 0, a perfect one, by
         default. Otherwise the controller sees positions rounded to counts, and as speeds the
         differences of the last two positions over the period, as a drive without a tachometer does:
@@ -98,7 +102,7 @@ def simulate(
     JointLimitExceeded, StrokeExceeded, CollisionFound
         For the same reason.
     InvalidTorque
-        If the controller returns something else than n finite numbers.
+        If the controller returns something else than m finite numbers.
     SimulationDiverged
         If a nut runs off its screw or another actuated joint leaves its limits, an arm runs off its
         ball joint, the loops cannot be closed any more, or the numbers overflow. This error and the
@@ -110,25 +114,27 @@ def simulate(
     steps = int(duration / period * (1.0 + 1e-12) + 1e-9)
     if steps < 1:
         raise InvalidValue("duration", duration, f"at least one period of {period} s")
-    n = len(robot.actuated)
-    limit = None if torque_limit is None else _one_or_each("torque_limit", torque_limit, n)
+    _check_feedback(robot, controller)
+    m, k = len(robot.actuated), robot.commanded
+    limit = None if torque_limit is None else _one_or_each("torque_limit", torque_limit, m)
     if limit is not None and not (limit > 0.0).all():
-        raise InvalidValue("torque_limit", torque_limit, f"one positive number or {n}")
-    resolution = _one_or_each("encoder_resolution", encoder_resolution, n)
+        raise InvalidValue("torque_limit", torque_limit, f"one positive number or {m}")
+    resolution = _one_or_each("encoder_resolution", encoder_resolution, k)
     if not (resolution >= 0.0).all():
         raise InvalidValue("encoder_resolution", resolution.tolist(), "not negative")
     delay = checked_count("delay", delay, 0)
     t: Array = period * np.arange(steps + 1, dtype=np.float64)
     desired = trajectory(t)
-    if desired.positions.shape[-1] != n:
-        raise InvalidValue("trajectory", trajectory, f"a motion of {n} actuated joints")
+    if desired.positions.shape[-1] != k:
+        raise InvalidValue("trajectory", trajectory, f"a motion of {k} actuated joints")
     check_stroke(robot, t, desired)
     if clearance is not None:
-        check_clearance(robot, desired.positions, t, clearance)
+        check_clearance(robot, completed(robot, desired.positions), t, clearance)
+    reference, n = robot.reference, len(robot.coordinates_v)
     positions = (
-        desired.positions[0]
+        completed(robot, desired.positions[0])
         if initial_positions is None
-        else one_row("initial_positions", initial_positions, n)
+        else one_row("initial_positions", initial_positions, len(reference))
     )
     speeds = np.zeros(n) if initial_speeds is None else one_row("initial_speeds", initial_speeds, n)
     robot.tip(positions)
@@ -140,7 +146,7 @@ def simulate(
             f"within the stroke, {lower.tolist()} to {upper.tolist()} m",
         )
 
-    infinite = np.full(n, np.inf)
+    infinite = np.full(m, np.inf)
     wiring = Wiring(period, lower, upper, infinite if limit is None else limit, resolution, delay)
     plant = RungeKutta(robot) if plant is None else plant
     return _Experiment(robot, controller, plant, wiring, t, desired, progress).run(
@@ -166,22 +172,25 @@ class _Experiment:
         self._every = max(1, (len(t) - 1) // 100)
         self._reported: dict[str, Any] = {}
         said = getattr(controller, "numbers_said", 0)
-        self._track = new_track(t, desired, said)
+        self._positions, self._motors = len(wiring.low), len(wiring.limit)
+        widths = self._positions + len(robot.coordinates_v), self._motors
+        self._track = new_track(t, desired, said, widths)
 
     def run(self, state: Array) -> Result:
         """Return what happens from a state (2n,) on, or raise why it ends before its time."""
         self._controller.reset()
-        compiled = self._plant.compiled if type(self._plant) is RungeKutta else None
+        is_ours = type(self._plant) is RungeKutta and self._robot.drives_coordinates
+        compiled = self._plant.compiled if is_ours else None  # type: ignore[attr-defined]
         table = None
         if compiled is not None and hasattr(self._controller, "table"):
-            table = self._controller.table(self._robot.compiled_table(), len(self._wiring.limit))
+            table = self._controller.table(self._robot.compiled_table(), self._motors)
         ended = self._in_python(state) if table is None else self._compiled(table, compiled, state)
         if ended.why == WHOLE:
             return self._result(ended.samples)
         raise self._error(ended)
 
     def _compiled(self, table: Any, plant: Any, state: Array) -> Ended:
-        n, controller, track = len(self._wiring.limit), self._controller, self._track
+        n, controller, track = self._motors, self._controller, self._track
         self._plant.start(state[:n], state[n:])
         every = None if self._progress is None else self._every
         ended = compiled_loop(
@@ -199,7 +208,7 @@ class _Experiment:
         return ended
 
     def _in_python(self, state: Array) -> Ended:
-        n, controller = len(self._wiring.limit), self._controller
+        n, controller = self._motors, self._controller
         count = len(self._track.t)
         self._reported = {
             name: np.empty((count, *(n if length == JOINTS else length for length in shape)), kind)
@@ -230,12 +239,12 @@ class _Experiment:
             self._progress(float(self._track.t[sample]))
 
     def _result(self, samples: int) -> Result:
-        track, n = self._track, len(self._wiring.limit)
-        positions = np.ascontiguousarray(track.states[:samples, :n])
+        track, p = self._track, self._positions
+        positions = np.ascontiguousarray(track.states[:samples, :p])
         return Result(
             track.t[:samples],
             positions,
-            np.ascontiguousarray(track.states[:samples, n:]),
+            np.ascontiguousarray(track.states[:samples, p:]),
             Motion(*(array[:samples] for array in self._desired)),
             track.applied[:samples],
             _tips(self._robot, positions),
@@ -243,8 +252,8 @@ class _Experiment:
         )
 
     def _error(self, ended: Ended) -> Exception:
-        k, n, track = ended.samples, len(self._wiring.limit), self._track
-        state = ended.state[:n], ended.state[n:]
+        k, n, p, track = ended.samples, self._motors, self._positions, self._track
+        state = ended.state[:p], ended.state[p:]
         if ended.why == NO_FORCE:
             name = type(self._controller).__name__
             return InvalidTorque(
@@ -261,6 +270,23 @@ class _Experiment:
         )
         time = float(track.t[k - 1]) + self._wiring.period
         return SimulationDiverged(message, time, *state, track.applied[k - 1], self._result(k))
+
+
+def _check_feedback(robot: Robot, controller: Controller) -> None:
+    """Refuse forces along coordinates where those of the motors are others.
+
+    Motors that are the first coordinates exert no force along the others.
+    """
+    if robot.drives_coordinates or not getattr(controller, "along_coordinates", False):
+        return
+    actuation = robot.actuation_matrix(robot.reference)
+    if actuation.shape[1] != robot.commanded or (actuation != np.eye(*actuation.shape)).any():
+        raise InvalidValue(
+            "controller",
+            type(controller).__name__,
+            "one that knows the robot, whose motors are not the first of its coordinates: give it "
+            "model=robot",
+        )
 
 
 def _tips(robot: Robot, positions: Array) -> Array:

@@ -14,7 +14,7 @@ from psp3.drives.drive import Drive, drive_table
 from psp3.drives.kernels import INERTIA, VISCOUS
 from psp3.dynamics import driven_steps
 from psp3.dynamics.compiled_robot import advance as advance_any
-from psp3.dynamics.compiled_robot import balance, is_state, write_forces
+from psp3.dynamics.compiled_robot import balance, is_state, write_forces, write_rates
 from psp3.three_psp.closed_form import (
     RADIUS,
     accelerations_of_state,
@@ -54,6 +54,12 @@ def _balance(
             mass[i, j] = full[3 * i + j]
             net[i] -= full[9 + 3 * i + j] * state[3 + j]
         mass[i, i] += drives[i, INERTIA]
+
+
+@write_rates.register(ClosedForm)
+def _write_rates(robot: ClosedForm, state: Array, rates: Array) -> None:
+    for i in range(3):
+        rates[i] = state[3 + i]
 
 
 @is_state.register(ClosedForm)

@@ -34,9 +34,21 @@ class Motion(NamedTuple):
 def tip_of(robot: Robot, positions: Array) -> Array:
     """Return the frame ``tip`` at actuated positions (..., n), in base axes (..., 3) [m].
 
-    NaN if the robot has no such frame.
+    NaN if the robot has no such frame. Positions may be :func:`completed`.
     """
-    return robot.tip(positions)
+    return robot.tip(completed(robot, positions))
+
+
+def completed(robot: Robot, positions: Array) -> Array:
+    """Return positions (..., k) with those of coordinates that follow, (..., p).
+
+    They are where they are in the reference pose.
+    """
+    others = robot.reference[np.shape(positions)[-1] :]
+    if not others.size:
+        return positions
+    shape = (*np.shape(positions)[:-1], others.size)
+    return np.concatenate([positions, np.broadcast_to(others, shape)], axis=-1)
 
 
 def check_stroke(robot: Robot, t: Array, motion: Motion) -> None:
@@ -44,7 +56,8 @@ def check_stroke(robot: Robot, t: Array, motion: Motion) -> None:
 
     At the first time; the limits are those of the actuated joints.
     """
-    lower, upper = robot.limits
+    k = motion.positions.shape[-1]
+    lower, upper = (limit[:k] for limit in robot.limits)
     outside = ((motion.positions < lower) | (motion.positions > upper)).any(axis=-1)
     if outside.any():
         first = np.unravel_index(int(np.argmax(outside)), outside.shape)

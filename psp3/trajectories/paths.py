@@ -115,7 +115,11 @@ class Hold(Trajectory):
     ) -> None:
         super().__init__(robot, space)
         if point is None:
-            self.point = _home(self.robot) if self.space == "tip" else self.robot.reference
+            self.point = (
+                _home(self.robot)
+                if self.space == "tip"
+                else self.robot.reference[: self.robot.commanded]
+            )
         else:
             self.point = one_row("point", point, self.width)
 

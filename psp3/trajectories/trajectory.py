@@ -19,7 +19,7 @@ from psp3.checks import Array
 from psp3.collisions.motion import check_clearance
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.robot import Robot
-from psp3.trajectories.motion import Motion, check_stroke, finite_times
+from psp3.trajectories.motion import Motion, check_stroke, completed, finite_times, tip_of
 
 SPACES = ("tip", "joints")
 """Names of the spaces in which a path can be given."""
@@ -44,7 +44,8 @@ class Trajectory:
         Whose motion it is; ``psp3.load("psp3")`` by default.
     space : str, optional
         ``"tip"``, a path of the tip in base axes [m], or ``"joints"``, of the n actuated joints [m
-        or rad]. By default the tip of a 3-PSP, and the joints of any other robot.
+        or rad], or those coordinates that the motors command (``robot.commanded``). By default the
+        tip of a 3-PSP, and the joints of any other robot.
 
     Raises
     ------
@@ -73,7 +74,7 @@ class Trajectory:
     @property
     def width(self) -> int:
         """Number of coordinates of a point on the path."""
-        return 3 if self.space == "tip" else len(self.robot.actuated)
+        return 3 if self.space == "tip" else self.robot.commanded
 
     def __call__(self, t: ArrayLike) -> Motion:
         r"""Return the desired motion at given times.
@@ -101,7 +102,7 @@ class Trajectory:
         """
         point, velocity, acceleration = self._path(finite_times(t))
         if self.space == "joints":
-            return Motion(point, velocity, acceleration, self.robot.tip(point))
+            return Motion(point, velocity, acceleration, tip_of(self.robot, point))
         return Motion(*self.robot.motion_of_tip(point, velocity, acceleration), point)
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
@@ -136,5 +137,5 @@ class Trajectory:
         motion = self(t)
         check_stroke(self.robot, np.asarray(t, dtype=float), motion)
         if clearance is not None:
-            check_clearance(self.robot, motion.positions, t, clearance)
+            check_clearance(self.robot, completed(self.robot, motion.positions), t, clearance)
         return motion

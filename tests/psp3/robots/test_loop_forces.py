@@ -10,7 +10,7 @@ import pytest
 
 import psp3
 from psp3.robots.loop_forces import forces_of_motion
-from tests.cross.test_mujoco_structures import ROBOTS, loaded, random_positions
+from tests.cross.test_mujoco_structures import ROBOTS, loaded, random_states
 
 
 @pytest.mark.parametrize("name", ["five-bar, three motors", "doubled hinge, kept"])
@@ -22,8 +22,7 @@ def test_forces_of_loops_leave_passive_joints_alone(name: str, tmp_path: Path) -
     robot = loaded(tmp_path, *ROBOTS[name][:2])
     rng = np.random.default_rng(4)
     n = len(robot.coordinates_v)
-    for _ in range(5):
-        positions, speeds = random_positions(robot, rng), rng.uniform(-1.0, 1.0, n)
+    for positions, speeds in zip(*random_states(robot, rng, 5), strict=True):
         forces = rng.uniform(-1.0, 1.0, n)
         found = robot.closure_forces(positions, speeds, forces)
         assert [one.name for one in found.joints] == list(robot.model.names)[1:]

@@ -17,7 +17,7 @@ import psp3
 from psp3.errors import InvalidValue
 from psp3.multibody.equations import Coupling
 from psp3.robots.mjcf_export import to_mjcf
-from tests.cross.test_mujoco_structures import ROBOTS, loaded, random_positions
+from tests.cross.test_mujoco_structures import ROBOTS, loaded, random_states
 from tests.helpers import Array
 from tests.mujoco_null_space import doubled, rod
 
@@ -39,8 +39,7 @@ def test_every_structure_comes_back(name: str, tmp_path: Path) -> None:
     assert (again.coordinates, again.actuated) == (robot.coordinates, robot.actuated)
     assert not again.locked
     rng = np.random.default_rng(0)
-    for _ in range(5):
-        positions, speeds = random_positions(robot, rng), rng.normal(size=len(robot.coordinates_v))
+    for positions, speeds in zip(*random_states(robot, rng, 5), strict=True):
         for one, other in zip(
             robot.equation_of_motion(positions, speeds),
             again.equation_of_motion(positions, speeds),

@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Any
+
 import numpy as np
+import pinocchio as pin
 import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
 from psp3.description.parts import THESIS_ROBOTS
 from psp3.drives import NO_DRIVE, Drive
+from psp3.errors import InvalidValue
 from psp3.robots.stepping import CoreSteps
+from psp3.simulation.dormand_prince import DormandPrince
 from psp3.simulation.plant import Plant
 from psp3.simulation.runge_kutta import FixedSteps
+from tests.mujoco_null_space import five_bar
 
 DRIVES = {
     "free": NO_DRIVE,
@@ -42,7 +49,7 @@ def test_steps_are_those_in_python(name: str, drive: str) -> None:
     """
     robot = psp3.load(name)
     tree = psp3.ClosedLoopRobot(robot.model, robot.constraint_models, robot.actuated, robot.q0)
-    compiled = walk(CoreSteps(tree._core, 2, DRIVES[drive]), tree)
+    compiled = walk(CoreSteps(tree._core, tree._motors, 2, DRIVES[drive]), tree)
     expected = walk(FixedSteps(tree, 2, DRIVES[drive]), tree)
     assert_allclose(compiled, expected, rtol=0.0, atol=1e-12)
     if drive == "dry friction":
@@ -86,3 +93,110 @@ def test_what_a_motor_and_gravity_do_is_energy() -> None:
     gained = robot.kinetic_energy(positions, speeds) + robot.potential_energy(positions)
     gained -= robot.potential_energy(start)
     assert_allclose(gained, forces @ (positions - start), rtol=0.0, atol=1e-9)
+
+
+def with_friction(path: Path, *driven: str, crank: str = "", elbow: str = "") -> Any:
+    """Return a five-bar with attributes of the joints m1 and p1."""
+    text = five_bar(*driven, spring=elbow).replace('name="m1"', f'name="m1" {crank}', 1)
+    file = path / "robot.xml"
+    file.write_text(text, encoding="utf-8")
+    return psp3.ClosedLoopRobot.from_mjcf(file, free="keep")
+
+
+def test_a_joints_own_friction_is_that_of_a_drive(tmp_path: Path) -> None:
+    """Of a motor's joint, from rest to motion and back: the same steps, to rounding.
+
+    In the compiled plant, and in the two in Python.
+    """
+    plain = with_friction(tmp_path, "m1", "m2")
+    robot = with_friction(tmp_path, "m1", "m2", crank='frictionloss="1.5"')
+    drives = (Drive(coulomb_friction=1.5), NO_DRIVE)
+    expected = walk(plain.compiled_steps(2, drives), plain)
+    assert (expected[:, 2] == 0.0).any()
+    assert (expected[:, 2] != 0.0).any()
+    found = walk(robot.compiled_steps(2, NO_DRIVE), robot)
+    assert_allclose(found, expected, rtol=0.0, atol=1e-12)
+    in_python = walk(FixedSteps(robot, 2, NO_DRIVE), robot)
+    assert_allclose(in_python, expected, rtol=0.0, atol=1e-11)
+    reference = walk(DormandPrince(robot), robot)
+    assert_allclose(reference, expected, rtol=0.0, atol=1e-5)
+
+
+def test_friction_holds_a_free_coordinate_until_it_is_exceeded(tmp_path: Path) -> None:
+    """An elbow without a motor, of friction F: it rests to the last bit while F can hold it.
+
+    And begins to move with what the force leaves over F, which is found by hand.
+    """
+    weak, strong = (
+        with_friction(tmp_path, "m1", elbow=f'frictionloss="{most}"') for most in (0.5, 30.0)
+    )
+    assert weak.coordinates == ("m1", "p1")
+    rest = np.zeros(2)
+    hold = strong.inverse_dynamics(strong.reference, rest, rest)
+    assert 0.5 < abs(hold[1]) < 30.0
+    plant = strong.compiled_steps(1, NO_DRIVE)
+    plant.start(strong.reference, rest)
+    for _ in range(50):
+        state = plant.advance(hold[:1], 0.002)
+    assert_array_equal(state[0][1], strong.reference[1])
+    assert_array_equal(state[1][1], 0.0)
+    plant = weak.compiled_steps(1, NO_DRIVE)
+    plant.start(weak.reference, rest)
+    state = plant.advance(hold[:1], 1e-5)
+    mass = weak.mass_matrix(weak.reference)
+    pulls = np.array([0.0, -hold[1] + 0.5 * np.sign(hold[1])])
+    assert_allclose(state[1], 1e-5 * np.linalg.solve(mass, pulls), rtol=1e-4)
+
+
+def test_a_drive_of_a_joint_that_is_no_coordinate_is_refused(tmp_path: Path) -> None:
+    robot = with_friction(tmp_path, "m1", "m2", "p1")
+    drives = (NO_DRIVE, NO_DRIVE, Drive(coulomb_friction=1.0))
+    with pytest.raises(InvalidValue, match="drive of p1"):
+        robot.compiled_steps(1, drives)
+    assert robot.compiled_steps(1, (*drives[:2], NO_DRIVE)).drives.shape == (2, 3)
+
+
+def swinging(planar: bool) -> psp3.ClosedLoopRobot:
+    """Return a pendulum with a motor on a cart that slides and turns, in one joint or in three."""
+    model, unit = pin.Model(), pin.SE3.Identity()
+    kinds = (
+        [("cart", pin.JointModelPlanar())]
+        if planar
+        else [("x", pin.JointModelPX()), ("y", pin.JointModelPY()), ("yaw", pin.JointModelRZ())]
+    )
+    parent = 0
+    for name, kind in kinds:
+        parent = model.addJoint(parent, kind, unit, name)
+    inertia = pin.Inertia(2.0, np.array([0.1, 0.2, 0.0]), np.diag([0.1, 0.2, 0.3]))
+    model.appendBodyToJoint(parent, inertia, unit)
+    arm = model.addJoint(parent, pin.JointModelRZ(), pin.SE3(np.eye(3), np.ones(3)), "arm")
+    model.appendBodyToJoint(arm, inertia, unit)
+    model.gravity = pin.Motion(np.array([1.0, -9.0, 0.0]), np.zeros(3))
+    return psp3.ClosedLoopRobot(model, [], ["arm"], free="keep")
+
+
+def test_a_planar_base_moves_as_two_slides_and_a_hinge() -> None:
+    """Whose coordinates are other functions of time: over 0.5 s in steps of 1 ms to 1e-9.
+
+    The cart's own speeds are in its axes, which turn by more than a radian.
+    """
+    planar, composed = swinging(True), swinging(False)
+    assert planar.coordinates == ("arm", "cart")
+    assert set(composed.coordinates) == {"arm", "x", "y", "yaw"}
+    names = list(composed.coordinates)
+    order = [names.index(name) for name in ("arm", "x", "y", "yaw")]
+    plants = [robot.compiled_steps(1, NO_DRIVE) for robot in (planar, composed)]
+    speeds = np.array([1.0, 0.5, -0.3, 2.5])
+    plants[0].start(planar.reference, speeds)
+    mixed = np.zeros(4)
+    mixed[order] = speeds
+    plants[1].start(composed.reference, mixed)
+    for _ in range(500):
+        first, second = (plant.advance(np.array([0.4]), 0.001) for plant in plants)
+    arm, x, y, yaw = second[0][order]
+    expected = [arm, x, y, np.cos(yaw), np.sin(yaw)]
+    assert_allclose(first[0], expected, rtol=0.0, atol=1e-9)
+    assert abs(yaw) > 1.0
+    rates = second[1][order]
+    turn = np.array([[np.cos(yaw), np.sin(yaw)], [-np.sin(yaw), np.cos(yaw)]])
+    assert_allclose(first[1], [rates[0], *(turn @ rates[1:3]), rates[3]], rtol=0.0, atol=1e-9)

@@ -1,0 +1,132 @@
+r"""What the motors of a robot do, and which motor forces do what is wanted.
+
+With B what each motor drives, a column of joint velocities each, motor forces :math:`\tau` are
+forces :math:`A \tau` along the coordinates, :math:`A = L^T B`. Where motors are more than the
+coordinates that they command, many forces do the same, and those of least norm are taken; where
+coordinates are more, the accelerations of the first ones can be asked for, and the others follow
+(partial feedback linearization: M. W. Spong, Partial feedback linearization of underactuated
+mechanical systems, IROS 1994):
+
+.. math:: S M^{-1} (A \tau - h) = \ddot q_c, \qquad \ddot q_c = S \ddot q,
+
+with h the forces of a motion without acceleration, and S the rows of the coordinates asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array, Indices
+from psp3.errors import InvalidValue, UnreachableForces
+
+RANK = 1e-7
+"""Share of the largest singular value up to which one counts as zero."""
+
+LEFT_OVER = 1e-8
+"""Share of what is wanted that may be missed, by rounding."""
+
+
+class Motors(NamedTuple):
+    """What the motors of a robot drive, and where they are among its coordinates."""
+
+    names: tuple[str, ...]
+    matrix: Array
+    """B, (nv, m)."""
+    speeds: Indices
+    """Velocity of each coordinate, (n,)."""
+    base_coordinates: int
+    """Coordinates of a floating base, which are the last: 7, in a plane 4, or none."""
+    model: pin.Model
+
+    @property
+    def are_coordinates(self) -> bool:
+        """Whether each coordinate is that of a motor, in the same order."""
+        n = len(self.speeds)
+        return self.matrix.shape[1] == n and bool((self.matrix[self.speeds] == np.eye(n)).all())
+
+    def friction(self) -> Array:
+        """Return the dry friction that the coordinates' own joints have, (n,)."""
+        return np.array(self.model.upperDryFrictionLimit[self.speeds])
+
+    def driven(self, drives: Array) -> Array:
+        """Return drives of motors, (m, w), as those of coordinates, (n, w).
+
+        Raises
+        ------
+        InvalidValue
+            If a motor has a drive whose joint is no coordinate.
+        """
+        of_coordinates = np.zeros((len(self.speeds), drives.shape[1]))
+        for name, column, row in zip(self.names, self.matrix.T, drives, strict=True):
+            places = np.flatnonzero(column)
+            own = np.flatnonzero(self.speeds == places[0]) if len(places) == 1 else places[:0]
+            if own.size and column[places[0]] == 1.0:
+                of_coordinates[own[0]] += row
+            elif row.any():
+                raise InvalidValue(
+                    f"drive of {name}",
+                    row.tolist(),
+                    "none, because that joint is no coordinate: choose it with coordinates=[...], "
+                    "or give the joint armature, damping and frictionloss in the robot's file",
+                )
+        return of_coordinates
+
+
+def least_norm(matrix: Array, wanted: Array, names: Sequence[str], what: str = "forces") -> Array:
+    """Return the shortest motor forces (..., m) that do what is wanted, (..., k).
+
+    Parameters
+    ----------
+    matrix : (..., k, m) ndarray
+        What each motor does.
+    wanted : (..., k) ndarray
+        What they are to do together.
+    names : sequence of str
+        Coordinates, for the error.
+    what : str
+        ``"forces"`` or ``"accelerations"``.
+
+    Raises
+    ------
+    UnreachableForces
+        If some of it cannot be done.
+    """
+    inverse = np.linalg.pinv(matrix, rcond=RANK)
+    motors: Array = np.einsum("...mk,...k->...m", inverse, wanted)
+    left = np.abs(wanted - np.einsum("...km,...m->...k", matrix, motors))
+    size = float(left.max(initial=0.0))
+    if size > LEFT_OVER * (1.0 + float(np.abs(wanted).max(initial=0.0))):
+        raise UnreachableForces(size, names, what)
+    return motors
+
+
+def partly_linearizing(
+    mass: Array, bias: Array, actuation: Array, accelerations: Array, names: Sequence[str]
+) -> Array:
+    """Return the shortest motor forces (..., m) that accelerate the first coordinates as wanted.
+
+    Parameters
+    ----------
+    mass : (..., n, n) ndarray
+    bias : (..., n) ndarray
+        Forces of the same motion without acceleration.
+    actuation : (..., n, m) ndarray
+        A.
+    accelerations : (..., k) ndarray
+        Of the first k coordinates; the others follow.
+    names : sequence of str
+        The coordinates.
+
+    Raises
+    ------
+    UnreachableForces
+        If the motors cannot accelerate these coordinates so.
+    """
+    k = accelerations.shape[-1]
+    both = np.linalg.solve(mass, np.concatenate([actuation, bias[..., np.newaxis]], axis=-1))
+    free, made = both[..., :k, -1], both[..., :k, :-1]
+    return least_norm(made, accelerations + free, names[:k], "accelerations")

@@ -1,0 +1,174 @@
+"""Simple joints in place of balls and bases, so that what nothing commands has a coordinate.
+
+A ball joint has a quaternion, of which no number is the spin about an axis. Where that spin is to
+be a coordinate, three hinges stand in the ball's place: ``<ball>_swing`` and ``<ball>_tilt``, a
+universal joint, and ``<ball>_spin`` about the axis. In the reference pose the tilt is zero; at a
+right angle swing and spin are the same motion, and the pose is singular.
+
+A floating base in a loop, as of a robot that stands on a point of its foot, keeps some of its
+motions. So that they have coordinates, slides ``<base>_x``, ``_y`` and ``_z`` and hinges
+``<base>_yaw``, ``_pitch`` and ``_roll`` stand in its place, singular at a pitch of a right angle;
+of a planar base ``_x``, ``_y`` and ``_yaw``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.closure.coordinates import bases, floating_base
+from psp3.description.joint_replacement import rebuilt
+from psp3.multibody.equations import Coupling, Hinge, Spin
+from psp3.robots.pickling import constraints, plain
+
+
+class SimpleTree(NamedTuple):
+    """A tree in which simple joints stand for others, and all that numbers its joints."""
+
+    model: pin.Model
+    visual_model: Any
+    constraint_models: list[Any]
+    equations: list[Any]
+    home: Array | None
+
+
+SYMMETRIC = 1e-6
+"""Share of its largest moment, and of its size, by which a body that spins may be off its axis; the
+axis of a spin is found to 1e-8.
+"""
+
+
+def is_round(model: pin.Model, spin: Spin) -> bool:
+    """Tell whether what spins is a body of revolution, of which nothing feels how it has turned."""
+    inertia, axis = model.inertias[spin.joint], spin.axis
+    across = np.eye(3) - np.outer(axis, axis)
+    moments = inertia.inertia
+    round_one = 0.5 * np.trace(across @ moments) * across + (axis @ moments @ axis) * np.outer(
+        axis, axis
+    )
+    off = np.abs(across @ inertia.lever).max()
+    return bool(
+        np.abs(moments - round_one).max() <= SYMMETRIC * np.abs(moments).max()
+        and off <= SYMMETRIC * max(np.abs(inertia.lever).max(), 1e-3)
+    )
+
+
+def can_spin(model: pin.Model, spin: Spin) -> bool:
+    """Tell whether a spin gets a coordinate: hinges move as the ball, and something feels it.
+
+    Hinges do not where the ball has damping, friction or inertia.
+    """
+    if is_round(model, spin):
+        return False
+    joint = model.joints[spin.joint]
+    own = slice(joint.idx_v, joint.idx_v + 3)
+    parts = (model.damping, model.armature, model.upperDryFrictionLimit)
+    return not any(np.asarray(part)[own].any() for part in parts)
+
+
+def base_in_loop(model: pin.Model, closures: Sequence[Any]) -> int | None:
+    """Return the joint of a base that a loop contains, or None."""
+    free = floating_base(model, closures)
+    return next((joint.id for joint in bases(model) if free is None or joint.id != free.id), None)
+
+
+def parts_of_base(model: pin.Model, base: int) -> list[str]:
+    """Return the joints that will stand in the place of a base, those of its angles first."""
+    name, is_planar = str(model.names[base]), model.joints[base].nq == 4
+    parts = ("yaw", "x", "y") if is_planar else ("yaw", "pitch", "roll", "x", "y", "z")
+    return [f"{name}_{part}" for part in parts]
+
+
+def with_simple_joints(tree: SimpleTree, spins: Sequence[Spin], base: int | None) -> SimpleTree:
+    """Return a tree with simple joints in place of the balls that spin and of a base.
+
+    Parameters
+    ----------
+    tree : SimpleTree
+        The tree of a robot, whose home must be given.
+    spins : sequence of Spin
+        The balls, each with its axis, and with the quaternion of the reference pose.
+    base : int or None
+        The joint of the base.
+    """
+    model, home = tree.model, tree.home
+    assert home is not None
+    replaced = {spin.name: _of_ball(spin) for spin in spins}
+    if base is not None:
+        replaced[str(model.names[base])] = _of_base(model, base, home)
+    new_joints = {
+        name: [(f"{name}_{part}", joint) for part, joint, _ in parts]
+        for name, parts in replaced.items()
+    }
+    new, shapes = rebuilt(model, tree.visual_model, new_joints, str(model.name))
+    number, q = [0], np.zeros(new.nq)
+    for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True):
+        if name in replaced:
+            first = new.joints[new.getJointId(new_joints[name][0][0])]
+            angles = [angle for _, _, angle in replaced[name]]
+            q[first.idx_q : first.idx_q + len(angles)] = angles
+            number.append(new.getJointId(new_joints[name][-1][0]))
+        else:
+            same = new.joints[new.getJointId(name)]
+            q[same.idx_q : same.idx_q + same.nq] = home[joint.idx_q : joint.idx_q + joint.nq]
+            number.append(same.id)
+    loops = [
+        one._replace(joints=(number[one.joints[0]], number[one.joints[1]]))
+        for one in plain(tree.constraint_models)
+    ]
+    others = [_renumbered(one, number) for one in tree.equations]
+    return SimpleTree(new, shapes, list(constraints(new, loops)), others, q)
+
+
+def _of_base(model: pin.Model, base: int, home: Array) -> list[tuple[str, Any, float]]:
+    """Return names, joints and coordinates of what stands in the place of a base."""
+    joint = model.joints[base]
+    x = home[joint.idx_q : joint.idx_q + joint.nq]
+    if joint.nq == 4:
+        angle = float(np.arctan2(x[3], x[2]))
+        return [
+            ("x", pin.JointModelPX(), float(x[0])),
+            ("y", pin.JointModelPY(), float(x[1])),
+            ("yaw", pin.JointModelRZ(), angle),
+        ]
+    roll, pitch, yaw = pin.rpy.matrixToRpy(pin.XYZQUATToSE3(x).rotation)
+    kinds = (
+        *(pin.JointModelPX(), pin.JointModelPY(), pin.JointModelPZ()),
+        *(pin.JointModelRZ(), pin.JointModelRY(), pin.JointModelRX()),
+    )
+    names = ("x", "y", "z", "yaw", "pitch", "roll")
+    return list(zip(names, kinds, map(float, (*x[:3], yaw, pitch, roll)), strict=True))
+
+
+def _of_ball(spin: Spin) -> list[tuple[str, Any, float]]:
+    """Return names, joints and angles of what stands in the place of a ball."""
+    axes, angles = _axes(spin)
+    kinds = (pin.JointModelRevoluteUnaligned(axis) for axis in axes)
+    return list(zip(("swing", "tilt", "spin"), kinds, map(float, angles), strict=True))
+
+
+def _axes(spin: Spin) -> tuple[tuple[Array, Array, Array], Array]:
+    """Return the axes of swing, tilt and spin, and their angles in the reference pose."""
+    turn = pin.Quaternion(np.asarray(spin.quaternion)).normalized().toRotationMatrix()
+    axis = spin.axis / np.linalg.norm(spin.axis)
+    turned = turn @ axis
+    swing = np.cross(axis, turned)
+    if np.linalg.norm(swing) < 1e-6:
+        swing = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    swing /= np.linalg.norm(swing)
+    angle = float(np.arctan2(swing @ np.cross(axis, turned), axis @ turned))
+    rest = pin.exp3(angle * swing).T @ turn
+    spun = float(axis @ pin.log3(rest))
+    return (swing, np.cross(axis, swing), axis), np.array([angle, 0.0, spun])
+
+
+def _renumbered(one: Any, number: Sequence[int]) -> Any:
+    if isinstance(one, Hinge):
+        return one._replace(joint1_id=number[one.joint1_id], joint2_id=number[one.joint2_id])
+    if isinstance(one, Coupling):
+        return one._replace(y=number[one.y], x=number[one.x])
+    return one._replace(joint=number[one.joint])
