@@ -16,7 +16,7 @@ tests of this file fail where a version of numba has changed them.
 from __future__ import annotations
 
 import types as python_types
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any
 
 from llvmlite.binding import Linkage
@@ -25,27 +25,27 @@ from numba.core import types
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
 from numba.core.registry import CPUDispatcher
-from numba.core.typing import Context
+from numba.core.typing.context import Context
 
 
-class Kernel(CPUDispatcher):  # type: ignore[misc]
+class Kernel(CPUDispatcher):
     """A compiled function: with all its parts where Python calls it, and else a part itself.
 
     Parameters
     ----------
     function : callable
         The function.
-    locals : mapping, optional
+    locals : dict, optional
         Types of variables; none are given here.
-    targetoptions : mapping
+    targetoptions : dict, optional
         Options of ``numba.njit``.
     """
 
     def __init__(
         self,
         function: Callable[..., Any],
-        locals: Mapping[str, Any] | None = None,
-        targetoptions: Mapping[str, Any] | None = None,
+        locals: dict[str, Any] | None = None,
+        targetoptions: dict[str, Any] | None = None,
     ) -> None:
         options = dict(targetoptions or {})
         super().__init__(function, locals, options, pipeline_class=_WholeCompiler)
@@ -65,7 +65,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 _SIGNATURES: dict[Any, Any] = {}
 
 
-class _Operations(Context):  # type: ignore[misc]
+class _Operations(Context):
     """Numba's own types of functions, which remembers those of the simplest operations."""
 
     def __init__(self, context: Context) -> None:
@@ -90,7 +90,7 @@ def _are_plain(kinds: Any) -> bool:
     )
 
 
-class _WholeCompiler(Compiler):  # type: ignore[misc]
+class _WholeCompiler(Compiler):
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
         super().__init__(_Operations(typingctx), targetctx, library, *more)
         # Nobody calls the function from C.
@@ -107,7 +107,7 @@ class _WholeCompiler(Compiler):  # type: ignore[misc]
         return result
 
 
-class PartCompiler(Compiler):  # type: ignore[misc]
+class PartCompiler(Compiler):
     """Translates a function that other compiled functions call."""
 
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
@@ -127,7 +127,7 @@ class PartCompiler(Compiler):  # type: ignore[misc]
         return result._replace(entry_point=nothing)
 
 
-class _PartLibrary(JITCodeLibrary):  # type: ignore[misc]
+class _PartLibrary(JITCodeLibrary):
     """The code of a part, neither optimized nor made machine code."""
 
     def __init__(self, codegen: Any, name: str) -> None:
@@ -154,7 +154,7 @@ class _PartLibrary(JITCodeLibrary):  # type: ignore[misc]
         return self._with_parts
 
 
-class _Whole(JITCodeLibrary):  # type: ignore[misc]
+class _Whole(JITCodeLibrary):
     """The code of a function that Python calls, with all parts."""
 
     def finalize(self) -> None:

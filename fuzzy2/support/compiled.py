@@ -130,7 +130,7 @@ def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
         body = bodies.get(getattr(table, "instance_class", None))
         return getattr(body, "py_func", body)
 
-    options = {"error_model": "numpy", "pipeline_class": PartCompiler}
+    options: Any = {"error_model": "numpy", "pipeline_class": PartCompiler}
     overload(chosen, strict=False, jit_options=options)(body_of)
 
     def register(kind: Any) -> Callable[[Function], Function]:
@@ -164,7 +164,7 @@ def scalar(function: Function) -> Function:
 
 
 def _compiled(function: Function, **more: Any) -> Function:
-    if numba.config.DISABLE_JIT:
+    if getattr(numba.config, "DISABLE_JIT", False):
         return function
     options = {"nopython": True, "nogil": True, "error_model": "numpy", "boundscheck": None}
     kernel = Kernel(function, targetoptions={**options, **more})

@@ -39,11 +39,8 @@ def jacobian(flat: FlatTree, q: Array) -> Array:
 def _equations(flat: FlatTree, q: Array, rows: int) -> tuple[Array, Array]:
     size, velocities = int(flat.integers[ROWS]), int(flat.integers[VELOCITIES])
     memory, out, none = np.empty(int(flat.integers[SIZE])), np.empty(size + rows * velocities), NONE
-    answer(
-        *(EQUATIONS, 1, 1, 0),
-        *(flat.integers, flat.numbers, none, none, memory),
-        *(np.array(q, dtype=float), none, none, out),
-    )
+    at, tree, numbers = np.array(q, dtype=float), flat.integers, flat.numbers
+    answer(EQUATIONS, 1, 1, 0, tree, numbers, none, none, memory, at, none, none, out)
     return out[:size], out[size:].reshape(rows, velocities)
 
 

@@ -213,11 +213,9 @@ class Core:
         """Close the loops from a guess, independent joints fixed; begin the memory with it."""
         at = int(self.tree[AT_CONFIGURATION])
         memory[at : at + self.coordinates] = guess
-        none = np.empty(0)
+        none, tree = np.empty(0), self.tree
         outcome = answer(
-            *(ASSEMBLY, 1, 1, 0),
-            *(self.tree, self.numbers, none, none, memory),
-            *(none, none, none, none),
+            ASSEMBLY, 1, 1, 0, tree, self.numbers, none, none, memory, none, none, none, none
         )
         if outcome != CLOSED:
             memory[int(self.tree[AT_REPORT]) + 3] = outcome
@@ -412,11 +410,10 @@ class Core:
         """Write derivatives of one state: those of the answer that is asked for first."""
         if self._partly:
             raise InvalidValue(
-                "derivatives of a robot with",
-                f"joint {self._partly!r}, of which only some speeds are coordinates",
-                "one whose joints of several freedoms are coordinates as a whole or not at all: "
-                "their speeds are no rates of coordinates that could be varied one by one; give "
-                "coordinates=[...] without it",
+                "coordinates",
+                f"some speeds of joint {self._partly!r}",
+                "all or none of a joint whose speeds are no rates of coordinates, for derivatives: "
+                "choose others, coordinates=[...]",
             )
         dynamics = INVERSE_DYNAMICS if question == INVERSE_DERIVATIVES else FORWARD_DYNAMICS
         row: int = answer(

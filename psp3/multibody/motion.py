@@ -373,7 +373,8 @@ def answer(
         closure_equations(tree, numbers, memory, positions, out)
         return -1
     if question == ASSEMBLY:
-        return settled(tree, numbers, memory)
+        became: int = settled(tree, numbers, memory)
+        return became
     size, width = rows * tree[INDEPENDENT], out.shape[0] // max(rows, 1)
     if positions.shape[0] != rows * tree[POSITIONS] or second.shape[0] != size:
         return -2

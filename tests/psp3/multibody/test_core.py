@@ -341,7 +341,7 @@ def test_derivatives_along_a_part_of_a_joint_are_refused() -> None:
         core.ask(INVERSE_DYNAMICS, positions, rest, rest, np.empty((1, n)))
         out = np.empty((1, 3 * n * n))
         if is_refused:
-            with pytest.raises(InvalidValue, match=r"'ball'.*coordinates=\[\.\.\.\]"):
+            with pytest.raises(InvalidValue, match=r"coordinates=\[\.\.\.\].*'ball'"):
                 core.ask(INVERSE_DERIVATIVES, positions, rest, rest, out)
         else:
             core.ask(INVERSE_DERIVATIVES, positions, rest, rest, out)
