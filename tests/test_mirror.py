@@ -50,8 +50,10 @@ ELSEWHERE = {
     "fuzzy2/systems/terms.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
     "psp3/cli/app.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/commands/reproduce.py": ("psp3/thesis/test_replication.py", OF_THE_JOB),
+    "psp3/cli/joint_tables.py": ("psp3/cli/commands/test_pose.py", OF_EVERY_COMMAND),
     "psp3/cli/option_groups.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
+    "psp3/cli/robot_options.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/shared.py": ("psp3/cli/commands/test_torques.py", OF_EVERY_COMMAND),
     "psp3/closure/passive_limits.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/control/controller.py": (
