@@ -65,8 +65,8 @@ NoStabilizingSolution NoThreshold NotTrained OpenLoops
 SimulationDiverged SimulationStopped
         SingularConfiguration StrokeExceeded StudyFileNotWritable StudyInUse StudyInterrupted \
 StudyMismatch UncertainRank
-        UnexportableJoint UnknownName UnphysicalInertia UnreachablePose UnreachableTip \
-UnsupportedJoint UnusableEstimate
+        UnexportableJoint UnknownName UnknownRobot UnphysicalInertia UnreachablePose \
+UnreachableTip UnsupportedJoint UnusableEstimate
     """,
     "fuzzy2.errors": """
         ApproximationWarning FeatureNamesWarning Fuzzy2Error InvalidRule InvalidValue \
