@@ -79,16 +79,22 @@ def test_the_answers_are_those_of_numba_to_the_last_bit() -> None:
 
 
 def test_a_part_is_translated_once_and_never_made_machine_code() -> None:
-    twice(VALUES)
-    assert isinstance(cubed_part, Kernel)
-    # Three calls with three whole numbers, from two functions.
-    (result,) = cubed_part._part.overloads.values()
+    """Of functions that are not kept on disk, from where they would come whole."""
+    inner = Kernel(cubed, targetoptions={"nopython": True})
+
+    def thrice(x):  # type: ignore[no-untyped-def]
+        return inner(x, 0) + inner(x, 7) + inner(x, 9)
+
+    outer = Kernel(thrice, targetoptions={"nopython": True})
+    assert outer(0.5) == 3 * 0.125 + 16.0
+    # Three calls with three whole numbers.
+    (result,) = inner._part.overloads.values()
     assert isinstance(result.library, _PartLibrary)
     assert not result.library.codegen._engine.is_symbol_defined(result.fndesc.mangled_name)
     # Nothing that Python could call was made of it, until Python calls it.
-    assert not middle.overloads  # type: ignore[attr-defined]
-    assert middle(VALUES) == pytest.approx(cubed(2.5, 9) - sum_of_entries(VALUES, 3))
-    assert len(middle.overloads) == 1  # type: ignore[attr-defined]
+    assert not inner.overloads
+    assert inner(0.5, 1) == 1.125
+    assert len(inner.overloads) == 1
 
 
 def test_parts_raise() -> None:
