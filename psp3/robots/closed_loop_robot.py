@@ -370,6 +370,7 @@ class ClosedLoopRobot:
         mjcf: str | Path,
         actuated: Sequence[str] | None = None,
         *,
+        joint_type: Mapping[str, str] | None = None,
         free: str = "lock",
         coordinates: Sequence[str] | None = None,
         closures: Sequence[tuple[str, str, str]] = (),
@@ -382,6 +383,9 @@ class ClosedLoopRobot:
             The file; what it may hold is said in :func:`psp3.description.mjcf.read_mjcf`.
         actuated : sequence of str, optional
             Names of the actuated joints; those of the file's actuators by default.
+        joint_type : mapping of str to str, optional
+            What hinges stand for: a joint's name to ``"SPHERICAL"``, ``"UJOINT_XY"`` and the like,
+            or ``"FIXED"``, as in a loop file (:mod:`psp3.description.joint_replacement`).
         free, coordinates, closures
             See the class.
 
@@ -394,7 +398,10 @@ class ClosedLoopRobot:
         from psp3.description.mjcf import read_mjcf
 
         return cls(
-            *read_mjcf(mjcf, actuated), free=free, coordinates=coordinates, closures=closures
+            *read_mjcf(mjcf, actuated, joint_type),
+            free=free,
+            coordinates=coordinates,
+            closures=closures,
         )
 
     @classmethod
