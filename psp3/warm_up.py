@@ -54,18 +54,24 @@ def warm_up() -> None:
 
 
 def _warm_up_core(robot: Any) -> None:
-    """Compile the core for any robot: loading one assembles it and compiles its answers."""
-    from psp3.closure.assembly import jacobian
+    """Compile what any robot with loops uses: loading one compiles the core's answers.
+
+    Besides those its derivatives, and its plants in a simulation, without drives and with them.
+    """
     from psp3.control.classical import ComputedTorque
-    from psp3.multibody.flatten import NO_MOTORS, flattened
+    from psp3.drives.drive import Drive
+    from psp3.simulation.runge_kutta import RungeKutta
     from psp3.simulation.tracking import simulate
     from psp3.trajectories.paths import PointToPoint
 
     rest, goal = np.zeros(len(robot.actuated)), robot.reference + 0.01
-    robot.inverse_dynamics(robot.reference, rest, rest, guess=robot.last_pose())
-    jacobian(flattened(robot.model, robot.constraint_models, NO_MOTORS), robot.q0)
+    robot.inverse_dynamics_derivatives(robot.reference, rest, rest)
     way = PointToPoint(robot.reference, goal, 1.0, robot)
-    simulate(robot, ComputedTorque(robot), way, 0.01)
+    for plant in (RungeKutta(robot), RungeKutta(robot, drive=Drive(coulomb_friction=0.01))):
+        simulate(robot, ComputedTorque(robot), way, 0.01, plant=plant)
+        # The loop above is compiled with its plant. A controller in Python calls that by itself.
+        plant.start(robot.reference, rest)
+        plant.advance(rest, 1e-3)
 
 
 def _warm_up_fuzzy_systems() -> None:

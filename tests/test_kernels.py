@@ -13,8 +13,8 @@ from pathlib import Path
 import pytest
 
 CORE = Path(__file__).resolve().parents[1] / "psp3" / "multibody"
-DECORATORS = {"compiled", "inlined", "merged"}
-BUILT_IN = {"abs", "float", "max", "min", "range"}
+DECORATORS = {"scalar"}
+BUILT_IN = {"abs", "float", "int", "max", "min", "range"}
 MATHEMATICS = {"atan2", "cos", "inf", "sin", "sqrt", "tan"}
 
 WHILE = {"_follow": "each turn halves or doubles a step that has a least length"}

@@ -9,6 +9,7 @@ kernel clears the cache: ``make`` does, by deleting every ``*.nbi`` and ``*.nbc`
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import threading
 from collections.abc import Callable
@@ -16,6 +17,8 @@ from typing import Any, Protocol, TypeVar, cast
 
 import numba
 from numba.extending import overload
+
+from fuzzy2.support.compile_unit import Kernel, PartCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -127,7 +130,8 @@ def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
         body = bodies.get(getattr(table, "instance_class", None))
         return getattr(body, "py_func", body)
 
-    overload(chosen, strict=False, jit_options={"error_model": "numpy"})(body_of)
+    options: Any = {"error_model": "numpy", "pipeline_class": PartCompiler}
+    overload(chosen, strict=False, jit_options=options)(body_of)
 
     def register(kind: Any) -> Callable[[Function], Function]:
         def registered(body: Function) -> Function:
@@ -140,11 +144,11 @@ def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
     return cast("ChosenByTable", chosen)
 
 
-def merged(function: Function) -> Function:
-    """Make the source of ``function`` a part of that of the compiled functions that call it.
+def scalar(function: Function) -> Function:
+    """Compile ``function`` as :func:`compiled` does, without memory of its own.
 
-    For long functions that are called in one place: LLVM works on the code of a compiled function
-    again in each that calls it, so that a chain of calls takes long to compile.
+    For functions that make no arrays, and call none that do: calls cost less, and the compiler need
+    not find out who holds which array.
 
     Parameters
     ----------
@@ -154,15 +158,17 @@ def merged(function: Function) -> Function:
     Returns
     -------
     callable
-        The compiled function.
+        The compiled function. A function that makes an array is refused when it is compiled.
     """
-    return _compiled(function, inline="always")
+    return _compiled(function, _nrt=False)
 
 
 def _compiled(function: Function, **more: Any) -> Function:
-    options: dict[str, Any] = {"nogil": True, "error_model": "numpy", **more}
-    try:
-        compiled_function: Function = numba.njit(cache=True, **options)(function)
-    except RuntimeError:  # "no locator available": site-packages and home are both read-only
-        compiled_function = numba.njit(**options)(function)
-    return compiled_function
+    if getattr(numba.config, "DISABLE_JIT", False):
+        return function
+    options = {"nopython": True, "nogil": True, "error_model": "numpy", "boundscheck": None}
+    kernel = Kernel(function, targetoptions={**options, **more})
+    # "no locator available": site-packages and home are both read-only
+    with contextlib.suppress(RuntimeError):
+        kernel.enable_caching()
+    return cast("Function", kernel)

@@ -10,9 +10,11 @@ import pinocchio as pin
 from psp3.checks import Array
 from psp3.errors import ClosureFailed
 from psp3.multibody.closing import LARGEST_REPAIR
-from psp3.multibody.constraint import closure_equations
 from psp3.multibody.flatten import FlatTree
+from psp3.multibody.motion import EQUATIONS, answer
 from psp3.multibody.tree import ROWS, SIZE, VELOCITIES
+
+NONE = np.empty(0)
 
 ASSEMBLED = 1e-9
 """Residual at which a first configuration is handed to the exact closure [m, rad]."""
@@ -39,13 +41,11 @@ def jacobian(flat: FlatTree, q: Array) -> Array:
 
 
 def _equations(flat: FlatTree, q: Array, rows: int) -> tuple[Array, Array]:
-    gap = np.empty(int(flat.integers[ROWS]))
-    slope = np.zeros((rows, int(flat.integers[VELOCITIES])))
-    memory = np.empty(int(flat.integers[SIZE]))
-    closure_equations(
-        flat.integers, flat.numbers, memory, np.array(q, dtype=float), gap, slope.reshape(-1)
-    )
-    return gap, slope
+    size, velocities = int(flat.integers[ROWS]), int(flat.integers[VELOCITIES])
+    memory, out, none = np.empty(int(flat.integers[SIZE])), np.empty(size + rows * velocities), NONE
+    at, tree, numbers = np.array(q, dtype=float), flat.integers, flat.numbers
+    answer(EQUATIONS, 1, 1, 0, tree, numbers, none, none, memory, at, none, none, out)
+    return out[:size], out[size:].reshape(rows, velocities)
 
 
 def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:

@@ -5,7 +5,7 @@ All are about the base's origin, in base axes.
 
 from __future__ import annotations
 
-from fuzzy2.support.compiled import compiled, inlined
+from fuzzy2.support.compiled import scalar
 from psp3.multibody.tree import (
     AT_ACCELERATIONS,
     AT_BODIES,
@@ -22,7 +22,7 @@ from psp3.multibody.tree import (
 )
 
 
-@compiled
+@scalar
 def weigh(tree, numbers, memory):
     """Write the inertias of all elements about the base's origin, in base axes (10).
 
@@ -68,7 +68,7 @@ def weigh(tree, numbers, memory):
         memory[k + 9] = dx * r6 + dy * r7 + dz * r8 + hx * cx + hy * cy
 
 
-@inlined
+@scalar
 def momentum(tree, memory, e, X, out):
     """Write the momentum of an element that moves with a twist, and its moment about the base."""
     k = tree[AT_INERTIAS] + 10 * e
@@ -85,7 +85,7 @@ def momentum(tree, memory, e, X, out):
     memory[out + 5] = xz * wx + yz * wy + zz * wz + hx * vy - hy * vx
 
 
-@inlined
+@scalar
 def wrench(tree, numbers, memory, e, out):
     """Write the force that moves an element and carries its weight, and its torque at the base.
 

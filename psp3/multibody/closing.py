@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inlined, merged
+from fuzzy2.support.compiled import scalar
 from psp3.multibody.least_squares import factor, orientation, reflect, solve
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import move, place
@@ -117,7 +117,7 @@ exist.
 """
 
 
-@compiled
+@scalar
 def solved(tree, memory, group):
     """Replace the right side by the group's dependent speeds that give it, by least squares."""
     factors = tree[AT_FACTORS]
@@ -137,7 +137,7 @@ def solved(tree, memory, group):
     )
 
 
-@compiled
+@scalar
 def factored(tree, numbers, memory, group):
     """Write and factor the Jacobian of a group; return its smallest pivot, with a sign, or 0."""
     factors = tree[AT_FACTORS]
@@ -156,13 +156,13 @@ def factored(tree, numbers, memory, group):
     )
 
 
-@inlined
+@scalar
 def _rests(step, before, size, mismatch):
     """Tell whether a residual that equations leave by their rounding cannot become smaller."""
     return size <= mismatch and step <= STILL and step >= 0.5 * before
 
 
-@compiled
+@scalar
 def newton(tree, numbers, memory, group, most, enough, sign):
     """Close a group's loops with its dependent joints.
 
@@ -223,7 +223,7 @@ def newton(tree, numbers, memory, group, most, enough, sign):
     return OPEN
 
 
-@compiled
+@scalar
 def _is_turned(tree, memory, group):
     """Tell whether a group's closure equations have turned over since the pose before.
 
@@ -255,7 +255,7 @@ def _is_turned(tree, memory, group):
     return not orientation(memory, across, columns) > 0.0
 
 
-@merged
+@scalar
 def _remember(tree, memory, group):
     """Keep the pose of a group as the one from which the next is looked for."""
     before = tree[AT_BEFORE]
@@ -275,7 +275,7 @@ def _remember(tree, memory, group):
             memory[before_reflections + i] = memory[reflections + i]
 
 
-@compiled
+@scalar
 def _speeds_along(tree, memory, group):
     """Write the dependent speeds of the way to the target; return the largest of any joint."""
     target = tree[AT_TARGET]
@@ -305,7 +305,7 @@ def _speeds_along(tree, memory, group):
     return fastest
 
 
-@merged
+@scalar
 def _is_bent(tree, memory, group, fastest):
     """Tell whether the speeds along the way are others than at the pose before; leave those."""
     g = tree[AT_GROUPS] + GROUP_INTEGERS * group
@@ -321,7 +321,7 @@ def _is_bent(tree, memory, group, fastest):
     return bend > LARGEST_BEND * fastest
 
 
-@merged
+@scalar
 def _follow(tree, numbers, memory, group):
     """Move a closed group's independent joints from where they are to the target.
 
@@ -386,7 +386,7 @@ def _follow(tree, numbers, memory, group):
     return CLOSED
 
 
-@merged
+@scalar
 def _open(tree, numbers, memory, group):
     """Let only the independent joints of a group go on to the target, which opens its loops."""
     target = tree[AT_TARGET]
@@ -410,7 +410,7 @@ def _open(tree, numbers, memory, group):
     )
 
 
-@merged
+@scalar
 def settled(tree, numbers, memory):
     """Close all loops from a guess that is in the configuration, its independent joints fixed.
 
@@ -431,7 +431,7 @@ def settled(tree, numbers, memory):
     return CLOSED
 
 
-@merged
+@scalar
 def moved_to(tree, numbers, memory):
     """Move the independent joints of a closed pose to the target, all loops closed.
 
@@ -465,14 +465,14 @@ def moved_to(tree, numbers, memory):
     return CLOSED
 
 
-@compiled
+@scalar
 def _frames_again(tree, numbers, memory):
     """Place the frames of all closures anew, because the bases of their groups have moved."""
     for group in range(tree[GROUPS]):
         residual_of(tree, numbers, memory, group)
 
 
-@compiled
+@scalar
 def spread(tree, memory, group, out):
     """Solve a group's equations, and put the dependent speeds where they belong."""
     right = tree[AT_RIGHT]

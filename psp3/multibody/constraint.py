@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import scalar
 from psp3.checks import Array, Indices
 from psp3.multibody.loops import jacobian, residual_of
 from psp3.multibody.placement import place
@@ -27,20 +27,21 @@ from psp3.multibody.tree import (
 )
 
 
-@compiled
-def closure_equations(
-    tree: Indices, numbers: Array, memory: Array, q: Array, residual: Array, slope: Array
-) -> None:
+@scalar
+def closure_equations(tree: Indices, numbers: Array, memory: Array, q: Array, out: Array) -> None:
     """Write the residuals of all closures (m), and their derivative by dependent speeds (m · nv).
 
-    Group by group, the derivative row by row, and only if ``slope`` has room for it.
+    Group by group, the derivative row by row, and only if ``out`` has room for it.
     """
+    rows_of_all = tree[ROWS]
+    for i in range(rows_of_all, out.shape[0]):
+        out[i] = 0.0
     for i in range(tree[COORDINATES]):
         memory[tree[AT_CONFIGURATION] + i] = q[i]
     place(tree, numbers, memory, tree[MEMBERS] - tree[ELEMENTS], tree[MEMBERS])
     for group in range(tree[GROUPS]):
         residual_of(tree, numbers, memory, group)
-        if slope.shape[0] == 0:
+        if out.shape[0] == rows_of_all:
             continue
         jacobian(tree, numbers, memory, group)
         g = tree[AT_GROUPS] + GROUP_INTEGERS * group
@@ -49,6 +50,6 @@ def closure_equations(
             velocity = tree[tree[AT_DEPENDENT_V] + column + k]
             at = tree[AT_FACTORS] + tree[g + FACTOR_AT] + rows * k
             for i in range(rows):
-                slope[tree[VELOCITIES] * (row + i) + velocity] = memory[at + i]
-    for i in range(tree[ROWS]):
-        residual[i] = memory[tree[AT_RESIDUAL] + i]
+                out[rows_of_all + tree[VELOCITIES] * (row + i) + velocity] = memory[at + i]
+    for i in range(rows_of_all):
+        out[i] = memory[tree[AT_RESIDUAL] + i]

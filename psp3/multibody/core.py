@@ -15,24 +15,29 @@ from psp3.errors import InvalidValue
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.flatten import Springs, flattened
 from psp3.multibody.motion import (
+    ASSEMBLY,
     BLOCK,
     CONFIGURATION,
     FORWARD_DYNAMICS,
     INVERSE_DERIVATIVES,
     INVERSE_DYNAMICS,
     answer,
-    assemble,
     derivatives,
 )
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
+    AT_ELEMENTS,
     AT_FREE_FALL,
     AT_REPORT,
     AT_SIGNS,
     AT_TOLERANCES,
+    ELEMENT_INTEGERS,
+    ELEMENTS,
+    FREEDOMS,
     GROUP_NUMBERS,
     GROUPS,
     INDEPENDENT,
+    INDEX_V,
     MISMATCH_AT,
     SIZE,
     WEAKEST_AT,
@@ -143,6 +148,7 @@ class Core:
             at = int(self.tree[AT_TOLERANCES]) + GROUP_NUMBERS * group
             self.numbers[at + 2] = NEAR_SINGULAR * pivot
             self.numbers[at + WEAKEST_AT] = weakest * pivot
+        self._partly = _partly_independent(model, {int(v) for v in independent_v})
         self._compile()
 
     def _compile(self) -> None:
@@ -169,6 +175,26 @@ class Core:
         at = int(self.tree[AT_CONFIGURATION])
         return self._reference[at : at + self.coordinates].copy()
 
+    def frame(self, joint: int, placement: pin.SE3) -> Array:
+        """Return what the question about a frame takes: the element that carries it, and where.
+
+        Parameters
+        ----------
+        joint : int
+            Number of the joint that moves the frame; 0 is the base.
+        placement : pinocchio.SE3
+            Of the frame in the joint's axes.
+        """
+        carrier = -1
+        if joint > 0:
+            last = self._model.joints[joint].idx_v + self._model.joints[joint].nv - 1
+            rows = self.tree[int(self.tree[AT_ELEMENTS]) :][
+                : ELEMENT_INTEGERS * int(self.tree[ELEMENTS])
+            ].reshape(-1, ELEMENT_INTEGERS)
+            first, count = rows[:, INDEX_V], rows[:, FREEDOMS]
+            carrier = int(np.flatnonzero((first <= last) & (last < first + count))[0])
+        return np.concatenate([[carrier], placement.rotation.reshape(-1), placement.translation])
+
     def last_pose(self) -> LastPose:
         """Return memory for a caller who asks about one pose after the other."""
         return LastPose(self)
@@ -187,7 +213,10 @@ class Core:
         """Close the loops from a guess, independent joints fixed; begin the memory with it."""
         at = int(self.tree[AT_CONFIGURATION])
         memory[at : at + self.coordinates] = guess
-        outcome = assemble(self.tree, self.numbers, memory)
+        none, tree = np.empty(0), self.tree
+        outcome = answer(
+            ASSEMBLY, 1, 1, 0, tree, self.numbers, none, none, memory, none, none, none, none
+        )
         if outcome != CLOSED:
             memory[int(self.tree[AT_REPORT]) + 3] = outcome
             raise self._no_answer(0, memory)
@@ -379,6 +408,13 @@ class Core:
         out: Array,
     ) -> int:
         """Write derivatives of one state: those of the answer that is asked for first."""
+        if self._partly:
+            raise InvalidValue(
+                "coordinates",
+                f"some speeds of joint {self._partly!r}",
+                "all or none of a joint whose speeds are no rates of coordinates, for derivatives: "
+                "choose others, coordinates=[...]",
+            )
         dynamics = INVERSE_DYNAMICS if question == INVERSE_DERIVATIVES else FORWARD_DYNAMICS
         row: int = answer(
             dynamics,
@@ -398,3 +434,13 @@ class Core:
         if row == -1 and derivatives(question, self.tree, self.numbers, memory, out) != CLOSED:
             return 0
         return row
+
+
+def _partly_independent(model: pin.Model, independent_v: set[int]) -> str:
+    """Return a joint whose speeds are no rates and of which only some are independent; or ''."""
+    for index in range(1, model.njoints):
+        joint = model.joints[index]
+        speeds = set(range(joint.idx_v, joint.idx_v + joint.nv))
+        if joint.nq > joint.nv > 1 and speeds & independent_v and speeds - independent_v:
+            return str(model.names[index])
+    return ""

@@ -27,7 +27,7 @@ derivatives by speeds.
 
 from __future__ import annotations
 
-from fuzzy2.support.compiled import compiled, inlined, merged
+from fuzzy2.support.compiled import scalar
 from psp3.multibody.bodies import momentum
 from psp3.multibody.closing import spread
 from psp3.multibody.forces import add_change
@@ -112,7 +112,7 @@ from psp3.multibody.tree import (
 )
 
 
-@compiled
+@scalar
 def _add_cross(memory, a, b, out):
     """Add the cross product of two vectors."""
     x, y, z = memory[a], memory[a + 1], memory[a + 2]
@@ -122,7 +122,7 @@ def _add_cross(memory, a, b, out):
     memory[out + 2] += x * v - y * u
 
 
-@compiled
+@scalar
 def _add_product(memory, a, b, out):
     """Add the cross product of two twists."""
     _add_cross(memory, a + 3, b, out)
@@ -130,7 +130,7 @@ def _add_product(memory, a, b, out):
     _add_cross(memory, a + 3, b + 3, out + 3)
 
 
-@compiled
+@scalar
 def _add_dual_product(memory, a, force, out):
     """Add the cross product of a twist and a wrench."""
     _add_cross(memory, a + 3, force, out)
@@ -138,21 +138,21 @@ def _add_dual_product(memory, a, force, out):
     _add_cross(memory, a, force, out + 3)
 
 
-@compiled
+@scalar
 def _subtract(memory, a, b, factor, out):
     """Write the difference of two twists, times a factor."""
     for i in range(6):
         memory[out + i] = factor * (memory[a + i] - memory[b + i])
 
 
-@compiled
+@scalar
 def _set(memory, at, count, value):
     """Write a number into all places from the first on."""
     for i in range(count):
         memory[at + i] = value
 
 
-@compiled
+@scalar
 def differentiate(tree, numbers, memory, forces):
     """Write the derivatives of the independent forces by positions and by speeds, column by column.
 
@@ -173,7 +173,7 @@ def differentiate(tree, numbers, memory, forces):
     _at_free_joints(tree, memory, forces)
 
 
-@merged
+@scalar
 def _load(tree, numbers, memory):
     """Write the wrench on all that each element carries, with the forces in the loops."""
     elements, groups, bodies = tree[ELEMENTS], tree[AT_GROUPS], tree[AT_ELEMENTS]
@@ -216,7 +216,7 @@ def _load(tree, numbers, memory):
             memory[loads + 6 * e + i] += memory[tree[AT_FORCES] + 6 * e + i]
 
 
-@merged
+@scalar
 def _pull(tree, memory, closure, row, out):
     """Write what a closure's multipliers are in base axes; return where their wrench is.
 
@@ -242,7 +242,7 @@ def _pull(tree, memory, closure, row, out):
     return wrench
 
 
-@merged
+@scalar
 def _spins(tree, memory):
     r"""Write B of all bodies: twice the momentum (3), and the matrix of the torque by columns (9).
 
@@ -277,7 +277,7 @@ def _spins(tree, memory):
         _add_cross(memory, v + 3, moments, o)
 
 
-@compiled
+@scalar
 def _add_spinning(tree, memory, e, moved, Z, out):
     """Write I times a twist and B times another, Z, of a body."""
     momentum(tree, memory, e, moved, out)
@@ -288,7 +288,7 @@ def _add_spinning(tree, memory, e, moved, Z, out):
             memory[out + 3 + i] += memory[o + 3 + 3 * k + i] * memory[Z + 3 + k]
 
 
-@merged
+@scalar
 def _along_speed(tree, numbers, memory, k):
     """Write how the wrenches of all elements and the loads of joints change with speed k."""
     elements, T, nv = tree[ELEMENTS], tree[AT_FIELD_FORCES], tree[VELOCITIES]
@@ -312,7 +312,7 @@ def _along_speed(tree, numbers, memory, k):
             _add_bracket(tree, numbers, memory, e, ARMATURE, tree[AT_JOINT_SPEEDS], L)
 
 
-@inlined
+@scalar
 def _axis_of(kind, number):
     """Return the place of a joint's velocity in its twist, of a joint of many freedoms."""
     if kind == BALL:
@@ -320,7 +320,7 @@ def _axis_of(kind, number):
     return 5 if kind == PLANAR and number == 2 else number
 
 
-@compiled
+@scalar
 def _lift(tree, memory, e, speeds, out):
     """Write the twist of a joint of many freedoms in its own axes, from speeds of all joints."""
     row = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e
@@ -329,7 +329,7 @@ def _lift(tree, memory, e, speeds, out):
         memory[out + _axis_of(tree[row + KIND], i)] = memory[speeds + tree[row + INDEX_V] + i]
 
 
-@compiled
+@scalar
 def _add_bracket(tree, numbers, memory, e, factor, one, other):
     """Add to the loads of a joint of many freedoms a factor of the joint times a cross product.
 
@@ -348,7 +348,7 @@ def _add_bracket(tree, numbers, memory, e, factor, one, other):
         )
 
 
-@merged
+@scalar
 def _rates_again(tree, numbers, memory, k):
     """Write the second rates of the twists of column k of L, and that of the column to the loads.
 
@@ -381,7 +381,7 @@ def _rates_again(tree, numbers, memory, k):
         add_change(tree, memory, tree[AT_JOINT_LOADS], second)
 
 
-@merged
+@scalar
 def _accelerated_again(tree, numbers, memory, group, k):
     """Write the second rate of J z in a closed group, for z a column of L whose own is left out.
 
@@ -433,7 +433,7 @@ def _accelerated_again(tree, numbers, memory, group, k):
                 memory[row + 3 * part + i] = value
 
 
-@compiled
+@scalar
 def _slope_of_spin(tree, numbers, memory, closure, out):
     """Write the derivative of a spin by the angular velocity of its ball (3)."""
     c = tree[AT_CLOSURES] + CLOSURE_INTEGERS * closure
@@ -443,7 +443,7 @@ def _slope_of_spin(tree, numbers, memory, closure, out):
         memory[out + i] = turned(numbers, at, memory, q, i, 1)
 
 
-@merged
+@scalar
 def _spin_again(tree, numbers, memory, closure, k):
     """Write a spin's derivative, and what of its second rate is along it.
 
@@ -466,7 +466,7 @@ def _spin_again(tree, numbers, memory, closure, k):
     _add_cross(memory, speed, change, x + 9)
 
 
-@compiled
+@scalar
 def _swing(tree, memory, b, part):
     """Write the second rate of what the relative twists do to a vector that moves with a body.
 
@@ -487,7 +487,7 @@ def _swing(tree, memory, b, part):
     _add_cross(memory, x + 3, second, out)
 
 
-@merged
+@scalar
 def _along_position(tree, numbers, memory, k):
     """Write how the wrenches of all elements and the loads of joints change with position k."""
     elements, T, nv = tree[ELEMENTS], tree[AT_FIELD_FORCES], tree[VELOCITIES]
@@ -523,7 +523,7 @@ def _along_position(tree, numbers, memory, k):
         _turn_closure(tree, numbers, memory, closure, k)
 
 
-@merged
+@scalar
 def _turn_joint(tree, numbers, memory, e, L, change):
     """Add to the loads of a joint of many freedoms what its motors and damping do in its axes.
 
@@ -552,7 +552,7 @@ def _turn_joint(tree, numbers, memory, e, L, change):
         memory[tree[AT_JOINT_LOADS] + first + i] += memory[a + 12 + _axis_of(tree[row + KIND], i)]
 
 
-@merged
+@scalar
 def _turn_closure(tree, numbers, memory, closure, k):
     """Add what the force in a loop does because its closure turns or bends."""
     base, nv, x = tree[ELEMENTS], tree[VELOCITIES], tree[AT_VECTORS]
@@ -588,7 +588,7 @@ def _turn_closure(tree, numbers, memory, closure, k):
             _add_cross(memory, x, x + 9, T + 6 * two + 3)
 
 
-@merged
+@scalar
 def _at_free_joints(tree, memory, forces):
     """Correct derivatives by an independent joint of many freedoms, whose speeds are no rates.
 
@@ -636,7 +636,7 @@ def _at_free_joints(tree, memory, forces):
                         memory[by_position + j] -= memory[at + 12]
 
 
-@compiled
+@scalar
 def _bring(tree, memory, out):
     """Add to n independent forces what wrenches of all elements and loads of joints make of them.
 

@@ -8,7 +8,7 @@ independent ones, :math:`\tau = L^T f` (thesis eq. 3.37).
 
 from __future__ import annotations
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import scalar
 from psp3.multibody.bodies import wrench
 from psp3.multibody.closing import spread
 from psp3.multibody.least_squares import solve_transposed
@@ -62,7 +62,7 @@ from psp3.multibody.tree import (
 )
 
 
-@compiled
+@scalar
 def independent_speeds(tree, memory, speeds, out):
     """Put independent speeds where they belong among all velocities; the others become zero."""
     independent_v = tree[AT_INDEPENDENT_V]
@@ -72,7 +72,7 @@ def independent_speeds(tree, memory, speeds, out):
         memory[out + tree[independent_v + j]] = memory[speeds + j]
 
 
-@compiled
+@scalar
 def _driven_by(tree, memory, group, speeds):
     """Take from the right side what the independent joints' speeds do to a group's equations."""
     right, drivers, independent_v = tree[AT_RIGHT], tree[AT_DRIVERS], tree[AT_INDEPENDENT_V]
@@ -87,7 +87,7 @@ def _driven_by(tree, memory, group, speeds):
                 memory[right + i] -= memory[d + i] * speed
 
 
-@compiled
+@scalar
 def joint_speeds(tree, memory, speeds, out):
     r"""Write the velocities of all joints, :math:`L \dot q^a` (thesis eq. 3.16)."""
     right, groups = tree[AT_RIGHT], tree[AT_GROUPS]
@@ -99,7 +99,7 @@ def joint_speeds(tree, memory, speeds, out):
         spread(tree, memory, group, out)
 
 
-@compiled
+@scalar
 def twists(tree, memory, speeds, X):
     """Write the twists of all elements for joint speeds."""
     elements, screws = tree[ELEMENTS], tree[AT_SCREWS]
@@ -117,7 +117,7 @@ def twists(tree, memory, speeds, X):
                 memory[o + i] += memory[s + i] * speed
 
 
-@compiled
+@scalar
 def carried(tree, memory, speeds, X, rate):
     """Write the twists of all elements for joint speeds, and how they change without L changing.
 
@@ -159,7 +159,7 @@ def carried(tree, memory, speeds, X, rate):
         memory[o + 5] = memory[p + 5] + v3 * x4 - v4 * x3
 
 
-@compiled
+@scalar
 def change_of_joint_speeds(tree, numbers, memory, speeds, X, rate, out):
     r"""Write how the dependent joint speeds of twists X change, :math:`\dot L`, to ``out``.
 
@@ -174,7 +174,7 @@ def change_of_joint_speeds(tree, numbers, memory, speeds, X, rate, out):
         spread(tree, memory, group, out)
 
 
-@compiled
+@scalar
 def add_change(tree, memory, change, rate):
     """Add to the accelerations of all elements those of the joints.
 
@@ -192,7 +192,7 @@ def add_change(tree, memory, change, rate):
             memory[rate + 6 * e + i] += value
 
 
-@compiled
+@scalar
 def joint_forces(tree, numbers, memory):
     """Write the forces of all joints of the open tree: RNEA, motors' inertia, springs and damping.
 
@@ -232,7 +232,7 @@ def joint_forces(tree, numbers, memory):
                 memory[forces + 6 * parent + i] += memory[o + i]
 
 
-@compiled
+@scalar
 def projected(tree, memory, forces, out):
     r"""Bring forces of all joints to the independent ones, :math:`L^T f` (thesis eq. 3.37)."""
     right, dependent_v, drivers = tree[AT_RIGHT], tree[AT_DEPENDENT_V], tree[AT_DRIVERS]

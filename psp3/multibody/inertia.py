@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inlined, merged
+from fuzzy2.support.compiled import scalar
 from psp3.multibody.bodies import momentum
 from psp3.multibody.forces import (
     add_change,
@@ -65,7 +65,7 @@ from psp3.multibody.tree import (
 )
 
 
-@compiled
+@scalar
 def complement(tree, numbers, memory, with_rates):
     """Write L, column by column, the twists that belong to its columns, and how both change.
 
@@ -93,7 +93,7 @@ def complement(tree, numbers, memory, with_rates):
             add_change(tree, memory, change, rate)
 
 
-@inlined
+@scalar
 def _power(tree, memory, X, P):
     """Return the sum over all elements of twists times wrenches."""
     value = 0.0
@@ -113,7 +113,7 @@ def _power(tree, memory, X, P):
     return value
 
 
-@compiled
+@scalar
 def _momenta(tree, memory, X, out):
     """Write the momenta of all elements that have mass."""
     for body in range(tree[BODIES]):
@@ -121,7 +121,7 @@ def _momenta(tree, memory, X, out):
         momentum(tree, memory, e, X + 6 * e, out + 6 * e)
 
 
-@compiled
+@scalar
 def mass_matrix(tree, numbers, memory, out):
     """Write the mass matrix (n²) from L and its twists; the elements' forces are overwritten."""
     n, nv, L = tree[INDEPENDENT], tree[VELOCITIES], tree[AT_COMPLEMENT]
@@ -138,7 +138,7 @@ def mass_matrix(tree, numbers, memory, out):
             memory[out + n * j + i] = value
 
 
-@compiled
+@scalar
 def gravity(tree, numbers, memory, out):
     """Write the forces of gravity and of springs (n) from L and its twists."""
     n, nv, L = tree[INDEPENDENT], tree[VELOCITIES], tree[AT_COMPLEMENT]
@@ -161,7 +161,7 @@ def gravity(tree, numbers, memory, out):
         memory[out + j] = value
 
 
-@compiled
+@scalar
 def coriolis_matrix(tree, numbers, memory, out):
     """Write the matrix of Christoffel symbols (n²) from L, its twists and how these change.
 
@@ -181,7 +181,7 @@ def coriolis_matrix(tree, numbers, memory, out):
     _add_motors(tree, numbers, memory, out)
 
 
-@merged
+@scalar
 def _add_motors(tree, numbers, memory, out):
     """Add to the matrix of Christoffel symbols what the motors' own inertia does."""
     n, nv = tree[INDEPENDENT], tree[VELOCITIES]
@@ -207,7 +207,7 @@ def _add_motors(tree, numbers, memory, out):
                     memory[out + n * i + j] += motor * memory[L + nv * i + first + k] * rate
 
 
-@compiled
+@scalar
 def add_damping(tree, numbers, memory, out):
     r"""Add to a matrix (n²) what makes its product with the speeds brake the joints.
 
@@ -227,7 +227,7 @@ def add_damping(tree, numbers, memory, out):
                     memory[out + n * i + j] += share * memory[L + nv * j + velocity]
 
 
-@inlined
+@scalar
 def _coriolis_wrench(tree, memory, e, X, rate, H, out):
     """Write the wrench of one element for one column of the Coriolis matrix.
 
@@ -261,7 +261,7 @@ def _coriolis_wrench(tree, memory, e, X, rate, H, out):
     memory[out + 5] += 0.5 * (x3 * h4 - x4 * h3 + x0 * h1 - x1 * h0)
 
 
-@compiled
+@scalar
 def kinetic_energy(tree, numbers, memory):
     """Return the kinetic energy [J] of the elements' twists and of the motors' own inertia."""
     V, P = tree[AT_VELOCITIES], tree[AT_FORCES]
@@ -273,7 +273,7 @@ def kinetic_energy(tree, numbers, memory):
     return energy
 
 
-@compiled
+@scalar
 def potential_energy(tree, numbers, memory):
     """Return the potential energy [J] of gravity, zero at the base's origin, and of springs."""
     energy, q, g = 0.0, tree[AT_CONFIGURATION], tree[AT_FREE_FALL]
@@ -293,7 +293,7 @@ def potential_energy(tree, numbers, memory):
     return energy
 
 
-@compiled
+@scalar
 def factor_positive(memory, matrix, order):
     """Overwrite a symmetric matrix (n²) with Cholesky's factor.
 
@@ -317,7 +317,7 @@ def factor_positive(memory, matrix, order):
     return True
 
 
-@compiled
+@scalar
 def solve_positive(memory, matrix, order, right):
     """Replace the right side by the solution of a system whose matrix is factored."""
     for k in range(order):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inlined
+from fuzzy2.support.compiled import scalar
 
 SMALLEST_PIVOT = 1e-9
 """Columns whose part that is new is smaller than this share of the largest do not count as
@@ -16,7 +16,7 @@ independent: what is conditioned worse than 1e9 would leave too few digits to be
 """
 
 
-@compiled
+@scalar
 def factor(tree, memory, ends, at, into, rows, columns):
     """Factor the matrix that begins at ``at`` in place, Q R; weights of reflections go to ``into``.
 
@@ -62,7 +62,7 @@ def factor(tree, memory, ends, at, into, rows, columns):
     return sign * least if least > SMALLEST_PIVOT * largest else 0.0
 
 
-@inlined
+@scalar
 def reflect(tree, memory, ends, at, into, rows, k, row):
     """Apply the reflection of column k to the entries that begin at ``row``."""
     weight = memory[into + k]
@@ -78,7 +78,7 @@ def reflect(tree, memory, ends, at, into, rows, k, row):
                 memory[row + i] -= dot * memory[d + i]
 
 
-@compiled
+@scalar
 def solve(tree, memory, ends, at, into, rows, columns, row):
     """Replace the right side, which begins at ``row``, by the least-squares solution.
 
@@ -94,7 +94,7 @@ def solve(tree, memory, ends, at, into, rows, columns, row):
             memory[row + i] -= value * memory[d + i]
 
 
-@compiled
+@scalar
 def solve_transposed(tree, memory, ends, at, into, rows, columns, row):
     """Replace u entries by the shortest m entries that the transposed matrix brings to them."""
     for k in range(columns):
@@ -109,7 +109,7 @@ def solve_transposed(tree, memory, ends, at, into, rows, columns, row):
         reflect(tree, memory, ends, at, into, rows, k, row)
 
 
-@compiled
+@scalar
 def orientation(memory, at, order):
     """Return the sign of the determinant of a square matrix, stored column by column.
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import scalar
 from psp3.multibody.placement import compose
 from psp3.multibody.tree import (
     AT_CLOSURE_FRAMES,
@@ -62,7 +62,7 @@ from psp3.multibody.tree import (
 )
 
 
-@compiled
+@scalar
 def polynomial(numbers, at, x, derivative):
     """Value of a polynomial, or of one of its derivatives."""
     value = 0.0
@@ -74,7 +74,7 @@ def polynomial(numbers, at, x, derivative):
     return value
 
 
-@compiled
+@scalar
 def turned(numbers, at, memory, q, k, derivative):
     """Return a part of a spin: its residual, or its derivative by the k-th angular velocity."""
     a, b = at + 3, q
@@ -110,7 +110,7 @@ def turned(numbers, at, memory, q, k, derivative):
     return 0.5 * (w * nz + nx * y - ny * x)
 
 
-@compiled
+@scalar
 def _spin_change(numbers, at, memory, q, v, z):
     """Return how fast the derivative of a spin along angular velocities z changes at those at v."""
     # The residual is n · u with the quaternion (u, w); its derivative, 0.5 (w n + n × u) · z, is
@@ -133,7 +133,7 @@ def _spin_change(numbers, at, memory, q, v, z):
     return value
 
 
-@compiled
+@scalar
 def _logarithm(memory, at, row):
     """Write the rotation vector of R_1ᵀ R_2."""
     r0 = r1 = r2 = r3 = r4 = r5 = r6 = r7 = r8 = 0.0
@@ -165,7 +165,7 @@ def _logarithm(memory, at, row):
         memory[row], memory[row + 1], memory[row + 2] = factor * x, factor * y, factor * z
 
 
-@compiled
+@scalar
 def residual_of(tree, numbers, memory, group):
     """Write frames and residual of a group's closures; return the residual's largest entry."""
     configuration = tree[AT_CONFIGURATION]
@@ -221,7 +221,7 @@ def residual_of(tree, numbers, memory, group):
     return largest
 
 
-@compiled
+@scalar
 def _turn(memory, row, at):
     """Write how a rotation vector changes with the angular velocity in its own axes, (3, 3)."""
     x, y, z = memory[row], memory[row + 1], memory[row + 2]
@@ -240,7 +240,7 @@ def _turn(memory, row, at):
     memory[at + 5], memory[at + 7] = factor * y * z - 0.5 * x, factor * y * z + 0.5 * x
 
 
-@compiled
+@scalar
 def jacobian(tree, numbers, memory, group):
     """Write the derivative of a group's residual by its dependent and its independent speeds.
 
@@ -315,7 +315,7 @@ def jacobian(tree, numbers, memory, group):
                 )
 
 
-@compiled
+@scalar
 def accelerated(tree, numbers, memory, group, speeds, X, rate):
     """Write how fast J z changes in a closed group, for joint speeds z that do not change.
 

@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, merged
+from fuzzy2.support.compiled import scalar
 from psp3.checks import Array, Indices
 from psp3.multibody.bodies import weigh
 from psp3.multibody.closing import CLOSED, SINGULAR, moved_to, settled
+from psp3.multibody.constraint import closure_equations
 from psp3.multibody.derivatives import differentiate
 from psp3.multibody.forces import (
     add_change,
@@ -37,6 +38,7 @@ from psp3.multibody.inertia import (
     potential_energy,
     solve_positive,
 )
+from psp3.multibody.placement import compose
 from psp3.multibody.tree import (
     AT_ACCELERATIONS,
     AT_BEFORE,
@@ -44,17 +46,20 @@ from psp3.multibody.tree import (
     AT_BY_SPEEDS,
     AT_COMPLEMENT,
     AT_CONFIGURATION,
+    AT_FIELDS,
     AT_FREE_FALL,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
     AT_LIMITS,
     AT_MASS,
+    AT_PLACEMENTS,
     AT_REPORT,
     AT_ROOM,
     AT_TARGET,
     AT_VELOCITIES,
     COORDINATES,
+    ELEMENTS,
     INDEPENDENT,
     POSITIONS,
     VELOCITIES,
@@ -68,15 +73,28 @@ from psp3.multibody.tree import (
     EQUATION_OF_MOTION,
     ENERGIES,
     MOTION,
+    FRAME,
     INVERSE_DERIVATIVES,
     FORWARD_DERIVATIVES,
-) = range(9)
+    EQUATIONS,
+    ASSEMBLY,
+) = range(12)
 """Questions, and what their answers are: q (nq); q and L, column by column (n · nv); forces of a
 motion (n); accelerations under forces (n); M, C (n² each) and G (n); kinetic and potential energy;
-configuration, velocities and accelerations of all joints; derivatives of the forces of a motion by
-positions, speeds and accelerations (n² each); derivatives of the accelerations under forces by
-positions, speeds and forces (n² each).
+configuration, velocities and accelerations of all joints; placement of a frame in the base (12) and
+its Jacobian, column by column (6n); derivatives of the forces of a motion by positions, speeds and
+accelerations (n² each); derivatives of the accelerations under forces by positions, speeds and
+forces (n² each).
+
+Two more are about no pose of the robot: residuals of all closures at a configuration, with their
+derivative where the answer has room for it, see :mod:`psp3.multibody.constraint`; and whether the
+loops can be closed from the guess with which the memory begins, independent joints fixed, which
+returns what became of it, and the memory then begins with a pose that can be a reference.
 """
+
+FRAME_NUMBERS = 13
+"""What a frame is given by: the element that carries it, or −1, and its placement there (12)."""
+
 
 BEYOND_LIMIT, NOT_FINITE = 3, 4
 """What can become of a row besides what becomes of a closure: a dependent joint is beyond its
@@ -95,24 +113,14 @@ depend on other rows, to rounding, unless a singular pose lies in the narrow spa
 """
 
 
-@compiled
+@scalar
 def start_from(tree, reference, memory):
     """Begin the memory with the reference pose."""
     for i in range(tree[AT_BEFORE]):
         memory[i] = reference[i]
 
 
-@compiled
-def assemble(tree: Indices, numbers: Array, memory: Array) -> int:
-    """Close the loops from the guess with which the memory begins, independent joints fixed.
-
-    Return what became of it. The memory then begins with a pose that can be a reference.
-    """
-    outcome: int = settled(tree, numbers, memory)
-    return outcome
-
-
-@merged
+@scalar
 def _aim(tree, memory, positions, row, anchor):
     """Make a row of positions the target; return whether it is near another row."""
     target, near, p = tree[AT_TARGET], True, tree[POSITIONS]
@@ -122,7 +130,7 @@ def _aim(tree, memory, positions, row, anchor):
     return near
 
 
-@merged
+@scalar
 def _reach(tree, numbers, memory):
     """Move to the target, all loops closed; return what became of it."""
     outcome = moved_to(tree, numbers, memory)
@@ -135,7 +143,7 @@ def _reach(tree, numbers, memory):
     return outcome
 
 
-@merged
+@scalar
 def _is_finite(out, first, end):
     """Tell whether all numbers from the first to the end are finite."""
     finite = True
@@ -144,7 +152,7 @@ def _is_finite(out, first, end):
     return finite
 
 
-@merged
+@scalar
 def _move_with(tree, memory, speeds):
     """Give all joints and elements the velocities of independent speeds."""
     z, V = tree[AT_JOINT_SPEEDS], tree[AT_VELOCITIES]
@@ -152,7 +160,7 @@ def _move_with(tree, memory, speeds):
     carried(tree, memory, z, V, tree[AT_ACCELERATIONS])
 
 
-@merged
+@scalar
 def _forces_of(tree, numbers, memory, accelerations, out):
     """Write the independent forces of a motion, of which the velocities are there."""
     change, rate = tree[AT_JOINT_ACCELERATIONS], tree[AT_ACCELERATIONS]
@@ -165,7 +173,7 @@ def _forces_of(tree, numbers, memory, accelerations, out):
     projected(tree, memory, tree[AT_JOINT_FORCES], out)
 
 
-@merged
+@scalar
 def balance(tree, numbers, memory, speeds, forces, out):
     """Write the mass matrix of a closed pose, and what forces leave over for accelerations."""
     n = tree[INDEPENDENT]
@@ -179,7 +187,7 @@ def balance(tree, numbers, memory, speeds, forces, out):
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
 
 
-@merged
+@scalar
 def accelerate(tree, numbers, memory, speeds, forces, out):
     """Write the accelerations of a closed pose under forces; return whether there are any.
 
@@ -193,7 +201,7 @@ def accelerate(tree, numbers, memory, speeds, forces, out):
     return True
 
 
-@merged
+@scalar
 def _take(tree, memory, values, row, at):
     """Copy a row of independent speeds, accelerations or forces into the memory."""
     n = tree[INDEPENDENT]
@@ -201,14 +209,14 @@ def _take(tree, memory, values, row, at):
         memory[at + j] = values[n * row + j]
 
 
-@merged
+@scalar
 def _copy(memory, at, count, out, into):
     """Copy numbers of the memory into an answer."""
     for i in range(count):
         out[into + i] = memory[at + i]
 
 
-@merged
+@scalar
 def _differentiate_forward(tree, memory, out, into):
     """Write derivatives of accelerations from those of forces and the factored mass matrix."""
     n, column = tree[INDEPENDENT], tree[AT_ROOM]
@@ -223,7 +231,7 @@ def _differentiate_forward(tree, memory, out, into):
                 out[into + n * (n * part + i) + k] = memory[column + i]
 
 
-@merged
+@scalar
 def _differentiated(question, tree, numbers, memory, forces, out, into):
     """Write the derivatives of a motion; return what became of them."""
     n = tree[INDEPENDENT]
@@ -241,10 +249,36 @@ def _differentiated(question, tree, numbers, memory, forces, out, into):
     return CLOSED
 
 
-@merged
+@scalar
+def _write_frame(tree, memory, frames, row, out, into):
+    """Write the placement of a frame in the base, and how it moves with each independent speed."""
+    at, n, wide = FRAME_NUMBERS * row, tree[INDEPENDENT], 6 * (tree[ELEMENTS] + 1)
+    e = int(frames[at])
+    if e < 0:
+        for i in range(12):
+            out[into + i] = frames[at + 1 + i]
+        for i in range(12, 12 + 6 * n):
+            out[into + i] = 0.0
+        return
+    compose(memory, tree[AT_PLACEMENTS] + 12 * e, frames, at + 1, out, into)
+    x, y, z = out[into + 9], out[into + 10], out[into + 11]
+    for j in range(n):
+        X, o = tree[AT_FIELDS] + wide * j + 6 * e, into + 12 + 6 * j
+        wx, wy, wz = memory[X + 3], memory[X + 4], memory[X + 5]
+        out[o] = memory[X] + wy * z - wz * y
+        out[o + 1] = memory[X + 1] + wz * x - wx * z
+        out[o + 2] = memory[X + 2] + wx * y - wy * x
+        out[o + 3], out[o + 4], out[o + 5] = wx, wy, wz
+
+
+@scalar
 def _answer(question, tree, numbers, memory, second, third, row, out, into):
     """Write one row of the answer to a question about the pose; return what became of it."""
     n, nv, nq, room = tree[INDEPENDENT], tree[VELOCITIES], tree[COORDINATES], tree[AT_ROOM]
+    if question == FRAME:
+        complement(tree, numbers, memory, 0.0)
+        _write_frame(tree, memory, third, row, out, into)
+        return CLOSED
     if question <= COMPLEMENT:
         _copy(memory, tree[AT_CONFIGURATION], nq, out, into)
         if question == COMPLEMENT:
@@ -285,7 +319,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
     return CLOSED
 
 
-@compiled
+@scalar
 def derivatives(question: int, tree: Indices, numbers: Array, memory: Array, out: Array) -> int:
     """Write the derivatives that belong to the last answer; return what became of them.
 
@@ -309,7 +343,7 @@ def derivatives(question: int, tree: Indices, numbers: Array, memory: Array, out
     return outcome
 
 
-@compiled
+@scalar
 def answer(
     question: int,
     rows: int,
@@ -329,15 +363,22 @@ def answer(
 
     ``free_fall`` is the acceleration of gravity (3). Positions are rows · p numbers, speeds
     (second), and accelerations or forces (third) rows · n each; where a question needs fewer, they
-    are not looked at. With ``is_warm`` the memory begins with a pose from which the first row
+    are not looked at. (Of a frame, third are rows of
+    ``FRAME_NUMBERS``.) With ``is_warm`` the memory begins with a pose from which the first row
     starts, and else that is the reference; the other rows start from it, too, but on a path from
     the row before. Return the first row that has no answer, −1 if all have one, or −2 if an
     argument has another size.
     """
+    if question == EQUATIONS:
+        closure_equations(tree, numbers, memory, positions, out)
+        return -1
+    if question == ASSEMBLY:
+        became: int = settled(tree, numbers, memory)
+        return became
     size, width = rows * tree[INDEPENDENT], out.shape[0] // max(rows, 1)
-    if positions.shape[0] != rows * tree[POSITIONS]:
+    if positions.shape[0] != rows * tree[POSITIONS] or second.shape[0] != size:
         return -2
-    if second.shape[0] != size or third.shape[0] != size:
+    if third.shape[0] != (rows * FRAME_NUMBERS if question == FRAME else size):
         return -2
     for i in range(3):
         numbers[tree[AT_FREE_FALL] + i] = free_fall[i]
@@ -362,7 +403,7 @@ def answer(
     return -1
 
 
-@compiled
+@scalar
 def reach(tree, numbers, memory, positions):
     """Move to positions (p, or more), all loops closed; return what became of it."""
     for j in range(tree[POSITIONS]):
@@ -370,7 +411,7 @@ def reach(tree, numbers, memory, positions):
     return _reach(tree, numbers, memory)
 
 
-@compiled
+@scalar
 def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, out):
     """Write the independent forces of a motion (n); return whether there are any."""
     n = tree[INDEPENDENT]
@@ -387,7 +428,7 @@ def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, ou
     return _is_finite(out, 0, n)
 
 
-@compiled
+@scalar
 def balance_of_state(tree, numbers, memory, state, forces):
     """Write the mass matrix (n²), and to the room's fourth vector what is left for accelerations.
 
@@ -406,7 +447,7 @@ def balance_of_state(tree, numbers, memory, state, forces):
     return True
 
 
-@compiled
+@scalar
 def runge_kutta(tree, numbers, memory, state, forces, step, steps):
     """Take steps of the classical Runge–Kutta method under constant forces (n), in place.
 

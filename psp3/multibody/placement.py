@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from fuzzy2.support.compiled import compiled, inlined
+from fuzzy2.support.compiled import scalar
 from psp3.multibody.tree import (
     AT_BODIES,
     AT_COLUMN_OF,
@@ -27,7 +27,7 @@ from psp3.multibody.tree import (
 )
 
 
-@inlined
+@scalar
 def compose(a, i, b, j, out, k):
     """Write the product of two placements, a from its entry i on and b from its entry j on."""
     for row in range(3):
@@ -39,7 +39,7 @@ def compose(a, i, b, j, out, k):
         out[k + 9 + row] = x * b[j + 9] + y * b[j + 10] + z * b[j + 11] + a[i + 9 + row]
 
 
-@inlined
+@scalar
 def _turn_by_screw(numbers, at, amount, memory, o, s):
     """Move an element along its screw, which is of unit length or without rotation.
 
@@ -98,7 +98,7 @@ def _turn_by_screw(numbers, at, amount, memory, o, s):
         memory[o + 11] = pz + r6 * ux + r7 * uy + r8 * uz
 
 
-@compiled
+@scalar
 def _turn_by_quaternion(memory, at, o):
     """Turn a placement by a unit quaternion (x, y, z, w) about its own origin."""
     x, y, z, w = memory[at], memory[at + 1], memory[at + 2], memory[at + 3]
@@ -113,7 +113,7 @@ def _turn_by_quaternion(memory, at, o):
         memory[k + 2] = r0 * t2 + r1 * t5 + r2 * t8
 
 
-@compiled
+@scalar
 def _spin_screws(memory, o, s):
     """Write the screws of the three rotations of a ball about its own axes."""
     px, py, pz = memory[o + 9], memory[o + 10], memory[o + 11]
@@ -124,7 +124,7 @@ def _spin_screws(memory, o, s):
         memory[k + 3], memory[k + 4], memory[k + 5] = x, y, z
 
 
-@compiled
+@scalar
 def _glide(memory, q, o, s):
     """Move a placement in its own x-y plane and turn it there; write the three screws."""
     x, y, c, t = memory[q], memory[q + 1], memory[q + 2], memory[q + 3]
@@ -144,7 +144,7 @@ def _glide(memory, q, o, s):
     memory[k + 3], memory[k + 4], memory[k + 5] = x, y, z
 
 
-@compiled
+@scalar
 def place(tree, numbers, memory, first, last):
     """Place the members from ``first`` to ``last``, whose parents are placed before them."""
     configuration = tree[AT_CONFIGURATION]
@@ -191,7 +191,7 @@ def place(tree, numbers, memory, first, last):
             _spin_screws(memory, o, s + 18)
 
 
-@compiled
+@scalar
 def move(tree, memory, first, last, start, step, column, share):
     """Move the dependent joints of members by a share of a step.
 
@@ -235,7 +235,7 @@ def move(tree, memory, first, last, start, step, column, share):
             _spin(memory, start + at, k, share, configuration + at)
 
 
-@compiled
+@scalar
 def _slide(memory, start, step, share, q):
     """Move the position of a free flyer by a share of a step in its own axes."""
     x, y, z, w = memory[start + 3], memory[start + 4], memory[start + 5], memory[start + 6]
@@ -247,7 +247,7 @@ def _slide(memory, start, step, share, q):
     memory[q + 2] = memory[start + 2] + vz + w * cz + x * cy - y * cx
 
 
-@compiled
+@scalar
 def _spin(memory, start, step, share, q):
     """Turn a quaternion by a share of a rotation vector in its own axes."""
     x, y, z = share * memory[step], share * memory[step + 1], share * memory[step + 2]

@@ -27,7 +27,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, applied_to_rows, finite_rows, one_row, together
+from psp3.checks import Array, finite_rows, one_row, together
 from psp3.closure.coordinates import chosen_coordinates
 from psp3.closure.mobility import mobility_of
 from psp3.closure.passive_limits import PassiveLimits
@@ -68,6 +68,7 @@ from psp3.multibody.motion import (
     EQUATION_OF_MOTION,
     FORWARD_DERIVATIVES,
     FORWARD_DYNAMICS,
+    FRAME,
     INVERSE_DERIVATIVES,
     INVERSE_DYNAMICS,
     MOTION,
@@ -661,29 +662,6 @@ class ClosedLoopRobot:
             raise self._refused(failed, rows[0]) from None
         return out.reshape(*shape, width)
 
-    def _map(
-        self, function: Callable[..., Array], shape: tuple[int, ...], **arguments: ArrayLike
-    ) -> Array:
-        """Apply a function of rows (n,) to arguments (..., n).
-
-        Its result has the given shape.
-        """
-        widths = self._widths(arguments)
-        return applied_to_rows(
-            function,
-            shape,
-            **{
-                name: (values, width)
-                for (name, values), width in zip(arguments.items(), widths, strict=True)
-            },
-        )
-
-    def _widths(self, arguments: Mapping[str, Any]) -> list[int]:
-        """Return how many numbers each argument has: positions may be more than speeds."""
-        return [
-            self._position_count if name == "positions" else self._speed_count for name in arguments
-        ]
-
     def configuration(
         self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None
     ) -> Array:
@@ -1220,20 +1198,9 @@ class ClosedLoopRobot:
         UnknownName
             If the model has no such frame.
         """
-        index = frame_number(self.model, frame)
-
-        def one(position: Array) -> Array:
-            closure = self.closure(position)
-            q, complement = closure.configuration, closure.complement
-            pin.computeJointJacobians(self.model, self.data, q)
-            pin.updateFramePlacements(self.model, self.data)
-            jacobian = pin.getFrameJacobian(
-                self.model, self.data, index, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
-            )
-            # Of a model with a single degree of freedom Pinocchio returns a vector.
-            return np.asarray(jacobian.reshape(6, self.model.nv) @ complement)
-
-        return self._map(one, (6, self._speed_count), positions=positions)
+        columns = self._ask_of_frame(positions, frame)[..., 12:]
+        by_speed = columns.reshape(*columns.shape[:-1], self._speed_count, 6)
+        return np.ascontiguousarray(np.swapaxes(by_speed, -1, -2))
 
     def frame_placement(self, positions: ArrayLike, frame: str) -> Array:
         """Return the placement of a frame in base axes.
@@ -1258,16 +1225,24 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, JointLimitExceeded
             See :meth:`configuration`.
         """
-        index = frame_number(self.model, frame)
-        configurations = self.configuration(positions)
+        found = self._ask_of_frame(positions, frame)
+        placement: Array = np.zeros((*found.shape[:-1], 4, 4))
+        placement[..., :3, :3] = found[..., :9].reshape(*found.shape[:-1], 3, 3)
+        placement[..., :3, 3], placement[..., 3, 3] = found[..., 9:12], 1.0
+        return placement
 
-        def one(q: Array) -> Array:
-            pin.forwardKinematics(self.model, self.data, q)
-            placement: Array = pin.updateFramePlacement(self.model, self.data, index).homogeneous
-            return placement
-
-        rows = [one(q) for q in configurations.reshape(-1, self.model.nq)]
-        return np.array(rows).reshape(*configurations.shape[:-1], 4, 4)
+    def _ask_of_frame(self, positions: ArrayLike, frame: str) -> Array:
+        """Return placement and Jacobian of a frame as the core writes them, (..., 12 + 6n)."""
+        known = self.model.frames[frame_number(self.model, frame)]
+        given = finite_rows("positions", positions, self._position_count)
+        rows = given.reshape(-1, self._position_count)
+        out = np.empty((len(rows), 12 + 6 * self._speed_count))
+        numbers = np.tile(self._core.frame(known.parentJoint, known.placement), (len(rows), 1))
+        try:
+            self._core.ask(FRAME, rows, np.zeros((len(rows), self._speed_count)), numbers, out)
+        except NoAnswer as failed:
+            raise self._refused(failed, rows) from None
+        return out.reshape(*given.shape[:-1], out.shape[-1])
 
     def position_jacobian(self, positions: ArrayLike, frame: str) -> Array:
         """Return the Jacobian of a frame's origin, (..., 3, n).

@@ -17,9 +17,10 @@ from tests.psp3.multibody.linkages import rockers
 
 
 def equations(flat: Flat, q: Array, rows: int) -> tuple[Array, Array]:
-    gap, slope = np.empty(flat.count(ROWS)), np.zeros((rows, flat.count(VELOCITIES)))
-    closure_equations(*flat.all, q, gap, slope.reshape(-1))
-    return gap, slope
+    size, velocities = flat.count(ROWS), flat.count(VELOCITIES)
+    out = np.empty(size + rows * velocities)
+    closure_equations(*flat.all, q, out)
+    return out[:size], out[size:].reshape(rows, velocities)
 
 
 def test_residuals_of_several_groups_and_their_slopes() -> None:

@@ -14,11 +14,19 @@ from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
+from psp3.description.parts import ROBOTS
 from psp3.errors import ClosureFailed, InvalidValue, SingularConfiguration
 from psp3.multibody.core import Core, NoAnswer
-from psp3.multibody.motion import CONFIGURATION, INVERSE_DYNAMICS, answer
+from psp3.multibody.equations import Coupling
+from psp3.multibody.motion import CONFIGURATION, INVERSE_DERIVATIVES, INVERSE_DYNAMICS, answer
+from psp3.multibody.tree import POSITIONS
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
-from tests.helpers import Array
+from tests.helpers import (
+    Array,
+    derivative,
+    free_body_carried_by_an_arm,
+    spatial_loop_of_every_joint,
+)
 from tests.psp3.closure.linkages import five_bar
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -225,3 +233,178 @@ def test_a_single_joint_is_a_robot_too() -> None:
     assert_allclose(
         robot.frame_jacobian(angle, "bob")[:, 0, 0], -0.5 * np.cos(angle[:, 0]), rtol=1e-12
     )
+
+
+# Frames
+
+
+def _moved(robot: Any, positions: Array, speed: int, amount: float) -> Array:
+    """Return positions after an independent joint has moved by an amount at unit speed."""
+    v = np.zeros(robot.model.nv)
+    v[robot.coordinates_v[speed]] = amount
+    q = robot.q0.copy()
+    q[robot.coordinates_q] = positions
+    return np.asarray(pin.integrate(robot.model, q, v)[robot.coordinates_q])
+
+
+def _coupled() -> ClosedLoopRobot:
+    """Return an arm of three joints, the last a polynomial of the second."""
+    model = pin.Model()
+    for number, joint in enumerate((pin.JointModelRZ(), pin.JointModelRY(), pin.JointModelPX())):
+        placement = pin.SE3(pin.utils.rotate("x", 0.3 * number), np.array([0.2, -0.1, 0.3]))
+        model.addJoint(number, joint, placement, f"j{number + 1}")
+        model.appendBodyToJoint(number + 1, pin.Inertia.Random(), pin.SE3.Identity())
+    for joint in range(4):
+        placement = pin.SE3(pin.utils.rotate("y", 0.4), np.array([0.1, 0.2, 0.3]))
+        model.addFrame(pin.Frame(f"f{joint}", joint, 0, placement, pin.FrameType.OP_FRAME))
+    coupling = Coupling("gear", 3, 2, (0.1, 0.5, -0.3, 0.2))
+    return ClosedLoopRobot(model, [], ["j1", "j2"], equations=[coupling])
+
+
+def _robot_with_frames(name: str) -> Any:
+    if name == "coupled":
+        return _coupled()
+    if name in ROBOTS:
+        robot = psp3.load(name)
+        return robot.dynamics("core") if isinstance(robot, psp3.PSP3) else robot
+    parts = {"free body": free_body_carried_by_an_arm, "every joint": spatial_loop_of_every_joint}[
+        name
+    ]()
+    for joint in range(parts.model.njoints):
+        placement = pin.SE3(pin.utils.rotate("y", 0.4), np.array([0.1, 0.2, 0.3]))
+        parts.model.addFrame(pin.Frame(f"f{joint}", joint, 0, placement, pin.FrameType.OP_FRAME))
+    # Without the loop the body is a floating base, with a quaternion among the coordinates.
+    loops = [] if name == "free body" else parts.constraint_models
+    return ClosedLoopRobot(parts.model, loops, parts.actuated, parts.q0)
+
+
+@pytest.mark.parametrize("name", [*ROBOTS, "coupled", "free body", "every joint"])
+def test_frames_are_where_pinocchio_has_them_and_move_as_they_change(name: str) -> None:
+    """Placement by Pinocchio's forward kinematics of the closed configuration, 1e-13 m.
+
+    The Jacobian by its differences of eighth order, 1e-9, and by Pinocchio's Jacobian times the
+    differences of the configuration, which no kernel of L is part of, 1e-9. And by Pinocchio's
+    Jacobian times the core's own L, 1e-13: the differences are what leaves the digits.
+    """
+    robot = _robot_with_frames(name)
+    model, data, rng = robot.model, robot.model.createData(), np.random.default_rng(5)
+    n, x = len(robot.coordinates_v), robot.reference
+    for k in range(n):
+        x = _moved(robot, x, k, rng.uniform(-0.05, 0.05))
+    q, complement = robot.configuration(x), robot.closure(x).complement
+    slopes = np.column_stack(
+        [
+            derivative(
+                lambda t, k=k: pin.difference(
+                    model, q, robot.configuration(_moved(robot, x, k, t))
+                ),
+                2e-3,
+            )
+            for k in range(n)
+        ]
+    )
+    pin.computeJointJacobians(model, data, q)
+    pin.updateFramePlacements(model, data)
+    axes = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
+    for index, frame in enumerate(model.frames):
+        found = robot.frame_jacobian(x, frame.name)
+        assert_allclose(
+            robot.frame_placement(x, frame.name), data.oMf[index].homogeneous, rtol=0, atol=1e-13
+        )
+        whole = pin.getFrameJacobian(model, data, index, axes).reshape(6, model.nv)
+        scale = 1.0 + np.abs(found).max()
+        assert_allclose(found, whole @ complement, rtol=0, atol=1e-13 * scale)
+        assert_allclose(found, whole @ slopes, rtol=0, atol=1e-9 * scale)
+
+
+def test_frames_of_many_states_are_those_of_each(delta: Any) -> None:
+    x, _, _ = states(delta, 130)
+    for ask in (delta.frame_jacobian, delta.frame_placement):
+        whole = ask(x.reshape(13, 10, 3), "tip")
+        single = np.array([ask(row, "tip") for row in x])
+        assert_allclose(whole.reshape(single.shape), single, rtol=0, atol=1e-12)
+    with pytest.raises(ClosureFailed):
+        delta.frame_jacobian(delta.reference + np.array([0.0, 50.0, 0.0]), "tip")
+
+
+def test_derivatives_along_a_part_of_a_joint_are_refused() -> None:
+    """Of a ball that only turns about two of its axes; its dynamics are there."""
+    model = pin.Model()
+    model.addJoint(0, pin.JointModelSpherical(), pin.SE3.Identity(), "ball")
+    model.appendBodyToJoint(1, pin.Inertia.Random(), pin.SE3.Identity())
+    for independent, is_refused in (([0, 1], True), ([0, 1, 2], False)):
+        held = [v for v in range(3) if v not in independent]
+        core = Core(model, [], np.array(independent), pin.neutral(model), held)
+        n = len(independent)
+        p, rest = core.tree[POSITIONS], np.zeros((1, n))
+        positions = core.q0[np.newaxis, :p]
+        core.ask(INVERSE_DYNAMICS, positions, rest, rest, np.empty((1, n)))
+        out = np.empty((1, 3 * n * n))
+        if is_refused:
+            with pytest.raises(InvalidValue, match=r"coordinates=\[\.\.\.\].*'ball'"):
+                core.ask(INVERSE_DERIVATIVES, positions, rest, rest, out)
+        else:
+            core.ask(INVERSE_DERIVATIVES, positions, rest, rest, out)
+            assert np.isfinite(out).all()
+
+
+# Size
+
+
+def _scaled(robot: Any, size: float) -> tuple[Any, Array]:
+    """Return a robot with all lengths times a number, and what its coordinates are multiplied by.
+
+    Masses stay, and times: gravity grows with the lengths.
+    """
+    model, factors = robot.model.copy(), np.ones(robot.model.nq)
+    model.gravity = pin.Motion(size * robot.model.gravity.linear, np.zeros(3))
+    for index in range(1, model.njoints):
+        place, body, joint = (
+            model.jointPlacements[index],
+            model.inertias[index],
+            model.joints[index],
+        )
+        model.jointPlacements[index] = pin.SE3(place.rotation, size * place.translation)
+        model.inertias[index] = pin.Inertia(body.mass, size * body.lever, size**2 * body.inertia)
+        if joint.shortname().startswith("JointModelP"):
+            factors[joint.idx_q] = size
+    model.lowerPositionLimit = model.lowerPositionLimit * factors
+    model.upperPositionLimit = model.upperPositionLimit * factors
+    loops = [
+        pin.RigidConstraintModel(
+            loop.type,
+            model,
+            *(loop.joint1_id, _resized(loop.joint1_placement, size)),
+            *(loop.joint2_id, _resized(loop.joint2_placement, size)),
+            loop.reference_frame,
+        )
+        for loop in robot.constraint_models
+    ]
+    return ClosedLoopRobot(model, loops, robot.actuated, robot.q0 * factors), factors
+
+
+def _resized(place: Any, size: float) -> Any:
+    return pin.SE3(place.rotation, size * place.translation)
+
+
+@pytest.mark.parametrize("size", [1e-3, 1e3])
+@pytest.mark.parametrize("name", ["five_bar", "gough_stewart"])
+def test_a_robot_of_another_size_is_the_same_robot(name: str, size: float) -> None:
+    """Torques grow with the square of the size, and forces with the size, to 1e-10.
+
+    The closures of a robot of 1 mm are solved to 1e-13 m, as those of one of 1 m: 3e-12 of its size
+    is what is left.
+    """
+    robot = psp3.load(name)
+    x, v, a = states(robot, 10)
+    x = robot.reference + 0.2 * (x - robot.reference)
+    other, factors = _scaled(robot, size)
+    f = factors[robot.actuated_q]
+    assert other.mobility.degrees_of_freedom == robot.mobility.degrees_of_freedom
+    assert other.closure_mismatch.length < 1e-11 * size
+    assert_allclose(
+        other.configuration(f * x) / factors, robot.configuration(x), rtol=0, atol=1e-10
+    )
+    forces = robot.inverse_dynamics(x, v, a)
+    found = other.inverse_dynamics(f * x, f * v, f * a) * f / size**2
+    assert_allclose(found, forces, rtol=0, atol=1e-10 * np.abs(forces).max())

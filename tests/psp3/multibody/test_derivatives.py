@@ -16,7 +16,7 @@ from numpy.testing import assert_allclose, assert_array_equal
 import psp3
 from psp3.description.parts import ROBOTS
 from psp3.errors import ClosureFailed, InvalidArray
-from psp3.multibody.closing import CLOSED
+from psp3.multibody.closing import CLOSED, settled
 from psp3.multibody.equations import Coupling, Hinge, Spin
 from psp3.multibody.flatten import flattened
 from psp3.multibody.motion import (
@@ -25,7 +25,6 @@ from psp3.multibody.motion import (
     INVERSE_DERIVATIVES,
     INVERSE_DYNAMICS,
     answer,
-    assemble,
     derivatives,
 )
 from psp3.multibody.tree import (
@@ -179,7 +178,7 @@ class Asked:
         self.memory = np.full(int(self.tree[SIZE]), np.nan)
         at = int(self.tree[AT_CONFIGURATION])
         self.memory[at : at + q0.size] = q0
-        assert assemble(self.tree, self.numbers, self.memory) == CLOSED
+        assert settled(self.tree, self.numbers, self.memory) == CLOSED
         self.reference = self.memory.copy()
         first, n = int(self.tree[AT_INDEPENDENT_Q]), int(self.tree[POSITIONS])
         self.home = self.memory[at + self.tree[first : first + n]]

@@ -16,7 +16,7 @@ from numpy.polynomial import Polynomial
 from numpy.testing import assert_allclose, assert_array_equal
 
 from psp3.dynamics.projected import ProjectedDynamics
-from psp3.multibody.closing import CLOSED, OPEN, SINGULAR
+from psp3.multibody.closing import CLOSED, OPEN, SINGULAR, settled
 from psp3.multibody.equations import Coupling
 from psp3.multibody.motion import (
     BEYOND_LIMIT,
@@ -30,7 +30,6 @@ from psp3.multibody.motion import (
     MOTION,
     NOT_FINITE,
     answer,
-    assemble,
     runge_kutta,
     start_from,
 )
@@ -76,7 +75,7 @@ class Asked:
     def __init__(self, flat: Flat, q0: Array) -> None:
         self.flat = flat
         flat.part(AT_CONFIGURATION, len(q0))[:] = q0
-        assert assemble(*flat.all) == CLOSED
+        assert settled(*flat.all) == CLOSED
         self.reference, self.gravity = flat.memory.copy(), np.array(self.free_fall)
 
     @property

@@ -1,0 +1,185 @@
+"""A compiled function with all that it calls as one piece of work for the compiler.
+
+Numba makes optimized machine code of every function by itself, with all that it calls inside, and
+of these again in each function that calls it: a chain of calls is compiled as often as it is long.
+Here a function that others call is only translated (a *part*). What is called from Python gets all
+parts that it needs, as its own, and is optimized once. The numbers are the same: the compiler may
+not reorder floating-point operations in either way.
+
+What types the simplest operations have, sums of numbers and entries of arrays, is looked up once
+and remembered, which is a third of the time that the translation takes.
+
+This is built on classes of numba that are documented for its developers, not for its users. The
+tests of this file fail where a version of numba has changed them.
+"""
+
+from __future__ import annotations
+
+import types as python_types
+from collections.abc import Callable
+from typing import Any
+
+from llvmlite.binding import Linkage
+from numba._dynfunc import make_function
+from numba.core import types
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
+from numba.core.registry import CPUDispatcher
+from numba.core.typing.context import Context
+
+
+class Kernel(CPUDispatcher):
+    """A compiled function: with all its parts where Python calls it, and else a part itself.
+
+    Parameters
+    ----------
+    function : callable
+        The function.
+    locals : dict, optional
+        Types of variables; none are given here.
+    targetoptions : dict, optional
+        Options of ``numba.njit``.
+    """
+
+    def __init__(
+        self,
+        function: Callable[..., Any],
+        locals: dict[str, Any] | None = None,
+        targetoptions: dict[str, Any] | None = None,
+    ) -> None:
+        options = dict(targetoptions or {})
+        super().__init__(function, locals, options, pipeline_class=_WholeCompiler)
+        self._part = CPUDispatcher(function, locals, options, pipeline_class=PartCompiler)
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Return how compiled code calls the function, for arguments of these types."""
+        # Not anew for each whole number that is written into a call.
+        plain = {name: types.unliteral(kind) for name, kind in kws.items()}
+        return self._part.get_call_template(tuple(map(types.unliteral, args)), plain)
+
+    def get_overload(self, sig: Any) -> Any:
+        """Return the key of the function that compiled code calls."""
+        return self._part.get_overload(sig)
+
+
+_SIGNATURES: dict[Any, Any] = {}
+
+
+class _Operations(Context):
+    """Numba's own types of functions, which remembers those of the simplest operations."""
+
+    def __init__(self, context: Context) -> None:
+        # All that numba knows, also what it will have learned later.
+        self.__dict__ = context.__dict__
+
+    def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
+        """Return the signature of a call."""
+        if kws or type(func) is not python_types.BuiltinFunctionType or not _are_plain(args):
+            return super().resolve_function_type(func, args, kws)
+        if (func, args) not in _SIGNATURES:
+            _SIGNATURES[func, args] = super().resolve_function_type(func, args, kws)
+        return _SIGNATURES[func, args]
+
+
+def _are_plain(kinds: Any) -> bool:
+    """Tell whether all types are numbers, or arrays of one dimension."""
+    return all(
+        isinstance(types.unliteral(kind), types.Number | types.Boolean)
+        or (isinstance(kind, types.Array) and kind.ndim == 1)
+        for kind in kinds
+    )
+
+
+class _WholeCompiler(Compiler):
+    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
+        super().__init__(_Operations(typingctx), targetctx, library, *more)
+        # Nobody calls the function from C.
+        self.state.flags.no_cfunc_wrapper = True
+
+    def compile_extra(self, func: Any) -> Any:
+        """Return the function with its parts, optimized, as machine code."""
+        self.state.library = _Whole(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.library.enable_object_caching()
+        result = super().compile_extra(func)
+        # What parts may raise.
+        for environment in result._find_referenced_environments():
+            result.library.codegen.set_env(environment.env_name, environment)
+        return result
+
+
+class PartCompiler(Compiler):
+    """Translates a function that other compiled functions call."""
+
+    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
+        super().__init__(_Operations(typingctx), targetctx, library, *more)
+        flags = self.state.flags
+        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+
+    def compile_extra(self, func: Any) -> Any:
+        """Return the function, translated."""
+        self.state.library = _PartLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        result = super().compile_extra(func)
+        # What numba finds the part by; there is no machine code behind it that could be called.
+        nothing = make_function(
+            result.fndesc.lookup_module(), func.__name__, "", 0, result.environment, ()
+        )
+        self.state.targetctx.insert_user_function(nothing, result.fndesc, [result.library])
+        return result._replace(entry_point=nothing)
+
+
+class _PartLibrary(JITCodeLibrary):
+    """The code of a part, neither optimized nor made machine code."""
+
+    def __init__(self, codegen: Any, name: str) -> None:
+        super().__init__(codegen, name)
+        self._with_parts: Any = None
+
+    def add_llvm_module(self, ll_module: Any) -> None:
+        ll_module.data_layout = self._codegen._data_layout
+        self._final_module.link_in(ll_module)
+
+    def finalize(self) -> None:
+        self._finalize_dynamic_globals()
+        self._finalized = True
+
+    def own_code(self) -> Any:
+        """Return the code of this part alone."""
+        return super()._get_module_for_linking()
+
+    def _get_module_for_linking(self) -> Any:
+        """Return the code with that of all parts, for functions that numba compiles as usual."""
+        if self._with_parts is None:
+            self._with_parts = self.own_code().clone()
+            _link(self._with_parts, self)
+        return self._with_parts
+
+
+class _Whole(JITCodeLibrary):
+    """The code of a function that Python calls, with all parts."""
+
+    def finalize(self) -> None:
+        self._raise_if_finalized()
+        own = {one.name for one in self._final_module.functions if not one.is_declaration}
+        _link(self._final_module, self)
+        for one in self._final_module.functions:
+            if one.linkage == Linkage.linkonce_odr and one.name not in own:
+                # Nobody else's, so that nothing is left of it where it is called once.
+                one.linkage = "internal"
+        self._optimize_final_module()
+        self._final_module.verify()
+        self._finalize_final_module()
+
+
+def _link(module: Any, library: Any) -> None:
+    """Add to a module the code of all that a library calls, and of what that calls in turn."""
+    called, left = set(), list(library._linking_libraries)
+    while left:
+        one = left.pop()
+        if one in called:
+            continue
+        called.add(one)
+        is_part = isinstance(one, _PartLibrary)
+        module.link_in(one.own_code() if is_part else one._get_module_for_linking(), preserve=True)
+        library._reload_init.update(one._reload_init)
+        if is_part:
+            left += one._linking_libraries
