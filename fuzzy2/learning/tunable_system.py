@@ -107,7 +107,7 @@ class TunableSystem:
     def _consequent_scales(self) -> Array:
         """Return the units of the consequents."""
         if self._linear is not None:
-            return self._output_scales[:, np.newaxis] / np.append(1.0, self._input_scales)
+            return np.asarray(self._output_scales[:, np.newaxis] / [1.0, *self._input_scales])
         return self._output_scales[:, np.newaxis] if self._has_intervals else self._output_scales
 
     def _terms(self, parameters: Array) -> list[list[Any]]:
@@ -354,8 +354,8 @@ def _check_tunable(system: FuzzySystem) -> None:
     if not isinstance(system.consequents, np.ndarray | Linear):
         raise NotApplicable(
             what,
-            "the consequents are neither numbers nor intervals nor linear; put the sets' centroids in their "
-            "place",
+            "the consequents are neither numbers nor intervals nor linear; put the sets' centroids "
+            "in their place",
         )
     given = system.fuzzifier
     fuzzifiers = () if given is None else (given,) if isinstance(given, Fuzzifier) else given
