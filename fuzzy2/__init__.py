@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from fuzzy2.files.json_files import to_json as to_json
     from fuzzy2.learning.adaptation import AdaptiveConsequents as AdaptiveConsequents
     from fuzzy2.learning.anfis import ANFIS as ANFIS
+    from fuzzy2.learning.classifier import FuzzyClassifier as FuzzyClassifier
     from fuzzy2.learning.clustering import Clusters as Clusters
     from fuzzy2.learning.clustering import fuzzy_c_means as fuzzy_c_means
     from fuzzy2.learning.fine_tuning import FineTuning as FineTuning

@@ -202,8 +202,8 @@ def strict_rules(
     if quantizer is not None:
         numbers = quantizer.nearest(outputs)
         degree = combine(degree, quantizer.memberships(outputs, numbers))
-    covered, cell = np.unique(own, axis=0, return_inverse=True)
-    cell = cell.reshape(-1)
+    shape = tuple(of_input.shape[1] for of_input in grades)
+    covered, cell = _different(own, shape)
     samples = np.empty((len(covered), outputs.shape[1]), dtype=np.int64)
     for j in range(outputs.shape[1]):
         # Stable, so that the first of equal degrees comes first; the last written, which is the
@@ -220,7 +220,6 @@ def strict_rules(
             covered, best, values, None if numbers is None else numbers[samples, columns], samples
         )
 
-    shape = [of_input.shape[1] for of_input in grades]
     rules = _all_cells(shape)
     position = np.ravel_multi_index(tuple(covered.T), shape)
     has_rule = np.zeros(len(rules), dtype=bool)
@@ -249,21 +248,31 @@ def strict_rules(
             None if numbers is None else numbers[donors, columns],
             full_samples,
         )
-    known = (
+    consequents = (
         outputs[samples, columns]
         if quantizer is None or numbers is None
         else quantizer.intervals(numbers[samples, columns])
     )
-    values = np.empty((len(rules), *known.shape[1:]))
-    values[position] = known
+    values = np.empty((len(rules), *consequents.shape[1:]))
+    values[position] = consequents
     for c in empty:
         share = 1.0 / _squared_distances(covered, rules[c], scale)
-        values[c] = np.tensordot(share / share.sum(), known, axes=1)
+        values[c] = np.tensordot(share / share.sum(), consequents, axes=1)
     terms = None
     if numbers is not None:
         terms = np.full((len(rules), outputs.shape[1]), -1, dtype=np.int64)
         terms[position] = numbers[samples, columns]
     return Learned(rules, firing, values, terms, full_samples)
+
+
+def _different(cells: Integers, shape: tuple[int, ...]) -> tuple[Integers, Integers]:
+    """Return the different cells in order, and the place of each cell among them."""
+    if math.prod(shape) >= 2**62:
+        different, place = np.unique(cells, axis=0, return_inverse=True)
+        return different, place.reshape(-1)
+    # By one number a cell, which is sorted faster than rows are.
+    numbers, place = np.unique(np.ravel_multi_index(tuple(cells.T), shape), return_inverse=True)
+    return np.stack(np.unravel_index(numbers, shape), axis=1), place
 
 
 def _squared_distances(cells: Integers, cell: Integers, scale: Array) -> Array:

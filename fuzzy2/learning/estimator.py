@@ -126,6 +126,9 @@ class Estimator:
 class Regressor(Estimator):
     """An estimator of numbers: the outputs of the system that was learned."""
 
+    _poor_score: ClassVar[bool] = False
+    """Whether few samples of many inputs are too little for it, which scikit-learn asks."""
+
     def predict(self, X: ArrayLike) -> Array:
         """Return the crisp outputs of the system.
 
@@ -228,7 +231,7 @@ class Regressor(Estimator):
         return Tags(
             estimator_type="regressor",
             target_tags=TargetTags(required=True, multi_output=True),
-            regressor_tags=RegressorTags(),
+            regressor_tags=RegressorTags(poor_score=self._poor_score),
             input_tags=InputTags(),
         )
 

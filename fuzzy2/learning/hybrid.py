@@ -168,19 +168,26 @@ class Learner:
         empty = np.empty((len(z), 0))
         return Output(coefficients, z, ends, empty, empty[0], residual, cost)
 
-    def _decomposed(self, basis: Array) -> tuple[Array, Array, Array, Array]:
-        """Return left vectors, filter factors, filtered inverse values and right vectors."""
-        left, values, right = np.linalg.svd(self._root * basis, full_matrices=False)
+    def _decomposed(self, basis: Array) -> tuple[Array, Array, Array]:
+        """Return left singular vectors, filter factors, and the matrix from targets to c."""
+        weighted = self._root * basis
+        if weighted.shape[0] < weighted.shape[1]:
+            # Fewer samples than coefficients: the products of the rows say all.
+            squares, left = np.linalg.eigh(weighted @ weighted.T)
+            squares = np.maximum(squares, 0.0)
+            inverse = left / (squares + self._penalty)
+            return left, squares / (squares + self._penalty), weighted.T @ (inverse @ left.T)
+        left, values, right = np.linalg.svd(weighted, full_matrices=False)
         filtered = values / (values**2 + self._penalty)
-        return left, values * filtered, filtered, right
+        return left, values * filtered, right.T @ (filtered[:, np.newaxis] * left.T)
 
     def _least_squares(self, ends: list[End], only: int | None = None) -> list[Output]:
         basis = self.premises.basis(ends, self._constant)
-        left, shrink, filtered, right = self._decomposed(basis)
+        left, shrink, inverse = self._decomposed(basis)
         found = []
         for j in range(self.data.y.shape[1]) if only is None else (only,):
             target = self._root[:, 0] * self.data.y[:, j]
-            flat = right.T @ (filtered * (left.T @ target))
+            flat = inverse @ target
             coefficients = flat.reshape(-1, self._constant.shape[1])
             residual = target - self._root[:, 0] * (basis @ flat)
             cost = float(residual @ residual + self._penalty * (flat @ flat))

@@ -146,5 +146,5 @@ def weights_of(given: Any, count: int) -> Array:
             "sample_weight", given, f"{count} finite numbers, one for each sample, none below 0"
         )
     if not (weights > 0.0).any():
-        raise InvalidValue("sample_weight", given, "above 0 for some sample")
+        raise InvalidValue("sample_weight", "all zero", "above 0 for some sample")
     return weights

@@ -163,6 +163,7 @@ class WangMendel(Regressor):
         What fuzzy c-means found, in shares of the inputs' ranges, if the rules are clusters.
     """
 
+    _poor_score = True
     _learned = ("rule_samples_", "output_terms_", "output_rules_", "clusters_")
 
     best_firing_: Array
@@ -311,7 +312,9 @@ class WangMendel(Regressor):
             total = math.prod(of_input.shape[1] for of_input in grades)
         silent = learned.best_firing < LEAST_FIRING
         count = total - int((~silent).sum())
-        if completion == "refuse" or silent.all():
+        if given is not None:
+            pass  # every cluster has samples, though with many inputs all firing is small
+        elif completion == "refuse" or silent.all():
             check_support(learned, samples.input_names, words)
         elif count:
             warnings.warn(CompletedRules(count, total, completion), stacklevel=3)
