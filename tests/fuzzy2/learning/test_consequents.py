@@ -258,14 +258,13 @@ def test_rules_without_samples_are_completed_with_a_count(learner: str) -> None:
     Both are equally near to rules of the edges, of which the first has the first sample.
     """
     X, y = [[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0]
-    with pytest.warns(CompletedRules, match=r"2 of 9 rules .* completion='nearest'") as caught:
+    with pytest.warns(CompletedRules, match=r"2 of 9 rules .*\(completion='nearest'") as caught:
         model = WangMendel(n_terms=3, learner=learner, kind="t1").fit(X, y)
     assert (caught[0].message.count, caught[0].message.total) == (2, 9)
     values = model.system_.consequents[:, 0]
     neighbors = [values[r] for r in (1, 5)]  # Low-Mid and Mid-High, beside Low-High
-    assert min(abs(values[2] - value) for value in neighbors) < (
-        0.1 if learner == "ridge" else 1e-12
-    )
+    nearby = 0.1 if learner == "ridge" else 1e-12
+    assert min(abs(values[2] - value) for value in neighbors) < nearby
     with pytest.warns(CompletedRules, match="left out"):
         smaller = WangMendel(n_terms=3, learner=learner, completion="none").fit(X, y)
     assert len(smaller.system_.rules) == 7

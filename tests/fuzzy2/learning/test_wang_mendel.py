@@ -314,16 +314,13 @@ def test_weights_are_repetitions(options: dict[str, Any]) -> None:
     X, Y = corners_and_more()
     weights = np.random.default_rng(2).integers(0, 4, len(X))
     weighted = WangMendel(**options).fit(X, Y, sample_weight=weights)
-    repeated = WangMendel(**options).fit(
-        np.repeat(X, weights, axis=0), np.repeat(Y, weights, axis=0)
-    )
+    many_X, many_Y = np.repeat(X, weights, axis=0), np.repeat(Y, weights, axis=0)
+    repeated = WangMendel(**options).fit(many_X, many_Y)
     scale = np.abs(Y).max()
     np.testing.assert_allclose(
         weighted.predict(X), repeated.predict(X), rtol=0.0, atol=1e-9 * scale
     )
-    assert weighted.score(X, Y, weights) == pytest.approx(
-        weighted.score(np.repeat(X, weights, axis=0), np.repeat(Y, weights, axis=0)), rel=1e-9
-    )
+    assert weighted.score(X, Y, weights) == pytest.approx(weighted.score(many_X, many_Y), rel=1e-9)
     for bad in (np.zeros(len(X)), -np.ones(len(X)), np.ones(3)):
         with pytest.raises(InvalidValue, match="sample_weight"):
             WangMendel(**options).fit(X, Y, sample_weight=bad)
