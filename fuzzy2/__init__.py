@@ -102,4 +102,6 @@ if TYPE_CHECKING:
     from fuzzy2.systems.system import IntervalType2System as IntervalType2System
     from fuzzy2.systems.system import Type1System as Type1System
 
+__version__ = "0.1.0"
+
 __all__, __getattr__, __dir__ = lazy_names(__name__)

@@ -107,6 +107,22 @@ def test_weights_are_repetitions() -> None:
     )
 
 
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Estimator ANFIS does not inherit:UserWarning")
+def test_scikit_learn_finds_nothing_to_complain_about() -> None:
+    """With clusters: some checks have 30 inputs, for which no grid can be filled."""
+    checks = pytest.importorskip("sklearn.utils.estimator_checks")
+    model = ANFIS(3, partition="clusters", most_epochs=3, ridge=1e-3)
+    results = checks.check_estimator(model, on_fail=None, on_skip=None)
+    failed = {
+        result["check_name"]: result["exception"]
+        for result in results
+        if result["status"] == "failed"
+    }
+    assert not failed
+    assert sum(result["status"] == "passed" for result in results) >= 55
+
+
 @pytest.mark.parametrize("kind", ["t1", "it2"])
 def test_more_can_be_tuned_afterwards(kind: str) -> None:
     X, y = surface()
