@@ -138,7 +138,19 @@ class UnsupportedRule(Fuzzy2Error, ValueError):
         super().__init__(
             f"rule {number} (IF {text}) is fired by no sample more than {firing:.3g}, and at "
             f"least {least:g} is needed ({count} such rules); add samples there, use fewer "
-            "terms, or learner='strict'"
+            "terms, or another completion than 'refuse'"
+        )
+
+
+class CompletedRules(RaisedOnPurpose, UserWarning):
+    """Some rules of a grid have no sample of their own, and took what their neighbors say."""
+
+    def __init__(self, count: int, total: int, completion: str) -> None:
+        self.count, self.total, self.completion = count, total, completion
+        done = "left out" if completion == "none" else "completed from other rules"
+        super().__init__(
+            f"{count} of {total} rules are fired by no sample to speak of, and were {done} "
+            f"(completion={completion!r}); completion='refuse' makes that an error"
         )
 
 

@@ -34,6 +34,7 @@ ELSEWHERE = {
         "fuzzy2/learning/test_adaptation.py",
         THROUGH_ITS_FACE,
     ),
+    "fuzzy2/learning/estimator.py": ("fuzzy2/learning/test_wang_mendel.py", THROUGH_ITS_FACE),
     "fuzzy2/learning/samples.py": ("fuzzy2/learning/test_wang_mendel.py", THROUGH_ITS_FACE),
     "fuzzy2/numbers/base.py": ("fuzzy2/numbers/test_affine.py", THROUGH_ITS_FACE),
     "fuzzy2/reduction/kernels.py": ("fuzzy2/reduction/test_interval.py", THROUGH_ITS_FACE),

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
+from fuzzy2.learning.samples import weights_of
 from fuzzy2.support.checks import Array, real, reals
 
 TOLERANCE = 1e-9
@@ -122,6 +123,8 @@ def fuzzy_c_means(
     fuzzifier: float = 2.0,
     rng: np.random.Generator | None = None,
     starts: int = 10,
+    *,
+    sample_weight: ArrayLike | None = None,
 ) -> Clusters:
     r"""Return the best of the clusterings that alternating optimization finds from random starts.
 
@@ -147,6 +150,8 @@ def fuzzy_c_means(
     starts : int
         Number of starts. One may end in a local minimum, so that of the least objective is
         returned.
+    sample_weight : (N,) array_like, optional
+        How often each sample counts, not negative; 1 by default.
 
     Returns
     -------
@@ -176,7 +181,8 @@ def fuzzy_c_means(
         raise InvalidValue(
             "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
         )
-    different = np.unique(samples, axis=0)
+    counts = weights_of(sample_weight, len(samples))
+    different = np.unique(samples[counts > 0.0], axis=0)
     if len(different) < n_clusters:
         raise InvalidValue(
             "n_clusters", n_clusters, f"at most {len(different)}, the number of different samples"
@@ -184,20 +190,20 @@ def fuzzy_c_means(
     generator = np.random.default_rng(0) if rng is None else rng
     # Centers that coincide would never part again, so they start from different samples.
     runs = [
-        _alternate(samples, generator.choice(different, n_clusters, replace=False), power)
+        _alternate(samples, generator.choice(different, n_clusters, replace=False), power, counts)
         for _ in range(starts)
     ]
     return min(runs, key=lambda run: run.objectives[-1])
 
 
-def _alternate(samples: Array, centers: Array, power: float) -> Clusters:
+def _alternate(samples: Array, centers: Array, power: float, counts: Array) -> Clusters:
     """Return where the alternating optimization goes from given centers."""
     objectives: list[float] = []
     squares = _squared_distances(samples, centers)
     memberships = _memberships(squares, power)
     converged = False
     for _ in range(MOST_ITERATIONS):
-        weights = memberships**power
+        weights = memberships**power * counts[:, np.newaxis]
         objectives.append(float((weights * squares).sum()))
         centers = _centers(samples, weights, centers)
         squares = _squared_distances(samples, centers)
@@ -205,7 +211,7 @@ def _alternate(samples: Array, centers: Array, power: float) -> Clusters:
         converged = bool(np.abs(memberships - last).max() <= TOLERANCE)
         if converged:
             break
-    weights = memberships**power
+    weights = memberships**power * counts[:, np.newaxis]
     objectives.append(float((weights * squares).sum()))
     order = np.lexsort(centers.T[::-1])
     centers, memberships, weights = centers[order], memberships[:, order], weights[:, order]

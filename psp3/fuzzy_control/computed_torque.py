@@ -293,6 +293,8 @@ class FuzzyComputedTorque:
             self.kind,
             self.mean_variation,
             self.learner,
+            # Table look-up is published with completion; what no sample says is no model else.
+            "nearest" if self.learner == "strict" else "refuse",
             reduction=self.reduction,
             levels=self.levels,
         )
