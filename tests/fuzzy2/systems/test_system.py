@@ -120,6 +120,7 @@ def test_matlab_tipper() -> None:
         t_norm="min",
         type_reduction="centroid",
         resolution=101,
+        integration="sum",
     )
     np.testing.assert_allclose(system([[2.0, 1.0], [7.0, 8.0]])[:, 0], [7.0169, 20.3414], atol=5e-5)
 
