@@ -118,9 +118,7 @@ def _read_consequents(value: Json, path: str) -> Any:
     if isinstance(value, dict):
         return _thing(Linear, "Linear").read(value, path)
     rows = read_list(value, path)
-    of_sets = any(
-        isinstance(item, dict) for row in rows if isinstance(row, list) for item in row
-    )
+    of_sets = any(isinstance(item, dict) for row in rows if isinstance(row, list) for item in row)
     return _SET_TABLE.read(value, path) if of_sets else _NUMBER_TABLE.read(value, path)
 
 

@@ -55,9 +55,7 @@ def _read_tree(value: Json, path: str) -> Antecedent:
         return Is(INTEGER.read(pair[0], f"{path}.is[0]"), term)
     if names in (["and"], ["or"]):
         parts = read_list(value[names[0]], f"{path}.{names[0]}")
-        read = tuple(
-            _read_tree(part, f"{path}.{names[0]}[{i}]") for i, part in enumerate(parts)
-        )
+        read = tuple(_read_tree(part, f"{path}.{names[0]}[{i}]") for i, part in enumerate(parts))
         return And(read) if names == ["and"] else Or(read)
     if names == ["not"]:
         return Not(_read_tree(value["not"], f"{path}.not"))

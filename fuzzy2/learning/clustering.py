@@ -83,9 +83,7 @@ class Clusters:
         1991.)
         """
         centers = self.centers / self.unit
-        apart = _squared_distances(centers, centers)[
-            ~np.eye(len(self.centers), dtype=bool)
-        ]
+        apart = _squared_distances(centers, centers)[~np.eye(len(self.centers), dtype=bool)]
         if not apart.size:
             return float("nan")
         with np.errstate(divide="ignore"):

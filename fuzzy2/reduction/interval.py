@@ -182,9 +182,7 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
         See :func:`generalized_centroid`.
     """
     try:
-        low, high = np.broadcast_arrays(
-            reals("lower", lower), reals("upper", upper)
-        )
+        low, high = np.broadcast_arrays(reals("lower", lower), reals("upper", upper))
     except ValueError as error:
         raise InvalidValue(
             "lower and upper", (np.shape(lower), np.shape(upper)), "arrays of one shape"

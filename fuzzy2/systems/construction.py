@@ -76,7 +76,9 @@ def read_rules(
         for j, (number, no) in enumerate(zip(numbers, negated, strict=True)):
             meaning = None if number < 0 else meanings[j][number]
             consequents[-1].append(_complement(meaning, words[j][number]) if no else meaning)
-            names[-1].append("" if number < 0 else f"not {words[j][number]}" if no else words[j][number])
+            names[-1].append(
+                "" if number < 0 else f"not {words[j][number]}" if no else words[j][number]
+            )
     silent = base.said < 0
     of_sets = any(isinstance(item, AnySet) for row in consequents for item in row)
     table: Any = consequents
@@ -198,7 +200,11 @@ def checked_rules(
     Trees that are no more than conjunctions become numbers.
     """
     counts = [len(terms) for terms in inputs]
-    if isinstance(rules, list | tuple) and rules and not isinstance(rules[0], list | tuple | np.ndarray):
+    if (
+        isinstance(rules, list | tuple)
+        and rules
+        and not isinstance(rules[0], list | tuple | np.ndarray)
+    ):
         for number, tree in enumerate(rules, start=1):
             check_numbers(tree, counts, number)
         rows = rows_of(rules, len(inputs))
@@ -295,7 +301,10 @@ def _of_sets(
         [[(0.0, 0.0) if item is None else centroid_interval(item) for item in row] for row in rows]
     )
     return Consequents(
-        rows, rows, _read_only(intervals), _checked_silence(mask, mask.shape) if mask.any() else None
+        rows,
+        rows,
+        _read_only(intervals),
+        _checked_silence(mask, mask.shape) if mask.any() else None,
     )
 
 
@@ -315,9 +324,7 @@ def _without_none(consequents: Any, silent: ArrayLike | None) -> tuple[Any, Any]
     return filled, np.array(none) | given
 
 
-def _checked_silence(
-    silent: ArrayLike | None, shape: tuple[int, ...]
-) -> NDArray[np.bool_] | None:
+def _checked_silence(silent: ArrayLike | None, shape: tuple[int, ...]) -> NDArray[np.bool_] | None:
     """Return where rules are silent, read-only; None if they speak of every output."""
     if silent is None:
         return None

@@ -77,9 +77,7 @@ def _mean(x: Array, high: Array, continuous: bool) -> Array:
     return np.asarray(np.where(wide, moments / np.where(wide, total, 1.0), means))
 
 
-def _with_peaks(
-    x: Array, grades: Array, function: Callable[[Array], Array]
-) -> tuple[Array, Array]:
+def _with_peaks(x: Array, grades: Array, function: Callable[[Array], Array]) -> tuple[Array, Array]:
     """Return samples with the first and the last maximum between them found to rounding."""
     rows = np.arange(len(x))
     added, heights = [], []

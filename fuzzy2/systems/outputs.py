@@ -77,9 +77,7 @@ class Outputs:
         kind = operators.type_reduction
         self._sets: list[list[Any]] = []
         if sets is not None and kind != "center_of_sets":
-            self._sets = [
-                [sets[r][j] for r in rules] for j, rules in enumerate(self._speaking)
-            ]
+            self._sets = [[sets[r][j] for r in rules] for j, rules in enumerate(self._speaking)]
         self._united: list[United | None] = [None] * count
         self._monotonic: list[Monotonic | None] = [None] * count
         for j, ends in enumerate(self._ranges):
@@ -149,9 +147,7 @@ class Outputs:
         )
         return np.stack([found, found], axis=-1)
 
-    def _summed(
-        self, sets: list[Any], ends: tuple[float, float] | None, strengths: Array
-    ) -> Array:
+    def _summed(self, sets: list[Any], ends: tuple[float, float] | None, strengths: Array) -> Array:
         """Return the intervals (n, 2) of one output from points of its range."""
         own = self._operators
         kind = own.type_reduction

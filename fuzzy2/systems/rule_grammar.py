@@ -16,7 +16,6 @@ from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import ANY, Hedge
 
 
-
 _END = r'(?=[\s"()]|$)'
 _GRAMMAR = rf"""
 rule: IF either THEN said [ELSE said] [weight]

@@ -65,6 +65,7 @@ LEAST_LIKENESS = 0.5
 letters.
 """
 
+
 @dataclass(frozen=True)
 class Rule:
     """One rule; ``str(rule)`` is its text.
@@ -372,8 +373,10 @@ def _simplest(asked: Any) -> Clauses | Antecedent:
 
 def _problem_of(rule: Rule) -> str | None:
     asked = rule.antecedents
-    pairs = asked if isinstance(asked, tuple) else tuple(
-        (leaf.variable, leaf.term) for leaf in leaves(asked)
+    pairs = (
+        asked
+        if isinstance(asked, tuple)
+        else tuple((leaf.variable, leaf.term) for leaf in leaves(asked))
     )
     sides = [("IF", pairs, isinstance(asked, tuple)), ("THEN", rule.consequents, True)]
     if rule.otherwise:

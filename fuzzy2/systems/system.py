@@ -314,8 +314,10 @@ class FuzzySystem:
             if name not in names:
                 raise InvalidValue("an argument of replace", name, f"one of {', '.join(names)}")
         of_words = {"rules", "consequents"} & changes.keys()
-        if of_words and isinstance(changes.get("consequents"), Mapping) or (
-            isinstance(changes.get("rules"), str)
+        if (
+            of_words
+            and isinstance(changes.get("consequents"), Mapping)
+            or (isinstance(changes.get("rules"), str))
         ):
             if "consequents" not in changes and self.output_terms is not None:
                 terms = zip(self.output_names, self.output_terms, strict=True)
@@ -490,18 +492,20 @@ class FuzzySystem:
         Only where nothing but ratios of them matters.
         """
         ratios = (
-            self.type_reduction in ("center_of_sets", "height", "modified_height")
-            or (self.type_reduction in ("centroid", "center_of_sums"))
-        ) and self.implication.name == "product" and self.t_conorm.name in ("max", "sum")
+            (
+                self.type_reduction in ("center_of_sets", "height", "modified_height")
+                or (self.type_reduction in ("centroid", "center_of_sums"))
+            )
+            and self.implication.name == "product"
+            and self.t_conorm.name in ("max", "sum")
+        )
         if self.t_norm.name != "product" or isinstance(self.rules, tuple) or not ratios:
             return strengths
         vanished = strengths[..., 1].max(axis=1) < VANISHED
         if not vanished.any():
             return strengths
         relative = strengths.copy()
-        relative[vanished] = relative_firing(
-            self._grades(rows[vanished]), self.rules, self.weights
-        )
+        relative[vanished] = relative_firing(self._grades(rows[vanished]), self.rules, self.weights)
         return relative
 
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
@@ -576,9 +580,7 @@ class FuzzySystem:
 
     def _combine(self, grades: list[Array]) -> Array:
         if isinstance(self.rules, tuple):
-            fired = [
-                strength(tree, grades, self.t_norm, self.disjunction) for tree in self.rules
-            ]
+            fired = [strength(tree, grades, self.t_norm, self.disjunction) for tree in self.rules]
             strengths = np.stack(fired, axis=1)
         else:
             strengths = np.ones((len(grades[0]), len(self.rules), 2))

@@ -72,7 +72,9 @@ def table_of(
     count, outputs = intervals.shape[:2]
     offsets = np.cumsum([0, *counts[:-1]])
     antecedents = (
-        np.full((count, len(counts)), -1) if rules is None else np.where(rules >= 0, rules + offsets, -1)
+        np.full((count, len(counts)), -1)
+        if rules is None
+        else np.where(rules >= 0, rules + offsets, -1)
     )
     left, right = intervals[..., 0], intervals[..., 1]
     spoken = np.ones((count, outputs), bool) if supplement.silent is None else ~supplement.silent

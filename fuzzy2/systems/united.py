@@ -430,9 +430,7 @@ class United:
         half = 0.5 * (right - left)
         x = (0.5 * (left + right))[:, np.newaxis] + half[:, np.newaxis] * NODES
         weighted = membership(rows, x) * (half[:, np.newaxis] * WEIGHTS)
-        return np.stack(
-            [weighted.sum(axis=-1).T, (weighted * (x - self._origin)).sum(axis=-1).T]
-        )
+        return np.stack([weighted.sum(axis=-1).T, (weighted * (x - self._origin)).sum(axis=-1).T])
 
     def _left_end(
         self,

@@ -110,7 +110,8 @@ def test_of_an_output_that_is_left_out_a_rule_says_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    "asked", ["x1 is Low or x2 is Low", "x1 is not Low", "x1 is very Low", "x1 is Low and x1 is High"]
+    "asked",
+    ["x1 is Low or x2 is Low", "x1 is not Low", "x1 is very Low", "x1 is Low and x1 is High"],
 )
 def test_numbers_of_terms_cannot_hold_trees(asked: str) -> None:
     with pytest.raises(InvalidRule, match="says more than terms joined by and"):
@@ -125,9 +126,7 @@ def test_a_rule_is_read_as_a_tree() -> None:
     )
     base = read_rule_base(text, INPUTS, OUTPUTS)
     very, roughly = HEDGES["very"], HEDGES["more or less"]
-    tree = And(
-        (Or((Is(0, 0), Not(Hedged(very, Is(1, 1))))), Hedged(roughly, Is(0, 1)))
-    )
+    tree = And((Or((Is(0, 0), Not(Hedged(very, Is(1, 1))))), Hedged(roughly, Is(0, 1))))
     assert base.trees == (tree, Not(tree))
     assert base.said.tolist() == [[0], [1]]
     assert base.negated.tolist() == [[False], [True]]
@@ -148,9 +147,7 @@ _trees = st.recursive(
         st.builds(lambda some: And(tuple(some)), st.lists(parts, min_size=2, max_size=3))
         | st.builds(lambda some: Or(tuple(some)), st.lists(parts, min_size=2, max_size=3))
         | st.builds(Not, parts)
-        | st.builds(
-            Hedged, st.sampled_from(list(HEDGES.values())), st.builds(Is, _words, _words)
-        )
+        | st.builds(Hedged, st.sampled_from(list(HEDGES.values())), st.builds(Is, _words, _words))
     ),
     max_leaves=8,
 )
