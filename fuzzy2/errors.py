@@ -133,8 +133,8 @@ class DefaultReductionWarning(RaisedOnPurpose, UserWarning):
     def __init__(self) -> None:
         super().__init__(
             "the rules speak of sets, and the output is the average of the sets' centroids "
-            "(type_reduction='center_of_sets', the default); Mamdani's is type_reduction='centroid',"
-            " the centroid of the sets united: name the one that is meant"
+            "(type_reduction='center_of_sets', the default); Mamdani's is the centroid of the sets "
+            "united (type_reduction='centroid'): name the one that is meant"
         )
 
 

@@ -156,26 +156,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         raise NotExpressible(
             f"the fuzzifier {system.fuzzifier!r}", where, "its inputs are numbers; use JSON"
         )
-    rules = system.rules
-    if isinstance(rules, tuple):
-        raise NotExpressible("a rule with or, not or hedges", where, "use JSON")
-    for what, value in (
-        ("rule weights", system.weights),
-        ("rules that leave outputs out", system.silent),
-        ("default outputs", system.default_outputs),
-    ):
-        if value is not None:
-            raise NotExpressible(what, where, "use JSON")
-    if system.implication is not system.t_norm:
-        raise NotExpressible("another implication than the t-norm", where, "use JSON")
-    if system.t_conorm is AGGREGATIONS["sum"] or system.method in DIRECT_METHODS:
-        raise NotExpressible(f"the method {system.method!r} or the sum", where, "use JSON")
-    for kind, norm, known in (
-        ("t-norm", system.t_norm, T_NORMS),
-        ("t-conorm", system.t_conorm, T_CONORMS),
-    ):
-        if known.get(norm.name) is not norm:
-            raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
+    _check_operators(system, where)
     inputs = tuple(
         Variable(name, ends or _limits(domain_of(terms)), dict(zip(names, terms, strict=True)))
         for name, ends, names, terms in zip(
@@ -234,7 +215,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         tuple(outputs),
         tuple(
             (tuple(asked), tuple(terms))
-            for asked, terms in zip(rules.tolist(), zip(*said, strict=True), strict=True)
+            for asked, terms in zip(system.rules.tolist(), zip(*said, strict=True), strict=True)
         ),
         system.t_norm.name,
         system.consequent_sets is not None,
@@ -242,6 +223,29 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         isinstance(system, IntervalType2System),
         system.method,
     )
+
+
+def _check_operators(system: FuzzySystem, where: str) -> None:
+    """Refuse what no format is written with."""
+    if isinstance(system.rules, tuple):
+        raise NotExpressible("a rule with or, not or hedges", where, "use JSON")
+    for what, value in (
+        ("rule weights", system.weights),
+        ("rules that leave outputs out", system.silent),
+        ("default outputs", system.default_outputs),
+    ):
+        if value is not None:
+            raise NotExpressible(what, where, "use JSON")
+    if system.implication is not system.t_norm:
+        raise NotExpressible("another implication than the t-norm", where, "use JSON")
+    if system.t_conorm is AGGREGATIONS["sum"] or system.method in DIRECT_METHODS:
+        raise NotExpressible(f"the method {system.method!r} or the sum", where, "use JSON")
+    for kind, norm, known in (
+        ("t-norm", system.t_norm, T_NORMS),
+        ("t-conorm", system.t_conorm, T_CONORMS),
+    ):
+        if known.get(norm.name) is not norm:
+            raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
 
 
 def alternatives(asked: Sequence[int]) -> list[tuple[int, ...]]:

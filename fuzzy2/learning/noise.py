@@ -127,8 +127,8 @@ def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Arr
     Raises
     ------
     InvalidValue
-        If the signal is empty or not finite, or not with the noise; the ratio is not a number or minus infinity, or
-        ``rng`` is not a Generator.
+        If the signal is empty or not finite, or not with the noise; the ratio is not a number or
+        minus infinity, or ``rng`` is not a Generator.
     """
     samples = reals("signal", signal)
     if samples.ndim == 0 or samples.size == 0 or not np.isfinite(samples).all():

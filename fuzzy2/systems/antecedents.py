@@ -114,7 +114,7 @@ def rows_of(trees: Sequence[Antecedent], inputs: int) -> NDArray[np.int64] | Non
         if clauses is None:
             return None
         for clause in clauses:
-            row[clause.variable] = -1 if clause.term is None else clause.term
+            row[int(clause.variable)] = -1 if clause.term is None else clause.term
     return rows
 
 

@@ -78,8 +78,8 @@ def weighted_sum(intervals: Array, strengths: Array) -> Array:
     products = strengths[..., :, np.newaxis] * intervals[..., np.newaxis, :]
     ends = products.reshape(*products.shape[:-2], 4)
     sums = np.stack([ends.min(axis=-1).sum(axis=-1), ends.max(axis=-1).sum(axis=-1)], axis=-1)
-    fires = (strengths[..., 1] > 0.0).any(axis=-1)
-    return np.where(fires[..., np.newaxis], sums, np.nan)
+    fires = strengths[..., 1].max(axis=-1, keepdims=True) > 0.0
+    return np.where(fires, sums, np.nan)
 
 
 class Monotonic:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from fuzzy2.errors import InvalidValue
 from fuzzy2.operations.set_operations import complement
 from fuzzy2.support.checks import Array, real, reals
-from fuzzy2.systems.antecedents import Antecedent, check_numbers, rows_of
+from fuzzy2.systems.antecedents import check_numbers, rows_of
 from fuzzy2.systems.consequents import Linear, as_sets, centroid_interval
 from fuzzy2.systems.fuzzifiers import Fuzzifier, NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.hedges import Hedge
@@ -192,9 +192,7 @@ def checked_fuzzifiers(
     return None if all(isinstance(one, SingletonFuzzifier) for one in each) else each
 
 
-def checked_rules(
-    rules: Any, inputs: Sequence[Sequence[Any]]
-) -> NDArray[np.int64] | tuple[Antecedent, ...]:
+def checked_rules(rules: Any, inputs: Sequence[Sequence[Any]]) -> Any:
     """Return rules (R, p) as numbers of terms, -1 where an input plays no part, or as trees.
 
     Trees that are no more than conjunctions become numbers.

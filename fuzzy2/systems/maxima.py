@@ -40,7 +40,7 @@ def maximum(
     if function is not None:
         x, grades = _with_peaks(x, grades, function)
     greatest = grades.max(axis=1, keepdims=True)
-    high = (grades >= greatest * (1.0 - _SAME)) & (greatest > 0.0)
+    high = np.logical_and(grades >= greatest * (1.0 - _SAME), greatest > 0.0)
     first, last = np.argmax(high, axis=1), x.shape[1] - 1 - np.argmax(high[:, ::-1], axis=1)
     left, right = x[rows, first], x[rows, last]
     if kind == "smallest_of_maxima":

@@ -94,7 +94,8 @@ def repeated_rules(
 
     Rules that ``agree`` says None of are neither: they speak of different outputs.
     """
-    duplicates, conflicts = [], []
+    duplicates: list[tuple[int, int]] = []
+    conflicts: list[tuple[int, int]] = []
     first: dict[Hashable, int] = {}
     for r, rule in enumerate(rules):
         if rule not in first:

@@ -15,7 +15,6 @@ from fuzzy2.errors import InvalidRule
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import ANY, Hedge
 
-
 _END = r'(?=[\s"()]|$)'
 _GRAMMAR = rf"""
 rule: IF either THEN said [ELSE said] [weight]
@@ -83,7 +82,7 @@ def parsed(text: str, number: int, hedges: Mapping[str, Hedge]) -> Words:
     try:
         tree = _parser().parse(text)
     except UnexpectedCharacters as error:
-        raise InvalidRule(number, text, _misplaced(text, error.pos_in_stream)) from None
+        raise InvalidRule(number, text, _misplaced(text, error.pos_in_stream or 0)) from None
     except UnexpectedToken as error:
         raise InvalidRule(number, text, _unexpected(text, error)) from None
     return _Reader(text, number, hedges).rule(tree)
@@ -188,7 +187,7 @@ class _Reader:
     def clause(self, tree: Tree[Token]) -> tuple[str, list[str], str | None]:
         """Return variable, hedges and ``not`` from left to right, and term; None for any."""
         variable = _plain(tree.children[0])
-        words = [part for part in tree.children[-1].children]  # type: ignore[union-attr]
+        words = list(tree.children[-1].children)  # type: ignore[union-attr]
         last = words[-1]
         if last.type not in ("WORD", "QUOTED"):
             raise self.error(f'has nothing after "{last}", where the name of a term is expected')

@@ -388,7 +388,7 @@ def _problem_of(rule: Rule) -> str | None:
         twice = next((variable for variable in variables if variables.count(variable) > 1), None)
         if twice is not None and once:
             return f"mentions {twice!r} twice after {name}"
-        names = [word for clause in clauses for word in (clause[0], _term_of(clause[1]))]
+        names: list[Any] = [word for clause in clauses for word in (clause[0], _term_of(clause[1]))]
         broken = next(
             (word for word in names if word is not None and word.splitlines() not in ([word], [])),
             None,

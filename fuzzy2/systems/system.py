@@ -58,6 +58,8 @@ from fuzzy2.systems.operators import (
     METHODS,
     aggregation,
     choice,
+)
+from fuzzy2.systems.operators import (
     type_reduction as reduction_named,
 )
 from fuzzy2.systems.outputs import Operators, Outputs
@@ -314,10 +316,8 @@ class FuzzySystem:
             if name not in names:
                 raise InvalidValue("an argument of replace", name, f"one of {', '.join(names)}")
         of_words = {"rules", "consequents"} & changes.keys()
-        if (
-            of_words
-            and isinstance(changes.get("consequents"), Mapping)
-            or (isinstance(changes.get("rules"), str))
+        if (of_words and isinstance(changes.get("consequents"), Mapping)) or (
+            isinstance(changes.get("rules"), str)
         ):
             if "consequents" not in changes and self.output_terms is not None:
                 terms = zip(self.output_names, self.output_terms, strict=True)
@@ -839,6 +839,7 @@ def _kernels() -> Any:
     """Return the compiled loops; numba is loaded with the first system."""
     from fuzzy2.support.compiled import only_for
     from fuzzy2.systems import kernels
+    from fuzzy2.systems.firing_kernels import HEADER
 
-    only_for(kernels.evaluate_row, np.zeros(kernels.HEADER), np.zeros(1), np.zeros(1))
+    only_for(kernels.evaluate_row, np.zeros(HEADER), np.zeros(1), np.zeros(1))
     return kernels

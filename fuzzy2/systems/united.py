@@ -419,7 +419,7 @@ class United:
             left, middle, right = left[rough], middle[rough], right[rough]
             rows = np.concatenate([rows[rough], rows[rough]])
             left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
-        joined = [np.concatenate(column) for column in zip(*done, strict=True)]
+        joined: list[Any] = [np.concatenate(column) for column in zip(*done, strict=True)]
         order = np.lexsort((joined[1], joined[0]))
         return _Pieces(*(column[order] for column in joined))
 
@@ -512,4 +512,4 @@ def _by_row(values: Array, rows: NDArray[np.intp], count: int) -> Array:
 def _before(values: Array, starts: NDArray[np.intp], rows: NDArray[np.intp]) -> Array:
     """Return the sums (P, ends) of the values of the pieces of a row before each piece."""
     total = np.concatenate([np.zeros((1, values.shape[1])), np.cumsum(values, axis=0)])
-    return total[:-1] - total[starts[rows]]
+    return np.asarray(total[:-1] - total[starts[rows]])

@@ -162,7 +162,7 @@ def _split(rows, weights, sets, product, total, crisp, left, right):
 
 
 @compiled
-def _pieces_of(  # noqa: C901 (one compiled loop over pieces and their halves, for speed)
+def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their halves, for speed)
     rows, weights, sets, product, total, crisp, gauss, nodes, count, origin, tolerance, edges, sums
 ):
     """Write the ascending pieces, (P, 2) and (P, 4); return how many, or -1 if too many.
