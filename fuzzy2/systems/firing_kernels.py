@@ -148,7 +148,8 @@ def _supplement_firing(table, grades, low, high):
                     power = table[step]
                     step += 1
                     lower[top], upper[top] = lower[top] ** power, upper[top] ** power
-            low[r], high[r] = lower[0], upper[0]
+            # Rounding, which is not the same for both ends, must not exchange them.
+            low[r], high[r] = min(lower[0], upper[0]), upper[0]
     for r in range(rules):
         low[r] *= table[weights + r]
         high[r] *= table[weights + r]

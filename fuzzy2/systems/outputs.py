@@ -77,7 +77,9 @@ class Outputs:
         kind = operators.type_reduction
         self._sets: list[list[Any]] = []
         if sets is not None and kind != "center_of_sets":
-            self._sets = [[sets[int(r)][j] for r in rules] for j, rules in enumerate(self._speaking)]
+            self._sets = [
+                [sets[int(r)][j] for r in rules] for j, rules in enumerate(self._speaking)
+            ]
         self._united: list[United | None] = [None] * count
         self._monotonic: list[Monotonic | None] = [None] * count
         for j, ends in enumerate(self._ranges):

@@ -432,14 +432,18 @@ class FuzzySystem:
         InvalidValue
             If the inputs are not finite or of another shape.
         """
-        if self._fast:
+        # Of a masked array, say, the compiled loop would not see the mask.
+        if self._fast and type(X) is np.ndarray:
             out = np.empty(self.n_outputs)
             try:
                 done = self._evaluate_row(self._table, X, out)
             except TypeError:
                 # Not a contiguous row of floats: many rows, lists and the like go the longer way.
                 done = 0
-            return out if done else self._evaluate(self._given(X, named), crisp=True)
+            if done and not named:
+                return out
+        if self._fast:
+            return self._evaluate(self._given(X, named), crisp=True)
         return np.asarray(self.type_reduced(self._given(X, named)).mean(axis=-1))
 
     def _given(self, X: Any, named: Mapping[str, ArrayLike]) -> Any:
@@ -467,13 +471,16 @@ class FuzzySystem:
         InvalidValue
             If the inputs are not finite or of another shape.
         """
-        if self._fast:
+        if self._fast and type(X) is np.ndarray:
             out = np.empty(2 * self.n_outputs)
             try:
                 done = self._evaluate_row(self._table, X, out)
             except TypeError:
                 done = 0
-            return out.reshape(-1, 2) if done else self._evaluate(X, crisp=False)
+            if done:
+                return out.reshape(-1, 2)
+        if self._fast:
+            return self._evaluate(X, crisp=False)
         shape, rows = self._rows(X)
         self._refuse(rows)
         reduced = self._outputs(rows, self._relative(rows, self._firing(rows)))
@@ -582,6 +589,8 @@ class FuzzySystem:
         if isinstance(self.rules, tuple):
             fired = [strength(tree, grades, self.t_norm, self.disjunction) for tree in self.rules]
             strengths = np.stack(fired, axis=1)
+            # Rounding, which is not the same for both ends, must not exchange them.
+            np.minimum(strengths[..., 0], strengths[..., 1], out=strengths[..., 0])
         else:
             strengths = np.ones((len(grades[0]), len(self.rules), 2))
             for i, of_input in enumerate(grades):

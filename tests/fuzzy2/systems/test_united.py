@@ -68,9 +68,7 @@ def pieces_of(
                 if s != t and 0 < (b - a) / (s - t) < right - left:
                     cuts.add((b - a) / (s - t))
         for near, far in itertools.pairwise(sorted(cuts)):
-            ends = [
-                (sum if total else max)(a + s * at for a, s in lines) for at in (near, far)
-            ]
+            ends = [(sum if total else max)(a + s * at for a, s in lines) for at in (near, far)]
             pieces.append((left + near, left + far, ends[0], ends[1]))
     return pieces
 
@@ -78,15 +76,15 @@ def pieces_of(
 def area_and_moment(
     pieces: list[tuple[Fraction, Fraction, Fraction, Fraction]],
 ) -> tuple[Fraction, Fraction]:
-    area = sum(((r - l) * (u + v) / 2 for l, r, u, v in pieces), Fraction(0))
-    moment = sum(
-        ((r - l) * (l * (2 * u + v) + r * (u + 2 * v)) / 6 for l, r, u, v in pieces), Fraction(0)
-    )
+    area = moment = Fraction(0)
+    for left, right, first, last in pieces:
+        area += (right - left) * (first + last) / 2
+        moment += (right - left) * (left * (2 * first + last) + right * (first + 2 * last)) / 6
     return area, moment
 
 
 def random_corners(rng: np.random.Generator) -> Corners:
-    """Return trapezoids and triangles, wide, narrow to 1e-4 of the range, and with vertical edges."""
+    """Return trapezoids from wide to 1e-4 of the range, also triangles and vertical edges."""
     width = 10.0 ** rng.uniform(-2.0, 2.0)
     widths = rng.uniform(0.0, width, 3) * (rng.random(3) < 0.7)
     if not widths.any():
@@ -158,7 +156,9 @@ def test_both_ends_of_interval_unions_are_the_zeros_of_exact_integrals(norm: str
         def excess(c: Fraction, left: bool, ends: Any = ends) -> Fraction:
             (low, low_nodes), (high, high_nodes) = ends
             first, second = (
-                ((high, high_nodes), (low, low_nodes)) if left else ((low, low_nodes), (high, high_nodes))
+                ((high, high_nodes), (low, low_nodes))
+                if left
+                else ((low, low_nodes), (high, high_nodes))
             )
             before = area_and_moment(
                 pieces_of(first[0], [x for x in first[1] if x < c] + [c], False)
@@ -183,7 +183,11 @@ def test_both_ends_of_interval_unions_are_the_zeros_of_exact_integrals(norm: str
 def test_smooth_sets_have_the_centroid_of_quadrature(norm: str, conorm: str) -> None:
     """Split at centers, clips and ends; 1e-6 of the range of 12."""
     rng = np.random.default_rng(7)
-    sets = [fuzzy2.Gaussian(-1.0, 0.3), fuzzy2.Bell(1.0, 0.8, 3.0), fuzzy2.Triangular(2.0, 2.1, 5.0)]
+    sets = [
+        fuzzy2.Gaussian(-1.0, 0.3),
+        fuzzy2.Bell(1.0, 0.8, 3.0),
+        fuzzy2.Triangular(2.0, 2.1, 5.0),
+    ]
     united = United(sets, t_norm(norm), t_conorm(conorm), (-6.0, 6.0))
     weights = rng.uniform(0.3, 1.0, 3)
 
@@ -223,9 +227,7 @@ def test_points_beside_areas_are_refused_and_not_lost() -> None:
 
 
 def test_without_a_lower_membership_the_ends_are_those_of_the_support() -> None:
-    sets = [
-        fuzzy2.IntervalType2Set(fuzzy2.Triangular(-1, 0, 1, 0.5), fuzzy2.Triangular(-2, 0, 3))
-    ]
+    sets = [fuzzy2.IntervalType2Set(fuzzy2.Triangular(-1, 0, 1, 0.5), fuzzy2.Triangular(-2, 0, 3))]
     united = United(sets, t_norm("min"), t_conorm("max"), None)
     for _ in range(2):
         found = united.centroids(np.array([[[0.0, 0.5]]]))
