@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array
 
@@ -63,7 +64,7 @@ def maximum(
     return np.where(high.any(axis=1), found, np.nan)
 
 
-def _mean(x: Array, high: Array, continuous: bool) -> Array:
+def _mean(x: Array, high: NDArray[np.bool_], continuous: bool) -> Array:
     """Return the mean over the plateaus if there are any, else over the points."""
     count = high.sum(axis=1)
     means = np.where(high, x, 0.0).sum(axis=1) / np.maximum(count, 1)

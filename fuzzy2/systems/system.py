@@ -23,7 +23,13 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import DefaultReductionWarning, InvalidValue, NotApplicable, ReadOnly
+from fuzzy2.errors import (
+    ApproximationWarning,
+    DefaultReductionWarning,
+    InvalidValue,
+    NotApplicable,
+    ReadOnly,
+)
 from fuzzy2.operations.t_norms import BinaryFunction, TConorm, TNorm
 from fuzzy2.operations.t_norms import t_conorm as conorm_named
 from fuzzy2.operations.t_norms import t_norm as norm_named
@@ -325,7 +331,10 @@ class FuzzySystem:
             for name in ("weights", "silent", "consequent_names", "output_terms"):
                 changes.setdefault(name, None)
         kept = {name: getattr(self, name) for name in names if name not in changes}
-        return type(self)(**kept, **changes)
+        with warnings.catch_warnings():
+            # It was said when this one was made.
+            warnings.simplefilter("ignore", ApproximationWarning)
+            return type(self)(**kept, **changes)
 
     def __repr__(self) -> str:
         return (

@@ -392,7 +392,7 @@ class United:
         keep = right > left
         rows, left, right = rows[keep], left[keep], right[keep]
         done: list[_Pieces] = []
-        scale = np.zeros(len(strengths))
+        scale: Array = np.zeros(len(strengths))
         for depth in range(DEEPEST + 1):
             middle = 0.5 * (left + right)
             whole = self._rule(membership, rows, left, right)
@@ -400,7 +400,7 @@ class United:
             second = self._rule(membership, rows, middle, right)
             both = first + second
             if depth == 0:
-                scale = np.bincount(rows, both[0, :, -1], len(strengths))
+                scale = np.bincount(rows, both[0, :, -1], len(strengths)).astype(float)
             reach = self._ends[1] - self._ends[0]
             sizes = scale[rows][:, np.newaxis] if crisp else both[0]
             # Points are themselves rounded, which a set that varies within a piece sees as noise.
