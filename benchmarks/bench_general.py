@@ -27,7 +27,7 @@ from timing import (
 )
 
 import psp3
-from psp3.description.parts import ROBOT_FILES, ROBOTS
+from psp3.description.parts import ROBOT_FILES, THESIS_ROBOTS
 from psp3.dynamics.derivatives import inverse_dynamics_derivatives
 
 CHAINS = (1, 2, 5, 10, 20, 50)
@@ -256,7 +256,7 @@ def main() -> None:
     parser.add_argument("--output", type=Path, default=Path("results/bench_general.json"))
     arguments = parser.parse_args()
     robots: dict[str, dict[str, float]] = {}
-    for name in ROBOTS:
+    for name in THESIS_ROBOTS:
         robots[name] = measure(contenders(name), arguments.rounds)
         if MJ_FORWARD in robots[name]:
             robots[name].update(measure(periods(name), 5))

@@ -36,6 +36,18 @@ class UnknownName(fuzzy2.errors.UnknownName, PSP3Error):
     """A name that is looked up is not among the known ones."""
 
 
+class UnknownRobot(UnknownName):
+    """A robot that neither comes with the package nor is a file."""
+
+    def __init__(self, name: object, known: Sequence[str]) -> None:
+        self.name, self.known = name, tuple(known)
+        PSP3Error.__init__(
+            self,
+            f"unknown robot {name!r}; known are {', '.join(known)}; of your own robot give the "
+            "file: psp3.load('my_robot.urdf'), or an .xml (MJCF) or .sdf",
+        )
+
+
 class InvalidArray(PSP3Error, ValueError):
     """An array has the wrong shape or holds numbers that are not finite."""
 
@@ -132,8 +144,13 @@ class ClosureFailed(PSP3Error, ValueError):
 
     def __init__(self, positions: Array, residual: float, reached: float) -> None:
         self.positions, self.residual, self.reached = positions, residual, reached
+        where = (
+            f"at actuated positions {_numbers(positions)}"
+            if np.size(positions)
+            else "near the reference pose"
+        )
         super().__init__(
-            f"the loops could not be closed at actuated positions {_numbers(positions)}: the way "
+            f"the loops could not be closed {where}: the way "
             f"from the reference pose ends after {100 * reached:.0f} %, and at its goal they "
             f"would be open by {residual:.3g} (m, rad); the pose is outside the workspace or "
             "past a singularity"
@@ -166,8 +183,8 @@ class RoundedLoops(PSP3Error, ValueError):
         super().__init__(
             f"loop {loop!r} contradicts itself by {length:.3g} m and {angle:.3g} rad, and leaves "
             f"{freedoms} degrees of freedom: write the numbers of its frames with more digits, or "
-            "replace one of its hinges by a ball or universal joint (joint_name and joint_type in "
-            "the loop file)"
+            "replace one of its hinges by a ball or universal joint (joint_name and joint_type of "
+            "a loop file)"
         )
 
 
@@ -200,8 +217,8 @@ class SingularConfiguration(PSP3Error, ValueError):
         self.rank, self.needed, self.condition = rank, needed, condition
         super().__init__(
             f"the constraint Jacobian of the un-actuated joints has rank {rank} of {needed} "
-            f"(condition number {condition:.2g}); this configuration is singular (a ball joint "
-            "of the 3-PSP at 90 degrees, for example)"
+            f"(condition number {condition:.2g}); this configuration is singular: move the "
+            "coordinates away from it, or name others in coordinates=[...]"
         )
 
 
@@ -229,8 +246,8 @@ class MobilityMismatch(PSP3Error, ValueError):
         self.mobility, self.actuated = mobility, tuple(actuated)
         super().__init__(
             f"the mechanism has {mobility}; actuated are {', '.join(actuated) or 'none'}: "
-            "correct name_mot or the loops, or hold a joint that need not move (joint_type "
-            "FIXED in the loop file)"
+            "name other motors (actuated=[...], name_mot of a loop file), correct the loops, or "
+            "hold a joint that need not move (joint_type FIXED)"
         )
 
 
@@ -242,7 +259,7 @@ class DependentCoordinates(PSP3Error, ValueError):
         if not joint:
             reason = (
                 "a free motion has no joint of one degree of freedom that measures it: name "
-                "coordinates=[...], or hold a joint (joint_type FIXED in the loop file)"
+                "coordinates=[...], or hold a joint (joint_type FIXED)"
             )
         elif others:
             reason = (

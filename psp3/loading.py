@@ -1,15 +1,23 @@
-"""Load a robot by name, with its model, reference poses, visuals, loop closures and parameters."""
+"""Load a robot by its name, or from its file."""
 
 from __future__ import annotations
 
-from typing import Literal, overload
+from pathlib import Path
+from typing import Any, Literal, overload
 
-from psp3.description.parts import ROBOT_FILES, ROBOTS
-from psp3.errors import InvalidValue, UnknownName
+from psp3.description.parts import MJCF_ROBOTS, ROBOT_FILES, ROBOTS
+from psp3.description.xml import read_xml
+from psp3.errors import InvalidRobotFile, InvalidValue, UnknownRobot
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.three_psp.model import load_psp3
 from psp3.three_psp.parameters import Parameters
 from psp3.three_psp.robot import PSP3
+
+READERS = {"robot": "from_urdf", "mujoco": "from_mjcf", "sdf": "from_sdf"}
+"""By the outermost element of a file, the class method that reads it."""
+
+ENDINGS = (".urdf", ".xml", ".mjcf", ".sdf", ".world", ".xacro")
+"""What a file of a robot ends in; anything else is the name of a robot."""
 
 
 @overload
@@ -17,22 +25,34 @@ def load(name: Literal["psp3"] = "psp3", parameters: str | Parameters = "default
 
 
 @overload
-def load(name: str, parameters: str | Parameters = "default") -> ClosedLoopRobot: ...
+def load(
+    name: str | Path, parameters: str | Parameters = "default", **options: Any
+) -> ClosedLoopRobot: ...
 
 
-def load(name: str = "psp3", parameters: str | Parameters = "default") -> ClosedLoopRobot:
-    """Load a robot that comes with the package.
+def load(
+    name: str | Path = "psp3", parameters: str | Parameters = "default", **options: Any
+) -> ClosedLoopRobot:
+    """Load a robot that comes with the package, or one from its file.
 
     Parameters
     ----------
-    name : str
-        ``"psp3"``, the 3-PSP, which has a closed form, or ``"five_bar"``, ``"planar_3rrr"``,
-        ``"delta"``, ``"gough_stewart"`` or ``"tricept"``, whose loops are closed by iteration.
-        ``urdf/README.md`` describes them.
+    name : str or path
+        ``"psp3"``, the 3-PSP, which has a closed form; a robot whose loops are closed by iteration:
+        ``"five_bar"``, ``"planar_3rrr"``, ``"delta"``, ``"gough_stewart"`` or ``"tricept"`` of the
+        thesis, or one of what people build: ``"planar_4rrr"``, ``"jansen"``, ``"agile_eye"``,
+        ``"hexa"``, ``"gripper"`` or ``"biped"`` (``urdf/README.md`` describes them); or a file that
+        ends in ``.urdf``, ``.xml``, ``.mjcf``, ``.sdf`` or ``.world``. What is in it, its outermost
+        element says. Beside ``my.urdf`` the files ``my.yaml``, its loops, and ``my.srdf``, its
+        poses, are used where they are and ``loops`` and ``srdf`` are not given.
     parameters : str or Parameters
         Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see
         :mod:`psp3.three_psp.parameters`) or your own. The other robots have those of their files
         only.
+    **options
+        Of any robot but the 3-PSP, what :meth:`psp3.ClosedLoopRobot.from_urdf`,
+        :meth:`psp3.ClosedLoopRobot.from_mjcf` or ``from_sdf`` take: ``actuated``, ``free``,
+        ``coordinates``, ``closures``, ...
 
     Returns
     -------
@@ -43,19 +63,59 @@ def load(name: str = "psp3", parameters: str | Parameters = "default") -> Closed
 
     Raises
     ------
-    UnknownName
+    UnknownRobot, UnknownName
         If the robot or the parameter set is unknown; a :class:`ValueError` that lists the known
         names.
+    InvalidRobotFile
+        If a file is missing or malformed, or of a kind that is not read.
     InvalidValue
-        If parameters are given for another robot than the 3-PSP.
+        If parameters are given for another robot than the 3-PSP, or options for the 3-PSP.
     """
-    if name not in ROBOTS:
-        raise UnknownName("robot", name, ROBOTS)
     if name == "psp3":
+        if options:
+            raise InvalidValue(
+                "options",
+                ", ".join(options),
+                "none for robot 'psp3'; ClosedLoopRobot.from_urdf takes them with its files",
+            )
         return load_psp3(parameters)
     if parameters != "default":
         raise InvalidValue(
-            "parameters", parameters, f"'default' for robot {name!r}: only 'psp3' has other sets"
+            "parameters",
+            parameters,
+            f"'default' for robot {str(name)!r}: only 'psp3' has other sets",
         )
-    files = (ROBOT_FILES / f"{name}.{kind}" for kind in ("urdf", "yaml", "srdf"))
-    return ClosedLoopRobot.from_urdf(*files)
+    if name in MJCF_ROBOTS:
+        # Their springs move, with or without a motor.
+        return ClosedLoopRobot.from_mjcf(ROBOT_FILES / f"{name}.xml", **{"free": "keep", **options})
+    if name in ROBOTS:
+        return _from_urdf(ROBOT_FILES / f"{name}.urdf", options)
+    if isinstance(name, Path) or (isinstance(name, str) and name.lower().endswith(ENDINGS)):
+        return _from_file(Path(name), options)
+    raise UnknownRobot(name, ROBOTS)
+
+
+def _from_file(path: Path, options: dict[str, Any]) -> ClosedLoopRobot:
+    """Return the robot of a file, read as its outermost element says."""
+    if path.suffix.lower() == ".xacro":
+        raise InvalidRobotFile(
+            path, "is a macro file: write it out first, with xacro robot.urdf.xacro > robot.urdf"
+        )
+    tag = read_xml(path, None).tag
+    if tag not in READERS:
+        raise InvalidRobotFile(
+            path,
+            f"its outermost element is <{tag}>; robots are read from {', '.join(READERS)}",
+        )
+    if tag == "robot":
+        return _from_urdf(path, options)
+    robot: ClosedLoopRobot = getattr(ClosedLoopRobot, READERS[tag])(path, **options)
+    return robot
+
+
+def _from_urdf(path: Path, options: dict[str, Any]) -> ClosedLoopRobot:
+    """Return the robot of a URDF, with the loop file and the poses beside it."""
+    for option, ending in (("loops", ".yaml"), ("srdf", ".srdf")):
+        if path.with_suffix(ending).is_file():
+            options = {option: path.with_suffix(ending), **options}
+    return ClosedLoopRobot.from_urdf(path, **options)

@@ -6,11 +6,16 @@ Nothing is taken from the robot under test but the names of its joints and their
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pinocchio as pin
 import pytest
+import yaml
 
+from psp3.description.parts import MJCF_ROBOTS, ROBOT_FILES
 from tests.helpers import Array
+from tests.mujoco_projection import text_with_frames
 
 mujoco = pytest.importorskip("mujoco", reason="MuJoCo is in the extras mujoco and test")
 
@@ -20,12 +25,40 @@ leaves 1e-15, and these robots are far from singular poses.
 """
 
 
+HINGE = 0.05
+"""Distance of the two points by which a hinge is closed [m]."""
+
+
+def shipped(name: str) -> Any:
+    """Return MuJoCo's own model of a shipped robot, from its file.
+
+    Of a URDF with the loops of its loop file: sites at the frames that coincide, of a hinge at two
+    points of its axis.
+    """
+    if name in MJCF_ROBOTS:
+        return mujoco.MjModel.from_xml_path(str(ROBOT_FILES / f"{name}.xml"))
+    spec = mujoco.MjSpec.from_string(text_with_frames(name))
+    loops = yaml.safe_load((ROBOT_FILES / f"{name}.yaml").read_text(encoding="utf-8"))
+    for pair, kind in zip(loops["closed_loop"], loops["type"], strict=True):
+        for height in {"3d": (0.0,), "hinge": (0.0, HINGE)}[kind]:
+            names = [f"{frame} {height}" for frame in pair]
+            for frame, site in zip(pair, names, strict=True):
+                spec.body(frame).add_site(name=site, pos=[0.0, 0.0, height])
+            spec.add_equality(
+                type=mujoco.mjtEq.mjEQ_CONNECT,
+                objtype=mujoco.mjtObj.mjOBJ_SITE,
+                name1=names[0],
+                name2=names[1],
+            )
+    return spec.compile()
+
+
 class NullSpace:
     """An MJCF robot in MuJoCo, in the velocities of its Pinocchio model."""
 
-    def __init__(self, text: str, pinocchio_model: pin.Model) -> None:
-        self.model = mujoco.MjModel.from_xml_string(text)
-        self.data, self.tree = mujoco.MjData(self.model), pinocchio_model
+    def __init__(self, text: Any, pinocchio_model: pin.Model, rank: float = RANK) -> None:
+        self.model = mujoco.MjModel.from_xml_string(text) if isinstance(text, str) else text
+        self.data, self.tree, self.rank = mujoco.MjData(self.model), pinocchio_model, rank
 
     def _set(self, q: Array, v: Array) -> tuple[Array, Array]:
         """Set the state; return the matrix from Pinocchio's velocities, and its rate times v."""
@@ -114,8 +147,8 @@ class NullSpace:
         basis, uniform = np.eye(m.nv), np.zeros(m.nv)
         if len(J):
             _, values, right = np.linalg.svd(J)
-            basis = right[np.count_nonzero(values > RANK * values[0]) :].T
-            uniform = -np.linalg.pinv(J, rcond=RANK) @ b
+            basis = right[np.count_nonzero(values > self.rank * values[0]) :].T
+            uniform = -np.linalg.pinv(J, rcond=self.rank) @ b
         a = uniform + basis @ np.linalg.solve(
             basis.T @ mass @ basis, basis.T @ (left - mass @ uniform)
         )

@@ -20,19 +20,25 @@ ROWS = {"3d": 3, "6d": 6}
 
 
 def engine(name: str) -> Any:
-    """MuJoCo's model of a shipped URDF as it is, but for a compiler tag.
+    """MuJoCo's model of a shipped URDF as it is, but that frames stay bodies of their own.
 
-    Frames stay bodies of their own, so that closures find them by name. The printed nut inertia of
-    the 3-PSP violates the triangle inequality, which MuJoCo accepts only with balanceinertia; the
-    other robots must do without.
+    So closures find them by name. The printed nut inertia of the 3-PSP violates the triangle
+    inequality, which MuJoCo accepts only with balanceinertia, as its file says; the other robots
+    do without.
     """
+    return mujoco.MjModel.from_xml_string(text_with_frames(name))
+
+
+def text_with_frames(name: str) -> str:
+    """Return a shipped URDF that tells MuJoCo to keep frames as bodies."""
     text = (ROBOT_FILES / f"{name}.urdf").read_text(encoding="utf-8")
-    balance = ' balanceinertia="true"' if name == "psp3" else ""
-    tag = f'<mujoco><compiler discardvisual="true" fusestatic="false"{balance}/></mujoco>'
+    settings = 'discardvisual="true" fusestatic="false"'
+    if name == "psp3":
+        assert text.count("<mujoco><compiler ") == 1
+        return text.replace("<mujoco><compiler ", f"<mujoco><compiler {settings} ")
     assert text.count(f'<robot name="{name}">') == 1
-    return mujoco.MjModel.from_xml_string(
-        text.replace(f'<robot name="{name}">', f'<robot name="{name}">{tag}')
-    )
+    tag = f"<mujoco><compiler {settings}/></mujoco>"
+    return text.replace(f'<robot name="{name}">', f'<robot name="{name}">{tag}')
 
 
 class State(NamedTuple):

@@ -91,6 +91,7 @@ def test_there_are_kernels_in_every_module_that_computes() -> None:
         "core",
         "equations",
         "flatten",
+        "named_frames",
         "tree",
     }
     assert len(KERNELS) > 50

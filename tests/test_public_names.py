@@ -45,7 +45,7 @@ snr_from_mean_variation t_conorm t_norm to_json union
         wu_mendel_bounds
     """,
     "psp3.trajectories": """
-        SPACES Circle FromCSV Helix Hold Line Motion PointToPoint Trajectory Waypoints \
+        SPACES Circle FromCSV Helix Hold Line Motion PointToPoint Sway Trajectory Waypoints \
 check_stroke finite_times tip_of
     """,
     "psp3.study.statistics": """
@@ -65,8 +65,8 @@ NoStabilizingSolution NoThreshold NotTrained OpenLoops
 SimulationDiverged SimulationStopped
         SingularConfiguration StrokeExceeded StudyFileNotWritable StudyInUse StudyInterrupted \
 StudyMismatch UncertainRank
-        UnexportableJoint UnknownName UnphysicalInertia UnreachablePose UnreachableTip \
-UnsupportedJoint UnusableEstimate
+        UnexportableJoint UnknownName UnknownRobot UnphysicalInertia UnreachablePose \
+UnreachableTip UnsupportedJoint UnusableEstimate
     """,
     "fuzzy2.errors": """
         ApproximationWarning FeatureNamesWarning Fuzzy2Error InvalidRule InvalidValue \

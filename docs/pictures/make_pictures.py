@@ -21,8 +21,23 @@ HERE = Path(__file__).parent
 HEIGHT, WHOLE_WIDTH, CLOSE_WIDTH = 620, 400, 500
 ANIMATION_WIDTH, SECONDS, FRAME_RATE, COLORS = 720, 4.0, 10, 255
 OTHER_WIDTH = 400
-OTHERS = {"five_bar": 0.3, "planar_3rrr": 0.2, "delta": 0.3, "gough_stewart": 0.05, "tricept": 0.08}
-"""How far each robot is from its reference pose [rad or m]."""
+OTHERS = {
+    "psp3": 0.06,
+    "five_bar": 0.3,
+    "planar_3rrr": 0.2,
+    "delta": 0.3,
+    "gough_stewart": 0.05,
+    "tricept": 0.08,
+    "planar_4rrr": 0.2,
+    "jansen": 0.6,
+    "agile_eye": 0.4,
+    "hexa": 0.2,
+    "gripper": 0.02,
+    "biped": 0.1,
+}
+"""How far each robot is from its reference pose [rad or m]; a floating base stays where it is."""
+ROW = 6
+"""How many of them stand side by side."""
 HEIGHTS = psp3.load().inverse_kinematics(
     height=0.03, tilt=np.radians(18.0), azimuth=np.radians(200.0)
 )
@@ -88,18 +103,21 @@ def robot(browser: webdriver.Chrome) -> Image.Image:
 
 
 def others(browser: webdriver.Chrome) -> Image.Image:
-    """Return the other robots side by side, each in a pose of its own, from nearby."""
+    """Return all robots in rows, each in a pose of its own, from nearby."""
     images = []
     for name, share in OTHERS.items():
         robot = psp3.load(name)
-        pose = robot.reference + share * np.random.default_rng(2).uniform(
-            -1.0, 1.0, len(robot.actuated)
-        )
+        pose = robot.reference.copy()
+        floats = len(pose) > len(robot.coordinates_v)
+        moved = pose[:-7] if floats else pose
+        moved += share * np.random.default_rng(2).uniform(-1.0, 1.0, len(moved))
         images.append(picture(browser, Scene(robot).show(pose), OTHER_WIDTH))
-    row = Image.new("RGB", (sum(image.width for image in images), images[0].height))
+    width, height = images[0].size
+    rows = -(-len(images) // ROW)
+    both = Image.new("RGB", (ROW * width, rows * height))
     for number, image in enumerate(images):
-        row.paste(image, (number * image.width, 0))
-    return row.resize((2 * row.width // 5, 2 * row.height // 5), Image.Resampling.LANCZOS)
+        both.paste(image, (number % ROW * width, number // ROW * height))
+    return both.resize((both.width // 3, both.height // 3), Image.Resampling.LANCZOS)
 
 
 def animation(browser: webdriver.Chrome) -> list[Image.Image]:

@@ -13,7 +13,7 @@ app = typer.Typer(
     add_completion=False,
     invoke_without_command=True,
     pretty_exceptions_enable=False,
-    help="Dynamics and control of the 3-PSP parallel robot.",
+    help="Dynamics and control of the 3-PSP parallel robot, and of any robot with loops.",
     epilog=(
         "Lengths are in meters and angles in degrees, lists are separated by commas. 'psp3 "
         "COMMAND --help' explains a command."

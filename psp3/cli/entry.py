@@ -14,9 +14,11 @@ import sys
 import typer
 
 from psp3.cli.app import app
+from psp3.cli.commands.check import check
+from psp3.cli.commands.dynamics import dynamics
 from psp3.cli.commands.info import info
+from psp3.cli.commands.pose import pose
 from psp3.cli.commands.reproduce import reproduce
-from psp3.cli.commands.robot import dynamics, pose
 from psp3.cli.commands.simulate import simulate, train
 from psp3.cli.commands.study import study
 from psp3.cli.commands.torques import torques
@@ -26,7 +28,9 @@ from psp3.cli.options import INTERRUPTED, USAGE
 from psp3.cli.output import error_message
 
 # In the order of the help.
-for command in (reproduce, simulate, train, study, torques, pose, dynamics, workspace, view, info):
+for command in (reproduce, simulate, train, study, torques, pose, dynamics, workspace, view):
+    app.command()(command)
+for command in (check, info):
     app.command()(command)
 
 

@@ -15,17 +15,26 @@ from psp3.cli.options import (
     MOTION,
     OUTPUT,
     SAMPLED,
-    Triple,
+    Numbers,
     csv_output,
     figure_output,
-    triple,
+    numbers,
     usage_error,
 )
 
 
 @dataclass(frozen=True, kw_only=True)
 class MotionOptions:
-    """What a motion of the tip is like; which one it is, ``--trajectory`` says."""
+    """What a motion is like; which one it is, ``--trajectory`` says."""
+
+    amplitude: Annotated[
+        float | None,
+        typer.Option(
+            metavar="A",
+            rich_help_panel=MOTION,
+            help="How far sway moves each motor (m, rad); as far as is easy unless given.",
+        ),
+    ] = None
 
     radius: Annotated[
         float | None,
@@ -40,7 +49,7 @@ class MotionOptions:
         typer.Option(
             metavar="S",
             rich_help_panel=MOTION,
-            help="Time for a turn of helix and circle (s); 2 unless given.",
+            help="Time for a turn of helix, circle and sway (s); 2 unless given.",
         ),
     ] = None
     rise: Annotated[
@@ -60,21 +69,24 @@ class MotionOptions:
         ),
     ] = None
     start: Annotated[
-        Triple | None,
+        Numbers | None,
         typer.Option(
-            parser=triple,
+            parser=numbers,
             metavar="X,Y,Z",
             rich_help_panel=MOTION,
-            help="Tip where line and point-to-point start (m).",
+            help=(
+                "Where line and point-to-point start: the tip (m), of another robot than the 3-PSP "
+                "its motors (m, rad), in the reference pose unless given."
+            ),
         ),
     ] = None
     end: Annotated[
-        Triple | None,
+        Numbers | None,
         typer.Option(
-            parser=triple,
+            parser=numbers,
             metavar="X,Y,Z",
             rich_help_panel=MOTION,
-            help="Tip where line and point-to-point end (m).",
+            help="Where line and point-to-point end, likewise (m), (m, rad).",
         ),
     ] = None
     travel_time: Annotated[
@@ -86,12 +98,17 @@ class MotionOptions:
         ),
     ] = None
     tip: Annotated[
-        Triple | None,
+        Numbers | None,
         typer.Option(
-            parser=triple,
+            "--tip",
+            "--at",
+            parser=numbers,
             metavar="X,Y,Z",
             rich_help_panel=MOTION,
-            help="Tip to hold (m); 0,0,0.07, home, unless given.",
+            help=(
+                "What to hold: the tip (m), of another robot its motors (m, rad); home unless "
+                "given."
+            ),
         ),
     ] = None
     duration: Annotated[
@@ -118,19 +135,28 @@ class GainOptions:
         float | None,
         typer.Option(
             metavar="GAIN",
-            help="Proportional gain: N/m, 1/s² for ctc; 1000, 10 for ctc, unless given.",
+            help=(
+                "Proportional gain: N/m, 1/s² for ctc. Unless given the thesis's, 1000, 10 for "
+                "ctc; of another robot that of a bandwidth of 20 rad/s."
+            ),
         ),
     ] = None
     kv: Annotated[
         float | None,
         typer.Option(
             metavar="GAIN",
-            help="Derivative gain: N s/m, 1/s for ctc; 100, 1 for ctc, unless given.",
+            help=(
+                "Derivative gain: N s/m, 1/s for ctc. Unless given the thesis's, 100, 1 for ctc; "
+                "of another robot critical damping."
+            ),
         ),
     ] = None
     ki: Annotated[
         float | None,
-        typer.Option(metavar="GAIN", help="Integral gain of pid: N/(m s); 2000 unless given."),
+        typer.Option(
+            metavar="GAIN",
+            help="Integral gain of pid: N/(m s); 2000, of another robot 10/s of kp, unless given.",
+        ),
     ] = None
 
 

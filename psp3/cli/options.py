@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any, NamedTuple
@@ -30,8 +30,14 @@ class Triple(NamedTuple):
     third: float
 
 
+class Numbers(NamedTuple):
+    """Numbers of the command line, one for each coordinate of a robot."""
+
+    values: tuple[float, ...]
+
+
 class Limit(NamedTuple):
-    """One number for all screws, or three."""
+    """One number for all motors, or one for each."""
 
     values: tuple[float, ...]
 
@@ -53,6 +59,7 @@ class ModelName(StrEnum):
     """Implementations of the equation of motion."""
 
     CLOSED_FORM = "closed_form"
+    CORE = "core"
     PINOCCHIO = "pinocchio"
     NOC = "noc"
 
@@ -70,13 +77,6 @@ class InitialSpeed(StrEnum):
 
     REST = "rest"
     PATH = "path"
-
-
-class Over(StrEnum):
-    """Coordinates of a map of the workspace."""
-
-    TILT = "tilt"
-    TIP = "tip"
 
 
 # What the options look like
@@ -99,16 +99,33 @@ def triple(text: str) -> Triple:
     return Triple(*numbers)
 
 
-def limit_of_torque(text: str) -> Limit:
-    """Read one positive number, or three."""
-    numbers = _numbers(text)
-    if len(numbers) not in (1, 3) or not all(
-        math.isfinite(number) and number > 0.0 for number in numbers
-    ):
-        raise typer.BadParameter(
-            f"{text!r} is not one positive number or three, separated by commas"
+def numbers(text: str) -> Numbers:
+    """Read numbers, separated by commas."""
+    return Numbers(_numbers(text))
+
+
+def of_each(option: str, given: Numbers, names: Sequence[str]) -> tuple[float, ...]:
+    """Return numbers, one for each name; refuse another number of them."""
+    if len(given.values) != len(names):
+        text = ",".join(f"{number:g}" for number in given.values)
+        raise usage_error(
+            f"{option} {text} has {_counted(len(given.values), 'number')}; {len(names)} "
+            f"{'is' if len(names) == 1 else 'are'} needed, separated by commas: "
+            f"{', '.join(names)}"
         )
-    return Limit(numbers)
+    return given.values
+
+
+def _counted(number: int, what: str) -> str:
+    return f"{number} {what}{'' if number == 1 else 's'}"
+
+
+def limit_of_torque(text: str) -> Limit:
+    """Read positive numbers."""
+    given = _numbers(text)
+    if not all(math.isfinite(number) and number > 0.0 for number in given):
+        raise typer.BadParameter(f"{text!r} are not positive numbers, separated by commas")
+    return Limit(given)
 
 
 def output_file(text: str) -> Path:
@@ -144,21 +161,15 @@ def figure_output(text: str) -> Path:
     return output_file(text)
 
 
-Parameters = Annotated[
-    ParametersName,
-    typer.Option(
-        metavar="NAME", help="Parameter set: default, table_3_1 or table_5_1; see psp3 info."
-    ),
-]
 Model = Annotated[
     ModelName | None,
     typer.Option(
         metavar="NAME",
-        help="Where M, C and G come from: closed_form (unless given), pinocchio or noc.",
+        help=(
+            "Where M, C and G come from: closed_form (of the 3-PSP, unless given), core (of any "
+            "other robot), pinocchio or noc."
+        ),
     ),
-]
-Heights = Annotated[
-    Triple, typer.Option(parser=triple, metavar="A1,A2,A3", help="Nut heights (m).")
 ]
 Json = Annotated[
     bool, typer.Option("--json", help="Print JSON and nothing else.", show_default=False)
@@ -170,11 +181,14 @@ FigureFile = Annotated[
 
 MOTION, RUNS, PLANT, OUTPUT = "Desired motion", "Runs", "Plant, for --reading plant", "Output"
 TrajectoryText = Annotated[
-    str,
+    str | None,
     typer.Option(
         metavar="NAME",
         rich_help_panel=MOTION,
-        help="helix, circle, line, point-to-point, hold, or csv:FILE for a motion on file.",
+        help=(
+            "helix (of the 3-PSP, unless given), circle, line, point-to-point, hold, sway (of any "
+            "other robot), or csv:FILE for a motion on file."
+        ),
     ),
 ]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import typer
 
@@ -15,8 +15,9 @@ from psp3.cli.options import (
     SAMPLED,
     ControllerName,
     ModelName,
-    ParametersName,
+    Numbers,
     listed,
+    of_each,
     only_allowed,
     option_of,
     usage_error,
@@ -25,6 +26,7 @@ from psp3.cli.options import (
 if TYPE_CHECKING:
     from psp3.control.controller import Controller
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
+    from psp3.robots.closed_loop_robot import ClosedLoopRobot
     from psp3.three_psp.robot import PSP3
     from psp3.trajectories.trajectory import Trajectory
 
@@ -45,20 +47,27 @@ def resumable(place: Path) -> Iterator[None]:
         raise typer.Exit(INTERRUPTED) from None
 
 
-def load_robot(parameters: ParametersName) -> PSP3:
-    """Return the 3-PSP with a parameter set."""
-    from psp3.loading import load
+MOTION_OF_THESIS, MOTION_OF_OTHERS = "helix", "sway"
+"""What is followed unless another motion is named."""
 
-    return load("psp3", parameters=parameters.value)
+BANDWIDTH = 20.0
+"""Of the default gains of another robot than the 3-PSP [rad/s]."""
+
+INTEGRAL_SHARE = 0.1
+"""Default integral gain of another robot, as a share of the largest that is stable."""
 
 
 def trajectory_from_options(
-    robot: PSP3, text: str, motion: MotionOptions
-) -> tuple[Trajectory, float]:
-    """Return the motion that the options describe, and for how long it is wanted."""
-    from psp3.trajectories import paths, recorded
+    robot: ClosedLoopRobot, text: str | None, motion: MotionOptions
+) -> tuple[Trajectory, float, str]:
+    """Return the motion that the options describe, for how long it is wanted, and its name."""
+    from psp3.trajectories import recorded
+    from psp3.trajectories.sway import Sway
 
     given, duration = motion.of_the_path(), motion.duration
+    has_inverse = robot.has_inverse_of_tip
+    if text is None:
+        text = MOTION_OF_THESIS if has_inverse else MOTION_OF_OTHERS
     kind, _, file = text.partition(":")
     trajectory: Trajectory
     if kind == "csv":
@@ -66,16 +75,42 @@ def trajectory_from_options(
         if not file:
             raise usage_error("--trajectory csv needs the name of a file: csv:FILE")
         trajectory = recorded.FromCSV(file, robot=robot)
-    elif file or kind not in ("helix", "circle", "line", "point-to-point", "hold"):
+    elif file or kind not in ("helix", "circle", "line", "point-to-point", "hold", "sway"):
         raise usage_error(
-            "--trajectory must be helix, circle, line, point-to-point, hold or csv:FILE, got "
+            "--trajectory must be helix, circle, line, point-to-point, hold, sway or csv:FILE, got "
             f"{text!r}"
         )
-    elif kind == "hold":
-        trajectory = paths.Hold(
-            only_allowed("--trajectory hold", given, ("tip",)).get("tip"), robot=robot
+    elif kind in ("helix", "circle") and not has_inverse:
+        raise usage_error(
+            f"--trajectory {kind} is a motion of the 3-PSP's tip; of {robot.title} give sway, "
+            "line, point-to-point, hold or csv:FILE"
         )
-    elif kind in ("helix", "circle"):
+    elif kind == "sway":
+        options = only_allowed("--trajectory sway", given, ("amplitude", "turn_time"))
+        names = {"amplitude": "amplitude", "turn_time": "period"}
+        trajectory = Sway(robot=robot, **{names[name]: value for name, value in options.items()})
+    else:
+        trajectory = _path_between_points(robot, kind, given)
+    wanted = duration if duration is not None else trajectory.duration or float(SAMPLED)
+    return trajectory, wanted, text
+
+
+def _path_between_points(robot: ClosedLoopRobot, kind: str, given: dict[str, Any]) -> Trajectory:
+    """Return a helix, a circle, a segment or a point to hold."""
+    from psp3.trajectories import paths
+
+    has_inverse = robot.has_inverse_of_tip
+    labels = ("x", "y", "z") if has_inverse else robot.actuated
+
+    def point(option: str, numbers: Numbers) -> tuple[float, ...]:
+        return of_each(option, numbers, labels)
+
+    if kind == "hold":
+        kept = only_allowed("--trajectory hold", given, ("tip",)).get("tip")
+        return paths.Hold(
+            None if kept is None else point("--tip" if has_inverse else "--at", kept), robot=robot
+        )
+    if kind in ("helix", "circle"):
         allowed = ("radius", "turn_time", "start_height") + (("rise",) if kind == "helix" else ())
         options = only_allowed(f"--trajectory {kind}", given, allowed)
         names = {
@@ -85,64 +120,109 @@ def trajectory_from_options(
             "rise": "rise",
         }
         shape = paths.Helix if kind == "helix" else paths.Circle
-        trajectory = shape(robot=robot, **{names[name]: value for name, value in options.items()})
-    else:
-        options = {"travel_time": 2.0} | only_allowed(
-            f"--trajectory {kind}", given, ("start", "end", "travel_time")
-        )
-        missing = [option_of(name) for name in ("start", "end") if name not in options]
-        if missing:
-            raise usage_error(f"--trajectory {kind} needs {listed(missing)}")
-        segment = paths.Line if kind == "line" else paths.PointToPoint
-        trajectory = segment(options["start"], options["end"], options["travel_time"], robot=robot)
-    return trajectory, duration if duration is not None else trajectory.duration or float(SAMPLED)
+        return shape(robot=robot, **{names[name]: value for name, value in options.items()})
+    options = {"travel_time": 2.0} | only_allowed(
+        f"--trajectory {kind}", given, ("start", "end", "travel_time")
+    )
+    needed = ("start", "end") if has_inverse else ("end",)
+    missing = [option_of(name) for name in needed if name not in options]
+    if missing:
+        raise usage_error(f"--trajectory {kind} needs {listed(missing)}")
+    start = point("--start", options["start"]) if "start" in options else robot.reference
+    segment = paths.Line if kind == "line" else paths.PointToPoint
+    return segment(start, point("--end", options["end"]), options["travel_time"], robot=robot)
 
 
 def controller_named(
-    robot: PSP3, name: ControllerName, model: ModelName | None, gains: GainOptions
+    robot: ClosedLoopRobot, name: ControllerName, model: ModelName | None, gains: GainOptions
 ) -> tuple[Controller, dict[str, Any]]:
     """Return a controller and what there is to say about it."""
-    from psp3.control import classical as controllers
-
     allowed = {ControllerName.PID: ("kp", "kv", "ki"), ControllerName.FEED_FORWARD: ()}.get(
         name, ("kp", "kv")
     )
     kept = only_allowed(f"--controller {name.value}", vars(gains), allowed)
-    controller: Any
+    if not robot.has_inverse_of_tip:
+        kept = _default_gains(robot, name) | kept
     if name in (ControllerName.T1, ControllerName.IT2, ControllerName.GT2):
-        if model is not None:
-            raise usage_error(
-                f"--model does not apply to --controller {name.value}, which learns its own"
-            )
-        from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-        from psp3.trajectories.paths import Helix
+        controller, settings = _learned(robot, name, model, kept)
+    else:
+        controller, settings = _classical(robot, name, model, kept)
+    return controller, settings | {"gains": {gain: getattr(controller, gain) for gain in allowed}}
 
-        controller = FuzzyComputedTorque(name.value, robot, **kept).fit(Helix(robot=robot))
-        settings: dict[str, Any] = {"model": "learned"}
-    elif name in (ControllerName.PD, ControllerName.PID):
+
+def _learned(
+    robot: ClosedLoopRobot, name: ControllerName, model: ModelName | None, gains: dict[str, Any]
+) -> tuple[Any, dict[str, Any]]:
+    if model is not None:
+        raise usage_error(
+            f"--model does not apply to --controller {name.value}, which learns its own"
+        )
+    from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
+    from psp3.trajectories.paths import Helix
+
+    if not robot.has_inverse_of_tip:
+        raise usage_error(
+            f"--controller {name.value} learns the 3-PSP; for {robot.title} give pd, pd-gravity, "
+            "pid, feed-forward or ctc"
+        )
+    controller = FuzzyComputedTorque(name.value, cast("PSP3", robot), **gains).fit(
+        Helix(robot=robot)
+    )
+    return controller, {"model": "learned"}
+
+
+def _classical(
+    robot: ClosedLoopRobot, name: ControllerName, model: ModelName | None, gains: dict[str, Any]
+) -> tuple[Any, dict[str, Any]]:
+    from psp3.control import classical as controllers
+
+    if name in (ControllerName.PD, ControllerName.PID):
         if model is not None:
             raise usage_error(
                 f"--model does not apply to --controller {name.value}, which uses none"
             )
-        controller = {ControllerName.PD: controllers.PD, ControllerName.PID: controllers.PID}[name](
-            **kept
-        )
-        settings = {"model": None}
-    else:
-        chosen = model or ModelName.CLOSED_FORM
-        kinds: dict[ControllerName, Callable[..., Any]] = {
-            ControllerName.PD_GRAVITY: controllers.GravityCompensatedPD,
-            ControllerName.FEED_FORWARD: controllers.FeedForward,
-            ControllerName.CTC: controllers.ComputedTorque,
-        }
-        controller = kinds[name](robot.dynamics(chosen.value), **kept)
-        settings = {"model": chosen.value}
-    return controller, settings | {"gains": {gain: getattr(controller, gain) for gain in allowed}}
+        kinds = {ControllerName.PD: controllers.PD, ControllerName.PID: controllers.PID}
+        return kinds[name](**gains), {"model": None}
+    chosen = model or (ModelName.CLOSED_FORM if robot.has_inverse_of_tip else ModelName.CORE)
+    of_a_model: dict[ControllerName, Callable[..., Any]] = {
+        ControllerName.PD_GRAVITY: controllers.GravityCompensatedPD,
+        ControllerName.FEED_FORWARD: controllers.FeedForward,
+        ControllerName.CTC: controllers.ComputedTorque,
+    }
+    made = of_a_model[name](robot.dynamics(chosen.value), **gains)
+    return made, {"model": chosen.value}
 
 
-def controller_from_file(robot: PSP3, path: Path) -> tuple[FuzzyComputedTorque, dict[str, Any]]:
+def _default_gains(robot: ClosedLoopRobot, name: ControllerName) -> dict[str, Any]:
+    """Return gains of a critically damped loop in the reference pose."""
+    import numpy as np
+
+    from psp3.control.classical import critically_damped_gains
+
+    if name is ControllerName.FEED_FORWARD:
+        return {}
+    if name not in (ControllerName.PD, ControllerName.PD_GRAVITY, ControllerName.PID):
+        kp, kv = critically_damped_gains(BANDWIDTH)
+        return {"kp": kp, "kv": kv}
+    mass = robot.mass_matrix(robot.reference)
+    kp, kv = critically_damped_gains(BANDWIDTH, mass)
+    gains = {"kp": kp, "kv": kv}
+    if name is ControllerName.PID:
+        # A mass m with these gains is stable up to ki = kp kv / m, and the least m is what counts.
+        omega = float(kv[0, 0] / (2.0 * mass[0, 0]))
+        least = float(np.linalg.eigvalsh(mass)[0])
+        gains["ki"] = INTEGRAL_SHARE * 2.0 * omega**3 * least
+    return gains
+
+
+def controller_from_file(
+    robot: ClosedLoopRobot, path: Path
+) -> tuple[FuzzyComputedTorque, dict[str, Any]]:
     """Return a trained controller and what there is to say about it."""
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 
-    controller = FuzzyComputedTorque.load(path, robot)
+    if not robot.has_inverse_of_tip:
+        raise usage_error(f"--trained holds a controller of the 3-PSP, not of {robot.title}")
+
+    controller = FuzzyComputedTorque.load(path, cast("PSP3", robot))
     return controller, {"model": str(path), "gains": {"kp": controller.kp, "kv": controller.kv}}

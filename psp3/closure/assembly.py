@@ -17,6 +17,10 @@ from psp3.multibody.tree import ROWS, SIZE, VELOCITIES
 ASSEMBLED = 1e-9
 """Residual at which a first configuration is handed to the exact closure [m, rad]."""
 
+MOST_EVALUATIONS = 100
+"""So often the equations are asked for from one start. Where they can be closed some 10 to 50 are
+enough; along a valley that ends open there is no end."""
+
 
 def residual(flat: FlatTree, q: Array) -> Array:
     """Return the residuals of all closures at a configuration [m, rad].
@@ -115,6 +119,7 @@ def nearly_closed(model: pin.Model, flat: FlatTree, q0: Array) -> Iterator[tuple
             xtol=1e-15,
             ftol=1e-15,
             gtol=1e-15,
+            max_nfev=MOST_EVALUATIONS,
         )
         yield (
             np.asarray(pin.integrate(model, q0, solution.x)),

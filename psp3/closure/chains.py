@@ -13,7 +13,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.closure.mobility import mobility
-from psp3.errors import InvalidValue, UnknownName
+from psp3.errors import InvalidValue
+from psp3.multibody.named_frames import frame_number
 
 Link: TypeAlias = tuple[str, ...]
 """A link, by the names of the joints that carry it; the base is that of ``universe``. What is
@@ -73,10 +74,8 @@ def kinematic_chains(
     InvalidValue
         If the frame is fixed to the base.
     """
-    if not model.existFrame(frame):
-        raise UnknownName("frame", frame, [known.name for known in model.frames])
     neighbors = _neighbors(model, constraint_models)
-    joint = model.frames[model.getFrameId(frame)].parentJoint
+    joint = model.frames[frame_number(model, frame)].parentJoint
     base, end = (next(link for link in neighbors if index in link) for index in (0, joint))
     if base == end:
         raise InvalidValue("frame", frame, "one that moves; this one is fixed to the base")

@@ -125,7 +125,8 @@ def chosen_coordinates(
         elif spin is None:
             held.append(velocity)
         locked.append(Locked(choice.names[velocity], (), spin))
-    moving = _moving(model, found, rows[commanded:], rows[:commanded])
+    of_base = [] if base is None else list(np.eye(model.nv)[base.idx_v : base.idx_v + base.nv])
+    moving = _moving(model, found, rows[commanded:], [*rows[:commanded], *of_base])
     locked = [one._replace(moving=names) for one, names in zip(locked, moving, strict=True)]
     if free == "keep":
         locked = [one for one in locked if one.spin is not None]

@@ -11,6 +11,7 @@ and penetration depth computation on 3D game objects, 2001).
 from __future__ import annotations
 
 import warnings
+import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -22,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 from psp3.checks import Array, one_row
 from psp3.collisions.pairs import pairs_to_check
 from psp3.description.srdf import Exclusion, excluded_by_srdf
-from psp3.description.xml import read_xml
+from psp3.description.urdf_plain import make_meshes_absolute, plain_urdf
 from psp3.errors import InvalidRobotFile, InvalidValue, OverlappingShapes
 from psp3.robots.robot import Robot
 
@@ -300,11 +301,13 @@ def collision_model(
         urdf, loaded_with = _files(robot)
         srdf = loaded_with if srdf is None else srdf
     path = Path(urdf)
-    read_xml(path, "robot")
+    root = plain_urdf(path)
+    make_meshes_absolute(path, root)
+    text = ElementTree.tostring(root, encoding="unicode")
     try:
-        model = pin.buildModelFromUrdf(str(path))
-        shapes = pin.buildGeomFromUrdf(
-            model, str(path), pin.GeometryType.COLLISION, package_dirs=[str(path.parent)]
+        model = pin.buildModelFromXML(text)
+        shapes = pin.buildGeomFromUrdfString(
+            model, text, pin.GeometryType.COLLISION, package_dirs=[str(path.parent)]
         )
     except (ValueError, RuntimeError) as error:
         raise InvalidRobotFile(path, f"Pinocchio cannot read it: {error}") from error

@@ -63,6 +63,9 @@ PER_DEGREE_OF_FREEDOM = (
 POSITION_LIMITS = ("lowerPositionLimit", "upperPositionLimit", "positionLimitMargin")
 """What a Pinocchio model holds for each coordinate."""
 
+BODY_MARK = "\x00"
+"""Before the name of a body that a joint has, too: no file has it."""
+
 NewJoints = Mapping[str, Sequence[tuple[str, Any]]]
 """For joints of the old tree, names and models of those that replace them, from the base
 outward.
@@ -123,7 +126,22 @@ def replace_joints(
     model, visual_model = _rebuilt(model, visual_model, new_joints, path)
     locked = [model.getJointId(name) for name, kind in replaced if kind == "FIXED"]
     if locked:
-        model, visual_model = pin.buildReducedModel(model, visual_model, locked, pin.neutral(model))
+        model, visual_model = _locked(model, visual_model, locked)
+    return model, visual_model
+
+
+def _locked(model: pin.Model, visual_model: Any, joints: list[int]) -> tuple[pin.Model, Any]:
+    """Return a tree without some of its joints.
+
+    Pinocchio looks its joints up by names among all frames, and fails where a body has the same.
+    """
+    joint_frame = pin.FrameType.JOINT
+    for frame in model.frames:
+        if frame.type != joint_frame and model.existJointName(frame.name):
+            frame.name = BODY_MARK + frame.name
+    model, visual_model = pin.buildReducedModel(model, visual_model, joints, pin.neutral(model))
+    for frame in model.frames:
+        frame.name = frame.name.removeprefix(BODY_MARK)
     return model, visual_model
 
 

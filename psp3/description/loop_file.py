@@ -14,6 +14,8 @@ The keys are those of toolbox-parallel-robots, so its files can be read here and
 
 from __future__ import annotations
 
+import logging
+import reprlib
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -25,6 +27,16 @@ import pinocchio as pin
 from psp3.description.joint_replacement import REPLACEMENTS
 from psp3.errors import InvalidRobotFile
 from psp3.multibody.equations import Hinge
+from psp3.multibody.named_frames import frames_named
+
+logger = logging.getLogger(__name__)
+
+SHORT = reprlib.Repr()
+"""Writes a value in an error message: of lists in lists in lists no more than two."""
+SHORT.maxlevel = 2
+
+KEYS = ("closed_loop", "type", "name_mot", "joint_name", "joint_type")
+"""Keys of a loop file."""
 
 KINDS = ("6d", "3d", "hinge")
 
@@ -49,7 +61,9 @@ class Loops(NamedTuple):
 
 def _names(path: Path, value: Any, key: str) -> tuple[str, ...]:
     if not isinstance(value, list) or not all(isinstance(name, str) for name in value):
-        raise InvalidRobotFile(path, f"key {key!r} must hold a list of names, got {value!r}")
+        raise InvalidRobotFile(
+            path, f"key {key!r} must hold a list of names, got {SHORT.repr(value)}"
+        )
     return tuple(value)
 
 
@@ -79,7 +93,7 @@ def read_loops(path: str | Path) -> Loops:
     path = Path(path)
     try:
         content = yaml.safe_load(path.read_text(encoding="utf-8"))
-    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+    except (OSError, ValueError, RecursionError, yaml.YAMLError) as error:
         raise InvalidRobotFile(
             path, f"cannot be read as YAML ({getattr(error, 'strerror', None) or error})"
         ) from error
@@ -88,14 +102,17 @@ def read_loops(path: str | Path) -> Loops:
     missing = [key for key in ("closed_loop", "type", "name_mot") if key not in content]
     if missing:
         raise InvalidRobotFile(path, f"lacks the key {', '.join(missing)}")
+    unread = [SHORT.repr(key) for key in content if key not in KEYS]
+    if unread:
+        logger.warning("%s: these keys are not read: %s", path, ", ".join(unread))
     pairs = content["closed_loop"]
     if not isinstance(pairs, list):
         raise InvalidRobotFile(
-            path, f"key 'closed_loop' must hold a list of frame pairs, got {pairs!r}"
+            path, f"key 'closed_loop' must hold a list of frame pairs, got {SHORT.repr(pairs)}"
         )
     frames = tuple(_names(path, pair, "closed_loop") for pair in pairs)
     if any(len(pair) != 2 for pair in frames):
-        raise InvalidRobotFile(path, f"every closed loop joins two frames, got {pairs!r}")
+        raise InvalidRobotFile(path, f"every closed loop joins two frames, got {SHORT.repr(pairs)}")
     itself = [pair for pair in frames if pair[0] == pair[1]]
     if itself:
         raise InvalidRobotFile(path, f"closed loop {list(itself[0])} joins a frame with itself")
@@ -104,7 +121,7 @@ def read_loops(path: str | Path) -> Loops:
         raise InvalidRobotFile(
             path,
             f"key 'type' must give '6d', '3d' or 'hinge' for each of the {len(frames)} closed "
-            f"loops, got {content['type']!r}",
+            f"loops, got {SHORT.repr(content['type'])}",
         )
     actuated = _names(path, content["name_mot"], "name_mot")
     _no_name_twice(path, actuated, "name_mot")
@@ -155,9 +172,10 @@ def _replaced(
 def _frame(model: pin.Model, name: str, pair: tuple[str, str], path: str | Path) -> Any:
     """Return the frame of a name.
 
-    A URDF may give a joint and a link the same one, which is clear if the two coincide.
+    A URDF may give a joint and a link the same one, which is clear if the two coincide, or if it is
+    said which is meant, as ``body:name`` or ``joint:name``.
     """
-    first, *others = [frame for frame in model.frames if frame.name == name] or [None]
+    first, *others = [model.frames[number] for number in frames_named(model, name)] or [None]
     if first is None:
         raise InvalidRobotFile(path, f"closed loop {list(pair)}: the robot has no frame {name!r}")
     for other in others:
@@ -165,13 +183,15 @@ def _frame(model: pin.Model, name: str, pair: tuple[str, str], path: str | Path)
         if other.parentJoint != first.parentJoint or apart > SAME_PLACE:
             raise InvalidRobotFile(
                 path,
-                f"closed loop {list(pair)}: the robot has several frames {name!r}; rename the "
-                "others",
+                f"closed loop {list(pair)}: the robot has several frames {name!r}; say "
+                f"which, 'body:{name}', 'frame:{name}' or 'joint:{name}'",
             )
     return first
 
 
-def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
+def constraint_models(
+    model: pin.Model, loops: Loops, path: str | Path, key: str = "name_mot"
+) -> Any:
     """Return the loops as Pinocchio constraint models.
 
     Parameters
@@ -182,6 +202,8 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
         Frame pairs and kinds of closure.
     path : path
         The loop file, for error messages.
+    key : str
+        What names the motors, for error messages.
 
     Returns
     -------
@@ -208,7 +230,7 @@ def constraint_models(model: pin.Model, loops: Loops, path: str | Path) -> Any:
             )
         )
         models[-1].name = f"{pair[0]}-{pair[1]}"
-    check_actuated(model, loops.actuated, path, "name_mot")
+    check_actuated(model, loops.actuated, path, key)
     return models
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 import tempfile
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,8 +16,10 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array
+from psp3.description.joint_replacement import replace_joints
 from psp3.description.loop_file import check_actuated, rigid_constraint
 from psp3.description.mjcf_document import MjcfDocument
+from psp3.description.mjcf_expansion import spelled_out
 from psp3.description.mjcf_tree import MjcfJoint, PlainMjcf, plain_mjcf
 from psp3.description.parts import RobotParts
 from psp3.description.xml import described
@@ -26,7 +28,11 @@ from psp3.multibody.equations import Coupling
 logger = logging.getLogger(__name__)
 
 
-def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotParts:
+def read_mjcf(
+    path: str | Path,
+    actuated: Sequence[str] | None = None,
+    joint_type: Mapping[str, str] | None = None,
+) -> RobotParts:
     """Read a robot from an MJCF file.
 
     Loops are the active equality constraints ``connect`` (a point) and ``weld`` (position and
@@ -46,6 +52,8 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
         The file.
     actuated : sequence of str, optional
         Names of the actuated joints, if they are not those of the file.
+    joint_type : mapping of str to str, optional
+        What hinges stand for, as in a loop file: see :mod:`psp3.description.joint_replacement`.
 
     Returns
     -------
@@ -56,11 +64,11 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
     ------
     InvalidRobotFile
         If the file is missing or malformed, or holds what cannot be read: other active constraints
-        than loops, motors that drive something else than a joint of one degree of freedom, bodies
-        moved from outside, geoms whose inertia is not a formula, or elements that stand for several
-        others (MuJoCo can write those out).
+        than loops, motors that drive something else than a joint of one degree of freedom, geoms
+        whose inertia is needed and not known, or bodies that MuJoCo makes of one element
+        (``composite``, ``flexcomp``; it can write those out).
     """
-    document = MjcfDocument(path)
+    document = spelled_out(path)
     plain = plain_mjcf(document)
     model, visual_model = _tree(document, plain)
     for name, (body, placement) in plain.sites.items():
@@ -72,8 +80,12 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
             )
         )
     _set_joints(model, plain)
+    replaced = dict(joint_type or {})
+    model, visual_model = replace_joints(
+        model, visual_model, list(replaced.items()), (), document.path
+    )
     model.gravity = pin.Motion(_gravity(document), np.zeros(3))
-    tendons = _tendons(document, plain)
+    tendons = _tendons(document, plain, model)
     names = tuple(_motors(document, plain, tendons) if actuated is None else actuated)
     driven = tuple(name for name in names if name not in tendons)
     check_actuated(model, driven, document.path, "actuator" if actuated is None else "actuated")
@@ -89,7 +101,9 @@ def read_mjcf(path: str | Path, actuated: Sequence[str] | None = None) -> RobotP
         {
             joint.name: (joint.stiffness, joint.rest)
             for joint in plain.joints
-            if joint.stiffness != 0.0 and joint.kind in ("hinge", "slide")
+            if joint.stiffness != 0.0
+            and joint.kind in ("hinge", "slide")
+            and joint.name not in replaced
         },
         {name: levers for name, levers in tendons.items() if name in names},
     )
@@ -102,14 +116,25 @@ def _tree(document: MjcfDocument, plain: PlainMjcf) -> tuple[pin.Model, Any]:
         ElementTree.ElementTree(plain.root).write(file, encoding="utf-8")
         try:
             model = pin.buildModelFromMJCF(str(file))
-            visual_model = pin.buildGeomFromMJCF(model, str(file), pin.GeometryType.VISUAL)
+            return model, _shapes(plain, model, file)
         except (ValueError, RuntimeError) as error:
             raise document.wrong(f"Pinocchio cannot read it: {error}") from error
-    return model, visual_model
+
+
+def _shapes(plain: PlainMjcf, model: pin.Model, file: Path) -> Any:
+    """Return the shapes, but not those whose meshes cannot be read."""
+    try:
+        return pin.buildGeomFromMJCF(model, str(file), pin.GeometryType.VISUAL)
+    except (ValueError, RuntimeError):
+        # Which of them is read once more only where one cannot be.
+        if not plain.leave_out_unreadable():
+            raise
+    ElementTree.ElementTree(plain.root).write(file, encoding="utf-8")
+    return pin.buildGeomFromMJCF(model, str(file), pin.GeometryType.VISUAL)
 
 
 def _set_joints(model: pin.Model, plain: PlainMjcf) -> None:
-    """Write limits, damping, friction and armature of the joints into a model."""
+    """Write limits, damping, friction, armature and the places of free joints into a model."""
     for item in plain.joints:
         joint = model.joints[model.getJointId(item.name)]
         velocities = slice(joint.idx_v, joint.idx_v + joint.nv)
@@ -124,6 +149,10 @@ def _set_joints(model: pin.Model, plain: PlainMjcf) -> None:
         )
         model.damping[velocities] = item.damping
         model.armature[velocities] = item.armature
+        if item.kind == "free":
+            # Pinocchio's parser puts it elsewhere, and at qpos0 of its own where the file has it.
+            model.jointPlacements[joint.id] = item.placement
+    model.referenceConfigurations["qpos0"] = pin.neutral(model)
 
 
 def _gravity(document: MjcfDocument) -> Array:
@@ -136,7 +165,19 @@ def _gravity(document: MjcfDocument) -> Array:
     return gravity
 
 
-def _tendons(document: MjcfDocument, plain: PlainMjcf) -> dict[str, dict[str, float]]:
+def _is_scalar(model: pin.Model, joint: MjcfJoint | None) -> bool:
+    """Tell whether a joint is in the file, and a hinge or slide that nothing has replaced."""
+    return (
+        joint is not None
+        and joint.kind in ("hinge", "slide")
+        and model.existJointName(joint.name)
+        and model.joints[model.getJointId(joint.name)].nq == 1
+    )
+
+
+def _tendons(
+    document: MjcfDocument, plain: PlainMjcf, model: pin.Model
+) -> dict[str, dict[str, float]]:
     """Return the levers of the joints of every fixed tendon."""
     joints = {joint.name: joint for joint in plain.joints}
     tendons: dict[str, dict[str, float]] = {}
@@ -146,7 +187,7 @@ def _tendons(document: MjcfDocument, plain: PlainMjcf) -> dict[str, dict[str, fl
         levers: dict[str, float] = {}
         for part in element.findall("joint"):
             name = part.get("joint", "")
-            if name not in joints or joints[name].kind not in ("hinge", "slide"):
+            if not _is_scalar(model, joints.get(name)):
                 raise document.wrong(
                     f"tendon: {described(element)} pulls joint {name!r}, which is no hinge or "
                     "slide of the file"
@@ -160,14 +201,13 @@ def _couplings(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> tu
     """Return the active joint equalities."""
     joints = {joint.name: joint for joint in plain.joints}
     couplings = []
-    for item in document.section("equality"):
-        element = document.full(item, tag="equality")
+    for element in document.section("equality"):
         if element.tag != "joint" or not document.is_true(element, "active", True):
             continue
         follows = element.get("joint1", "")
         leads = element.get("joint2", follows)
         for name in (follows, leads):
-            if name not in joints or joints[name].kind not in ("hinge", "slide"):
+            if not _is_scalar(model, joints.get(name)):
                 raise document.wrong(
                     f"equality: {described(element)} couples joint {name!r}, which is no hinge or "
                     "slide of the file"
@@ -230,8 +270,7 @@ def _loops(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Any:
     closures = pin.StdVec_RigidConstraintModel()
     data = model.createData()
     pin.framesForwardKinematics(model, data, pin.neutral(model))
-    for item in document.section("equality"):
-        element = document.full(item, tag="equality")
+    for element in document.section("equality"):
         if not document.is_true(element, "active", True):
             continue
         if element.tag == "joint":
@@ -320,22 +359,26 @@ def _home(document: MjcfDocument, plain: PlainMjcf, model: pin.Model) -> Array |
         q = pin.neutral(model)
         ends = np.cumsum([widths[joint.kind] for joint in plain.joints])
         for item, part in zip(plain.joints, np.split(positions, ends[:-1]), strict=True):
-            index = model.getJointId(item.name)
-            start = model.joints[index].idx_q
-            q[start : start + part.size] = _coordinates(
-                document, item, part, model.jointPlacements[index]
-            )
+            if not model.existJointName(item.name):
+                # It was replaced by no joint, or by two.
+                continue
+            joint = model.joints[model.getJointId(item.name)]
+            q[joint.idx_q : joint.idx_q + joint.nq] = _coordinates(document, item, part, joint.nq)
         model.referenceConfigurations[key.attrib["name"]] = q
     poses = {item.key(): np.array(item.data()) for item in model.referenceConfigurations}
     return poses.get("home")
 
 
-def _coordinates(
-    document: MjcfDocument, joint: MjcfJoint, position: Array, placement: pin.SE3
-) -> Array:
-    """Return Pinocchio's coordinates of a joint from MuJoCo's."""
+def _coordinates(document: MjcfDocument, joint: MjcfJoint, position: Array, count: int) -> Array:
+    """Return Pinocchio's coordinates of a joint, so many, from MuJoCo's."""
     if joint.kind in ("hinge", "slide"):
-        return position - joint.reference
+        turned = position - joint.reference
+        # A hinge that stands for a ball turns about its axis.
+        return (
+            turned
+            if count == 1
+            else np.asarray(pin.Quaternion(pin.AngleAxis(float(turned[0]), joint.axis)).coeffs())
+        )
     w, x, y, z = position[-4:]
     if not np.any(position[-4:]):
         raise document.wrong(f"a key frame gives joint {joint.name!r} a quaternion of zeros")
@@ -343,7 +386,7 @@ def _coordinates(
     if joint.kind == "ball":
         return np.asarray(turn.coeffs())
     # MuJoCo counts from the world, Pinocchio from where the body stands in the file.
-    return np.asarray(pin.SE3ToXYZQUAT(placement.actInv(pin.SE3(turn, position[:3]))))
+    return np.asarray(pin.SE3ToXYZQUAT(joint.placement.actInv(pin.SE3(turn, position[:3]))))
 
 
 def _warn(document: MjcfDocument, plain: PlainMjcf) -> None:
@@ -374,6 +417,16 @@ def _warn(document: MjcfDocument, plain: PlainMjcf) -> None:
             "%s: forces that the equation of motion does not know: %s",
             document.path,
             ", ".join(ignored),
+        )
+    if document.unknown:
+        logger.warning(
+            "%s: no words of MJCF, and not read: %s", document.path, ", ".join(document.unknown)
+        )
+    for name in plain.from_outside:
+        logger.warning(
+            "%s: body %s, which MuJoCo lets its user move (mocap), stays where it is",
+            document.path,
+            name,
         )
     for name, reason in plain.unreadable.items():
         logger.warning(

@@ -15,18 +15,24 @@ from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from psp3.checks import Array
+from psp3.description.mjcf_words import unknown_words
 from psp3.description.xml import described, numbers, read_xml
 from psp3.errors import InvalidRobotFile
 
 ORIENTATIONS = {"quat": 4, "axisangle": 4, "euler": 3, "xyaxes": 6, "zaxis": 3}
 """Attributes that give an orientation, and how many numbers each holds."""
 
-REFUSED_COMPILER = {"coordinate": "local", "settotalmass": "-1", "inertiagrouprange": "0 5"}
-"""Settings of the compiler that change every number in the file; only these values, the default
-ones, are read.
-"""
+DEEPEST = 200
+"""So many elements may be in each other."""
+
+SHORTEST = 1e-14
+"""A vector below this has no direction, and a mass below this is none: MuJoCo's ``mjEPS``."""
+
+LARGEST = 1e50
+"""A larger number is that of no robot, and its square may be none of a computer."""
 
 
 class MjcfDocument:
@@ -37,35 +43,45 @@ class MjcfDocument:
     path : path
         The file.
 
+    above : tuple of MjcfDocument
+        The files that attach this one, the outermost first.
+
     Attributes
     ----------
     root : Element
         The file's root, with what it includes in its place.
     compiler : dict of str to str
         Settings of the compiler.
+    unknown : tuple of str
+        What is no word of the format.
     radians_per_unit : float
         What an angle of the file is multiplied with.
+    settings : dict
+        Settings of the compiler by which the inertia of a body is found, for bodies that come from
+        a file of others.
 
     Raises
     ------
     InvalidRobotFile
-        If it is missing, is no MJCF, includes a file that is missing or twice included, or its
-        compiler has settings that are not read.
+        If it is missing, is no MJCF, includes a file that is missing, twice included or not in its
+        folder, or its compiler has settings that are not read.
     """
 
-    def __init__(self, path: str | Path) -> None:
-        self.path = Path(path)
+    def __init__(self, path: str | Path, above: tuple[MjcfDocument, ...] = ()) -> None:
+        self.path, self.above = Path(path), above
+        self.folder: Path = above[0].folder if above else self.path.resolve().parent
+        self.settings: dict[ElementTree.Element, dict[str, str]] = {}
         self.root = read_xml(self.path, "mujoco")
         self._include(self.root, {self.path.resolve()})
+        self.unknown = tuple(unknown_words(self.root))
         self.compiler: dict[str, str] = {}
         for element in self.root.findall("compiler"):
             self.compiler.update(element.attrib)
-        for attribute, value in REFUSED_COMPILER.items():
-            if self.compiler.get(attribute, value).split() != value.split():
-                raise self.wrong(
-                    f"<compiler {attribute}={self.compiler[attribute]!r}> is not read; "
-                    f"{self.advice}"
-                )
+        if self.compiler.get("coordinate", "local") != "local":
+            raise self.wrong(
+                f"<compiler coordinate={self.compiler['coordinate']!r}> is not read, as MuJoCo "
+                f"does not any more; {self.advice}"
+            )
         self.radians_per_unit = (
             1.0 if self.compiler.get("angle", "degree") == "radian" else np.pi / 180.0
         )
@@ -89,20 +105,63 @@ class MjcfDocument:
         """Return the error that says what is wrong with this file."""
         return InvalidRobotFile(self.path, reason)
 
-    def _include(self, element: ElementTree.Element, included: set[Path]) -> None:
+    def _include(self, element: ElementTree.Element, included: set[Path], depth: int = 1) -> None:
         """Put the children of included files where the elements <include> stand."""
+        if depth > DEEPEST:
+            raise self.wrong(
+                f"more than {DEEPEST} elements are in each other, the last {described(element)}"
+            )
         for index in reversed(range(len(element))):
             child = element[index]
             if child.tag == "include":
-                path = (self.path.parent / child.get("file", "")).resolve()
+                path = self._inside(child)
                 if path in included:
                     raise self.wrong(f"{path.name} is included twice")
                 included.add(path)
                 other = read_xml(path, None)
-                self._include(other, included)
+                self._include(other, included, depth + 1)
                 element[index : index + 1] = list(other)
             else:
-                self._include(child, included)
+                self._include(child, included, depth + 1)
+
+    def _inside(self, element: ElementTree.Element) -> Path:
+        """Return the file that an element names, which must be in the folder of the robot."""
+        if not element.get("file"):
+            raise self.wrong(f"{described(element)} has no file")
+        path = (self.path.parent / element.attrib["file"]).resolve()
+        if not path.is_relative_to(self.folder):
+            raise self.wrong(
+                f"{described(element)}: {element.attrib['file']!r} is outside of the file's folder "
+                f"{self.folder}; copy it there"
+            )
+        return path
+
+    def attached(self, element: ElementTree.Element) -> MjcfDocument:
+        """Return the file of a model that is to be attached."""
+        path = self._inside(element)
+        if path in [one.path.resolve() for one in (*self.above, self)]:
+            raise self.wrong(f"{described(element)}: {path.name} attaches itself")
+        other = MjcfDocument(path, (*self.above, self))
+        self.unknown += other.unknown
+        return other
+
+    def written_out(self, root: ElementTree.Element) -> MjcfDocument:
+        """Return this file with another tree, in radians, that has no classes."""
+        other = copy.copy(self)
+        other.root, other.radians_per_unit = root, 1.0
+        other._main, other._classes = "main", {"main": {}}
+        return other
+
+    def locate(self, mesh: ElementTree.Element) -> None:
+        """Give a mesh its name, and the full path of its file."""
+        file = mesh.get("file")
+        if file is None:
+            return
+        if self.compiler.get("strippath") == "true":
+            file = Path(file).name
+        folder = self.compiler.get("meshdir", self.compiler.get("assetdir", ""))
+        mesh.set("name", mesh.get("name") or Path(file).stem)
+        mesh.set("file", str((self.path.parent / folder / file).resolve()))
 
     def _read_class(
         self, element: ElementTree.Element, name: str, inherited: Mapping[str, dict[str, str]]
@@ -143,7 +202,13 @@ class MjcfDocument:
 
         See :func:`psp3.description.xml.numbers`.
         """
-        return numbers(self.path, element, attribute, *counts)
+        values = numbers(self.path, element, attribute, *counts)
+        if values is not None and np.abs(values).max() > LARGEST:
+            raise self.wrong(
+                f"{described(element)}: {attribute} has a number beyond {LARGEST:g}, "
+                f"{element.attrib[attribute][:80]!r}"
+            )
+        return values
 
     def number(self, element: ElementTree.Element, attribute: str, default: float) -> float:
         """Return the one number of an attribute."""
@@ -169,6 +234,42 @@ class MjcfDocument:
             )
         return text == "true"
 
+    def total_mass(self) -> float | None:
+        """Return the mass to which all bodies are scaled together [kg]; None if they are not."""
+        settings = ElementTree.Element("compiler", self.compiler)
+        total = self.number(settings, "settotalmass", -1.0)
+        return total if total > 0.0 else None
+
+    def setting(self, body: ElementTree.Element, name: str, default: str) -> str:
+        """Return a setting of the compiler that a body's inertia follows."""
+        return self.settings.get(body, self.compiler).get(name, default)
+
+    def place_in(self, element: ElementTree.Element, frame: pin.SE3) -> None:
+        """Place an element, which stands in a frame of its body, in the body.
+
+        By a position and a quaternion, or by its ends. Numbers that nothing changes stay as they
+        are written, to the last digit.
+        """
+        still = frame.isIdentity(0.0)
+        ends = None if still else self.ends(element)
+        if ends is not None:
+            # The ends leave a turn about their line open, which the frame turns along.
+            thickness = element.get("size", "").split()[:1]
+            wide = element.get("type") in ("box", "ellipsoid")
+            element.set("size", " ".join([*thickness * (1 + wide), text_of([ends[1]])]))
+            element.attrib.pop("fromto")
+            set_place(element, frame * ends[0])
+            return
+        if element.get("fromto") is not None:
+            return
+        given = [attribute for attribute in ORIENTATIONS if element.get(attribute) is not None]
+        if still and given in ([], ["quat"]):
+            return
+        placement = frame * self.placement(element)
+        for attribute in given:
+            element.attrib.pop(attribute)
+        set_place(element, placement)
+
     def placement(self, element: ElementTree.Element) -> pin.SE3:
         """Return where an element sits in its body, or a body in its parent.
 
@@ -192,6 +293,15 @@ class MjcfDocument:
                 f"{described(element)}: {given[0]} {element.get(given[0])!r} gives no direction"
             ) from None
 
+    def rotation_of_quaternion(self, element: ElementTree.Element, attribute: str) -> Array:
+        """Return the rotation of an attribute that is a quaternion; none without it."""
+        values = self.numbers(element, attribute, 4)
+        if values is None:
+            return np.eye(3)
+        if not values.any():
+            raise self.wrong(f"{described(element)}: {attribute} gives no direction")
+        return self._from_quat(values)
+
     def _from_quat(self, values: Array) -> Array:
         w, x, y, z = unit(values)
         return np.asarray(pin.Quaternion(w, x, y, z).toRotationMatrix())
@@ -202,6 +312,10 @@ class MjcfDocument:
         )
 
     def _from_euler(self, values: Array) -> Array:
+        return self.rotation_from_euler(values)
+
+    def rotation_from_euler(self, values: Array) -> Array:
+        """Return the rotation of three angles, in the sequence and unit of the file."""
         rotation = np.eye(3)
         for letter, angle in zip(self._sequence, values, strict=True):
             turn = pin.utils.rotate(letter.lower(), self.radians_per_unit * angle)
@@ -237,10 +351,22 @@ class MjcfDocument:
             ) from None
 
 
+def text_of(values: ArrayLike) -> str:
+    """Return numbers as an attribute holds them, with all of their digits."""
+    return " ".join(f"{value:.17g}" for value in np.asarray(values, dtype=float))
+
+
+def set_place(element: ElementTree.Element, placement: pin.SE3) -> None:
+    """Give an element its position and quaternion."""
+    quaternion = pin.Quaternion(placement.rotation)
+    element.set("pos", text_of(placement.translation))
+    element.set("quat", text_of([quaternion.w, quaternion.x, quaternion.y, quaternion.z]))
+
+
 def unit(vector: Array) -> Array:
     """Return a vector divided by its length; raise :class:`ZeroDivisionError` if it has none."""
     length = float(np.linalg.norm(vector))
-    if length < 1e-14:
+    if length < SHORTEST:
         raise ZeroDivisionError
     return np.asarray(vector / length)
 

@@ -35,5 +35,11 @@ class RobotParts(NamedTuple):
 ROBOT_FILES = Path(__file__).resolve().parents[1] / "urdf"
 """Directory of the robot description files that come with the package."""
 
-ROBOTS = ("psp3", "five_bar", "planar_3rrr", "delta", "gough_stewart", "tricept")
+THESIS_ROBOTS = ("psp3", "five_bar", "planar_3rrr", "delta", "gough_stewart", "tricept")
+"""Names of the robots of the thesis's figures, whose motors are as many as their freedoms."""
+
+MJCF_ROBOTS = ("hexa", "gripper", "biped")
+"""Names of those whose file is an MJCF, since a URDF has no words for what they have."""
+
+ROBOTS = (*THESIS_ROBOTS, "planar_4rrr", "jansen", "agile_eye", *MJCF_ROBOTS)
 """Names of the robots that come with the package."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path
 from typing import NamedTuple
@@ -12,6 +13,8 @@ import pinocchio as pin
 from psp3.checks import Array
 from psp3.description.xml import described, numbers, read_xml, unique_names
 from psp3.errors import InvalidRobotFile
+
+logger = logging.getLogger(__name__)
 
 
 def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
@@ -40,6 +43,14 @@ def reference_poses(model: pin.Model, srdf: str | Path) -> dict[str, Array]:
 
 
 def _pose(path: Path, state: ElementTree.Element, model: pin.Model) -> Array:
+    unread = [f"<{child.tag}>" for child in state if child.tag != "joint"]
+    unread += [
+        f"{key} of {described(child)}"
+        for child in state
+        for key in child.attrib.keys() - {"name", "value"}
+    ]
+    if unread:
+        logger.warning("%s: %s: this is not read: %s", path, described(state), ", ".join(unread))
     pose = np.asarray(pin.neutral(model))
     for name, element in unique_names(path, state.findall("joint")).items():
         if not model.existJointName(name) or name == model.names[0]:

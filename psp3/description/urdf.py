@@ -1,42 +1,54 @@
 """Robot description files.
 
-A tree from a URDF, reference poses from an SRDF, loops and motors from a loop file.
+A tree from a URDF, reference poses from an SRDF, loops and motors from a loop file or from names.
 """
 
 from __future__ import annotations
 
 import logging
 import xml.etree.ElementTree as ElementTree
-from collections.abc import Callable
+from collections.abc import Callable, Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
+from psp3.description.closing_frames import closing_frames
 from psp3.description.joint_replacement import replace_joints
-from psp3.description.loop_file import constraint_models, hinges, read_loops
+from psp3.description.loop_file import Loops, constraint_models, hinges, read_loops
 from psp3.description.parts import RobotParts
 from psp3.description.srdf import reference_poses
-from psp3.description.urdf_checks import check_urdf
-from psp3.description.xml import read_xml
-from psp3.errors import InvalidRobotFile
+from psp3.description.urdf_plain import make_meshes_absolute, plain_urdf
+from psp3.errors import InvalidRobotFile, InvalidValue
 from psp3.multibody.equations import Coupling
 
 logger = logging.getLogger(__name__)
 
 
-def read_robot(urdf: str | Path, loops: str | Path, srdf: str | Path | None = None) -> RobotParts:
-    """Read a robot from a URDF and a loop file.
+def read_robot(
+    urdf: str | Path,
+    loops: str | Path | None = None,
+    srdf: str | Path | None = None,
+    actuated: Sequence[str] | None = None,
+    closures: Sequence[tuple[str, str, str]] = (),
+) -> RobotParts:
+    """Read a robot from a URDF, and its loops from a loop file or from the names of its frames.
 
     Parameters
     ----------
     urdf : path
         The tree, with the frames that the loops join.
-    loops : path
-        The loop file, in the keys of :mod:`psp3.description.loop_file`.
+    loops : path, optional
+        The loop file, in the keys of :mod:`psp3.description.loop_file`. Without one the loops are
+        those of :mod:`psp3.description.closing_frames`.
     srdf : path, optional
         Reference poses; the pose ``home`` becomes ``q0``.
+    actuated : sequence of str, optional
+        The motors; by default those of the loop file, or, of a tree without loops, all joints of
+        one degree of freedom that mimic no other.
+    closures : sequence of (str, str, str)
+        Loops that are added afterwards. They are not taken from names once more.
 
     Returns
     -------
@@ -47,44 +59,82 @@ def read_robot(urdf: str | Path, loops: str | Path, srdf: str | Path | None = No
     Raises
     ------
     InvalidRobotFile
-        If a file is missing or malformed, or a frame or joint it names does not exist.
+        If a file is missing or malformed, a frame or joint it names does not exist, or nothing in
+        it can move.
+    InvalidValue
+        If nothing says which joints of a robot with loops are its motors.
     """
-    model, visual_model = read_tree(urdf)
-    content = read_loops(loops)
-    coupled = _mimicking(Path(urdf))
+    path = Path(urdf)
+    root = plain_urdf(path)
+    model, visual_model = _tree(path, root)
+    followers = {
+        joint.attrib["name"]: mimic
+        for joint in root.findall("joint")
+        if (mimic := joint.find("mimic")) is not None
+    }
+    if loops is not None:
+        content, where = read_loops(loops), loops
+        if actuated is not None:
+            content = content._replace(actuated=tuple(actuated))
+    else:
+        pairs, where = closing_frames(path, model, closures), path
+        motors = _motors(path, model, actuated, set(followers), bool(pairs or closures))
+        content = Loops(
+            tuple((first, second) for first, second, _ in pairs),
+            tuple(kind for _, _, kind in pairs),
+            motors,
+        )
+    leaders = (mimic.attrib["joint"] for mimic in followers.values())
     model, visual_model = replace_joints(
-        model, visual_model, content.replaced, (*content.actuated, *coupled), loops
+        model, visual_model, content.replaced, (*content.actuated, *followers, *leaders), where
     )
-    closures = constraint_models(model, content, loops)
+    found = constraint_models(
+        model, content, where, "name_mot" if actuated is None and loops else "actuated"
+    )
     home = None
     if srdf is not None:
         poses = reference_poses(model, srdf)
         if "home" not in poses:
             raise InvalidRobotFile(srdf, f"has no pose 'home'; it has {', '.join(poses) or 'none'}")
         home = poses["home"]
-    equations = (*hinges(model, content, loops), *_mimics(Path(urdf), model))
-    return RobotParts(model, closures, content.actuated, home, visual_model, equations)
+    equations = (*hinges(model, content, where), *_mimics(path, followers, model))
+    return RobotParts(model, found, content.actuated, home, visual_model, equations)
 
 
-def _mimicking(path: Path) -> tuple[str, ...]:
-    """Return the joints that mimic others, and those that they mimic."""
-    names = [
+def _motors(
+    path: Path,
+    model: pin.Model,
+    actuated: Sequence[str] | None,
+    followers: Collection[str],
+    has_loops: bool,
+) -> tuple[str, ...]:
+    """Return the motors of a robot without a loop file."""
+    if model.nv == 0:
+        raise InvalidRobotFile(path, "has no joint that can move")
+    if actuated is not None:
+        return tuple(actuated)
+    movable = tuple(
         name
-        for element in read_xml(path, "robot").findall("joint")
-        for mimic in element.findall("mimic")
-        for name in (element.get("name", ""), mimic.get("joint", ""))
-    ]
-    return tuple(dict.fromkeys(names))
+        for name, joint in zip(list(model.names)[1:], list(model.joints)[1:], strict=True)
+        if joint.nv == 1 and name not in followers
+    )
+    if has_loops:
+        raise InvalidValue(
+            "actuated",
+            None,
+            f"the names of the motors, which {path.name} with its loops does not say, out of "
+            f"{', '.join(movable)}",
+        )
+    return movable
 
 
-def _mimics(path: Path, model: pin.Model) -> list[Coupling]:
+def _mimics(
+    path: Path, followers: Mapping[str, ElementTree.Element], model: pin.Model
+) -> list[Coupling]:
     """Return the joints that mimic others, y = offset + multiplier · x."""
     couplings = []
-    for element in read_xml(path, "robot").findall("joint"):
-        mimic = element.find("mimic")
-        if mimic is None:
-            continue
-        follows, leads = element.attrib["name"], mimic.get("joint", "")
+    for follows, mimic in followers.items():
+        leads = mimic.attrib["joint"]
         for name in (follows, leads):
             index = model.getJointId(name) if model.existJointName(name) else 0
             if index == 0 or model.joints[index].nq != 1:
@@ -94,19 +144,12 @@ def _mimics(path: Path, model: pin.Model) -> list[Coupling]:
                     "coordinate: make it revolute (without lower and upper it has no limits) or "
                     "prismatic",
                 )
-        try:
-            offset, multiplier = (
-                float(mimic.get(key, default))
-                for key, default in (("offset", "0"), ("multiplier", "1"))
-            )
-        except ValueError as error:
-            raise InvalidRobotFile(path, f"joint {follows!r}: mimic: {error}") from None
         couplings.append(
             Coupling(
                 f"{follows}-{leads}",
                 model.getJointId(follows),
                 model.getJointId(leads),
-                (offset, multiplier),
+                (float(mimic.get("offset", "0")), float(mimic.get("multiplier", "1"))),
             )
         )
     return couplings
@@ -126,10 +169,12 @@ def read_tree(urdf: str | Path) -> tuple[pin.Model, Any]:
         If the file is missing or malformed, or Pinocchio cannot read it.
     """
     path = Path(urdf)
-    root = read_xml(path, "robot")
-    check_urdf(path, root)
+    return _tree(path, plain_urdf(path))
+
+
+def _tree(path: Path, root: ElementTree.Element) -> tuple[pin.Model, Any]:
     try:
-        model = pin.buildModelFromUrdf(str(path))
+        model = pin.buildModelFromXML(ElementTree.tostring(root, encoding="unicode"))
     except (ValueError, RuntimeError) as error:
         raise InvalidRobotFile(path, f"Pinocchio cannot read it: {error}") from error
     _free_joints_without_limits(path, root, model)
@@ -168,10 +213,7 @@ def _shapes_of_urdf(path: Path, root: ElementTree.Element, model: pin.Model) -> 
             model, text, pin.GeometryType.VISUAL, package_dirs=directories
         )
 
-    for mesh in root.iter("mesh"):
-        # Relative to the file, not to where the program was started.
-        if "://" not in mesh.attrib["filename"]:
-            mesh.set("filename", str(path.resolve().parent / mesh.attrib["filename"]))
+    make_meshes_absolute(path, root)
     try:
         return build(root)
     except ValueError:

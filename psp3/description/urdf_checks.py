@@ -1,6 +1,6 @@
 """What a URDF must hold.
 
-This is checked before Pinocchio reads it, because its parser passes over what it does not
+This is checked before Pinocchio gets it, because its parser passes over what it does not
 understand.
 
 To it, a link whose mass is not a number has no mass, a link with two parents has the last one, and
@@ -9,6 +9,7 @@ an axis of zeros is an axis.
 
 from __future__ import annotations
 
+import logging
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,8 +19,79 @@ import numpy as np
 from psp3.description.xml import check_inertia, described, numbers, unique_names
 from psp3.errors import InvalidRobotFile
 
+logger = logging.getLogger(__name__)
+
 JOINT_TYPES = ("revolute", "continuous", "prismatic", "fixed", "floating", "planar")
 """Types of joint that a URDF may have."""
+
+TURNING = ("revolute", "continuous", "prismatic")
+"""Types of joint that move along or about an axis."""
+
+SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
+"""Shapes that a link may have."""
+
+CHILDREN: Mapping[str, tuple[str, ...]] = {
+    "robot": ("link", "joint", "material"),
+    "link": ("inertial", "visual", "collision"),
+    "inertial": ("origin", "mass", "inertia"),
+    "visual": ("origin", "geometry", "material"),
+    "collision": ("origin", "geometry"),
+    "geometry": SHAPES,
+    "material": ("color", "texture"),
+    "joint": ("origin", "parent", "child", "axis", "limit", "dynamics", "mimic"),
+}
+"""What is read of an element."""
+
+SEVERAL = ("link", "joint", "material", "visual", "collision")
+"""Elements of which there may be several in one."""
+
+WORDS: Mapping[str, tuple[str, ...]] = {
+    "robot": ("name",),
+    "link": ("name",),
+    "joint": ("name", "type"),
+    "parent": ("link",),
+    "child": ("link",),
+    "mimic": ("joint",),
+    "mesh": ("filename",),
+    "material": ("name",),
+    "texture": ("filename",),
+}
+"""Attributes that are no numbers."""
+
+PASSED_OVER = (
+    "calibration",
+    "safety_controller",
+    "gazebo",
+    "transmission",
+    "sensor",
+    "contact",
+    "mujoco",
+    "ros2_control",
+    "verbose",
+)
+"""Elements for other programs, which say nothing of the motion."""
+
+LARGEST_NUMBER = 1e50
+"""Numbers of a mechanism are multiplied with each other, up to six of them."""
+
+UNBOUNDED = ("limit", "axis")
+"""Elements whose numbers may be larger: no limit at all, and a direction of any length."""
+
+MATTERS = (
+    "link",
+    "joint",
+    "inertial",
+    "mass",
+    "inertia",
+    "mimic",
+    "axis",
+    "limit",
+    "parent",
+    "child",
+    "dynamics",
+    "geometry",
+)
+"""Elements that are not passed over where they do not belong."""
 
 NUMBERS: Mapping[str, Mapping[str, int]] = {
     "mass": {"value": 1},
@@ -28,6 +100,7 @@ NUMBERS: Mapping[str, Mapping[str, int]] = {
     "axis": {"xyz": 3},
     "limit": dict.fromkeys(("lower", "upper", "effort", "velocity"), 1),
     "dynamics": dict.fromkeys(("damping", "friction"), 1),
+    "mimic": dict.fromkeys(("multiplier", "offset"), 1),
     "box": {"size": 3},
     "sphere": {"radius": 1},
     "cylinder": {"radius": 1, "length": 1},
@@ -45,11 +118,10 @@ NEEDED: Mapping[str, tuple[str, ...]] = {
     "cylinder": ("radius", "length"),
     "mesh": ("filename",),
     "limit": ("effort", "velocity"),
+    "axis": ("xyz",),
+    "mimic": ("joint",),
 }
 """Attributes without which an element says nothing."""
-
-SHAPES = ("box", "sphere", "cylinder", "capsule", "mesh")
-"""Shapes that a link may have."""
 
 
 def check_urdf(path: Path, root: ElementTree.Element) -> None:
@@ -57,8 +129,7 @@ def check_urdf(path: Path, root: ElementTree.Element) -> None:
 
     It must be one tree of links with finite numbers.
     """
-    if not root.get("name"):
-        raise InvalidRobotFile(path, "the <robot> has no name")
+    _check_places(path, root)
     links, joints = (
         unique_names(path, root.findall("link")),
         unique_names(path, root.findall("joint")),
@@ -67,16 +138,79 @@ def check_urdf(path: Path, root: ElementTree.Element) -> None:
         _check_numbers(path, item)
     for link in links.values():
         _check_inertia(path, link)
-        for visual in link.findall("visual"):
-            if not any(visual.find(f"geometry/{shape}") is not None for shape in SHAPES):
+        for visual in (*link.findall("visual"), *link.findall("collision")):
+            if len([shape for shape in visual.findall("geometry/*") if shape.tag in SHAPES]) != 1:
                 raise InvalidRobotFile(
                     path,
-                    f"{described(link)}: a <visual> needs a <geometry> with one of "
+                    f"{described(link)}: a <{visual.tag}> needs a <geometry> with one of "
                     f"{', '.join(SHAPES)}",
                 )
     for joint in joints.values():
         _check_joint(path, joint)
+    _check_mimics(path, joints)
     _check_tree(path, links, joints)
+
+
+def _check_places(path: Path, root: ElementTree.Element) -> None:
+    """Refuse elements that are lost where they stand, and tell of others that are not read."""
+    unread: dict[str, None] = {}
+    waiting = [root]
+    while waiting:
+        element = waiting.pop()
+        known, seen = CHILDREN.get(element.tag, ()), set()
+        for child in element:
+            if child.tag in known:
+                if child.tag in seen and child.tag not in SEVERAL:
+                    raise InvalidRobotFile(
+                        path, f"{described(element)}: has more than one <{child.tag}>"
+                    )
+                seen.add(child.tag)
+                waiting.append(child)
+            elif child.tag in MATTERS:
+                raise InvalidRobotFile(
+                    path,
+                    f"{described(element)}: {described(child)} has no place there: move or remove "
+                    "it",
+                )
+            elif child.tag not in PASSED_OVER and ":" not in child.tag and not _is_rest(child):
+                unread[f"<{child.tag}> in <{element.tag}>"] = None
+        attributes = (*WORDS.get(element.tag, ()), *NUMBERS.get(element.tag, ()))
+        for attribute in element.attrib:
+            if attribute not in attributes and element is not root:
+                unread[f"{attribute} of <{element.tag}>"] = None
+    if unread:
+        logger.warning("%s: this is not read: %s", path, ", ".join(unread))
+
+
+def _is_rest(element: ElementTree.Element) -> bool:
+    """Tell whether an element is an origin of zeros, which exporters give to links."""
+    words = " ".join(element.attrib.values()).split()
+    return element.tag == "origin" and set(words) <= {"0", "-0", "0.0", "-0.0"}
+
+
+def _check_mimics(path: Path, joints: Mapping[str, ElementTree.Element]) -> None:
+    """Refuse joints that mimic none, or each other."""
+    leaders = {
+        name: mimic.attrib["joint"]
+        for name, joint in joints.items()
+        if (mimic := joint.find("mimic")) is not None and joint.get("type") != "fixed"
+    }
+    for name, leader in leaders.items():
+        if leader not in joints:
+            raise InvalidRobotFile(
+                path, f"joint {name!r} mimics {leader!r}, which is not in the file"
+            )
+    settled: set[str] = set()
+    for name in leaders:
+        passed: list[str] = []
+        while name in leaders and name not in settled:
+            if name in passed:
+                raise InvalidRobotFile(
+                    path, f"joints mimic each other in a circle: {', '.join(passed)}"
+                )
+            passed.append(name)
+            name = leaders[name]
+        settled.update(passed)
 
 
 def _check_numbers(path: Path, item: ElementTree.Element) -> None:
@@ -88,9 +222,19 @@ def _check_numbers(path: Path, item: ElementTree.Element) -> None:
                 )
         for attribute, count in NUMBERS.get(element.tag, {}).items():
             try:
-                numbers(path, element, attribute, count)
+                values = numbers(path, element, attribute, count)
             except InvalidRobotFile as error:
                 raise InvalidRobotFile(path, f"{described(item)}: {error.reason}") from None
+            if (
+                values is not None
+                and np.abs(values).max() > LARGEST_NUMBER
+                and element.tag not in UNBOUNDED
+            ):
+                raise InvalidRobotFile(
+                    path,
+                    f"{described(item)}: {described(element)}: {attribute} is larger than "
+                    f"{LARGEST_NUMBER:g}, so that products of it are no numbers",
+                )
 
 
 def _check_inertia(path: Path, link: ElementTree.Element) -> None:
@@ -100,13 +244,18 @@ def _check_inertia(path: Path, link: ElementTree.Element) -> None:
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is None or inertia is None:
         raise InvalidRobotFile(path, f"{described(link)}: <inertial> needs <mass> and <inertia>")
-    xx, xy, xz, yy, yz, zz = (float(inertia.attrib[entry]) for entry in NEEDED["inertia"])
+    xx, xy, xz, yy, yz, zz = (_number(path, inertia, entry, 0.0) for entry in NEEDED["inertia"])
     check_inertia(
         path,
         link,
-        float(mass.attrib["value"]),
+        _number(path, mass, "value", 0.0),
         np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
     )
+
+
+def _number(path: Path, element: ElementTree.Element, attribute: str, default: float) -> float:
+    values = numbers(path, element, attribute, 1)
+    return default if values is None else float(values[0])
 
 
 def _check_joint(path: Path, joint: ElementTree.Element) -> None:
@@ -118,16 +267,12 @@ def _check_joint(path: Path, joint: ElementTree.Element) -> None:
         )
     axis, limit = joint.find("axis"), joint.find("limit")
     direction = None if axis is None else numbers(path, axis, "xyz", 3)
-    if (
-        kind in ("revolute", "continuous", "prismatic")
-        and direction is not None
-        and not direction.any()
-    ):
+    if kind in (*TURNING, "planar") and direction is not None and not direction.any():
         raise InvalidRobotFile(path, f"{described(joint)}: the axis is zero")
     if kind in ("revolute", "prismatic"):
         if limit is None:
             raise InvalidRobotFile(path, f"{described(joint)}: a {kind} joint needs a <limit>")
-        if float(limit.get("lower", "0")) > float(limit.get("upper", "0")):
+        if _number(path, limit, "lower", 0.0) > _number(path, limit, "upper", 0.0):
             raise InvalidRobotFile(
                 path, f"{described(joint)}: its lower limit is above its upper one"
             )
@@ -155,9 +300,10 @@ def _check_tree(
             f"one link must have no joint above it, but {len(roots)} have none: "
             f"{', '.join(roots) or 'each is a child'}",
         )
+    hanging = {roots[0]}
     for name in links:
         link, passed = name, {name}
-        while link != roots[0]:
+        while link not in hanging:
             link = above[link]
             if link in passed:
                 raise InvalidRobotFile(
@@ -166,6 +312,7 @@ def _check_tree(
                     f"{roots[0]!r}",
                 )
             passed.add(link)
+        hanging |= passed
 
 
 def _link(

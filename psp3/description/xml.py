@@ -7,6 +7,7 @@ body without mass.
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,19 +17,57 @@ import numpy as np
 from psp3.checks import Array
 from psp3.errors import InvalidRobotFile
 
+LONGEST_SHOWN = 80
+"""So many characters of an attribute are shown in an error message."""
+
+BLANKS = " \t\r\n"
+"""What XML takes for blanks."""
+
+NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+"""A number that Python and the parsers in C and C++ read alike.
+
+Not ``0x10``, ``1_0``, ``inf`` or digits that are not ASCII, which some of them read and others do
+not.
+"""
+
+
+class _HasDoctype(Exception):
+    """A file has a document type declaration."""
+
+
+class _Builder(ElementTree.TreeBuilder):
+    """Builds a tree, but of no file with a document type declaration.
+
+    There a file can declare entities, which one parser replaces and another drops.
+    """
+
+    def doctype(self, name: str, public: str | None, system: str | None) -> None:
+        """Refuse it, before any entity is read."""
+        raise _HasDoctype
+
 
 def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
     """Return the outermost element of an XML file, whose tag must be the given one, if any.
 
+    Blanks before the declaration are passed over.
+
     Raises
     ------
     InvalidRobotFile
-        If the file is missing, is not XML, or its outermost element is another one.
+        If the file is missing, is not XML, has a document type or entities of its own, or its
+        outermost element is another one.
     """
     if not path.is_file():
         raise InvalidRobotFile(path, "no such file")
     try:
-        root = ElementTree.fromstring(path.read_bytes())
+        text = path.read_bytes().lstrip(BLANKS.encode())
+        root = ElementTree.fromstring(text, ElementTree.XMLParser(target=_Builder()))
+    except _HasDoctype:
+        raise InvalidRobotFile(
+            path,
+            "has a <!DOCTYPE>, whose entities robot parsers replace or drop each in its own way: "
+            "take it out, and write out what its entities stand for",
+        ) from None
     except (OSError, ElementTree.ParseError, LookupError, ValueError) as error:
         raise InvalidRobotFile(
             path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})"
@@ -41,6 +80,9 @@ def read_xml(path: Path, tag: str | None) -> ElementTree.Element:
 LEAST_MOMENT = -1e-9
 """A moment of inertia below this share of the largest one is negative, not rounded."""
 
+SMALLEST_RADIUS = 1e-6
+"""Beside a body's mass at this distance [m] its moments of inertia count as zero."""
+
 
 def described(element: ElementTree.Element) -> str:
     """Return an element's tag, with its name if it has one, as an error message says them."""
@@ -50,6 +92,8 @@ def described(element: ElementTree.Element) -> str:
 
 def numbers(path: Path, element: ElementTree.Element, attribute: str, *counts: int) -> Array | None:
     """Return the finite numbers of an attribute, or None if the element does not have it.
+
+    They are read here alone: what a parser of another language is given is written anew from them.
 
     Parameters
     ----------
@@ -70,22 +114,21 @@ def numbers(path: Path, element: ElementTree.Element, attribute: str, *counts: i
     Raises
     ------
     InvalidRobotFile
-        If there is something else, too many or too few, or one is not finite.
+        If there is something else (see :data:`NUMBER`), too many or too few, or one is not
+        finite.
     """
     text = element.get(attribute)
     if text is None:
         return None
-    try:
-        values = np.array([float(word) for word in text.split()])
-    except ValueError:
-        values = np.array([math.nan])
+    words = re.split(f"[{BLANKS}]+", text.strip(BLANKS))
+    values = np.array([float(word) if NUMBER.fullmatch(word) else math.nan for word in words])
     if not np.isfinite(values).all() or not values.size or (counts and values.size not in counts):
         wanted = f"{' or '.join(map(str, counts))} " if counts else ""
         plural = "s" if counts != (1,) else ""
         raise InvalidRobotFile(
             path,
             f"{described(element)}: {attribute} must be {wanted}finite number{plural}, got "
-            f"{text!r}",
+            f"{text[:LONGEST_SHOWN]!r}",
         )
     return values
 
@@ -119,7 +162,7 @@ def check_inertia(path: Path, body: ElementTree.Element, mass: float, inertia: A
     moments = np.linalg.eigvalsh(inertia)
     if mass < 0.0:
         raise InvalidRobotFile(path, f"{described(body)}: the mass {mass:g} is negative")
-    if moments[0] < LEAST_MOMENT * abs(moments[2]):
+    if moments[0] < LEAST_MOMENT * abs(moments[2]) - mass * SMALLEST_RADIUS**2:
         raise InvalidRobotFile(
             path,
             f"{described(body)}: a principal moment of inertia is negative, {moments[0]:.6g} kg m²",

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, finite_rows, together
-from psp3.kinematics.tasks import checked_frame
+from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 
@@ -96,7 +96,7 @@ def frame_motion(
     ClosureFailed, JointLimitExceeded, SingularConfiguration
         If a pose cannot be taken, or the actuated joints do not determine the others there.
     """
-    index, width = robot.model.getFrameId(checked_frame(robot, frame)), len(robot.actuated)
+    index, width = frame_number(robot.model, frame), len(robot.actuated)
     arrays = {"positions": positions, "speeds": speeds, "accelerations": accelerations}
     a, v, w = together(
         **{name: finite_rows(name, values, width) for name, values in arrays.items()}

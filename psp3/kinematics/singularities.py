@@ -58,6 +58,7 @@ from psp3.kinematics.tasks import (
     rotating,
 )
 from psp3.multibody.flatten import NO_MOTORS, flattened
+from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 OPEN = 1e-6
@@ -167,7 +168,7 @@ class SingularityAnalysis:
         self.length = (
             characteristic_length(robot) if length is None else checked_positive("length", length)
         )
-        self._index = robot.model.getFrameId(frame)
+        self._index = frame_number(robot.model, frame)
         self._rows = [TASK_COORDINATES.index(name) for name in self.task]
         # Here the motors are joints like any other.
         self._table = flattened(robot.model, robot.constraint_models, NO_MOTORS)

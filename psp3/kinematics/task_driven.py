@@ -23,6 +23,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, finite_rows
 from psp3.errors import InvalidValue, MobilityMismatch
 from psp3.kinematics.tasks import checked_frame, checked_task
+from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 _JOINTS = {
@@ -101,7 +102,7 @@ class TaskDrivenRobot(ClosedLoopRobot):
             )
             for one in robot.constraint_models
         ]
-        end = robot.model.frames[robot.model.getFrameId(frame)]
+        end = robot.model.frames[frame_number(robot.model, frame)]
         kind = pin.ContactType.CONTACT_6D if self._turns else pin.ContactType.CONTACT_3D
         sides = (last, pin.SE3(self._orientation, np.zeros(3))), (end.parentJoint, end.placement)
         closures.append(
@@ -154,7 +155,7 @@ class TaskDrivenRobot(ClosedLoopRobot):
     def _placement(self, q: Array) -> pin.SE3:
         model, data = self.robot.model, self.robot.data
         pin.forwardKinematics(model, data, q)
-        return pin.updateFramePlacement(model, data, model.getFrameId(self.frame))
+        return pin.updateFramePlacement(model, data, frame_number(model, self.frame))
 
 
 def _turns(task: tuple[str, ...]) -> tuple[str, ...]:

@@ -23,6 +23,7 @@ from psp3.checks import Array
 from psp3.errors import InvalidValue
 from psp3.kinematics.frames import motion_and_jacobian
 from psp3.kinematics.tasks import TASK_COORDINATES, checked_frame, checked_task
+from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 
@@ -70,7 +71,7 @@ class TaskSpace:
     ) -> None:
         self.robot, self.frame, self.task = robot, checked_frame(robot, frame), checked_task(task)
         self.rows = [TASK_COORDINATES.index(name) for name in self.task]
-        self._index = robot.model.getFrameId(frame)
+        self._index = frame_number(robot.model, frame)
         self._is_position = max(self.rows) < 3
 
     def state(self, position: Array, speed: Array) -> TaskState:

@@ -9,6 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from psp3.errors import InvalidValue, UnknownName
+from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 TASK_COORDINATES = ("x", "y", "z", "rx", "ry", "rz")
@@ -69,8 +70,7 @@ def rotating(model: pin.Model) -> NDArray[np.bool_]:
 
 def checked_frame(robot: ClosedLoopRobot, frame: str) -> str:
     """Return the name of a frame; raise if the robot has none of that name."""
-    if not robot.model.existFrame(frame):
-        raise UnknownName("frame", frame, [known.name for known in robot.model.frames])
+    frame_number(robot.model, frame)
     return frame
 
 

@@ -72,6 +72,7 @@ from psp3.multibody.motion import (
     MOTION,
     NOT_FINITE,
 )
+from psp3.multibody.named_frames import frame_number
 from psp3.robots.construction import motor_matrix, named_closures
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.pickling import constraints, plain
@@ -324,23 +325,29 @@ class ClosedLoopRobot:
     def from_urdf(
         cls,
         urdf: str | Path,
-        loops: str | Path,
+        loops: str | Path | None = None,
         srdf: str | Path | None = None,
         *,
+        actuated: Sequence[str] | None = None,
         free: str = "lock",
         coordinates: Sequence[str] | None = None,
         closures: Sequence[tuple[str, str, str]] = (),
     ) -> ClosedLoopRobot:
-        """Load a robot from a URDF and a loop file.
+        """Load a robot from a URDF, with a loop file or without.
 
         Parameters
         ----------
         urdf : path
             The tree, with the frames that the loops join.
-        loops : path
-            The loop file, in the keys of :mod:`psp3.description.loop_file`.
+        loops : path, optional
+            The loop file, in the keys of :mod:`psp3.description.loop_file`. Without one, frames
+            ``closing_<name>_1`` and ``closing_<name>_2`` are joined, see
+            :mod:`psp3.description.closing_frames`; a URDF without such frames is a tree.
         srdf : path, optional
             Reference poses; the pose ``home`` becomes ``q0``.
+        actuated : sequence of str, optional
+            Names of the motors; by default those of the loop file, or, of a tree, all joints of one
+            degree of freedom that mimic no other.
         free, coordinates, closures
             See the class.
 
@@ -348,10 +355,11 @@ class ClosedLoopRobot:
         ------
         InvalidRobotFile
             If a file is missing or malformed, or a frame or joint it names does not exist.
+        InvalidValue
+            If a robot has loops, but neither a loop file nor ``actuated``.
         """
-        robot = cls(
-            *read_robot(urdf, loops, srdf), free=free, coordinates=coordinates, closures=closures
-        )
+        parts = read_robot(urdf, loops, srdf, actuated, closures)
+        robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
         robot.urdf, robot.srdf = Path(urdf), None if srdf is None else Path(srdf)
         return robot
 
@@ -361,6 +369,7 @@ class ClosedLoopRobot:
         mjcf: str | Path,
         actuated: Sequence[str] | None = None,
         *,
+        joint_type: Mapping[str, str] | None = None,
         free: str = "lock",
         coordinates: Sequence[str] | None = None,
         closures: Sequence[tuple[str, str, str]] = (),
@@ -373,6 +382,9 @@ class ClosedLoopRobot:
             The file; what it may hold is said in :func:`psp3.description.mjcf.read_mjcf`.
         actuated : sequence of str, optional
             Names of the actuated joints; those of the file's actuators by default.
+        joint_type : mapping of str to str, optional
+            What hinges stand for: a joint's name to ``"SPHERICAL"``, ``"UJOINT_XY"`` and the like,
+            or ``"FIXED"``, as in a loop file (:mod:`psp3.description.joint_replacement`).
         free, coordinates, closures
             See the class.
 
@@ -385,7 +397,49 @@ class ClosedLoopRobot:
         from psp3.description.mjcf import read_mjcf
 
         return cls(
-            *read_mjcf(mjcf, actuated), free=free, coordinates=coordinates, closures=closures
+            *read_mjcf(mjcf, actuated, joint_type),
+            free=free,
+            coordinates=coordinates,
+            closures=closures,
+        )
+
+    @classmethod
+    def from_sdf(
+        cls,
+        sdf: str | Path,
+        actuated: Sequence[str] | None = None,
+        *,
+        model_paths: Sequence[str | Path] = (),
+        free: str = "lock",
+        coordinates: Sequence[str] | None = None,
+        closures: Sequence[tuple[str, str, str]] = (),
+    ) -> ClosedLoopRobot:
+        """Load a robot from an SDF file, in which a link that two joints carry closes a loop.
+
+        Parameters
+        ----------
+        sdf : path
+            The file; what it may hold is said in :func:`psp3.description.sdf.read_sdf`.
+        actuated : sequence of str
+            Names of the actuated joints, which an SDF does not say.
+        model_paths : sequence of path, optional
+            Folders from which models may be included, besides that of the file.
+        free, coordinates, closures
+            See the class.
+
+        Raises
+        ------
+        InvalidRobotFile
+            If the file is missing, malformed, holds something that cannot be read without changing
+            the robot, or no joint is named as actuated.
+        """
+        from psp3.description.sdf import read_sdf
+
+        return cls(
+            *read_sdf(sdf, actuated, model_paths),
+            free=free,
+            coordinates=coordinates,
+            closures=closures,
         )
 
     @property
@@ -1067,7 +1121,8 @@ class ClosedLoopRobot:
         positions : (..., n) array_like
             Actuated positions.
         frame : str
-            Name of a frame of the model.
+            Name of a frame of the model. Where a body and a joint share it, the body is meant,
+            and ``joint:name`` means the other.
 
         Returns
         -------
@@ -1079,7 +1134,7 @@ class ClosedLoopRobot:
         UnknownName
             If the model has no such frame.
         """
-        index = self._frame(frame)
+        index = frame_number(self.model, frame)
 
         def one(position: Array) -> Array:
             closure = self.closure(position)
@@ -1102,7 +1157,8 @@ class ClosedLoopRobot:
         positions : (..., n) array_like
             Actuated positions.
         frame : str
-            Name of a frame of the model.
+            Name of a frame of the model. Where a body and a joint share it, the body is meant,
+            and ``joint:name`` means the other.
 
         Returns
         -------
@@ -1116,7 +1172,7 @@ class ClosedLoopRobot:
         InvalidArray, ClosureFailed, JointLimitExceeded
             See :meth:`configuration`.
         """
-        index = self._frame(frame)
+        index = frame_number(self.model, frame)
         configurations = self.configuration(positions)
 
         def one(q: Array) -> Array:
@@ -1177,19 +1233,14 @@ class ClosedLoopRobot:
             "joints",
         )
 
-    def _frame(self, frame: str) -> int:
-        if not self.model.existFrame(frame):
-            raise UnknownName("frame", frame, [known.name for known in self.model.frames])
-        return int(self.model.getFrameId(frame))
-
     def kinetic_energy(self, positions: ArrayLike, speeds: ArrayLike) -> Array:
         """Return the kinetic energy [J], of shape (...,)."""
         return self._ask(ENERGIES, 2, None, positions, speeds, speeds)[..., 0]
 
     def potential_energy(self, positions: ArrayLike) -> Array:
-        """Return the potential energy in the field of gravity [J], of shape (...,).
+        """Return the potential energy in the field of gravity and in springs [J], (...,).
 
-        Zero with all masses at the base's height.
+        Zero with all masses at the base's height and all springs at rest.
         """
         rest = np.zeros(self._speed_count)
         return self._ask(ENERGIES, 2, None, positions, rest, rest)[..., 1]

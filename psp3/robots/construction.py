@@ -11,6 +11,7 @@ import pinocchio as pin
 from psp3.checks import Array
 from psp3.errors import UnknownName
 from psp3.multibody.equations import Hinge
+from psp3.multibody.named_frames import frame_number
 
 CLOSURE_KINDS = ("3d", "6d", "hinge")
 """Kinds of closures that can be added: a point; position and direction; a point and an axis."""
@@ -38,15 +39,13 @@ def named_closures(
     for first, second, kind in closures:
         if kind not in CLOSURE_KINDS:
             raise UnknownName("kind of closure", kind, CLOSURE_KINDS)
-        for name in (first, second):
-            if name != "world" and not model.existFrame(name):
-                raise UnknownName("frame", name, ["world", *(frame.name for frame in model.frames)])
-        frame = model.frames[model.getFrameId(first)]
+        number = frame_number(model, first)
+        frame = model.frames[number]
         one = frame.parentJoint, frame.placement
         if second == "world":
-            two = 0, data.oMf[model.getFrameId(first)]
+            two = 0, data.oMf[number]
         else:
-            frame = model.frames[model.getFrameId(second)]
+            frame = model.frames[frame_number(model, second)]
             two = frame.parentJoint, frame.placement
         if kind == "hinge":
             made.append(Hinge(f"{first}-{second}", *one, *two))

@@ -5,7 +5,7 @@ or by Pinocchio again.
 
 * A joint becomes hinges, slides and balls on one body. Where both engines have the same joint, name
   and coordinate are the same; :func:`mujoco_state` translates the others.
-* A closure becomes a weld (6D) or a connect (3D) between two sites. MuJoCo's constraints are
+* Closures become equalities, see :mod:`psp3.robots.mjcf_equalities`. MuJoCo's constraints are
   springs; :data:`HARD` makes them as stiff as the time step allows. How far that is from rigid is
   measured in ``docs/engines.md``.
 * A body without mass, as between the two hinges of a universal joint, is joined with the one that
@@ -26,8 +26,10 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, one_row
-from psp3.errors import InvalidValue, MasslessBody, UnexportableJoint, UnphysicalInertia
+from psp3.errors import MasslessBody, UnexportableJoint, UnphysicalInertia
+from psp3.multibody.equations import Coupling
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.mjcf_equalities import add_equalities, add_motors, check_exportable
 
 HARD = ((1e-6, 1.0), (0.9999, 0.9999, 0.001, 0.5, 2.0))
 """``solref`` and ``solimp`` of closures and of the ends of joints: a time constant that MuJoCo
@@ -91,10 +93,10 @@ class _Body(NamedTuple):
 def to_mjcf(robot: ClosedLoopRobot) -> str:
     """Return a robot as an MJCF document.
 
-    Gravity, masses, joints with limits, armature, damping, friction and springs, closures, a motor
-    on every actuated joint with the model's effort limit (none where that is not positive), a site
-    for every frame, primitive shapes of the visual model, and the keyframe ``home`` at
-    ``robot.q0``.
+    Gravity, masses, joints with limits, armature, damping, friction and springs, closures,
+    couplings, joints that are held, a motor on every actuated joint with the model's effort limit
+    (none where that is not positive) or tendon, a site for every frame, primitive shapes of the
+    visual model, and the keyframe ``home`` at ``robot.q0``.
 
     Parameters
     ----------
@@ -115,17 +117,10 @@ def to_mjcf(robot: ClosedLoopRobot) -> str:
     UnexportableJoint
         If a joint is helical, is a ball with armature, or has too many degrees of freedom.
     InvalidValue
-        If the robot has hinges or couplings for closures, motors on tendons, or joints that are
-        held.
+        If the spin of a ball is held whose body is not one of revolution about it.
     """
     model = robot.model
-    if robot.equations or robot.locked or robot.options["tendons"]:
-        raise InvalidValue(
-            "robot",
-            robot.title,
-            "one without couplings, closing hinges, tendons and joints that are held, which are "
-            'not written for MuJoCo (free="keep" holds none)',
-        )
+    check_exportable(robot)
     bodies = _tree(robot)
     root = ET.Element("mujoco", model=model.name or "robot")
     ET.SubElement(root, "compiler", angle="radian", autolimits="true", balanceinertia="false")
@@ -137,20 +132,16 @@ def to_mjcf(robot: ClosedLoopRobot) -> str:
     )
     elements: list[ET.Element] = [ET.SubElement(root, "worldbody")]
     for body in bodies:
-        elements.append(_body_element(robot, body, elements[body.parent + 1]))
+        # A body that floats is the world's own: no other may have a free joint in MuJoCo.
+        floats = _floating(model, body)
+        elements.append(_body_element(robot, body, elements[0 if floats else body.parent + 1]))
     at_joint = dict(zip((body.joint for body in bodies), elements[1:], strict=True))
     _add_frames(model, at_joint)
-    _add_closures(robot, root, at_joint)
+    add_equalities(robot, root, at_joint, _hard("solref", "solimp"), _text)
     _add_visuals(robot, at_joint)
-    actuators = ET.SubElement(root, "actuator")
-    for name in robot.actuated:
-        limit = _effort(model, name)
-        ET.SubElement(
-            actuators,
-            "motor",
-            {"name": name, "joint": name}
-            | ({"ctrlrange": _text([-limit, limit])} if limit else {}),
-        )
+    joints = set(model.names)
+    limits = {name: _effort(model, name) for name in robot.actuated if name in joints}
+    add_motors(robot, root, limits, _text)
     position, _ = mujoco_state(robot, robot.q0)
     ET.SubElement(ET.SubElement(root, "keyframe"), "key", name="home", qpos=_text(position))
     ET.indent(root)
@@ -164,7 +155,7 @@ def mujoco_state(
 
     Bodies may come in another order; quaternions have their real part first; what turns without end
     is an angle, not a cosine and a sine; a free body has its linear velocity in the axes of its
-    parent, not in its own.
+    parent, not in its own, and is counted from the world if that is its parent.
 
     Parameters
     ----------
@@ -192,11 +183,12 @@ def mujoco_state(
     for body in _tree(robot):
         for number, frame in body.joints:
             joint = model.joints[number]
-            coordinates = _coordinates(
-                position[joint.idx_q : joint.idx_q + joint.nq],
-                velocity[joint.idx_v : joint.idx_v + joint.nv],
-                frame.rotation,
-            )
+            x = position[joint.idx_q : joint.idx_q + joint.nq]
+            rates = velocity[joint.idx_v : joint.idx_v + joint.nv]
+            if _floating(model, body):
+                # Counted from the world, not from where the body stands in the neutral pose.
+                x = pin.SE3ToXYZQUAT(model.jointPlacements[number] * pin.XYZQUATToSE3(x))
+            coordinates = _coordinates(np.asarray(x), rates, frame.rotation)
             qpos.append(coordinates[0])
             qvel.append(coordinates[1])
     return np.concatenate(qpos), np.concatenate(qvel)
@@ -232,18 +224,20 @@ def _tree(robot: ClosedLoopRobot) -> list[_Body]:
         children[model.parents[joint]].append(joint)
     closed = {
         joint
-        for closure in robot.constraint_models
+        for closure in [*robot.constraint_models, *robot.equations]
+        if not isinstance(closure, Coupling)
         for joint in (closure.joint1_id, closure.joint2_id)
     }
     bodies = [_Body(_body_name(model, 0), 0, -1, pin.SE3.Identity(), [], False)]
-    waiting: list[tuple[int, int, list[int]]] = [(joint, 0, []) for joint in reversed(children[0])]
+    # What floats stands beside the base, and so comes after all that the base carries.
+    roots = sorted(
+        children[0], key=lambda joint: _is_free(model, joint) and _has_mass(model, joint)
+    )
+    waiting: list[tuple[int, int, list[int]]] = [(joint, 0, []) for joint in reversed(roots)]
     while waiting:
         joint, parent, carriers = waiting.pop()
         chain = [*carriers, joint]
-        if (
-            model.inertias[joint].mass < LEAST
-            and np.abs(model.inertias[joint].inertia).max() < LEAST
-        ):
+        if not _has_mass(model, joint):
             if joint in closed or len(children[joint]) != 1:
                 raise MasslessBody(_body_name(model, joint), joint in closed, len(children[joint]))
             waiting.append((children[joint][0], parent, chain))
@@ -269,6 +263,22 @@ def _tree(robot: ClosedLoopRobot) -> list[_Body]:
         )
         waiting.extend((child, len(bodies) - 1, []) for child in reversed(children[joint]))
     return bodies
+
+
+def _floating(model: pin.Model, body: _Body) -> bool:
+    """Tell whether a body is free in the world by one joint."""
+    if len(body.joints) != 1 or body.parent != 0:
+        return False
+    return _is_free(model, body.joints[0][0])
+
+
+def _is_free(model: pin.Model, joint: int) -> bool:
+    return "FreeFlyer" in str(model.joints[joint].shortname())
+
+
+def _has_mass(model: pin.Model, joint: int) -> bool:
+    inertia = model.inertias[joint]
+    return bool(inertia.mass >= LEAST or np.abs(inertia.inertia).max() >= LEAST)
 
 
 def _neutral(model: pin.Model, number: int) -> Any:
@@ -357,9 +367,14 @@ def _forces(robot: ClosedLoopRobot, number: int, velocity: int) -> dict[str, flo
 
 def _body_name(model: pin.Model, joint: int) -> str:
     for frame in model.frames:
-        if frame.parentJoint == joint and frame.type == pin.FrameType.BODY:
+        # The world of an MJCF is no body of it.
+        is_world = joint == 0 and frame.name == "world"
+        if frame.parentJoint == joint and frame.type == pin.FrameType.BODY and not is_world:
             return str(frame.name)
-    return str(model.names[joint]) if joint else "base"
+    name = str(model.names[joint]) if joint else "base"
+    while model.existFrame(name, pin.FrameType.BODY):
+        name += "_"
+    return name
 
 
 # Elements of the document
@@ -388,6 +403,11 @@ def _body_element(robot: ClosedLoopRobot, body: _Body, parent: ET.Element) -> ET
     if body.joint == 0:
         return element
     element.append(_inertial(body, model.inertias[body.joint]))
+    if _floating(model, body):
+        (number, frame) = body.joints[0]
+        list(_motions(robot, number, frame))  # refuses what MuJoCo cannot move
+        ET.SubElement(element, "freejoint", name=str(model.names[number]))
+        return element
     for number, frame in body.joints:
         name, motions = str(model.names[number]), list(_motions(robot, number, frame))
         for place, motion in enumerate(motions, start=1):
@@ -456,39 +476,6 @@ def _add_frames(model: pin.Model, at_joint: dict[int, ET.Element]) -> None:
         taken.add(frame.name)
         ET.SubElement(
             element, "site", {"name": frame.name, "group": "4"} | _placed(frame.placement)
-        )
-
-
-def _add_closures(
-    robot: ClosedLoopRobot, root: ET.Element, at_joint: dict[int, ET.Element]
-) -> None:
-    """Sites, not bodies, are what is joined.
-
-    Their places do not depend on the configuration in which MuJoCo compiles the model.
-    """
-    equality = ET.SubElement(root, "equality")
-    for number, closure in enumerate(robot.constraint_models, start=1):
-        sides = (
-            (closure.joint1_id, closure.joint1_placement),
-            (closure.joint2_id, closure.joint2_placement),
-        )
-        names = []
-        for side, (joint, placement) in enumerate(sides, start=1):
-            placed = _placed(placement)
-            known = [
-                site.get("name", "")
-                for site in at_joint[joint].findall("site")
-                if placed.items() <= site.attrib.items()
-            ]
-            names.append(known[0] if known else f"closure{number}_{side}")
-            if not known:
-                ET.SubElement(at_joint[joint], "site", {"name": names[-1], "group": "4"} | placed)
-        kind = "weld" if closure.type == pin.ContactType.CONTACT_6D else "connect"
-        ET.SubElement(
-            equality,
-            kind,
-            {"name": "-".join(names), "site1": names[0], "site2": names[1]}
-            | _hard("solref", "solimp"),
         )
 
 

@@ -10,7 +10,8 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import checked_not_negative, one_row
-from psp3.errors import InvalidValue, UnknownName
+from psp3.errors import InvalidValue
+from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 
@@ -60,10 +61,8 @@ def with_payload(
             moments.tolist(),
             "moments of a rigid body: none negative, none above the sum of the other two",
         )
-    if not robot.model.existFrame(frame):
-        raise UnknownName("frame", frame, [known.name for known in robot.model.frames])
     model = robot.model.copy()
-    place = model.frames[model.getFrameId(frame)]
+    place = model.frames[frame_number(model, frame)]
     if place.parentJoint == 0:
         raise InvalidValue("frame", frame, "one that moves; this one is fixed to the base")
     model.appendBodyToJoint(

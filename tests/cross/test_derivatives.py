@@ -11,7 +11,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.dynamics.derivatives import forward_dynamics_derivatives
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.helpers import Array, derivative
@@ -35,7 +35,7 @@ ROBOTS_CLOSED_AS_A_WHOLE = {
     for name, robot in (
         ("ball in a loop", build(ball_in_a_loop())),
         ("free platform", build(free_platform())),
-        *((name, psp3.load(name)) for name in ROBOTS),
+        *((name, psp3.load(name)) for name in THESIS_ROBOTS),
     )
     if closed_as_a_whole(robot)
 }

@@ -96,10 +96,10 @@ def mass_matrix(engine: Any, data: Any) -> Array:
     return mass
 
 
-def assert_same(parts: RobotParts, engine: Any) -> None:
+def assert_same(parts: RobotParts, engine: Any, share: float = 1e-10) -> None:
     """Places of all bodies and sites to 1e-12.
 
-    Mass matrix, weight and velocity forces to 1e-10 of the largest entry.
+    Mass matrix, weight and velocity forces to 1e-10 of the largest entry, or another share.
     """
     ours, data = parts.model, parts.model.createData()
     assert (ours.nv, ours.nq) == (engine.nv, engine.nq)
@@ -132,11 +132,11 @@ def assert_same(parts: RobotParts, engine: Any) -> None:
         mass = change.T @ mass_matrix(engine, theirs) @ change
         found = pin.crba(ours, data, q)
         assert_allclose(
-            np.triu(found) + np.triu(found, 1).T, mass, rtol=0, atol=1e-10 * np.abs(mass).max()
+            np.triu(found) + np.triu(found, 1).T, mass, rtol=0, atol=share * np.abs(mass).max()
         )
         weight = change.T @ theirs.qfrc_bias
         found = pin.rnea(ours, data, q, np.zeros(ours.nv), np.zeros(ours.nv))
-        assert_allclose(found, weight, rtol=0, atol=1e-10 * max(np.abs(weight).max(), 1.0))
+        assert_allclose(found, weight, rtol=0, atol=share * max(np.abs(weight).max(), 1.0))
         if mujoco.mjtJoint.mjJNT_FREE not in engine.jnt_type:
             # The two engines derive the velocity of a free body in different axes, and with it the
             # velocity forces.
@@ -146,7 +146,7 @@ def assert_same(parts: RobotParts, engine: Any) -> None:
                 found,
                 theirs.qfrc_bias,
                 rtol=0,
-                atol=1e-10 * max(np.abs(theirs.qfrc_bias).max(), 1.0),
+                atol=share * max(np.abs(theirs.qfrc_bias).max(), 1.0),
             )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.drives import NO_DRIVE, Drive
 from psp3.simulation.mujoco import MuJoCo
 from psp3.simulation.runge_kutta import RungeKutta
@@ -148,7 +148,7 @@ def test_dry_friction_holds_but_for_a_creep() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
+@pytest.mark.parametrize("name", [name for name in THESIS_ROBOTS if name != "psp3"])
 def test_other_robots(name: str) -> None:
     """Computed torque from 5 mm (or mrad) beside the path.
 

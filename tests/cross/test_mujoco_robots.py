@@ -12,7 +12,7 @@ import pinocchio as pin
 import pytest
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from tests.helpers import Array, relative_error
 from tests.mujoco_projection import Projection, State, engine
 from tests.robot_samplers import random_poses
@@ -41,7 +41,7 @@ def both(name: str, gravity: Array) -> tuple[tuple[Array, Array, Array], Array, 
     return robot.equation_of_motion(positions, speeds), speeds, theirs
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", THESIS_ROBOTS)
 def test_projected_dynamics_agree(name: str) -> None:
     """M, C v and G of 60 random states.
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.dynamics.natural_orthogonal_complement import NaturalOrthogonalComplement
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.simulation.constraint_dynamics import ConstraintDynamics
@@ -19,7 +19,7 @@ from psp3.simulation.runge_kutta import RungeKutta
 from tests.helpers import Array, derivative, relative_error
 from tests.robot_samplers import random_poses
 
-NAMES = ROBOTS[1:]
+NAMES = THESIS_ROBOTS[1:]
 STEP = 3e-4
 """Of eighth-order differences [m, rad]: truncation and rounding are both below 1e-8 near the
 singularities, where both are worst.

@@ -19,7 +19,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.dynamics.projected import ProjectedDynamics
 from psp3.errors import UnknownName
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -46,7 +46,7 @@ class Case(NamedTuple):
         return np.asarray(np.einsum("nij,nj->ni", self.matrices[1], self.speeds))
 
 
-@pytest.fixture(scope="module", params=ROBOTS)
+@pytest.fixture(scope="module", params=THESIS_ROBOTS)
 def case(request: pytest.FixtureRequest) -> Case:
     robot: Any = psp3.load(str(request.param)).dynamics("core")
     # Tilted, so that the 3-RRR, which moves level, has a weight to carry as well.
@@ -101,7 +101,7 @@ def test_accelerations_agree(case: Case) -> None:
         assert np.abs(off).max() < TOLERANCE * scale[k]
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", THESIS_ROBOTS)
 def test_routes_agree_with_mujoco(name: str) -> None:
     """M, C v and G of MuJoCo, projected with numpy alone, and all three routes."""
     from tests.mujoco_projection import Projection, engine

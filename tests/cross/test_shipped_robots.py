@@ -8,9 +8,10 @@ nothing of Pinocchio. Positions are compared to 1e-10 m and rad; 1e-14 is reache
 
 from __future__ import annotations
 
-import importlib.util
+import importlib
 import re
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -24,7 +25,7 @@ import yaml
 from numpy.testing import assert_allclose
 
 import psp3
-from psp3.description.parts import ROBOT_FILES, ROBOTS
+from psp3.description.parts import MJCF_ROBOTS, ROBOT_FILES, ROBOTS, THESIS_ROBOTS
 from psp3.description.srdf import reference_poses
 from psp3.errors import InvalidValue, UnknownName
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -39,7 +40,7 @@ from tests.closed_form_kinematics import (
 from tests.helpers import Array, relative_error
 from tests.robot_samplers import WORKSPACES, Reachable, reachable
 
-NAMES = ROBOTS[1:]
+NAMES = THESIS_ROBOTS[1:]
 POSES = 500
 TOLERANCE = 1e-10
 
@@ -74,15 +75,18 @@ def configurations(
 
 
 @pytest.fixture(scope="module")
-def script() -> ModuleType:
-    spec = importlib.util.spec_from_file_location(
-        "make_robots", Path(ROBOT_FILES) / "make_robots.py"
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+def script() -> Iterator[ModuleType]:
+    """Return the script; what it imports lies beside it."""
+    sys.path.insert(0, str(ROBOT_FILES))
+    try:
+        yield importlib.import_module("make_robots")
+    finally:
+        sys.path.remove(str(ROBOT_FILES))
+
+
+@pytest.fixture(scope="module")
+def solids(script: ModuleType) -> ModuleType:
+    return importlib.import_module("making.solids")
 
 
 def tips(robot: ClosedLoopRobot, configurations: Array) -> tuple[Array, Array]:
@@ -118,7 +122,9 @@ def test_files_are_what_the_script_writes(script: ModuleType, tmp_path: Path) ->
     script.main(tmp_path)
     written = sorted(path.name for path in tmp_path.iterdir())
     assert written == sorted(
-        f"{name}.{kind}" for name in NAMES for kind in ("urdf", "srdf", "yaml")
+        f"{name}.{kind}"
+        for name in ROBOTS[1:]
+        for kind in (("xml",) if name in MJCF_ROBOTS else ("urdf", "srdf", "yaml"))
     )
     for name in written:
         found, expected = (
@@ -208,14 +214,14 @@ def test_every_body_can_exist(name: str, robots: dict[str, ClosedLoopRobot]) -> 
     assert np.linalg.cond(np.triu(tree) + np.triu(tree, 1).T) < 1e3
 
 
-def drawn_inertias(name: str, robot: ClosedLoopRobot, script: ModuleType) -> dict[int, pin.Inertia]:
+def drawn_inertias(name: str, robot: ClosedLoopRobot, solids: ModuleType) -> dict[int, pin.Inertia]:
     """Inertia of each joint's body from the shapes that Pinocchio read, by coal's formulas.
 
     Each solid, of its color's density.
     """
     densities = {
         tuple(float(part) for part in color.split()): density
-        for color, density in script.MATERIALS.values()
+        for color, density in solids.MATERIALS.values()
     }
     totals: dict[int, Any] = {}
     for shape in robot.visual_model.geometryObjects:
@@ -237,14 +243,14 @@ def drawn_inertias(name: str, robot: ClosedLoopRobot, script: ModuleType) -> dic
     [("five_bar", r".*"), ("planar_3rrr", r".*"), ("delta", r".*_pitch|platform.*")],
 )
 def test_bodies_weigh_what_is_drawn(
-    name: str, solid: str, robots: dict[str, ClosedLoopRobot], script: ModuleType
+    name: str, solid: str, robots: dict[str, ClosedLoopRobot], solids: ModuleType
 ) -> None:
     """Of bodies without tubes, which are drawn as if they were solid.
 
     1e-4: drawings are written to a micrometer.
     """
     robot = robots[name]
-    drawn = drawn_inertias(name, robot, script)
+    drawn = drawn_inertias(name, robot, solids)
     compared = [
         joint
         for joint in range(1, robot.model.njoints)
@@ -260,10 +266,10 @@ def test_bodies_weigh_what_is_drawn(
         )
 
 
-def test_a_tube_is_a_cylinder_less_its_bore(script: ModuleType) -> None:
+def test_a_tube_is_a_cylinder_less_its_bore(solids: ModuleType) -> None:
     start, end = np.array([0.1, -0.2, 0.3]), np.array([0.4, 0.1, -0.1])
-    tube = script.rod(start, end, 0.03, "steel", 0.02).inertia()
-    outer, inner = (script.rod(start, end, radius, "steel").inertia() for radius in (0.03, 0.02))
+    tube = solids.rod(start, end, 0.03, "steel", 0.02).inertia()
+    outer, inner = (solids.rod(start, end, radius, "steel").inertia() for radius in (0.03, 0.02))
     assert_allclose(tube.mass, outer.mass - inner.mass, rtol=1e-14)
     assert_allclose(tube.lever, 0.5 * (start + end), rtol=1e-14)
     assert_allclose(tube.inertia, outer.inertia - inner.inertia, rtol=1e-12)

@@ -22,6 +22,11 @@ EXAMPLES = [
         ["robot 'psp4'", "psp3, delta"],
     ),
     (
+        errors.UnknownRobot("psp4", ["psp3", "delta"]),
+        {"name": "psp4", "known": ("psp3", "delta")},
+        ["robot 'psp4'", "psp3, delta", "psp3.load('my_robot.urdf')"],
+    ),
+    (
         errors.InvalidArray("heights", "(..., 3)", np.array([1.0, np.nan, 2.0])),
         {"name": "heights"},
         ["heights", "(..., 3)", "1 of its entries not finite", "nan"],
@@ -65,6 +70,11 @@ EXAMPLES = [
         errors.ClosureFailed(HEIGHTS, 0.5, 0.25),
         {"positions": HEIGHTS, "residual": 0.5, "reached": 0.25},
         ["0.2", "0.5", "25 %"],
+    ),
+    (
+        errors.ClosureFailed(np.zeros(0), 0.5, 0.0),
+        {"residual": 0.5},
+        ["the loops could not be closed near the reference pose"],
     ),
     (
         errors.JointLimitExceeded("b1", -0.031, 0.0, 0.6),
@@ -295,7 +305,7 @@ def test_what_both_packages_call_the_same_is_caught_by_either() -> None:
         name
         for name, cls in inspect.getmembers(errors, inspect.isclass)
         if issubclass(cls, fuzzy2.Fuzzy2Error)
-    } == {"UnknownName", "InvalidValue"}
+    } == {"UnknownName", "UnknownRobot", "InvalidValue"}
 
 
 def test_a_value_is_shown_in_full() -> None:

@@ -16,7 +16,7 @@ import psp3
 from psp3.description.parts import ROBOT_FILES, ROBOTS
 from psp3.description.srdf import reference_poses
 from psp3.description.urdf import read_tree
-from psp3.errors import InvalidRobotFile, UnknownName
+from psp3.errors import InvalidRobotFile, InvalidValue, UnknownName, UnknownRobot
 
 LEGS = (1, 2, 3)
 
@@ -126,6 +126,48 @@ def test_the_files_load_without_the_parameter_class_too() -> None:
     ):
         assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
     assert_allclose(from_files.q0, robot.q0, rtol=0, atol=1e-15)
+
+
+def test_a_file_is_read_with_its_loops_and_poses_beside_it(tmp_path: Path) -> None:
+    """As a path or a string, of any ending of a robot's; the same robot as by its name."""
+    for ending in ("urdf", "yaml", "srdf"):
+        text = (ROBOT_FILES / f"five_bar.{ending}").read_text()
+        (tmp_path / f"mine.{ending}").write_text(text)
+    expected = psp3.load("five_bar")
+    (tmp_path / "mine.xml").write_text((tmp_path / "mine.urdf").read_text())
+    for name in (tmp_path / "mine.urdf", str(tmp_path / "mine.urdf"), tmp_path / "mine.xml"):
+        robot = psp3.load(name)
+        assert robot.actuated == expected.actuated
+        assert_allclose(robot.q0, expected.q0, rtol=0, atol=0)
+    one = psp3.load(tmp_path / "mine.urdf", actuated=["leg1_shoulder"], free="keep")
+    assert one.coordinates == ("leg1_shoulder", "leg1_elbow")
+    other = tmp_path / "other.yaml"
+    other.write_text((tmp_path / "mine.yaml").read_text().replace("leg2_shoulder", "leg2_elbow"))
+    assert psp3.load(tmp_path / "mine.urdf", loops=other).actuated[1] == "leg2_elbow"
+
+
+def test_a_file_is_read_as_its_outermost_element_says(tmp_path: Path) -> None:
+    body = '<body name="arm"><joint name="hinge"/><geom size="0.1"/></body>'
+    mjcf = f"<mujoco><worldbody>{body}</worldbody></mujoco>"
+    for name in ("arm.xml", "arm.mjcf", "arm.urdf"):
+        (tmp_path / name).write_text(mjcf)
+        assert psp3.load(tmp_path / name, actuated=["hinge"]).actuated == ("hinge",)
+
+
+def test_what_is_no_robot_is_refused_with_what_to_do(tmp_path: Path) -> None:
+    with pytest.raises(UnknownRobot, match=r"psp3\.load\('my_robot\.urdf'\)"):
+        psp3.load("my_robot")
+    with pytest.raises(InvalidRobotFile, match="no such file"):
+        psp3.load("my_robot.urdf")
+    (tmp_path / "page.xml").write_text("<html/>")
+    with pytest.raises(InvalidRobotFile, match="<html>; robots are read from robot, mujoco, sdf"):
+        psp3.load(tmp_path / "page.xml")
+    with pytest.raises(InvalidRobotFile, match="xacro"):
+        psp3.load("my_robot.urdf.xacro")
+    with pytest.raises(InvalidValue, match="only 'psp3' has other sets"):
+        psp3.load(tmp_path / "page.xml", parameters="table_3_1")
+    with pytest.raises(InvalidValue, match="none for robot 'psp3'"):
+        psp3.load("psp3", "default", free="keep")
 
 
 def test_robot_files_are_installed_beside_the_code() -> None:

@@ -2,12 +2,71 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from psp3.cli.joint_tables import joint_rows
+from psp3.cli.option_groups import single_options
 from psp3.cli.options import Json
 from psp3.cli.output import new_table, print_json, show
+from psp3.cli.robot_options import RobotOptions
 
 
-def info(json: Json = False) -> None:
-    """Show versions, joints, loops, reach, parameter sets and the other robots."""
+@single_options
+def info(*, robot: RobotOptions, json: Json = False) -> None:
+    """Show a robot: joints, motors, loops and mobility; without one, versions and the 3-PSP."""
+    if robot.is_of_thesis:
+        _show_of_thesis(robot, json)
+        return
+    from psp3.robots.examination import examine
+
+    which = robot.load()
+    found = examine(which)
+    rows = joint_rows(which, which.q0)
+    lower, upper = which.model.lowerPositionLimit, which.model.upperPositionLimit
+    joints: list[dict[str, Any]] = [
+        {
+            "name": row.joint,
+            "type": joint.shortname().removeprefix("JointModel"),
+            "role": row.role,
+            "reference": row.values,
+            "unit": row.unit,
+            "lower": lower[joint.idx_q : joint.idx_q + joint.nq],
+            "upper": upper[joint.idx_q : joint.idx_q + joint.nq],
+        }
+        for row, joint in zip(rows, list(which.model.joints)[1:], strict=True)
+    ]
+    if json:
+        findings = [one._asdict() for one in found.findings]
+        print_json({**found._asdict(), "findings": findings, "joints": joints, "units": "SI"})
+        return
+    about = new_table(found.title, "", "")
+    about.show_header, about.columns[1].justify = False, "left"
+    for name, text in (
+        ("bodies that move", f"{found.bodies}, {found.mass:.4g} kg"),
+        ("motors", ", ".join(found.motors)),
+        ("coordinates", ", ".join(found.coordinates)),
+        ("loops", ", ".join(f"{name} ({kind})" for name, kind in found.loops) or "none"),
+        ("mobility", found.mobility),
+        ("held", "; ".join(found.held) or "nothing"),
+        ("files", ", ".join(str(path) for path in (which.urdf, which.srdf) if path) or "–"),
+    ):
+        about.add_row(name, text)
+    table = new_table("Joints", "", "type", "role", "reference", "lower", "upper", "unit")
+    for one in joints:
+        table.add_row(
+            one["name"],
+            one["type"],
+            one["role"],
+            *(
+                "\n".join(f"{value + 0.0:.4g}" for value in one[key])
+                for key in ("reference", "lower", "upper")
+            ),
+            one["unit"],
+        )
+    show(about, table)
+
+
+def _show_of_thesis(options: RobotOptions, json: bool) -> None:
     import platform
     from dataclasses import asdict
     from importlib.metadata import PackageNotFoundError, version
@@ -16,7 +75,6 @@ def info(json: Json = False) -> None:
 
     from psp3.description.loop_file import read_loops
     from psp3.description.parts import ROBOT_FILES, ROBOTS
-    from psp3.loading import load
     from psp3.three_psp.parameters import PARAMETER_SETS
     from psp3.version import __version__
 
@@ -26,7 +84,7 @@ def info(json: Json = False) -> None:
             versions[package] = version(package)
         except PackageNotFoundError:
             versions[package] = "not installed"
-    robot = load("psp3")
+    robot = options.load_of_thesis()
     loops = read_loops(ROBOT_FILES / "psp3.yaml")
     (lower, *_), (upper, *_) = (bounds.tolist() for bounds in robot.stroke)
     least, greatest = robot.tip_reach(np.radians([0.0, 60.0])).tolist()
@@ -85,7 +143,7 @@ def info(json: Json = False) -> None:
     about.add_row("stroke", f"{lower:g} m to {upper:g} m")
     about.add_row(
         "other robots",
-        ", ".join(name for name in ROBOTS if name != "psp3") + " (psp3.load in Python)",
+        ", ".join(name for name in ROBOTS if name != "psp3") + " (psp3 info NAME)",
     )
     about.add_row(
         "reach of the tip",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from psp3.cli.joint_tables import motor_units
 from psp3.cli.option_groups import GainOptions, MotionOptions, OutputOptions, single_options
 from psp3.cli.options import (
     OUTPUT,
@@ -17,11 +18,11 @@ from psp3.cli.options import (
     InitialSpeed,
     Limit,
     Model,
-    Parameters,
-    ParametersName,
+    Numbers,
     TrajectoryText,
     limit_of_torque,
     listed,
+    of_each,
     only_allowed,
     output_file,
 )
@@ -35,27 +36,29 @@ from psp3.cli.output import (
     show,
     write_csv,
 )
+from psp3.cli.robot_options import ParametersOption, RobotOptions
 from psp3.cli.shared import (
     controller_from_file,
     controller_named,
-    load_robot,
     trajectory_from_options,
 )
 
 if TYPE_CHECKING:
+    from psp3.robots.closed_loop_robot import ClosedLoopRobot
     from psp3.simulation.result import Result
 
 
 @single_options
 def simulate(
     *,
+    robot: RobotOptions,
     controller: Annotated[
         ControllerName | None,
         typer.Option(
             metavar="NAME",
             help=(
-                "Controller: pd, pd-gravity, pid, feed-forward or ctc; t1, it2 or gt2, trained "
-                "on the helix without noise."
+                "Controller: pd, pd-gravity, pid, feed-forward or ctc; of the 3-PSP t1, it2 or "
+                "gt2, trained on the helix without noise."
             ),
             show_default="ctc",
         ),
@@ -75,7 +78,10 @@ def simulate(
         typer.Option(
             parser=limit_of_torque,
             metavar="N",
-            help="Largest screw force (N), one number or three; none unless given.",
+            help=(
+                "Largest force (N) or torque (N m) of a motor, one number or one each; none unless "
+                "given."
+            ),
         ),
     ] = None,
     period: Annotated[float, typer.Option(metavar="S", help="Control period (s).")] = 0.002,
@@ -85,8 +91,7 @@ def simulate(
             metavar="NAME", help="Speed at the start: rest, or path for that of the motion."
         ),
     ] = InitialSpeed.REST,
-    parameters: Parameters = ParametersName.DEFAULT,
-    trajectory: TrajectoryText = "helix",
+    trajectory: TrajectoryText = None,
     motion: MotionOptions,
     out: Annotated[
         Path | None,
@@ -99,36 +104,38 @@ def simulate(
     ] = None,
     outputs: OutputOptions,
 ) -> None:
-    """Simulate a controller that tracks a motion of the tip.
+    """Simulate a controller that tracks a motion.
 
-    Without options: computed torque with the thesis's gains on the thesis's helix.
+    Without options: computed torque with the thesis's gains on the thesis's helix. Another robot
+    than the 3-PSP sways about its reference pose, under gains of its own.
     """
     outputs.check()
-    robot = load_robot(parameters)
+    which = robot.load()
     if trained is None:
         controller = controller or ControllerName.CTC
-        steering, settings = controller_named(robot, controller, model, gains)
+        steering, settings = controller_named(which, controller, model, gains)
     else:
         own = vars(gains) | {"model": model, "controller": controller}
         only_allowed("--trained, which has its own", own, ())
-        steering, settings = controller_from_file(robot, trained)
+        steering, settings = controller_from_file(which, trained)
         controller = ControllerName(steering.kind)
-    desired, seconds = trajectory_from_options(robot, trajectory, motion)
+    limit = None if torque_limit is None else _one_or_each(torque_limit, which)
+    desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
     from psp3.errors import SimulationStopped
     from psp3.simulation.tracking import simulate as run
 
-    title = f"{controller.value}, {trajectory}"
+    title = f"{controller.value}, {name_of_motion}"
+    if not which.has_inverse_of_tip:
+        title = f"{which.title}, {title}"
 
     def write(result: Result) -> dict[str, Path]:
         files = {"result": out, "csv": outputs.csv, "figure": outputs.figure}
         if out is not None:
             result.save(out)
         if outputs.csv is not None:
-            write_csv(outputs.csv, _samples(result))
+            write_csv(outputs.csv, _samples(result, which))
         if outputs.figure is not None:
-            from psp3.plots.control import figure_of_tracking
-
-            draw_figure(outputs.figure, lambda: figure_of_tracking(result, title))
+            draw_figure(outputs.figure, lambda: _figure(which, result, title))
         return {
             name: path for name, path in files.items() if path is not None and path != Path("-")
         }
@@ -136,17 +143,13 @@ def simulate(
     try:
         with progress_bar("simulating", seconds) as progress:
             result = run(
-                robot,
+                which,
                 steering,
                 desired,
                 seconds,
                 period,
                 initial_speeds=desired(0.0).speeds if initial_speed is InitialSpeed.PATH else None,
-                torque_limit=None
-                if torque_limit is None
-                else torque_limit.values
-                if len(torque_limit.values) == 3
-                else torque_limit.values[0],
+                torque_limit=limit,
                 progress=progress,
             )
     except SimulationStopped as error:
@@ -157,15 +160,15 @@ def simulate(
     files = write(result)
     if outputs.csv == Path("-"):
         return
-    metrics = _metrics(result)
+    metrics = _metrics(result, which)
     if outputs.json:
         of_the_path = motion.of_the_path().items()
         print_json(
             {
                 "controller": controller.value,
                 **settings,
-                "parameters": parameters.value,
-                "trajectory": trajectory,
+                **robot.identity(which),
+                "trajectory": name_of_motion,
                 "trajectory_options": {
                     name: value for name, value in of_the_path if value is not None
                 },
@@ -179,9 +182,49 @@ def simulate(
             }
         )
         return
-    _show_metrics(metrics, f"{title}, {result.t[-1]:g} s at {1e3 * period:g} ms")
+    title = f"{title}, {result.t[-1]:g} s at {1e3 * period:g} ms"
+    if which.has_inverse_of_tip:
+        _show_metrics(metrics, title)
+    else:
+        _show_joint_metrics(metrics, title, which)
     for path in files.values():
         typer.echo(path)
+
+
+def _one_or_each(given: Limit, robot: ClosedLoopRobot) -> Any:
+    if len(given.values) == 1:
+        return given.values[0]
+    return of_each("--torque-limit", Numbers(given.values), robot.actuated)
+
+
+def _figure(robot: ClosedLoopRobot, result: Result, title: str) -> Any:
+    if robot.has_inverse_of_tip:
+        from psp3.plots.control import figure_of_tracking
+
+        return figure_of_tracking(result, title)
+    from psp3.plots.joints import figure_of_joint_tracking
+
+    return figure_of_joint_tracking(robot, result, title)
+
+
+def _show_joint_metrics(metrics: dict[str, Any], title: str, robot: ClosedLoopRobot) -> None:
+    table = new_table(
+        title, "motor", "root mean square of the error", "largest error", "largest force", "unit"
+    )
+    for name, square, largest, force, unit in zip(
+        robot.actuated,
+        metrics["rms_errors"],
+        metrics["largest_errors"],
+        metrics["largest_forces"],
+        motor_units(robot),
+        strict=True,
+    ):
+        units = {"rad": "rad, N m", "m": "m, N"}.get(unit, "")
+        table.add_row(name, f"{square:.6g}", f"{largest:.6g}", f"{force:.6g}", units)
+    tip = metrics["largest_tip_error"]
+    if tip is not None:
+        table.caption = f"largest error of the tip: {1e3 * tip:.6g} mm"
+    show(table)
 
 
 def _show_metrics(metrics: dict[str, Any], title: str) -> None:
@@ -209,12 +252,29 @@ def _show_metrics(metrics: dict[str, Any], title: str) -> None:
     show(table)
 
 
-def _metrics(result: Result) -> dict[str, Any]:
+def _joint_metrics(result: Result) -> dict[str, Any]:
+    import numpy as np
+
+    from psp3.simulation.metrics import largest_tip_error
+
+    errors = result.desired.positions - result.positions
+    tip = largest_tip_error(result)
+    return {
+        "rms_errors": np.sqrt((errors**2).mean(axis=0)),
+        "largest_errors": np.abs(errors).max(axis=0),
+        "largest_forces": np.abs(result.torque).max(axis=0),
+        "largest_tip_error": tip if math.isfinite(tip) else None,
+    }
+
+
+def _metrics(result: Result, robot: ClosedLoopRobot) -> dict[str, Any]:
     import numpy as np
 
     from psp3.errors import InvalidValue
     from psp3.simulation import metrics
 
+    if not robot.has_inverse_of_tip:
+        return _joint_metrics(result)
     try:
         squares = metrics.sum_of_squared_errors(result)
     except InvalidValue:
@@ -232,7 +292,7 @@ def _metrics(result: Result) -> dict[str, Any]:
     }
 
 
-def _samples(result: Result) -> dict[str, Any]:
+def _samples(result: Result, robot: ClosedLoopRobot) -> dict[str, Any]:
     """Return the columns of a simulation's CSV file.
 
     They are named as those of :meth:`psp3.trajectories.screw_forces.ScrewForces.columns`.
@@ -307,8 +367,8 @@ def train(
     rules: RuleOptions,
     kp: Annotated[float, typer.Option(metavar="GAIN", help="Proportional gain (1/s²).")] = 10.0,
     kv: Annotated[float, typer.Option(metavar="GAIN", help="Derivative gain (1/s).")] = 1.0,
-    parameters: Parameters = ParametersName.DEFAULT,
-    trajectory: TrajectoryText = "helix",
+    parameters: ParametersOption = None,
+    trajectory: TrajectoryText = None,
     motion: MotionOptions,
 ) -> None:
     """Train a fuzzy computed-torque controller and write it to a file.
@@ -321,8 +381,8 @@ def train(
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
     from psp3.fuzzy_control.records import INPUT_NAMES, record, unpack
 
-    robot = load_robot(parameters)
-    desired, seconds = trajectory_from_options(robot, trajectory, motion)
+    robot = RobotOptions(parameters=parameters).load_of_thesis()
+    desired, seconds, name_of_motion = trajectory_from_options(robot, trajectory, motion)
     controller = FuzzyComputedTorque(
         rules.kind,
         robot,
@@ -339,7 +399,7 @@ def train(
     controller.learn(recorded, min(209, len(recorded.t)), rng).save(file)
     note = f"{len(controller.system_.rules)} rules, mean variation {controller.mean_variation:.3g}"
     table = new_table(
-        f"{rules.kind}, learned on {trajectory}",
+        f"{rules.kind}, learned on {name_of_motion}",
         "trained range",
         "least",
         "greatest",

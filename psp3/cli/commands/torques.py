@@ -1,37 +1,44 @@
-"""The command that turns a motion of the tip into screw forces."""
+"""The command that turns a motion into the forces that it takes."""
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from psp3.cli.joint_tables import motor_units
 from psp3.cli.option_groups import MotionOptions, OutputOptions, single_options
-from psp3.cli.options import Model, Parameters, ParametersName, TrajectoryText
+from psp3.cli.options import Model, TrajectoryText
 from psp3.cli.output import draw_figure, fixed, new_table, print_json, show, write_csv
-from psp3.cli.shared import load_robot, trajectory_from_options
+from psp3.cli.robot_options import RobotOptions
+from psp3.cli.shared import trajectory_from_options
+
+if TYPE_CHECKING:
+    from psp3.robots.closed_loop_robot import ClosedLoopRobot
+    from psp3.trajectories.screw_forces import ScrewForces
 
 
 @single_options
 def torques(
     *,
-    trajectory: TrajectoryText = "helix",
+    robot: RobotOptions,
+    trajectory: TrajectoryText = None,
     motion: MotionOptions,
     sampling_period: Annotated[
         float, typer.Option(metavar="S", help="Time between two samples (s).")
     ] = 0.01,
     model: Model = None,
-    parameters: Parameters = ParametersName.DEFAULT,
     outputs: OutputOptions,
 ) -> None:
-    """Turn a motion of the tip into screw forces.
+    """Turn a motion into the forces of the motors.
 
-    The nut heights and their rates come on the way: the thesis's inverse dynamics, Figures 27, 28
-    and 31. Prints the extremes; all samples go to --csv, --json or --figure.
+    Of the 3-PSP a motion of the tip: the nut heights and their rates come on the way, the thesis's
+    inverse dynamics, Figures 27, 28 and 31. Prints the extremes; all samples go to --csv, --json or
+    --figure.
     """
     outputs.check()
-    robot = load_robot(parameters)
+    which = robot.load()
     import numpy as np
 
     from psp3.checks import checked_positive
@@ -40,42 +47,75 @@ def torques(
     for name, value in (("duration", motion.duration), ("sampling period", sampling_period)):
         if value is not None:
             checked_positive(name, value)
-    desired, seconds = trajectory_from_options(robot, trajectory, motion)
+    desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
     # The small excess keeps rounding from losing the last sample.
     times = sampling_period * np.arange(int(seconds / sampling_period * (1.0 + 1e-12) + 1e-9) + 1)
     forces = screw_forces(
-        desired, times, robot.dynamics(model.value) if model is not None else None
+        desired, times, which.dynamics(model.value) if model is not None else None
     )
     files = {}
     if outputs.csv is not None:
         write_csv(outputs.csv, forces.columns())
         files["csv"] = outputs.csv
     if outputs.figure is not None:
-        from psp3.plots.three_psp import figure_of_torques
-
-        draw_figure(outputs.figure, lambda: figure_of_torques(forces))
+        draw_figure(outputs.figure, lambda: _figure(which, forces, name_of_motion))
         files["figure"] = outputs.figure
     if outputs.json:
         print_json(
             {
                 **forces.columns(),
-                "trajectory": trajectory,
-                "parameters": parameters.value,
+                "trajectory": name_of_motion,
+                **robot.identity(which),
                 "units": "SI",
             }
         )
         return
     if outputs.csv == Path("-"):
         return
-    table = new_table(
-        f"{trajectory}: {times.size} samples over {times[-1]:g} s",
-        "",
-        "",
-        "1, x",
-        "2, y",
-        "3, z",
-        "unit",
+    title = f"{name_of_motion}: {times.size} samples over {times[-1]:g} s"
+    show(
+        _table_of_thesis(title, forces)
+        if which.has_inverse_of_tip
+        else _table_of_joints(title, which, forces)
     )
+    for path in files.values():
+        typer.echo(path)
+
+
+def _figure(robot: ClosedLoopRobot, forces: ScrewForces, title: str) -> Any:
+    if robot.has_inverse_of_tip:
+        from psp3.plots.three_psp import figure_of_torques
+
+        return figure_of_torques(forces)
+    from psp3.plots.joints import figure_of_joint_forces
+
+    return figure_of_joint_forces(robot, forces, f"{robot.title}, {title}")
+
+
+def _table_of_joints(title: str, robot: ClosedLoopRobot, forces: ScrewForces) -> Any:
+    table = new_table(title, "motor", "", "least", "greatest", "unit")
+    motion = forces.motion
+    for number, (name, unit) in enumerate(zip(robot.actuated, motor_units(robot), strict=True)):
+        for what, values, of_rate in (
+            ("position", motion.positions, ""),
+            ("speed", motion.speeds, "/s"),
+            ("acceleration", motion.accelerations, "/s²"),
+            ("force", forces.forces, None),
+        ):
+            column = values[:, number]
+            shown = {"rad": "N m", "m": "N"}.get(unit, "") if of_rate is None else unit + of_rate
+            table.add_row(
+                name if what == "position" else "",
+                what,
+                *fixed([column.min(), column.max()], 4),
+                shown,
+            )
+        table.add_section()
+    return table
+
+
+def _table_of_thesis(title: str, forces: ScrewForces) -> Any:
+    table = new_table(title, "", "", "1, x", "2, y", "3, z", "unit")
     for name, values, unit, factor in (
         ("tip", forces.motion.tip, "mm", 1e3),
         ("nut heights", forces.motion.heights, "mm", 1e3),
@@ -85,6 +125,4 @@ def torques(
     ):
         table.add_row(name, "least", *fixed(factor * values.min(axis=0), 2), unit)
         table.add_row("", "greatest", *fixed(factor * values.max(axis=0), 2), "")
-    show(table)
-    for path in files.values():
-        typer.echo(path)
+    return table

@@ -8,40 +8,45 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from psp3.cli.joint_tables import position_labels
 from psp3.cli.option_groups import GainOptions, MotionOptions, single_options
 from psp3.cli.options import (
     MOTION,
     ControllerName,
-    Parameters,
-    ParametersName,
-    Triple,
+    Numbers,
+    numbers,
+    of_each,
     only_allowed,
     page_output,
-    triple,
     usage_error,
 )
 from psp3.cli.output import progress_bar
+from psp3.cli.robot_options import RobotOptions
 from psp3.cli.shared import (
     controller_from_file,
     controller_named,
-    load_robot,
     trajectory_from_options,
 )
 
 if TYPE_CHECKING:
     from psp3.control.controller import Controller
+    from psp3.robots.closed_loop_robot import ClosedLoopRobot
     from psp3.simulation.result import Result
-    from psp3.three_psp.robot import PSP3
     from psp3.trajectories.trajectory import Trajectory
 
 
 @single_options
 def view(
     *,
-    heights: Annotated[
-        Triple | None,
+    robot: RobotOptions,
+    positions: Annotated[
+        Numbers | None,
         typer.Option(
-            parser=triple, metavar="A1,A2,A3", help="Show this pose (m); home unless given."
+            "--positions",
+            "--heights",
+            parser=numbers,
+            metavar="A1,A2,…",
+            help="Show the pose at these positions of the motors (m, rad); home unless given.",
         ),
     ] = None,
     result: Annotated[
@@ -82,15 +87,15 @@ def view(
     port: Annotated[
         int, typer.Option(min=1, max=65000, help="Port to serve on; if it is taken, the next one.")
     ] = 7000,
-    parameters: Parameters = ParametersName.DEFAULT,
     trajectory: Annotated[
         str | None,
         typer.Option(
             metavar="NAME",
             rich_help_panel=MOTION,
             help=(
-                "helix (unless given), circle, line, point-to-point, hold, or csv:FILE; without "
-                "a controller shown as it is desired."
+                "helix (of the 3-PSP, with a controller unless given), circle, line, "
+                "point-to-point, hold, sway (of any robot), or csv:FILE; without a controller "
+                "shown as it is desired."
             ),
         ),
     ] = None,
@@ -101,20 +106,25 @@ def view(
     Robots of several results and controllers stand side by side. Serves to this machine only, at
     127.0.0.1, until Ctrl-C.
     """
-    if heights is not None and result:
-        raise usage_error("give --heights or --result, not both")
+    if positions is not None and result:
+        raise usage_error("give --positions or --result, not both")
     simulated = bool(controller or trained)
     if trajectory is None and not simulated:
         what = "a view without --trajectory, --controller or --trained"
         only_allowed(what, vars(motion), ())
-    elif heights is not None:
+    elif positions is not None:
         raise usage_error(
-            "--heights is for a robot at rest: it does not apply to --trajectory, --controller "
+            "--positions is for a robot at rest: it does not apply to --trajectory, --controller "
             "or --trained"
         )
     elif result and not simulated:
         raise usage_error("--trajectory does not apply to --result, which has its own")
-    robot = load_robot(parameters)
+    which = robot.load()
+    pose = (
+        which.reference
+        if positions is None
+        else of_each("--positions", positions, position_labels(which))
+    )
     from psp3.simulation.result import load_result
 
     # Files of the same name in different directories are told apart by their paths.
@@ -125,9 +135,9 @@ def view(
     }
     seconds = None
     if trajectory is not None or simulated:
-        desired, seconds = trajectory_from_options(robot, trajectory or "helix", motion)
+        desired, seconds, _ = trajectory_from_options(which, trajectory, motion)
         if simulated:
-            motions |= _simulated(robot, controller or [], trained or [], desired, seconds)
+            motions |= _simulated(which, controller or [], trained or [], desired, seconds)
         else:
             motions["desired"] = desired
     from psp3.visualize.scene import Scene
@@ -137,17 +147,17 @@ def view(
         if motions:
             scene.animate(motions if len(motions) > 1 else next(iter(motions.values())), seconds)
         else:
-            scene.show(heights if heights is not None else (0.0, 0.0, 0.0))
+            scene.show(pose)
 
     if record is not None:
-        page = Scene(robot)
+        page = Scene(which)
         stage(page)
         page.write_html(record)
         typer.echo(record)
         return
     import threading
 
-    with Viewer(robot, port) as viewer:
+    with Viewer(which, port) as viewer:
         stage(viewer)
         try:
             # Who reads this may interrupt at once.
@@ -158,7 +168,7 @@ def view(
 
 
 def _simulated(
-    robot: PSP3,
+    robot: ClosedLoopRobot,
     names: Iterable[ControllerName],
     files: Iterable[Path],
     motion: Trajectory,

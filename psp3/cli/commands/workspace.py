@@ -2,56 +2,133 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from psp3.cli.options import (
-    RIGHT_ANGLE,
-    FigureFile,
-    Json,
-    Over,
-    Parameters,
-    ParametersName,
-    usage_error,
-)
+from psp3.cli.option_groups import single_options
+from psp3.cli.options import RIGHT_ANGLE, FigureFile, Json, listed, usage_error
 from psp3.cli.output import draw_figure, fixed, new_table, print_json, show
-from psp3.cli.shared import load_robot
+from psp3.cli.robot_options import RobotOptions
+
+if TYPE_CHECKING:
+    from psp3.kinematics.pose_map import KinematicMap
+    from psp3.kinematics.workspace import Reach, Workspace
+    from psp3.robots.closed_loop_robot import ClosedLoopRobot
+
+TILT, TIP = "tilt", "tip"
+"""What the 3-PSP's workspace is seen over."""
+
+FARTHEST_TURN = 3.0
+"""No farther a rotation is followed [rad]."""
+
+FARTHEST = 3.0
+"""Nor a way, in characteristic lengths of the robot."""
+
+WELL = 1e-3
+"""A task coordinate counts if the motors move it by this, beside those before it."""
+
+SIDE = 21
+"""Poses along a side of the map of another robot than the 3-PSP."""
+
+ENDS = {
+    "limit": "limit of {}",
+    "actuation": "singularity of actuation",
+    "end_effector": "singularity of the end effector",
+    "constraint": "singularity of the loops",
+    "farthest": "not ended so far",
+}
 
 
+@single_options
 def workspace(
+    *,
+    robot: RobotOptions,
     over: Annotated[
-        Over,
+        str | None,
         typer.Option(
             metavar="NAME",
-            help="tilt maps the orientations of the star, tip the tip positions within reach.",
+            help=(
+                "3-PSP: tilt (unless given) maps the orientations of the star, tip the tip "
+                "positions within reach. Another robot: two coordinates of its task, such as x,z."
+            ),
         ),
-    ] = Over.TILT,
+    ] = None,
     largest_tilt: Annotated[
         float | None,
         typer.Option(
-            metavar="DEGREES", help="Over tilt: largest tilt (degrees), below 90; 60 unless given."
+            metavar="DEGREES",
+            help="3-PSP, over tilt: largest tilt (degrees), below 90; 60 unless given.",
+        ),
+    ] = None,
+    frame: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", help="Another robot: the frame that is to move; tip unless given."
+        ),
+    ] = None,
+    task: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME,NAME",
+            help=(
+                "Another robot: coordinates of the frame that the motors drive, of x, y, z, rx, ry "
+                "and rz; the first independent ones unless given."
+            ),
         ),
     ] = None,
     resolution: Annotated[
-        int,
+        int | None,
         typer.Option(
             min=2,
             max=1000,
             metavar="N",
-            help="Poses from the middle to the border; twice as many around.",
+            help=(
+                "3-PSP: poses from the middle to the border, 60 unless given; twice as many "
+                f"around. Another robot: poses along a side, {SIDE} unless given."
+            ),
         ),
-    ] = 60,
-    parameters: Parameters = ParametersName.DEFAULT,
+    ] = None,
     figure: FigureFile = None,
     json: Json = False,
 ) -> None:
     """Map what the poses cost, and where they end.
 
-    The map holds tilt, parasitic motion, arm lengths and conditioning. Prints the extremes; the
-    whole map goes to --figure or --json.
+    Of the 3-PSP the map holds tilt, parasitic motion, arm lengths and conditioning; of another
+    robot limits, singularities and conditioning. Prints the extremes; the whole map goes to
+    --figure or --json.
     """
-    if over is Over.TIP and largest_tilt is not None:
+    if robot.is_of_thesis:
+        for option, value in (("--frame", frame), ("--task", task)):
+            if value is not None:
+                raise usage_error(f"{option} is for other robots; of the 3-PSP give --over")
+        _check_tilt(over, largest_tilt)
+        _map_of_thesis(robot, over or TILT, largest_tilt, resolution or 60, figure, json)
+        return
+    robot.refuse({"largest_tilt": largest_tilt})
+    which = robot.load()
+    space = _space(which, frame, task)
+    names = _mapped(space, over)
+    rays = _rays(space)
+    poses = _map(space, rays, names, resolution or SIDE)
+    if figure is not None:
+        draw_figure(figure, lambda: _figure(space, poses))
+    if json:
+        _print(which, space, rays, poses)
+        return
+    _show(which, space, rays, poses)
+    if figure is not None:
+        typer.echo(figure)
+
+
+# The 3-PSP
+
+
+def _check_tilt(over: str | None, largest_tilt: float | None) -> None:
+    if over not in (None, TILT, TIP):
+        raise usage_error(f"--over of the 3-PSP must be {TILT} or {TIP}, got {over!r}")
+    if over == TIP and largest_tilt is not None:
         raise usage_error(
             "--largest-tilt does not apply to --over tip, which ends where the tip folds"
         )
@@ -60,14 +137,24 @@ def workspace(
             f"--largest-tilt must be positive and less than {RIGHT_ANGLE:g} degrees, got "
             f"{largest_tilt:g}"
         )
-    robot = load_robot(parameters)
+
+
+def _map_of_thesis(
+    options: RobotOptions,
+    over: str,
+    largest_tilt: float | None,
+    resolution: int,
+    figure: Path | None,
+    json: bool,
+) -> None:
+    robot = options.load_of_thesis()
     import numpy as np
 
     from psp3.three_psp import workspace as study
 
     around = np.radians(np.linspace(-180.0, 180.0, 2 * resolution + 1))
     outward = np.linspace(0.0, 1.0, resolution)[:, np.newaxis]
-    if over is Over.TILT:
+    if over == TILT:
         poses = study.map_over_tilt(
             robot, np.radians(60.0 if largest_tilt is None else largest_tilt) * outward, around
         )
@@ -84,11 +171,11 @@ def workspace(
     if figure is not None:
         from psp3.plots.three_psp import figure_of_workspace
 
-        draw_figure(figure, lambda: figure_of_workspace(robot, poses, over.value))
+        draw_figure(figure, lambda: figure_of_workspace(robot, poses, over))
     if json:
         content: dict[str, Any] = {
-            "over": over.value,
-            "parameters": parameters.value,
+            "over": over,
+            "parameters": options.parameter_set,
             "units": {"length": "m", "angle": "degrees"},
         }
         content["border"] = {
@@ -114,9 +201,7 @@ def workspace(
             content | {"map": content["map"] | {name: getattr(poses, name) for name in names}}
         )
         return
-    which = (
-        f"tilt up to {np.degrees(poses.tilt.max()):g}°" if over is Over.TILT else "tip within reach"
-    )
+    which = f"tilt up to {np.degrees(poses.tilt.max()):g}°" if over == TILT else "tip within reach"
     table = new_table(f"Workspace: {which}", "", "least", "greatest", "unit")
     for name, values, unit, digits in (
         ("tilt", np.degrees(poses.tilt[~np.isnan(poses.travel)]), "degrees", 2),
@@ -149,3 +234,179 @@ def workspace(
     show(table)
     if figure is not None:
         typer.echo(figure)
+
+
+# Any other robot
+
+
+def _space(robot: ClosedLoopRobot, frame: str | None, task: str | None) -> Workspace:
+    """Return the workspace of a frame."""
+    from psp3.kinematics.workspace import Workspace
+
+    if frame is None:
+        if not robot.model.existFrame("tip"):
+            raise usage_error(f"{robot.title} has no frame tip: give --frame, a body or a site")
+        frame = "tip"
+    names = _driven(robot, frame) if task is None else tuple(map(str.strip, task.split(",")))
+    return Workspace(robot, frame, names)
+
+
+def _driven(robot: ClosedLoopRobot, frame: str) -> tuple[str, ...]:
+    """Return the first independent coordinates of a frame, as many as motors."""
+    import numpy as np
+
+    from psp3.kinematics.tasks import TASK_COORDINATES, characteristic_length
+
+    jacobian = np.array(robot.frame_jacobian(robot.reference, frame))
+    jacobian[3:] *= characteristic_length(robot)
+    largest = np.linalg.norm(jacobian, 2)
+    chosen: list[int] = []
+    for row in range(len(TASK_COORDINATES)):
+        values = np.linalg.svd(jacobian[[*chosen, row]], compute_uv=False)
+        if len(chosen) < len(robot.actuated) and values[-1] > WELL * largest:
+            chosen.append(row)
+    names = tuple(TASK_COORDINATES[row] for row in chosen)
+    if len(names) < len(robot.actuated):
+        raise usage_error(
+            f"the motors of {robot.title} move {frame} in {listed(names) or 'no coordinate'} only: "
+            f"give --frame, one that all {len(robot.actuated)} of them move"
+        )
+    return names
+
+
+def _mapped(space: Workspace, over: str | None) -> tuple[str, ...]:
+    """Return the coordinates of the map: two, or the only one that there is."""
+    if over is None:
+        # Two lengths or two angles where there are two: their map has a border and an area.
+        for unit in ("m", "rad"):
+            alike = [name for name in space.coordinates if space.units[name] == unit]
+            if len(alike) > 1:
+                return (alike[0], alike[1])
+        return space.coordinates[:2]
+    names = tuple(map(str.strip, over.split(",")))
+    if len(set(names)) != min(2, len(space.coordinates)) or not set(names) <= {*space.coordinates}:
+        raise usage_error(
+            f"--over must be two of {', '.join(space.coordinates)}, separated by a comma, got "
+            f"{over!r}"
+        )
+    return names
+
+
+def _rays(space: Workspace) -> dict[str, tuple[Reach, Reach]]:
+    """Return how far each coordinate can go down and up from the reference pose."""
+    farthest = {"m": FARTHEST * space.analysis.length, "rad": FARTHEST_TURN}
+    return {
+        name: (
+            space.distance({name: -1.0}, farthest[space.units[name]]),
+            space.distance({name: 1.0}, farthest[space.units[name]]),
+        )
+        for name in space.coordinates
+    }
+
+
+def _map(
+    space: Workspace, rays: dict[str, tuple[Reach, Reach]], names: tuple[str, ...], side: int
+) -> KinematicMap:
+    """Map around the reference pose, somewhat farther than the rays go."""
+    import numpy as np
+
+    def values(name: str) -> Any:
+        down, up = (ray.distance for ray in rays[name])
+        beyond = 0.2 * (down + up) or 0.1 * space.analysis.length
+        here = space.reference[name]
+        return np.linspace(here - down - beyond, here + up + beyond, side)
+
+    return space.map({name: values(name) for name in names})
+
+
+def _border(space: Workspace, poses: KinematicMap) -> Any:
+    """Return the border of the usable poses, None where it has no area."""
+    if len(poses.grid) != 2 or len({poses.units[name] for name in poses.grid}) != 1:
+        return None
+    return space.boundary(poses)
+
+
+def _figure(space: Workspace, poses: KinematicMap) -> Any:
+    from psp3.plots.workspace import figure_of_map
+
+    if len(poses.grid) != 2:
+        raise usage_error("--figure needs a map over two coordinates; this robot's task has one")
+    return figure_of_map(poses, _border(space, poses))
+
+
+def _end(ray: Reach) -> str:
+    return ENDS[ray.ends].format(ray.joint)
+
+
+def _print(
+    robot: ClosedLoopRobot,
+    space: Workspace,
+    rays: dict[str, tuple[Reach, Reach]],
+    poses: KinematicMap,
+) -> None:
+    border = _border(space, poses)
+    print_json(
+        {
+            "robot": robot.title,
+            "frame": poses.frame,
+            "task": poses.task,
+            "reference": space.reference,
+            "reach": {
+                name: [{"distance": ray.distance, "ends": _end(ray)} for ray in both]
+                for name, both in rays.items()
+            },
+            "grid": poses.grid,
+            "map": poses.arrays(),
+            "border": None if border is None else border.segments,
+            "area": None if border is None else border.area,
+            "units": poses.units,
+        }
+    )
+
+
+def _show(
+    robot: ClosedLoopRobot,
+    space: Workspace,
+    rays: dict[str, tuple[Reach, Reach]],
+    poses: KinematicMap,
+) -> None:
+    import numpy as np
+
+    reach = new_table(
+        f"Reach of {poses.frame} of {robot.title} from the reference pose",
+        "",
+        "from",
+        "down to",
+        "up to",
+        "unit",
+        "what ends it",
+    )
+    for name, (down, up) in rays.items():
+        here = space.reference[name]
+        reach.add_row(
+            name,
+            *fixed([here, here - down.distance, here + up.distance], 4),
+            space.units[name],
+            f"{_end(down)}; {_end(up)}",
+        )
+    usable = poses.usable
+    over = " and ".join(poses.grid)
+    table = new_table(f"Map over {over}", "", "least", "greatest", "unit")
+    for name, values, unit, factor in (
+        ("condition of the Jacobian", poses.measures.condition, "", 1.0),
+        ("actuation", poses.measures.actuation, "", 1.0),
+        ("end effector", poses.measures.end_effector, "", 1.0),
+        ("distance of joints from limits", poses.margin, "mm", 1e3),
+    ):
+        here = factor * values[usable]
+        cells = ["–", "–"] if not here.size else fixed([np.nanmin(here), np.nanmax(here)], 4)
+        table.add_row(f"{name}, usable poses", *cells, unit)
+    border = _border(space, poses)
+    area = "" if border is None else _area(border.area, poses)
+    table.caption = f"{np.count_nonzero(usable)} of {usable.size} poses are usable{area}"
+    show(reach, table)
+
+
+def _area(area: float, poses: KinematicMap) -> str:
+    unit = poses.units[next(iter(poses.grid))]
+    return f"; their area is {area:.4g} {unit}²"

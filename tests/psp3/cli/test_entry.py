@@ -31,6 +31,7 @@ COMMANDS = (
     "dynamics",
     "workspace",
     "view",
+    "check",
     "info",
 )
 
@@ -108,9 +109,9 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
         "M/S": "(m/s)",
         "N": "(N)",
         "X,Y,Z": "(m)",
-        "A1,A2,A3": "(m)",
-        "V1,V2,V3": "(m/s)",
-        "W1,W2,W3": "(m/s²)",
+        "A1,A2,…": "(m, rad)",
+        "V1,V2,…": "(m/s, rad/s)",
+        "W1,W2,…": "(m/s², rad/s²)",
     }
     units |= {"DEGREES": "(degrees)"}
     group: Any = typer.main.get_command(app.app)
@@ -131,6 +132,23 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
 
 # What is refused, and how
 
+OF_OTHER_ROBOTS = [
+    ("pose delta --positions 0,0", "leg1_shoulder, leg2_shoulder, leg3_shoulder"),
+    ("pose delta --tilt 3", "--tilt is an option of the 3-PSP and does not apply to delta"),
+    ("pose delta --parameters default", "--parameters is an option of the 3-PSP"),
+    ("pose psp3 --frame tip", "--frame is for other robots"),
+    ("workspace delta --largest-tilt 3", "--largest-tilt is an option of the 3-PSP"),
+    ("workspace delta --over x", "--over must be two of x, y, z"),
+    ("workspace --over x", "--over of the 3-PSP must be tilt or tip, got 'x'"),
+    ("simulate delta --controller it2", "--controller it2 learns the 3-PSP; for delta give pd"),
+    ("simulate delta --trajectory helix", "--trajectory helix is a motion of the 3-PSP's tip"),
+    ("simulate delta --trajectory line", "--trajectory line needs --end"),
+    ("simulate delta --amplitude -1", "amplitude must be finite and positive"),
+    ("simulate delta --torque-limit 1,2", "--torque-limit 1,2 has 2 numbers; 3 are needed"),
+    ("simulate delta --trained here.csv", "--trained holds a controller of the 3-PSP"),
+    ("simulate delta --model closed_form", "unknown dynamics model 'closed_form'"),
+]
+
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
@@ -142,7 +160,7 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
         ("pose", "psp3 pose: give one of --heights, --tip, or --height"),
         ("pose --heights 0,0,0 --tip 0,0,0.07", "give one of"),
         ("pose --heights 0,0,0 --azimuth 0", "give one of"),
-        ("pose --heights 1,2", "'--heights': '1,2' has 2 numbers"),
+        ("pose --heights 1,2", "--heights 1,2 has 2 numbers; 3 are needed"),
         ("pose --heights a,b,c", "'a,b,c' is not a list of numbers"),
         ("pose --heights 0,nan,0", "nan"),
         ("pose --heights -0.6,0,0.6", "arm lengths"),
@@ -150,7 +168,7 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
         ("pose --tilt 90", "--tilt must be less than 90 degrees, got 90"),
         ("pose --tilt nan", "got nan"),
         ("pose --tilt 75 --azimuth 30", "70.53"),
-        ("dynamics", "Missing option '--heights'"),
+        ("dynamics --heights 0,0", "--positions 0,0 has 2 numbers; 3 are needed"),
         ("dynamics --heights 0,0,0 --speeds 0,0,inf", "speeds"),
         (
             "dynamics --heights 0,0,0 --parameters mine",
@@ -171,8 +189,8 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
         ("simulate --period two", "'--period'"),
         ("simulate --duration -1", "duration must be finite and positive, got -1.0"),
         ("simulate --duration 1e15", "memory"),
-        ("simulate --torque-limit 0", "'0' is not one positive number or three"),
-        ("simulate --torque-limit 1,2", "'1,2' is not one positive number or three"),
+        ("simulate --torque-limit 0", "'0' are not positive numbers"),
+        ("simulate --torque-limit 1,2", "--torque-limit 1,2 has 2 numbers; 3 are needed"),
         ("simulate --trajectory spiral", "--trajectory must be helix, circle"),
         ("simulate --trajectory helix:3", "--trajectory must be helix, circle"),
         ("simulate --trajectory line", "--trajectory line needs --start and --end"),
@@ -194,7 +212,10 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
         ("simulate --out .", ". is a directory"),
         ("simulate --figure run.gif", "must end in .pdf, .png, .svg"),
         ("simulate --json --csv -", "both want standard output"),
-        ("simulate more", "(more)"),
+        ("simulate more", "unknown robot 'more'"),
+        ("simulate psp3 more.yaml", "LOOPS does not apply to the 3-PSP"),
+        ("simulate psp3 more.yaml more", "(more)"),
+        *OF_OTHER_ROBOTS,
         ("torques --sampling-period 0", "sampling period must be finite and positive, got 0.0"),
         ("torques --duration inf", "duration must be finite and positive, got inf"),
         ("torques --trajectory hold --tip 0,0,nan", "nan"),
@@ -205,13 +226,13 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
         ("workspace --over tip --largest-tilt 10", "--largest-tilt does not apply to --over tip"),
         ("workspace --resolution 1", "'--resolution'"),
         ("view --result none.npz --record page.html", "none.npz"),
-        ("view --heights 0,0,0 --result run.npz", "give --heights or --result, not both"),
+        ("view --heights 0,0,0 --result run.npz", "give --positions or --result, not both"),
         ("view --port 0", "'--port'"),
         (
             "view --radius 0.01",
             "--radius does not apply to a view without --trajectory, --controller or --trained",
         ),
-        ("view --heights 0,0,0 --controller pd", "--heights is for a robot at rest"),
+        ("view --heights 0,0,0 --controller pd", "--positions is for a robot at rest"),
         (
             "view --result run.npz --trajectory helix",
             "--trajectory does not apply to --result, which has its own",
@@ -255,7 +276,7 @@ def test_errors_of_the_program_itself_are_not_hidden(monkeypatch: pytest.MonkeyP
     def broken(*_: object) -> NoReturn:
         raise RuntimeError("a defect")
 
-    monkeypatch.setattr("psp3.cli.commands.robot.load_robot", broken)
+    monkeypatch.setattr("psp3.cli.robot_options.RobotOptions.load", broken)
     monkeypatch.setattr(sys, "argv", ["psp3", "pose", "--heights", "0,0,0"])
     monkeypatch.setattr(sys, "excepthook", sys.excepthook)
     with pytest.raises(RuntimeError, match="a defect"):

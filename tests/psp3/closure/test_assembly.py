@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from psp3.closure import NO_MOTORS, assembled, flattened, residual
+from psp3.closure.assembly import MOST_EVALUATIONS, nearly_closed
 from psp3.errors import ClosureFailed
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from tests.psp3.closure.linkages import away, five_bar
@@ -72,3 +73,32 @@ def test_links_too_short_to_meet_are_refused_with_the_residual() -> None:
     with pytest.raises(ClosureFailed) as caught:
         ClosedLoopRobot(robot.model, loops, robot.actuated)
     assert_allclose(caught.value.residual, 5.0, rtol=0.2)
+
+
+def test_a_search_along_a_valley_that_ends_open_comes_to_an_end() -> None:
+    """Two links of 1 m whose ends are to meet 3 m away, in ever smaller steps if nothing ends them.
+
+    Each start may ask for the equations so often, and for the derivatives no more often.
+    """
+    model = pin.Model()
+    for name, at in (("a", 0.0), ("b", 3.0)):
+        place = pin.SE3(np.eye(3), np.array([at, 0.0, 0.0]))
+        joint = model.addJoint(0, pin.JointModelRZ(), place, name)
+        model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Identity())
+    tip = pin.SE3(np.eye(3), np.array([1.0, 0.0, 0.0]))
+    loop = pin.RigidConstraintModel(
+        pin.ContactType.CONTACT_3D, model, 1, tip, 2, tip, pin.ReferenceFrame.LOCAL
+    )
+    flat = flattened(model, [loop], NO_MOTORS)
+    asked = 0
+
+    def counted(*arguments: object) -> object:
+        nonlocal asked
+        asked += 1
+        return residual(*arguments)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("psp3.closure.assembly.residual", counted)
+        _, least = next(nearly_closed(model, flat, np.array([0.3, 2.0])))
+    assert asked <= MOST_EVALUATIONS + 2
+    assert_allclose(least, 1.0, rtol=0, atol=1e-6)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from pathlib import Path
 
 import numpy as np
@@ -50,9 +51,29 @@ def test_reads_what_replaces_joints(tmp_path: Path) -> None:
     assert read_loops(written(tmp_path, GOOD)).replaced == ()
 
 
-def test_keys_of_other_tools_are_left_alone(tmp_path: Path) -> None:
-    """Files of toolbox-parallel-robots hold more keys than the five that are read."""
-    assert read_loops(written(tmp_path, GOOD + "rotation: [0, 0]\n")).kinds == ("6d", "3d")
+def test_keys_of_other_tools_are_left_alone_and_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Files of toolbox-parallel-robots hold more keys than the five that are read.
+
+    So does one in which a key is misspelt.
+    """
+    text = GOOD + "rotation: [0, 0]\njoint_nmae: [y]\n"
+    with caplog.at_level("WARNING", "psp3"):
+        assert read_loops(written(tmp_path, text)).kinds == ("6d", "3d")
+    assert "these keys are not read: 'rotation', 'joint_nmae'" in caplog.text
+
+
+def test_files_that_would_fill_the_memory_or_the_stack_are_refused(tmp_path: Path) -> None:
+    """Lists in lists, and a list of nine of the one before, nine times: 9⁹ names if written out."""
+    lists = "".join(
+        f"{b}: &{b} [{', '.join([f'*{a}'] * 9)}]\n" for a, b in itertools.pairwise("abcdefghi")
+    )
+    bomb = f"a: &a [x, x]\n{lists}closed_loop: *i\ntype: []\nname_mot: []\n"
+    for text in ("[" * 20000, bomb):
+        with pytest.raises(InvalidRobotFile) as caught:
+            read_loops(written(tmp_path, text))
+        assert len(caught.value.reason) < 600
 
 
 @pytest.mark.parametrize(
@@ -213,5 +234,9 @@ def test_two_frames_of_one_name_in_different_places_are_refused(tree: pin.Model)
     model.addFrame(
         pin.Frame("tip", model.getJointId("b2"), pin.SE3.Identity(), pin.FrameType.SENSOR)
     )
-    with pytest.raises(InvalidRobotFile, match="several frames 'tip'"):
+    with pytest.raises(InvalidRobotFile, match="several frames 'tip'; say which, 'body:tip'"):
         constraint_models(model, Loops((("tip", "star3_center"),), ("3d",), ("a1",)), "some.yaml")
+    (found,) = constraint_models(
+        model, Loops((("frame:tip", "star3_center"),), ("3d",), ("a1",)), "some.yaml"
+    )
+    assert found.joint1_id == model.getJointId("b2")

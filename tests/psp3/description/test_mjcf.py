@@ -167,9 +167,18 @@ BAD = [
     (
         '<compiler angle="radian"/>',
         '<compiler coordinate="global"/>',
-        "<compiler coordinate='global'> is not read; let MuJoCo write",
+        "<compiler coordinate='global'> is not read, as MuJoCo does not any more; let MuJoCo write",
     ),
-    ('<compiler angle="radian"/>', '<compiler settotalmass="3"/>', "settotalmass"),
+    (
+        '<compiler angle="radian"/>',
+        '<compiler settotalmass="much"/>',
+        "settotalmass must be 1 finite number",
+    ),
+    (
+        '<compiler angle="radian"/>',
+        '<compiler angle="radian" autolimits="false"/>',
+        "<joint name='crank'> has range but not limited, and the compiler's autolimits is false",
+    ),
     (
         '<compiler angle="radian"/>',
         '<compiler eulerseq="xy"/>',
@@ -203,7 +212,6 @@ BAD = [
     # Bodies
     ('<body name="end"', '<body name="crank"', "there are two bodies 'crank'"),
     ('<body name="end"', '<body name="world"', "there are two bodies 'world'"),
-    ('<body name="end"', '<body name="end" mocap="true"', "moved from outside (mocap)"),
     (
         'pos="0.4 0 0.01"',
         'pos="0.4 nan 0.01"',
@@ -221,10 +229,45 @@ BAD = [
     ),
     (
         '<site name="top"/>',
-        "<frame/>",
-        "<frame> in body 'end' is not read; let MuJoCo write the model out (mj_saveLastXML)",
+        "<flexcomp/>",
+        "<flexcomp> in body 'end' is not read; let MuJoCo write the model out (mj_saveLastXML)",
     ),
-    ('<site name="top"/>', "<flexcomp/>", "<flexcomp> in body 'end' is not read"),
+    (
+        '<site name="top"/>',
+        '<replicate count="1.5"/>',
+        "count must be a whole number up to 100000, got '1.5'",
+    ),
+    ('<site name="top"/>', "<replicate/>", "count must be a whole number up to 100000, got None"),
+    (
+        '<site name="top"/>',
+        '<replicate count="1000"><replicate count="1000"><site/></replicate></replicate>',
+        "stands for more than 100000 elements",
+    ),
+    ('<site name="top"/>', '<frame childclass="no"><site/></frame>', "no default class 'no'"),
+    (
+        '<site name="top"/>',
+        '<attach model="arm" body="b" prefix="x"/>',
+        "<attach>: there is no model 'arm'; those of <asset> are none",
+    ),
+    ('<site name="top"/>', '<attach prefix="x"/>', "<attach> needs a model, a body or a frame"),
+    ('<site name="top"/>', '<attach body="b" prefix="x"/>', "there is no body 'b' to attach"),
+    ('<site name="top"/>', '<attach body="end" prefix="x"/>', "body 'end' would attach itself"),
+    (
+        "<worldbody>",
+        '<asset><model file="robot.xml"/></asset><worldbody>',
+        "<model>: robot.xml attaches itself",
+    ),
+    (
+        "<worldbody>",
+        '<asset><model file="../arm.xml"/></asset><worldbody>',
+        "<model>: '../arm.xml' is outside of the file's folder",
+    ),
+    (
+        '<compiler angle="radian"/>',
+        '<include file="../arm.xml"/>',
+        "<include>: '../arm.xml' is outside of the file's folder",
+    ),
+    ('<compiler angle="radian"/>', "<include/>", "<include> has no file"),
     ('<site name="top"/>', '<site name="tip"/>', "there are two sites 'tip'"),
     (
         '<site name="top"/>',
@@ -258,13 +301,13 @@ BAD = [
     ),
     (
         INERTIA,
-        '<geom type="mesh" mesh="m"/>',
+        '<geom type="mesh"/>',
         "the inertia of a mesh is not computed here; give the body an <inertial>",
     ),
     (
         INERTIA,
         '<geom type="box" size="1 1 1" shellinertia="true"/>',
-        "the inertia of a box is not computed here",
+        "the inertia of the shell of a box is not computed here",
     ),
     (INERTIA, '<geom type="box" size="1 1"/>', "a box needs 3 positive sizes, got '1 1'"),
     (INERTIA, '<geom type="sphere" size="-1"/>', "a sphere needs 1 positive sizes"),
@@ -300,6 +343,11 @@ BAD = [
         '<joint name="pin"/>',
         '<joint name="pin" limited="maybe"/>',
         "limited must be true, false or auto",
+    ),
+    (
+        '<joint name="pin"/>',
+        '<joint name="pin" springdamper="1 1"/>',
+        "<joint name='pin'>: springdamper, whose stiffness depends on the inertia of the whole",
     ),
     ('<joint name="pin"/>', '<joint name="pin" damping="nan"/>', "damping must be 1 finite number"),
     ('<joint name="pin"/>', '<joint name="pin" class="fat"/>', "there is no default class 'fat'"),
@@ -396,7 +444,7 @@ def test_what_is_wrong_is_said(tmp_path: Path, old: str, new: str, reason: str) 
             "has no <body> in its <worldbody>",
         ),
         (
-            "<mujoco><worldbody><frame><body/></frame></worldbody></mujoco>",
+            "<mujoco><worldbody><frame><site/></frame></worldbody></mujoco>",
             "has no <body> in its <worldbody>",
         ),
     ],
@@ -453,3 +501,64 @@ def test_a_loop_between_bodies_that_pinocchio_alone_would_not_read_is_read(tmp_p
     """
     parts = read(tmp_path, GOOD)
     assert [(loop.joint1_id, loop.joint2_id) for loop in parts.constraint_models] == [(2, 4)]
+
+
+def test_what_mujoco_moves_from_outside_stays(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    target = '<body name="target" mocap="true" pos="1 2 3"><geom size="1"/></body>'
+    model = read(tmp_path, GOOD.replace("<worldbody>", f"<worldbody>{target}")).model
+    frame = model.frames[model.getFrameId("target", pin.FrameType.BODY)]
+    assert frame.parentJoint == 0
+    assert_array_equal(frame.placement.translation, [1.0, 2.0, 3.0])
+    assert "body target, which MuJoCo lets its user move (mocap), stays where it is" in caplog.text
+
+
+def test_a_mesh_that_cannot_be_read_is_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Such as one of which only a pointer to its store is there; others are drawn."""
+    (tmp_path / "arm.stl").write_text(STL)
+    (tmp_path / "far.stl").write_text("version https://git-lfs.github.com/spec/v1")
+    geoms = '<geom type="mesh" mesh="far"/><geom type="mesh" mesh="arm"/>'
+    text = GOOD.replace(INERTIA, INERTIA + geoms, 1).replace(
+        "<worldbody>", '<asset><mesh file="arm.stl"/><mesh file="far.stl"/></asset><worldbody>'
+    )
+    assert read(tmp_path, text).visual_model.ngeoms == 1
+    assert "far.stl cannot be read and is not drawn" in caplog.text
+
+
+@pytest.mark.parametrize("before", ["\n \t", "\ufeff"])
+def test_blanks_and_marks_before_the_declaration(tmp_path: Path, before: str) -> None:
+    text = f'{before}<?xml version="1.0" encoding="utf-8"?>{GOOD}'
+    assert read(tmp_path, text).actuated == ("crank",)
+
+
+@pytest.mark.parametrize("number", ["0_1", "0x1", "\uff11", "1.", ".5e0"])
+def test_numbers_are_those_that_mujoco_reads(tmp_path: Path, number: str) -> None:
+    text = GOOD.replace('mass="2"', f'mass="{number}"', 1)
+    if number in ("1.", ".5e0"):
+        assert read(tmp_path, text).model.inertias[1].mass == float(number)
+        return
+    with pytest.raises(InvalidRobotFile, match="mass must be 1 finite number"):
+        read(tmp_path, text)
+
+
+def test_entities_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidRobotFile, match="<!DOCTYPE>"):
+        read(tmp_path, f'<!DOCTYPE mujoco [<!ENTITY m "2">]>{GOOD}')
+
+
+def test_joints_of_the_caller_are_replaced(tmp_path: Path) -> None:
+    """A pin that stands for a ball: home turns it about its axis, as the hinge did."""
+    path = tmp_path / "robot.xml"
+    path.write_text(GOOD)
+    parts = read_mjcf(path, None, {"pin": "SPHERICAL"})
+    joint = parts.model.joints[parts.model.getJointId("pin")]
+    assert parts.q0 is not None
+    turn = parts.q0[joint.idx_q : joint.idx_q + 4]
+    assert_allclose(turn, [0.0, 0.0, np.sin(-0.4), np.cos(-0.4)], rtol=0, atol=1e-15)
+    assert ClosedLoopRobot.from_mjcf(path, joint_type={"pin": "SPHERICAL"}).model.nq == 7
+    assert read_mjcf(path, None, {"pin": "FIXED"}).model.nq == 3
+    with pytest.raises(InvalidRobotFile, match="the robot has no joint 'knob'"):
+        read_mjcf(path, None, {"knob": "FIXED"})

@@ -141,6 +141,18 @@ def test_poses_name_the_joints_of_a_universal_joint(tmp_path: Path) -> None:
 ROBOT = psp3.load()
 
 
+def test_what_is_not_read_of_a_pose_is_told(
+    tmp_path: Path, two_joints: pin.Model, caplog: pytest.LogCaptureFixture
+) -> None:
+    """A joint that is misspelt stays where it is, but not in silence."""
+    path = tmp_path / "r.srdf"
+    joints = f"<joint name='{two_joints.names[1]}' value='0' vlaue='1'/><joints name='x'/>"
+    path.write_text(f"<robot name='r'><group_state name='home'>{joints}</group_state></robot>")
+    with caplog.at_level("WARNING", "psp3"):
+        reference_poses(two_joints, path)
+    assert "this is not read: <joints>, vlaue of <joint" in caplog.text
+
+
 def test_the_srdf_of_the_package_is_read_as_pinocchio_reads_it() -> None:
     """Pinocchio removes the same pairs; at present there is none to remove."""
     srdf = Path(psp3.__file__).parent / "urdf" / "psp3.srdf"

@@ -401,6 +401,131 @@ def test_a_mimic_joint_follows_by_its_multiplier_and_offset(tmp_path: Path) -> N
         )
 
 
+def gears(directory: Path, *mimics: str, kinds: str = "rrrr") -> Path:
+    """Write a chain of pendulums, each with what it mimics, if anything."""
+    words = {"r": "revolute", "c": "continuous", "f": "fixed"}
+    names = ["base", *(f"l{k}" for k in range(len(mimics)))]
+    joints = [
+        joint(f"j{k}", names[k], names[k + 1], words[kinds[k]], "0.3 0 0", "0 1 0")
+        .replace("lower='-3' upper='3'", "lower='-99' upper='99'")
+        .replace("</joint>", f"{mimic}</joint>")
+        for k, mimic in enumerate(mimics)
+    ]
+    return written(directory / "gears.urdf", *map(link, names), *joints)
+
+
+def test_a_joint_mimics_one_that_mimics_another(tmp_path: Path) -> None:
+    """Twice the second, which is −0.5 + 3 times the first; and forces by the chain rule."""
+    urdf = gears(
+        tmp_path,
+        "",
+        "<mimic joint='j0' multiplier='3' offset='-0.5'/>",
+        "<mimic joint='j1' multiplier='2'/>",
+    )
+    robot = ClosedLoopRobot.from_urdf(urdf)
+    assert robot.actuated == ("j0",)
+    q = np.array([0.2, 0.1, 0.2])
+    assert_allclose(robot.configuration([0.2]), q, rtol=0, atol=1e-14)
+    ratio = np.array([1.0, 3.0, 6.0])
+    tree = pin.rnea(robot.model, robot.model.createData(), q, 0.4 * ratio, -0.7 * ratio)
+    forces = robot.inverse_dynamics([0.2], [0.4], [-0.7])
+    assert_allclose(forces, [ratio @ tree], rtol=1e-12)
+
+
+def test_a_motor_may_drive_the_joint_that_mimics(tmp_path: Path) -> None:
+    """Where the follower is the coordinate, the leader turns by the reciprocal."""
+    urdf = gears(tmp_path, "", "<mimic joint='j0' multiplier='-2' offset='0.1'/>", kinds="cc")
+    robot = ClosedLoopRobot.from_urdf(urdf, actuated=["j1"])
+    assert robot.coordinates == ("j1",)
+    assert_allclose(robot.configuration([0.5]), [-0.2, 0.5], rtol=0, atol=1e-14)
+    both = ClosedLoopRobot.from_urdf(urdf, actuated=["j0", "j1"])
+    assert both.coordinates == ("j0",)
+    assert both.mobility.over_actuation == 1
+
+
+@pytest.mark.parametrize(
+    ("mimics", "reason"),
+    [
+        (("<mimic joint='j1'/>", "<mimic joint='j0'/>"), "in a circle: j0, j1"),
+        (("<mimic joint='j0'/>", ""), "in a circle: j0"),
+        (("<mimic joint='j7'/>", ""), "'j0' mimics 'j7', which is not in the file"),
+        (("<mimic/>", ""), "<mimic> lacks joint"),
+        (("<mimic joint='j1'/><mimic joint='j1'/>", ""), "more than one <mimic>"),
+    ],
+)
+def test_joints_that_mimic_in_vain_are_refused(
+    tmp_path: Path, mimics: tuple[str, ...], reason: str
+) -> None:
+    with pytest.raises(InvalidRobotFile, match=reason):
+        ClosedLoopRobot.from_urdf(gears(tmp_path, *mimics))
+
+
+def test_a_joint_that_mimics_inside_a_loop_takes_a_freedom(tmp_path: Path) -> None:
+    """A five-bar whose second crank turns by −1 times the first is a linkage of one freedom."""
+    text = (ROBOT_FILES / "five_bar.urdf").read_text()
+    start = text.index('name="leg2_shoulder"')
+    end = text.index("</joint>", start)
+    urdf = tmp_path / "geared.urdf"
+    urdf.write_text(text[:end] + '<mimic joint="leg1_shoulder" multiplier="-1"/>' + text[end:])
+    files = (ROBOT_FILES / f"five_bar.{ending}" for ending in ("yaml", "srdf"))
+    free = ClosedLoopRobot.from_urdf(ROBOT_FILES / "five_bar.urdf", *files)
+    geared = ClosedLoopRobot.from_urdf(
+        urdf, ROBOT_FILES / "five_bar.yaml", actuated=["leg1_shoulder"]
+    )
+    assert geared.mobility.degrees_of_freedom == 1
+    angle, speed, acceleration = geared.reference + 0.05, np.array([0.4]), np.array([0.9])
+    q = geared.configuration(angle)
+    index = [free.model.joints[free.model.getJointId(name)].idx_q for name in free.actuated]
+    assert_allclose(q[index[1]], -q[index[0]], rtol=0, atol=1e-12)
+    ratio = np.array([1.0, -1.0])
+    guess = free.configuration(q[index], guess=q)
+    forces = free.inverse_dynamics(q[index], ratio * speed, ratio * acceleration, guess=guess)
+    # The gear hands on what the second motor would do; loops are closed to 1e-13.
+    assert_allclose(
+        geared.inverse_dynamics(angle, speed, acceleration), [ratio @ forces], rtol=1e-10
+    )
+
+
+def test_a_urdf_alone_is_a_tree_whose_joints_are_motors(tmp_path: Path) -> None:
+    """All of Pinocchio's dynamics of the tree; 1e-13 relative, sums in another order."""
+    urdf = gears(tmp_path, "", "", "", "", kinds="rcfr")
+    robot = ClosedLoopRobot.from_urdf(urdf)
+    assert robot.actuated == robot.coordinates == ("j0", "j1", "j3")
+    q, v, a = np.array([0.3, 7.0, -0.4]), np.array([1.0, -2.0, 0.5]), np.array([0.2, 0.7, -3.0])
+    data = robot.model.createData()
+    tau = pin.rnea(robot.model, data, q, v, a)
+    assert_allclose(robot.inverse_dynamics(q, v, a), tau, rtol=1e-13)
+    assert_allclose(robot.forward_dynamics(q, v, tau), a, rtol=1e-12)
+    mass = np.triu(pin.crba(robot.model, data, q))
+    assert_allclose(np.triu(robot.mass_matrix(q)), mass, rtol=1e-13)
+    for name in ("noc", "pinocchio"):
+        theirs = robot.dynamics(name).equation_of_motion(q, v)
+        for ours, other in zip(robot.equation_of_motion(q, v), theirs, strict=True):
+            assert_allclose(ours, other, rtol=0, atol=1e-12)
+    two = ClosedLoopRobot.from_urdf(urdf, actuated=["j3", "j0"])
+    assert two.coordinates == ("j3", "j0")
+    assert [one.joint for one in two.locked] == ["j1"]
+
+
+def test_loops_are_given_in_python_without_a_loop_file(tmp_path: Path) -> None:
+    urdf, poses = four_bar(tmp_path, hinge="revolute"), home(tmp_path)
+    expected = ClosedLoopRobot.from_urdf(urdf, loop_file(tmp_path), poses)
+    robot = ClosedLoopRobot.from_urdf(
+        urdf, srdf=poses, actuated=["crank"], closures=[("end", "other", "6d")]
+    )
+    for ours, theirs in zip(
+        robot.equation_of_motion([1.3], [2.0]),
+        expected.equation_of_motion([1.3], [2.0]),
+        strict=True,
+    ):
+        assert_allclose(ours, theirs, rtol=1e-12, atol=1e-12)
+
+
+def test_a_urdf_in_which_nothing_moves_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(InvalidRobotFile, match="has no joint that can move"):
+        ClosedLoopRobot.from_urdf(written(tmp_path / "r.urdf", link("base")))
+
+
 def test_a_mimic_joint_of_no_joint_is_refused(tmp_path: Path) -> None:
     urdf, loops = tmp_path / "gears.urdf", tmp_path / "gears.yaml"
     urdf.write_text(

@@ -52,6 +52,7 @@ def test_our_own_files_pass(path: Path) -> None:
         ),
         ("<mass value='2'/>", "<mass value='inf'/>", "finite"),
         ("<mass value='2'/>", "<mass value='2 kg'/>", "'2 kg'"),
+        ("<mass value='2'/>", "<mass value='2e50'/>", "value is larger than 1e+50"),
         ("<mass value='2'/>", "<mass/>", "<mass> lacks value"),
         ("<mass value='2'/>", "<mass value='-2'/>", "the mass -2 is negative"),
         ("<mass value='2'/>", "", "<inertial> needs <mass> and <inertia>"),
@@ -67,6 +68,16 @@ def test_our_own_files_pass(path: Path) -> None:
         ("<geometry><box size='1 2 3'/></geometry>", "", "a <visual> needs a <geometry>"),
         ("<axis xyz='0 0 1'/>", "<axis xyz='0 0 0'/>", "<joint name='j'>: the axis is zero"),
         ("<axis xyz='0 0 1'/>", "<axis xyz='0 nan 1'/>", "xyz must be 3 finite numbers"),
+        ("<axis xyz='0 0 1'/>", "<axis/>", "<axis> lacks xyz"),
+        ("<mass value='2'/>", "<mass value='2'/><mass value='3'/>", "has more than one <mass>"),
+        ("<axis xyz='0 0 1'/>", "<axis xyz='0 0 1'/><axis xyz='1 0 0'/>", "more than one <axis>"),
+        (
+            "</visual></link>",
+            "<inertial><mass value='1'/></inertial></visual></link>",
+            "<visual>: <inertial> has no place there",
+        ),
+        ("</joint>", "<link name='lost'/></joint>", "<link name='lost'> has no place there"),
+        ("<box size='1 2 3'/>", "<box size='1 2 3'/><sphere radius='1'/>", "a <visual> needs a"),
         ("type='revolute'", "type='screw'", "type 'screw' is unknown; known are revolute"),
         ("type='revolute'", "", "type None is unknown"),
         ("lower='-1'", "lower='2'", "its lower limit is above its upper one"),
@@ -102,7 +113,6 @@ def test_our_own_files_pass(path: Path) -> None:
             JOINT.replace("'j'", "'k'") + "</robot>",
             "link 'arm' is the child of two joints",
         ),
-        ("<robot name='r'>", "<robot>", "the <robot> has no name"),
     ],
 )
 def test_what_is_wrong_is_said(tmp_path: Path, old: str, new: str, reason: str) -> None:
@@ -111,6 +121,51 @@ def test_what_is_wrong_is_said(tmp_path: Path, old: str, new: str, reason: str) 
         check(tmp_path, GOOD.replace(old, new))
     assert reason in caught.value.reason
     assert caught.value.path == tmp_path / "robot.urdf"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "told"),
+    [
+        ("<geometry>", "<shade/><geometry>", "<shade> in <visual>"),
+        ("lower='-1'", "lowwer='-1'", "lowwer of <limit>"),
+        (
+            "<link name='base'/>",
+            "<link name='base'><origin xyz='0 0 1'/></link>",
+            "<origin> in <link>",
+        ),
+        ("</robot>", "<loop_joint name='l'/></robot>", "<loop_joint> in <robot>"),
+    ],
+)
+def test_what_is_not_read_is_told(
+    tmp_path: Path, old: str, new: str, told: str, caplog: pytest.LogCaptureFixture
+) -> None:
+    assert old in GOOD
+    with caplog.at_level("WARNING", "psp3"):
+        check(tmp_path, GOOD.replace(old, new))
+    assert [record.getMessage().partition(": ")[2] for record in caplog.records] == [
+        f"this is not read: {told}"
+    ]
+
+
+def test_words_for_other_programs_are_no_news(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Nor is the origin of zeros that onshape-to-robot gives to links."""
+    with caplog.at_level("WARNING", "psp3"):
+        check(
+            tmp_path,
+            GOOD.replace(
+                "<link name='base'/>",
+                "<link name='base'><origin xyz='0 0 0' rpy='0 -0 0'/><contact/></link><gazebo/>",
+            ),
+        )
+    assert not caplog.records
+
+
+def test_moments_of_rounding_are_not_negative(tmp_path: Path) -> None:
+    """Of a body whose moments were left out, but for rounding: iCub's head."""
+    zeros = "ixx='0' ixy='0' ixz='2.4e-35' iyy='0' iyz='0' izz='0'"
+    check(tmp_path, GOOD.replace("ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'", zeros))
 
 
 def test_links_in_a_circle_are_refused(tmp_path: Path) -> None:

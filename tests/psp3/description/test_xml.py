@@ -29,6 +29,9 @@ def test_reads_the_outermost_element(tmp_path: Path) -> None:
         (b"\xff\xfe\x00\xd8", "cannot be read as XML"),
         (b"<?xml version='1.0' encoding='klingon'?><robot/>", "cannot be read as XML"),
         (b"<mujoco/>", "must be <robot>, not <mujoco>"),
+        (b"<!DOCTYPE robot [<!ENTITY mass '2'>]><robot name='&mass;'/>", "has a <!DOCTYPE>"),
+        (b"<!DOCTYPE robot SYSTEM 'robot.dtd'><robot/>", "has a <!DOCTYPE>"),
+        (b"<robot name='&mass;'/>", "undefined entity"),
     ],
 )
 def test_files_that_are_no_xml_or_of_another_kind_are_refused(
@@ -54,11 +57,48 @@ def test_numbers_of_an_attribute() -> None:
     assert numbers(PATH, element, "axis", 3) is None
 
 
+@pytest.mark.parametrize(
+    ("content", "name"),
+    [
+        (b" \r\n\t<?xml version='1.0'?><robot name='r'/>", "r"),
+        ("\ufeff<robot name='ä'/>".encode(), "ä"),
+        ("<?xml version='1.0' encoding='utf-16'?><robot name='ä'/>".encode("utf-16"), "ä"),
+        ("<?xml version='1.0' encoding='latin-1'?><robot name='ä'/>".encode("latin-1"), "ä"),
+        (b"<robot name='&#228;&amp;'/>", "ä&"),
+    ],
+)
+def test_blanks_before_the_declaration_and_encodings(
+    tmp_path: Path, content: bytes, name: str
+) -> None:
+    path = tmp_path / "a.xml"
+    path.write_bytes(content)
+    assert read_xml(path, "robot").get("name") == name
+
+
 @pytest.mark.parametrize("text", ["", "1 2", "1 2 3 4", "1 2 x", "1 nan 2", "1 2 inf", "1,2,3"])
 def test_other_than_so_many_finite_numbers_is_refused(text: str) -> None:
     with pytest.raises(InvalidRobotFile) as caught:
         numbers(PATH, ElementTree.Element("joint", name="j", pos=text), "pos", 3)
     assert caught.value.reason == f"<joint name='j'>: pos must be 3 finite numbers, got {text!r}"
+
+
+@pytest.mark.parametrize(
+    "word", ["0_2", "0x1p3", "１", "٣", "Infinity", "1e400", "1.", ".5", "+1E+2", "1d3", "--1", "."]
+)
+def test_a_number_is_what_c_and_python_both_take_for_one(word: str) -> None:
+    """``1.``, ``.5`` and ``+1E+2`` are; what one of them alone reads is not."""
+    element = ElementTree.Element("mass", value=f"\n{word} ")
+    if word in ("1.", ".5", "+1E+2"):
+        assert numbers(PATH, element, "value", 1) == float(word)
+        return
+    with pytest.raises(InvalidRobotFile, match="value must be 1 finite number"):
+        numbers(PATH, element, "value", 1)
+
+
+def test_no_other_blanks_than_those_of_xml_divide_numbers() -> None:
+    element = ElementTree.Element("axis", xyz="1\u00a00 0")
+    with pytest.raises(InvalidRobotFile, match="xyz must be 3 finite numbers"):
+        numbers(PATH, element, "xyz", 3)
 
 
 def test_elements_by_their_names() -> None:

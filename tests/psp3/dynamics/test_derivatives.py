@@ -18,7 +18,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.dynamics.derivatives import forward_dynamics_derivatives, inverse_dynamics_derivatives
 from psp3.errors import InvalidArray
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
@@ -156,7 +156,7 @@ BUILDERS: dict[str, Callable[[], ClosedLoopRobot]] = {
     },
     "rotors": lambda: geared(ROBOTS_WITH_LOOPS[2]()),
     "arm without loops": arm_without_loops,
-    **{name: (lambda name=name: psp3.load(name)) for name in ROBOTS},
+    **{name: (lambda name=name: psp3.load(name)) for name in THESIS_ROBOTS},
     "psp3 by Newton": lambda: psp3.load("psp3").dynamics("core"),  # type: ignore[return-value]
 }
 
@@ -170,7 +170,7 @@ def states(
     robot: ClosedLoopRobot, count: int, reach: float = 0.05
 ) -> list[tuple[Array, Array, Array]]:
     """Positions near the reference pose, speeds and accelerations (or forces) of the order of 1."""
-    rng, n = np.random.default_rng(11), len(robot.actuated)
+    rng, n = np.random.default_rng(11), len(robot.coordinates_v)
     return [
         (robot.reference + rng.uniform(-reach, reach, n), *rng.normal(size=(2, n)))
         for _ in range(count)

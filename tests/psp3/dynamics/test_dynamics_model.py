@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.dynamics.dynamics_model import (
     DynamicsModel,
     ForcesOfMotions,
@@ -42,7 +42,7 @@ def test_forces_of_the_four_paths_agree(name: str) -> None:
     assert_allclose(one, found[0], rtol=0.0, atol=1e-12)
 
 
-@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
+@pytest.mark.parametrize("name", [name for name in THESIS_ROBOTS if name != "psp3"])
 def test_forces_of_other_robots_agree(name: str) -> None:
     """By RNEA in two ways, and by the thesis's matrices; 1e-10 of the largest force is rounding."""
     robot = psp3.load(name)

@@ -14,7 +14,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.dynamics.newton_from_home import NewtonFromHome
 from psp3.dynamics.projected import ProjectedDynamics
 from psp3.errors import (
@@ -50,7 +50,7 @@ def test_configurations_are_those_of_the_closed_form() -> None:
     assert_array_equal(found[:, robot.actuated_q], heights)
 
 
-@pytest.mark.parametrize("name", ROBOTS[1:])
+@pytest.mark.parametrize("name", THESIS_ROBOTS[1:])
 def test_configurations_of_the_other_robots_are_those_of_the_compiled_closure(name: str) -> None:
     """Ten poses drawn from the whole workspace by the literature's inverse kinematics; 1e-11.
 

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.errors import InvalidArray
 from psp3.identification.regressor import (
     PARAMETERS_OF_A_BODY,
@@ -25,7 +25,7 @@ def random_motions(name: str, count: int, seed: int = 0) -> tuple[Array, Array, 
     return positions, rng.normal(size=positions.shape), 5.0 * rng.normal(size=positions.shape)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", THESIS_ROBOTS)
 def test_times_the_parameters_is_the_inverse_dynamics(name: str) -> None:
     """Independent route: RNEA, and the closed form of the 3-PSP.
 

@@ -10,7 +10,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.errors import InvalidArray
 from psp3.kinematics.frames import FrameMotion, frame_motion, point_motion
 from tests.closed_form_kinematics import Delta
@@ -29,7 +29,7 @@ def turning(placements: Callable[[float], Array], step: float) -> Array:
     return np.array([spin[2, 1], spin[0, 2], spin[1, 0]])
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", THESIS_ROBOTS)
 def test_velocity_is_the_rate_of_the_placement(name: str) -> None:
     """Eighth-order differences: 1e-11 of rounding in closed loops (1e-13 m over a step of 0.02 s).
 
@@ -48,7 +48,7 @@ def test_velocity_is_the_rate_of_the_placement(name: str) -> None:
     assert np.abs(found.velocity[:3]).max() > 1e-3
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", THESIS_ROBOTS)
 def test_acceleration_is_the_rate_of_the_velocity(name: str) -> None:
     """Differences of the velocities that the test before has checked.
 

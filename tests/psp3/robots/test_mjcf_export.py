@@ -15,7 +15,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.errors import InvalidArray, MasslessBody, UnexportableJoint, UnphysicalInertia
 from psp3.robots.mjcf_export import mujoco_state, to_mjcf
 
@@ -119,7 +119,7 @@ def test_frames_are_sites_and_shapes_weigh_nothing() -> None:
     assert_array_equal(numbers(element(root, "geom", plate.name), "size"), plate.geometry.halfSide)
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", THESIS_ROBOTS)
 def test_numbers_are_exact(name: str) -> None:
     """Masses and centers of mass of every robot come back from the text without an error."""
     robot = psp3.load(name)

@@ -7,13 +7,13 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.errors import InvalidValue, UnreachableTip
 from psp3.robots.robot import Robot
 from psp3.simulation.runge_kutta import RungeKutta
 
 
-@pytest.fixture(scope="module", params=ROBOTS)
+@pytest.fixture(scope="module", params=THESIS_ROBOTS)
 def robot(request: pytest.FixtureRequest) -> psp3.ClosedLoopRobot:
     return psp3.load(request.param)
 

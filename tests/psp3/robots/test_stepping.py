@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.drives import NO_DRIVE, Drive
 from psp3.robots.stepping import CoreSteps
 from psp3.simulation.plant import Plant
@@ -34,7 +34,7 @@ def walk(plant: Plant, robot: psp3.ClosedLoopRobot) -> np.ndarray:
 
 
 @pytest.mark.parametrize("drive", DRIVES)
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", THESIS_ROBOTS)
 def test_steps_are_those_in_python(name: str, drive: str) -> None:
     """To rounding, which grows along the motion: 1e-12 of some 0.1 rad, m and 1 rad/s, m/s.
 

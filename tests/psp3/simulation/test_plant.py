@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import psp3
-from psp3.description.parts import ROBOTS
+from psp3.description.parts import THESIS_ROBOTS
 from psp3.drives import NO_DRIVE, Drive
 from psp3.errors import InvalidValue
 from psp3.simulation.constraint_dynamics import ConstraintDynamics
@@ -258,7 +258,7 @@ def test_every_joint_can_have_its_own_drive() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [name for name in ROBOTS if name != "psp3"])
+@pytest.mark.parametrize("name", [name for name in THESIS_ROBOTS if name != "psp3"])
 def test_plants_of_any_robot_agree_with_and_without_drives(name: str) -> None:
     """Computed torque on a path of 0.1 s.
 

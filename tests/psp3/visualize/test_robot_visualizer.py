@@ -13,6 +13,8 @@ import pinocchio as pin
 import pytest
 
 import psp3
+from psp3.description.parts import ROBOTS, THESIS_ROBOTS
+from psp3.visualize import Scene
 from psp3.visualize.commands import DrawingCommands
 from psp3.visualize.robot_visualizer import GHOST_MARGIN, RobotVisualizer
 from psp3.visualize.shapes import meshcat
@@ -21,10 +23,12 @@ ROBOT = psp3.load()
 HEIGHTS = ROBOT.inverse_kinematics(height=0.05, tilt=np.radians(25.0), azimuth=1.0)
 
 
-def drawn(ghost: str | None = None) -> tuple[RobotVisualizer, dict[str, np.ndarray]]:
+def drawn(
+    ghost: str | None = None, robot: psp3.ClosedLoopRobot = ROBOT, positions: np.ndarray = HEIGHTS
+) -> tuple[RobotVisualizer, dict[str, np.ndarray]]:
     commands = DrawingCommands()
-    visualizer = RobotVisualizer(ROBOT, meshcat.Visualizer(window=commands), "robot", ghost)
-    visualizer.display(ROBOT.configuration(HEIGHTS))
+    visualizer = RobotVisualizer(robot, meshcat.Visualizer(window=commands), "robot", ghost)
+    visualizer.display(robot.configuration(positions))
     sent = json.loads(commands.as_json())
     return visualizer, {
         one["path"]: np.reshape(one["matrix"], (4, 4)).T
@@ -54,6 +58,24 @@ def test_every_shape_is_where_pinocchio_puts_it(ghost: str | None) -> None:
         np.testing.assert_allclose(
             placements[body] @ placements[f"{body}/{shape.name}"], expected.homogeneous, atol=1e-9
         )
+
+
+@pytest.mark.parametrize("name", ROBOTS[len(THESIS_ROBOTS) :])
+def test_every_shape_of_what_people_build_is_there(name: str) -> None:
+    """Balls, floating bases and the bodies of an MJCF too, at home."""
+    robot = psp3.load(name)
+    visualizer, placements = drawn(robot=robot, positions=robot.reference)
+    data = visualizer.visual_model.createData()
+    pin.updateGeometryPlacements(
+        robot.model, robot.model.createData(), visualizer.visual_model, data, robot.q0
+    )
+    assert visualizer.visual_model.ngeoms == robot.visual_model.ngeoms > 20
+    for shape, expected in zip(visualizer.visual_model.geometryObjects, data.oMg, strict=True):
+        body = f"/meshcat/{visualizer.joint_node(shape.parentJoint)}"
+        np.testing.assert_allclose(
+            placements[body] @ placements[f"{body}/{shape.name}"], expected.homogeneous, atol=1e-9
+        )
+    assert "MeshCat" in Scene(robot).show(robot.reference).html()
 
 
 def test_the_thirds_of_the_star_are_one_body() -> None:

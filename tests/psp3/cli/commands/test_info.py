@@ -30,3 +30,12 @@ def test_info_names_what_the_robot_is_made_of(psp3_command: Run) -> None:
         "table_5_1",
     ):
         assert part in text
+
+
+def test_info_about_another_robot(psp3_command: Run) -> None:
+    found = psp3_command("info", "tricept", "--json").json
+    robot = psp3.load("tricept")
+    assert found["motors"] == list(robot.actuated)
+    assert found["mass"] == pytest.approx(sum(one.mass for one in list(robot.model.inertias)[1:]))
+    assert {one["role"] for one in found["joints"]} == {"motor", "follows"}
+    assert "3 degrees of freedom" in " ".join(psp3_command("info", "tricept").out.split())

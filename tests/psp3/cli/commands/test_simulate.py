@@ -229,3 +229,35 @@ def test_what_cannot_be_trained_or_read_is_refused(
     assert words in answer.err
     assert "Traceback" not in answer.err
     assert not Path("a.json").exists()
+
+
+@pytest.mark.parametrize("controller", ["pd", "pd-gravity", "pid", "ctc"])
+def test_another_robot_is_tracked_with_gains_of_its_own(psp3_command: Run, controller: str) -> None:
+    """Critically damped in the reference pose: of computed torque only the hold's error is left.
+
+    That of the others is what gravity and acceleration leave, a small share of the way, which is
+    0.27 rad.
+    """
+    answer = psp3_command(
+        "simulate", "five_bar", "--controller", controller, "--figure", "s.pdf", "--json"
+    )
+    metrics = answer.json["metrics"]
+    assert answer.json["robot"] == "five_bar"
+    assert max(metrics["largest_errors"]) < (1e-3 if controller == "ctc" else 0.1)
+    assert metrics["largest_tip_error"] > 0.0
+    assert Path("s.pdf").read_bytes().startswith(b"%PDF")
+
+
+def test_another_robot_between_points_of_its_motors(psp3_command: Run) -> None:
+    answer = psp3_command(
+        *("simulate", "five_bar", "--trajectory", "point-to-point", "--end=-0.3,0.1"),
+        *("--csv", "-"),
+    )
+    last = [float(cell) for cell in answer.out.splitlines()[-1].split(",")]
+    names = answer.out.splitlines()[0].split(",")
+    assert [last[names.index(f"desired_a{k}")] for k in (1, 2)] == pytest.approx([-0.3, 0.1])
+    assert last[names.index("a1")] == pytest.approx(-0.3, abs=1e-3)
+    held = psp3_command(
+        *("simulate", "five_bar", "--trajectory", "hold", "--at=-0.3,0.1", "--duration", "0.1")
+    )
+    assert "hold" in held.out

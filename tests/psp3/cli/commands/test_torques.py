@@ -112,3 +112,21 @@ def test_torques_write_and_print(psp3_command: Run) -> None:
     heights = 1e3 * ROBOT.inverse_kinematics_tip([0.02, 0.0, 0.07])
     assert f"{heights[0]:.2f}" in answer.out
     assert max(map(len, answer.out.splitlines())) <= 80
+
+
+def test_forces_of_another_robot(psp3_command: Run) -> None:
+    """By the projected tree; what sways starts at rest in the reference pose."""
+    robot = psp3.load("five_bar")
+    found = psp3_command(
+        "torques", "five_bar", "--duration", 0.2, "--figure", "t.pdf", "--json"
+    ).json
+    assert found["a1"][0] == pytest.approx(robot.reference[0])
+    assert found["speed1"][0] == pytest.approx(0.0, abs=1e-15)
+    states = (
+        np.array([found[f"{name}{k}"] for k in (1, 2)]).T for name in ("a", "speed", "acceleration")
+    )
+    expected = robot.dynamics("pinocchio").inverse_dynamics(*states)
+    forces = np.array([found["force1"], found["force2"]]).T
+    np.testing.assert_allclose(forces, expected, atol=1e-10)
+    assert Path("t.pdf").read_bytes().startswith(b"%PDF")
+    assert "sway: 21 samples" in psp3_command("torques", "five_bar", "--duration", 0.2).out

@@ -93,3 +93,10 @@ def test_a_page_is_not_written_under_the_name_of_a_picture(psp3_command: Run) ->
     assert answer.status == options.USAGE
     assert "must end in .html" in answer.err
     assert not Path("page.png").exists()
+
+
+def test_page_of_another_robot(psp3_command: Run) -> None:
+    answer = psp3_command("view", "delta", "--trajectory", "sway", "--record", "delta.html")
+    assert answer == (0, "delta.html\n", "")
+    assert "delta" in Path("delta.html").read_text()
+    assert psp3_command("view", "five_bar", "--record", "rest.html").status == 0

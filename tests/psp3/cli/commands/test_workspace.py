@@ -55,3 +55,26 @@ def test_workspace_as_a_table(psp3_command: Run) -> None:
     assert "tip folds 33.28 37.72 degrees" in text
     assert "condition of the tip Jacobian 1.828 ∞" in text
     assert "∞" not in psp3_command("workspace", "--largest-tilt", 20).out
+
+
+@pytest.mark.slow
+def test_workspace_of_another_robot(psp3_command: Run) -> None:
+    """The five-bar's tip reaches as far as its two arms are long, to the ray's thousandth.
+
+    Straight down they end at the same length: both arms stretched is a singularity of the end
+    effector.
+    """
+    answer = psp3_command(
+        "workspace", "five_bar", "--resolution", 9, "--figure", "map.pdf", "--json"
+    )
+    found = answer.json
+    assert answer.err == ""
+    assert Path("map.pdf").read_bytes().startswith(b"%PDF")
+    assert found["task"] == ["x", "z"]
+    assert np.shape(found["map"]["status"]) == (9, 9)
+    left, right = (one["distance"] for one in found["reach"]["x"])
+    assert left == pytest.approx(right, rel=1e-2)
+    assert found["area"] > 0.0
+    text = words(psp3_command("workspace", "five_bar", "--resolution", 5).out)
+    assert "Reach of tip of five_bar" in text
+    assert "usable" in text

@@ -1,4 +1,4 @@
-"""``psp3`` pose and dynamics: the library's numbers."""
+"""``psp3 pose``: the library's numbers."""
 
 from __future__ import annotations
 
@@ -57,32 +57,31 @@ def test_pose_as_a_table(psp3_command: Run) -> None:
     assert "Outside the stroke" in psp3_command("pose", "--height", 0.5).out
 
 
-@pytest.mark.parametrize("parameters", ["default", "table_5_1"])
-def test_dynamics_agrees_with_the_projected_tree(psp3_command: Run, parameters: str) -> None:
-    """Another implementation; the bar between the two is 1e-9 of the largest entry."""
-    a, v, w = [0.15, 0.25, 0.15], [-0.1, 0.2, 0.3], [1.0, -2.0, 0.5]
-    options = (
-        "--heights",
-        "0.15,0.25,0.15",
-        "--speeds",
-        "-0.1,0.2,0.3",
-        "--accelerations",
-        "1,-2,0.5",
-        "--parameters",
-        parameters,
+def test_pose_of_any_robot(psp3_command: Run) -> None:
+    """Loops are closed, and the tip is where the robot says; it stands at its reference by default.
+
+    The Delta's platform does not turn.
+    """
+    delta = psp3.load("delta")
+    found = psp3_command("pose", "delta", "--positions", "0.2,0.1,-0.1", "--json").json
+    np.testing.assert_array_equal(
+        found["frames"]["tip"], delta.frame_placement([0.2, 0.1, -0.1], "tip")
     )
-    found = psp3_command("dynamics", *options, "--json").json
-    M, C, G = (
-        psp3.load("psp3", parameters=parameters).dynamics("pinocchio").equation_of_motion(a, v)
-    )
-    for name, expected in (("M", M), ("C", C), ("G", G), ("forces", M @ w + C @ v + G)):
-        np.testing.assert_allclose(
-            found[name], expected, rtol=0.0, atol=1e-9 * np.abs(expected).max()
-        )
-    assert "kg/s" in psp3_command("dynamics", *options).out
+    np.testing.assert_allclose(np.array(found["frames"]["tip"])[:3, :3], np.eye(3), atol=1e-12)
+    assert found["joints"]["leg2_shoulder"] == [0.1]
+    assert found["within_limits"] is True
+    at_rest = words(psp3_command("pose", "delta", "--frame", "leg1_rod2_end").out)
+    assert "leg1_shoulder 0.000000 rad motor" in at_rest
+    assert "leg1_rod2_end: origin" in at_rest
+    assert "tip: origin" not in at_rest
 
 
-def test_dynamics_rests_unless_told_otherwise(psp3_command: Run) -> None:
-    found = psp3_command("dynamics", "--heights", "0.1,0,-0.1", "--json").json
-    np.testing.assert_array_equal(found["forces"], found["G"])
-    np.testing.assert_array_equal(np.abs(found["C"]), 0.0)
+def test_pose_beyond_a_limit_says_so(psp3_command: Run) -> None:
+    answer = psp3_command("pose", "five_bar", "--positions=1.55,1.4")
+    assert "Outside the limits of leg1_shoulder" in words(answer.out)
+
+
+def test_frame_that_does_not_exist(psp3_command: Run) -> None:
+    answer = psp3_command("pose", "delta", "--frame", "toe")
+    assert answer.status == 2
+    assert "toe" in answer.err

@@ -1,0 +1,131 @@
+"""Triangles of mesh files.
+
+STL (binary and text), OBJ, and MuJoCo's MSH.
+"""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from psp3.checks import Array, Indices
+from psp3.errors import InvalidFile
+
+STL_HEADER = 84
+"""Bytes before the first triangle of a binary STL file."""
+
+STL_TRIANGLE = np.dtype(
+    [("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")], align=False
+)
+"""A triangle of a binary STL file."""
+
+READ_SUFFIXES = (".stl", ".obj", ".msh")
+"""Ends of the names of mesh files that are read."""
+
+
+class Mesh(NamedTuple):
+    """A surface of triangles."""
+
+    vertices: Array
+    """Its vertices, (n, 3) [m, in the scale of the file]."""
+    faces: Indices
+    """The vertices of each triangle, (m, 3), counterclockwise seen from outside."""
+
+
+def read_mesh(path: Path) -> Mesh:
+    """Return the triangles of a mesh file.
+
+    Parameters
+    ----------
+    path : path
+        The file; the end of its name, in letters of any case, tells its format.
+
+    Returns
+    -------
+    Mesh
+        Its vertices and triangles. Polygons with more corners are cut into fans.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is missing, of another format, malformed, or has a vertex that is not finite.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in READ_SUFFIXES:
+        raise InvalidFile(
+            path, f"is no mesh that is read here; those end in {', '.join(READ_SUFFIXES)}"
+        )
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        raise InvalidFile(path, error.strerror or "cannot be read") from error
+    try:
+        mesh = {".stl": _stl, ".obj": _obj, ".msh": _msh}[suffix](content)
+    except (ValueError, IndexError, OverflowError) as error:
+        raise InvalidFile(path, f"is no valid {suffix[1:].upper()} file ({error})") from error
+    if not len(mesh.faces):
+        raise InvalidFile(path, "has no triangles")
+    if not np.isfinite(mesh.vertices).all():
+        raise InvalidFile(path, "has a vertex that is not finite")
+    if mesh.faces.min() < 0 or mesh.faces.max() >= len(mesh.vertices):
+        raise InvalidFile(path, f"has a triangle of a vertex beyond its {len(mesh.vertices)}")
+    return mesh
+
+
+def _stl(content: bytes) -> Mesh:
+    if len(content) >= STL_HEADER:
+        # The text form begins with "solid", but so do some binary files: their size decides.
+        count = int.from_bytes(content[STL_HEADER - 4 : STL_HEADER], "little")
+        if len(content) == STL_HEADER + count * STL_TRIANGLE.itemsize:
+            corners = np.frombuffer(content, STL_TRIANGLE, count, STL_HEADER)["corners"]
+            return _joined(corners.astype(float).reshape(-1, 3))
+    if not content.lstrip().startswith(b"solid"):
+        raise ValueError("neither the text form nor the size of the binary one")
+    words = content.split()
+    texts = [
+        [float(number) for number in words[at + 1 : at + 4]]
+        for at, word in enumerate(words)
+        if word == b"vertex"
+    ]
+    return _joined(np.array(texts, dtype=float).reshape(-1, 3))
+
+
+def _joined(corners: Array) -> Mesh:
+    """Return triangles of which each three rows are the corners, equal ones as one vertex."""
+    if len(corners) % 3:
+        raise ValueError("a triangle without three corners")
+    vertices, faces = np.unique(corners, axis=0, return_inverse=True)
+    return Mesh(vertices, faces.reshape(-1, 3).astype(np.int64))
+
+
+def _obj(content: bytes) -> Mesh:
+    vertices, faces = [], []
+    for line in content.decode("utf-8", "replace").splitlines():
+        words = line.split()
+        if words[:1] == ["v"]:
+            vertices.append([float(number) for number in words[1:4]])
+        elif words[:1] == ["f"]:
+            # Vertex, texture and normal, counted from one, or backward from the last.
+            corners = [int(word.split("/")[0]) for word in words[1:]]
+            places = [at - 1 if at > 0 else len(vertices) + at for at in corners]
+            faces += [[places[0], *pair] for pair in itertools.pairwise(places[1:])]
+    return Mesh(
+        # In single precision, as engines that draw it hold it.
+        np.array(vertices, dtype=np.float32).astype(float).reshape(-1, 3),
+        np.array(faces, dtype=np.int64).reshape(-1, 3),
+    )
+
+
+def _msh(content: bytes) -> Mesh:
+    vertices, normals, textures, faces = (int(n) for n in np.frombuffer(content, "<i4", 4))
+    if min(vertices, normals, textures, faces) < 0:
+        raise ValueError("a negative count")
+    numbers = 3 * vertices + 3 * normals + 2 * textures
+    if len(content) != 16 + 4 * (numbers + 3 * faces):
+        raise ValueError("a size that is not that of its counts")
+    places = np.frombuffer(content, "<f4", 3 * vertices, 16).astype(float)
+    corners = np.frombuffer(content, "<i4", 3 * faces, 16 + 4 * numbers).astype(np.int64)
+    return Mesh(places.reshape(-1, 3), corners.reshape(-1, 3))

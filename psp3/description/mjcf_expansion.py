@@ -1,0 +1,330 @@
+"""MJCF files with everything written out.
+
+What stands for several elements, or changes others from afar, is put into the elements themselves:
+``frame`` into the poses in it, ``replicate`` and ``attach`` into the bodies that they copy, classes
+into attributes, orientations into quaternions and angles into radians. What is left is bodies,
+joints, geoms and sites with attributes of their own.
+
+Models that are attached have settings of the compiler, classes and meshes of their own, so a file
+is written out before it is put into another one. What refers to nothing but attached elements comes
+along: loops, couplings, tendons and motors, not key frames.
+"""
+
+from __future__ import annotations
+
+import copy
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.description.mjcf_document import MjcfDocument, text_of
+from psp3.description.xml import described
+
+PLACED = {"body", "geom", "site", "camera", "light", "inertial", "joint", "freejoint"}
+"""What stands in a body and has a place there."""
+
+TURNS = ("range", "ref", "springref")
+"""Attributes of a joint that are angles, if it turns."""
+
+LIMITS = {"range": "limited", "actuatorfrcrange": "actuatorfrclimited"}
+"""Limits of a joint, with what switches them on."""
+
+MOST_ELEMENTS = 100_000
+"""So many elements may come of the copies in one file."""
+
+OWNERS = {
+    "joint": "joint",
+    "joint1": "joint",
+    "joint2": "joint",
+    "jointinparent": "joint",
+    "body": "body",
+    "body1": "body",
+    "body2": "body",
+    "site": "site",
+    "site1": "site",
+    "site2": "site",
+    "sidesite": "site",
+    "refsite": "site",
+    "cranksite": "site",
+    "slidersite": "site",
+    "geom": "geom",
+    "tendon": "tendon",
+    "tendon1": "tendon",
+    "tendon2": "tendon",
+}
+"""Attributes that refer to another element, with the kind of what they name."""
+
+
+def spelled_out(path: str | Path) -> MjcfDocument:
+    """Return an MJCF file with everything written out.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Returns
+    -------
+    MjcfDocument
+        It, with neither classes nor frames nor copies.
+
+    Raises
+    ------
+    InvalidRobotFile
+        If it, or one that it includes or attaches, is missing, malformed or refers to itself.
+    """
+    return _Expansion(MjcfDocument(path)).result()
+
+
+class _Expansion:
+    """Writes out one file, a part of it at a time."""
+
+    def __init__(self, document: MjcfDocument) -> None:
+        self.document = document
+        self.models = {
+            str(item.get("name") or other.document.root.get("model", "MuJoCo Model")): other
+            for item in document.section("asset")
+            if item.tag == "model"
+            for other in [_Expansion(document.attached(item))]
+        }
+        self.elements = 0
+        # Sections that came along with attached elements.
+        self.additions: list[tuple[str, ElementTree.Element]] = []
+
+    def result(self) -> MjcfDocument:
+        """Return the whole file, written out."""
+        root = ElementTree.Element("mujoco", self.document.root.attrib)
+        world = ElementTree.SubElement(root, "worldbody")
+        for section in self.document.root.findall("worldbody"):
+            self.fill(world, section, None, pin.SE3.Identity())
+        for tag, item in [*self.sections(), *self.additions]:
+            holder = root.find(tag)
+            if item.tag == tag:
+                root.append(item)
+            else:
+                (ElementTree.SubElement(root, tag) if holder is None else holder).append(item)
+        return self.document.written_out(root)
+
+    # Sections that are no tree
+
+    def sections(self) -> list[tuple[str, ElementTree.Element]]:
+        """Return the elements of all other sections, with what they inherit."""
+        written = []
+        for section in self.document.root:
+            if section.tag in ("option", "size", "statistic"):
+                # Of these the section itself is the element.
+                written.append((section.tag, section))
+            elif section.tag not in ("default", "compiler", "worldbody"):
+                written += [
+                    (section.tag, self._item(section.tag, item))
+                    for item in section
+                    if item.tag != "model"
+                ]
+        return written
+
+    def _item(self, section: str, item: ElementTree.Element) -> ElementTree.Element:
+        if section not in ("asset", "equality", "tendon", "actuator"):
+            return item
+        # MuJoCo has one default for all loops and couplings, and one for all tendons.
+        full = self.document.full(item, tag=section if section in ("equality", "tendon") else None)
+        full.extend(item)
+        full.attrib.pop("class", None)
+        if item.tag == "mesh":
+            self.document.locate(full)
+        return full
+
+    # The tree
+
+    def fill(
+        self,
+        parent: ElementTree.Element,
+        items: Iterable[ElementTree.Element],
+        child_class: str | None,
+        frame: pin.SE3,
+    ) -> None:
+        """Write elements into a body, which stand in a frame of it."""
+        for item in items:
+            self.elements += 1
+            if self.elements > MOST_ELEMENTS:
+                raise self.document.wrong(f"stands for more than {MOST_ELEMENTS} elements")
+            inner_class = item.get("childclass", child_class)
+            if item.tag == "frame":
+                self.fill(parent, item, inner_class, frame * self.document.placement(item))
+            elif item.tag == "replicate":
+                self._replicate(parent, item, inner_class, frame)
+            elif item.tag == "attach":
+                self._attach(parent, item, frame)
+            elif item.tag in PLACED:
+                plain = self._placed(item, child_class, frame)
+                parent.append(plain)
+                if item.tag == "body":
+                    self.fill(plain, item, inner_class, pin.SE3.Identity())
+            else:
+                parent.append(item)
+
+    def _placed(
+        self, item: ElementTree.Element, child_class: str | None, frame: pin.SE3
+    ) -> ElementTree.Element:
+        """Return an element with all of its attributes, in the frame of its body."""
+        document = self.document
+        if item.tag in ("body", "inertial", "freejoint"):
+            plain = ElementTree.Element(item.tag, item.attrib)
+        else:
+            plain = document.full(item, child_class)
+        for key in ("class", "childclass"):
+            plain.attrib.pop(key, None)
+        if item.tag == "joint":
+            self._joint(plain, frame)
+        elif item.tag != "freejoint":
+            document.place_in(plain, frame)
+        if item.tag == "body":
+            # Its inertia follows the settings of the file that it comes from.
+            document.settings[plain] = {**document.compiler, "own_pos": item.get("pos", "0 0 0")}
+        return plain
+
+    def _joint(self, joint: ElementTree.Element, frame: pin.SE3) -> None:
+        document = self.document
+        if not frame.isIdentity(0.0):
+            joint.set("pos", text_of(frame.act(document.vector(joint, "pos"))))
+            axis = document.vector(joint, "axis", (0.0, 0.0, 1.0))
+            joint.set("axis", text_of(frame.rotation @ axis))
+        if joint.get("type", "hinge") in ("hinge", "ball") and document.radians_per_unit != 1.0:
+            for key in TURNS:
+                values = document.numbers(joint, key)
+                if values is not None:
+                    joint.set(key, text_of(document.radians_per_unit * values))
+        if document.compiler.get("autolimits", "true") == "false":
+            for key, switch in LIMITS.items():
+                if joint.get(key) is not None and joint.get(switch, "auto") == "auto":
+                    raise document.wrong(
+                        f"{described(joint)} has {key} but not {switch}, and the compiler's "
+                        "autolimits is false: say which is meant"
+                    )
+
+    # Copies
+
+    def _replicate(
+        self,
+        parent: ElementTree.Element,
+        item: ElementTree.Element,
+        child_class: str | None,
+        frame: pin.SE3,
+    ) -> None:
+        document = self.document
+        count = document.number(item, "count", -1.0)
+        if not 0 <= count <= MOST_ELEMENTS or count != int(count):
+            raise document.wrong(
+                f"<replicate>: count must be a whole number up to {MOST_ELEMENTS}, got "
+                f"{item.get('count')!r}"
+            )
+        offset, angles = document.vector(item, "offset"), document.vector(item, "euler")
+        turn = pin.SE3(document.rotation_from_euler(angles), np.zeros(3))
+        # Each copy stands where the one before it puts the next: its offset turns with it.
+        place = pin.SE3.Identity()
+        digits = len(str(int(count)))
+        for number in range(int(count)):
+            place.rotation = document.rotation_from_euler(number * angles)
+            copied = ElementTree.Element("body")
+            self.fill(copied, item, child_class, frame * place)
+            ending = f"{item.get('sep', '')}{number:0{digits}d}"
+            _rename(copied, "", ending, "")
+            parent.extend(list(copied))
+            place = place * pin.SE3(np.eye(3), offset) * turn
+
+    def _attach(
+        self, parent: ElementTree.Element, item: ElementTree.Element, frame: pin.SE3
+    ) -> None:
+        """Put a body, a frame or all of a model in, each with what refers to it."""
+        document, prefix, model = self.document, item.get("prefix", ""), item.get("model")
+        if model is not None and model not in self.models:
+            raise document.wrong(
+                f"<attach>: there is no model {model!r}; those of <asset> are "
+                f"{', '.join(self.models) or 'none'}"
+            )
+        other = self if model is None else self.models[model]
+        kind = "frame" if item.get("body") is None else "body"
+        name, copied = item.get(kind), ElementTree.Element("body")
+        if name is not None:
+            found = _named(other.document.root, kind, name, None)
+            if found is None:
+                raise document.wrong(f"<attach>: there is no {kind} {name!r} to attach")
+            if model is None and item in found[0].iter():
+                raise document.wrong(f"<attach>: {kind} {name!r} would attach itself")
+            other.fill(copied, [found[0]], found[1], frame)
+        elif model is None:
+            raise document.wrong("<attach> needs a model, a body or a frame")
+        else:
+            for section in other.document.root.findall("worldbody"):
+                other.fill(copied, section, None, frame)
+        names = {
+            ("joint" if one.tag == "freejoint" else one.tag, one.get("name"))
+            for one in copied.iter()
+        }
+        _rename(copied, prefix, "", "" if other is self else prefix)
+        parent.extend(list(copied))
+        if other is not self:
+            document.settings.update(other.document.settings)
+            self.elements += other.elements
+        self._bring_along(other, names, prefix)
+
+    def _bring_along(
+        self, other: _Expansion, names: set[tuple[str, str | None]], prefix: str
+    ) -> None:
+        """Copy what refers to nothing but attached elements."""
+        items = other.sections() + (other.additions if other is not self else [])
+        if other is not self:
+            for tag, item in items:
+                if tag == "asset":
+                    self._add(tag, item, prefix, prefix)
+        # Tendons first: motors and equalities may refer to them.
+        for wanted in ("tendon", "equality", "actuator"):
+            for tag, item in items:
+                if tag != wanted:
+                    continue
+                references = [
+                    (OWNERS[key], value)
+                    for one in item.iter()
+                    for key, value in one.attrib.items()
+                    if key in OWNERS and (OWNERS[key], value) != ("body", "world")
+                ]
+                if references and names.issuperset(references):
+                    self._add(tag, item, prefix, "")
+                    if tag == "tendon":
+                        names.add(("tendon", item.get("name")))
+
+    def _add(self, tag: str, item: ElementTree.Element, prefix: str, assets: str) -> None:
+        copied = ElementTree.Element("section")
+        copied.append(copy.deepcopy(item))
+        _rename(copied, prefix, "", assets)
+        for one in copied.iter():
+            for key, value in one.attrib.items():
+                if key in OWNERS and (OWNERS[key], value) != ("body", "world"):
+                    one.set(key, prefix + value)
+        self.additions.append((tag, copied[0]))
+
+
+def _rename(holder: ElementTree.Element, prefix: str, ending: str, assets: str) -> None:
+    """Rename all elements in another one, and the meshes and materials that they refer to."""
+    for one in holder.iter():
+        if one.get("name"):
+            one.set("name", prefix + one.attrib["name"] + ending)
+        for key in ("mesh", "material"):
+            if assets and one.get(key):
+                one.set(key, assets + one.attrib[key])
+
+
+def _named(
+    element: ElementTree.Element, tag: str, name: str, child_class: str | None
+) -> tuple[ElementTree.Element, str | None] | None:
+    """Return the body or frame of a name, and the class of the elements around it."""
+    for child in element:
+        if child.tag == tag and child.get("name") == name:
+            return child, child_class
+        if child.tag in ("worldbody", "body", "frame", "replicate"):
+            found = _named(child, tag, name, child.get("childclass", child_class))
+            if found is not None:
+                return found
+    return None

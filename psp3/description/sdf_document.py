@@ -1,0 +1,318 @@
+"""An SDF file: read as strictly as its format allows, with its numbers, poses and included files.
+
+The specification (sdformat.org) says what each element means; what changed between its versions is
+said where it is read.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import xml.etree.ElementTree as ElementTree
+from collections.abc import Sequence
+from pathlib import Path
+from xml.parsers import expat
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.description.xml import described
+from psp3.errors import InvalidRobotFile
+
+OLDEST = 4
+"""The oldest version that is read is 1.4."""
+
+BLANKS = " \t\r\n"
+"""What XML takes for blanks."""
+
+NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
+"""A number as parsers in Python and in C++ read it alike."""
+
+INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
+"""What else a limit may be."""
+
+COMMENT = re.compile(rb"<!\[CDATA\[.*?\]\]>|<!--.*?-->", re.DOTALL)
+"""Comments, and what looks like one within literal text.
+
+The parser of SDFormat's library ends a comment at the first ``-->`` and takes ``--`` within it, as
+drawings in comments have it; strict XML does not.
+"""
+
+DEEPEST = 200
+"""Elements nested deeper than this are refused."""
+
+WRITE_OUT = "let SDFormat's own tool write it out (gz sdf --print FILE) and read that"
+"""What to do about elements that stand for others."""
+
+
+class SdfDocument:
+    """An SDF file.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+    roots : sequence of path
+        Folders from which it may include other files; those of ``model://`` are looked for in
+        them.
+
+    Attributes
+    ----------
+    root : Element
+        The element ``<sdf>``.
+    version : int
+        The second part of its version: 6 of 1.6.
+
+    Raises
+    ------
+    InvalidRobotFile
+        If it is missing, is no SDF, or is older than version 1.4.
+    """
+
+    def __init__(self, path: str | Path, roots: Sequence[Path]) -> None:
+        self.path, self.roots = Path(path), tuple(roots)
+        self.root = _parsed(self.path)
+        if self.root.tag == "robot":
+            raise self.wrong("is a URDF: read it with from_urdf")
+        if self.root.tag != "sdf":
+            raise self.wrong(f"its outermost element must be <sdf>, not <{self.root.tag}>")
+        version = self.root.get("version", "")
+        found = re.fullmatch(r"1\.([0-9]{1,3})", version)
+        if found is None or int(found[1]) < OLDEST:
+            raise self.wrong(
+                f"<sdf>: version must be 1.{OLDEST} or later, got {version!r}; SDFormat's own tool "
+                "writes an older file anew (gz sdf --print FILE)"
+            )
+        self.version = int(found[1])
+
+    def wrong(self, reason: str) -> InvalidRobotFile:
+        """Return the error that says what is wrong with this file."""
+        return InvalidRobotFile(self.path, reason)
+
+    def titled(self, element: ElementTree.Element) -> str:
+        """Return what to call an element: what has a name around it, and its own tag."""
+        above = {child: parent for parent in self.root.iter() for child in parent}
+        owner = element
+        while owner.get("name") is None and owner in above:
+            owner = above[owner]
+        own = "" if owner is element else f": <{element.tag}>"
+        return described(element if owner.get("name") is None else owner) + own
+
+    # What an element holds
+
+    def text(self, element: ElementTree.Element, tag: str) -> str | None:
+        """Return the text of the one child of a tag without blanks around it, None without it."""
+        children = element.findall(tag)
+        if len(children) > 1:
+            raise self.wrong(f"{self.titled(element)} has {len(children)} of <{tag}>")
+        return (children[0].text or "").strip(BLANKS) if children else None
+
+    def name(self, element: ElementTree.Element, what: str = "name") -> str:
+        """Return the name of an element, which must have one."""
+        name = element.get(what)
+        if not name:
+            raise self.wrong(f"a <{element.tag}> has no {what}")
+        return name
+
+    def numbers(
+        self, element: ElementTree.Element, tag: str, *counts: int, infinite: bool = False
+    ) -> Array | None:
+        """Return the numbers in the one child of a tag; None without it."""
+        text = self.text(element, tag)
+        return None if text is None else self._numbers(element, tag, text, counts, infinite)
+
+    def _numbers(
+        self,
+        element: ElementTree.Element,
+        tag: str,
+        text: str,
+        counts: Sequence[int],
+        infinite: bool = False,
+    ) -> Array:
+        words = re.split(f"[{BLANKS}]+", text) if text else []
+        values = np.array(
+            [
+                float(word)
+                if NUMBER.fullmatch(word) or (infinite and INFINITE.fullmatch(word))
+                else math.nan
+                for word in words
+            ]
+        )
+        wrong = np.isnan(values).any() or (not infinite and np.isinf(values).any())
+        if wrong or values.size not in counts:
+            finite = "" if infinite else "finite "
+            raise self.wrong(
+                f"{self.titled(element)}: <{tag}> must be {' or '.join(map(str, counts))} {finite}"
+                f"number{'s' if tuple(counts) != (1,) else ''}, got {text[:60]!r}"
+            )
+        return values
+
+    def number(
+        self,
+        element: ElementTree.Element,
+        tag: str,
+        default: float,
+        *,
+        infinite: bool = False,
+    ) -> float:
+        """Return the one number of a child."""
+        value = self.numbers(element, tag, 1, infinite=infinite)
+        return default if value is None else float(value[0])
+
+    def is_true(self, element: ElementTree.Element, tag: str, default: bool = False) -> bool:
+        """Return whether a child says true."""
+        text = self.text(element, tag)
+        return default if text is None else self._boolean(element, tag, text)
+
+    def has_flag(self, element: ElementTree.Element, attribute: str) -> bool:
+        """Return whether an attribute says true."""
+        return self._boolean(element, attribute, element.get(attribute, "false"))
+
+    def _boolean(self, element: ElementTree.Element, what: str, text: str) -> bool:
+        if text.lower() not in ("true", "false", "1", "0"):
+            raise self.wrong(
+                f"{self.titled(element)}: {what} must be true or false, got {text[:60]!r}"
+            )
+        return text.lower() in ("true", "1")
+
+    def pose(self, element: ElementTree.Element) -> tuple[pin.SE3, str]:
+        """Return the pose of an element, and the name of the frame that it is relative to."""
+        text = self.text(element, "pose")
+        if text is None:
+            return pin.SE3.Identity(), ""
+        pose = element.find("pose")
+        assert pose is not None
+        # Before 1.7 the frame had another name, and seldom one of effect.
+        relative_to = pose.get("relative_to" if self.version >= 7 else "frame", "")
+        if not text:
+            return pin.SE3.Identity(), relative_to
+        form = pose.get("rotation_format", "euler_rpy")
+        if form == "quat_xyzw":
+            values = self._numbers(element, "pose", text, (7,))
+            length = float(np.linalg.norm(values[3:]))
+            if not 1e-6 < length < 1e6:
+                raise self.wrong(f"{self.titled(element)}: <pose> has a quaternion of no direction")
+            return pin.SE3(pin.Quaternion(values[3:] / length), values[:3]), relative_to
+        if form != "euler_rpy":
+            raise self.wrong(f"{self.titled(element)}: <pose> has the unknown format {form!r}")
+        values = self._numbers(element, "pose", text, (6,))
+        unit = math.pi / 180.0 if self.has_flag(pose, "degrees") else 1.0
+        return pin.SE3(pin.rpy.rpyToMatrix(*(unit * values[3:])), values[:3]), relative_to
+
+    # Included files
+
+    def included(self, element: ElementTree.Element) -> tuple[SdfDocument, ElementTree.Element]:
+        """Return the file that an ``<include>`` names, and the one model in it.
+
+        Raises
+        ------
+        InvalidRobotFile
+            If it lies outside the folders that may be read from, is missing or holds not one model.
+        """
+        uri = self.text(element, "uri")
+        if not uri:
+            raise self.wrong("an <include> lacks <uri>")
+        path = self._file(uri)
+        if path.is_dir():
+            path = self._file_of_model(path)
+        document = SdfDocument(path, self.roots)
+        models = document.root.findall("model")
+        if len(models) != 1:
+            raise self.wrong(
+                f"<include>: {uri!r} holds {len(models)} models; what is included must hold one"
+            )
+        return document, models[0]
+
+    def _file(self, uri: str) -> Path:
+        scheme, found, rest = uri.partition("://")
+        if not found:
+            candidates = [self.path.parent / uri]
+        elif scheme == "model":
+            candidates = [root / rest for root in self.roots]
+        else:
+            raise self.wrong(
+                f"<include>: {uri[:80]!r} is not read from there: put the model beside the file "
+                "and name it by its path"
+            )
+        for candidate in candidates:
+            resolved = candidate.resolve()
+            inside = any(resolved.is_relative_to(root.resolve()) for root in self.roots)
+            if not inside:
+                raise self.wrong(
+                    f"<include>: {uri[:80]!r} lies outside the folder of the file: name its "
+                    "folder in model_paths=[...]"
+                )
+            if resolved.exists():
+                return resolved
+        raise self.wrong(
+            f"<include>: {uri[:80]!r} is not there; looked for in "
+            f"{', '.join(str(candidate) for candidate in candidates)}: name the folder that holds "
+            "it in model_paths=[...]"
+        )
+
+    def _file_of_model(self, folder: Path) -> Path:
+        """Return the newest SDF that the ``model.config`` of a folder names."""
+        config = folder / "model.config"
+        if not config.is_file():
+            raise self.wrong(f"<include>: {folder} has no model.config: name the SDF file in it")
+        names = [
+            (tuple(map(int, item.get("version", "1.0").split("."))), (item.text or "").strip())
+            for item in _parsed(config).findall("sdf")
+            if re.fullmatch(r"[0-9]{1,3}(\.[0-9]{1,3})+", item.get("version", "1.0"))
+        ]
+        path = (folder / max(names)[1]).resolve() if names else folder
+        if not path.is_file() or not path.is_relative_to(folder):
+            raise self.wrong(f"<include>: {config} names no SDF file in its folder")
+        return path
+
+
+def _parsed(path: Path) -> ElementTree.Element:
+    """Return the outermost element of an XML file.
+
+    Names with a prefix (``drake:joint``) stay as they are written, declared or not, and what is not
+    well-formed but in comments is passed over, as the library of SDFormat does. A document type
+    declaration is refused: what it declares, one parser replaces and another drops.
+    """
+    if not path.is_file():
+        raise InvalidRobotFile(path, "no such file")
+    parser, builder = expat.ParserCreate(), ElementTree.TreeBuilder()
+    depth = 0
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        depth += 1
+        if depth > DEEPEST:
+            raise InvalidRobotFile(path, f"<{tag[:60]}> is nested deeper than {DEEPEST} elements")
+        builder.start(tag, attributes)
+
+    def end(tag: str) -> None:
+        nonlocal depth
+        depth -= 1
+        builder.end(tag)
+
+    def declared(*_: object) -> None:
+        raise InvalidRobotFile(
+            path,
+            "has a <!DOCTYPE>, which robot files do not need and parsers read each in its own way: "
+            "take it out, and write out what its entities stand for",
+        )
+
+    parser.StartElementHandler, parser.EndElementHandler = start, end
+    parser.CharacterDataHandler = builder.data
+    parser.StartDoctypeDeclHandler = declared
+    parser.buffer_text = True
+    try:
+        data = COMMENT.sub(_without_comment, path.read_bytes().lstrip(BLANKS.encode()))
+        parser.Parse(data, True)
+        return builder.close()
+    except (OSError, expat.ExpatError, LookupError, ValueError, AssertionError) as error:
+        raise InvalidRobotFile(
+            path, f"cannot be read as XML ({getattr(error, 'strerror', None) or error})"
+        ) from error
+
+
+def _without_comment(found: re.Match[bytes]) -> bytes:
+    """Return literal text as it is, and of a comment its line breaks."""
+    text = found[0]
+    return text if text.startswith(b"<![") else b"\n" * text.count(b"\n")

@@ -1,0 +1,183 @@
+"""What a robot is made of, what was done to make it move, and what its file should be asked."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.closure.structure import TOLD_MISMATCH, closure_names, robot_size
+from psp3.multibody.equations import Coupling, Hinge
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+
+IMPOSSIBLE = 1e-9
+"""So far, as a share of the largest, a principal moment may exceed the sum of the other two by the
+rounding of the computer: those of a flat body are at the very border.
+"""
+
+ROUNDED = 2e-3
+"""Below this share an impossible inertia may be one that was rounded."""
+
+LIGHT = 1e-9
+"""A coordinate that moves this share of what another one does moves nothing."""
+
+
+class Finding(NamedTuple):
+    """Something that the owner of a file should know, and what can be done about it."""
+
+    what: str
+    remedy: str
+
+
+class Examination(NamedTuple):
+    """What a robot is made of."""
+
+    title: str
+    bodies: int
+    """Bodies that move."""
+    mass: float
+    """Of these [kg]."""
+    joints: int
+    motors: tuple[str, ...]
+    coordinates: tuple[str, ...]
+    loops: tuple[tuple[str, str], ...]
+    """Name and kind of each closure."""
+    mobility: str
+    """Degrees of freedom, in words."""
+    held: tuple[str, ...]
+    """Motions that no motor commands, and that are held."""
+    redundant_equations: int
+    mismatch: tuple[float, ...]
+    """How far redundant loops stay open [m], [rad], and how far that moved home [m, rad]."""
+    size: float
+    """How far apart its joints are [m]."""
+    findings: tuple[Finding, ...]
+
+
+def examine(robot: ClosedLoopRobot) -> Examination:
+    """Look at a robot that was loaded.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        The robot.
+
+    Returns
+    -------
+    Examination
+        What it is made of, with a finding for each motion that is held, each motor that another
+        one determines, loops that contradict themselves, bodies that have an inertia that no rigid
+        body has, and coordinates that move next to nothing.
+    """
+    closures = [*robot.constraint_models, *robot.equations]
+    return Examination(
+        title=robot.title,
+        bodies=robot.model.njoints - 1,
+        mass=float(sum(inertia.mass for inertia in list(robot.model.inertias)[1:])),
+        joints=robot.model.njoints - 1,
+        motors=robot.actuated,
+        coordinates=robot.coordinates,
+        loops=tuple(zip(closure_names(closures), map(_kind, closures), strict=True)),
+        mobility=str(robot.mobility),
+        held=tuple(map(str, robot.locked)),
+        redundant_equations=robot.mobility.redundant_equations,
+        mismatch=tuple(robot.closure_mismatch),
+        size=robot_size(robot.model, robot.q0),
+        findings=(
+            *_of_motions(robot),
+            *_of_loops(robot),
+            *_of_inertias(robot.model),
+            *_of_mass_matrix(robot),
+        ),
+    )
+
+
+def _kind(closure: Any) -> str:
+    if isinstance(closure, Coupling):
+        return "coupling"
+    if isinstance(closure, Hinge):
+        return "hinge"
+    return "6d" if closure.type == pin.ContactType.CONTACT_6D else "3d"
+
+
+def _of_motions(robot: ClosedLoopRobot) -> list[Finding]:
+    findings = [
+        Finding(
+            f"no motor commands {motion}, which is held where it is in the reference pose",
+            'actuated=[...] names more motors, free="keep" makes it a coordinate',
+        )
+        for motion in robot.locked
+    ]
+    if robot.mobility.over_actuation:
+        followers = ", ".join(robot.mobility.dependent_actuators)
+        findings.append(
+            Finding(
+                f"{robot.mobility.over_actuation} more motors than freedoms: {followers} could "
+                "be left out",
+                "actuator_forces shares the work between them; preload has what they can do "
+                "against each other",
+            )
+        )
+    return findings
+
+
+def _of_loops(robot: ClosedLoopRobot) -> list[Finding]:
+    length, angle, moved = robot.closure_mismatch
+    if max(length / robot_size(robot.model, robot.q0), angle) <= TOLD_MISMATCH:
+        return []
+    return [
+        Finding(
+            f"the loops contradict each other by {length:.2g} m and {angle:.2g} rad; they are "
+            f"closed as well as they can be, and home was moved by {moved:.2g} (m, rad)",
+            "write the file with more digits: forward dynamics is as good as its digits",
+        )
+    ]
+
+
+def _of_inertias(model: pin.Model) -> list[Finding]:
+    findings = []
+    for name, inertia in list(zip(model.names, model.inertias, strict=True))[1:]:
+        what = _impossible(inertia)
+        if what:
+            findings.append(
+                Finding(
+                    f"what joint {name!r} carries has an inertia that no rigid body has: {what}",
+                    "take mass, center and moments from one source",
+                )
+            )
+    return findings
+
+
+def _impossible(inertia: pin.Inertia) -> str:
+    """Return what is wrong with an inertia; nothing if a body can have it.
+
+    The moments of a body are sums of squares of two coordinates each, so that none exceeds the sum
+    of the other two.
+    """
+    moments = np.linalg.eigvalsh(inertia.inertia)
+    if inertia.mass < 0.0 or moments[0] < -ROUNDED * abs(moments[2]):
+        return f"mass {inertia.mass:.6g} kg, principal moments {moments} kg m²"
+    excess = moments[2] - moments[1] - moments[0]
+    if excess <= IMPOSSIBLE * moments[2]:
+        return ""
+    share = f"{100.0 * excess / moments[2]:.2g} %"
+    rounded = " (rounding may have done it)" if excess < ROUNDED * moments[2] else ""
+    return (
+        f"its largest principal moment, {moments[2]:.6g} kg m², exceeds the sum of the other two "
+        f"by {share}{rounded}"
+    )
+
+
+def _of_mass_matrix(robot: ClosedLoopRobot) -> list[Finding]:
+    """Tell a coordinate that moves nothing: forward dynamics divides by its inertia."""
+    diagonal = np.diag(robot.mass_matrix(robot.reference))
+    lightest = np.flatnonzero(diagonal <= LIGHT * diagonal.max())
+    return [
+        Finding(
+            f"coordinate {k + 1} moves next to nothing ({diagonal[k]:.2g} beside "
+            f"{diagonal.max():.2g} kg or kg m²)",
+            "give its bodies their mass and inertia, or its motor an armature",
+        )
+        for k in lightest
+    ]

@@ -1,0 +1,128 @@
+"""A motion to look at for any robot: every motor goes to and fro about the reference pose."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from psp3.checks import Array, checked_positive
+from psp3.closure.structure import robot_size
+from psp3.errors import (
+    ClosureFailed,
+    InvalidValue,
+    JointLimitExceeded,
+    NoFiniteAnswer,
+    SingularConfiguration,
+    StrokeExceeded,
+    UnreachablePose,
+)
+from psp3.kinematics.tasks import rotating
+from psp3.robots.robot import Robot
+from psp3.trajectories.fourier_series import FourierSeries
+from psp3.trajectories.trajectory import Trajectory
+
+LARGEST = 0.4
+"""No motor is moved by more than this to begin with [rad, or sizes of the robot]."""
+
+ROOM = 0.3
+"""Nor by more than this share of the way to its nearer limit, or of its whole range where the
+reference is at a limit.
+"""
+
+AT_A_LIMIT = 0.02
+"""So near to a limit, as a share of the range, a motor only moves away from it."""
+
+SAMPLES = 64
+"""Times at which it is looked whether the robot can make the motion."""
+
+HALVINGS = 8
+
+NO_POSE = (
+    ClosureFailed,
+    JointLimitExceeded,
+    NoFiniteAnswer,
+    SingularConfiguration,
+    StrokeExceeded,
+    UnreachablePose,
+)
+"""What says that a robot cannot make a motion."""
+
+
+class Sway(FourierSeries):
+    r"""A periodic motion of all n motors from rest, each in its own phase.
+
+    .. math:: a_i(t) = a_i(0) + A_i \big( \cos \varphi_i (1 - \cos \omega t)
+              + \sin \varphi_i (\sin \omega t - \tfrac12 \sin 2 \omega t) \big), \qquad
+              \varphi_i = 2 \pi i / n, \quad \omega = 2 \pi / T
+
+    It starts and returns with speed zero. A motor whose reference is at a limit only moves away
+    from it, with :math:`\varphi_i` of 0 or :math:`\pi`.
+
+    Parameters
+    ----------
+    amplitude : float, optional
+        Amplitude A of all motors [m or rad]. By default each motor's is chosen from its limits and
+        the robot's size, and then all are halved until the robot can make the motion.
+    period : float
+        Time T after which the motion repeats [s].
+    robot : Robot, optional
+        See :class:`psp3.trajectories.trajectory.Trajectory`.
+
+    Raises
+    ------
+    InvalidValue
+        If a number is not positive, or the robot can hardly move from its reference pose.
+    """
+
+    def __init__(
+        self, amplitude: float | None = None, period: float = 2.0, robot: Robot | None = None
+    ) -> None:
+        whose = Trajectory(robot, "joints").robot
+        home = whose.reference
+        still = np.zeros((2, len(home)))
+        super().__init__(home, still, still, period, whose)
+        lower, upper = self.robot.limits
+        phases = _phases(home, lower, upper)
+        if amplitude is not None:
+            self._set(home, phases, np.full(len(home), checked_positive("amplitude", amplitude)))
+            return
+        amplitudes = _amplitudes(whose, home, lower, upper)
+        for _ in range(HALVINGS):
+            self._set(home, phases, amplitudes)
+            try:
+                self.check(np.linspace(0.0, self.period, SAMPLES))
+            except NO_POSE:
+                amplitudes = 0.5 * amplitudes
+            else:
+                return
+        raise InvalidValue(
+            "amplitude", None, f"given: {self.robot.title} can hardly move from its reference pose"
+        )
+
+    @property
+    def amplitudes(self) -> Array:
+        """Amplitudes :math:`A_i` of the motors, (n,) [m or rad]."""
+        found: Array = np.hypot(self.cosines[0], self.sines[0])
+        return found
+
+    def _set(self, home: Array, phases: Array, amplitudes: Array) -> None:
+        out, across = amplitudes * np.cos(phases), amplitudes * np.sin(phases)
+        self.center = home + out
+        self.sines, self.cosines = np.stack([across, -0.5 * across]), np.stack([-out, 0.0 * out])
+
+
+def _phases(home: Array, lower: Array, upper: Array) -> Array:
+    """Return the phases of the motors: away from the limit where one is at a limit."""
+    phases = 2.0 * np.pi * np.arange(len(home)) / len(home)
+    near = AT_A_LIMIT * (upper - lower)
+    phases = np.where(np.isfinite(near) & (home - lower <= near), 0.0, phases)
+    return np.where(np.isfinite(near) & (upper - home <= near), np.pi, phases)
+
+
+def _amplitudes(robot: Robot, home: Array, lower: Array, upper: Array) -> Array:
+    """Return amplitudes that limits and size allow; whether the loops do is not looked at."""
+    room = np.minimum(home - lower, upper - home)
+    at_a_limit = room <= AT_A_LIMIT * (upper - lower)
+    room = np.where(at_a_limit & np.isfinite(upper - lower), 0.5 * (upper - lower), room)
+    size = robot_size(robot.model, robot.q0)
+    turning = rotating(robot.model)[robot.actuated_v]
+    return np.minimum(ROOM * room, LARGEST * np.where(turning, 1.0, size))
