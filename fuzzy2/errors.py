@@ -63,6 +63,17 @@ class NotApplicable(Fuzzy2Error, ValueError):
         super().__init__(f"{what} does not apply: {reason}")
 
 
+class ReadOnly(Fuzzy2Error, AttributeError):
+    """Something that is made once and for all was to be changed."""
+
+    def __init__(self, what: str, name: str) -> None:
+        self.what, self.name = what, name
+        super().__init__(
+            f"{what} does not change once it is made, and so has no {name} to set: make another "
+            f"with replace({name}=...)"
+        )
+
+
 class InvalidRule(Fuzzy2Error, ValueError):
     """A rule cannot be read, or does not fit the variables."""
 
@@ -113,6 +124,17 @@ class ApproximationWarning(RaisedOnPurpose, UserWarning):
             f"{what} has a validity measure of {validity:.3g}, above {limit:g}: the approximate "
             "type-reduced set may be far from the exact one; reduce by alpha-planes, or use "
             "narrower type-2 sets"
+        )
+
+
+class DefaultReductionWarning(RaisedOnPurpose, UserWarning):
+    """Rules in words that speak of sets are reduced by the default, which is not the centroid."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the rules speak of sets, and the output is the average of the sets' centroids "
+            "(type_reduction='center_of_sets', the default); Mamdani's is the centroid of the sets "
+            "united (type_reduction='centroid'): name the one that is meant"
         )
 
 

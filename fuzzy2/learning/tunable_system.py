@@ -26,7 +26,7 @@ from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.fuzzifiers import Fuzzifier, SingletonFuzzifier
-from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System, rebuilt
+from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 _BLOCK = 2**20  # products of samples, rules and outputs held in memory at once
 
@@ -155,8 +155,7 @@ class TunableSystem:
             A new system.
         """
         # Consequents of one name are no longer one and the same.
-        return rebuilt(
-            self._given,
+        return self._given.replace(
             inputs=self._terms(parameters),
             consequents=self._consequents(parameters),
             consequent_names=None,
@@ -347,6 +346,14 @@ def _check_tunable(system: FuzzySystem) -> None:
     what = "fine-tuning"
     if not isinstance(system, Type1System | IntervalType2System):
         raise NotApplicable(what, f"it takes a type-1 or an interval type-2 system, not {system!r}")
+    if isinstance(system.rules, tuple) or any(
+        part is not None for part in (system.weights, system.silent, system.default_outputs)
+    ):
+        raise NotApplicable(
+            what,
+            "it takes rules that join terms by and, without weights, of which each speaks of every "
+            "output, and no default outputs",
+        )
     for name, terms in zip(system.input_names, system.inputs, strict=True):
         for term in terms:
             if not isinstance(term, Gaussian | GaussianUncertainMean | GaussianUncertainSigma):

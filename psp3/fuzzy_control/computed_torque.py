@@ -299,7 +299,7 @@ class FuzzyComputedTorque:
             levels=self.levels,
         )
         system = learner.fit(inputs.view(_Named), outputs).system_
-        system.output_names = OUTPUT_NAMES
+        system = system.replace(output_names=OUTPUT_NAMES)
         if self.term_width != 1.0:
             system = _widened(system, self.term_width)
             uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
