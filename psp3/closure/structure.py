@@ -8,11 +8,14 @@ is there by rounding alone is no larger than the residual that rounding leaves.
 
 So loops are closed by Gauss–Newton steps in which singular values below a threshold count as zero,
 at home and at poses of a random walk along the motions that are left. Thresholds are tried by
-decades, and the strictest is taken that is explained: the loops come to rest with a small residual
-:math:`\mu`, and what counts as zero is far below what does not, and at most some :math:`\mu`.
+decades. One is explained where the loops come to rest with a small residual :math:`\mu`, and what
+counts as zero is far below what does not, and at most some :math:`\mu`. Of these the strictest is
+taken in which all that counts is well above what rounding makes: numbers with few digits often
+close exactly at home, all the same, and a strict reading then holds what only they hold. Motors
+have no say in it, so that the freedoms of a mechanism do not depend on where its motors are.
 
 Position rows and sliding joints are measured in sizes of the robot, so that lengths and angles
-compare.
+compare; a loop that is much smaller is measured by itself before it is called weak.
 """
 
 from __future__ import annotations
@@ -57,6 +60,11 @@ makes both, it was up to twice.
 WEAK = 1e-3
 """With all singular values that count above this the strictest threshold is right without doubt."""
 
+SMALL_LOOP = 1e-2
+"""As well with all above this where each loop is measured in its own size: a small loop in a
+large robot is weak in the size of that, and rounding makes less than this of either.
+"""
+
 LARGEST_WAY = 1.0
 """Loops that close only after their joints have moved by more than this are closed elsewhere [rad,
 or sizes of the robot].
@@ -95,6 +103,8 @@ class Structure(NamedTuple):
     """Independent closure equations."""
     values: Array
     """Singular values over the largest, of each the largest over the poses."""
+    first: float
+    """The largest singular value; small where all loops are much smaller than the robot."""
     length: float
     """How far redundant equations contradict each other in position [m]."""
     angle: float
@@ -163,7 +173,7 @@ def structure(
         near = by_short_steps(model, flat, start)
         start = start if near is None else near
     equations = _Equations(model, flat, start)
-    found = equations.structure(start, motors)
+    found = equations.structure(start)
     if found is not None and (q is not None or _is_good(model, found, motors)):
         return found
     begun, tried = time.process_time(), 1
@@ -175,7 +185,7 @@ def structure(
         size, where = equations.openness(near)
         if size < least:
             least, worst, nearest = size, where, near
-        found = equations.structure(near, motors)
+        found = equations.structure(near)
         if found is not None:
             if _is_good(model, found, motors) or q is not None:
                 return found
@@ -289,12 +299,13 @@ class _Equations:
         if at_home is None or np.abs(at_home[1]).max(initial=0.0) > LARGEST_MISMATCH:
             return None
         here, gaps = at_home
-        poses, spectra, bases = [here], [], []
+        poses, firsts, spectra, bases = [here], [], [], []
         rng = np.random.default_rng(0)
         home, worst = here, np.abs(gaps)
         while True:
             _, values, right = self.decomposed(here)
-            spectra.append(values / max(values.max(initial=0.0), 1e-300))
+            firsts.append(float(values.max(initial=0.0)))
+            spectra.append(values / max(firsts[-1], 1e-300))
             bases.append(right)
             motions = right[_count(values, threshold) :].T
             if len(poses) > POSES or not motions.shape[1]:
@@ -307,7 +318,7 @@ class _Equations:
             if away is not None:
                 worst = np.maximum(worst, np.abs(away[1]))
             poses.append(here)
-        largest = np.max(spectra, axis=0)
+        largest, first = np.max(spectra, axis=0), max(firsts)
         rank = int(np.count_nonzero(largest > threshold))
         length = self.size * float(worst[self.flat.is_length].max(initial=0.0))
         angle = float(worst[~self.flat.is_length].max(initial=0.0))
@@ -318,6 +329,7 @@ class _Equations:
             motions_of,
             rank,
             largest,
+            first,
             length,
             angle,
             self.size,
@@ -333,8 +345,31 @@ class _Equations:
                 return found
         return None
 
-    def structure(self, q: Array, motors: Array) -> Structure | None:
-        """Return the structure by the strictest threshold that is explained; None without one."""
+    def is_well(self, found: Structure) -> bool:
+        """Tell whether no equation that counts is so weak that rounding may have made it."""
+        if found.kept > WEAK:
+            return True
+        shares = np.max([self._shares_by_loop(q) for q in found.poses], axis=0)
+        return bool(shares[found.rank - 1] > SMALL_LOOP)
+
+    def _shares_by_loop(self, q: Array) -> Array:
+        """Return singular values over the largest, with each loop measured in its own size.
+
+        That is the longest lever about a joint of what its point is closed at.
+        """
+        matrix, row = jacobian(self.flat, q), 0
+        for count in self.flat.closure_rows:
+            block = np.arange(row, row + count)[self.flat.is_length[row : row + count]]
+            levers = np.linalg.norm(matrix[block][:, ~self.flat.sliding], axis=0)
+            matrix[block] /= levers.max(initial=0.0) or self.size
+            row += count
+        longest = np.linalg.norm(matrix[:, self.flat.sliding], axis=0)
+        matrix[:, self.flat.sliding] /= np.where(longest > 0.0, longest, 1.0)
+        values = np.linalg.svd(matrix, compute_uv=False)
+        return np.asarray(values / max(values.max(initial=0.0), 1e-300))
+
+    def structure(self, q: Array) -> Structure | None:
+        """Return the structure by the rule of this module; None where no threshold is explained."""
         accepted: list[Structure] = []
         for threshold in THRESHOLDS:
             found = self.explored(q, threshold)
@@ -342,7 +377,7 @@ class _Equations:
                 continue
             if found.kept < GAP * found.dropped:
                 continue
-            if found.dropped > max(EXACT, EXPLAINED * found.mismatch):
+            if found.dropped * min(found.first, 1.0) > max(EXACT, EXPLAINED * found.mismatch):
                 continue
             if found.dropped > EXACT:
                 # Once more from the given configuration, with the threshold amid the gap: too
@@ -354,20 +389,19 @@ class _Equations:
                     continue
                 found = again
             accepted.append(found)
-            if found.kept > WEAK and commanded(found, motors) == motors.shape[1]:
-                break
+            if self._moves(found) and self.is_well(found):
+                return found
         if not accepted:
             return None
-        # That in which the motors command most; of equals those that leave home where it was; of
-        # these the strictest.
+        # One that moves; of these those that leave home where it was; of these the strictest.
         moved = [np.abs(pin.difference(self.model, q, one.home)).max() for one in accepted]
         near = [one < 10.0 * min(moved) + 1e-6 for one in moved]
         return accepted[
-            max(
-                range(len(accepted)),
-                key=lambda k: (commanded(accepted[k], motors), near[k], -k),
-            )
+            max(range(len(accepted)), key=lambda k: (self._moves(accepted[k]), near[k], -k))
         ]
+
+    def _moves(self, found: Structure) -> bool:
+        return found.rank < self.model.nv
 
 
 def commanded(found: Structure, motors: Array) -> int:
