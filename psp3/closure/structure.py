@@ -29,6 +29,7 @@ import pinocchio as pin
 
 from psp3.checks import Array
 from psp3.closure.assembly import by_short_steps, jacobian, nearly_closed, residual
+from psp3.closure.ranges import how_far_beyond, within_limits
 from psp3.closure.rank import ASSEMBLED_RANK_TOLERANCE
 from psp3.errors import LoopsDoNotClose
 from psp3.multibody.flatten import FlatTree
@@ -169,18 +170,19 @@ def structure(
     """
     start = q
     if start is None:
-        start = within_limits(model, pin.neutral(model))
-        near = by_short_steps(model, flat, start)
-        start = start if near is None else near
+        inside = within_limits(model, pin.neutral(model))
+        near = by_short_steps(model, flat, inside)
+        start = inside if near is None else near
     equations = _Equations(model, flat, start)
     found = equations.structure(start)
     if found is not None and (q is not None or _is_good(model, found, motors)):
         return found
-    begun, tried = time.process_time(), 1
+    equations.deadline = time.process_time() + MOST_SECONDS
+    tried = 1
     least, worst = equations.openness(start)
     nearest = start
     others = [found] if found is not None else []
-    for near in _other_starts(model, flat, start):
+    for near in _other_starts(model, flat, start if q is not None else inside, equations.deadline):
         tried += 1
         size, where = equations.openness(near)
         if size < least:
@@ -190,11 +192,13 @@ def structure(
             if _is_good(model, found, motors) or q is not None:
                 return found
             others.append(found)
-        if time.process_time() - begun > MOST_SECONDS:
+        if time.process_time() > equations.deadline:
             break
     if others:
-        # That in which motors command most; of equals one within the limits.
-        return max(others, key=lambda one: (commanded(one, motors), is_within(model, one.home)))
+        # That in which motors command most; of equals that which is least beyond the limits.
+        return max(
+            others, key=lambda one: (commanded(one, motors), -how_far_beyond(model, one.home))
+        )
     loop = names[worst] if 0 <= worst < len(names) else ""
     raise LoopsDoNotClose(start, float(np.abs(residual(flat, nearest)).max()), loop, tried)
 
@@ -206,45 +210,19 @@ def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:
     example, none is.
     """
     most = min(motors.shape[1], model.nv - found.rank)
-    return is_within(model, found.home) and commanded(found, motors) == most
+    return how_far_beyond(model, found.home) == 0.0 and commanded(found, motors) == most
 
 
-def _other_starts(model: pin.Model, flat: FlatTree, start: Array) -> Iterator[Array]:
+def _other_starts(
+    model: pin.Model, flat: FlatTree, start: Array, deadline: float
+) -> Iterator[Array]:
     """Yield other configurations to start from: first within the joint limits, then anywhere."""
-    for near, _ in nearly_closed(model, flat, start):
+    for near, _ in nearly_closed(model, flat, start, deadline):
         yield near
     rng = np.random.default_rng(1)
     for attempt in range(1, 31):
         way = 0.1 * attempt * rng.uniform(-1.0, 1.0, model.nv)
         yield np.asarray(pin.integrate(model, start, way))
-
-
-def within_limits(model: pin.Model, q: Array) -> Array:
-    """Return a configuration with every joint of one coordinate brought inside its limits."""
-    inside = np.array(q, dtype=float)
-    for joint in list(model.joints)[1:]:
-        if joint.nq == 1:
-            low, high = _limits(model, joint.idx_q)
-            # A limit that is at infinity, or below the other, is none.
-            if low <= high and not low <= inside[joint.idx_q] <= high:
-                # Not on the limit, where a leg may be stretched.
-                margin = 0.05 * min(high - low, 1.0)
-                inside[joint.idx_q] = low + margin if inside[joint.idx_q] < low else high - margin
-    return inside
-
-
-def is_within(model: pin.Model, q: Array) -> bool:
-    """Tell whether all joints of one coordinate are within their limits, to rounding."""
-    for joint in list(model.joints)[1:]:
-        if joint.nq == 1:
-            low, high = _limits(model, joint.idx_q)
-            if low <= high and not low - 1e-6 <= q[joint.idx_q] <= high + 1e-6:
-                return False
-    return True
-
-
-def _limits(model: pin.Model, at: int) -> tuple[float, float]:
-    return float(model.lowerPositionLimit[at]), float(model.upperPositionLimit[at])
 
 
 class _Equations:
@@ -254,6 +232,8 @@ class _Equations:
         self.model, self.flat, self.size = model, flat, robot_size(model, q)
         self.units = np.where(flat.sliding, self.size, 1.0)
         self.scale = np.where(flat.is_length, self.size, 1.0)
+        self.deadline = np.inf
+        """When looking ends, in CPU time of the process [s]."""
 
     def openness(self, q: Array) -> tuple[float, int]:
         """Return the largest residual, and the closure that has it."""
@@ -283,6 +263,8 @@ class _Equations:
             largest = float(np.abs(step).max(initial=0.0))
             if largest < 1e-13 or (largest < 1e-9 and largest >= 0.5 * last):
                 return q, gaps
+            if time.process_time() > self.deadline:
+                return None
             step *= min(1.0, LARGEST_STEP / largest)
             way += np.abs(step)
             if not way.max() <= LARGEST_WAY:

@@ -31,6 +31,7 @@ from psp3.checks import Array, finite_rows, one_row, together
 from psp3.closure.coordinates import chosen_coordinates
 from psp3.closure.mobility import mobility_of
 from psp3.closure.passive_limits import PassiveLimits
+from psp3.closure.ranges import freed
 from psp3.closure.rank import dependent_solver, null_space
 from psp3.closure.structure import (
     EXACT,
@@ -166,6 +167,9 @@ class ClosedLoopRobot:
         and forces as in a velocity: a floating base, which is last, has 7 and 6.
     locked : tuple of Locked
         Free motions that are held.
+    without_limits : tuple of Beyond
+        Joints that are outside their range in the reference pose, because that pose was given or no
+        closed one within all ranges was found: the limit that they are beyond is not kept.
     mobility : Mobility
         How many ways the mechanism can move, and how many of them its motors command.
     closure_mismatch : ClosureMismatch
@@ -247,6 +251,7 @@ class ClosedLoopRobot:
         found = structure(model, flat, home, self.motors, names)
         self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
         _refuse(found, self.mobility, self.actuated, names, free)
+        self.model, self.without_limits = freed(model, found.home)
         base: int | None = None
         spins: list[Any] = []
         try:
@@ -323,6 +328,13 @@ class ClosedLoopRobot:
                 found.angle,
                 loop,
                 self.closure_mismatch.home_moved,
+            )
+        if self.without_limits:
+            logger.warning(
+                "%s: the reference pose has %s, so that these limits are not kept: correct them, "
+                "or give a closed pose within them (home in an SRDF or a key frame)",
+                self.title,
+                "; ".join(map(str, self.without_limits)),
             )
         if self.locked:
             logger.warning(
