@@ -191,6 +191,8 @@ class ClosedLoopRobot:
     """
     srdf: Path | None = None
     """The SRDF it was loaded with."""
+    mjcf: Path | None = None
+    """The MJCF file it was loaded from, if it was."""
 
     def __init__(
         self,
@@ -439,12 +441,10 @@ class ClosedLoopRobot:
         """
         from psp3.description.mjcf import read_mjcf
 
-        return cls(
-            *read_mjcf(mjcf, actuated, joint_type),
-            free=free,
-            coordinates=coordinates,
-            closures=closures,
-        )
+        parts = read_mjcf(mjcf, actuated, joint_type)
+        robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
+        robot.mjcf = Path(mjcf)
+        return robot
 
     @classmethod
     def from_sdf(
