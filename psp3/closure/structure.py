@@ -383,7 +383,7 @@ class _Equations:
         ]
 
     def _moves(self, found: Structure) -> bool:
-        return found.rank < self.model.nv
+        return bool(found.rank < self.model.nv)
 
 
 def commanded(found: Structure, motors: Array) -> int:

@@ -57,7 +57,7 @@ def test_a_home_beyond_its_limits_is_told() -> None:
 def test_what_mujoco_reads_otherwise_is_told() -> None:
     robot = psp3.load("five_bar")
     assert float(examine(robot).mujoco.removeprefix("agrees to ")) < 1e-9
-    robot.model.inertias[2] *= 2.0
+    robot.model.inertias[2] = robot.model.inertias[2] + robot.model.inertias[2]
     found = examine(robot)
     assert found.mujoco.startswith("disagrees: the mass that hangs on leg")
     assert "MuJoCo reads" in found.findings[-1].what
