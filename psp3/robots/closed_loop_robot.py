@@ -254,6 +254,7 @@ class ClosedLoopRobot:
         self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
         _refuse(found, self.mobility, self.actuated, names, free)
         self.model, self.without_limits = freed(model, found.home)
+        model = self.model
         base: int | None = None
         spins: list[Any] = []
         try:
@@ -267,7 +268,7 @@ class ClosedLoopRobot:
         else:
             spins = [one for one in chosen.spins if free == "keep" and can_spin(model, one)]
         if spins or base is not None:
-            kept = kept if base is None else parts_of_base(model, base)
+            kept = kept if base is None else [*kept, *parts_of_base(model, base)]
             self._take(with_simple_joints(tree._replace(home=found.home), spins, base), kept)
             return
         if not chosen.names:
@@ -625,11 +626,23 @@ class ClosedLoopRobot:
             if failed.outcome == SINGULAR:
                 # What is wrong is told by Pinocchio's Jacobian.
                 self._dependent_inverse(failed.q)
+                if self._has_mass_matrix(positions[failed.row]):
+                    return NoFiniteAnswer(positions[failed.row])
         except (JointLimitExceeded, SingularConfiguration) as error:
             return error
         if failed.outcome == NOT_FINITE:
             return NoFiniteAnswer(positions[failed.row])
         return ClosureFailed(positions[failed.row], failed.residual, failed.share)
+
+    def _has_mass_matrix(self, positions: Array) -> bool:
+        """Tell whether a mass matrix is to be had, so that only it can be singular."""
+        rest = np.zeros((1, self._speed_count))
+        out = np.empty((1, 2 * rest.size**2 + rest.size))
+        try:
+            self._core.ask(EQUATION_OF_MOTION, positions[np.newaxis], rest, rest, out, None)
+        except NoAnswer:
+            return False
+        return True
 
     def _ask(
         self,
