@@ -49,7 +49,7 @@ class _Mass(NamedTuple):
 
     def with_other(self, other: _Mass) -> _Mass:
         """Return the sum of two that have the same axes."""
-        return _Mass(*(one + two for one, two in zip(self, other, strict=True)))
+        return _Mass(self.mass + other.mass, self.first + other.first, self.second + other.second)
 
 
 NOTHING = _Mass(0.0, np.zeros(3), np.zeros((3, 3)))
