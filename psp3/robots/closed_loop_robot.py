@@ -31,6 +31,7 @@ from psp3.checks import Array, finite_rows, one_row, together
 from psp3.closure.coordinates import chosen_coordinates
 from psp3.closure.mobility import mobility_of
 from psp3.closure.passive_limits import PassiveLimits
+from psp3.closure.ranges import freed
 from psp3.closure.rank import dependent_solver, null_space
 from psp3.closure.structure import (
     EXACT,
@@ -166,6 +167,9 @@ class ClosedLoopRobot:
         and forces as in a velocity: a floating base, which is last, has 7 and 6.
     locked : tuple of Locked
         Free motions that are held.
+    without_limits : tuple of Beyond
+        Joints that are outside their range in the reference pose, because that pose was given or no
+        closed one within all ranges was found: the limit that they are beyond is not kept.
     mobility : Mobility
         How many ways the mechanism can move, and how many of them its motors command.
     closure_mismatch : ClosureMismatch
@@ -187,6 +191,8 @@ class ClosedLoopRobot:
     """
     srdf: Path | None = None
     """The SRDF it was loaded with."""
+    mjcf: Path | None = None
+    """The MJCF file it was loaded from, if it was."""
 
     def __init__(
         self,
@@ -247,6 +253,8 @@ class ClosedLoopRobot:
         found = structure(model, flat, home, self.motors, names)
         self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
         _refuse(found, self.mobility, self.actuated, names, free)
+        self.model, self.without_limits = freed(model, found.home)
+        model = self.model
         base: int | None = None
         spins: list[Any] = []
         try:
@@ -260,7 +268,7 @@ class ClosedLoopRobot:
         else:
             spins = [one for one in chosen.spins if free == "keep" and can_spin(model, one)]
         if spins or base is not None:
-            kept = kept if base is None else parts_of_base(model, base)
+            kept = kept if base is None else [*kept, *parts_of_base(model, base)]
             self._take(with_simple_joints(tree._replace(home=found.home), spins, base), kept)
             return
         if not chosen.names:
@@ -323,6 +331,13 @@ class ClosedLoopRobot:
                 found.angle,
                 loop,
                 self.closure_mismatch.home_moved,
+            )
+        if self.without_limits:
+            logger.warning(
+                "%s: the reference pose has %s, so that these limits are not kept: correct them, "
+                "or give a closed pose within them (home in an SRDF or a key frame)",
+                self.title,
+                "; ".join(map(str, self.without_limits)),
             )
         if self.locked:
             logger.warning(
@@ -427,12 +442,10 @@ class ClosedLoopRobot:
         """
         from psp3.description.mjcf import read_mjcf
 
-        return cls(
-            *read_mjcf(mjcf, actuated, joint_type),
-            free=free,
-            coordinates=coordinates,
-            closures=closures,
-        )
+        parts = read_mjcf(mjcf, actuated, joint_type)
+        robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
+        robot.mjcf = Path(mjcf)
+        return robot
 
     @classmethod
     def from_sdf(
@@ -613,11 +626,23 @@ class ClosedLoopRobot:
             if failed.outcome == SINGULAR:
                 # What is wrong is told by Pinocchio's Jacobian.
                 self._dependent_inverse(failed.q)
+                if self._has_mass_matrix(positions[failed.row]):
+                    return NoFiniteAnswer(positions[failed.row])
         except (JointLimitExceeded, SingularConfiguration) as error:
             return error
         if failed.outcome == NOT_FINITE:
             return NoFiniteAnswer(positions[failed.row])
         return ClosureFailed(positions[failed.row], failed.residual, failed.share)
+
+    def _has_mass_matrix(self, positions: Array) -> bool:
+        """Tell whether a mass matrix is to be had, so that only it can be singular."""
+        rest = np.zeros((1, self._speed_count))
+        out = np.empty((1, 2 * rest.size**2 + rest.size))
+        try:
+            self._core.ask(EQUATION_OF_MOTION, positions[np.newaxis], rest, rest, out, None)
+        except NoAnswer:
+            return False
+        return True
 
     def _ask(
         self,
