@@ -375,12 +375,10 @@ class ProjectedDynamics:
 
         As :meth:`psp3.ClosedLoopRobot.actuator_forces`, also for fewer accelerations.
         """
-        n, motors = self.actuated_v.size, self._mechanism.motors
-        if motors is None or (
-            motors.shape[1] == n and (motors[self.actuated_v] == np.eye(n)).all()
-        ):
+        n = self.actuated_v.size
+        if self._mechanism.drives_coordinates:
             return self.inverse_dynamics(positions, speeds, accelerations)
-        actuation = np.swapaxes(self.complement(positions), -1, -2) @ motors
+        actuation = np.swapaxes(self.complement(positions), -1, -2) @ self._mechanism.motors
         if np.shape(accelerations)[-1] < n:
             bias = self.inverse_dynamics(positions, speeds, np.zeros(n))
             mass = self.mass_matrix(positions)

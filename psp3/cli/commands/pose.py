@@ -38,8 +38,8 @@ def pose(
             parser=numbers,
             metavar="A1,A2,…",
             help=(
-                "Forward: the pose at these positions of the motors (m, rad); the reference pose "
-                "of another robot than the 3-PSP unless given."
+                "Forward: the pose at these positions of the coordinates (m, rad), the reference "
+                "pose of another robot than the 3-PSP unless given."
             ),
         ),
     ] = None,

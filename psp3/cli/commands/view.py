@@ -46,7 +46,7 @@ def view(
             "--heights",
             parser=numbers,
             metavar="A1,A2,…",
-            help="Show the pose at these positions of the motors (m, rad); home unless given.",
+            help="Show the pose at these positions of the coordinates (m, rad); home unless given.",
         ),
     ] = None,
     result: Annotated[
