@@ -9,7 +9,7 @@ import typer
 from psp3.cli.joint_tables import force_units, position_labels, speed_labels
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import Json, Numbers, numbers, of_each
-from psp3.cli.output import fixed, new_table, print_json, show, show_narrow
+from psp3.cli.output import fixed, new_table, print_json, show, show_narrow, show_text
 from psp3.cli.robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -139,7 +139,7 @@ def _show(
     if not motors:
         return
     if motors["actuator_forces"] is None:
-        typer.echo(motors["why"])
+        show_text(motors["why"])
         return
     table = new_table("Forces of the motors, of least norm", "", "force")
     for name, value in zip(robot.actuated, fixed(motors["actuator_forces"]), strict=True):

@@ -34,6 +34,7 @@ from psp3.cli.output import (
     print_json,
     progress_bar,
     show,
+    show_text,
     write_csv,
 )
 from psp3.cli.robot_options import ParametersOption, RobotOptions
@@ -252,7 +253,7 @@ def _show_joint_metrics(metrics: dict[str, Any], title: str, robot: ClosedLoopRo
         table.caption = f"largest error of the tip: {1e3 * tip:.6g} mm"
     show(*tables)
     if what_follows(robot):
-        typer.echo(what_follows(robot))
+        show_text(what_follows(robot))
 
 
 def _show_metrics(metrics: dict[str, Any], title: str) -> None:
