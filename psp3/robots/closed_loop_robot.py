@@ -82,6 +82,7 @@ from psp3.robots.simple_joints import (
     SimpleTree,
     base_in_loop,
     can_spin,
+    is_round,
     parts_of_base,
     with_simple_joints,
 )
@@ -324,13 +325,20 @@ class ClosedLoopRobot:
                 loop,
                 self.closure_mismatch.home_moved,
             )
-        if self.locked:
+        if self.options["free"] == "keep":
+            # Nothing feels how a round rod has turned; what else is held, hinges cannot replace.
+            felt = [one for one in self.locked if one.spin and not is_round(self.model, one.spin)]
+            remedy = "its ball has damping, friction or armature, so that no hinges can replace it"
+        else:
+            felt = list(self.locked)
+            remedy = 'free="keep" makes them coordinates, free="refuse" refuses the robot'
+        if felt:
             logger.warning(
                 "%s: no motor commands these motions, which are held where they are: %s; a body "
-                "that would turn keeps its inertia where it is, also off its axis "
-                '(free="keep" makes them coordinates, free="refuse" refuses the robot)',
+                "that would turn keeps its inertia where it is, also off its axis (%s)",
                 self.title,
-                "; ".join(map(str, self.locked)),
+                "; ".join(map(str, felt)),
+                remedy,
             )
 
     def _create_data(self) -> None:
