@@ -171,6 +171,19 @@ Model = Annotated[
         ),
     ),
 ]
+Positions = Annotated[
+    Numbers | None,
+    typer.Option(
+        "--positions",
+        "--heights",
+        parser=numbers,
+        metavar="A1,A2,…",
+        help=(
+            "Positions of the coordinates, which are the motors as a rule (m, rad); those of the "
+            "reference pose unless given."
+        ),
+    ),
+]
 Json = Annotated[
     bool, typer.Option("--json", help="Print JSON and nothing else.", show_default=False)
 ]

@@ -31,7 +31,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, applied_to_rows
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.dynamics.mechanism import HasTree, Mechanism
-from psp3.dynamics.motors import least_norm, partly_linearizing
+from psp3.dynamics.motors import forces_of_motors
 from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
 from psp3.errors import InconsistentVelocity, OpenLoops
 
@@ -845,18 +845,16 @@ class NaturalOrthogonalComplement:
         InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
             See :meth:`equation_of_motion`.
         """
-        n, mechanism = self._actuated.size, self._mechanism
-        if mechanism.drives_coordinates:
+        if self._mechanism.drives_coordinates:
             return self._forces(positions, speeds, accelerations)
         L = self.L(self.configuration(positions))
-        actuation = np.swapaxes(L, -1, -2) @ mechanism.motors
-        if np.shape(accelerations)[-1] < n:
-            bias = self._forces(positions, speeds, np.zeros(n))
-            mass, _, _ = self.equation_of_motion(positions, speeds)
-            wanted = np.asarray(accelerations, dtype=np.float64)
-            return partly_linearizing(mass, bias, actuation, wanted, mechanism.names)
-        forces = self._forces(positions, speeds, accelerations)
-        return least_norm(actuation, forces, mechanism.names)
+        return forces_of_motors(
+            np.swapaxes(L, -1, -2) @ self._mechanism.motors,
+            lambda rates: self._forces(positions, speeds, rates),
+            lambda: self.equation_of_motion(positions, speeds)[0],
+            accelerations,
+            self._mechanism.names,
+        )
 
     def _forces(self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike) -> Array:
         """Return the forces along the coordinates, (..., n)."""

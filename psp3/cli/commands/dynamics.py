@@ -8,7 +8,7 @@ import typer
 
 from psp3.cli.joint_tables import force_units, position_labels, speed_labels
 from psp3.cli.option_groups import single_options
-from psp3.cli.options import Json, Numbers, numbers, of_each
+from psp3.cli.options import Json, Numbers, Positions, numbers, of_each
 from psp3.cli.output import fixed, new_table, print_json, show, show_narrow, show_text
 from psp3.cli.robot_options import RobotOptions
 
@@ -20,19 +20,7 @@ if TYPE_CHECKING:
 def dynamics(
     *,
     robot: RobotOptions,
-    positions: Annotated[
-        Numbers | None,
-        typer.Option(
-            "--positions",
-            "--heights",
-            parser=numbers,
-            metavar="A1,A2,…",
-            help=(
-                "Positions of the coordinates, which are the motors as a rule (m, rad); those of "
-                "the reference pose unless given."
-            ),
-        ),
-    ] = None,
+    positions: Positions = None,
     speeds: Annotated[
         Numbers | None,
         typer.Option(
