@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from fuzzy2.files.json_files import save as save
     from fuzzy2.files.json_files import to_json as to_json
     from fuzzy2.learning.adaptation import AdaptiveConsequents as AdaptiveConsequents
+    from fuzzy2.learning.anfis import ANFIS as ANFIS
+    from fuzzy2.learning.classifier import FuzzyClassifier as FuzzyClassifier
     from fuzzy2.learning.clustering import Clusters as Clusters
     from fuzzy2.learning.clustering import fuzzy_c_means as fuzzy_c_means
     from fuzzy2.learning.fine_tuning import FineTuning as FineTuning
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
     from fuzzy2.learning.noise import mean_variation_from_snr as mean_variation_from_snr
     from fuzzy2.learning.noise import snr_from_mean_variation as snr_from_mean_variation
     from fuzzy2.learning.partition import gaussian_partition as gaussian_partition
+    from fuzzy2.learning.time_series import lagged as lagged
     from fuzzy2.learning.wang_mendel import WangMendel as WangMendel
     from fuzzy2.numbers.affine import GaussianNumber as GaussianNumber
     from fuzzy2.numbers.affine import IntervalNumber as IntervalNumber
@@ -98,5 +101,7 @@ if TYPE_CHECKING:
     from fuzzy2.systems.system import FuzzySystem as FuzzySystem
     from fuzzy2.systems.system import IntervalType2System as IntervalType2System
     from fuzzy2.systems.system import Type1System as Type1System
+
+__version__ = "0.1.0"
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)

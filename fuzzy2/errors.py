@@ -63,6 +63,17 @@ class NotApplicable(Fuzzy2Error, ValueError):
         super().__init__(f"{what} does not apply: {reason}")
 
 
+class ReadOnly(Fuzzy2Error, AttributeError):
+    """Something that is made once and for all was to be changed."""
+
+    def __init__(self, what: str, name: str) -> None:
+        self.what, self.name = what, name
+        super().__init__(
+            f"{what} does not change once it is made, and so has no {name} to set: make another "
+            f"with replace({name}=...)"
+        )
+
+
 class InvalidRule(Fuzzy2Error, ValueError):
     """A rule cannot be read, or does not fit the variables."""
 
@@ -116,6 +127,17 @@ class ApproximationWarning(RaisedOnPurpose, UserWarning):
         )
 
 
+class DefaultReductionWarning(RaisedOnPurpose, UserWarning):
+    """Rules in words that speak of sets are reduced by the default, which is not the centroid."""
+
+    def __init__(self) -> None:
+        super().__init__(
+            "the rules speak of sets, and the output is the average of the sets' centroids "
+            "(type_reduction='center_of_sets', the default); Mamdani's is the centroid of the sets "
+            "united (type_reduction='centroid'): name the one that is meant"
+        )
+
+
 class NotNumbers(Fuzzy2Error, TypeError):
     """Samples are of a type that cannot be read as a table of numbers."""
 
@@ -138,7 +160,19 @@ class UnsupportedRule(Fuzzy2Error, ValueError):
         super().__init__(
             f"rule {number} (IF {text}) is fired by no sample more than {firing:.3g}, and at "
             f"least {least:g} is needed ({count} such rules); add samples there, use fewer "
-            "terms, or learner='strict'"
+            "terms, or another completion than 'refuse'"
+        )
+
+
+class CompletedRules(RaisedOnPurpose, UserWarning):
+    """Some rules of a grid have no sample of their own, and took what their neighbors say."""
+
+    def __init__(self, count: int, total: int, completion: str) -> None:
+        self.count, self.total, self.completion = count, total, completion
+        done = "left out" if completion == "none" else "completed from other rules"
+        super().__init__(
+            f"{count} of {total} rules are fired by no sample to speak of, and were {done} "
+            f"(completion={completion!r}); completion='refuse' makes that an error"
         )
 
 

@@ -24,6 +24,7 @@ load_result simulate statistics to_mjcf
         trajectories with_payload
     """,
     "fuzzy2": """
+        ANFIS FuzzyClassifier lagged
         AdaptiveConsequents ApproximationWarning Bell Clusters Complement FineTuning FunctionalSet \
 FunctionalType2Set Fuzzy2Error
         FuzzyNumber FuzzySystem Gaussian GaussianNumber GaussianType2Set GaussianUncertainMean \
@@ -69,6 +70,7 @@ StudyMismatch UncertainRank
 UnreachableTip UnsupportedJoint UnusableEstimate
     """,
     "fuzzy2.errors": """
+        CompletedRules \
         ApproximationWarning FeatureNamesWarning Fuzzy2Error InvalidRule InvalidValue \
 MalformedFile NotApplicable NotExpressible RaisedOnPurpose
         NotFitted NotNumbers TooManyEmbeddedSets UnknownName UnsupportedRule WrongFeatures

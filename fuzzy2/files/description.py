@@ -23,6 +23,7 @@ from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.operators import AGGREGATIONS, DIRECT_METHODS
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 from fuzzy2.systems.terms import domain_of
 
@@ -115,6 +116,7 @@ def system_of(description: Description) -> FuzzySystem:
             [names[j][term] for j, term in enumerate(said)] for _, said in description.rules
         ],
         input_ranges=[variable.range for variable in description.inputs],
+        integration="sum",
         **{
             "output_ranges": [variable.range for variable in description.outputs],
             **description.options,
@@ -154,12 +156,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         raise NotExpressible(
             f"the fuzzifier {system.fuzzifier!r}", where, "its inputs are numbers; use JSON"
         )
-    for kind, norm, known in (
-        ("t-norm", system.t_norm, T_NORMS),
-        ("t-conorm", system.t_conorm, T_CONORMS),
-    ):
-        if known.get(norm.name) is not norm:
-            raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
+    _check_operators(system, where)
     inputs = tuple(
         Variable(name, ends or _limits(domain_of(terms)), dict(zip(names, terms, strict=True)))
         for name, ends, names, terms in zip(
@@ -172,7 +169,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
     )
     ranges = system.output_ranges or (None,) * system.n_outputs
     consequents = system.consequents
-    if isinstance(consequents, list):
+    if system.consequent_sets is not None:
         columns = [_whole([row[j] for row in consequents], ends) for j, ends in enumerate(ranges)]
         if system.type_reduction not in ("centroid", "center_of_sums"):
             reason = (
@@ -221,11 +218,34 @@ def description_of(system: FuzzySystem, where: str) -> Description:
             for asked, terms in zip(system.rules.tolist(), zip(*said, strict=True), strict=True)
         ),
         system.t_norm.name,
-        isinstance(consequents, list),
+        system.consequent_sets is not None,
         SUM if system.type_reduction == "center_of_sums" else system.t_conorm.name,
         isinstance(system, IntervalType2System),
         system.method,
     )
+
+
+def _check_operators(system: FuzzySystem, where: str) -> None:
+    """Refuse what no format is written with."""
+    if isinstance(system.rules, tuple):
+        raise NotExpressible("a rule with or, not or hedges", where, "use JSON")
+    for what, value in (
+        ("rule weights", system.weights),
+        ("rules that leave outputs out", system.silent),
+        ("default outputs", system.default_outputs),
+    ):
+        if value is not None:
+            raise NotExpressible(what, where, "use JSON")
+    if system.implication is not system.t_norm:
+        raise NotExpressible("another implication than the t-norm", where, "use JSON")
+    if system.t_conorm is AGGREGATIONS["sum"] or system.method in DIRECT_METHODS:
+        raise NotExpressible(f"the method {system.method!r} or the sum", where, "use JSON")
+    for kind, norm, known in (
+        ("t-norm", system.t_norm, T_NORMS),
+        ("t-conorm", system.t_conorm, T_CONORMS),
+    ):
+        if known.get(norm.name) is not norm:
+            raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
 
 
 def alternatives(asked: Sequence[int]) -> list[tuple[int, ...]]:

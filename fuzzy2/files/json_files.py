@@ -34,6 +34,7 @@ from fuzzy2.files.json_kinds import (
     INTEGER,
     NUMBER,
     TEXT,
+    TRUTH,
     Json,
     Kind,
     choice_of,
@@ -46,8 +47,8 @@ from fuzzy2.files.json_kinds import (
     shown,
     table_of,
 )
+from fuzzy2.files.json_rules import RULES
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
-from fuzzy2.reduction.interval import METHODS
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.general_type2 import AlphaPlane, GeneralType2Set, SampledType2Set, ZSlices
@@ -67,8 +68,9 @@ from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.general_type2 import GeneralType2System
+from fuzzy2.systems.operators import AGGREGATIONS, INTEGRATIONS, METHODS, TYPE_REDUCTIONS
 from fuzzy2.systems.rules import Rule, parse_rule, unknown_name
-from fuzzy2.systems.system import TYPE_REDUCTIONS, FuzzySystem, IntervalType2System, Type1System
+from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 FORMAT: Final = "fuzzy2"
 """Tag by which a document says what it is."""
@@ -115,25 +117,67 @@ def _write_consequents(value: Any, path: str) -> Json:
 def _read_consequents(value: Json, path: str) -> Any:
     if isinstance(value, dict):
         return _thing(Linear, "Linear").read(value, path)
-    first = read_list(value, path)[0] if value else None
-    of_sets = isinstance(first, list) and bool(first) and isinstance(first[0], dict)
+    rows = read_list(value, path)
+    of_sets = any(isinstance(item, dict) for row in rows if isinstance(row, list) for item in row)
     return _SET_TABLE.read(value, path) if of_sets else _NUMBER_TABLE.read(value, path)
 
 
 _NUMBER_TABLE = table_of(
     NUMBER, "numbers (R, m) or (R, m, 2), or a list of sets for each rule", 2, 3
 )
-_SET_TABLE = list_of(list_of(_SET))
+_INPUTS = list_of(list_of(_SET))
+_SET_TABLE = list_of(list_of(or_none(_SET)))
 _COEFFICIENTS = table_of(NUMBER, "numbers (R, m, p + 1)", 3)
 
+
+def _write_numbers(value: Any, path: str) -> Json:
+    return _NUMBERS.write(value.tolist(), path)
+
+
+def _write_defaults(value: Any, path: str) -> Json:
+    return [None if np.isnan(one) else float(one) for one in value]
+
+
+def _write_meaning(value: Any, path: str) -> Json:
+    if isinstance(value, Type1Set | IntervalType2Set | GeneralType2Set):
+        return _SET.write(value, path)
+    return np.asarray(value, dtype=float).tolist()
+
+
+def _read_meaning(value: Json, path: str) -> Any:
+    if isinstance(value, dict):
+        return _SET.read(value, path)
+    return _PAIR.read(value, path) if isinstance(value, list) else NUMBER.read(value, path)
+
+
+def _read_terms(value: Json, path: str) -> dict[str, Any]:
+    if not isinstance(value, dict):
+        raise malformed(path, f"expected an object of terms by name, got {shown(value)}")
+    return {name: _read_meaning(one, f"{path}.{name}") for name, one in value.items()}
+
+
+_TERMS = Kind(
+    lambda terms, path: {
+        name: _write_meaning(one, f"{path}.{name}") for name, one in terms.items()
+    },
+    _read_terms,
+)
+
 _SYSTEM: dict[str, Kind] = {
-    "inputs": _SET_TABLE,
-    "rules": table_of(INTEGER, "whole numbers (R, p)", 2),
+    "inputs": _INPUTS,
+    "rules": RULES,
     "consequents": Kind(_write_consequents, _read_consequents),
     "t_norm": norm_of(T_NORMS, "t-norm"),
     "type_reduction": choice_of(TYPE_REDUCTIONS, "type reduction"),
     "method": choice_of(METHODS, "method of type reduction"),
-    "t_conorm": norm_of(T_CONORMS, "t-conorm"),
+    "t_conorm": norm_of(AGGREGATIONS, "t-conorm"),
+    "disjunction": norm_of(T_CONORMS, "t-conorm"),
+    "implication": norm_of(T_NORMS, "t-norm"),
+    "weights": or_none(Kind(_write_numbers, _NUMBERS.read)),
+    "silent": or_none(Kind(lambda value, path: value.tolist(), list_of(list_of(TRUTH)).read)),
+    "default_outputs": or_none(Kind(_write_defaults, list_of(or_none(NUMBER)).read)),
+    "shares": _PAIR,
+    "integration": choice_of(INTEGRATIONS, "integration"),
     "fuzzifier": or_none(_thing((SingletonFuzzifier, NonSingletonFuzzifier), "a fuzzifier")),
     "input_names": _NAMES,
     "output_names": _NAMES,
@@ -142,6 +186,7 @@ _SYSTEM: dict[str, Kind] = {
     "input_ranges": or_none(list_of(_PAIR)),
     "output_ranges": or_none(list_of(_PAIR)),
     "resolution": INTEGER,
+    "output_terms": or_none(list_of(_TERMS)),
 }
 
 _FIELDS: dict[type, dict[str, Kind]] = {
@@ -240,6 +285,9 @@ def _read_object(value: Json, path: str) -> object:
         for field, kind in fields.items()
         if field in value
     }
+    if issubclass(classes[name], FuzzySystem):
+        # As all systems did when there was no such field.
+        arguments.setdefault("integration", "sum")
     try:
         return classes[name](**arguments)
     except Fuzzy2Error as error:

@@ -168,6 +168,12 @@ def norm_of(known: Mapping[str, Any], name: str) -> Kind:
     return Kind(write, choice_of(known, name).read)
 
 
+def _read_truth(value: Json, path: str) -> bool:
+    if not isinstance(value, bool):
+        raise malformed(path, f"expected true or false, got {shown(value)}")
+    return value
+
+
 def _read_text(value: Json, path: str) -> str:
     if not isinstance(value, str):
         raise malformed(path, f"expected a string, got {shown(value)}")
@@ -181,4 +187,5 @@ ANY_NUMBER = Kind(_write_number, _read_any_number)
 """Numbers of which some may be infinite."""
 
 INTEGER = Kind(lambda value, path: value, _read_integer)
+TRUTH = Kind(lambda value, path: bool(value), _read_truth)
 TEXT = Kind(lambda value, path: value, _read_text)

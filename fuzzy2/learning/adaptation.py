@@ -39,7 +39,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.support.checks import Array, positive, real, reals
-from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System, rebuilt
+from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 
 class AdaptiveConsequents:
@@ -217,7 +217,7 @@ class AdaptiveConsequents:
     @property
     def system(self) -> FuzzySystem:
         """A new system with the consequents as they are now, and all else as it was trained."""
-        return rebuilt(self._given, consequents=self.consequents)
+        return self._given.replace(consequents=self.consequents)
 
     def _rows(self, name: str, values: ArrayLike, width: int) -> tuple[Array, tuple[int, ...]]:
         """Return finite values (..., width) as rows, and their leading shape."""
@@ -232,7 +232,7 @@ class AdaptiveConsequents:
 def _by_output(consequents: Array) -> Array:
     """Return consequents (R, m) or (R, m, 2) as (m, 2, R), left and right ends."""
     ends = np.stack([consequents, consequents], axis=-1) if consequents.ndim == 2 else consequents
-    return np.ascontiguousarray(np.moveaxis(ends, 0, -1), dtype=np.float64)
+    return np.array(np.moveaxis(ends, 0, -1), dtype=np.float64, order="C")
 
 
 def _adaptable_table(system: FuzzySystem) -> Array:
@@ -249,6 +249,8 @@ def _adaptable_table(system: FuzzySystem) -> Array:
             "it needs center of sets, and consequents that are numbers or intervals; of sets "
             "take their centroids",
         )
+    if system.silent is not None or system.default_outputs is not None:
+        raise NotApplicable(what, "each rule must speak of every output, and there are no defaults")
     if system.table is None:
         raise NotApplicable(
             what,

@@ -14,13 +14,15 @@ Source: J. C. Bezdek, "Pattern Recognition with Fuzzy Objective Function Algorit
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.support.checks import Array, real, reals
+from fuzzy2.learning.samples import weights_of
+from fuzzy2.support.checks import Array, binary_exponent, real, reals
 
 TOLERANCE = 1e-9
 """The iteration has converged when no membership changes by more."""
@@ -48,6 +50,9 @@ class Clusters:
         The objective on the way; it never rises.
     converged : bool
         Whether the memberships had come to rest when the iteration ended.
+    unit : float
+        Length of which the objectives count squares: 1, unless the samples are so large or small
+        that their squares are no floats.
     """
 
     centers: Array
@@ -56,6 +61,7 @@ class Clusters:
     fuzzifier: float
     objectives: Array
     converged: bool
+    unit: float = 1.0
 
     @property
     def partition_coefficient(self) -> float:
@@ -77,9 +83,8 @@ class Clusters:
         fuzzy clustering", IEEE Transactions on Pattern Analysis and Machine Intelligence 13(8),
         1991.)
         """
-        apart = _squared_distances(self.centers, self.centers)[
-            ~np.eye(len(self.centers), dtype=bool)
-        ]
+        centers = self.centers / self.unit
+        apart = _squared_distances(centers, centers)[~np.eye(len(self.centers), dtype=bool)]
         if not apart.size:
             return float("nan")
         with np.errstate(divide="ignore"):
@@ -110,8 +115,13 @@ class Clusters:
         width = self.centers.shape[1]
         if points.shape[-1:] != (width,) or not np.isfinite(points).all():
             raise InvalidValue("X", points, f"finite and of shape (..., {width})")
+        # By the larger of both, so that a point far out does not leave the range of floats.
+        scale = max(binary_exponent(points), binary_exponent(self.centers), key=abs)
         found = _memberships(
-            _squared_distances(points.reshape(-1, width), self.centers), self.fuzzifier
+            _squared_distances(
+                np.ldexp(points.reshape(-1, width), -scale), np.ldexp(self.centers, -scale)
+            ),
+            self.fuzzifier,
         )
         return found.reshape(*points.shape[:-1], len(self.centers))
 
@@ -122,6 +132,8 @@ def fuzzy_c_means(
     fuzzifier: float = 2.0,
     rng: np.random.Generator | None = None,
     starts: int = 10,
+    *,
+    sample_weight: ArrayLike | None = None,
 ) -> Clusters:
     r"""Return the best of the clusterings that alternating optimization finds from random starts.
 
@@ -147,6 +159,8 @@ def fuzzy_c_means(
     starts : int
         Number of starts. One may end in a local minimum, so that of the least objective is
         returned.
+    sample_weight : (N,) array_like, optional
+        How often each sample counts, not negative; 1 by default.
 
     Returns
     -------
@@ -176,28 +190,40 @@ def fuzzy_c_means(
         raise InvalidValue(
             "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
         )
-    different = np.unique(samples, axis=0)
+    counts = weights_of(sample_weight, len(samples))
+    different = np.unique(samples[counts > 0.0], axis=0)
     if len(different) < n_clusters:
         raise InvalidValue(
             "n_clusters", n_clusters, f"at most {len(different)}, the number of different samples"
         )
     generator = np.random.default_rng(0) if rng is None else rng
+    # By a power of two, which is exact.
+    scale = binary_exponent(samples)
+    samples, different = np.ldexp(samples, -scale), np.ldexp(different, -scale)
     # Centers that coincide would never part again, so they start from different samples.
     runs = [
-        _alternate(samples, generator.choice(different, n_clusters, replace=False), power)
+        _alternate(samples, generator.choice(different, n_clusters, replace=False), power, counts)
         for _ in range(starts)
     ]
-    return min(runs, key=lambda run: run.objectives[-1])
+    best = min(runs, key=lambda run: run.objectives[-1])
+    if scale == 0:
+        return best
+    return replace(
+        best,
+        centers=np.ldexp(best.centers, scale),
+        spreads=np.ldexp(best.spreads, scale),
+        unit=math.ldexp(1.0, scale),
+    )
 
 
-def _alternate(samples: Array, centers: Array, power: float) -> Clusters:
+def _alternate(samples: Array, centers: Array, power: float, counts: Array) -> Clusters:
     """Return where the alternating optimization goes from given centers."""
     objectives: list[float] = []
     squares = _squared_distances(samples, centers)
     memberships = _memberships(squares, power)
     converged = False
     for _ in range(MOST_ITERATIONS):
-        weights = memberships**power
+        weights = memberships**power * counts[:, np.newaxis]
         objectives.append(float((weights * squares).sum()))
         centers = _centers(samples, weights, centers)
         squares = _squared_distances(samples, centers)
@@ -205,7 +231,7 @@ def _alternate(samples: Array, centers: Array, power: float) -> Clusters:
         converged = bool(np.abs(memberships - last).max() <= TOLERANCE)
         if converged:
             break
-    weights = memberships**power
+    weights = memberships**power * counts[:, np.newaxis]
     objectives.append(float((weights * squares).sum()))
     order = np.lexsort(centers.T[::-1])
     centers, memberships, weights = centers[order], memberships[:, order], weights[:, order]

@@ -19,8 +19,8 @@ from fuzzy2.learning.partition import (
 )
 from fuzzy2.support.checks import Array
 
-COMPLETIONS = ("nearest", "average", "none")
-"""Names of what the strict learner does about cells without a sample."""
+COMPLETIONS = ("nearest", "average", "none", "refuse")
+"""Names of what is done about cells without a sample."""
 
 LEAST_FIRING = 1e-3
 """Firing below which no sample says anything about a rule."""
@@ -101,9 +101,17 @@ def rules_from_all(
     given: Integers | None,
     learner: str,
     ridge: float,
+    completion: str = "refuse",
+    weights: Array | None = None,
 ) -> Learned:
-    """Let every rule, given or of the grid, take its consequent from all samples."""
-    rules = _all_cells([of_input.shape[1] for of_input in grades]) if given is None else given
+    """Let every rule, given or of the grid, take its consequent from all samples.
+
+    Rules that no sample fires are completed. ``weights`` (N,) say how often a sample counts; where
+    one sample speaks for a rule, they make no difference.
+    """
+    shape = [of_input.shape[1] for of_input in grades]
+    rules = _all_cells(shape) if given is None else given
+    share = np.ones(len(outputs)) if weights is None else weights
     best, sample = np.full(len(rules), -1.0), np.zeros(len(rules), dtype=np.int64)
     weight, moment = np.zeros(len(rules)), np.zeros((len(rules), outputs.shape[1]))
     for rows, firing in _firing_blocks(grades, combine, given):
@@ -114,29 +122,66 @@ def rules_from_all(
             np.where(stronger, strength, best),
             np.where(stronger, winner + rows.start, sample),
         )
+        firing = firing * share[rows, np.newaxis]
         weight += firing.sum(axis=0)
         moment += firing.T @ outputs[rows]
+    empty = np.flatnonzero(best < LEAST_FIRING)
+    if completion == "refuse" or len(empty) == len(rules):
+        empty = empty[:0]  # refused later, or nothing to complete from
+    if completion == "none" and len(empty):
+        kept = np.delete(np.arange(len(rules)), empty)
+        rules, best, sample = rules[kept], best[kept], sample[kept]
+        weight, moment = weight[kept], moment[kept]
+        given, empty = rules, empty[:0]
     if learner == "strongest":
-        return Learned(
-            rules,
-            best,
-            outputs[sample],
-            None,
-            np.repeat(sample[:, np.newaxis], outputs.shape[1], axis=1),
-        )
+        samples = np.repeat(sample[:, np.newaxis], outputs.shape[1], axis=1)
+        samples[empty] = -1
+        values = _completed(outputs[sample], rules, empty, best, shape, completion)
+        return Learned(rules, best, values, None, samples)
     # A rule that nothing fires is refused later, and must not warn before.
     average = moment / np.maximum(weight, np.finfo(float).tiny)[:, np.newaxis]
+    average = _completed(average, rules, empty, best, shape, completion)
     if learner == "average":
         return Learned(rules, best, average, None, None)
     gram, right_side = np.zeros((len(rules), len(rules))), np.zeros_like(moment)
     for rows, firing in _firing_blocks(grades, combine, given):
         shares = firing / firing.sum(axis=1, keepdims=True)
-        gram += shares.T @ shares
-        right_side += shares.T @ (outputs[rows] - shares @ average)
-    gram = gram / len(outputs) + ridge * np.eye(len(rules))
+        weighted = shares * share[rows, np.newaxis]
+        gram += weighted.T @ shares
+        right_side += weighted.T @ (outputs[rows] - shares @ average)
+    gram = gram / share.sum() + ridge * np.eye(len(rules))
     return Learned(
-        rules, best, average + np.linalg.solve(gram, right_side / len(outputs)), None, None
+        rules, best, average + np.linalg.solve(gram, right_side / share.sum()), None, None
     )
+
+
+def _completed(
+    values: Array,
+    rules: Integers,
+    empty: Integers,
+    best: Array,
+    shape: Sequence[int],
+    completion: str,
+) -> Array:
+    """Return consequents (R, m) with those of the empty rules taken from the others.
+
+    From the nearest, of equally near ones that which is fired most; or averaged over all with the
+    inverse squares of the distances.
+    """
+    if not len(empty):
+        return values
+    others = np.delete(np.arange(len(rules)), empty)
+    others = others[np.argsort(-best[others], kind="stable")]
+    scale = np.maximum(np.array(shape) - 1.0, 1.0)
+    completed = values.copy()
+    for r in empty:
+        distance = _squared_distances(rules[others], rules[r], scale)
+        if completion == "nearest":
+            near = distance <= distance.min() * (1.0 + 1e-12)
+            completed[r] = values[others[int(near.argmax())]]
+        else:
+            completed[r] = (1.0 / distance) @ values[others] / (1.0 / distance).sum()
+    return completed
 
 
 def strict_rules(
@@ -157,8 +202,8 @@ def strict_rules(
     if quantizer is not None:
         numbers = quantizer.nearest(outputs)
         degree = combine(degree, quantizer.memberships(outputs, numbers))
-    covered, cell = np.unique(own, axis=0, return_inverse=True)
-    cell = cell.reshape(-1)
+    shape = tuple(of_input.shape[1] for of_input in grades)
+    covered, cell = _different(own, shape)
     samples = np.empty((len(covered), outputs.shape[1]), dtype=np.int64)
     for j in range(outputs.shape[1]):
         # Stable, so that the first of equal degrees comes first; the last written, which is the
@@ -175,7 +220,6 @@ def strict_rules(
             covered, best, values, None if numbers is None else numbers[samples, columns], samples
         )
 
-    shape = [of_input.shape[1] for of_input in grades]
     rules = _all_cells(shape)
     position = np.ravel_multi_index(tuple(covered.T), shape)
     has_rule = np.zeros(len(rules), dtype=bool)
@@ -204,16 +248,16 @@ def strict_rules(
             None if numbers is None else numbers[donors, columns],
             full_samples,
         )
-    known = (
+    consequents = (
         outputs[samples, columns]
         if quantizer is None or numbers is None
         else quantizer.intervals(numbers[samples, columns])
     )
-    values = np.empty((len(rules), *known.shape[1:]))
-    values[position] = known
+    values = np.empty((len(rules), *consequents.shape[1:]))
+    values[position] = consequents
     for c in empty:
         share = 1.0 / _squared_distances(covered, rules[c], scale)
-        values[c] = np.tensordot(share / share.sum(), known, axes=1)
+        values[c] = np.tensordot(share / share.sum(), consequents, axes=1)
     terms = None
     if numbers is not None:
         terms = np.full((len(rules), outputs.shape[1]), -1, dtype=np.int64)
@@ -221,12 +265,22 @@ def strict_rules(
     return Learned(rules, firing, values, terms, full_samples)
 
 
+def _different(cells: Integers, shape: tuple[int, ...]) -> tuple[Integers, Integers]:
+    """Return the different cells in order, and the place of each cell among them."""
+    if math.prod(shape) >= 2**62:
+        different, place = np.unique(cells, axis=0, return_inverse=True)
+        return different, place.reshape(-1)
+    # By one number a cell, which is sorted faster than rows are.
+    numbers, place = np.unique(np.ravel_multi_index(tuple(cells.T), shape), return_inverse=True)
+    return np.stack(np.unravel_index(numbers, shape), axis=1), place
+
+
 def _squared_distances(cells: Integers, cell: Integers, scale: Array) -> Array:
     return np.asarray((((cells - cell) / scale) ** 2).sum(axis=1))
 
 
 def check_support(learned: Learned, names: Sequence[str], words: Sequence[Sequence[str]]) -> None:
-    """Warn or refuse where no sample fires a rule enough to say anything about it."""
+    """Refuse where no sample fires a rule enough to say anything about it."""
     weakest = int(np.argmin(learned.best_firing))
     firing = float(learned.best_firing[weakest])
     if firing < LEAST_FIRING:

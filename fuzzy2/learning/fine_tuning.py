@@ -65,8 +65,8 @@ def fine_tune(
     ----------
     system : Type1System or IntervalType2System
         Where to start from; it is not changed. Terms are Gaussians, with uncertain mean or
-        uncertain standard deviation, consequents numbers or intervals, the t-norm product or
-        minimum, the type reduction center of sets.
+        uncertain standard deviation, consequents numbers, intervals or linear, the t-norm product
+        or minimum, the type reduction center of sets.
     X : (N, p) array_like
         Inputs of the samples.
     y : (N,) or (N, m) array_like

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, binary_exponent, reals
 
 GREATEST_MEAN_VARIATION = 0.4
 """Share of an input's range that the mean variation approaches as noise grows."""
@@ -127,8 +127,8 @@ def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Arr
     Raises
     ------
     InvalidValue
-        If the signal is empty or not finite, the ratio is not a number or minus infinity, or
-        ``rng`` is not a Generator.
+        If the signal is empty or not finite, or not with the noise; the ratio is not a number or
+        minus infinity, or ``rng`` is not a Generator.
     """
     samples = reals("signal", signal)
     if samples.ndim == 0 or samples.size == 0 or not np.isfinite(samples).all():
@@ -140,8 +140,21 @@ def add_noise(signal: ArrayLike, snr_db: float, rng: np.random.Generator) -> Arr
         raise InvalidValue(
             "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
         )
-    amplitude = np.sqrt(np.mean(samples**2, axis=0)) * 10.0 ** (-ratio / 20.0)
-    return np.asarray(samples + amplitude * rng.standard_normal(samples.shape))
+    noise = _root_mean_square(samples) * 10.0 ** (-ratio / 20.0)
+    with np.errstate(over="ignore"):
+        noisy = np.asarray(samples + noise * rng.standard_normal(samples.shape))
+    if not np.isfinite(noisy).all():
+        raise InvalidValue("signal", samples, "so small that it is finite with the noise, too")
+    return noisy
+
+
+def _root_mean_square(samples: Array) -> Array:
+    """Return the root of the mean square of every column, whatever their size."""
+    columns = samples.reshape(len(samples), -1)
+    # Each column by its own power of two: another one may be of another order altogether.
+    exponents = np.array([binary_exponent(column) for column in columns.T], dtype=int)
+    roots = np.sqrt(np.mean(np.ldexp(columns, -exponents) ** 2, axis=0))
+    return np.asarray(np.ldexp(roots, exponents).reshape(samples.shape[1:]))
 
 
 def _numbers(name: str, values: ArrayLike) -> Array:

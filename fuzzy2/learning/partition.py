@@ -211,3 +211,15 @@ def whole_number(name: str, value: object, least: int) -> int:
     ):
         raise InvalidValue(name, value, f"a whole number of at least {least}")
     return int(value)
+
+
+def terms_per_input(n_terms: int | Sequence[int], count: int) -> list[int]:
+    """Return the number of terms of each input, from one for all of them or one for each."""
+    if np.ndim(n_terms) == 0:
+        return [whole_number("n_terms", n_terms, 1)] * count
+    numbers = [whole_number("n_terms", number, 1) for number in np.asarray(n_terms).ravel()]
+    if len(numbers) != count:
+        raise InvalidValue(
+            "n_terms", n_terms, f"one whole number, or one for each of the {count} inputs"
+        )
+    return numbers

@@ -3,12 +3,60 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue, NotNumbers
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, reals
+
+
+class Samples(NamedTuple):
+    """What an estimator learns from: samples that count, as tables, and the names of columns.
+
+    ``inputs`` are (N, p), ``outputs`` (N, m), ``weights`` (N,) say how often each counts, and
+    ``numbers`` (N,) where it stood among those that were given.
+    """
+
+    inputs: Array
+    outputs: Array
+    weights: Array
+    numbers: NDArray[np.int64]
+    input_names: tuple[str, ...]
+    output_names: tuple[str, ...]
+    named: bool
+    one_column: bool
+
+
+def samples_of(estimator: str, X: Any, y: Any, sample_weight: Any = None) -> Samples:
+    """Return samples of inputs and outputs, checked; those of weight 0 are left out."""
+    names = column_names(X)
+    inputs = table_of_samples("X", X)
+    outputs, one_column = table_of_outputs(y, len(inputs), estimator)
+    weights = weights_of(sample_weight, len(inputs))
+    kept = np.flatnonzero(weights > 0.0)
+    if len(kept) < 2:
+        raise InvalidValue(
+            "X",
+            f"{len(kept)} sample",
+            "a table of at least 2 samples, which span a range",
+        )
+    if len(kept) < len(inputs):
+        inputs, outputs, weights = inputs[kept], outputs[kept], weights[kept]
+    output_names = column_names(y)
+    if output_names is None or len(output_names) != outputs.shape[1]:
+        output_names = [f"y{j + 1}" for j in range(outputs.shape[1])]
+    return Samples(
+        inputs,
+        outputs,
+        weights,
+        kept,
+        tuple(names) if names is not None else tuple(f"x{i + 1}" for i in range(inputs.shape[1])),
+        tuple(output_names),
+        names is not None,
+        one_column,
+    )
 
 
 def ranges_of(what: str, names: Sequence[str], columns: Array) -> list[tuple[float, float]]:
@@ -61,13 +109,13 @@ def table_of_samples(name: str, values: Any) -> Array:
     return table
 
 
-def table_of_outputs(y: Any, count: int) -> tuple[Array, bool]:
+def table_of_outputs(y: Any, count: int, estimator: str = "the score") -> tuple[Array, bool]:
     """Return the outputs as a table (N, m), and whether they had one dimension."""
     if y is None:
         raise InvalidValue(
             "y",
             None,
-            "the outputs of the samples: WangMendel requires y to be passed, but the target y is "
+            f"the outputs of the samples: {estimator} requires y to be passed, but the target y is "
             "None",
         )
     one_column = np.asarray(y).ndim == 1
@@ -84,3 +132,19 @@ def column_names(table: Any) -> list[str] | None:
         return None
     names = list(columns)
     return names if names and all(isinstance(name, str) for name in names) else None
+
+
+def weights_of(given: Any, count: int) -> Array:
+    """Return how much each sample counts, 1 where nothing is said; refuse what is no weight."""
+    if given is None:
+        return np.ones(count)
+    weights = reals("sample_weight", given)
+    if weights.ndim == 0:
+        weights = np.full(count, float(weights))
+    if weights.shape != (count,) or not np.isfinite(weights).all() or (weights < 0.0).any():
+        raise InvalidValue(
+            "sample_weight", given, f"{count} finite numbers, one for each sample, none below 0"
+        )
+    if not (weights > 0.0).any():
+        raise InvalidValue("sample_weight", "all zero", "above 0 for some sample")
+    return weights

@@ -24,8 +24,9 @@ from fuzzy2.reduction.interval import generalized_centroid
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array
+from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.fuzzifiers import Fuzzifier, SingletonFuzzifier
-from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System, rebuilt
+from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 _BLOCK = 2**20  # products of samples, rules and outputs held in memory at once
 
@@ -35,7 +36,8 @@ class TunableSystem:
 
     The vector holds, for every term, its mean(s) :math:`m / a` and the logarithm(s) of its standard
     deviation(s), then the consequents :math:`z / s`: numbers, or all left and then all right ends;
-    a and s are the scales of input and output.
+    a and s are the scales of input and output. Of linear consequents it holds the coefficients
+    :math:`c_0 / s` and :math:`a_i c_i / s`; spreads of theirs stay as they are.
 
     Parameters
     ----------
@@ -59,8 +61,12 @@ class TunableSystem:
         self._given = system
         self._input_scales = np.asarray(input_scales, dtype=float)
         self._output_scales = np.asarray(output_scales, dtype=float)
-        self._intervals = np.asarray(system.consequents, dtype=float)
-        self._has_intervals = self._intervals.ndim == 3
+        given = system.consequents
+        self._linear = given if isinstance(given, Linear) else None
+        self._intervals = np.asarray(
+            given.coefficients if isinstance(given, Linear) else given, dtype=float
+        )
+        self._has_intervals = self._linear is None and self._intervals.ndim == 3
         values: list[float] = []
         self._starts: list[list[int]] = []
         # Pairs of parameters that must stay in order.
@@ -79,9 +85,7 @@ class TunableSystem:
                     values.extend(numbers)
             self._starts.append(starts)
         self._first_consequent = len(values)
-        scaled = self._intervals / (
-            self._output_scales[:, np.newaxis] if self._has_intervals else self._output_scales
-        )
+        scaled = self._intervals / self._consequent_scales()
         tail = np.moveaxis(scaled, -1, 0).ravel() if self._has_intervals else scaled.ravel()
         if self._has_intervals:
             half = tail.size // 2
@@ -99,6 +103,12 @@ class TunableSystem:
             middle = 0.5 * (corrected[low[crossed]] + corrected[high[crossed]])
             corrected[low[crossed]] = corrected[high[crossed]] = middle
         return corrected
+
+    def _consequent_scales(self) -> Array:
+        """Return the units of the consequents."""
+        if self._linear is not None:
+            return np.asarray(self._output_scales[:, np.newaxis] / [1.0, *self._input_scales])
+        return self._output_scales[:, np.newaxis] if self._has_intervals else self._output_scales
 
     def _terms(self, parameters: Array) -> list[list[Any]]:
         changed: list[list[Any]] = []
@@ -121,8 +131,11 @@ class TunableSystem:
             changed.append(row)
         return changed
 
-    def _consequents(self, parameters: Array) -> Array:
+    def _consequents(self, parameters: Array) -> Any:
         tail = parameters[self._first_consequent :]
+        if self._linear is not None:
+            values = tail.reshape(self._intervals.shape) * self._consequent_scales()
+            return Linear(values, self._linear.spreads)
         if self._has_intervals:
             ends = np.moveaxis(tail.reshape(2, *self._intervals.shape[:2]), 0, -1)
             return np.asarray(ends * self._output_scales[:, np.newaxis])
@@ -142,8 +155,7 @@ class TunableSystem:
             A new system.
         """
         # Consequents of one name are no longer one and the same.
-        return rebuilt(
-            self._given,
+        return self._given.replace(
             inputs=self._terms(parameters),
             consequents=self._consequents(parameters),
             consequent_names=None,
@@ -174,21 +186,20 @@ class TunableSystem:
             If no rule fires at a sample.
         """
         terms, consequents = self._terms(parameters), self._consequents(parameters)
-        intervals = (
-            consequents if self._has_intervals else np.stack([consequents, consequents], axis=-1)
-        )
-        step = max(1, _BLOCK // intervals[..., 0].size)
+        if not self._has_intervals and self._linear is None:
+            consequents = np.stack([consequents, consequents], axis=-1)
+        step = max(1, _BLOCK // (len(self._given.rules) * self._given.n_outputs))
         error, gradient = 0.0, np.zeros_like(parameters)
         for start in range(0, len(X), step):
             rows = slice(start, start + step)
-            error += self._add(terms, intervals, X[rows], y[rows], gradient, start)
+            error += self._add(terms, consequents, X[rows], y[rows], gradient, start)
         count = y.size
         return error / count, gradient / count
 
     def _add(
         self,
         terms: list[list[Any]],
-        intervals: Array,
+        consequents: Any,
         X: Array,
         y: Array,
         gradient: Array,
@@ -223,19 +234,20 @@ class TunableSystem:
                 X[silent[0]],
                 "where some rule fires, for the system to have an output",
             )
-        points = np.moveaxis(intervals, 1, 0)
+        # (n or 1, R, m, 2)
+        intervals = consequents.at(X) if self._linear is not None else consequents[np.newaxis]
         # (n, m, 2)
         reduced = generalized_centroid(
-            points[np.newaxis], firing[:, np.newaxis], self._given.method
+            np.moveaxis(intervals, 2, 1), firing[:, np.newaxis], self._given.method
         )
 
         residual = (reduced.mean(axis=-1) - y) / self._output_scales
         # derivative with respect to each end: 2 r / s, times 1/2
         slope = residual / self._output_scales
         by_firing = np.zeros_like(firing)
-        by_consequent = np.zeros_like(intervals)
+        by_consequent = np.zeros_like(intervals)  # (n or 1, R, m, 2)
         for end in (0, 1):
-            offset = intervals[np.newaxis, ..., end] - reduced[:, np.newaxis, :, end]  # (n, R, m)
+            offset = intervals[..., end] - reduced[:, np.newaxis, :, end]  # (n, R, m)
             # Upper weights draw the left end to the left and the right end to the right.
             takes_upper = offset < 0.0 if end == 0 else offset > 0.0
             weight = np.where(takes_upper, firing[..., 1, np.newaxis], firing[..., 0, np.newaxis])
@@ -248,7 +260,10 @@ class TunableSystem:
                 weight = np.where(on_end, firing[..., 1, np.newaxis], weight)
                 total = weight.sum(axis=1, keepdims=True)
             share = slope[:, np.newaxis] / total
-            by_consequent[..., end] += (share * weight).sum(axis=0)
+            moved = share * weight
+            if self._linear is None:
+                moved = moved.sum(axis=0, keepdims=True)
+            by_consequent[..., end] += moved
             by_weight = share * offset
             by_firing[..., 1] += np.where(takes_upper, by_weight, 0.0).sum(axis=-1)
             by_firing[..., 0] += np.where(takes_upper, 0.0, by_weight).sum(axis=-1)
@@ -264,14 +279,22 @@ class TunableSystem:
                 derivative = np.einsum("ne,nek->k", along, slopes)
                 derivative[: len(_means(term))] *= self._input_scales[i]
                 gradient[start : start + derivative.size] += derivative
-        scaled = by_consequent * self._output_scales[:, np.newaxis]
-        tail = (
-            np.moveaxis(scaled, -1, 0).ravel()
-            if self._has_intervals
-            else scaled.sum(axis=-1).ravel()
-        )
-        gradient[self._first_consequent :] += tail
+        gradient[self._first_consequent :] += self._consequent_slopes(by_consequent, X)
         return float((residual**2).sum())
+
+    def _consequent_slopes(self, by_consequent: Array, X: Array) -> Array:
+        """Return the derivatives by the parameters of the consequents.
+
+        From those by both ends of the consequents (n or 1, R, m, 2).
+        """
+        scales = self._consequent_scales()
+        if self._linear is not None:
+            with_constant = np.concatenate([np.ones((len(X), 1)), X], axis=1)
+            slopes = np.einsum("nrm,ni->rmi", by_consequent.sum(axis=-1), with_constant)
+            return np.asarray((slopes * scales).ravel())
+        if self._has_intervals:
+            return np.asarray(np.moveaxis(by_consequent[0] * scales, -1, 0).ravel())
+        return np.asarray((by_consequent[0].sum(axis=-1) * scales).ravel())
 
 
 def _others(antecedents: Array, i: int, minimum: bool) -> Array:
@@ -323,15 +346,23 @@ def _check_tunable(system: FuzzySystem) -> None:
     what = "fine-tuning"
     if not isinstance(system, Type1System | IntervalType2System):
         raise NotApplicable(what, f"it takes a type-1 or an interval type-2 system, not {system!r}")
+    if isinstance(system.rules, tuple) or any(
+        part is not None for part in (system.weights, system.silent, system.default_outputs)
+    ):
+        raise NotApplicable(
+            what,
+            "it takes rules that join terms by and, without weights, of which each speaks of every "
+            "output, and no default outputs",
+        )
     for name, terms in zip(system.input_names, system.inputs, strict=True):
         for term in terms:
             if not isinstance(term, Gaussian | GaussianUncertainMean | GaussianUncertainSigma):
                 raise NotApplicable(what, f"the term {term!r} of {name} is no Gaussian")
-    if not isinstance(system.consequents, np.ndarray):
+    if not isinstance(system.consequents, np.ndarray | Linear):
         raise NotApplicable(
             what,
-            "the consequents are neither numbers nor intervals; put the sets' centroids in their "
-            "place",
+            "the consequents are neither numbers nor intervals nor linear; put the sets' centroids "
+            "in their place",
         )
     given = system.fuzzifier
     fuzzifiers = () if given is None else (given,) if isinstance(given, Fuzzifier) else given

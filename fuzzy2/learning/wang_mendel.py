@@ -19,25 +19,26 @@ Transactions on Systems, Man, and Cybernetics 22(6), 1992.
 from __future__ import annotations
 
 import dataclasses
-import inspect
 import math
-import sys
 import warnings
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, Self
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from fuzzy2.errors import FeatureNamesWarning, InvalidValue, NotFitted, UnknownName, WrongFeatures
+from fuzzy2.errors import CompletedRules, InvalidValue, UnknownName
 from fuzzy2.learning.clustering import Clusters, fuzzy_c_means
 from fuzzy2.learning.consequents import (
     COMPLETIONS,
+    LEAST_FIRING,
+    Learned,
     Quantizer,
     check_support,
     rules_from_all,
     strict_rules,
 )
+from fuzzy2.learning.estimator import Regressor
 from fuzzy2.learning.partition import (
     KINDS,
     Integers,
@@ -48,9 +49,10 @@ from fuzzy2.learning.partition import (
     grades_in,
     principal_terms,
     term_names,
+    terms_per_input,
     whole_number,
 )
-from fuzzy2.learning.samples import column_names, ranges_of, table_of_outputs, table_of_samples
+from fuzzy2.learning.samples import Samples, ranges_of, samples_of
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array, positive, real
 from fuzzy2.systems.general_type2 import GeneralType2System
@@ -71,7 +73,7 @@ gigabyte.
 """
 
 
-class WangMendel:
+class WangMendel(Regressor):
     r"""Learning of fuzzy rules from samples, with scikit-learn's conventions.
 
     The rules are the cells of the grid of all inputs' terms, or clusters of the samples.
@@ -105,11 +107,13 @@ class WangMendel:
         ``kind="t1"``.
     learner : {"strongest", "strict", "average", "ridge"}
         How consequents are found.
-    completion : {"nearest", "average", "none"}
-        What the strict learner does about empty cells: takes the rule of the nearest cell
-        (distances between cells are those of their centers, in shares of the inputs' ranges; the
-        highest degree decides between equally near ones), averages all rules with the inverse
-        squares of their distances as weights, or leaves the cells without a rule.
+    completion : {"nearest", "average", "none", "refuse"}
+        What is done about empty cells, of the strict learner those without a sample of their own
+        and of the others those that no sample fires by more than 0.001: the rule of the nearest
+        cell is taken (distances between cells are those of their centers, in shares of the inputs'
+        ranges; the highest degree or firing decides between equally near ones), all rules are
+        averaged with the inverse squares of their distances as weights, the cells are left without
+        a rule, or :class:`fuzzy2.errors.UnsupportedRule` is raised.
     ridge : float
         Weight :math:`\lambda` of the ridge learner, above 0.
     output_terms : int or None
@@ -159,10 +163,9 @@ class WangMendel:
         What fuzzy c-means found, in shares of the inputs' ranges, if the rules are clusters.
     """
 
-    system_: FuzzySystem
-    n_features_in_: int
-    n_outputs_: int
-    feature_names_in_: NDArray[np.object_]
+    _poor_score = True
+    _learned = ("rule_samples_", "output_terms_", "output_rules_", "clusters_")
+
     best_firing_: Array
     rule_samples_: Integers
     output_terms_: tuple[tuple[Term, ...], ...]
@@ -200,60 +203,7 @@ class WangMendel:
         self.fuzzifier = fuzzifier
         self.rng = rng
 
-    def __repr__(self) -> str:
-        defaults = inspect.signature(type(self).__init__).parameters
-        changed = (
-            f"{name}={value!r}"
-            for name, value in self.get_params().items()
-            if not _same(value, defaults[name].default)
-        )
-        return f"{type(self).__name__}({', '.join(changed)})"
-
-    def get_params(self, deep: bool = True) -> dict[str, Any]:
-        """Return the parameters by name.
-
-        Parameters
-        ----------
-        deep : bool
-            Not used: no parameter is an estimator.
-
-        Returns
-        -------
-        dict
-            Parameters as they were given.
-        """
-        names = sorted(
-            name for name in inspect.signature(type(self).__init__).parameters if name != "self"
-        )
-        return {name: getattr(self, name) for name in names}
-
-    def set_params(self, **parameters: Any) -> Self:
-        """Set parameters by name; the next :meth:`fit` uses them.
-
-        Parameters
-        ----------
-        **parameters
-            New values.
-
-        Returns
-        -------
-        WangMendel
-            The estimator itself.
-
-        Raises
-        ------
-        UnknownName
-            If there is no such parameter; then none is set.
-        """
-        known = self.get_params()
-        for name in parameters:
-            if name not in known:
-                raise UnknownName(f"parameter of {type(self).__name__}", name, tuple(known))
-        for name, value in parameters.items():
-            setattr(self, name, value)
-        return self
-
-    def fit(self, X: ArrayLike, y: ArrayLike) -> Self:
+    def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
         """Learn the rules from samples.
 
         Parameters
@@ -262,6 +212,9 @@ class WangMendel:
             Inputs; N is at least 2.
         y : (N,) or (N, m) array_like
             Outputs.
+        sample_weight : (N,) array_like, optional
+            How often each sample counts, 1 by default. Where one sample speaks for a rule
+            (``"strongest"`` and ``"strict"``) only 0 makes a difference.
 
         Returns
         -------
@@ -277,84 +230,110 @@ class WangMendel:
             If ``kind``, ``learner``, ``completion``, ``t_norm``, ``reduction`` or ``partition`` is
             unknown.
         UnsupportedRule
-            If no sample fires some rule by more than 0.001; the strict learner needs no such
-            sample.
+            If no sample fires some rule by more than 0.001, and ``completion`` is ``"refuse"`` or
+            no rule is fired by so much.
+
+        Warns
+        -----
+        CompletedRules
+            If rules of the grid were completed, or left out, by another learner than the strict
+            one, of which that is expected.
         """
         self._check_parameters()
-        names = column_names(X)
-        inputs = table_of_samples("X", X)
-        if inputs.shape[0] < 2:
-            raise InvalidValue(
-                "X",
-                f"{inputs.shape[0]} sample",
-                "a table of at least 2 samples, which span a range",
-            )
-        outputs, one_column = table_of_outputs(y, len(inputs))
-        count = inputs.shape[1]
-        input_names = (
-            tuple(names) if names is not None else tuple(f"x{i + 1}" for i in range(count))
-        )
-        ranges = ranges_of("input", input_names, inputs)
-        output_names = column_names(y)
-        if output_names is None or len(output_names) != outputs.shape[1]:
-            output_names = [f"y{j + 1}" for j in range(outputs.shape[1])]
-
+        samples = samples_of(type(self).__name__, X, y, sample_weight)
+        ranges = ranges_of("input", samples.input_names, samples.inputs)
         partition = (
-            self._partition_by_clusters(inputs, ranges)
+            self._partition_by_clusters(samples.inputs, ranges, samples.weights)
             if self.partition == "clusters"
             else self._partition_evenly(ranges)
         )
-        terms, principal, rules, clusters = partition
-        grades = [grades_in(inputs[:, i], principal[i]) for i in range(count)]
-        words = [term_names(len(of_input)) for of_input in terms]
-        combine: Callable[..., Array] = np.multiply if self.t_norm == "product" else np.minimum
-
+        grades = [
+            grades_in(column, terms)
+            for column, terms in zip(samples.inputs.T, partition.principal, strict=True)
+        ]
         quantizer = None
         if self.output_terms is not None:
             kind = "t1" if self.kind == "t1" else "it2"
-            output_ranges = ranges_of("output", output_names, outputs)
+            output_ranges = ranges_of("output", samples.output_names, samples.outputs)
             quantizer = Quantizer(output_ranges, self.output_terms, kind, self.mean_variation)
-        if self.learner == "strict":
-            learned = strict_rules(grades, outputs, combine, quantizer, self.completion)
-        else:
-            learned = rules_from_all(grades, outputs, combine, rules, self.learner, self.ridge)
-            check_support(learned, input_names, words)
-            if quantizer is not None:
-                learned = learned._replace(
-                    values=None, terms=quantizer.nearest(learned.point_values())
-                )
-        consequents = learned.consequents(quantizer)
+        words = [term_names(len(of_input)) for of_input in partition.terms]
+        learned = self._rules(grades, samples, partition.rules, quantizer, words)
 
         options: dict[str, Any] = {
-            "input_names": input_names,
-            "output_names": tuple(output_names),
+            "input_names": samples.input_names,
+            "output_names": samples.output_names,
             "term_names": words,
         }
-        system: FuzzySystem
-        if self.kind == "t1":
-            system = Type1System(terms, learned.rules, consequents, self.t_norm, **options)
-        elif self.kind == "it2":
-            system = IntervalType2System(terms, learned.rules, consequents, self.t_norm, **options)
-        else:
-            options |= {"reduction": self.reduction, "levels": self.levels}
-            system = GeneralType2System(terms, learned.rules, consequents, self.t_norm, **options)
+        system = self._system_of(
+            partition.terms, learned.rules, learned.consequents(quantizer), options
+        )
 
-        self._forget()
-        self.system_, self._one_column = system, one_column
-        self.n_features_in_, self.n_outputs_ = count, outputs.shape[1]
-        if names is not None:
-            self.feature_names_in_ = np.array(names, dtype=object)
+        self._remember(samples)
+        self.system_ = system
         self.best_firing_ = learned.best_firing
         if learned.samples is not None:
-            self.rule_samples_ = learned.samples
+            # Numbers among all samples that were given.
+            known = np.append(samples.numbers, -1)
+            self.rule_samples_ = known[learned.samples]
         if quantizer is not None and learned.terms is not None:
             self.output_terms_, self.output_rules_ = quantizer.terms, learned.terms
-        if clusters is not None:
-            self.clusters_ = clusters
+        if partition.clusters is not None:
+            self.clusters_ = partition.clusters
         return self
 
+    def _rules(
+        self,
+        grades: list[Array],
+        samples: Samples,
+        given: Integers | None,
+        quantizer: Quantizer | None,
+        words: Sequence[Sequence[str]],
+    ) -> Learned:
+        combine: Callable[..., Array] = np.multiply if self.t_norm == "product" else np.minimum
+        if self.learner == "strict":
+            learned = strict_rules(grades, samples.outputs, combine, quantizer, self.completion)
+            if self.completion == "refuse":
+                check_support(learned, samples.input_names, words)
+            return learned
+        # Of clusters every rule has its samples, and no grid in which it could be near another.
+        completion = self.completion if given is None else "refuse"
+        learned = rules_from_all(
+            grades,
+            samples.outputs,
+            combine,
+            given,
+            self.learner,
+            self.ridge,
+            completion,
+            samples.weights,
+        )
+        total = len(learned.rules)
+        if given is None and completion == "none":
+            total = math.prod(of_input.shape[1] for of_input in grades)
+        silent = learned.best_firing < LEAST_FIRING
+        count = total - int((~silent).sum())
+        if given is not None:
+            pass  # every cluster has samples, though with many inputs all firing is small
+        elif completion == "refuse" or silent.all():
+            check_support(learned, samples.input_names, words)
+        elif count:
+            warnings.warn(CompletedRules(count, total, completion), stacklevel=3)
+        if quantizer is not None:
+            learned = learned._replace(values=None, terms=quantizer.nearest(learned.point_values()))
+        return learned
+
+    def _system_of(
+        self, terms: Any, rules: Integers, consequents: Array, options: dict[str, Any]
+    ) -> FuzzySystem:
+        if self.kind == "t1":
+            return Type1System(terms, rules, consequents, self.t_norm, **options)
+        if self.kind == "it2":
+            return IntervalType2System(terms, rules, consequents, self.t_norm, **options)
+        options |= {"reduction": self.reduction, "levels": self.levels}
+        return GeneralType2System(terms, rules, consequents, self.t_norm, **options)
+
     def _partition_evenly(self, ranges: list[tuple[float, float]]) -> _Partition:
-        numbers = _terms_per_input(self.n_terms, len(ranges))
+        numbers = terms_per_input(self.n_terms, len(ranges))
         self._check_size(math.prod(numbers))
         terms = [
             gaussian_partition(*ends, number, self.kind, self.mean_variation)
@@ -368,7 +347,7 @@ class WangMendel:
         return _Partition(terms, principal, None, None)
 
     def _partition_by_clusters(
-        self, inputs: Array, ranges: list[tuple[float, float]]
+        self, inputs: Array, ranges: list[tuple[float, float]], weights: Array
     ) -> _Partition:
         if self.learner == "strict":
             raise InvalidValue(
@@ -380,120 +359,14 @@ class WangMendel:
         self._check_size(number)
         least, greatest = np.array(ranges).T
         widths = greatest - least
-        clusters = fuzzy_c_means((inputs - least) / widths, number, self.fuzzifier, self.rng)
+        scaled = (inputs - least) / widths
+        clusters = fuzzy_c_means(scaled, number, self.fuzzifier, self.rng, sample_weight=weights)
         placed = dataclasses.replace(
             clusters, centers=least + widths * clusters.centers, spreads=widths * clusters.spreads
         )
         terms, rules = cluster_partition(placed, widths, self.kind, self.mean_variation)
         principal, _ = cluster_partition(placed, widths, "t1")
         return _Partition(terms, gaussian_terms(principal), rules, clusters)
-
-    def predict(self, X: ArrayLike) -> Array:
-        """Return the crisp outputs of the system.
-
-        Parameters
-        ----------
-        X : (n, p) array_like
-            Inputs.
-
-        Returns
-        -------
-        (n,) or (n, m) ndarray
-            Outputs, of one or two dimensions as those of :meth:`fit`; NaN where no rule fires.
-
-        Raises
-        ------
-        NotFitted
-            If there is no system yet; scikit-learn's ``NotFittedError`` as well, if that is
-            imported.
-        InvalidValue, NotNumbers, WrongFeatures
-            If the inputs are not finite numbers, or not those of :meth:`fit`.
-        """
-        values = self._system()(self._inputs(X))
-        return values[:, 0] if self._one_column else values
-
-    def predict_interval(self, X: ArrayLike) -> Array:
-        """Return the type-reduced intervals of the system.
-
-        They show what the uncertainty of the terms does to the output. They are no confidence
-        intervals: how often they cover the truth is not known.
-
-        Parameters
-        ----------
-        X : (n, p) array_like
-            Inputs.
-
-        Returns
-        -------
-        (n, 2) or (n, m, 2) ndarray
-            Left and right ends, NaN where no rule fires. Of ``kind="gt2"`` those of the lowest
-            α-plane, or two standard deviations to both sides of the mean under
-            ``reduction="gaussian"``.
-
-        Raises
-        ------
-        NotFitted, InvalidValue, NotNumbers, WrongFeatures
-            See :meth:`predict`.
-        """
-        system = self._system()
-        reduced = system.type_reduced(self._inputs(X))
-        if isinstance(system, GeneralType2System) and system.reduction == "gaussian":
-            mean, reach = reduced[..., 0], 2.0 * reduced[..., 1]
-            reduced = np.stack([mean - reach, mean + reach], axis=-1)
-        return reduced[:, 0] if self._one_column else reduced
-
-    def score(self, X: ArrayLike, y: ArrayLike) -> float:
-        r"""Return the coefficient of determination.
-
-        It is :math:`R^2 = 1 - \sum_n (y_n - \hat y_n)^2 / \sum_n (y_n - \bar y)^2`.
-
-        Parameters
-        ----------
-        X : (n, p) array_like
-            Inputs.
-        y : (n,) or (n, m) array_like
-            True outputs.
-
-        Returns
-        -------
-        float
-            At most 1; the plain average over the outputs. An output that is constant counts 1 if it
-            is met exactly and else 0. NaN if no rule fires at some input.
-
-        Raises
-        ------
-        NotFitted, InvalidValue, NotNumbers, WrongFeatures
-            See :meth:`predict`; also if ``y`` has not as many outputs as in :meth:`fit`.
-        """
-        predicted = self._system()(self._inputs(X))
-        truth, _ = table_of_outputs(y, len(predicted))
-        if truth.shape != predicted.shape:
-            raise InvalidValue("y", truth.shape, f"of {predicted.shape[1]} outputs, as in fit")
-        residual = ((truth - predicted) ** 2).sum(axis=0)
-        total = ((truth - truth.mean(axis=0)) ** 2).sum(axis=0)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            determination = np.where(
-                total > 0.0, 1.0 - residual / total, np.where(residual == 0.0, 1.0, 0.0)
-            )
-        return float(np.where(np.isnan(residual), np.nan, determination).mean())
-
-    def __sklearn_is_fitted__(self) -> bool:
-        """Tell scikit-learn whether there is a system."""
-        return hasattr(self, "system_")
-
-    def __sklearn_tags__(self) -> Any:
-        """Return scikit-learn's description of the estimator.
-
-        Only scikit-learn itself asks for it.
-        """
-        from sklearn.utils import InputTags, RegressorTags, Tags, TargetTags
-
-        return Tags(
-            estimator_type="regressor",
-            target_tags=TargetTags(required=True, multi_output=True),
-            regressor_tags=RegressorTags(),
-            input_tags=InputTags(),
-        )
 
     def _check_parameters(self) -> None:
         choices = (
@@ -513,7 +386,7 @@ class WangMendel:
             whole_number("output_terms", self.output_terms, 2)
 
     def _check_size(self, rules: int) -> None:
-        if self.learner == "strict" and self.completion == "none":
+        if self.learner == "strict" and self.completion in ("none", "refuse"):
             return
         most = MOST_RIDGE_RULES if self.learner == "ridge" else MOST_RULES
         if rules > most:
@@ -527,34 +400,6 @@ class WangMendel:
                 f"so few that there are at most {most:,} rules, not {rules:,}; {remedy}",
             )
 
-    def _forget(self) -> None:
-        for name in (
-            "feature_names_in_",
-            "rule_samples_",
-            "output_terms_",
-            "output_rules_",
-            "clusters_",
-        ):
-            self.__dict__.pop(name, None)
-
-    def _system(self) -> FuzzySystem:
-        if not hasattr(self, "system_"):
-            raise _not_fitted(type(self).__name__)
-        return self.system_
-
-    def _inputs(self, X: ArrayLike) -> Array:
-        names, known = column_names(X), getattr(self, "feature_names_in_", None)
-        if names is not None and known is not None and list(known) != names:
-            raise WrongFeatures(
-                type(self).__name__, self.n_features_in_, len(names), tuple(known), tuple(names)
-            )
-        if (names is None) != (known is None):
-            warnings.warn(FeatureNamesWarning(type(self).__name__, known is not None), stacklevel=3)
-        inputs = table_of_samples("X", X)
-        if inputs.shape[1] != self.n_features_in_:
-            raise WrongFeatures(type(self).__name__, self.n_features_in_, inputs.shape[1])
-        return inputs
-
 
 class _Partition(NamedTuple):
     """Terms of every input, rules and clusters.
@@ -567,38 +412,3 @@ class _Partition(NamedTuple):
     principal: Sequence[tuple[Gaussian, ...]]
     rules: Integers | None
     clusters: Clusters | None
-
-
-def _terms_per_input(n_terms: int | Sequence[int], count: int) -> list[int]:
-    if np.ndim(n_terms) == 0:
-        return [whole_number("n_terms", n_terms, 1)] * count
-    numbers = [whole_number("n_terms", number, 1) for number in np.asarray(n_terms).ravel()]
-    if len(numbers) != count:
-        raise InvalidValue(
-            "n_terms", n_terms, f"one whole number, or one for each of the {count} inputs"
-        )
-    return numbers
-
-
-def _same(value: Any, default: Any) -> bool:
-    return type(value) is type(default) and bool(np.all(value == default))
-
-
-def _not_fitted(name: str) -> NotFitted:
-    """Return the error for an estimator without a system.
-
-    It is scikit-learn's as well where that is imported.
-    """
-    exceptions: Any = sys.modules.get("sklearn.exceptions")
-    if exceptions is None:
-        return NotFitted(name)
-
-    # a base that is known at run time only
-    class NotFittedForScikitLearn(NotFitted, exceptions.NotFittedError):  # type: ignore[misc]
-        """Both this package's error and scikit-learn's."""
-
-        def __reduce__(self) -> tuple[type[NotFitted], tuple[str]]:
-            return NotFitted, (self.estimator,)
-
-    NotFittedForScikitLearn.__name__ = NotFittedForScikitLearn.__qualname__ = NotFitted.__name__
-    return NotFittedForScikitLearn(name)

@@ -218,6 +218,10 @@ T_CONORMS = MappingProxyType(
 )
 
 
+ALIASES = MappingProxyType({"prod": "product", "probor": "probabilistic"})
+"""Other names of t-norms and t-conorms, MATLAB's."""
+
+
 def _violated_law(function: BinaryFunction, identity: float) -> str | None:
     """Return the law of t-norms or t-conorms that fails on the trial grades, or None.
 
@@ -261,6 +265,8 @@ def t_norm(name: str | TNorm | BinaryFunction) -> TNorm:
     "einstein"     :math:`a b / (1 + (1 - a)(1 - b))`
     =============  =======================================================
 
+    MATLAB's name ``"prod"`` is taken, too.
+
     Parameters
     ----------
     name : str, TNorm or callable
@@ -286,9 +292,10 @@ def t_norm(name: str | TNorm | BinaryFunction) -> TNorm:
     if isinstance(name, TNorm):
         return name
     if isinstance(name, str):
-        if name not in T_NORMS:
+        known = ALIASES.get(name, name)
+        if known not in T_NORMS:
             raise UnknownName("t-norm", name, tuple(T_NORMS))
-        return T_NORMS[name]
+        return T_NORMS[known]
     if not callable(name):
         raise UnknownName("t-norm", name, tuple(T_NORMS))
     violated = _violated_law(name, identity=1.0)
@@ -311,6 +318,8 @@ def t_conorm(name: str | TConorm | BinaryFunction) -> TConorm:
     "hamacher"       :math:`(a + b - 2 a b) / (1 - a b)`
     "einstein"       :math:`(a + b) / (1 + a b)`
     ===============  =======================================================
+
+    MATLAB's name ``"probor"`` is taken, too, for "probabilistic".
 
     Parameters
     ----------
@@ -336,9 +345,10 @@ def t_conorm(name: str | TConorm | BinaryFunction) -> TConorm:
     if isinstance(name, TConorm):
         return name
     if isinstance(name, str):
-        if name not in T_CONORMS:
+        known = ALIASES.get(name, name)
+        if known not in T_CONORMS:
             raise UnknownName("t-conorm", name, tuple(T_CONORMS))
-        return T_CONORMS[name]
+        return T_CONORMS[known]
     if not callable(name):
         raise UnknownName("t-conorm", name, tuple(T_CONORMS))
     violated = _violated_law(name, identity=0.0)

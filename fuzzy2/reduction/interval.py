@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, UnknownName
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, binary_exponent, reals
 
 METHODS = ("km", "ekm", "iasc", "eiasc", "scan")
 """Names of the exact methods, see :func:`generalized_centroid`."""
@@ -52,7 +52,7 @@ def _code(method: str) -> int:
 
 
 def _weights(w: ArrayLike) -> Array:
-    weights = np.asarray(w, dtype=float)
+    weights = reals("w", w)
     if weights.ndim < 2 or weights.shape[-1] != 2 or weights.shape[-2] == 0:
         raise InvalidValue(
             "w", weights.shape, "an array of intervals, of shape (..., N, 2) with N of at least 1"
@@ -68,7 +68,7 @@ def _weights(w: ArrayLike) -> Array:
 
 def _points(z: ArrayLike, count: int) -> Array:
     """Return points (…, N) or intervals (…, N, 2) as intervals."""
-    points = np.asarray(z, dtype=float)
+    points = reals("z", z)
     # A trailing axis of 2 means intervals, unless there are just two crisp points in a single row.
     is_interval = points.ndim >= 2 and points.shape[-2:] == (count, 2)
     if not is_interval:
@@ -129,6 +129,10 @@ def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> A
     """
     code = _code(method)
     points, weights = _paired(z, w)
+    # Distances of points near the ends of the range of floats would leave it.
+    scale = binary_exponent(points)
+    if scale:
+        points = np.ldexp(points, -scale)
     count = weights.shape[-2]
     shape = np.broadcast_shapes(points.shape[:-2], weights.shape[:-2])
     from fuzzy2.reduction import kernels as reduction_kernels
@@ -151,7 +155,7 @@ def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> A
         code,
         out,
     )
-    return out.reshape(*shape, 2)
+    return np.ldexp(out, scale).reshape(*shape, 2) if scale else out.reshape(*shape, 2)
 
 
 def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "eiasc") -> Array:
@@ -178,14 +182,12 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
         See :func:`generalized_centroid`.
     """
     try:
-        low, high = np.broadcast_arrays(
-            np.asarray(lower, dtype=float), np.asarray(upper, dtype=float)
-        )
+        low, high = np.broadcast_arrays(reals("lower", lower), reals("upper", upper))
     except ValueError as error:
         raise InvalidValue(
             "lower and upper", (np.shape(lower), np.shape(upper)), "arrays of one shape"
         ) from error
-    points = np.asarray(x, dtype=float)
+    points = reals("x", x)
     if points.ndim == 0 or low.ndim == 0 or points.shape[-1] != low.shape[-1]:
         raise InvalidValue(
             "x", points.shape, f"of shape (..., N) like the grades, which have {low.shape}"

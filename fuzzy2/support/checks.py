@@ -36,7 +36,7 @@ def maybe_infinite(name: str, value: object, requirement: str = "a number") -> f
         raise InvalidValue(name, value, requirement)
     try:
         number = float(value)  # type: ignore[arg-type] # whatever has no float is refused below
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InvalidValue(name, value, requirement) from error
     if math.isnan(number):
         raise InvalidValue(name, value, requirement)
@@ -71,15 +71,33 @@ def ascending(name: str, values: tuple[float, ...]) -> None:
 def reals(name: str, values: ArrayLike) -> Array:
     """Return ``values`` as an array of floats, which may be NaN.
 
-    Raise :class:`InvalidValue` if they are not real numbers.
+    Raise :class:`InvalidValue` if they are not real numbers, or some of them are masked: what is
+    under a mask is not meant to be computed with.
     """
+    if isinstance(values, np.ma.MaskedArray):
+        raise InvalidValue(name, values, "real numbers without a mask, such as values.filled(0.0)")
     try:
         array = np.asarray(values)
-        if array.dtype.kind in "fiubO":
+        # Of objects text would be read, which as an array of text is refused.
+        if array.dtype.kind in "fiub" or (
+            array.dtype.kind == "O"
+            and not any(isinstance(value, str | bytes) for value in array.flat)
+        ):
             return np.asarray(array, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise InvalidValue(name, values, "real numbers") from error
     raise InvalidValue(name, values, "real numbers")
+
+
+def binary_exponent(values: Array) -> int:
+    """Return n for which values divided by :math:`2^n` can be squared and added up.
+
+    It is 0 unless the greatest is so large or small that squares leave the range of floats, so that
+    ordinary results do not change by scaling.
+    """
+    greatest = float(np.max(np.abs(values), initial=0.0))
+    exponent = math.frexp(greatest)[1] - 1
+    return exponent if math.isfinite(greatest) and abs(exponent) > 400 else 0
 
 
 def ascending_pair(name: str, values: ArrayLike) -> tuple[float, float]:

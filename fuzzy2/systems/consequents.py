@@ -28,10 +28,12 @@ class Linear:
     """
 
     def __init__(self, coefficients: ArrayLike, spreads: ArrayLike | None = None) -> None:
-        self.coefficients = reals("coefficients", coefficients)
-        self.spreads = (
+        self.coefficients = np.array(reals("coefficients", coefficients))
+        self.spreads = np.array(
             np.zeros_like(self.coefficients) if spreads is None else reals("spreads", spreads)
         )
+        # A system that has them does not change.
+        self.coefficients.flags.writeable = self.spreads.flags.writeable = False
         if self.coefficients.ndim != 3 or not np.isfinite(self.coefficients).all():
             raise InvalidValue(
                 "coefficients", self.coefficients, "finite numbers of shape (R, m, p + 1)"
@@ -58,7 +60,9 @@ def as_sets(consequents: Any) -> list[list[Any]] | None:
     if isinstance(consequents, np.ndarray) and consequents.dtype.kind != "O":
         return None
     try:
-        rows = [[row] if isinstance(row, AnySet) else list(row) for row in consequents]
+        rows = [
+            [row] if isinstance(row, AnySet) or row is None else list(row) for row in consequents
+        ]
     except TypeError:
         return None
     if not any(isinstance(item, AnySet) for row in rows for item in row):

@@ -3,17 +3,50 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.operations.set_operations import complement
+from fuzzy2.support.checks import Array, real, reals
+from fuzzy2.systems.antecedents import check_numbers, rows_of
 from fuzzy2.systems.consequents import Linear, as_sets, centroid_interval
 from fuzzy2.systems.fuzzifiers import Fuzzifier, NonSingletonFuzzifier, SingletonFuzzifier
-from fuzzy2.systems.rules import parse_rules
+from fuzzy2.systems.hedges import Hedge
+from fuzzy2.systems.rules import read_rule_base
 from fuzzy2.systems.terms import AnySet
+
+
+class RulesInWords(NamedTuple):
+    """What rules in words say, as a system takes it by number.
+
+    ``consequents`` are rows of sets, or an array of intervals; ``weights`` and ``silent`` are None
+    where all rules count whole and speak of every output.
+    """
+
+    rules: Any
+    consequents: Any
+    silent: NDArray[np.bool_] | None
+    weights: Array | None
+    names: list[list[str]]
+    output_names: list[str]
+    output_terms: list[dict[str, Any]]
+    of_sets: bool
+
+
+class Consequents(NamedTuple):
+    """Consequents of a system.
+
+    As they are given, the sets if they are any, the intervals that average them, and where rules
+    are silent.
+    """
+
+    given: Any
+    sets: tuple[tuple[Any, ...], ...] | None
+    intervals: Array
+    silent: NDArray[np.bool_] | None
 
 
 def read_rules(
@@ -21,11 +54,9 @@ def read_rules(
     outputs: Mapping[str, Mapping[str, Any]],
     input_names: Sequence[str] | None,
     term_names: Sequence[Sequence[str]] | None,
-) -> tuple[NDArray[np.int64], Any, list[str], list[list[str]]]:
-    """Return rules in words as numbers of terms, consequents and names.
-
-    That is the consequent of each rule, and the names of the outputs and of the consequents.
-    """
+    hedges: Mapping[str, Hedge],
+) -> RulesInWords:
+    """Return rules in words by number, with the consequent of each rule and its names."""
     if input_names is None or term_names is None:
         raise InvalidValue(
             "inputs",
@@ -33,20 +64,47 @@ def read_rules(
             "a mapping from names to terms by name, or go with input_names and term_names, for "
             "rules in words",
         )
-    antecedents, numbers = parse_rules(
-        rules, dict(zip(input_names, term_names, strict=True)), outputs
-    )
+    inputs = dict(zip(input_names, term_names, strict=True))
+    base = read_rule_base(rules, inputs, outputs, hedges)
     meanings = [list(terms.values()) for terms in outputs.values()]
-    consequents = [[meanings[j][t] for j, t in enumerate(row)] for row in numbers]
     words = [list(terms) for terms in outputs.values()]
-    names = [[words[j][t] for j, t in enumerate(row)] for row in numbers]
-    if not any(isinstance(item, AnySet) for row in consequents for item in row):
-        intervals = [
-            [tuple(np.broadcast_to(np.asarray(item, dtype=float), 2)) for item in row]
-            for row in consequents
-        ]
-        return antecedents, np.array(intervals), list(outputs), names
-    return antecedents, consequents, list(outputs), names
+    consequents: list[list[Any]] = []
+    names: list[list[str]] = []
+    for numbers, negated in zip(base.said.tolist(), base.negated.tolist(), strict=True):
+        consequents.append([])
+        names.append([])
+        for j, (number, no) in enumerate(zip(numbers, negated, strict=True)):
+            meaning = None if number < 0 else meanings[j][number]
+            consequents[-1].append(_complement(meaning, words[j][number]) if no else meaning)
+            names[-1].append(
+                "" if number < 0 else f"not {words[j][number]}" if no else words[j][number]
+            )
+    silent = base.said < 0
+    of_sets = any(isinstance(item, AnySet) for row in consequents for item in row)
+    table: Any = consequents
+    if not of_sets:
+        table = np.array(
+            [
+                [np.broadcast_to(reals("a term", 0.0 if one is None else one), 2) for one in row]
+                for row in consequents
+            ]
+        )
+    return RulesInWords(
+        base.trees,
+        table,
+        silent if silent.any() else None,
+        base.weights if (base.weights != 1.0).any() else None,
+        names,
+        list(outputs),
+        [dict(terms) for terms in outputs.values()],
+        of_sets,
+    )
+
+
+def _complement(meaning: Any, word: str) -> Any:
+    if not isinstance(meaning, AnySet):
+        raise InvalidValue(f"the term {word!r}", meaning, "a set, to be negated")
+    return complement(meaning)
 
 
 def checked_names(what: str, given: Sequence[str] | None, count: int, stem: str) -> tuple[str, ...]:
@@ -95,11 +153,18 @@ def checked_ranges(
     return tuple((float(low), float(high)) for low, high in ends)
 
 
-def check_inputs(inputs: Sequence[Sequence[Any]], kinds: tuple[type, ...], kind_names: str) -> None:
-    """Refuse inputs without terms, and terms of a kind that the system does not take."""
-    if not inputs or not all(inputs):
+def check_inputs(
+    inputs: Sequence[Sequence[Any]], kinds: tuple[type, ...], kind_names: str, ranged: bool
+) -> None:
+    """Refuse inputs without terms, and terms of a kind that the system does not take.
+
+    With a range an input may have no terms, and be there for linear consequents only.
+    """
+    if not inputs or not (ranged or all(inputs)):
         raise InvalidValue(
-            "inputs", inputs, "a list of at least one set for each of at least one input"
+            "inputs",
+            inputs,
+            "a list of at least one set for each of at least one input, or go with input_ranges",
         )
     for number, terms in enumerate(inputs, start=1):
         for term in terms:
@@ -127,8 +192,23 @@ def checked_fuzzifiers(
     return None if all(isinstance(one, SingletonFuzzifier) for one in each) else each
 
 
-def checked_rules(rules: Any, inputs: Sequence[Sequence[Any]]) -> NDArray[np.int64]:
-    """Return rules (R, p) as numbers of terms, or -1 where an input plays no part."""
+def checked_rules(rules: Any, inputs: Sequence[Sequence[Any]]) -> Any:
+    """Return rules (R, p) as numbers of terms, -1 where an input plays no part, or as trees.
+
+    Trees that are no more than conjunctions become numbers.
+    """
+    counts = [len(terms) for terms in inputs]
+    if (
+        isinstance(rules, list | tuple)
+        and rules
+        and not isinstance(rules[0], list | tuple | np.ndarray)
+    ):
+        for number, tree in enumerate(rules, start=1):
+            check_numbers(tree, counts, number)
+        rows = rows_of(rules, len(inputs))
+        if rows is None:
+            return tuple(rules)
+        return _read_only(rows)
     given = np.asarray(rules)
     if (
         given.ndim != 2
@@ -141,8 +221,7 @@ def checked_rules(rules: Any, inputs: Sequence[Sequence[Any]]) -> NDArray[np.int
             given,
             f"whole numbers of shape (R, {len(inputs)}), a row for each rule",
         )
-    counts = np.array([len(terms) for terms in inputs])
-    bad = np.argwhere((given < -1) | (given >= counts))
+    bad = np.argwhere((given < -1) | (given >= np.array(counts)))
     if len(bad):
         row, column = (int(index) for index in bad[0])
         raise InvalidValue(
@@ -150,57 +229,160 @@ def checked_rules(rules: Any, inputs: Sequence[Sequence[Any]]) -> NDArray[np.int
             int(given[row, column]),
             f"the number of one of its {counts[column]} terms, from 0, or -1 for no part",
         )
-    return given.astype(np.int64)
+    return _read_only(given.astype(np.int64))
 
 
 def checked_consequents(
-    consequents: Any, count: int, inputs: int, kinds: tuple[type, ...], kind_names: str
-) -> tuple[Any, list[list[Any]] | None, Array]:
-    """Return the consequents as given, the sets if they are any, and intervals (R, m, 2)."""
+    consequents: Any,
+    silent: ArrayLike | None,
+    count: int,
+    inputs: int,
+    kinds: tuple[tuple[type, ...], str],
+) -> Consequents:
+    """Return the consequents; what stands where a rule is silent does not matter."""
     if isinstance(consequents, Linear):
-        if (
-            consequents.coefficients.shape[0] != count
-            or consequents.coefficients.shape[2] != inputs + 1
-        ):
+        shape = consequents.coefficients.shape
+        if shape[0] != count or shape[2] != inputs + 1:
             raise InvalidValue(
-                "consequents",
-                consequents.coefficients.shape,
-                f"coefficients of shape ({count}, m, {inputs + 1})",
+                "consequents", shape, f"coefficients of shape ({count}, m, {inputs + 1})"
             )
-        return consequents, None, np.zeros((*consequents.coefficients.shape[:2], 2))
+        mask = _checked_silence(silent, shape[:2])
+        return Consequents(consequents, None, _read_only(np.zeros((*shape[:2], 2))), mask)
     sets = as_sets(consequents)
     if sets is not None:
-        if len(sets) != count or len({len(row) for row in sets}) != 1:
-            raise InvalidValue(
-                "consequents",
-                len(sets),
-                f"a set, or a list with a set for each output, for each of {count} rules",
-            )
-        for row in sets:
-            for item in row:
-                if not isinstance(item, kinds):
-                    raise InvalidValue("a consequent", item, kind_names)
-        return sets, sets, np.array([[centroid_interval(item) for item in row] for row in sets])
+        return _of_sets(sets, silent, count, kinds)
+    if not isinstance(consequents, np.ndarray):
+        consequents, silent = _without_none(consequents, silent)
+    requirement = f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}"
     try:
-        values = np.asarray(consequents, dtype=float)
-    except (TypeError, ValueError) as error:
+        given = reals("consequents", consequents)
+    except InvalidValue as error:
+        raise InvalidValue("consequents", consequents, requirement) from error
+    values = np.stack([given, given], axis=-1) if given.ndim == 2 else given
+    if values.ndim != 3 or values.shape[0] != count or values.shape[1] == 0 or values.shape[2] != 2:
+        raise InvalidValue("consequents", values, requirement)
+    mask = _checked_silence(silent, values.shape[:2])
+    spoken = np.ones(values.shape[:2], bool) if mask is None else ~mask
+    said = values[spoken]
+    if not np.isfinite(said).all() or (said[..., 0] > said[..., 1]).any():
+        raise InvalidValue("consequents", values, "finite, with left ends not above right ends")
+    if mask is not None:
+        given, values = np.array(given), np.array(values)
+        given[mask] = values[mask] = 0.0
+    return Consequents(_read_only(np.array(given)), None, _read_only(np.array(values)), mask)
+
+
+def _of_sets(
+    sets: list[list[Any]],
+    silent: ArrayLike | None,
+    count: int,
+    kinds: tuple[tuple[type, ...], str],
+) -> Consequents:
+    if len(sets) != count or len({len(row) for row in sets}) != 1:
         raise InvalidValue(
             "consequents",
-            consequents,
-            f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}",
-        ) from error
-    if values.ndim == 2:
-        values = np.stack([values, values], axis=-1)
-    if values.ndim != 3 or values.shape[0] != count or values.shape[1] == 0 or values.shape[2] != 2:
-        raise InvalidValue(
-            "consequents", values, f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}"
+            len(sets),
+            f"a set, or a list with a set for each output, for each of {count} rules",
         )
-    if not np.isfinite(values).all() or (values[..., 0] > values[..., 1]).any():
-        raise InvalidValue("consequents", values, "finite, with left ends not above right ends")
-    return (
-        consequents
-        if isinstance(consequents, np.ndarray)
-        else np.asarray(consequents, dtype=float),
-        None,
-        values,
+    none = np.array([[item is None for item in row] for row in sets])
+    mask = _checked_silence(silent, none.shape)
+    mask = none if mask is None else none | mask
+    rows = tuple(
+        tuple(None if no else item for item, no in zip(row, nos, strict=True))
+        for row, nos in zip(sets, mask.tolist(), strict=True)
     )
+    for row in rows:
+        for item in row:
+            if item is not None and not isinstance(item, kinds[0]):
+                raise InvalidValue("a consequent", item, kinds[1])
+    intervals = np.array(
+        [[(0.0, 0.0) if item is None else centroid_interval(item) for item in row] for row in rows]
+    )
+    return Consequents(
+        rows,
+        rows,
+        _read_only(intervals),
+        _checked_silence(mask, mask.shape) if mask.any() else None,
+    )
+
+
+def _without_none(consequents: Any, silent: ArrayLike | None) -> tuple[Any, Any]:
+    """Return consequents with a 0 for each None, and where rules are silent."""
+    try:
+        rows = [list(row) for row in consequents]
+    except TypeError:
+        return consequents, silent
+    none = [[item is None for item in row] for row in rows]
+    if not any(map(any, none)):
+        return consequents, silent
+    width = max((np.size(item) for row in rows for item in row if item is not None), default=1)
+    blank: Any = 0.0 if width == 1 else (0.0, 0.0)
+    filled = [[blank if item is None else item for item in row] for row in rows]
+    given = False if silent is None else np.asarray(silent, dtype=bool)
+    return filled, np.array(none) | given
+
+
+def _checked_silence(silent: ArrayLike | None, shape: tuple[int, ...]) -> NDArray[np.bool_] | None:
+    """Return where rules are silent, read-only; None if they speak of every output."""
+    if silent is None:
+        return None
+    mask = np.asarray(silent)
+    if mask.dtype != bool or mask.shape != shape:
+        raise InvalidValue("silent", silent, f"True or False, of shape {shape}")
+    mute = np.flatnonzero(mask.all(axis=1))
+    if mute.size:
+        raise InvalidValue(
+            "silent", silent, f"False somewhere in each row: rule {mute[0] + 1} says nothing"
+        )
+    return _read_only(mask.copy()) if mask.any() else None
+
+
+def checked_weights(weights: ArrayLike | None, count: int) -> Array | None:
+    """Return the weights of the rules, read-only; None if all are 1."""
+    if weights is None:
+        return None
+    given = reals("weights", weights)
+    if given.shape != (count,) or not ((given >= 0.0) & (given <= 1.0)).all():
+        raise InvalidValue("weights", given, f"{count} numbers in [0, 1], one for each rule")
+    return None if (given == 1.0).all() else _read_only(np.array(given))
+
+
+def checked_defaults(given: Sequence[float | None] | None, outputs: int) -> Array | None:
+    """Return the default outputs (m,), NaN where there is none; None if there are none at all."""
+    if given is None:
+        return None
+    values = [float("nan") if value is None else value for value in given]
+    defaults = reals("default_outputs", values)
+    if defaults.shape != (outputs,) or np.isinf(defaults).any():
+        raise InvalidValue(
+            "default_outputs", given, f"{outputs} finite numbers, or None where there is none"
+        )
+    return None if np.isnan(defaults).all() else _read_only(defaults)
+
+
+def checked_shares(given: Sequence[float]) -> tuple[float, float]:
+    """Return the weights of the lower and of the upper average."""
+    shares = tuple(real("shares", value) for value in given)
+    if len(shares) != 2:
+        raise InvalidValue("shares", given, "two numbers")
+    return shares[0], shares[1]
+
+
+def checked_terms(
+    given: Sequence[Sequence[str]] | None, inputs: Sequence[Sequence[Any]]
+) -> tuple[tuple[str, ...], ...]:
+    """Return the names of the terms of each input."""
+    names: list[Sequence[str] | None] = [None] * len(inputs) if given is None else list(given)
+    if len(names) != len(inputs):
+        raise InvalidValue(
+            "term_names", given, f"a list of names for each of the {len(inputs)} inputs"
+        )
+    return tuple(
+        checked_names("term_names", own, len(terms), "term")
+        for own, terms in zip(names, inputs, strict=True)
+    )
+
+
+def _read_only(array: Any) -> Any:
+    array.flags.writeable = False
+    return array

@@ -20,6 +20,7 @@ from fuzzy2.support.checks import Array
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 from fuzzy2.systems.gradients import Differentiable
+from fuzzy2.systems.operators import DIRECT_METHODS
 from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System
 from fuzzy2.systems.terms import domain_of, highest_point
@@ -38,7 +39,7 @@ class GeneralType2System(FuzzySystem):
 
     Parameters
     ----------
-    inputs, rules, consequents, t_norm, type_reduction, method
+    inputs, rules, consequents, t_norm, type_reduction, method, **options
         See :class:`FuzzySystem`; sets of any type.
     reduction : {"alpha_planes", "gaussian"}
         Which of the two.
@@ -65,7 +66,7 @@ class GeneralType2System(FuzzySystem):
         rules: ArrayLike | str | Iterable[str | Rule],
         consequents: Any,
         t_norm: str | TNorm | BinaryFunction = "product",
-        type_reduction: str = "center_of_sets",
+        type_reduction: str | None = None,
         method: str = "eiasc",
         *,
         reduction: Literal["alpha_planes", "gaussian"] = "alpha_planes",
@@ -97,8 +98,8 @@ class GeneralType2System(FuzzySystem):
         # have a centroid on each.
         self._one_loop = (
             self._table is not None
-            and type_reduction == "center_of_sets"
-            and not isinstance(self.consequents, Linear)
+            and self._is_compiled
+            and self.default_outputs is None
             and not uncertain
         )
         if reduction == "gaussian":
@@ -191,7 +192,18 @@ class GeneralType2System(FuzzySystem):
             planes = np.stack(
                 [self._plane(level).type_reduced(rows) for level in range(self.levels)], axis=1
             )
-        return planes.swapaxes(1, 2).reshape(*shape, self.n_outputs, self.levels, 2)
+        cuts = planes.swapaxes(1, 2)
+        if self.default_outputs is not None:
+            cuts = np.where(np.isnan(cuts), self.default_outputs[:, np.newaxis, np.newaxis], cuts)
+        return cuts.reshape(*shape, self.n_outputs, self.levels, 2)
+
+    def _prepared_outputs(self) -> Any:
+        # Each α-plane has its own.
+        return None
+
+    def _compiled_defaults(self) -> Array | None:
+        # A plane on which no rule fires is no plane of an answer: none of the others is either.
+        return None
 
     def _firing(self, rows: Array) -> Array:
         """Return the firing intervals on the lowest α-plane."""
@@ -228,7 +240,7 @@ class GeneralType2System(FuzzySystem):
                 # One grid for all planes: those of planes of different width would differ, and the
                 # cuts not be nested.
                 ranges = tuple(
-                    domain_of([row[j] for row in self.consequent_sets])
+                    domain_of([row[j] for row in self.consequent_sets if row[j] is not None])
                     for j in range(self.n_outputs)
                 )
             for alpha in self.alphas:
@@ -244,7 +256,10 @@ class GeneralType2System(FuzzySystem):
                 )
                 consequents = self.consequents
                 if self.consequent_sets is not None:
-                    consequents = [[cut(item) for item in row] for row in self.consequent_sets]
+                    consequents = [
+                        [None if item is None else cut(item) for item in row]
+                        for row in self.consequent_sets
+                    ]
                 plane = IntervalType2System(
                     [[cut(term) for term in terms] for terms in self.inputs],
                     self.rules,
@@ -253,18 +268,26 @@ class GeneralType2System(FuzzySystem):
                     self.type_reduction,
                     self.method,
                     t_conorm=self.t_conorm,
+                    disjunction=self.disjunction,
+                    implication=self.implication,
+                    weights=self.weights,
+                    silent=self.silent,
+                    shares=self.shares,
+                    integration=self.integration,
                     fuzzifier=fuzzifiers,
+                    input_ranges=self.input_ranges,
                     output_ranges=ranges,
                     resolution=self.resolution,
                 )
                 self._planes.append(plane)
         return self._planes[level]
 
-    def __call__(self, X: ArrayLike) -> Array:
+    def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
         """Return the crisp outputs, of shape (..., m).
 
         See :class:`GeneralType2System` for how, and :meth:`FuzzySystem.__call__`.
         """
+        X = self._given(X, named)
         if self.reduction == "gaussian":
             return self._corollary(X)[..., 0]
         if self._one_loop:
@@ -310,6 +333,16 @@ class GeneralType2System(FuzzySystem):
         from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 
         name = "the Gaussian corollary"
+        if (
+            isinstance(self.rules, tuple)
+            or self.method in DIRECT_METHODS
+            or any(part is not None for part in (self.weights, self.silent, self.default_outputs))
+        ):
+            raise NotApplicable(
+                name,
+                "it takes rules that join terms by and, without weights, of which each speaks of "
+                "every output, no default outputs, and an exact method",
+            )
         if (
             self.t_norm.name != "product"
             or self.type_reduction != "center_of_sets"

@@ -29,7 +29,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from fuzzy2.errors import NotApplicable
 from fuzzy2.operations.t_norms import T_NORMS, TNorm
@@ -59,8 +59,23 @@ class Differentiable(Protocol):
         ...
 
     @property
-    def rules(self) -> NDArray[np.int64]:
-        """Number of the term of each input that a rule asks for, −1 for none, (R, p)."""
+    def rules(self) -> Any:
+        """Number of the term of each input that a rule asks for, −1 for none, (R, p), or trees."""
+        ...
+
+    @property
+    def weights(self) -> Array | None:
+        """What the firing of each rule is multiplied by, (R,); None for 1."""
+        ...
+
+    @property
+    def implication(self) -> TNorm:
+        """How a rule's firing scales its output set."""
+        ...
+
+    @property
+    def without_formula(self) -> str | None:
+        """What a system has for which there is no formula; None if nothing."""
         ...
 
     @property
@@ -69,7 +84,7 @@ class Differentiable(Protocol):
         ...
 
     @property
-    def consequent_sets(self) -> list[list[Any]] | None:
+    def consequent_sets(self) -> Sequence[Sequence[Any]] | None:
         """Consequents that are sets, by rule and output; None if they are none."""
         ...
 
@@ -106,6 +121,10 @@ class Differentiable(Protocol):
     @property
     def middles(self) -> Array | None:
         """Points that the Gaussian corollary averages, (R, m); None for other systems."""
+        ...
+
+    def domain(self) -> Array:
+        """Return the range of each input, (p, 2)."""
         ...
 
     def __call__(self, X: ArrayLike) -> Array:
@@ -164,19 +183,19 @@ def analytic_gradient(system: Differentiable, rows: Array) -> Array:
     planes = system.planes
     if planes:
         return np.asarray(sum(share * analytic_gradient(plane, rows) for share, plane in planes))
-    if system.type_reduction in ("centroid", "center_of_sums"):
+    if system.without_formula is not None:
         raise NotApplicable(
-            "the derivative by formula",
-            f"none is known for type reduction {system.type_reduction!r}",
+            "the derivative by formula", f"none is known for {system.without_formula}"
         )
     if system.fuzzifiers is not None:
         raise NotApplicable(
             "the derivative by formula", "none is known for non-singleton fuzzifiers"
         )
-    if system.t_norm not in _RULES:
-        raise NotApplicable(
-            "the derivative by formula", f"none is known for the t-norm {system.t_norm.name!r}"
-        )
+    for norm in (system.t_norm, system.implication):
+        if norm not in _RULES:
+            raise NotApplicable(
+                "the derivative by formula", f"none is known for the t-norm {norm.name!r}"
+            )
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
     # The larger of the weights' derivatives, (n, R, 2, p), and the points of all outputs, (n, m,
     # R).
@@ -206,8 +225,8 @@ def gradient_by_differences(system: Differentiable, rows: Array) -> Array:
         Derivatives; NaN where no rule fires, or none within three steps.
     """
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
-    for i, terms in enumerate(system.inputs):
-        left, right = domain_of(terms)
+    for i, (terms, ends) in enumerate(zip(system.inputs, system.domain(), strict=True)):
+        left, right = domain_of(terms) if terms else ends
         step = 1e-3 * (right - left)
         shift = np.zeros(len(system.inputs))
         shift[i] = step
@@ -248,6 +267,8 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
     strengths = np.ones((len(rows), len(system.rules), 2))
     rates = np.zeros((*strengths.shape, len(system.inputs)))
     for i, terms in enumerate(system.inputs):
+        if not terms:
+            continue
         x = rows[:, i]
         ends = [_ends(system, term) for term in terms]
         grades = np.stack(
@@ -264,6 +285,9 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
         rate[..., i] = slopes[:, asked[used]]
         rates[:, used] = rule(own[..., np.newaxis], rates[:, used], grade[..., np.newaxis], rate)
         strengths[:, used] = system.t_norm(own, grade)
+    if system.weights is not None:
+        strengths *= system.weights[:, np.newaxis]
+        rates *= system.weights[:, np.newaxis, np.newaxis]
     return strengths, rates
 
 
@@ -314,8 +338,8 @@ def _outputs(
                 for item, at in zip(sets, peaks, strict=True)
             ]
         )
-        weights = system.t_norm(strengths, heights)
-        changes = _RULES[system.t_norm](
+        weights = system.implication(strengths, heights)
+        changes = _RULES[system.implication](
             strengths[..., np.newaxis], rates, heights[..., np.newaxis], np.zeros(1)
         )
         if system.type_reduction == "modified_height":

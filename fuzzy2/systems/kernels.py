@@ -9,90 +9,15 @@ import numpy as np
 from fuzzy2.reduction.kernels import EIASC, end_of_interval
 from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import compiled
-
-# Inference. A system is one array of floats, so that a call hands over one table and not seven
-# arrays. It starts with (inputs p, terms T, rules R, outputs m, t-norm code, consequents are
-# crisp), then follow
-#   terms T rows of 10: index of the input, then what kernel_row() gives rules R rows of p: index of
-#   the term, or -1 where the input plays no part ends R rows of 2 m: left ends of the consequents,
-#   above the least of their output, then right ends, below the greatest least, greatest m numbers
-#   each sorted 2 m rows of R: these distances in ascending order orders 2 m rows of R: the rules in
-#   that order
-HEADER = 6
-TERM = 10
-
-
-@compiled
-def _grades(row, o, x, width):
-    """Lower and upper grade of x in the term whose table row starts at o.
-
-    See ``kernel_row`` of the sets.
-
-    ``width`` is the half-width, in standard deviations of the secondary grades, of the alpha-plane
-    of a Gaussian type-2 set.
-    """
-    kind = int(row[o + 1])
-    if kind == 1:
-        a, b, c, d, height = row[o + 2], row[o + 3], row[o + 4], row[o + 5], row[o + 6]
-        if x < a or x > d:
-            grade = 0.0
-        elif x < b:
-            grade = height * (x - a) / (b - a)
-        elif x > c:
-            grade = height * (d - x) / (d - c)
-        else:
-            grade = height
-        return grade, grade
-    m1, m2, s_low, s_high, h_low, h_high, secondary = (
-        row[o + 2],
-        row[o + 3],
-        row[o + 4],
-        row[o + 5],
-        row[o + 6],
-        row[o + 7],
-        row[o + 8],
-    )
-    if kind == 2:
-        # Gaussian secondary grades about a Gaussian principal membership function.
-        t = (x - m1) / s_high
-        principal = h_high * math.exp(-0.5 * t * t)
-        return max(principal - width * secondary, 0.0), min(principal + width * secondary, 1.0)
-    if x < m1:
-        t = (x - m1) / s_high
-        upper = h_high * math.exp(-0.5 * t * t)
-    elif x > m2:
-        t = (x - m2) / s_high
-        upper = h_high * math.exp(-0.5 * t * t)
-    else:
-        upper = h_high
-    if m1 == m2 and s_low == s_high and h_low == h_high:
-        return upper, upper
-    t = (x - (m2 if x < 0.5 * (m1 + m2) else m1)) / s_low
-    return h_low * math.exp(-0.5 * t * t), upper
-
-
-@compiled
-def _fire(table, x, xo, width, grades, low, high):
-    """Write lower and upper firing strength of every rule for the input that starts at ``xo``."""
-    inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
-    for t in range(terms):
-        o = HEADER + TERM * t
-        grades[2 * t], grades[2 * t + 1] = _grades(table, o, x[xo + int(table[o])], width)
-    o = HEADER + TERM * terms
-    for r in range(rules):
-        lower, upper = 1.0, 1.0
-        for _ in range(inputs):
-            t = int(table[o])
-            o += 1
-            if t < 0:
-                continue
-            if norm == 0:
-                lower, upper = min(lower, grades[2 * t]), min(upper, grades[2 * t + 1])
-            else:
-                lower *= grades[2 * t]
-                upper *= grades[2 * t + 1]
-        low[r], high[r] = lower, upper
-
+from fuzzy2.systems.firing_kernels import (
+    HEADER,
+    SUPPLEMENT,
+    TERM,
+    VANISHED,
+    _fire,
+    _fire_in_logarithms,
+    _grades,
+)
 
 # Comparisons closer than this, relative to what is compared, are left to the search that rounding
 # cannot mislead.
@@ -125,13 +50,51 @@ def _exact_end(table, z, order, rules, low, high):
 
 
 @compiled
+def _center_of_spoken(table, low, high, out, oo, crisp):
+    """Do as ``_center_of_sets`` where rules leave outputs out, or outputs have defaults."""
+    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
+    extremes = HEADER + TERM * terms + rules * inputs + 2 * rules * outputs
+    in_order = extremes + 2 * outputs
+    orders = in_order + 2 * rules * outputs
+    silent = int(table[5]) + SUPPLEMENT + rules
+    defaults = silent + rules * outputs
+    lower, upper = np.empty(rules), np.empty(rules)
+    fires = 0.0
+    for j in range(outputs):
+        spoken = 0.0
+        for r in range(rules):
+            speaks = table[silent + r * outputs + j] == 0.0
+            lower[r] = low[r] if speaks else 0.0
+            upper[r] = high[r] if speaks else 0.0
+            spoken = max(spoken, upper[r])
+        least = greatest = table[defaults + j]
+        if spoken > 0.0:
+            z = rules * j
+            least = table[extremes + j] + _exact_end(
+                table, in_order + z, orders + z, rules, lower, upper
+            )
+            z = rules * (j + outputs)
+            greatest = table[extremes + outputs + j] - _exact_end(
+                table, in_order + z, orders + z, rules, lower, upper
+            )
+        if crisp:
+            out[oo + j] = 0.5 * (least + greatest)
+        else:
+            out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
+        fires = max(fires, spoken)
+    return fires
+
+
+@compiled
 def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loop, for speed)
     table, low, high, extra, moments, out, oo, crisp
 ):
-    """Write the type-reduced interval, or its middle, of every output; return nothing.
+    """Write the type-reduced interval, or its middle, of every output.
 
-    NaN where no rule fires.
+    NaN where no rule fires. Return the greatest upper firing strength.
     """
+    if table[5] > 0.0 and table[int(table[5]) + 2] > 0.0:
+        return _center_of_spoken(table, low, high, out, oo, crisp)
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     ends = HEADER + TERM * terms + rules * inputs
     extremes = ends + 2 * rules * outputs
@@ -191,6 +154,16 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
         else:
             # The ends of a point come from two sides, and can miss each other by rounding.
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
+    return fires
+
+
+@compiled
+def _reduce_row(table, x, xo, width, grades, low, high, extra, moments, out, oo, crisp):
+    """Fire the rules for the input that starts at ``xo``, and write what they say."""
+    _fire(table, x, xo, width, grades, low, high)
+    fires = _center_of_sets(table, low, high, extra, moments, out, oo, crisp)
+    if fires < VANISHED and _fire_in_logarithms(table, grades, low, high):
+        _center_of_sets(table, low, high, extra, moments, out, oo, crisp)
 
 
 # Rows that are carried together where there are many: enough to hide the loops' own cost, few
@@ -287,9 +260,12 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
         for lane in range(LANES):
             if unsettled[lane] > 0.0:
                 row = start + lane
-                _fire(table, x, row * inputs, width, grades, one_low, one_high)
-                _center_of_sets(
+                _reduce_row(
                     table,
+                    x,
+                    row * inputs,
+                    width,
+                    grades,
                     one_low,
                     one_high,
                     one_extra,
@@ -317,11 +293,25 @@ def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> i
             return i // inputs
     rows = x.size // inputs
     in_blocks = rows - rows % LANES
+    if table[5] > 0.0 and table[int(table[5]) + 2] > 0.0:
+        in_blocks = 0
     if in_blocks > 0:
         _evaluate_blocks(table, x, width, crisp, out, in_blocks)
     for row in range(in_blocks, rows):
-        _fire(table, x, row * inputs, width, grades, low, high)
-        _center_of_sets(table, low, high, extra, moments, out, row * per_row, crisp)
+        _reduce_row(
+            table,
+            x,
+            row * inputs,
+            width,
+            grades,
+            low,
+            high,
+            extra,
+            moments,
+            out,
+            row * per_row,
+            crisp,
+        )
     return -1
 
 
@@ -359,8 +349,20 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
         for j in range(outputs):
             out[row * outputs + j] = 0.0
         for plane in range(widths.size):
-            _fire(table, x, row * inputs, widths[plane], grades, low, high)
-            _center_of_sets(table, low, high, extra, moments, middles, 0, True)
+            _reduce_row(
+                table,
+                x,
+                row * inputs,
+                widths[plane],
+                grades,
+                low,
+                high,
+                extra,
+                moments,
+                middles,
+                0,
+                True,
+            )
             for j in range(outputs):
                 out[row * outputs + j] += alphas[plane] * middles[j]
         for j in range(outputs):
@@ -384,9 +386,12 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
             if not math.isfinite(x[row * inputs + i]):
                 return row
         for plane in range(widths.size):
-            _fire(table, x, row * inputs, widths[plane], grades, low, high)
-            _center_of_sets(
+            _reduce_row(
                 table,
+                x,
+                row * inputs,
+                widths[plane],
+                grades,
                 low,
                 high,
                 extra,

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array
+from fuzzy2.systems.antecedents import Antecedent, leaves
 
 
 @dataclass(frozen=True)
@@ -18,9 +19,10 @@ class Report:
     Parameters
     ----------
     uncovered : (k, p) ndarray
-        Points of a grid over the inputs' domains where no rule fires by more than the threshold.
+        Points of a grid over the inputs' domains, and between them, where no rule fires by more
+        than the threshold.
     coverage : float
-        Share of the grid that is covered.
+        Share of the domain that is covered, by the points between those of the grid.
     unused_terms : list of (input, term)
         Terms that no rule asks for.
     duplicate_rules : list of (rule, rule)
@@ -52,7 +54,12 @@ class Report:
                 "other"
             )
         lines = []
-        if len(self.uncovered):
+        if len(self.uncovered) and self.coverage == 1.0:
+            first = ", ".join(f"{value:.4g}" for value in self.uncovered[0])
+            more = len(self.uncovered) - 1
+            also = f" and {more} other single point{'s' if more > 1 else ''}" if more else ""
+            lines.append(f"no rule fires at the point ({first}){also}")
+        elif len(self.uncovered):
             low, high = self.uncovered.min(axis=0), self.uncovered.max(axis=0)
             box = " x ".join(f"[{a:.4g}, {b:.4g}]" for a, b in zip(low, high, strict=True))
             lines.append(
@@ -81,16 +88,69 @@ def grid_over(ranges: Array, points: int) -> Array:
 
 
 def repeated_rules(
-    rules: NDArray[np.int64], agree: Callable[[int, int], bool]
+    rules: Sequence[Hashable], agree: Callable[[int, int], bool | None]
 ) -> tuple[list[tuple[int, int]], list[tuple[int, int]]]:
-    """Return pairs of rules that ask for the same: those that agree, and those that do not."""
-    duplicates, conflicts = [], []
-    first: dict[tuple[int, ...], int] = {}
-    for r, rule in enumerate(map(tuple, rules.tolist())):
+    """Return pairs of rules that ask for the same: those that agree, and those that do not.
+
+    Rules that ``agree`` says None of are neither: they speak of different outputs.
+    """
+    duplicates: list[tuple[int, int]] = []
+    conflicts: list[tuple[int, int]] = []
+    first: dict[Hashable, int] = {}
+    for r, rule in enumerate(rules):
         if rule not in first:
             first[rule] = r
-        elif agree(first[rule], r):
-            duplicates.append((first[rule], r))
-        else:
-            conflicts.append((first[rule], r))
+            continue
+        same = agree(first[rule], r)
+        if same is not None:
+            (duplicates if same else conflicts).append((first[rule], r))
     return duplicates, conflicts
+
+
+def found_in(
+    covers: Callable[[Array], NDArray[np.bool_]],
+    ranges: Array,
+    points: int,
+    trees: Sequence[Antecedent],
+    names: tuple[Sequence[str], Sequence[Sequence[str]]],
+    agree: Callable[[int, int], bool | None],
+) -> Report:
+    """Return what is found out about a system.
+
+    Parameters
+    ----------
+    covers : callable
+        From inputs (n, p) to whether some rule fires.
+    ranges : (p, 2) array
+        Where to look.
+    points : int
+        Grid points per input.
+    trees : sequence of R antecedents
+        What the rules ask for, by number.
+    names : pair
+        Names of the inputs, and of the terms of each.
+    agree : callable
+        See :func:`repeated_rules`.
+    """
+    grid = grid_over(ranges, points)
+    # Between its points, too: where terms touch at their feet no rule fires, but only there.
+    step = (ranges[:, 1] - ranges[:, 0]) / (2 * (points - 1))
+    between = grid_over(np.stack([ranges[:, 0] + step, ranges[:, 1] - step], axis=1), points - 1)
+    covered, also = (
+        np.concatenate(
+            [covers(where[start : start + 4096]) for start in range(0, len(where), 4096)]
+        )
+        for where in (grid, between)
+    )
+    uncovered = grid[~covered]
+    if not also.all():
+        uncovered = np.concatenate([uncovered, between[~also]])
+    asked = {(leaf.variable, leaf.term) for tree in trees for leaf in leaves(tree)}
+    unused = [
+        (name, term)
+        for i, (name, terms) in enumerate(zip(*names, strict=True))
+        for t, term in enumerate(terms)
+        if (i, t) not in asked
+    ]
+    duplicates, conflicts = repeated_rules(trees, agree)
+    return Report(uncovered, float(also.mean()), unused, duplicates, conflicts)

@@ -1,9 +1,17 @@
-"""Rules as text and as objects: ``IF x1 is Low and x2 is High THEN y is Medium``.
+"""Rules as text and as objects: ``IF x1 is Low and x2 is not High THEN y is Medium``.
 
-Keywords (``IF``, ``is``, ``and``, ``THEN``) are written in any case; names of variables and terms
-are compared letter by letter. A name with a blank in it, or one that is a keyword, stands in double
+What is asked is joined by ``and``, ``or``, ``not`` and parentheses; ``and`` binds closer than
+``or``. A term may be negated and hedged, ``x1 is not very Low`` (:mod:`fuzzy2.systems.hedges`), and
+``x1 is any`` holds always. After ``THEN`` stand terms of outputs, of which a rule may leave some
+out, or their complements, ``y is not Small``. ``ELSE`` says what holds as far as the antecedent
+does not, and ``with 0.5`` is the weight of the rule, by which its firing is multiplied::
+
+    IF (x1 is Low or x2 is very High) and x1 is not Medium THEN y is Small ELSE y is Large with 0.5
+
+Keywords and hedges are written in any case; names of variables and terms are compared letter by
+letter. A name with a blank or a parenthesis in it, or one that is a keyword, stands in double
 quotes: ``IF "air temperature" is "very low" THEN ...``. An input that a rule does not mention can
-be anything. A line that starts with ``#`` is a comment.
+be anything. What follows a ``#``, at the start of a line or after a blank, is a comment.
 """
 
 from __future__ import annotations
@@ -12,14 +20,40 @@ import difflib
 import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidRule, InvalidValue
+from fuzzy2.systems.antecedents import (
+    And,
+    Antecedent,
+    Hedged,
+    Is,
+    Not,
+    Or,
+    clauses_of,
+    leaves,
+    mapped,
+    rows_of,
+)
+from fuzzy2.systems.hedges import ANY, HEDGES, Hedge
 
-Clauses = tuple[tuple[str, str], ...]
+KEYWORDS = ("if", "is", "and", "then", "or", "not", "else", "with")
+
+
+class Negated(NamedTuple):
+    """Complement of a term, which a rule says of an output."""
+
+    term: str
+
+
+Clauses: TypeAlias = tuple[tuple[str, str], ...]
 """Pairs of a variable and one of its terms, in the order in which they are written."""
+
+Conclusions: TypeAlias = tuple[tuple[str, str | Negated], ...]
+"""Pairs of an output and the term, or the negated term, that is said of it."""
 
 Vocabulary = Mapping[str, Iterable[str]]
 """Names of the terms of each variable, as a dictionary of them or in a list; the order gives them
@@ -31,10 +65,6 @@ LEAST_LIKENESS = 0.5
 letters.
 """
 
-KEYWORDS = ("if", "is", "and", "then", "or", "not")
-
-_WORD = re.compile(r'"(?P<quoted>(?:[^"\\]|\\.)*)"(?=\s|$)|(?P<plain>[^\s"]+)(?=\s|$)')
-
 
 @dataclass(frozen=True)
 class Rule:
@@ -42,52 +72,89 @@ class Rule:
 
     Parameters
     ----------
-    antecedents, consequents : tuple of (variable, term) pairs
-        What is asked of the inputs, and what is said of the outputs. A dictionary from variables to
-        terms is taken, too.
+    antecedents : tuple of (variable, term) pairs, or a tree
+        What is asked of the inputs: pairs that all hold, or a tree of
+        :mod:`fuzzy2.systems.antecedents` by names. A dictionary from variables to terms is taken,
+        too, and a tree that is no more than pairs becomes pairs.
+    consequents : tuple of (variable, term) pairs
+        What is said of the outputs; a term may be :class:`Negated`. A dictionary is taken, too.
+    weight : float
+        What the firing of the rule is multiplied by, in [0, 1].
+    otherwise : tuple of (variable, term) pairs
+        What is said of the outputs as far as the antecedent does not hold.
 
     Raises
     ------
     InvalidRule
-        If there are no antecedents or no consequents, or a variable is mentioned twice.
+        If there are no antecedents or no consequents, a variable is mentioned twice in pairs, or
+        the weight is out of range.
     """
 
-    antecedents: Clauses
-    consequents: Clauses
+    antecedents: Clauses | Antecedent
+    consequents: Conclusions
+    weight: float = 1.0
+    otherwise: Conclusions = ()
 
     def __init__(
         self,
-        antecedents: Mapping[str, str] | Iterable[tuple[str, str]],
-        consequents: Mapping[str, str] | Iterable[tuple[str, str]],
+        antecedents: Mapping[str, str] | Iterable[tuple[str, str]] | Antecedent,
+        consequents: Mapping[str, str | Negated] | Iterable[tuple[str, str | Negated]],
+        weight: float = 1.0,
+        otherwise: Mapping[str, str | Negated] | Iterable[tuple[str, str | Negated]] = (),
     ) -> None:
-        for side, clauses in (("antecedents", antecedents), ("consequents", consequents)):
+        object.__setattr__(self, "antecedents", _simplest(antecedents))
+        object.__setattr__(self, "weight", float(weight))
+        for side, clauses in (("consequents", consequents), ("otherwise", otherwise)):
             pairs = clauses.items() if isinstance(clauses, Mapping) else clauses
             object.__setattr__(self, side, tuple((variable, term) for variable, term in pairs))
         problem = _problem_of(self)
         if problem:
             raise InvalidRule(1, str(self), problem)
 
-    def __str__(self) -> str:
-        both = (
-            " and ".join(f"{_quoted(variable)} is {_quoted(term)}" for variable, term in side)
-            for side in self._sides
-        )
-        return "IF {} THEN {}".format(*both)
-
     @property
-    def _sides(self) -> tuple[Clauses, Clauses]:
-        return self.antecedents, self.consequents
+    def tree(self) -> Antecedent:
+        """What is asked, as a tree by names."""
+        if not isinstance(self.antecedents, tuple):
+            return self.antecedents
+        clauses = tuple(Is(variable, term) for variable, term in self.antecedents)
+        return clauses[0] if len(clauses) == 1 else And(clauses)
+
+    def __str__(self) -> str:
+        if isinstance(self.antecedents, tuple):
+            asked = " and ".join(_clause(variable, term) for variable, term in self.antecedents)
+        else:
+            asked = _written(self.antecedents)
+        text = f"IF {asked} THEN {_conclusions(self.consequents)}"
+        if self.otherwise:
+            text += f" ELSE {_conclusions(self.otherwise)}"
+        return text if self.weight == 1.0 else f"{text} with {self.weight!r}"
 
 
-def parse_rule(text: str, number: int = 1) -> Rule:
+class RuleBase(NamedTuple):
+    """Rules as numbers of inputs and terms.
+
+    ``trees`` are what R rules ask for, ``said`` (R, m) is the number of the term of each output, -1
+    where a rule says nothing, ``negated`` (R, m) whether it is its complement, and ``weights`` (R,)
+    multiply the firing.
+    """
+
+    trees: tuple[Antecedent, ...]
+    said: NDArray[np.int64]
+    negated: NDArray[np.bool_]
+    weights: NDArray[np.float64]
+
+
+def parse_rule(text: str, number: int = 1, hedges: Mapping[str, Hedge] = HEDGES) -> Rule:
     """Return the rule that a line of text states.
 
     Parameters
     ----------
     text : str
-        ``IF <variable> is <term> and ... THEN <variable> is <term> and ...``.
+        ``IF <variable> is <term> and ... THEN <variable> is <term> and ...``; see above.
     number : int
         Its number in the rule base, for the error message.
+    hedges : mapping from words to Hedge
+        Hedges by their words in lower case.
 
     Returns
     -------
@@ -99,21 +166,27 @@ def parse_rule(text: str, number: int = 1) -> Rule:
     InvalidRule
         If the text is no rule, with what was expected at which word.
     """
-    reader = _Reader(text, number)
-    reader.expect("if")
-    antecedents = reader.clauses("then")
-    reader.expect("then")
-    consequents = reader.clauses(None)
+    from fuzzy2.systems.rule_grammar import parsed
+
+    stripped = text.strip()
+    words = parsed(stripped, number, hedges)
+    said, otherwise = (
+        tuple((variable, Negated(term) if negated else term) for variable, term, negated in side)
+        for side in (words.said, words.otherwise)
+    )
     try:
-        return Rule(antecedents, consequents)
+        return Rule(words.asked, said, words.weight, otherwise)
     except InvalidRule as error:
-        raise InvalidRule(number, reader.text, error.reason) from None
+        raise InvalidRule(number, stripped, error.reason) from None
 
 
-def parse_rules(
-    rules: str | Iterable[str | Rule], inputs: Vocabulary, outputs: Vocabulary
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the rules as numbers of terms.
+def read_rule_base(
+    rules: str | Iterable[str | Rule],
+    inputs: Vocabulary,
+    outputs: Vocabulary,
+    hedges: Mapping[str, Hedge] = HEDGES,
+) -> RuleBase:
+    """Return rules by number; a rule with ``ELSE`` becomes two.
 
     Parameters
     ----------
@@ -122,19 +195,18 @@ def parse_rules(
         skipped.
     inputs, outputs : mapping from names to terms
         The terms of each variable by name; a dictionary from terms to sets will do.
+    hedges : mapping from words to Hedge
+        Hedges by their words in lower case.
 
     Returns
     -------
-    antecedents : (R, p) array of int
-        Number of the term of each input, from 0; -1 for an input that the rule does not mention.
-    consequents : (R, m) array of int
-        Number of the term of each output, from 0.
+    RuleBase
+        The rules.
 
     Raises
     ------
     InvalidRule
-        If a rule cannot be read, uses an unknown name (the nearest known one is suggested), or
-        leaves an output out.
+        If a rule cannot be read, or uses an unknown name (the nearest known one is suggested).
     InvalidValue
         If a variable is both an input and an output, or there is no rule.
     """
@@ -152,38 +224,65 @@ def parse_rules(
     ]
     if not stated:
         raise InvalidValue("rules", rules, "at least one rule")
-    antecedents = np.full((len(stated), len(known_inputs)), -1)
-    consequents = np.full((len(stated), len(known_outputs)), -1)
-    for row, line in enumerate(stated):
-        rule = line if isinstance(line, Rule) else parse_rule(line, row + 1)
+    trees: list[Antecedent] = []
+    said: list[tuple[list[int], list[bool]]] = []
+    weights = []
+    for number, line in enumerate(stated, start=1):
+        rule = line if isinstance(line, Rule) else parse_rule(line, number, hedges)
         text = str(line).strip()
-        _number_terms(
-            antecedents[row],
-            rule.antecedents,
-            ("input", known_inputs),
-            ("output", known_outputs),
-            row + 1,
-            text,
-        )
-        _number_terms(
-            consequents[row],
-            rule.consequents,
-            ("output", known_outputs),
-            ("input", known_inputs),
-            row + 1,
-            text,
-        )
-        silent = [
-            name for name, term in zip(known_outputs, consequents[row], strict=True) if term < 0
-        ]
-        if silent:
+        lookup = _Lookup(number, text, known_inputs, known_outputs)
+        tree = mapped(rule.tree, lookup.asked)
+        for asked, conclusions in ((tree, rule.consequents), (Not(tree), rule.otherwise)):
+            if conclusions:
+                trees.append(asked)
+                said.append(lookup.said(conclusions))
+                weights.append(rule.weight)
+    return RuleBase(
+        tuple(trees),
+        np.array([numbers for numbers, _ in said], dtype=np.int64),
+        np.array([negated for _, negated in said], dtype=bool),
+        np.array(weights),
+    )
+
+
+def parse_rules(
+    rules: str | Iterable[str | Rule], inputs: Vocabulary, outputs: Vocabulary
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return rules that ask for terms joined by *and* as numbers of terms.
+
+    Parameters
+    ----------
+    rules, inputs, outputs
+        See :func:`read_rule_base`.
+
+    Returns
+    -------
+    antecedents : (R, p) array of int
+        Number of the term of each input, from 0; -1 for an input that the rule does not mention.
+    consequents : (R, m) array of int
+        Number of the term of each output, from 0; -1 for one of which the rule says nothing.
+
+    Raises
+    ------
+    InvalidRule
+        If a rule cannot be read, uses an unknown name, or says more than numbers of terms can.
+    InvalidValue
+        See :func:`read_rule_base`.
+    """
+    base = read_rule_base(rules, inputs, outputs)
+    for number, (tree, negated, weight) in enumerate(
+        zip(base.trees, base.negated, base.weights, strict=True), start=1
+    ):
+        if clauses_of(tree) is None or negated.any() or weight != 1.0:
             raise InvalidRule(
-                row + 1,
-                text,
-                f"says nothing about the output {silent[0]!r}; each rule must give every output "
-                "a term",
+                number,
+                str(tree),
+                "says more than terms joined by and, which numbers of terms cannot hold; give the "
+                "rules to a system as they are",
             )
-    return antecedents, consequents
+    rows = rows_of(base.trees, len(inputs))
+    assert rows is not None
+    return rows, base.said
 
 
 def make_rules(
@@ -196,7 +295,7 @@ def make_rules(
     antecedents : (R, p) array_like of int
         Number of the term of each input; -1 for an input that is not used.
     consequents : (R, m) array_like of int
-        Number of the term of each output.
+        Number of the term of each output; -1 for one of which the rule says nothing.
     inputs, outputs : mapping from names to terms
         The terms of each variable by name.
 
@@ -210,13 +309,13 @@ def make_rules(
     InvalidValue
         If an array has another shape, or a number is none of a term.
     InvalidRule
-        If a rule uses no input.
+        If a rule uses no input, or says nothing.
     """
     sides = [
         _named(name, numbers, {variable: list(terms) for variable, terms in side.items()}, smallest)
         for name, numbers, side, smallest in (
             ("antecedents", antecedents, inputs, -1),
-            ("consequents", consequents, outputs, 0),
+            ("consequents", consequents, outputs, -1),
         )
     ]
     if len(sides[0]) != len(sides[1]):
@@ -261,135 +360,145 @@ def unknown_name(kind: str, name: str, known: Iterable[str]) -> str:
     return f"unknown {kind} {name!r}{f'; did you mean {suggestion!r}?' if suggestion else ''}"
 
 
-class _Reader:
-    """Words of one rule, read one after the other."""
-
-    def __init__(self, text: str, number: int) -> None:
-        self.text, self.number, self.next = text.strip(), number, 0
-        self.words: list[tuple[str, bool]] = []
-        position = 0
-        while position < len(self.text):
-            word = _WORD.match(self.text, position)
-            if word is None:
-                raise self.error(
-                    f"has a double quote out of place at {self.text[position : position + 20]!r}"
-                )
-            quoted = word["quoted"]
-            self.words.append(
-                (word["plain"], False)
-                if quoted is None
-                else (re.sub(r"\\(.)", r"\1", quoted), True)
-            )
-            position = word.end()
-            while position < len(self.text) and self.text[position].isspace():
-                position += 1
-
-    def error(self, reason: str) -> InvalidRule:
-        return InvalidRule(self.number, self.text, reason)
-
-    @property
-    def keyword(self) -> str | None:
-        """Return the next word if it is a keyword, in lower case."""
-        if self.next == len(self.words):
-            return None
-        word, quoted = self.words[self.next]
-        return word.lower() if not quoted and word.lower() in KEYWORDS else None
-
-    def expect(self, keyword: str) -> None:
-        if self.keyword != keyword:
-            raise self.unexpected(keyword.upper() if keyword in ("if", "then") else keyword)
-        self.next += 1
-
-    def unexpected(self, *expected: str) -> InvalidRule:
-        wanted = " or ".join(f'"{word}"' if word.lower() in KEYWORDS else word for word in expected)
-        if self.keyword == "or":
-            return self.error('"or" is not known: write one rule for each alternative')
-        if self.keyword == "not":
-            return self.error('"not" is not known: make the complement a term of its own')
-        if self.next == len(self.words):
-            return self.error(f"ends where {wanted} is expected")
-        before = " ".join(word for word, _ in self.words[: self.next][-3:])
-        where = f'after "{before}"' if before else "at its start"
-        return self.error(f"has {self.words[self.next][0]!r} {where}, where {wanted} is expected")
-
-    def name(self, kind: str) -> str:
-        if self.next == len(self.words) or self.keyword is not None:
-            raise self.unexpected(f"the name of a {kind}")
-        self.next += 1
-        return self.words[self.next - 1][0]
-
-    def clauses(self, end: str | None) -> Clauses:
-        """Return the clauses up to a keyword, or to the end of the text."""
-        found = []
-        while True:
-            variable = self.name("variable")
-            self.expect("is")
-            found.append((variable, self.name("term")))
-            if self.keyword == end and (end is not None or self.next == len(self.words)):
-                return tuple(found)
-            if self.keyword != "and":
-                raise self.unexpected("and", *([end.upper()] if end else ["the end"]))
-            self.next += 1
+def _simplest(asked: Any) -> Clauses | Antecedent:
+    """Return pairs where they say it all, else the tree."""
+    if isinstance(asked, Is | And | Or | Not | Hedged):
+        clauses = clauses_of(asked)
+        if clauses is None or any(clause.term is None for clause in clauses):
+            return asked
+        return tuple((str(clause.variable), str(clause.term)) for clause in clauses)
+    pairs = asked.items() if isinstance(asked, Mapping) else asked
+    return tuple((variable, term) for variable, term in pairs)
 
 
 def _problem_of(rule: Rule) -> str | None:
-    for name, clauses in (("IF", rule.antecedents), ("THEN", rule.consequents)):
+    asked = rule.antecedents
+    pairs = (
+        asked
+        if isinstance(asked, tuple)
+        else tuple((leaf.variable, leaf.term) for leaf in leaves(asked))
+    )
+    sides = [("IF", pairs, isinstance(asked, tuple)), ("THEN", rule.consequents, True)]
+    if rule.otherwise:
+        sides.append(("ELSE", rule.otherwise, True))
+    for name, clauses, once in sides:
         if not clauses:
             return f"has nothing after {name}"
         variables = [variable for variable, _ in clauses]
         twice = next((variable for variable in variables if variables.count(variable) > 1), None)
-        if twice is not None:
+        if twice is not None and once:
             return f"mentions {twice!r} twice after {name}"
+        names: list[Any] = [word for clause in clauses for word in (clause[0], _term_of(clause[1]))]
         broken = next(
-            (
-                word
-                for clause in clauses
-                for word in clause
-                if word.splitlines() not in ([word], [])
-            ),
+            (word for word in names if word is not None and word.splitlines() not in ([word], [])),
             None,
         )
         if broken is not None:
             return f"has a line break in the name {broken!r}"
-    return None
+    return None if 0.0 <= rule.weight <= 1.0 else f"has the weight {rule.weight}, not in [0, 1]"
+
+
+def _term_of(said: Any) -> Any:
+    return said.term if isinstance(said, Negated) else said
 
 
 def _quoted(name: str) -> str:
-    if name and not re.search(r'[\s"]', name) and name.lower() not in KEYWORDS:
+    plain = name and not re.search(r'[\s"()]', name) and not name.startswith("#")
+    if plain and name.lower() not in (*KEYWORDS, ANY):
         return name
     return '"' + re.sub(r'(["\\])', r"\\\1", name) + '"'
 
 
-def _number_terms(
-    row: NDArray[np.int64],
-    clauses: Clauses,
-    side: tuple[str, dict[str, list[str]]],
-    other_side: tuple[str, dict[str, list[str]]],
-    number: int,
-    text: str,
-) -> None:
-    """Write the numbers of the terms of one side of a rule into its row."""
-    (kind, known), (other_kind, others) = side, other_side
-    places = {name: place for place, name in enumerate(known)}
-    for variable, term in clauses:
+def _clause(variable: Any, term: Any) -> str:
+    if term is None:
+        return f"{_quoted(variable)} is {ANY}"
+    if isinstance(term, Negated):
+        return f"{_quoted(variable)} is not {_quoted(term.term)}"
+    return f"{_quoted(variable)} is {_quoted(term)}"
+
+
+def _conclusions(clauses: Conclusions) -> str:
+    return " and ".join(_clause(variable, term) for variable, term in clauses)
+
+
+def _written(tree: Antecedent, within: str = "or") -> str:
+    """Return a tree in words, in parentheses where it stands within what binds closer."""
+    match tree:
+        case Is(variable, term):
+            return _clause(variable, term)
+        case And(parts):
+            text = " and ".join(_written(part, "and") for part in parts)
+            return f"({text})" if within != "or" and len(parts) > 1 else text
+        case Or(parts):
+            text = " or ".join(_written(part, "in or") for part in parts)
+            return f"({text})" if within != "or" and len(parts) > 1 else text
+    words: list[str] = []
+    inner: Antecedent = tree
+    while isinstance(inner, Not | Hedged):
+        words.append("not" if isinstance(inner, Not) else inner.hedge.name)
+        inner = inner.part
+    if isinstance(inner, Is):
+        term = ANY if inner.term is None else _quoted(str(inner.term))
+        return f"{_quoted(str(inner.variable))} is {' '.join(words)} {term}"
+    if isinstance(tree, Not):
+        return f"not ({_written(tree.part)})"
+    # Of a hedged group there is no shorter word than the group of its hedged parts.
+    raise InvalidValue("antecedents", tree, "hedges of single terms; a group in words has none")
+
+
+class _Lookup:
+    """Numbers of the names in one rule."""
+
+    def __init__(
+        self,
+        number: int,
+        text: str,
+        inputs: dict[str, list[str]],
+        outputs: dict[str, list[str]],
+    ) -> None:
+        self.number, self.text = number, text
+        self.inputs, self.outputs = inputs, outputs
+        self.places = {name: place for place, name in enumerate(inputs)}
+
+    def asked(self, clause: Is) -> Is:
+        variable, term = str(clause.variable), clause.term
+        if term is None:
+            self.check_variable(variable, "input")
+            return Is(self.places[variable], None)
+        return Is(self.places.get(variable, -1), self.term(variable, str(term), "input"))
+
+    def said(self, conclusions: Conclusions) -> tuple[list[int], list[bool]]:
+        numbers = {
+            variable: self.term(variable, _term_of(term), "output")
+            for variable, term in conclusions
+        }
+        negated = {variable for variable, term in conclusions if isinstance(term, Negated)}
+        return (
+            [numbers.get(name, -1) for name in self.outputs],
+            [name in negated for name in self.outputs],
+        )
+
+    def check_variable(self, variable: str, kind: str) -> dict[str, list[str]]:
+        known, others = self.inputs, self.outputs
+        other_kind = "output"
+        if kind == "output":
+            known, others, other_kind = others, known, "input"
         if variable in others:
             reason = f"uses the {other_kind} {variable!r} as an {kind}"
-            raise InvalidRule(number, text, f"{reason}; the {kind}s are {', '.join(known)}")
+            raise InvalidRule(
+                self.number, self.text, f"{reason}; the {kind}s are {', '.join(known)}"
+            )
         if variable not in known:
-            raise InvalidRule(
-                number,
-                text,
-                _unknown(f"there is no {kind} {variable!r}", f"{kind}s", variable, known),
-            )
-        if term not in known[variable]:
-            raise InvalidRule(
-                number,
-                text,
-                _unknown(
-                    f"{kind} {variable!r} has no term {term!r}", "terms", term, known[variable]
-                ),
-            )
-        row[places[variable]] = known[variable].index(term)
+            reason = _unknown(f"there is no {kind} {variable!r}", f"{kind}s", variable, known)
+            raise InvalidRule(self.number, self.text, reason)
+        return known
+
+    def term(self, variable: str, term: str, kind: str) -> int:
+        known = self.check_variable(variable, kind)[variable]
+        if term not in known:
+            reason = _unknown(f"{kind} {variable!r} has no term {term!r}", "terms", term, known)
+            raise InvalidRule(self.number, self.text, reason)
+        return known.index(term)
 
 
 def _unknown(what: str, kinds: str, name: str, known: Iterable[str]) -> str:

@@ -16,47 +16,71 @@ loop; any other set or t-norm works, too, at NumPy's speed.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import Any
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import InvalidValue, NotApplicable, UnknownName
+from fuzzy2.errors import (
+    ApproximationWarning,
+    DefaultReductionWarning,
+    InvalidValue,
+    NotApplicable,
+    ReadOnly,
+)
 from fuzzy2.operations.t_norms import BinaryFunction, TConorm, TNorm
 from fuzzy2.operations.t_norms import t_conorm as conorm_named
 from fuzzy2.operations.t_norms import t_norm as norm_named
-from fuzzy2.reduction.interval import METHODS, generalized_centroid
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, reals
+from fuzzy2.systems.antecedents import strength, trees_of
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.construction import (
     check_inputs,
     checked_consequents,
+    checked_defaults,
     checked_fuzzifiers,
     checked_names,
     checked_ranges,
     checked_rules,
+    checked_shares,
+    checked_terms,
+    checked_weights,
     names_of_consequents,
     read_rules,
 )
 from fuzzy2.systems.embedded import embedded_averages
 from fuzzy2.systems.fuzzifiers import Fuzzifier
 from fuzzy2.systems.gradients import Differentiable, gradient
-from fuzzy2.systems.report import Report, grid_over, repeated_rules
+from fuzzy2.systems.hedges import Hedge, known_hedges
+from fuzzy2.systems.named_inputs import by_name
+from fuzzy2.systems.operators import (
+    CRISP_ONLY,
+    DIRECT_METHODS,
+    INTEGRATIONS,
+    METHODS,
+    aggregation,
+    choice,
+)
+from fuzzy2.systems.operators import (
+    type_reduction as reduction_named,
+)
+from fuzzy2.systems.outputs import Operators, Outputs
+from fuzzy2.systems.relative_firing import VANISHED, relative_firing
+from fuzzy2.systems.report import Report, found_in
 from fuzzy2.systems.rules import Rule
-from fuzzy2.systems.table import table_of
-from fuzzy2.systems.terms import domain_of, highest_point, range_of, spread
-
-TYPE_REDUCTIONS = ("center_of_sets", "height", "modified_height", "centroid", "center_of_sums")
-"""Names of the ways from firing intervals to a type-reduced set."""
+from fuzzy2.systems.table import Supplement, table_of
+from fuzzy2.systems.terms import range_of
 
 
 class FuzzySystem:
     """What the three kinds of systems share.
 
-    Use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`.
+    Use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`. A system
+    does not change: its arrays are read-only, and :meth:`replace` makes another one.
 
     Parameters
     ----------
@@ -64,26 +88,43 @@ class FuzzySystem:
         The terms of every input.
     rules : (R, p) array_like of int, or text or rule objects
         Number of the term of each input that a rule asks for; -1 where the input plays no part. Or
-        rules in words, ``IF error is Small and rate is Zero THEN force is Weak``, as text with a
-        rule a line or as :class:`fuzzy2.Rule` objects; then inputs have names, and the consequents
-        are the terms of the outputs by name.
+        trees of :mod:`fuzzy2.systems.antecedents`. Or rules in words
+        (:mod:`fuzzy2.systems.rules`), ``IF error is not Small or rate is very Large THEN force is
+        Weak``, as text with a rule a line or as :class:`fuzzy2.Rule` objects; then inputs have
+        names, and the consequents are the terms of the outputs by name.
     consequents : (R, m) or (R, m, 2) array_like, Linear, sets, or mapping of mappings
         Numbers, intervals, linear functions of the inputs, or sets: one per rule, or a list per
-        rule with one per output. For rules in words, what each term of each output means: a number,
-        an interval or a set.
+        rule with one per output, None where a rule says nothing of an output. For rules in words,
+        what each term of each output means: a number, an interval or a set.
     t_norm : str or callable
-        How the grades of a rule's antecedents are combined: ``"product"``, ``"min"``, any name of
+        What *and* means in a rule: ``"product"``, ``"min"``, any name of
         :mod:`fuzzy2.operations.t_norms`, or a function.
     type_reduction : str
-        ``"center_of_sets"`` (consequents by their centroids), ``"height"`` and
-        ``"modified_height"`` (by their highest points; the latter divides weights by squared
-        spreads), ``"centroid"`` and ``"center_of_sums"`` (on a grid of the output, rules united by
-        the t-conorm or summed). All but the first need consequents that are sets.
+        ``"center_of_sets"``, ``"centroid"``, or any name of :mod:`fuzzy2.systems.operators`, where
+        they are explained. All but center of sets, the default, and the weighted sum need
+        consequents that are sets; ``"bisector"``, the maxima and ``"tsukamoto"`` type-1 systems.
     method : str
         Exact method of type reduction, see :func:`fuzzy2.generalized_centroid`; they all give the
-        same.
+        same. Or an approximate one: ``"nie_tan"``, ``"wu_mendel"`` or ``"begian_melek_mendel"``.
     t_conorm : str or callable
-        How the rules' outputs are united under ``"centroid"``.
+        How the rules' outputs are united; ``"sum"`` adds them up.
+    disjunction : str or callable
+        What *or* means in a rule, a t-conorm.
+    implication : str or callable
+        How a rule's firing clips or scales its output set, a t-norm; ``t_norm`` by default.
+    weights : (R,) array_like, optional
+        What the firing of each rule is multiplied by, in [0, 1].
+    silent : (R, m) array_like of bool, optional
+        Where a rule says nothing of an output, whatever stands among the consequents there.
+    default_outputs : sequence of m numbers, optional
+        Outputs where no rule fires, None for NaN.
+    shares : (float, float)
+        Weights of the lower and the upper average under ``"begian_melek_mendel"``.
+    hedges : mapping from words to Hedge or callable, optional
+        Hedges of rules in words beside those of :mod:`fuzzy2.systems.hedges`.
+    integration : {"exact", "sum"}
+        Whether the centroid of united sets is integrated, to 1e-6 of the output's range or better
+        (:mod:`fuzzy2.systems.united`), or summed up over ``resolution`` points, as MATLAB does.
     fuzzifier : Fuzzifier, or one for each input
         How inputs become fuzzy sets, see :mod:`fuzzy2.systems.fuzzifiers`; singleton by default.
     input_names, output_names : sequence of str, optional
@@ -97,7 +138,9 @@ class FuzzySystem:
         Ends of the variables' domains. Those of the outputs are the ends of the output grid, which
         are otherwise the ends of the consequents; those of the inputs are for files.
     resolution : int
-        Points of the output grid of ``"centroid"`` and ``"center_of_sums"``.
+        Points of the output grid under ``integration="sum"``.
+    output_terms : sequence of mappings, optional
+        All terms of each output by name, also those that no rule mentions, for files.
 
     Raises
     ------
@@ -106,6 +149,8 @@ class FuzzySystem:
         kind the system cannot take.
     UnknownName
         If a t-norm, a type reduction or a method is unknown.
+    NotApplicable
+        If a type reduction does not go with the consequents or the kind of system.
     """
 
     _kinds: tuple[type, ...] = ()
@@ -117,10 +162,18 @@ class FuzzySystem:
         rules: ArrayLike | str | Iterable[str | Rule],
         consequents: Any,
         t_norm: str | TNorm | BinaryFunction = "product",
-        type_reduction: str = "center_of_sets",
+        type_reduction: str | None = None,
         method: str = "eiasc",
         *,
         t_conorm: str | TConorm | BinaryFunction = "max",
+        disjunction: str | TConorm | BinaryFunction = "max",
+        implication: str | TNorm | BinaryFunction | None = None,
+        weights: ArrayLike | None = None,
+        silent: ArrayLike | None = None,
+        default_outputs: Sequence[float | None] | None = None,
+        shares: Sequence[float] = (0.5, 0.5),
+        hedges: Mapping[str, Hedge | Callable[[Array], Array]] | None = None,
+        integration: str = "exact",
         fuzzifier: Fuzzifier | Sequence[Fuzzifier] | None = None,
         input_names: Sequence[str] | None = None,
         output_names: Sequence[str] | None = None,
@@ -129,65 +182,159 @@ class FuzzySystem:
         input_ranges: ArrayLike | None = None,
         output_ranges: ArrayLike | None = None,
         resolution: int = 501,
+        output_terms: Sequence[Mapping[str, Any]] | None = None,
     ) -> None:
+        self.hedges = known_hedges(hedges)
         if isinstance(inputs, Mapping):
             input_names, term_names = list(inputs), [list(terms) for terms in inputs.values()]
             inputs = [list(terms.values()) for terms in inputs.values()]
         if isinstance(consequents, Mapping):
-            rules, consequents, output_names, consequent_names = read_rules(
-                rules, consequents, input_names, term_names
-            )
+            said = read_rules(rules, consequents, input_names, term_names, self.hedges)
+            rules, consequents, consequent_names = said.rules, said.consequents, said.names
+            output_names, output_terms = said.output_names, said.output_terms
+            silent = said.silent
+            if weights is None:
+                weights = said.weights
+            if said.of_sets and type_reduction is None:
+                warnings.warn(DefaultReductionWarning(), stacklevel=2)
         self.inputs: tuple[tuple[Any, ...], ...] = tuple(tuple(terms) for terms in inputs)
-        check_inputs(self.inputs, self._kinds, self._kind_names)
+        self.input_ranges = checked_ranges("input_ranges", input_ranges, len(self.inputs))
+        check_inputs(self.inputs, self._kinds, self._kind_names, self.input_ranges is not None)
         self.rules = checked_rules(rules, self.inputs)
-        self.t_norm, self.t_conorm = norm_named(t_norm), conorm_named(t_conorm)
-        if type_reduction not in TYPE_REDUCTIONS:
-            raise UnknownName("type reduction", type_reduction, TYPE_REDUCTIONS)
-        if method not in METHODS:
-            raise UnknownName("type-reduction method", method, METHODS)
-        self.type_reduction, self.method, self.fuzzifier = type_reduction, method, fuzzifier
+        count = len(self.rules)
+        self.t_norm, self.t_conorm = norm_named(t_norm), aggregation(t_conorm)
+        self.disjunction = conorm_named(disjunction)
+        self.implication = self.t_norm if implication is None else norm_named(implication)
+        self.type_reduction = reduction_named(type_reduction or "center_of_sets")
+        self.method = choice("type-reduction method", method, METHODS)
+        self.integration = choice("integration", integration, INTEGRATIONS)
+        self.shares, self.fuzzifier = checked_shares(shares), fuzzifier
         self.fuzzifiers = checked_fuzzifiers(
             fuzzifier, len(self.inputs), self._kinds, self._kind_names
         )
         if resolution < 2 or resolution != int(resolution):
             raise InvalidValue("resolution", resolution, "a whole number of at least 2")
         self.resolution = int(resolution)
-        self.consequents, self.consequent_sets, self.consequent_intervals = checked_consequents(
-            consequents, len(self.rules), len(self.inputs), self._kinds, self._kind_names
+        checked = checked_consequents(
+            consequents, silent, count, len(self.inputs), (self._kinds, self._kind_names)
         )
-        if type_reduction != "center_of_sets" and self.consequent_sets is None:
-            raise NotApplicable(
-                f"type reduction {type_reduction!r}",
-                "the consequents are no sets; use center_of_sets",
-            )
+        self.consequents, self.consequent_sets = checked.given, checked.sets
+        self.consequent_intervals, self.silent = checked.intervals, checked.silent
+        self._check_reduction()
         self.n_outputs = int(self.consequent_intervals.shape[1])
+        self.weights = checked_weights(weights, count)
+        self.default_outputs = checked_defaults(default_outputs, self.n_outputs)
         self.input_names = checked_names("input_names", input_names, len(self.inputs), "x")
+        # Names that nobody gave say nothing of the columns of a data frame.
+        self._named = self.input_names != checked_names("input_names", None, len(self.inputs), "x")
         self.output_names = checked_names("output_names", output_names, self.n_outputs, "y")
-        given = [None] * len(self.inputs) if term_names is None else list(term_names)
-        if len(given) != len(self.inputs):
-            raise InvalidValue(
-                "term_names",
-                term_names,
-                f"a list of names for each of the {len(self.inputs)} inputs",
-            )
-        self.term_names = tuple(
-            checked_names("term_names", names, len(terms), "term")
-            for names, terms in zip(given, self.inputs, strict=True)
-        )
-        self.consequent_names = names_of_consequents(
-            consequent_names, len(self.rules), self.n_outputs
-        )
-        self.input_ranges = checked_ranges("input_ranges", input_ranges, len(self.inputs))
+        self.term_names = checked_terms(term_names, self.inputs)
+        self.consequent_names = names_of_consequents(consequent_names, count, self.n_outputs)
         self.output_ranges = checked_ranges("output_ranges", output_ranges, self.n_outputs)
-        self._table = self._compiled_table()
-        self._fast = (
-            self._table is not None
-            and type_reduction == "center_of_sets"
-            and not isinstance(self.consequents, Linear)
+        self.output_terms = (
+            None if output_terms is None else tuple(dict(terms) for terms in output_terms)
         )
+        if self.output_terms is not None and len(self.output_terms) != self.n_outputs:
+            raise InvalidValue(
+                "output_terms", output_terms, f"a mapping for each of the {self.n_outputs} outputs"
+            )
+        self._table = self._compiled_table()
+        self._fast = self._table is not None and self._is_compiled
+        self._outputs = self._prepared_outputs()
         # Looked up once: a control loop calls a system a thousand times a second.
         self._kernels = _kernels()
         self._evaluate_row = self._kernels.evaluate_row
+
+    def _check_reduction(self) -> None:
+        kind = self.type_reduction
+        if kind not in ("center_of_sets", "weighted_sum") and self.consequent_sets is None:
+            raise NotApplicable(
+                f"type reduction {kind!r}", "the consequents are no sets; use center_of_sets"
+            )
+        if kind in CRISP_ONLY and not isinstance(self, Type1System):
+            raise NotApplicable(
+                f"type reduction {kind!r}",
+                "it is defined for type-1 systems; take centroid, or a Type1System",
+            )
+
+    @property
+    def _is_compiled(self) -> bool:
+        """Whether the compiled loop does all that this system does."""
+        return (
+            self.type_reduction == "center_of_sets"
+            and self.method not in DIRECT_METHODS
+            and not isinstance(self.consequents, Linear)
+        )
+
+    def _prepared_outputs(self) -> Outputs:
+        operators = Operators(
+            self.type_reduction,
+            self.method,
+            self.shares,
+            self.implication,
+            self.t_conorm,
+            self.integration,
+            self.resolution,
+        )
+        return Outputs(
+            operators,
+            self.consequents,
+            self.consequent_sets,
+            self.consequent_intervals,
+            self.silent,
+            self.output_ranges,
+        )
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if not name.startswith("_") and name in self.__dict__:
+            raise ReadOnly(f"a {type(self).__name__}", name)
+        object.__setattr__(self, name, value)
+
+    def __delattr__(self, name: str) -> None:
+        raise ReadOnly(f"a {type(self).__name__}", name)
+
+    def replace(self, **changes: Any) -> Self:
+        """Return a system with other values of some arguments.
+
+        Parameters
+        ----------
+        **changes
+            Arguments of the constructor by name. Rules in words take the terms of the outputs from
+            this system, if it has their names, and its weights are not kept.
+
+        Returns
+        -------
+        FuzzySystem
+            A system of the same kind; all arguments that are not named are as they were.
+
+        Raises
+        ------
+        InvalidValue
+            If an argument is unknown, or the system made of them is none.
+        """
+        names = {
+            name: kind
+            for made in (FuzzySystem, type(self))
+            for name, kind in inspect.signature(made).parameters.items()
+            if kind.kind is not kind.VAR_KEYWORD
+        }
+        for name in changes:
+            if name not in names:
+                raise InvalidValue("an argument of replace", name, f"one of {', '.join(names)}")
+        of_words = {"rules", "consequents"} & changes.keys()
+        if (of_words and isinstance(changes.get("consequents"), Mapping)) or (
+            isinstance(changes.get("rules"), str)
+        ):
+            if "consequents" not in changes and self.output_terms is not None:
+                terms = zip(self.output_names, self.output_terms, strict=True)
+                changes["consequents"] = dict(terms)
+            for name in ("weights", "silent", "consequent_names", "output_terms"):
+                changes.setdefault(name, None)
+        kept = {name: getattr(self, name) for name in names if name not in changes}
+        with warnings.catch_warnings():
+            # It was said when this one was made.
+            warnings.simplefilter("ignore", ApproximationWarning)
+            return type(self)(**kept, **changes)
 
     def __repr__(self) -> str:
         return (
@@ -206,6 +353,11 @@ class FuzzySystem:
     def __setstate__(self, state: dict[str, Any]) -> None:
         kernels = _kernels()
         self.__dict__.update(state, _kernels=kernels, _evaluate_row=kernels.evaluate_row)
+        # What is read back from a pickle can be written to.
+        for name in ("rules", "consequents", "consequent_intervals", "weights", "silent"):
+            value = state[name]
+            if isinstance(value, np.ndarray):
+                value.flags.writeable = False
 
     def _compiled_table(self) -> Array | None:
         """Return the system as one array for the compiled loop, or None if that cannot do it."""
@@ -218,9 +370,24 @@ class FuzzySystem:
                 if row is None:
                     return None
                 rows.append((float(number), *row))
+        trees = isinstance(self.rules, tuple)
         return table_of(
-            self.inputs, self.rules, self.consequent_intervals, self.t_norm.name == "min", rows
+            [len(terms) for terms in self.inputs],
+            None if trees else self.rules,
+            self.consequent_intervals,
+            self.t_norm.name == "min",
+            rows,
+            Supplement(
+                self.rules if trees else None,
+                self.disjunction.name,
+                self.weights,
+                self.silent,
+                self._compiled_defaults(),
+            ),
         )
+
+    def _compiled_defaults(self) -> Array | None:
+        return self.default_outputs
 
     def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
         row: tuple[float, ...] | None = term.kernel_row()
@@ -230,16 +397,20 @@ class FuzzySystem:
 
     @property
     def table(self) -> Array | None:
-        """The system as the array that :mod:`fuzzy2.systems.kernels` takes; None if it cannot."""
-        compiled = self.type_reduction == "center_of_sets" and not isinstance(
-            self.consequents, Linear
-        )
-        return self._table if compiled else None
+        """The system as the array that :mod:`fuzzy2.systems.kernels` takes; None if it cannot.
+
+        It is a copy.
+        """
+        return self._table.copy() if self._is_compiled and self._table is not None else None
 
     def _rows(self, X: ArrayLike) -> tuple[tuple[int, ...], Array]:
         """Return the leading shape and the inputs as (n, p)."""
-        given = X if type(X) is np.ndarray and X.dtype.kind == "f" else reals("X", X)
-        if given.shape[-1:] != (len(self.inputs),) or np.ndim(X) == 0:
+        given = (
+            X
+            if type(X) is np.ndarray and X.dtype.kind == "f"
+            else reals("X", by_name(X, self.input_names, self._named))
+        )
+        if given.shape[-1:] != (len(self.inputs),) or given.ndim == 0:
             raise InvalidValue("X", given.shape, f"of shape (..., {len(self.inputs)})")
         # What can be written to, because numba would compile every loop anew for what cannot.
         rows = np.require(given, np.float64, ["C", "W"])
@@ -250,13 +421,15 @@ class FuzzySystem:
         if bad.size:
             raise InvalidValue("X", rows[bad[0]], "finite")
 
-    def __call__(self, X: ArrayLike) -> Array:
+    def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
         """Return the crisp outputs, the middles of the type-reduced intervals.
 
         Parameters
         ----------
-        X : (..., p) array_like
-            Inputs.
+        X : (..., p) array_like, mapping or data frame
+            Inputs; or their values by name, which broadcast.
+        **named
+            The same as keywords, ``system(error=0.1, rate=0.0)``.
 
         Returns
         -------
@@ -268,15 +441,25 @@ class FuzzySystem:
         InvalidValue
             If the inputs are not finite or of another shape.
         """
-        if self._fast:
+        # Of a masked array, say, the compiled loop would not see the mask.
+        if self._fast and type(X) is np.ndarray:
             out = np.empty(self.n_outputs)
             try:
                 done = self._evaluate_row(self._table, X, out)
             except TypeError:
                 # Not a contiguous row of floats: many rows, lists and the like go the longer way.
                 done = 0
-            return out if done else self._evaluate(X, crisp=True)
-        return np.asarray(self.type_reduced(X).mean(axis=-1))
+            if done and not named:
+                return out
+        if self._fast:
+            return self._evaluate(self._given(X, named), crisp=True)
+        return np.asarray(self.type_reduced(self._given(X, named)).mean(axis=-1))
+
+    def _given(self, X: Any, named: Mapping[str, ArrayLike]) -> Any:
+        """Return the inputs, which come by position or by name."""
+        if named and X is not None:
+            raise InvalidValue("X", X, "left out where inputs are given by name")
+        return named if X is None and named else X
 
     def type_reduced(self, X: ArrayLike) -> Array:
         """Return the type-reduced intervals.
@@ -297,17 +480,49 @@ class FuzzySystem:
         InvalidValue
             If the inputs are not finite or of another shape.
         """
-        if self._fast:
+        if self._fast and type(X) is np.ndarray:
             out = np.empty(2 * self.n_outputs)
             try:
                 done = self._evaluate_row(self._table, X, out)
             except TypeError:
                 done = 0
-            return out.reshape(-1, 2) if done else self._evaluate(X, crisp=False)
+            if done:
+                return out.reshape(-1, 2)
+        if self._fast:
+            return self._evaluate(X, crisp=False)
         shape, rows = self._rows(X)
         self._refuse(rows)
-        reduced = self._reduce(rows, self._firing(rows))
-        return reduced.reshape(*shape, self.n_outputs, 2)
+        reduced = self._outputs(rows, self._relative(rows, self._firing(rows)))
+        return self._or_default(reduced).reshape(*shape, self.n_outputs, 2)
+
+    def _or_default(self, reduced: Array) -> Array:
+        """Return intervals (n, m, 2) with the default outputs where there is no answer."""
+        if self.default_outputs is None:
+            return reduced
+        defaults = self.default_outputs[:, np.newaxis]
+        return np.where(np.isnan(reduced), defaults, reduced)
+
+    def _relative(self, rows: Array, strengths: Array) -> Array:
+        """Return firing intervals (n, R, 2), of which those that underflow are made relative.
+
+        Only where nothing but ratios of them matters.
+        """
+        ratios = (
+            (
+                self.type_reduction in ("center_of_sets", "height", "modified_height")
+                or (self.type_reduction in ("centroid", "center_of_sums"))
+            )
+            and self.implication.name == "product"
+            and self.t_conorm.name in ("max", "sum")
+        )
+        if self.t_norm.name != "product" or isinstance(self.rules, tuple) or not ratios:
+            return strengths
+        vanished = strengths[..., 1].max(axis=1) < VANISHED
+        if not vanished.any():
+            return strengths
+        relative = strengths.copy()
+        relative[vanished] = relative_firing(self._grades(rows[vanished]), self.rules, self.weights)
+        return relative
 
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
         """Return outputs or intervals of inputs of any make and number."""
@@ -360,6 +575,8 @@ class FuzzySystem:
                 np.stack(
                     [fuzzifier.firing(term, rows[:, i], self.t_norm) for term in terms], axis=1
                 )
+                if terms
+                else np.empty((len(rows), 0, 2))
                 for i, (terms, fuzzifier) in enumerate(
                     zip(self.inputs, self.fuzzifiers, strict=True)
                 )
@@ -372,74 +589,28 @@ class FuzzySystem:
                 ],
                 axis=1,
             )
+            if terms
+            else np.empty((len(rows), 0, 2))
             for i, terms in enumerate(self.inputs)
         ]
 
     def _combine(self, grades: list[Array]) -> Array:
-        strengths = np.ones((len(grades[0]), len(self.rules), 2))
-        for i, of_input in enumerate(grades):
-            asked = self.rules[:, i]
-            chosen = of_input[:, np.maximum(asked, 0)]
-            strengths = np.where(
-                (asked >= 0)[:, np.newaxis], self.t_norm(strengths, chosen), strengths
-            )
-        return strengths
-
-    def _reduce(self, rows: Array, strengths: Array) -> Array:
-        """Type-reduced intervals (n, m, 2) of firing intervals (n, R, 2)."""
-        if self.type_reduction == "center_of_sets":
-            if isinstance(self.consequents, Linear):
-                intervals = self.consequents.at(rows)
-                return generalized_centroid(
-                    np.moveaxis(intervals, 2, 1), strengths[:, np.newaxis], self.method
+        if isinstance(self.rules, tuple):
+            fired = [strength(tree, grades, self.t_norm, self.disjunction) for tree in self.rules]
+            strengths = np.stack(fired, axis=1)
+            # Rounding, which is not the same for both ends, must not exchange them.
+            np.minimum(strengths[..., 0], strengths[..., 1], out=strengths[..., 0])
+        else:
+            strengths = np.ones((len(grades[0]), len(self.rules), 2))
+            for i, of_input in enumerate(grades):
+                asked = self.rules[:, i]
+                if not (asked >= 0).any():
+                    continue
+                chosen = of_input[:, np.maximum(asked, 0)]
+                strengths = np.where(
+                    (asked >= 0)[:, np.newaxis], self.t_norm(strengths, chosen), strengths
                 )
-            intervals = np.moveaxis(self.consequent_intervals, 1, 0)
-            return generalized_centroid(
-                intervals[np.newaxis], strengths[:, np.newaxis], self.method
-            )
-        assert self.consequent_sets is not None
-        ranges = self.output_ranges or (None,) * self.n_outputs
-        columns = ([row[j] for row in self.consequent_sets] for j in range(self.n_outputs))
-        return np.stack(
-            [
-                self._reduce_output(sets, ends, strengths)
-                for sets, ends in zip(columns, ranges, strict=True)
-            ],
-            axis=1,
-        )
-
-    def _reduce_output(
-        self, sets: list[Any], ends: tuple[float, float] | None, strengths: Array
-    ) -> Array:
-        if self.type_reduction in ("height", "modified_height"):
-            points = np.array([highest_point(item) for item in sets])
-            heights = np.array(
-                [
-                    [float(item.lower(at)), float(item.upper(at))]
-                    for item, at in zip(sets, points, strict=True)
-                ]
-            )
-            weights = self.t_norm(strengths, heights)
-            if self.type_reduction == "modified_height":
-                weights = weights / np.array([spread(item) for item in sets])[:, np.newaxis] ** 2
-            return generalized_centroid(points, weights, self.method)
-        grid = np.linspace(*(ends or domain_of(sets)), self.resolution)
-        shapes = np.array([[item.lower(grid), item.upper(grid)] for item in sets])
-        reduced = np.empty((len(strengths), 2))
-        for start in range(0, len(strengths), 64):
-            # A block at a time, so that memory stays that of a block however many inputs there are.
-            block = strengths[start : start + 64]
-            clipped = self.t_norm(block[..., np.newaxis], shapes[np.newaxis])
-            if self.type_reduction == "centroid":
-                united = (
-                    self.t_conorm.reduce(clipped, axis=1) if clipped.shape[1] > 1 else clipped[:, 0]
-                )
-            else:
-                united = clipped.sum(axis=1)
-            reduced[start : start + 64] = generalized_centroid(
-                grid, np.moveaxis(united, 1, 2), self.method
-            )
-        return reduced
+        return strengths if self.weights is None else strengths * self.weights[:, np.newaxis]
 
     def gradient(self, X: ArrayLike) -> Array:
         r"""Return the derivatives of the crisp outputs by the inputs.
@@ -475,6 +646,17 @@ class FuzzySystem:
         shape, rows = self._rows(X)
         self._refuse(rows)
         return gradient(self, rows).reshape(*shape, self.n_outputs, len(self.inputs))
+
+    @property
+    def without_formula(self) -> str | None:
+        """What the system has for which :meth:`gradient` has no formula; None if nothing."""
+        if self.type_reduction not in ("center_of_sets", "height", "modified_height"):
+            return f"type reduction {self.type_reduction!r}"
+        if isinstance(self.rules, tuple):
+            return "rules with or, not or hedges"
+        if self.silent is not None or self.default_outputs is not None:
+            return "rules that leave outputs out, and default outputs"
+        return f"the method {self.method!r}" if self.method in DIRECT_METHODS else None
 
     @property
     def planes(self) -> Sequence[tuple[float, Differentiable]]:
@@ -518,9 +700,16 @@ class FuzzySystem:
     def domain(self) -> Array:
         """Return the range of each input, (p, 2).
 
-        It goes from the peak of the lowest term to that of the highest.
+        It goes from the peak of the lowest term to that of the highest. Of an input without terms
+        it is the range that was given.
         """
-        return np.array([range_of(terms) for terms in self.inputs])
+        ranges = self.input_ranges or ((0.0, 0.0),) * len(self.inputs)
+        return np.array(
+            [
+                range_of(terms) if terms else ends
+                for terms, ends in zip(self.inputs, ranges, strict=True)
+            ]
+        )
 
     def validate(
         self, points: int = 15, threshold: float = 1e-3, domain: ArrayLike | None = None
@@ -563,29 +752,35 @@ class FuzzySystem:
             or (ranges[:, 0] > ranges[:, 1]).any()
         ):
             raise InvalidValue("domain", ranges, f"finite ranges of shape ({len(self.inputs)}, 2)")
-        grid = grid_over(ranges, points)
-        covered = np.concatenate(
-            [
-                self._coverage(grid[start : start + 4096]) > threshold
-                for start in range(0, len(grid), 4096)
-            ]
+        trees = self.rules if isinstance(self.rules, tuple) else trees_of(self.rules)
+        return found_in(
+            lambda grid: self._coverage(grid) > threshold,
+            ranges,
+            points,
+            trees,
+            (self.input_names, self.term_names),
+            self._agree,
         )
-        unused = [
-            (self.input_names[i], self.term_names[i][t])
-            for i, terms in enumerate(self.inputs)
-            for t in range(len(terms))
-            if t not in self.rules[:, i]
-        ]
-        duplicates, conflicts = repeated_rules(self.rules, self._same_consequent)
-        return Report(grid[~covered], float(covered.mean()), unused, duplicates, conflicts)
 
-    def _same_consequent(self, a: int, b: int) -> bool:
+    def _agree(self, a: int, b: int) -> bool | None:
+        """Return whether two rules say the same; None if they speak of different outputs."""
+        silent = np.zeros((len(self.rules), self.n_outputs), bool)
+        if self.silent is not None:
+            silent = self.silent
+        both = ~silent[a] & ~silent[b]
+        same = np.array([self._same(a, b, j) for j in range(self.n_outputs)])
+        if not same[both].all():
+            return False
+        return True if np.array_equal(silent[a], silent[b]) else None
+
+    def _same(self, a: int, b: int, j: int) -> bool:
+        """Return whether two rules say the same of an output."""
         if self.consequent_sets is not None:
-            return self.consequent_sets[a] == self.consequent_sets[b]
+            return bool(self.consequent_sets[a][j] == self.consequent_sets[b][j])
         if isinstance(self.consequents, Linear):
             both = (self.consequents.coefficients, self.consequents.spreads)
-            return all(np.array_equal(values[a], values[b]) for values in both)
-        return np.array_equal(self.consequent_intervals[a], self.consequent_intervals[b])
+            return all(np.array_equal(values[a, j], values[b, j]) for values in both)
+        return np.array_equal(self.consequent_intervals[a, j], self.consequent_intervals[b, j])
 
     def embedded_outputs(
         self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None
@@ -614,8 +809,11 @@ class FuzzySystem:
         """
         shape, rows = self._rows(x)
         self._refuse(rows)
-        if shape or self.type_reduction != "center_of_sets":
-            raise NotApplicable("embedded_outputs", "it takes one input of a center-of-sets system")
+        if shape or self.type_reduction != "center_of_sets" or self.silent is not None:
+            raise NotApplicable(
+                "embedded_outputs",
+                "it takes one input of a center-of-sets system whose rules speak of every output",
+            )
         strengths = self._firing(rows)[0]
         intervals = (
             self.consequents.at(rows)[0]
@@ -655,29 +853,11 @@ class IntervalType2System(FuzzySystem):
     _kind_names = "a type-1 or an interval type-2 set"
 
 
-def rebuilt(system: FuzzySystem, **changes: Any) -> FuzzySystem:
-    """Return a type-1 or interval type-2 system anew, with other values of some arguments.
-
-    Parameters
-    ----------
-    system : Type1System or IntervalType2System
-        The system.
-    **changes
-        Arguments of its constructor by name.
-
-    Returns
-    -------
-    Type1System or IntervalType2System
-        A system of the same kind; all arguments that are not named are as they were.
-    """
-    names = [name for name in inspect.signature(FuzzySystem).parameters if name not in changes]
-    return type(system)(**{name: getattr(system, name) for name in names}, **changes)
-
-
 def _kernels() -> Any:
     """Return the compiled loops; numba is loaded with the first system."""
     from fuzzy2.support.compiled import only_for
     from fuzzy2.systems import kernels
+    from fuzzy2.systems.firing_kernels import HEADER
 
-    only_for(kernels.evaluate_row, np.zeros(kernels.HEADER), np.zeros(1), np.zeros(1))
+    only_for(kernels.evaluate_row, np.zeros(HEADER), np.zeros(1), np.zeros(1))
     return kernels

@@ -3,50 +3,88 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array
+from fuzzy2.systems.antecedents import Antecedent, depth_of, program_of
+
+CONORMS = ("max", "probabilistic", "lukasiewicz")
+"""T-conorms that the compiled loop knows for *or*, by their codes."""
+
+
+class Supplement(NamedTuple):
+    """What a system has beyond rules that are numbers of terms.
+
+    Parameters
+    ----------
+    trees : tuple of R antecedents, or None
+        What the rules ask for, where that is more than a conjunction.
+    conorm : str
+        What *or* means.
+    weights : (R,) ndarray, or None
+        What the firing of the rules is multiplied by.
+    silent : (R, m) ndarray of bool, or None
+        Where a rule says nothing of an output.
+    defaults : (m,) ndarray, or None
+        Outputs where no rule fires; NaN for none.
+    """
+
+    trees: tuple[Antecedent, ...] | None
+    conorm: str
+    weights: Array | None
+    silent: NDArray[np.bool_] | None
+    defaults: Array | None
 
 
 def table_of(
-    inputs: Sequence[Sequence[Any]],
-    rules: NDArray[np.int64],
+    counts: Sequence[int],
+    rules: NDArray[np.int64] | None,
     intervals: Array,
     minimum: bool,
     rows: list[tuple[float, ...]],
-) -> Array:
+    supplement: Supplement,
+) -> Array | None:
     """Return a center-of-sets system as one array, laid out as the kernels read it.
 
     Parameters
     ----------
-    inputs : sequence of sequences of sets
-        The terms of every input.
-    rules : (R, p) ndarray
-        Number of the term of each input that a rule asks for, or -1.
+    counts : sequence of int
+        Number of terms of every input.
+    rules : (R, p) ndarray, or None
+        Number of the term of each input that a rule asks for, or -1; None where rules are trees.
     intervals : (R, m, 2) ndarray
         The consequents.
     minimum : bool
         Whether the t-norm is the minimum; else it is the product.
     rows : list of tuples
         Number of the input and kernel row of each term.
+    supplement : Supplement
+        What the system has beyond that.
 
     Returns
     -------
-    (k,) ndarray
-        The table.
+    (k,) ndarray, or None
+        The table; None if the compiled loop cannot do it.
     """
     count, outputs = intervals.shape[:2]
-    offsets = np.cumsum([0, *(len(terms) for terms in inputs[:-1])])
-    antecedents = np.where(rules >= 0, rules + offsets, -1)
+    offsets = np.cumsum([0, *counts[:-1]])
+    antecedents = (
+        np.full((count, len(counts)), -1)
+        if rules is None
+        else np.where(rules >= 0, rules + offsets, -1)
+    )
     left, right = intervals[..., 0], intervals[..., 1]
-    least, greatest = left.min(axis=0), right.max(axis=0)
-    return np.concatenate(
+    spoken = np.ones((count, outputs), bool) if supplement.silent is None else ~supplement.silent
+    least = np.where(spoken, left, np.inf).min(axis=0)
+    greatest = np.where(spoken, right, -np.inf).max(axis=0)
+    least, greatest = (np.where(np.isfinite(edge), edge, 0.0) for edge in (least, greatest))
+    table = np.concatenate(
         [
             [
-                len(inputs),
+                len(counts),
                 len(rows),
                 count,
                 outputs,
@@ -64,3 +102,50 @@ def table_of(
             np.argsort(greatest - right, axis=0, kind="stable").T.ravel(),
         ]
     ).astype(float)
+    if all(part is None for part in (supplement.trees, *supplement[2:])):
+        return table
+    more = supplement_of(supplement, count, outputs, offsets.tolist(), table.size)
+    if more is None:
+        return None
+    table[5] = table.size
+    return np.concatenate([table, more])
+
+
+def supplement_of(
+    supplement: Supplement, rules: int, outputs: int, offsets: list[int], start: int
+) -> Array | None:
+    """Return the supplement as the array that follows a table of ``start`` numbers.
+
+    It is (t-conorm code, whether rules are trees, whether a rule is silent or an output has a
+    default, deepest stack), R weights, R rows of m: whether a rule is silent, m defaults or NaN,
+    R + 1 places where the steps of the rules begin, and the steps; None if a part cannot be
+    compiled.
+    """
+    trees, conorm, weights, silent, defaults = supplement
+    steps: list[list[float]] = []
+    if trees is not None:
+        if conorm not in CONORMS:
+            return None
+        for tree in trees:
+            program = program_of(tree, offsets)
+            if program is None:
+                return None
+            steps.append(program)
+    head = [
+        float(CONORMS.index(conorm)) if trees is not None else 0.0,
+        float(trees is not None),
+        float(silent is not None or defaults is not None),
+        float(max((depth_of(tree) for tree in trees), default=1)) if trees is not None else 1.0,
+    ]
+    body = np.concatenate(
+        [
+            head,
+            np.ones(rules) if weights is None else weights,
+            np.zeros(rules * outputs) if silent is None else silent.ravel().astype(float),
+            np.full(outputs, np.nan) if defaults is None else defaults,
+        ]
+    )
+    first = start + body.size + rules + 1
+    places = first + np.cumsum([0, *(len(program) for program in steps)])
+    places = np.full(rules + 1, first) if trees is None else places
+    return np.concatenate([body, places, np.ravel([step for one in steps for step in one])])

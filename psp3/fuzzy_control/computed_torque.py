@@ -293,11 +293,13 @@ class FuzzyComputedTorque:
             self.kind,
             self.mean_variation,
             self.learner,
+            # Table look-up is published with completion; what no sample says is no model else.
+            "nearest" if self.learner == "strict" else "refuse",
             reduction=self.reduction,
             levels=self.levels,
         )
         system = learner.fit(inputs.view(_Named), outputs).system_
-        system.output_names = OUTPUT_NAMES
+        system = system.replace(output_names=OUTPUT_NAMES)
         if self.term_width != 1.0:
             system = _widened(system, self.term_width)
             uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()

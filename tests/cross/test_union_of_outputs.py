@@ -162,6 +162,7 @@ def test_interval_outputs_are_joined_and_reduced(
         t_conorm=conorm,
         fuzzifier=noise,
         resolution=RESOLUTION,
+        integration="sum",
         method=str(rng.choice(["km", "ekm", "iasc", "eiasc", "scan"])),
     )
     X = rng.uniform(-2.0, 2.0, (3, 2))
@@ -188,7 +189,13 @@ def test_the_join_counts_an_overlap_once_and_the_sum_twice(reduction: str) -> No
         lower=Triangular(1.0, 2.0, 3.0, 0.5), upper=Triangular(1.0, 2.0, 3.0)
     )
     twice = IntervalType2System(
-        crisp, [[0], [0], [0]], [same, same, other], "product", reduction, resolution=5
+        crisp,
+        [[0], [0], [0]],
+        [same, same, other],
+        "product",
+        reduction,
+        resolution=5,
+        integration="sum",
     )
     # On the grid -1, 0, 1, 2, 3 only the peaks carry weight: [1/2, 1] at 0, once or twice, and
     # [1/2, 1] at 2.
@@ -310,6 +317,7 @@ def test_zslices_as_consequents_are_joined_on_one_grid(
         fuzzifier=noise,
         levels=2,
         resolution=RESOLUTION,
+        integration="sum",
     )
     grid, _ = grid_and_shapes(corners)
     for x in rng.uniform(-2.0, 2.0, (10, 2)):
@@ -356,6 +364,7 @@ def test_general_terms_and_fuzzy_inputs_plane_by_plane(norm: str) -> None:
         fuzzifier=fuzzy2.NonSingletonFuzzifier(noise),
         levels=4,
         resolution=RESOLUTION,
+        integration="sum",
     )
 
     def grades(value: float, alpha: float) -> Array:

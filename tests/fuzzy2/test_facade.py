@@ -11,6 +11,7 @@ import os
 import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -72,6 +73,11 @@ def test_computing_loads_numba_and_draws_nothing() -> None:
 def test_every_public_name_is_there(name: str) -> None:
     assert getattr(fuzzy2, name) is not None
     assert name in dir(fuzzy2)
+
+
+def test_the_version_is_that_of_the_project() -> None:
+    settings = tomllib.loads((PACKAGE.parent / "pyproject.toml").read_text(encoding="utf-8"))
+    assert fuzzy2.__version__ == settings["project"]["version"]
 
 
 def test_unknown_name_is_an_attribute_error() -> None:

@@ -183,6 +183,7 @@ def systems(draw: st.DrawFn, kind: type, terms: st.SearchStrategy[Any], conseque
         options |= {
             "resolution": 101,
             "type_reduction": draw(st.sampled_from(["centroid", "center_of_sums"])),
+            "integration": "sum",
         }
         options |= {"t_conorm": draw(st.sampled_from(["max", "probabilistic"]))}
     elif consequents_of == "linear":
@@ -274,6 +275,7 @@ def test_sets_that_are_cut_off_at_the_ends_of_the_range_are_written_whole() -> N
         [wide, Triangular(1, 2, 3)],
         type_reduction="centroid",
         resolution=101,
+        integration="sum",
     )
     text = format_fis(system)
     assert "Range=[-1 3]" in text

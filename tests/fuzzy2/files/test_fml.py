@@ -85,7 +85,7 @@ def systems(draw: st.DrawFn) -> Type1System:
                 ]
             )
         )
-        options |= {"type_reduction": "centroid", "t_conorm": conorm}
+        options |= {"type_reduction": "centroid", "t_conorm": conorm, "integration": "sum"}
     else:
         consequents = (
             Linear(rng.normal(size=(count, m, p + 1)))
@@ -151,6 +151,7 @@ def test_negations_are_complements() -> None:
         t_norm="min",
         type_reduction="centroid",
         resolution=other.resolution,
+        integration="sum",
     )
     X = np.random.default_rng(0).uniform(0.0, 10.0, size=(50, 2))
     np.testing.assert_allclose(on_its_grid(X), other(X), rtol=1e-12)

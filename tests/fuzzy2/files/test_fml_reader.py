@@ -42,6 +42,7 @@ def test_the_tipper_is_that_of_matlab_but_for_the_grid() -> None:
         t_norm="min",
         type_reduction="centroid",
         resolution=other.resolution,
+        integration="sum",
     )
     np.testing.assert_allclose(
         on_its_grid([[2.0, 1.0], [7.0, 8.0]]), [[7.0169], [20.3414]], atol=5e-5

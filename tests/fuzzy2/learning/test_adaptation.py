@@ -147,7 +147,7 @@ def test_basis_functions_make_the_ends_of_the_system(seed: int, intervals: bool)
     """
     rng = np.random.default_rng(seed)
     system = type2(seed, 3, intervals)
-    consequents = np.asarray(system.consequents)
+    consequents = np.array(system.consequents)
     consequents[2] = consequents[4]
     system = IntervalType2System(system.inputs, system.rules, consequents)
     ends = np.stack([consequents, consequents], axis=-1) if consequents.ndim == 2 else consequents

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzy2.errors import (
+    CompletedRules,
     UnsupportedRule,
 )
 from fuzzy2.learning import WangMendel
@@ -242,12 +243,34 @@ def test_a_rule_that_no_sample_fires_is_named_with_its_firing() -> None:
     with pytest.raises(
         UnsupportedRule, match=r"rule 3 \(IF x1 is Low and x2 is High\).*1.53e-05.*2 such rules"
     ) as caught:
-        WangMendel(n_terms=3).fit([[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0])
+        WangMendel(n_terms=3, completion="refuse").fit([[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0])
     assert caught.value.firing == pytest.approx(16.0**-4, rel=1e-12)
     # With two terms a cell is one away, and 1/16 is enough.
     assert WangMendel().fit(
         [[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0]
     ).best_firing_.min() == pytest.approx(1.0 / 16.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("learner", ["strongest", "average", "ridge"])
+def test_rules_without_samples_are_completed_with_a_count(learner: str) -> None:
+    """Two samples in opposite corners of a grid of nine: two corners are fired by 16**-4 of each.
+
+    Both are equally near to rules of the edges, of which the first has the first sample.
+    """
+    X, y = [[0.0, 0.0], [2.0, 2.0]], [1.0, 2.0]
+    with pytest.warns(CompletedRules, match=r"2 of 9 rules .*\(completion='nearest'") as caught:
+        model = WangMendel(n_terms=3, learner=learner, kind="t1").fit(X, y)
+    assert (caught[0].message.count, caught[0].message.total) == (2, 9)
+    values = model.system_.consequents[:, 0]
+    neighbors = [values[r] for r in (1, 5)]  # Low-Mid and Mid-High, beside Low-High
+    nearby = 0.1 if learner == "ridge" else 1e-12
+    assert min(abs(values[2] - value) for value in neighbors) < nearby
+    with pytest.warns(CompletedRules, match="left out"):
+        smaller = WangMendel(n_terms=3, learner=learner, completion="none").fit(X, y)
+    assert len(smaller.system_.rules) == 7
+    with pytest.warns(CompletedRules, match="'average'"):
+        averaged = WangMendel(n_terms=3, learner=learner, completion="average").fit(X, y)
+    assert 1.0 < averaged.system_.consequents[2, 0] < 2.0
 
 
 def test_blocks_of_samples_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -16,7 +16,15 @@ from tests.fuzzy2.learning.tunable import samples, systems
 
 @pytest.mark.parametrize("t_norm", ["product", "min"])
 @pytest.mark.parametrize(
-    "name", ["type-1", "type-1, intervals", "interval type-2", "interval type-2, intervals"]
+    "name",
+    [
+        "type-1",
+        "type-1, intervals",
+        "type-1, linear",
+        "interval type-2",
+        "interval type-2, intervals",
+        "interval type-2, linear",
+    ],
 )
 def test_gradient_is_that_of_finite_differences_of_the_system(name: str, t_norm: str) -> None:
     """Central differences of the error of the compiled system, evaluated anew for every parameter.
@@ -47,7 +55,9 @@ def test_gradient_is_that_of_finite_differences_of_the_system(name: str, t_norm:
     assert (np.abs(gradient) > 1e-6).mean() > 0.9
 
 
-@pytest.mark.parametrize("name", ["type-1", "interval type-2, intervals"])
+@pytest.mark.parametrize(
+    "name", ["type-1", "interval type-2, intervals", "interval type-2, linear"]
+)
 def test_parameters_there_and_back_are_the_same_system(name: str) -> None:
     """Scales, logarithms and back: a few ulps, 1e-13 relative."""
     system = systems(np.random.default_rng(0), "product")[name]

@@ -11,14 +11,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fuzzy2.errors import InvalidRule, InvalidValue
+from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
+from fuzzy2.systems.hedges import HEDGES
 from fuzzy2.systems.rules import (
     KEYWORDS,
+    Negated,
     Rule,
     format_rules,
     make_rules,
     nearest_name,
     parse_rule,
     parse_rules,
+    read_rule_base,
 )
 
 INPUTS = {"x1": ["Low", "Medium", "High"], "x2": ["Low", "High"]}
@@ -70,11 +74,14 @@ def test_names_that_are_no_words_stand_in_quotes() -> None:
         ("IF x1 is Low THEN", "ends where the name of a variable is expected"),
         ("IF x1 is Low and THEN y is Small", "the name of a variable is expected"),
         ("IF x1 is Low THEN y is Small THEN y is Large", 'where "and" or the end is expected'),
-        ("IF x1 is Low or x2 is Low THEN y is Small", "one rule for each alternative"),
-        ("IF x1 is not Low THEN y is Small", "make the complement a term of its own"),
+        ("IF (x1 is Low or x2 is Low THEN y is Small", "a closing parenthesis is expected"),
+        ("IF x1 is not THEN y is Small", "the name of a term is expected"),
+        ("IF x1 is vrey Low THEN y is Small", "has 'vrey' before 'Low', which is no hedge"),
+        ("IF x1 is Low THEN y is very Small", "hedges belong to what is asked"),
+        ("IF x1 is Low THEN y is Small with 2", "has the weight '2', which must be a number"),
+        ("IF x1 is Low THEN y is Small ELSE", "the name of a variable is expected"),
         ('IF "x1 is Low THEN y is Small', "double quote out of place"),
         ('IF x1 is Low"er" THEN y is Small', "double quote out of place at 'Low"),
-        ("IF x1 is Low and x1 is High THEN y is Small", "mentions 'x1' twice after IF"),
         ("IF x1 is Low THEN y is Small and y is Large", "mentions 'y' twice after THEN"),
         ("IF x1 is Lwo THEN y is Small", "did you mean 'Low'? (known terms: Low, Medium, High)"),
         ("IF x1 is low THEN y is Small", "input 'x1' has no term 'low'; did you mean 'Low'?"),
@@ -97,9 +104,61 @@ def test_what_is_wrong_is_said_with_the_rule(text: str, said: str) -> None:
     assert (caught.value.number, caught.value.text) == (2, text)
 
 
-def test_an_output_that_is_left_out_is_an_error() -> None:
-    with pytest.raises(InvalidRule, match="says nothing about the output 'y2'"):
-        parse_rules("IF x1 is Low THEN y1 is A", INPUTS, TWO_OUTPUTS)
+def test_of_an_output_that_is_left_out_a_rule_says_nothing() -> None:
+    _, consequents = parse_rules("IF x1 is Low THEN y1 is A", INPUTS, TWO_OUTPUTS)
+    np.testing.assert_array_equal(consequents, [[0, -1]])
+
+
+@pytest.mark.parametrize(
+    "asked",
+    ["x1 is Low or x2 is Low", "x1 is not Low", "x1 is very Low", "x1 is Low and x1 is High"],
+)
+def test_numbers_of_terms_cannot_hold_trees(asked: str) -> None:
+    with pytest.raises(InvalidRule, match="says more than terms joined by and"):
+        parse_rules(f"IF {asked} THEN y is Small", INPUTS, OUTPUTS)
+
+
+def test_a_rule_is_read_as_a_tree() -> None:
+    """``and`` before ``or``, hedges from right to left, ``ELSE`` as a second rule."""
+    text = (
+        "if (x1 is Low or x2 is not VERY High) and x1 is more  or less Medium "
+        "then y is Small else y is not Large with .5  # a comment"
+    )
+    base = read_rule_base(text, INPUTS, OUTPUTS)
+    very, roughly = HEDGES["very"], HEDGES["more or less"]
+    tree = And((Or((Is(0, 0), Not(Hedged(very, Is(1, 1))))), Hedged(roughly, Is(0, 1))))
+    assert base.trees == (tree, Not(tree))
+    assert base.said.tolist() == [[0], [1]]
+    assert base.negated.tolist() == [[False], [True]]
+    assert base.weights.tolist() == [0.5, 0.5]
+    loose = parse_rule("IF x1 is Low or x1 is High and x2 is any THEN y is Small").tree
+    assert loose == Or((Is("x1", "Low"), And((Is("x1", "High"), Is("x2", None)))))
+
+
+def test_weights_and_parentheses_as_matlab_shows_rules() -> None:
+    rule = parse_rule("If (x1 is Low) and (x2 is High) then (y is Small) (0.25)")
+    assert rule == Rule({"x1": "Low", "x2": "High"}, {"y": "Small"}, 0.25)
+
+
+_words = st.sampled_from(["a", "b c", "if", "any", "(x)"])
+_trees = st.recursive(
+    st.builds(Is, _words, _words | st.none()),
+    lambda parts: (
+        st.builds(lambda some: And(tuple(some)), st.lists(parts, min_size=2, max_size=3))
+        | st.builds(lambda some: Or(tuple(some)), st.lists(parts, min_size=2, max_size=3))
+        | st.builds(Not, parts)
+        | st.builds(Hedged, st.sampled_from(list(HEDGES.values())), st.builds(Is, _words, _words))
+    ),
+    max_leaves=8,
+)
+
+
+@given(_trees, st.floats(0.0, 1.0), st.booleans())
+def test_a_tree_in_words_is_read_back(tree: Antecedent, weight: float, otherwise: bool) -> None:
+    rule = Rule(
+        tree, {"y": Negated("very"), "z": "with"}, weight, {"y": "else"} if otherwise else {}
+    )
+    assert parse_rule(str(rule)) == rule
 
 
 def test_rule_bases_that_make_no_sense() -> None:
@@ -125,7 +184,9 @@ def test_tables_that_are_none() -> None:
         InvalidValue, match=r"antecedents must be numbers of terms from -1, below \[3, 2\]"
     ):
         make_rules([[0, 2]], [[0]], INPUTS, OUTPUTS)
-    with pytest.raises(InvalidValue, match="consequents must be numbers of terms from 0"):
+    with pytest.raises(InvalidValue, match="consequents must be numbers of terms from -1"):
+        make_rules([[0, 1]], [[-2]], INPUTS, OUTPUTS)
+    with pytest.raises(InvalidRule, match="has nothing after THEN"):
         make_rules([[0, 1]], [[-1]], INPUTS, OUTPUTS)
     with pytest.raises(InvalidValue, match="as many as the antecedents"):
         make_rules([[0, 1]], [[0], [1]], INPUTS, OUTPUTS)

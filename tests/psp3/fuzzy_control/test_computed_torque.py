@@ -1159,6 +1159,14 @@ OPTIONAL = {
     "fuzzifier",
     "resolution",
     "consequent_names",
+    "default_outputs",
+    "disjunction",
+    "implication",
+    "integration",
+    "output_terms",
+    "shares",
+    "silent",
+    "weights",
 }
 
 

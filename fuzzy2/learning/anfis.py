@@ -1,0 +1,416 @@
+r"""ANFIS: Takagi–Sugeno–Kang systems learned from samples by hybrid learning.
+
+Consequents are linear functions of the inputs, by least squares; the means and standard deviations
+of the Gaussian terms are learned around that, see :mod:`fuzzy2.learning.hybrid`. As type-1, or as
+interval type-2 with a footprint that is given and that learning cannot take away.
+
+Source: J.-S. R. Jang, "ANFIS: adaptive-network-based fuzzy inference system", IEEE Transactions on
+Systems, Man, and Cybernetics 23(3), 1993.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import InvalidValue, UnknownName
+from fuzzy2.learning.clustering import fuzzy_c_means
+from fuzzy2.learning.estimator import Regressor
+from fuzzy2.learning.hybrid import Data, History, Learner
+from fuzzy2.learning.partition import (
+    Integers,
+    principal_terms,
+    term_names,
+    terms_per_input,
+    whole_number,
+)
+from fuzzy2.learning.premises import Premises
+from fuzzy2.learning.samples import Samples, ranges_of, samples_of
+from fuzzy2.sets.interval_type2 import GaussianUncertainMean
+from fuzzy2.sets.shapes import Gaussian
+from fuzzy2.support.checks import Array, positive, real
+from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
+
+KINDS = ("t1", "it2")
+PARTITIONS = ("grid", "clusters")
+
+RIDGES = (1e-11, 1e-8, 1e-5, 1e-2)
+"""Weights of the coefficients that the samples held back choose from."""
+
+MOST_COEFFICIENTS = 2**14
+"""Coefficients of an output's consequents; their least squares is solved in every epoch."""
+
+OVERLAP = 3.0
+"""Standard deviation of a cluster's terms, in those of its samples, where learning starts.
+
+Linear consequents reach farther than the samples of a cluster, and need neighbors to blend with.
+"""
+
+
+class ANFIS(Regressor):
+    r"""Adaptive-network-based fuzzy inference system, with scikit-learn's conventions.
+
+    First-order Takagi–Sugeno–Kang rules, *IF x1 is Low and x2 is High THEN
+    y = c0 + c1 x1 + c2 x2*, with Gaussian terms under the product. Each epoch takes one
+    Levenberg–Marquardt step of the means and standard deviations, with the consequents that are the
+    best for them by least squares. Epochs end when the error falls no more, or when samples that
+    were held back say so; then all samples are learned with that number of epochs.
+
+    Parameters
+    ----------
+    n_terms : int or sequence of p ints
+        Number of terms of every input; one number of rules with ``partition="clusters"``. An input
+        of a single term does not divide the rules, and has its part in the consequents.
+    kind : {"t1", "it2"}
+        Type-1 terms, or interval type-2 terms with uncertain means. The interval system's ends are
+        found exactly, and so is the gradient.
+    partition : {"grid", "clusters"}
+        Every combination of the inputs' terms is a rule; or each of ``n_terms`` clusters of the
+        inputs (fuzzy c-means) is one and has terms of its own.
+    mean_variation : float
+        Distance of both uncertain means from their middle, as a share of each input's range; not
+        learned, so that the footprint stays twice as wide. For ``kind="it2"``.
+    ridge : float or sequence of floats
+        Weight :math:`\lambda` of the squared coefficients, above 0, where inputs and outputs are in
+        units of their standard deviations. Of several the samples held back choose; the first, if
+        none are.
+    most_epochs : int
+        Epochs at most.
+    patience : int
+        Epochs without a smaller error over the samples held back, after which to stop.
+    validation_share : float
+        Share of the samples to hold back, at least 0 and below 1; with 0 there is no early
+        stopping.
+    fuzzifier : float
+        Of the clusters, see :func:`fuzzy2.fuzzy_c_means`.
+    rng : numpy.random.Generator, optional
+        Chooses the samples to hold back and the clusters' starts; seeded with 0 at every call of
+        :meth:`fit` by default.
+
+    Attributes
+    ----------
+    system_ : Type1System or IntervalType2System
+        The system that was learned, with :class:`fuzzy2.Linear` consequents.
+    n_features_in_, n_outputs_ : int
+        Numbers of inputs and outputs.
+    feature_names_in_ : (p,) ndarray of str
+        Names of the columns, if the samples were a table with names.
+    training_errors_ : (E + 1,) ndarray
+        Mean squared error over the samples learned from, before the first and after every epoch, in
+        units of the outputs' variances.
+    validation_errors_ : ndarray
+        The same over the samples held back, of the run that chose the number of epochs; empty
+        without such.
+    n_iter_ : int
+        Number of epochs E.
+    ridge_ : float
+        The ridge that was chosen.
+    """
+
+    _learned = ()
+
+    training_errors_: Array
+    validation_errors_: Array
+    n_iter_: int
+    ridge_: float
+
+    def __init__(
+        self,
+        n_terms: int | Sequence[int] = 2,
+        kind: str = "t1",
+        partition: str = "grid",
+        mean_variation: float = 0.025,
+        ridge: float | Sequence[float] = RIDGES,
+        most_epochs: int = 100,
+        patience: int = 10,
+        validation_share: float = 0.2,
+        fuzzifier: float = 2.0,
+        rng: np.random.Generator | None = None,
+    ) -> None:
+        # Stored as given and checked by fit, so that a grid search can set them in any order.
+        self.n_terms = n_terms
+        self.kind = kind
+        self.partition = partition
+        self.mean_variation = mean_variation
+        self.ridge = ridge
+        self.most_epochs = most_epochs
+        self.patience = patience
+        self.validation_share = validation_share
+        self.fuzzifier = fuzzifier
+        self.rng = rng
+
+    def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
+        """Learn premises and consequents from samples.
+
+        Parameters
+        ----------
+        X : (N, p) array_like
+            Inputs; N is at least 2.
+        y : (N,) or (N, m) array_like
+            Outputs.
+        sample_weight : (N,) array_like, optional
+            How often each sample counts, 1 by default.
+
+        Returns
+        -------
+        ANFIS
+            The estimator itself, with :attr:`system_`.
+
+        Raises
+        ------
+        InvalidValue, NotNumbers
+            If samples or parameters are not what they must be; an input that has the same value in
+            all samples is named.
+        UnknownName
+            If ``kind`` or ``partition`` is unknown.
+        """
+        self._check_parameters()
+        samples = samples_of(type(self).__name__, X, y, sample_weight)
+        ranges = np.array(ranges_of("input", samples.input_names, samples.inputs))
+        rng = np.random.default_rng(0) if self.rng is None else self.rng
+        units = _Units.of(samples)
+        layout = self._layout(samples, ranges, rng)
+        data = units.scaled(samples.inputs, samples.outputs, samples.weights)
+        start = np.concatenate(
+            [
+                (layout.means - units.middles[layout.owners]) / units.widths[layout.owners],
+                np.log(layout.sigmas / units.widths[layout.owners]),
+            ]
+        )
+        reaches = np.zeros(len(layout.owners))
+        if self.kind == "it2":
+            spans = (ranges[:, 1] - ranges[:, 0]) / units.widths
+            reaches = self.mean_variation * spans[layout.owners]
+        history, chosen, premises = self._learned_from(layout, start, reaches, data, rng)
+        self._remember(samples)
+        self.system_ = _system(samples, units, premises, history)
+        self.training_errors_ = np.array(history.training_errors)
+        self.validation_errors_ = np.array(chosen.errors)
+        self.ridge_ = chosen.ridge
+        self.n_iter_ = len(history.training_errors) - 1
+        return self
+
+    def _learned_from(
+        self,
+        layout: _Layout,
+        start: Array,
+        reaches: Array,
+        data: Data,
+        rng: np.random.Generator,
+    ) -> tuple[History, _Chosen, Premises]:
+        """Return the last run over all samples, and what was chosen for it."""
+        ridges = [float(ridge) for ridge in np.ravel(self.ridge)]
+        parts = _held_back(data, self.validation_share, rng)
+        premises = Premises(layout.owners, layout.rules, np.zeros_like(reaches))
+        history, chosen = self._run(premises, start, None, data, parts, ridges)
+        if (reaches > 0.0).any():
+            # The type-1 system is where the interval system starts from.
+            premises = Premises(layout.owners, layout.rules, reaches)
+            start, coefficients = history.state.parameters, history.state.coefficients
+            history, chosen = self._run(premises, start, coefficients, data, parts, [chosen.ridge])
+        return history, chosen, premises
+
+    def _run(
+        self,
+        premises: Premises,
+        start: Array,
+        coefficients: Array | None,
+        data: Data,
+        parts: tuple[Data, Data] | None,
+        ridges: list[float],
+    ) -> tuple[History, _Chosen]:
+        """Let the samples held back choose ridge and epochs, and learn from all samples so."""
+        chosen = _Chosen(ridges[0], self.most_epochs, [])
+        if parts is not None:
+            part, rest = parts
+            for ridge in ridges:
+                learner = Learner(premises, part, ridge)
+                tried = learner.learn(
+                    learner.solved(start, coefficients), self.most_epochs, rest, self.patience
+                )
+                errors = tried.validation_errors
+                if not chosen.errors or min(errors) < min(chosen.errors):
+                    chosen = _Chosen(ridge, tried.best_epoch, errors)
+        learner = Learner(premises, data, chosen.ridge)
+        first = learner.solved(start, coefficients)
+        return learner.learn(first, chosen.epochs, None, self.patience), chosen
+
+    def _layout(self, samples: Samples, ranges: Array, rng: np.random.Generator) -> _Layout:
+        count = len(ranges)
+        if self.partition == "clusters":
+            number = whole_number("n_terms", self.n_terms, 1)
+            self._check_size(number, count)
+            widths = ranges[:, 1] - ranges[:, 0]
+            clusters = fuzzy_c_means(
+                (samples.inputs - ranges[:, 0]) / widths,
+                number,
+                self.fuzzifier,
+                rng,
+                sample_weight=samples.weights,
+            )
+            narrow = clusters.spreads <= 0.0
+            # A cluster that is one point along an input is as wide there as its neighbors are far.
+            spreads = np.where(narrow, 1.0 / number, clusters.spreads)
+            return _Layout(
+                np.tile(np.arange(count), number),
+                np.arange(number * count).reshape(number, count),
+                (ranges[:, 0] + widths * clusters.centers).ravel(),
+                (OVERLAP * widths * spreads).ravel(),
+            )
+        numbers = terms_per_input(self.n_terms, count)
+        self._check_size(math.prod(numbers), count)
+        terms = [
+            principal_terms(low, high, number)
+            for (low, high), number in zip(ranges.tolist(), numbers, strict=True)
+        ]
+        first = np.cumsum([0, *numbers[:-1]])
+        cells = np.array(list(itertools.product(*map(range, numbers))), dtype=np.int64)
+        return _Layout(
+            np.repeat(np.arange(count), numbers),
+            cells + first,
+            np.array([term.mean for row in terms for term in row]),
+            np.array([term.sigma for row in terms for term in row]),
+        )
+
+    def _check_size(self, rules: int, inputs: int) -> None:
+        most = MOST_COEFFICIENTS // (inputs + 1)
+        if rules > most:
+            remedy = "" if self.partition == "clusters" else "; partition='clusters' needs fewer"
+            raise InvalidValue(
+                "n_terms",
+                self.n_terms,
+                f"so few that there are at most {most:,} rules, not {rules:,}{remedy}",
+            )
+
+    def _check_parameters(self) -> None:
+        for what, name, known in (
+            ("kind of ANFIS", self.kind, KINDS),
+            ("partition", self.partition, PARTITIONS),
+        ):
+            if name not in known:
+                raise UnknownName(what, name, known)
+        if not np.size(self.ridge):
+            raise InvalidValue("ridge", self.ridge, "a number above 0, or several")
+        for ridge in np.ravel(self.ridge):
+            positive("ridge", ridge)
+        if real("mean_variation", self.mean_variation) < 0.0:
+            raise InvalidValue("mean_variation", self.mean_variation, "at least 0")
+        whole_number("most_epochs", self.most_epochs, 0)
+        whole_number("patience", self.patience, 1)
+        if not 0.0 <= real("validation_share", self.validation_share) < 1.0:
+            raise InvalidValue("validation_share", self.validation_share, "at least 0 and below 1")
+        if self.rng is not None and not isinstance(self.rng, np.random.Generator):
+            raise InvalidValue(
+                "rng", self.rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
+            )
+
+
+class _Chosen(NamedTuple):
+    """Ridge and number of epochs, and the errors over the samples held back that chose them."""
+
+    ridge: float
+    epochs: int
+    errors: list[float]
+
+
+class _Layout(NamedTuple):
+    """Terms of all inputs in one row, and the rules (R, p) that ask for them."""
+
+    owners: Integers
+    rules: Integers
+    means: Array
+    sigmas: Array
+
+
+class _Units(NamedTuple):
+    """Middles and standard deviations of inputs and outputs."""
+
+    middles: Array
+    widths: Array
+    output_middles: Array
+    output_widths: Array
+
+    @classmethod
+    def of(cls, samples: Samples) -> _Units:
+        """Return those of samples; where an output is constant, its unit is 1."""
+        found = []
+        for table in (samples.inputs, samples.outputs):
+            middle = np.average(table, axis=0, weights=samples.weights)
+            width = np.sqrt(np.average((table - middle) ** 2, axis=0, weights=samples.weights))
+            # A constant column has a deviation of rounding, or of none.
+            flat = ~(np.ptp(table, axis=0) > 0.0) | ~(width > 0.0)
+            found += [middle, np.where(flat, 1.0, width)]
+        return cls(*found)
+
+    def scaled(self, inputs: Array, outputs: Array, weights: Array) -> Data:
+        """Return samples in these units."""
+        return Data(
+            (inputs - self.middles) / self.widths,
+            (outputs - self.output_middles) / self.output_widths,
+            weights,
+        )
+
+
+def _held_back(data: Data, share: float, rng: np.random.Generator) -> tuple[Data, Data] | None:
+    """Return what to learn from and what to stop by; None where nothing is held back.
+
+    Samples that are equal go together: to repeat one is to double its weight.
+    """
+    _, group = np.unique(np.column_stack([data.X, data.y]), axis=0, return_inverse=True)
+    group = group.reshape(-1)
+    count = int(group.max()) + 1
+    number = round(share * count)
+    if number == 0 or count - number < 2:
+        return None
+    held = np.zeros(count, dtype=bool)
+    held[rng.permutation(count)[:number]] = True
+    rows = held[group]
+    learned, checked = (
+        Data(data.X[part], data.y[part], data.weights[part]) for part in (~rows, rows)
+    )
+    return learned, checked
+
+
+def _system(samples: Samples, units: _Units, premises: Premises, history: History) -> FuzzySystem:
+    """Return the system in the units of the samples, its terms in ascending order."""
+    owners, state = premises.owners, history.state
+    count = len(owners)
+    widths = units.widths[owners]
+    means = units.middles[owners] + widths * state.parameters[:count]
+    sigmas = widths * np.exp(state.parameters[count:])
+    reaches = widths * premises.reaches
+    terms: list[list[Any]] = []
+    position = np.empty(count, dtype=np.int64)
+    for i in range(len(units.widths)):
+        own = np.flatnonzero(owners == i)
+        own = own[np.argsort(means[own], kind="stable")]
+        position[own] = np.arange(len(own))
+        terms.append(
+            [
+                GaussianUncertainMean(
+                    (float(means[t] - reaches[t]), float(means[t] + reaches[t])), float(sigmas[t])
+                )
+                if premises.is_interval
+                else Gaussian(float(means[t]), float(sigmas[t]))
+                for t in own
+            ]
+        )
+    scaled = state.coefficients  # (R, m, p + 1)
+    slopes = units.output_widths[:, np.newaxis] * scaled[..., 1:] / units.widths
+    constants = units.output_middles + units.output_widths * scaled[..., 0] - slopes @ units.middles
+    coefficients = np.concatenate([constants[..., np.newaxis], slopes], axis=-1)
+    make = IntervalType2System if premises.is_interval else Type1System
+    return make(
+        terms,
+        position[premises.rules],
+        Linear(coefficients),
+        input_names=samples.input_names,
+        output_names=samples.output_names,
+        term_names=[term_names(len(row)) for row in terms],
+    )

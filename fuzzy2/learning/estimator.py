@@ -1,0 +1,260 @@
+"""What the estimators share: scikit-learn's conventions, without needing it."""
+
+from __future__ import annotations
+
+import inspect
+import sys
+import warnings
+from typing import Any, ClassVar, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fuzzy2.errors import FeatureNamesWarning, InvalidValue, NotFitted, UnknownName, WrongFeatures
+from fuzzy2.learning.samples import (
+    Samples,
+    column_names,
+    table_of_outputs,
+    table_of_samples,
+    weights_of,
+)
+from fuzzy2.support.checks import Array
+from fuzzy2.systems.general_type2 import GeneralType2System
+from fuzzy2.systems.system import FuzzySystem
+
+
+class Estimator:
+    """Parameters by name, and inputs that are checked against those of ``fit``.
+
+    A subclass stores its parameters as they were given, and ``fit`` leaves a system.
+    """
+
+    _learned: ClassVar[tuple[str, ...]] = ()
+    """Attributes that one :meth:`fit` makes and another may not."""
+
+    system_: FuzzySystem
+    n_features_in_: int
+    n_outputs_: int
+    _one_column: bool
+    feature_names_in_: NDArray[np.object_]
+
+    def __repr__(self) -> str:
+        defaults = inspect.signature(type(self).__init__).parameters
+        changed = (
+            f"{name}={value!r}"
+            for name, value in self.get_params().items()
+            if not _same(value, defaults[name].default)
+        )
+        return f"{type(self).__name__}({', '.join(changed)})"
+
+    def get_params(self, deep: bool = True) -> dict[str, Any]:
+        """Return the parameters by name.
+
+        Parameters
+        ----------
+        deep : bool
+            Not used: no parameter is an estimator.
+
+        Returns
+        -------
+        dict
+            Parameters as they were given.
+        """
+        names = sorted(
+            name for name in inspect.signature(type(self).__init__).parameters if name != "self"
+        )
+        return {name: getattr(self, name) for name in names}
+
+    def set_params(self, **parameters: Any) -> Self:
+        """Set parameters by name; the next :meth:`fit` uses them.
+
+        Parameters
+        ----------
+        **parameters
+            New values.
+
+        Returns
+        -------
+        Self
+            The estimator itself.
+
+        Raises
+        ------
+        UnknownName
+            If there is no such parameter; then none is set.
+        """
+        known = self.get_params()
+        for name in parameters:
+            if name not in known:
+                raise UnknownName(f"parameter of {type(self).__name__}", name, tuple(known))
+        for name, value in parameters.items():
+            setattr(self, name, value)
+        return self
+
+    def __sklearn_is_fitted__(self) -> bool:
+        """Tell scikit-learn whether there is a system."""
+        return hasattr(self, "system_")
+
+    def _remember(self, samples: Samples) -> None:
+        """Forget what was learned before, and note what the samples were."""
+        for name in ("feature_names_in_", *self._learned):
+            self.__dict__.pop(name, None)
+        self.n_features_in_, self.n_outputs_ = samples.inputs.shape[1], samples.outputs.shape[1]
+        self._one_column = samples.one_column
+        if samples.named:
+            self.feature_names_in_ = np.array(samples.input_names, dtype=object)
+
+    def _system(self) -> FuzzySystem:
+        if not hasattr(self, "system_"):
+            raise _not_fitted(type(self).__name__)
+        return self.system_
+
+    def _inputs(self, X: ArrayLike) -> Array:
+        names, known = column_names(X), getattr(self, "feature_names_in_", None)
+        if names is not None and known is not None and list(known) != names:
+            raise WrongFeatures(
+                type(self).__name__, self.n_features_in_, len(names), tuple(known), tuple(names)
+            )
+        if (names is None) != (known is None):
+            warnings.warn(FeatureNamesWarning(type(self).__name__, known is not None), stacklevel=3)
+        inputs = table_of_samples("X", X)
+        if inputs.shape[1] != self.n_features_in_:
+            raise WrongFeatures(type(self).__name__, self.n_features_in_, inputs.shape[1])
+        return inputs
+
+
+class Regressor(Estimator):
+    """An estimator of numbers: the outputs of the system that was learned."""
+
+    _poor_score: ClassVar[bool] = False
+    """Whether few samples of many inputs are too little for it, which scikit-learn asks."""
+
+    def predict(self, X: ArrayLike) -> Array:
+        """Return the crisp outputs of the system.
+
+        Parameters
+        ----------
+        X : (n, p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (n,) or (n, m) ndarray
+            Outputs, of one or two dimensions as those of :meth:`fit`; NaN where no rule fires.
+
+        Raises
+        ------
+        NotFitted
+            If there is no system yet; scikit-learn's ``NotFittedError`` as well, if that is
+            imported.
+        InvalidValue, NotNumbers, WrongFeatures
+            If the inputs are not finite numbers, or not those of :meth:`fit`.
+        """
+        values = self._system()(self._inputs(X))
+        return values[:, 0] if self._one_column else values
+
+    def predict_interval(self, X: ArrayLike) -> Array:
+        """Return the type-reduced intervals of the system.
+
+        They show what the uncertainty of the terms does to the output. They are no confidence
+        intervals: how often they cover the truth is not known.
+
+        Parameters
+        ----------
+        X : (n, p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (n, 2) or (n, m, 2) ndarray
+            Left and right ends, NaN where no rule fires. Of ``kind="gt2"`` those of the lowest
+            α-plane, or two standard deviations to both sides of the mean under
+            ``reduction="gaussian"``.
+
+        Raises
+        ------
+        NotFitted, InvalidValue, NotNumbers, WrongFeatures
+            See :meth:`predict`.
+        """
+        system = self._system()
+        reduced = system.type_reduced(self._inputs(X))
+        if isinstance(system, GeneralType2System) and system.reduction == "gaussian":
+            mean, reach = reduced[..., 0], 2.0 * reduced[..., 1]
+            reduced = np.stack([mean - reach, mean + reach], axis=-1)
+        return reduced[:, 0] if self._one_column else reduced
+
+    def score(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> float:
+        r"""Return the coefficient of determination.
+
+        It is :math:`R^2 = 1 - \sum_n (y_n - \hat y_n)^2 / \sum_n (y_n - \bar y)^2`.
+
+        Parameters
+        ----------
+        X : (n, p) array_like
+            Inputs.
+        y : (n,) or (n, m) array_like
+            True outputs.
+        sample_weight : (n,) array_like, optional
+            How much each sample counts, 1 by default.
+
+        Returns
+        -------
+        float
+            At most 1; the plain average over the outputs. An output that is constant counts 1 if it
+            is met exactly and else 0. NaN if no rule fires at some input.
+
+        Raises
+        ------
+        NotFitted, InvalidValue, NotNumbers, WrongFeatures
+            See :meth:`predict`; also if ``y`` has not as many outputs as in :meth:`fit`.
+        """
+        predicted = self._system()(self._inputs(X))
+        truth, _ = table_of_outputs(y, len(predicted))
+        if truth.shape != predicted.shape:
+            raise InvalidValue("y", truth.shape, f"of {predicted.shape[1]} outputs, as in fit")
+        weights = weights_of(sample_weight, len(predicted))
+        residual = weights @ (truth - predicted) ** 2
+        total = weights @ (truth - weights @ truth / weights.sum()) ** 2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            determination = np.where(
+                total > 0.0, 1.0 - residual / total, np.where(residual == 0.0, 1.0, 0.0)
+            )
+        return float(np.where(np.isnan(residual), np.nan, determination).mean())
+
+    def __sklearn_tags__(self) -> Any:
+        """Return scikit-learn's description of the estimator.
+
+        Only scikit-learn itself asks for it.
+        """
+        from sklearn.utils import InputTags, RegressorTags, Tags, TargetTags
+
+        return Tags(
+            estimator_type="regressor",
+            target_tags=TargetTags(required=True, multi_output=True),
+            regressor_tags=RegressorTags(poor_score=self._poor_score),
+            input_tags=InputTags(),
+        )
+
+
+def _same(value: Any, default: Any) -> bool:
+    return type(value) is type(default) and bool(np.all(value == default))
+
+
+def _not_fitted(name: str) -> NotFitted:
+    """Return the error for an estimator without a system.
+
+    It is scikit-learn's as well where that is imported.
+    """
+    exceptions: Any = sys.modules.get("sklearn.exceptions")
+    if exceptions is None:
+        return NotFitted(name)
+
+    # a base that is known at run time only
+    class NotFittedForScikitLearn(NotFitted, exceptions.NotFittedError):  # type: ignore[misc]
+        """Both this package's error and scikit-learn's."""
+
+        def __reduce__(self) -> tuple[type[NotFitted], tuple[str]]:
+            return NotFitted, (self.estimator,)
+
+    NotFittedForScikitLearn.__name__ = NotFittedForScikitLearn.__qualname__ = NotFitted.__name__
+    return NotFittedForScikitLearn(name)

@@ -1,0 +1,70 @@
+"""Time series as samples."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.learning.partition import whole_number
+from fuzzy2.support.checks import Array, reals
+
+
+class Lagged(NamedTuple):
+    """What :func:`lagged` returns."""
+
+    X: Array
+    """Values so long before each time, (N, p), a column for each lag in the order given."""
+    y: Array
+    """Values so long after each time, (N,) or (N, m) like the series."""
+
+
+def lagged(series: ArrayLike, lags: Sequence[int], horizon: int = 1) -> Lagged:
+    r"""Return samples that tell what comes from what has been.
+
+    Row t of the inputs is :math:`(x_{t - l_1}, \dots, x_{t - l_p})` and of the outputs
+    :math:`x_{t + h}`, for all t for which the series has both.
+
+    Parameters
+    ----------
+    series : (T,) or (T, m) array_like
+        Values at equal distances in time; of several columns each lag gives all.
+    lags : sequence of int
+        Different whole numbers of at least 0, which is the present value.
+    horizon : int
+        How far ahead the outputs lie, at least 1.
+
+    Returns
+    -------
+    Lagged
+        Inputs ``X`` (N, p) and outputs ``y``, with N = T - max(lags) - horizon.
+
+    Raises
+    ------
+    InvalidValue
+        If the series is not of finite numbers or too short, or a number is outside of what it can
+        be.
+
+    Examples
+    --------
+    >>> X, y = lagged([0.0, 1.0, 4.0, 9.0, 16.0], lags=[0, 2], horizon=1)
+    >>> X.tolist(), y.tolist()
+    ([[4.0, 0.0], [9.0, 1.0]], [9.0, 16.0])
+    """
+    values = reals("series", series)
+    if values.ndim not in (1, 2) or not np.isfinite(values).all():
+        raise InvalidValue("series", values, "finite numbers of shape (T,) or (T, m)")
+    numbers = [whole_number("lags", lag, 0) for lag in lags]
+    if not numbers or len(set(numbers)) != len(numbers):
+        raise InvalidValue("lags", lags, "at least one, all different")
+    ahead, furthest = whole_number("horizon", horizon, 1), max(numbers)
+    if len(values) <= furthest + ahead:
+        raise InvalidValue(
+            "series", values.shape, f"longer than {furthest + ahead}, the largest lag and horizon"
+        )
+    times = np.arange(furthest, len(values) - ahead)
+    past = [values[times - lag].reshape(len(times), -1) for lag in numbers]
+    return Lagged(np.concatenate(past, axis=1), values[times + ahead])

@@ -1,0 +1,226 @@
+"""What a rule asks for, as a tree: *and*, *or*, *not* and hedges over ``input is term``.
+
+In a rule in words, variables and terms are names; in a system they are numbers. Intervals of grades
+go through a tree end by end, and change sides where it falls. An input that stands in a tree twice
+counts as two: the result then holds all grades that the true one can have, and more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.operations.t_norms import TConorm, TNorm
+from fuzzy2.support.checks import Array
+from fuzzy2.systems.hedges import Hedge
+
+
+@dataclass(frozen=True)
+class Is:
+    """``variable is term``; the term ``None`` stands for any value.
+
+    Parameters
+    ----------
+    variable : str or int
+        Name or number of an input.
+    term : str, int or None
+        Name or number of one of its terms.
+    """
+
+    variable: str | int
+    term: str | int | None
+
+
+@dataclass(frozen=True)
+class And:
+    """All parts hold."""
+
+    parts: tuple[Antecedent, ...]
+
+
+@dataclass(frozen=True)
+class Or:
+    """At least one part holds."""
+
+    parts: tuple[Antecedent, ...]
+
+
+@dataclass(frozen=True)
+class Not:
+    """The part does not hold."""
+
+    part: Antecedent
+
+
+@dataclass(frozen=True)
+class Hedged:
+    """The part holds as strictly as a word says."""
+
+    hedge: Hedge
+    part: Antecedent
+
+
+Antecedent: TypeAlias = Is | And | Or | Not | Hedged
+
+
+def leaves(tree: Antecedent) -> Iterator[Is]:
+    """Yield the parts ``variable is term`` of a tree from left to right."""
+    match tree:
+        case Is():
+            yield tree
+        case And(parts) | Or(parts):
+            for part in parts:
+                yield from leaves(part)
+        case Not(part) | Hedged(_, part):
+            yield from leaves(part)
+
+
+def mapped(tree: Antecedent, change: Callable[[Is], Antecedent]) -> Antecedent:
+    """Return a tree with other leaves."""
+    match tree:
+        case And(parts):
+            return And(tuple(mapped(part, change) for part in parts))
+        case Or(parts):
+            return Or(tuple(mapped(part, change) for part in parts))
+        case Not(part):
+            return Not(mapped(part, change))
+        case Hedged(hedge, part):
+            return Hedged(hedge, mapped(part, change))
+    return change(tree)
+
+
+def clauses_of(tree: Antecedent) -> tuple[Is, ...] | None:
+    """Return the leaves of a conjunction of different inputs; None of what is more than that."""
+    parts = tree.parts if isinstance(tree, And) else (tree,)
+    flat: list[Is] = []
+    for part in parts:
+        if not isinstance(part, Is):
+            return None
+        flat.append(part)
+    variables = [part.variable for part in flat]
+    return tuple(flat) if len(set(variables)) == len(variables) else None
+
+
+def rows_of(trees: Sequence[Antecedent], inputs: int) -> NDArray[np.int64] | None:
+    """Return rules as numbers of terms (R, p), or None if a tree is more than a conjunction."""
+    rows = np.full((len(trees), inputs), -1, dtype=np.int64)
+    for row, tree in zip(rows, trees, strict=True):
+        clauses = clauses_of(tree)
+        if clauses is None:
+            return None
+        for clause in clauses:
+            row[int(clause.variable)] = -1 if clause.term is None else clause.term
+    return rows
+
+
+def trees_of(rules: NDArray[np.int64]) -> tuple[Antecedent, ...]:
+    """Return the trees of rules that are numbers of terms (R, p)."""
+    trees: list[Antecedent] = []
+    for row in rules.tolist():
+        asked = tuple(Is(i, term) for i, term in enumerate(row) if term >= 0)
+        trees.append(asked[0] if len(asked) == 1 else And(asked) if asked else Is(0, None))
+    return tuple(trees)
+
+
+def check_numbers(tree: Any, counts: Sequence[int], number: int) -> None:
+    """Refuse what is no tree, and numbers of inputs and terms that there are not.
+
+    Raises
+    ------
+    InvalidValue
+        It names the rule.
+    """
+    what = f"rule {number}"
+    if isinstance(tree, And | Or):
+        if not isinstance(tree.parts, tuple) or not tree.parts:
+            raise InvalidValue(what, tree, "made of parts, at least one in each And and Or")
+        for part in tree.parts:
+            check_numbers(part, counts, number)
+    elif isinstance(tree, Not | Hedged):
+        check_numbers(tree.part, counts, number)
+    elif not isinstance(tree, Is):
+        raise InvalidValue(what, tree, "a tree of Is, And, Or, Not and Hedged")
+    elif not _is_number(tree.variable, len(counts)):
+        raise InvalidValue(what, tree, f"about inputs from 0, below {len(counts)}")
+    elif tree.term is not None and not _is_number(tree.term, counts[int(tree.variable)]):
+        raise InvalidValue(
+            what, tree, f"about terms of the input from 0, below {counts[int(tree.variable)]}"
+        )
+
+
+def _is_number(value: Any, count: int) -> bool:
+    whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+    return whole and 0 <= value < count
+
+
+def strength(tree: Antecedent, grades: Sequence[Array], both: TNorm, either: TConorm) -> Array:
+    """Return the firing intervals (n, 2) of a tree.
+
+    Parameters
+    ----------
+    tree : Is, And, Or, Not or Hedged
+        What a rule asks for, by number.
+    grades : sequence of p (n, terms, 2) arrays
+        Grades of each input in its terms.
+    both, either : TNorm and TConorm
+        What *and* and *or* mean.
+    """
+    match tree:
+        case Is(variable, term):
+            of_input = grades[int(variable)]
+            return np.ones((len(of_input), 2)) if term is None else of_input[:, int(term)]
+        case And(parts):
+            return both(*(strength(part, grades, both, either) for part in parts))
+        case Or(parts):
+            return either(*(strength(part, grades, both, either) for part in parts))
+        case Not(part):
+            return 1.0 - strength(part, grades, both, either)[:, ::-1]
+        case Hedged(hedge, part):
+            hedged = hedge(strength(part, grades, both, either))
+            return np.sort(hedged, axis=-1)
+
+
+# Steps of a tree for the compiled loop, which goes through them with a stack: a number from 0 is
+# that of a term, whose grade is put on top.
+ONE, AND, OR, NOT, POWER = -1, -2, -3, -4, -5
+
+
+def program_of(tree: Antecedent, offsets: Sequence[int]) -> list[float] | None:
+    """Return the steps by which the compiled loop finds a tree's strength, or None if it cannot.
+
+    ``offsets`` are the numbers of the first terms of the inputs, counted over all inputs.
+    """
+    match tree:
+        case Is(variable, term):
+            return [ONE if term is None else float(offsets[int(variable)] + int(term))]
+        case And(parts) | Or(parts):
+            steps: list[float] = []
+            for i, part in enumerate(parts):
+                own = program_of(part, offsets)
+                if own is None:
+                    return None
+                steps += own
+                if i:
+                    steps.append(AND if isinstance(tree, And) else OR)
+            return steps
+        case Not(part):
+            own = program_of(part, offsets)
+            return None if own is None else [*own, NOT]
+        case Hedged(hedge, part):
+            own = program_of(part, offsets)
+            return None if own is None or hedge.power is None else [*own, POWER, hedge.power]
+
+
+def depth_of(tree: Antecedent) -> int:
+    """Return how many numbers lie on the stack at most."""
+    match tree:
+        case And(parts) | Or(parts):
+            return max(depth_of(part) + (1 if i else 0) for i, part in enumerate(parts))
+        case Not(part) | Hedged(_, part):
+            return depth_of(part)
+    return 1

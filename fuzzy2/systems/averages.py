@@ -1,0 +1,128 @@
+"""Answers of a system by averages over its rules."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.errors import NotApplicable
+from fuzzy2.operations.t_norms import TNorm
+from fuzzy2.reduction.interval import (
+    begian_melek_mendel,
+    generalized_centroid,
+    nie_tan,
+    wu_mendel_bounds,
+)
+from fuzzy2.support.checks import Array
+from fuzzy2.systems.operators import DIRECT_METHODS
+from fuzzy2.systems.terms import highest_point, spread
+
+_HALVINGS = 60
+
+
+def averaged(
+    points: Array, weights: Array, method: str, shares: tuple[float, float] = (0.5, 0.5)
+) -> Array:
+    """Return the type-reduced intervals (..., 2) of weighted points.
+
+    Parameters
+    ----------
+    points : (..., R) or (..., R, 2) array
+        Points, or intervals.
+    weights : (..., R, 2) array
+        Weight intervals.
+    method : str
+        An exact method, or one of ``DIRECT_METHODS``, which gives both ends the same number; of Wu
+        and Mendel's bounds the middles are taken.
+    shares : (float, float)
+        Weights of the lower and the upper average in that of Begian, Melek and Mendel.
+    """
+    if method not in DIRECT_METHODS:
+        return generalized_centroid(points, weights, method)
+    if method == "wu_mendel":
+        bounds = wu_mendel_bounds(points, weights)
+        left = 0.5 * (bounds.left_lower + bounds.left_upper)
+        return np.stack([left, 0.5 * (bounds.right_lower + bounds.right_upper)], axis=-1)
+    if method == "nie_tan":
+        middle = nie_tan(points, weights)
+    else:
+        middle = begian_melek_mendel(points, weights, *shares)
+    return np.stack([middle, middle], axis=-1)
+
+
+def heights(sets: Sequence[Any]) -> tuple[Array, Array]:
+    """Return the highest points (R,) of sets, and the grades there (R, 2)."""
+    points = np.array([highest_point(item) for item in sets])
+    both = zip(sets, points, strict=True)
+    return points, np.array([[float(item.lower(at)), float(item.upper(at))] for item, at in both])
+
+
+def height_weights(
+    sets: Sequence[Any], strengths: Array, implication: TNorm, modified: bool
+) -> tuple[Array, Array]:
+    """Return the points (R,) and weights (n, R, 2) of the height reducer, or the modified one."""
+    points, grades = heights(sets)
+    weights = implication(strengths, grades)
+    if modified:
+        weights = weights / np.array([spread(item) for item in sets])[:, np.newaxis] ** 2
+    return points, weights
+
+
+def weighted_sum(intervals: Array, strengths: Array) -> Array:
+    """Return the sums (n, 2) of intervals (n or 1, R, 2) with weights (n, R, 2).
+
+    NaN where no rule fires.
+    """
+    products = strengths[..., :, np.newaxis] * intervals[..., np.newaxis, :]
+    ends = products.reshape(*products.shape[:-2], 4)
+    sums = np.stack([ends.min(axis=-1).sum(axis=-1), ends.max(axis=-1).sum(axis=-1)], axis=-1)
+    fires = strengths[..., 1].max(axis=-1, keepdims=True) > 0.0
+    return np.where(fires, sums, np.nan)
+
+
+class Monotonic:
+    """Consequents of Tsukamoto: each is asked for the point where it has a grade.
+
+    Parameters
+    ----------
+    sets : sequence of R type-1 sets
+        Sets that rise all the way, or fall all the way, within the range.
+    ends : (float, float)
+        Range of the output. A grade that a set does not reach within it is taken at the end where
+        the set is nearest to it.
+
+    Raises
+    ------
+    NotApplicable
+        If a set does not, which is looked for at 257 points and its landmarks.
+    """
+
+    def __init__(self, sets: Sequence[Any], ends: tuple[float, float]) -> None:
+        self._sets, self._ends = list(sets), ends
+        self._rising = []
+        for item in self._sets:
+            inside = item.landmarks[(item.landmarks > ends[0]) & (item.landmarks < ends[1])]
+            grades = item(np.sort(np.concatenate([np.linspace(*ends, 257), inside])))
+            steps = np.diff(grades)
+            if (steps > 0.0).any() == (steps < 0.0).any():
+                raise NotApplicable(
+                    "type reduction 'tsukamoto'",
+                    f"{repr(item)[:80]} does not rise, or fall, all the way on [{ends[0]:.6g}, "
+                    f"{ends[1]:.6g}]",
+                )
+            self._rising.append(bool((steps > 0.0).any()))
+
+    def points(self, strengths: Array) -> Array:
+        """Return the points (n, R) at which the sets have the grades (n, R)."""
+        found = np.empty_like(strengths)
+        for r, (item, rising) in enumerate(zip(self._sets, self._rising, strict=True)):
+            low = np.full(len(strengths), self._ends[0])
+            high = np.full(len(strengths), self._ends[1])
+            for _ in range(_HALVINGS):
+                middle = 0.5 * (low + high)
+                before = (item(middle) < strengths[:, r]) == rising
+                low, high = np.where(before, middle, low), np.where(before, high, middle)
+            found[:, r] = 0.5 * (low + high)
+        return found

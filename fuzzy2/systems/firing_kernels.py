@@ -1,0 +1,190 @@
+"""Compiled firing of rules; :mod:`fuzzy2.systems.kernels` reduces what they say."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fuzzy2.support.compiled import compiled
+
+# Inference. A system is one array of floats, so that a call hands over one table and not seven
+# arrays. It starts with (inputs p, terms T, rules R, outputs m, t-norm code, where the supplement
+# begins or 0 where there is none), then follow
+#   terms T rows of 10: index of the input, then what kernel_row() gives rules R rows of p: index of
+#   the term, or -1 where the input plays no part ends R rows of 2 m: left ends of the consequents,
+#   above the least of their output, then right ends, below the greatest least, greatest m numbers
+#   each sorted 2 m rows of R: these distances in ascending order orders 2 m rows of R: the rules in
+#   that order
+#   supplement of a system that is more than that, see ``fuzzy2.systems.table.supplement_of``:
+#   (t-conorm code, whether rules are trees, whether a rule is silent or an output has a default,
+#   deepest stack), R weights, R rows of m: whether a rule is silent, m defaults or NaN, R + 1
+#   places where the steps of the rules begin, and the steps of ``fuzzy2.systems.antecedents``
+HEADER = 6
+TERM = 10
+SUPPLEMENT = 4
+
+
+@compiled
+def _grades(row, o, x, width):
+    """Lower and upper grade of x in the term whose table row starts at o.
+
+    See ``kernel_row`` of the sets.
+
+    ``width`` is the half-width, in standard deviations of the secondary grades, of the alpha-plane
+    of a Gaussian type-2 set.
+    """
+    kind = int(row[o + 1])
+    if kind == 1:
+        a, b, c, d, height = row[o + 2], row[o + 3], row[o + 4], row[o + 5], row[o + 6]
+        if x < a or x > d:
+            grade = 0.0
+        elif x < b:
+            grade = height * (x - a) / (b - a)
+        elif x > c:
+            grade = height * (d - x) / (d - c)
+        else:
+            grade = height
+        return grade, grade
+    m1, m2, s_low, s_high, h_low, h_high, secondary = (
+        row[o + 2],
+        row[o + 3],
+        row[o + 4],
+        row[o + 5],
+        row[o + 6],
+        row[o + 7],
+        row[o + 8],
+    )
+    if kind == 2:
+        # Gaussian secondary grades about a Gaussian principal membership function.
+        t = (x - m1) / s_high
+        principal = h_high * math.exp(-0.5 * t * t)
+        return max(principal - width * secondary, 0.0), min(principal + width * secondary, 1.0)
+    if x < m1:
+        t = (x - m1) / s_high
+        upper = h_high * math.exp(-0.5 * t * t)
+    elif x > m2:
+        t = (x - m2) / s_high
+        upper = h_high * math.exp(-0.5 * t * t)
+    else:
+        upper = h_high
+    if m1 == m2 and s_low == s_high and h_low == h_high:
+        return upper, upper
+    t = (x - (m2 if x < 0.5 * (m1 + m2) else m1)) / s_low
+    return h_low * math.exp(-0.5 * t * t), upper
+
+
+@compiled
+def _fire(table, x, xo, width, grades, low, high):
+    """Write lower and upper firing strength of every rule for the input that starts at ``xo``."""
+    inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
+    for t in range(terms):
+        o = HEADER + TERM * t
+        grades[2 * t], grades[2 * t + 1] = _grades(table, o, x[xo + int(table[o])], width)
+    o = HEADER + TERM * terms
+    for r in range(rules):
+        lower, upper = 1.0, 1.0
+        for _ in range(inputs):
+            t = int(table[o])
+            o += 1
+            if t < 0:
+                continue
+            if norm == 0:
+                lower, upper = min(lower, grades[2 * t]), min(upper, grades[2 * t + 1])
+            else:
+                lower *= grades[2 * t]
+                upper *= grades[2 * t + 1]
+        low[r], high[r] = lower, upper
+    if table[5] > 0.0:
+        _supplement_firing(table, grades, low, high)
+
+
+@compiled
+def _either(norm, a, b):
+    """Combine two grades by *or*: maximum, probabilistic sum, or bounded sum."""
+    if norm == 0:
+        return max(a, b)
+    if norm == 1:
+        least, most = min(a, b), max(a, b)
+        return most + least * (1.0 - most)
+    return min(a + b, 1.0)
+
+
+@compiled
+def _supplement_firing(table, grades, low, high):
+    """Fire the rules that are trees, and multiply the firing by the weights of the rules."""
+    rules, outputs, norm = int(table[2]), int(table[3]), int(table[4])
+    start = int(table[5])
+    conorm, trees, deepest = int(table[start]), table[start + 1] > 0.0, int(table[start + 3])
+    weights = start + SUPPLEMENT
+    places = weights + rules + rules * outputs + outputs
+    if trees:
+        lower, upper = np.empty(deepest), np.empty(deepest)
+        for r in range(rules):
+            top = -1
+            step, end = int(table[places + r]), int(table[places + r + 1])
+            while step < end:
+                code = int(table[step])
+                step += 1
+                if code >= -1:
+                    top += 1
+                    lower[top] = 1.0 if code < 0 else grades[2 * code]
+                    upper[top] = 1.0 if code < 0 else grades[2 * code + 1]
+                elif code == -2:
+                    top -= 1
+                    if norm == 0:
+                        lower[top] = min(lower[top], lower[top + 1])
+                        upper[top] = min(upper[top], upper[top + 1])
+                    else:
+                        lower[top] *= lower[top + 1]
+                        upper[top] *= upper[top + 1]
+                elif code == -3:
+                    top -= 1
+                    lower[top] = _either(conorm, lower[top], lower[top + 1])
+                    upper[top] = _either(conorm, upper[top], upper[top + 1])
+                elif code == -4:
+                    lower[top], upper[top] = 1.0 - upper[top], 1.0 - lower[top]
+                else:
+                    power = table[step]
+                    step += 1
+                    lower[top], upper[top] = lower[top] ** power, upper[top] ** power
+            # Rounding, which is not the same for both ends, must not exchange them.
+            low[r], high[r] = min(lower[0], upper[0]), upper[0]
+    for r in range(rules):
+        low[r] *= table[weights + r]
+        high[r] *= table[weights + r]
+
+
+# Products of grades below this one have lost digits, or all of them, to underflow.
+VANISHED = 1e-280
+
+
+@compiled
+def _fire_in_logarithms(table, grades, low, high):
+    """Write the firing strengths of plain rules under the product, divided by the greatest.
+
+    ``grades`` are as ``_fire`` left them. Return whether any rule fires.
+    """
+    inputs, terms, rules = int(table[0]), int(table[1]), int(table[2])
+    start = int(table[5])
+    if int(table[4]) != 1 or (start > 0 and table[start + 1] > 0.0):
+        return False
+    o = HEADER + TERM * terms
+    greatest = -math.inf
+    for r in range(rules):
+        lower, upper = 0.0, 0.0
+        if start > 0:
+            lower = upper = math.log(table[start + SUPPLEMENT + r])
+        for _ in range(inputs):
+            t = int(table[o])
+            o += 1
+            if t >= 0:
+                lower += math.log(grades[2 * t])
+                upper += math.log(grades[2 * t + 1])
+        low[r], high[r] = lower, upper
+        greatest = max(greatest, upper)
+    if greatest == -math.inf:
+        return False
+    for r in range(rules):
+        low[r], high[r] = math.exp(low[r] - greatest), math.exp(high[r] - greatest)
+    return True

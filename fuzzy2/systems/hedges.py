@@ -1,0 +1,121 @@
+r"""Hedges: words that make a term stricter or looser, ``x is very Low``.
+
+=====================  ==================================================
+word                   grade for a grade :math:`\mu`
+=====================  ==================================================
+very                   :math:`\mu^2`
+extremely              :math:`\mu^3`
+somewhat               :math:`\sqrt\mu`
+more or less           :math:`\sqrt\mu`
+slightly               :math:`\sqrt[3]\mu`
+=====================  ==================================================
+
+Zadeh's powers, as MATLAB's documentation gives them. Programs differ in what they call by these
+words; a system takes hedges of one's own, ``hedges={"very": Hedge("very", power=1.5)}``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.sets.type1 import set_fields
+from fuzzy2.support.checks import Array, positive
+
+_TRIAL_GRADES = np.linspace(0.0, 1.0, 129)
+
+
+@dataclass(frozen=True)
+class Hedge:
+    """What a word does to the grade of a term.
+
+    Parameters
+    ----------
+    name : str
+        The word, or words.
+    power : float, optional
+        Power that the grade is raised to, above 0.
+    function : callable, optional
+        From grades (...,) in [0, 1] to grades (...,), rising or falling all the way; either this or
+        a power. Systems with such hedges are evaluated at NumPy's speed and cannot be saved.
+
+    Raises
+    ------
+    InvalidValue
+        If neither or both are given, the power is not above 0, or the function leaves [0, 1] or
+        both rises and falls.
+    """
+
+    name: str
+    power: float | None = None
+    function: Callable[[Array], Array] | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise InvalidValue("name", self.name, "the word of a hedge")
+        set_fields(self, name=" ".join(self.name.split()))
+        if (self.power is None) == (self.function is None):
+            raise InvalidValue("power and function", (self.power, self.function), "one of both")
+        if self.power is not None:
+            set_fields(self, power=positive("power", self.power))
+        if self.function is not None:
+            self._try_function(self.function)
+
+    @staticmethod
+    def _try_function(function: Callable[[Array], Array]) -> None:
+        grades = np.asarray(function(_TRIAL_GRADES), dtype=float)
+        if grades.shape != _TRIAL_GRADES.shape or not ((grades >= 0.0) & (grades <= 1.0)).all():
+            raise InvalidValue("function", function, "from arrays of grades to grades in [0, 1]")
+        steps = np.diff(grades)
+        if (steps < 0.0).any() and (steps > 0.0).any():
+            raise InvalidValue("function", function, "rising all the way, or falling all the way")
+
+    def __call__(self, grades: Array) -> Array:
+        """Return the hedged grades of grades (...,)."""
+        if self.function is not None:
+            return np.asarray(self.function(grades), dtype=float)
+        assert self.power is not None
+        return np.asarray(grades**self.power)
+
+
+HEDGES = MappingProxyType(
+    {
+        hedge.name: hedge
+        for hedge in (
+            Hedge("very", 2.0),
+            Hedge("extremely", 3.0),
+            Hedge("somewhat", 0.5),
+            Hedge("more or less", 0.5),
+            Hedge("slightly", 1.0 / 3.0),
+        )
+    }
+)
+"""Hedges that every system knows."""
+
+ANY = "any"
+"""Word for whatever value: ``x is any`` holds always."""
+
+
+def known_hedges(
+    given: Mapping[str, Hedge | Callable[[Array], Array]] | None,
+) -> dict[str, Hedge]:
+    """Return the hedges of a system by their words in lower case: its own, and the common ones.
+
+    Raises
+    ------
+    InvalidValue
+        If a value is neither a hedge nor a function, or a name is a keyword.
+    """
+    known = dict(HEDGES)
+    for name, hedge in (given or {}).items():
+        word = " ".join(str(name).split()).lower()
+        if word in ("", "not", ANY, "is", "if", "then", "and", "or", "else", "with"):
+            raise InvalidValue("hedges", name, "words that are no keywords")
+        if not isinstance(hedge, Hedge) and not callable(hedge):
+            raise InvalidValue(f"hedge {name!r}", hedge, "a Hedge, or a function of grades")
+        known[word] = hedge if isinstance(hedge, Hedge) else Hedge(word, function=hedge)
+    return known

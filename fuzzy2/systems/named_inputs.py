@@ -1,0 +1,68 @@
+"""Inputs by name: of a mapping, of keywords, or of the columns of a data frame."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.support.checks import Array, reals
+from fuzzy2.systems.rules import unknown_name
+
+
+def by_name(X: Any, names: Sequence[str], named: bool) -> Any:
+    """Return inputs in the order of a system's inputs, (..., p), if they have names.
+
+    Parameters
+    ----------
+    X : mapping, data frame or array_like
+        Values by name, which broadcast, or a table whose ``columns`` have names; anything else is
+        returned as it is.
+    names : sequence of str
+        Names of the system's inputs.
+    named : bool
+        Whether somebody gave them. Columns of a data frame are not matched with names that nobody
+        gave, but taken in their order.
+
+    Returns
+    -------
+    (..., p) ndarray, or X
+
+    Raises
+    ------
+    InvalidValue
+        If there is no value for an input, or one for what is no input; columns of a data frame that
+        are no inputs are passed over.
+    """
+    if isinstance(X, Mapping):
+        unknown = [name for name in X if name not in names]
+        if unknown:
+            raise InvalidValue("X", list(X), f"values of inputs: {_unknown(unknown[0], names)}")
+        return _stacked(X, names)
+    columns = getattr(X, "columns", None)
+    if columns is None or isinstance(X, np.ndarray):
+        return X
+    labels = list(columns)
+    if not named and len(labels) == len(names) and not set(names) <= set(labels):
+        return np.stack([reals(str(label), X[label]) for label in labels], axis=-1)
+    return _stacked({label: X[label] for label in labels if label in names}, names)
+
+
+def _stacked(values: Mapping[str, Any], names: Sequence[str]) -> Array:
+    missing = [name for name in names if name not in values]
+    if missing:
+        raise InvalidValue(
+            "X", list(values), f"values of all inputs, and {', '.join(missing)} has none"
+        )
+    columns = [reals(name, values[name]) for name in names]
+    try:
+        return np.stack(np.broadcast_arrays(*columns), axis=-1)
+    except ValueError as error:
+        shapes = {name: column.shape for name, column in zip(names, columns, strict=True)}
+        raise InvalidValue("X", shapes, "values of shapes that go together") from error
+
+
+def _unknown(name: Any, names: Sequence[str]) -> str:
+    return f"{unknown_name('input', str(name), names)} (known: {', '.join(names)})"

@@ -1,0 +1,121 @@
+r"""Names of the operators of a system: how rules are united, reduced and defuzzified.
+
+Type reductions, from the firing of the rules to an answer:
+
+============================  ==================================================================
+name                          answer
+============================  ==================================================================
+"center_of_sets"              average of the consequents, by their centroids if they are sets
+"height"                      average of the consequents' highest points
+"modified_height"             the same, weights divided by squared spreads
+"centroid"                    centroid of the united sets
+"center_of_sums"              centroid of their sum
+"bisector"                    point that halves the area of the united sets
+"smallest_of_maxima"          first point of their greatest grade
+"middle_of_maxima"            middle between the first and the last
+"mean_of_maxima"              mean of all such points
+"largest_of_maxima"           last point of their greatest grade
+"smallest_absolute_maximum"   of these points the one nearest to 0, MATLAB's smallest of maxima
+"largest_absolute_maximum"    the one farthest from 0, MATLAB's largest of maxima
+"weighted_sum"                sum of the consequents, weighted with the firing, without dividing
+"tsukamoto"                   average of the points where monotonic consequents have the grade of
+                              the firing
+============================  ==================================================================
+
+MATLAB's names are taken, too: ``"wtaver"``, ``"wtsum"``, ``"mom"``, ``"som"`` and ``"lom"``, in
+MATLAB's sense; and ``"weighted_average"`` for ``"center_of_sets"``.
+"""
+
+from __future__ import annotations
+
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.errors import UnknownName
+from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS, BinaryFunction, TConorm, t_conorm
+from fuzzy2.reduction.interval import METHODS as EXACT_METHODS
+
+AVERAGES = ("center_of_sets", "height", "modified_height", "weighted_sum", "tsukamoto")
+"""Type reductions that go rule by rule."""
+
+MAXIMA = (
+    "smallest_of_maxima",
+    "middle_of_maxima",
+    "mean_of_maxima",
+    "largest_of_maxima",
+    "smallest_absolute_maximum",
+    "largest_absolute_maximum",
+)
+"""Type reductions that take a point of the greatest grade."""
+
+UNIONS = ("centroid", "center_of_sums", "bisector", *MAXIMA)
+"""Type reductions that unite the sets of the rules first."""
+
+TYPE_REDUCTIONS = (*AVERAGES, *UNIONS)
+"""Names of the ways from firing intervals to a type-reduced set."""
+
+CRISP_ONLY = ("bisector", *MAXIMA, "tsukamoto")
+"""Type reductions that are defined for type-1 systems."""
+
+DIRECT_METHODS = ("nie_tan", "wu_mendel", "begian_melek_mendel")
+"""Methods that go to the crisp output without the type-reduced interval, approximately."""
+
+METHODS = (*EXACT_METHODS, *DIRECT_METHODS)
+"""Names of the methods of type reduction of a system."""
+
+INTEGRATIONS = ("exact", "sum")
+"""How the centroid of united sets is found: by integration, or as a sum over points."""
+
+ALIASES = MappingProxyType(
+    {
+        "weighted_average": "center_of_sets",
+        "wtaver": "center_of_sets",
+        "wtsum": "weighted_sum",
+        "mom": "mean_of_maxima",
+        "som": "smallest_absolute_maximum",
+        "lom": "largest_absolute_maximum",
+    }
+)
+"""Other names of type reductions."""
+
+SUM = TConorm("sum", np.add, T_NORMS["lukasiewicz"])
+"""Aggregation that adds the sets of the rules up, above 1, too. It is no t-conorm."""
+
+AGGREGATIONS = MappingProxyType({**T_CONORMS, SUM.name: SUM})
+"""Ways to unite the sets of the rules, by name."""
+
+
+def aggregation(name: str | TConorm | BinaryFunction) -> TConorm:
+    """Return the way in which the rules' sets are united: a t-conorm, or the sum."""
+    if isinstance(name, str) and name == SUM.name:
+        return SUM
+    return t_conorm(name)
+
+
+def type_reduction(name: str) -> str:
+    """Return a type reduction by its own name.
+
+    Raises
+    ------
+    UnknownName
+        If there is none.
+    """
+    known = ALIASES.get(name, name)
+    if known not in TYPE_REDUCTIONS:
+        raise UnknownName("type reduction", name, TYPE_REDUCTIONS)
+    return known
+
+
+def choice(what: str, name: Any, known: tuple[str, ...]) -> str:
+    """Return a name that is among the known ones.
+
+    Raises
+    ------
+    UnknownName
+        If it is not.
+    """
+    if name not in known:
+        raise UnknownName(what, name, known)
+    return str(name)

@@ -1,0 +1,180 @@
+"""From the firing of the rules to type-reduced outputs, by any of the type reductions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy2.errors import NotApplicable
+from fuzzy2.operations.t_norms import TConorm, TNorm
+from fuzzy2.reduction.defuzzification import defuzzify_samples
+from fuzzy2.support.checks import Array
+from fuzzy2.systems.averages import Monotonic, averaged, height_weights, weighted_sum
+from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.maxima import maximum
+from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, SUM, UNIONS
+from fuzzy2.systems.terms import domain_of
+from fuzzy2.systems.united import United
+
+_BLOCK = 64
+"""Inputs whose united sets are held at a time on a grid."""
+
+
+@dataclass(frozen=True)
+class Operators:
+    """How the firing of rules becomes outputs; see :class:`fuzzy2.FuzzySystem`."""
+
+    type_reduction: str
+    method: str
+    shares: tuple[float, float]
+    implication: TNorm
+    aggregation: TConorm
+    integration: str
+    resolution: int
+
+
+class Outputs:
+    """The consequents of a system, ready for any firing.
+
+    Parameters
+    ----------
+    operators : Operators
+        How they are reduced.
+    consequents : Linear, or anything
+        Linear functions; of others the sets or the intervals count.
+    sets : list of lists of sets, or None
+        Consequents that are sets, by rule and output; None for an output of which a rule says
+        nothing.
+    intervals : (R, m, 2) ndarray
+        Consequents, or their centroids.
+    silent : (R, m) ndarray of bool, or None
+        Where a rule says nothing of an output.
+    ranges : sequence of pairs, or None
+        Ranges of the outputs.
+    """
+
+    def __init__(
+        self,
+        operators: Operators,
+        consequents: Any,
+        sets: Sequence[Sequence[Any]] | None,
+        intervals: Array,
+        silent: NDArray[np.bool_] | None,
+        ranges: Sequence[tuple[float, float]] | None,
+    ) -> None:
+        self._operators, self._consequents = operators, consequents
+        self._intervals, self._silent = intervals, silent
+        count = intervals.shape[1]
+        self._ranges = ranges or (None,) * count
+        self._speaking = [
+            np.arange(len(intervals)) if silent is None else np.flatnonzero(~silent[:, j])
+            for j in range(count)
+        ]
+        kind = operators.type_reduction
+        self._sets: list[list[Any]] = []
+        if sets is not None and kind != "center_of_sets":
+            self._sets = [
+                [sets[int(r)][j] for r in rules] for j, rules in enumerate(self._speaking)
+            ]
+        self._united: list[United | None] = [None] * count
+        self._monotonic: list[Monotonic | None] = [None] * count
+        for j, ends in enumerate(self._ranges):
+            if not self._speaking[j].size:
+                continue
+            if kind == "tsukamoto":
+                self._monotonic[j] = Monotonic(self._sets[j], ends or domain_of(self._sets[j]))
+            if kind in UNIONS and operators.integration == "exact":
+                self._united[j] = self._union(j, ends)
+
+    def _union(self, j: int, ends: tuple[float, float] | None) -> United:
+        own = self._operators
+        summed = own.type_reduction == "center_of_sums" or own.aggregation is SUM
+        if own.method == "wu_mendel":
+            raise NotApplicable(
+                "method 'wu_mendel'", "its bounds need points; take integration='sum'"
+            )
+        return United(self._sets[j], own.implication, None if summed else own.aggregation, ends)
+
+    def __call__(self, rows: Array, strengths: Array) -> Array:
+        """Return the type-reduced intervals (n, m, 2) of inputs and firing intervals (n, R, 2)."""
+        own = self._operators
+        if own.type_reduction in ("center_of_sets", "weighted_sum"):
+            return self._of_points(rows, strengths)
+        outputs = []
+        for j, rules in enumerate(self._speaking):
+            if rules.size:
+                outputs.append(self._of_sets(j, strengths[:, rules]))
+            else:
+                outputs.append(np.full((len(strengths), 2), np.nan))
+        return np.stack(outputs, axis=1)
+
+    def _of_points(self, rows: Array, strengths: Array) -> Array:
+        own = self._operators
+        if isinstance(self._consequents, Linear):
+            intervals = np.moveaxis(self._consequents.at(rows), 2, 1)
+        else:
+            intervals = np.moveaxis(self._intervals, 1, 0)[np.newaxis]
+        weights = strengths[:, np.newaxis]
+        if self._silent is not None:
+            weights = np.where(self._silent.T[np.newaxis, ..., np.newaxis], 0.0, weights)
+        if own.type_reduction == "weighted_sum":
+            return weighted_sum(intervals, weights)
+        return averaged(intervals, weights, own.method, own.shares)
+
+    def _of_sets(self, j: int, strengths: Array) -> Array:
+        own, sets = self._operators, self._sets[j]
+        kind = own.type_reduction
+        if kind in ("height", "modified_height"):
+            points, weights = height_weights(
+                sets, strengths, own.implication, kind == "modified_height"
+            )
+            return averaged(points, weights, own.method, own.shares)
+        monotonic = self._monotonic[j]
+        if monotonic is not None:
+            points = monotonic.points(strengths[..., 1])
+            return averaged(np.stack([points, points], axis=-1), strengths, "eiasc")
+        united = self._united[j]
+        if united is None:
+            return self._summed(sets, self._ranges[j], strengths)
+        if kind in ("centroid", "center_of_sums"):
+            if own.method in DIRECT_METHODS:
+                return united.average(strengths, own.method, own.shares)
+            return united.centroids(strengths)
+        found = (
+            united.bisectors(strengths) if kind == "bisector" else united.maxima(strengths, kind)
+        )
+        return np.stack([found, found], axis=-1)
+
+    def _summed(self, sets: list[Any], ends: tuple[float, float] | None, strengths: Array) -> Array:
+        """Return the intervals (n, 2) of one output from points of its range."""
+        own = self._operators
+        kind = own.type_reduction
+        grid = np.linspace(*(ends or domain_of(sets)), own.resolution)
+        shapes = np.array([[item.lower(grid), item.upper(grid)] for item in sets])
+        reduced = np.empty((len(strengths), 2))
+        for start in range(0, len(strengths), _BLOCK):
+            # A block at a time, so that memory stays that of a block however many inputs there are.
+            block = slice(start, start + _BLOCK)
+            clipped = own.implication(strengths[block][..., np.newaxis], shapes[np.newaxis])
+            if kind == "center_of_sums" or own.aggregation is SUM:
+                united = clipped.sum(axis=1)
+            elif clipped.shape[1] > 1:
+                united = own.aggregation.reduce(clipped, axis=1)
+            else:
+                united = clipped[:, 0]
+            if kind in ("centroid", "center_of_sums"):
+                weights = np.moveaxis(united, 1, 2)
+                reduced[block] = averaged(grid, weights, own.method, own.shares)
+                continue
+            grades = united[:, 1]
+            found = (
+                maximum(grid, grades, kind)
+                if kind in MAXIMA
+                else defuzzify_samples(grid, grades, "bisector")
+            )
+            reduced[block] = np.stack([found, found], axis=-1)
+        return reduced

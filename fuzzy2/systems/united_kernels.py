@@ -1,0 +1,343 @@
+"""Compiled loops that integrate unions of output sets; :mod:`fuzzy2.systems.united` is their face.
+
+Sets are two rows each, of the lower and of the upper membership function, laid out as the terms of
+a system's table (``fuzzy2.systems.kernels``): the number of an input, which does not matter, then
+what ``kernel_row()`` gives.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fuzzy2.support.checks import Array
+from fuzzy2.support.compiled import compiled
+from fuzzy2.systems.firing_kernels import TERM, _grades
+
+MOST_PIECES = 4096
+STACK = 64
+
+
+@compiled
+def _union(rows, weights, sets, product, total, end, x):
+    """Grade of the lower or upper union at a point, under weights (2, sets), flat."""
+    united = 0.0
+    for k in range(sets):
+        weight = weights[end * sets + k]
+        if weight == 0.0:
+            continue
+        lower, upper = _grades(rows, TERM * (2 * k + end), x, 0.0)
+        grade = upper if end == 1 else lower
+        grade = weight * grade if product else min(weight, grade)
+        united = united + grade if total else max(united, grade)
+    return united
+
+
+@compiled
+def _rule(rows, weights, sets, product, total, crisp, nodes, left, right, origin, out, o):
+    """Write areas and moments of the lower and the upper union over a piece.
+
+    Of a type-1 union twice the same.
+    """
+    half, middle = 0.5 * (right - left), 0.5 * (left + right)
+    for i in range(4):
+        out[o + i] = 0.0
+    count = nodes.size // 2
+    for i in range(count):
+        x = middle + half * nodes[i]
+        weight = half * nodes[count + i]
+        upper = weight * _union(rows, weights, sets, product, total, 1, x)
+        out[o + 2] += upper
+        out[o + 3] += upper * (x - origin)
+        if not crisp:
+            lower = weight * _union(rows, weights, sets, product, total, 0, x)
+            out[o] += lower
+            out[o + 1] += lower * (x - origin)
+    if crisp:
+        out[o], out[o + 1] = out[o + 2], out[o + 3]
+
+
+@compiled
+def _cuts(rows, o, end, level, nodes, count):
+    """Add the points at which a membership function has a grade; return how many nodes there are.
+
+    Also points at which it would have it on another branch, which do no harm.
+    """
+    if not 0.0 < level < 1.0:
+        return count
+    if int(rows[o + 1]) == 1:
+        a, b, c, d, height = rows[o + 2], rows[o + 3], rows[o + 4], rows[o + 5], rows[o + 6]
+        if level < height:
+            # Of a shoulder that has no end there is nothing to cut on that side.
+            nodes[count] = a + (b - a) * level / height if b > a else b
+            nodes[count + 1] = d - (d - c) * level / height if d > c else c
+            return count + 2
+        return count
+    sigma = rows[o + 5] if end == 1 else rows[o + 4]
+    height = rows[o + 7] if end == 1 else rows[o + 6]
+    if level < height:
+        reach = sigma * math.sqrt(2.0 * math.log(height / level))
+        first, second = (rows[o + 2], rows[o + 3]) if end == 1 else (rows[o + 3], rows[o + 2])
+        nodes[count], nodes[count + 1] = first - reach, second + reach
+        return count + 2
+    return count
+
+
+@compiled
+def _nodes_of(rows, weights, sets, product, crisp, kinks, nodes):
+    """Write the ascending nodes of a union; return how many there are."""
+    count = kinks.size
+    nodes[:count] = kinks
+    if not product:
+        for k in range(sets):
+            for end in range(1 if crisp else 0, 2):
+                o = TERM * (2 * k + end)
+                count = _cuts(rows, o, end, weights[end * sets + k], nodes, count)
+    first, last = kinks[0], kinks[-1]
+    for i in range(count):
+        nodes[i] = min(max(nodes[i], first), last)
+    nodes[:count].sort()
+    return count
+
+
+@compiled
+def _grade_of(rows, weights, sets, product, k, end, x):
+    """Grade at which a rule leaves its output set at a point."""
+    lower, upper = _grades(rows, TERM * (2 * k + end), x, 0.0)
+    grade = upper if end == 1 else lower
+    weight = weights[end * sets + k]
+    return weight * grade if product else min(weight, grade)
+
+
+@compiled
+def _highest(rows, weights, sets, product, end, x):
+    """Return which set is highest at a point."""
+    best, most = -1, 0.0
+    for k in range(sets):
+        grade = _grade_of(rows, weights, sets, product, k, end, x)
+        if grade > most:
+            best, most = k, grade
+    return best
+
+
+@compiled
+def _split(rows, weights, sets, product, total, crisp, left, right):
+    """Return where another set becomes the highest within a piece, or its left end if none does."""
+    if total:
+        return left
+    inset = 1e-9 * (right - left)
+    for end in range(1, -1 if not crisp else 0, -1):
+        a, b = left + inset, right - inset
+        first = _highest(rows, weights, sets, product, end, a)
+        second = _highest(rows, weights, sets, product, end, b)
+        if first == second or first < 0 or second < 0:
+            continue
+        above = _grade_of(rows, weights, sets, product, first, end, a) - _grade_of(
+            rows, weights, sets, product, second, end, a
+        )
+        below = _grade_of(rows, weights, sets, product, first, end, b) - _grade_of(
+            rows, weights, sets, product, second, end, b
+        )
+        x = 0.5 * (a + b)
+        # False position, with half the weight for an end that stays (Illinois).
+        for _ in range(20):
+            if not above > below:
+                break
+            x = a + (b - a) * above / (above - below)
+            gap = _grade_of(rows, weights, sets, product, first, end, x) - _grade_of(
+                rows, weights, sets, product, second, end, x
+            )
+            if abs(gap) <= 1e-15:
+                break
+            if gap > 0.0:
+                a, above = x, gap
+                below *= 0.5
+            else:
+                b, below = x, gap
+                above *= 0.5
+        if left + inset < x < right - inset:
+            return x
+    return left
+
+
+@compiled
+def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their halves, for speed)
+    rows, weights, sets, product, total, crisp, gauss, nodes, count, origin, tolerance, edges, sums
+):
+    """Write the ascending pieces, (P, 2) and (P, 4); return how many, or -1 if too many.
+
+    For a type-1 union there is one piece, the whole, at its end.
+    """
+    stack = np.empty(2 * STACK)
+    found = np.empty(4 * STACK)
+    one = np.empty(8)
+    reach = nodes[count - 1] - nodes[0]
+    scale = 0.0
+    if crisp:
+        for i in range(count - 1):
+            if nodes[i + 1] > nodes[i]:
+                _rule(
+                    rows, weights, sets, product, total, crisp, gauss,
+                    nodes[i], nodes[i + 1], origin, one, 0,
+                )  # fmt: skip
+                scale += one[2]
+    pieces = 0
+    for i in range(4):
+        sums[0, i] = 0.0
+    for i in range(count - 1):
+        if not nodes[i + 1] > nodes[i]:
+            continue
+        stack[0], stack[1] = nodes[i], nodes[i + 1]
+        _rule(
+            rows, weights, sets, product, total, crisp, gauss,
+            nodes[i], nodes[i + 1], origin, found, 0,
+        )  # fmt: skip
+        depth = 1
+        while depth > 0:
+            depth -= 1
+            left, right = stack[2 * depth], stack[2 * depth + 1]
+            middle = left
+            if right - left > 1e-9 * reach:
+                middle = _split(rows, weights, sets, product, total, crisp, left, right)
+            rough = middle > left
+            if not rough:
+                middle = 0.5 * (left + right)
+            for half in range(2):
+                _rule(
+                    rows, weights, sets, product, total, crisp, gauss,
+                    middle if half == 1 else left, right if half == 1 else middle,
+                    origin, one, 4 * half,
+                )  # fmt: skip
+            for end in range(2):
+                for power in range(2):
+                    j = 2 * end + power
+                    both = one[j] + one[4 + j]
+                    size = scale if crisp else one[2 * end] + one[4 + 2 * end]
+                    # Points are themselves rounded, which shows in narrow pieces.
+                    noise = 1e-15 * max(abs(left), abs(right)) / (right - left)
+                    allowed = ((tolerance + noise) * size + 1e-280) * (reach if power == 1 else 1.0)
+                    rough = rough or abs(found[4 * depth + j] - both) > allowed
+            if rough and left < middle and middle < right and depth + 2 < STACK:
+                # The left half is on top, so that pieces come in ascending order.
+                stack[2 * depth], stack[2 * depth + 1] = middle, right
+                stack[2 * depth + 2], stack[2 * depth + 3] = left, middle
+                for j in range(4):
+                    found[4 * depth + j] = one[4 + j]
+                    found[4 * depth + 4 + j] = one[j]
+                depth += 2
+                continue
+            if crisp:
+                for j in range(4):
+                    sums[0, j] += one[j] + one[4 + j]
+                continue
+            if pieces == MOST_PIECES:
+                return -1
+            edges[pieces, 0], edges[pieces, 1] = left, right
+            for j in range(4):
+                sums[pieces, j] = one[j] + one[4 + j]
+            pieces += 1
+    return 1 if crisp else pieces
+
+
+@compiled
+def _end_of(rows, weights, sets, product, total, gauss, edges, sums, pieces, origin, left_end):
+    """Return the left or the right end of the centroid of an interval type-2 union, or NaN.
+
+    The right end is the left end of the mirrored union.
+    """
+    sign = 1.0 if left_end else -1.0
+    after_area, after_moment = 0.0, 0.0
+    for p in range(pieces):
+        after_area += sums[p, 0]
+        after_moment += sign * sums[p, 1]
+    no_lower = after_area <= 0.0
+    area, moment = 0.0, 0.0
+    one = np.empty(4)
+    for q in range(pieces):
+        p = q if left_end else pieces - 1 - q
+        near, far = (edges[p, 0], edges[p, 1]) if left_end else (edges[p, 1], edges[p, 0])
+        after_area -= sums[p, 0]
+        after_moment -= sign * sums[p, 1]
+        before_area, before_moment = area, moment
+        area += sums[p, 2]
+        moment += sign * sums[p, 3]
+        if not area > 0.0:
+            continue
+        if no_lower:
+            return near
+        x = sign * (far - origin)
+        if x * area - moment + x * after_area - after_moment < 0.0 and q < pieces - 1:
+            continue
+        least = 1e-15 * (edges[pieces - 1, 1] - edges[0, 0])
+        c = far
+        for _ in range(100):
+            _rule(
+                rows, weights, sets, product, total, False, gauss,
+                min(near, c), max(near, c), origin, one, 0,
+            )  # fmt: skip
+            mass = before_area + one[2]
+            error = sign * (c - origin) * mass - (before_moment + sign * one[3])
+            _rule(
+                rows, weights, sets, product, total, False, gauss,
+                min(far, c), max(far, c), origin, one, 0,
+            )  # fmt: skip
+            rest = after_area + one[0]
+            error += sign * (c - origin) * rest - (after_moment + sign * one[1])
+            slope = mass + rest
+            if not slope > 0.0:
+                break
+            new = c - sign * error / slope
+            new = min(max(new, min(near, far)), max(near, far))
+            moved = abs(new - c)
+            c = new
+            if moved <= least:
+                break
+        return c
+    return math.nan
+
+
+@compiled
+def centroids_of_unions(
+    rows: Array,
+    strengths: Array,
+    product: bool,
+    total: bool,
+    crisp: bool,
+    kinks: Array,
+    gauss: Array,
+    tolerance: float,
+    out: Array,
+) -> int:
+    """Write the centroids (n, 2) of unions fired by (n, 2, sets); return -1, or the first refused.
+
+    Refused are unions that need too many pieces. ``total`` adds sets up, else they are united by
+    the maximum; ``gauss`` holds nodes, then weights of the rule on [-1, 1].
+    """
+    sets = strengths.shape[2]
+    nodes = np.empty(kinks.size + 4 * sets)
+    most = 1 if crisp else MOST_PIECES
+    edges, sums = np.empty((most, 2)), np.empty((most, 4))
+    origin = 0.5 * kinks[0] + 0.5 * kinks[-1]
+    for row in range(strengths.shape[0]):
+        weights = strengths[row].ravel()
+        count = _nodes_of(rows, weights, sets, product, crisp, kinks, nodes)
+        pieces = _pieces_of(
+            rows, weights, sets, product, total, crisp, gauss,
+            nodes, count, origin, tolerance, edges, sums,
+        )  # fmt: skip
+        if pieces < 0:
+            return row
+        if crisp:
+            out[row, 0] = out[row, 1] = (
+                origin + sums[0, 3] / sums[0, 2] if sums[0, 2] > 0.0 else math.nan
+            )
+            continue
+        for end in range(2):
+            out[row, end] = _end_of(
+                rows, weights, sets, product, total, gauss,
+                edges, sums, pieces, origin, end == 0,
+            )  # fmt: skip
+        if out[row, 0] > out[row, 1]:
+            out[row, 0], out[row, 1] = out[row, 1], out[row, 0]
+    return -1
