@@ -25,7 +25,7 @@ def warm_up() -> None:
     logger.info("compiling the closed form of the 3-PSP")
     _warm_up_closed_form(robot)
     logger.info(
-        "compiling the core of any robot with loops: answers, derivatives, plants without and with drives"
+        "compiling the core: answers, derivatives and plants of any robot"
     )
     _warm_up_core(load("five_bar"))
     logger.info("compiling controllers and plants of the 3-PSP")
