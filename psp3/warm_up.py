@@ -24,9 +24,7 @@ def warm_up() -> None:
     robot = load("psp3")
     logger.info("compiling the closed form of the 3-PSP")
     _warm_up_closed_form(robot)
-    logger.info(
-        "compiling the core: answers, derivatives and plants of any robot"
-    )
+    logger.info("compiling the core: answers, derivatives and plants of any robot")
     _warm_up_core(load("five_bar"))
     logger.info("compiling controllers and plants of the 3-PSP")
     _warm_up_control(robot)
