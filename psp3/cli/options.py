@@ -21,6 +21,9 @@ FIGURE_FORMATS = (".pdf", ".png", ".svg")
 SAMPLED = "10.4"
 """Default duration of a motion without an end of its own [s], that of the thesis's simulations."""
 
+SAMPLED_FALL = "2"
+"""And of a robot whose coordinates follow: a floating one falls 20 m in it."""
+
 
 class Triple(NamedTuple):
     """Three numbers of the command line, one for each screw or axis."""

@@ -14,6 +14,7 @@ from psp3.cli.option_groups import GainOptions, MotionOptions
 from psp3.cli.options import (
     INTERRUPTED,
     SAMPLED,
+    SAMPLED_FALL,
     ControllerName,
     ModelName,
     Numbers,
@@ -92,7 +93,8 @@ def trajectory_from_options(
         trajectory = Sway(robot=robot, **{names[name]: value for name, value in options.items()})
     else:
         trajectory = _path_between_points(robot, kind, given)
-    wanted = duration if duration is not None else trajectory.duration or float(SAMPLED)
+    endless = float(SAMPLED if robot.commanded == robot.coordinates_v.size else SAMPLED_FALL)
+    wanted = duration if duration is not None else trajectory.duration or endless
     return trajectory, wanted, text
 
 

@@ -291,6 +291,7 @@ def test_a_floating_robot_falls_while_its_motors_track(psp3_command: Run) -> Non
         for row in result.positions[[0, -1]]
     ]
     assert heights[1] - heights[0] == pytest.approx(-0.5 * 9.81 * 0.2**2, abs=1e-9)
+    assert psp3_command("simulate", "biped", "--json").json["duration"] == pytest.approx(2.0)
     told = psp3_command("simulate", "biped", "--duration", "0.01", "--initial-speed", "path").out
     assert "root floats: nothing holds the robot up" in words(told)
 
