@@ -45,7 +45,7 @@ from psp3.description.urdf import read_robot
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
-from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
+from psp3.dynamics.motors import Motors, forces_of_motors, least_norm
 from psp3.errors import (
     ClosureFailed,
     DependentCoordinates,
@@ -83,6 +83,7 @@ from psp3.robots.simple_joints import (
     SimpleTree,
     base_in_loop,
     can_spin,
+    is_round,
     parts_of_base,
     with_simple_joints,
 )
@@ -339,13 +340,20 @@ class ClosedLoopRobot:
                 self.title,
                 "; ".join(map(str, self.without_limits)),
             )
-        if self.locked:
+        if self.options["free"] == "keep":
+            # Nothing feels how a round rod has turned; what else is held, hinges cannot replace.
+            felt = [one for one in self.locked if one.spin and not is_round(self.model, one.spin)]
+            remedy = "its ball has damping, friction or armature, so that no hinges can replace it"
+        else:
+            felt = list(self.locked)
+            remedy = 'free="keep" makes them coordinates, free="refuse" refuses the robot'
+        if felt:
             logger.warning(
                 "%s: no motor commands these motions, which are held where they are: %s; a body "
-                "that would turn keeps its inertia where it is, also off its axis "
-                '(free="keep" makes them coordinates, free="refuse" refuses the robot)',
+                "that would turn keeps its inertia where it is, also off its axis (%s)",
                 self.title,
-                "; ".join(map(str, self.locked)),
+                "; ".join(map(str, felt)),
+                remedy,
             )
 
     def _create_data(self) -> None:
@@ -956,23 +964,15 @@ class ClosedLoopRobot:
         UnreachableForces
             If motors are missing for this motion.
         """
-        if not self.drives_coordinates and np.shape(accelerations)[-1:] < (self._speed_count,):
-            return self._forces_for_some(positions, speeds, accelerations)
-        forces = self.inverse_dynamics(positions, speeds, accelerations, guess)
         if self.drives_coordinates:
-            return forces
-        return least_norm(self.actuation_matrix(positions), forces, self.coordinates)
-
-    def _forces_for_some(
-        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
-    ) -> Array:
-        """Return the motors' forces for accelerations of the first coordinates alone."""
-        wanted = finite_rows("accelerations", accelerations, np.shape(accelerations)[-1])
-        rest = np.zeros(self._speed_count)
-        mass = self.mass_matrix(positions)
-        bias = self.inverse_dynamics(positions, speeds, rest)
-        actuation = self.actuation_matrix(positions)
-        return partly_linearizing(mass, bias, actuation, wanted, self.coordinates)
+            return self.inverse_dynamics(positions, speeds, accelerations, guess)
+        return forces_of_motors(
+            self.actuation_matrix(positions),
+            lambda rates: self.inverse_dynamics(positions, speeds, rates, guess),
+            lambda: self.mass_matrix(positions, guess),
+            accelerations,
+            self.coordinates,
+        )
 
     def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:
         """Return the motors' forces of least norm that make forces along the first coordinates.
@@ -1136,24 +1136,8 @@ class ClosedLoopRobot:
     ) -> InverseDynamicsDerivatives:
         """Return the derivatives of the actuator forces of a motion, along the closed loops.
 
-        See :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`.
-
-        Parameters
-        ----------
-        positions, speeds, accelerations : (..., n) array_like
-            Motion of the actuated joints [m, m/s, m/s² or rad, rad/s, rad/s²].
-        guess : (nq,) array_like or LastPose, optional
-            Where closing the loops starts; ``q0`` by default.
-
-        Returns
-        -------
-        InverseDynamicsDerivatives
-            ``.by_positions .by_speeds .by_accelerations``, each (..., n, n).
-
-        Raises
-        ------
-        InvalidArray, ClosureFailed, SingularConfiguration
-            See :meth:`configuration`.
+        See :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`; ``guess`` as in
+        :meth:`configuration`.
         """
         return InverseDynamicsDerivatives(
             *self._three_matrices(INVERSE_DERIVATIVES, guess, positions, speeds, accelerations)
@@ -1168,24 +1152,8 @@ class ClosedLoopRobot:
     ) -> ForwardDynamicsDerivatives:
         """Return the derivatives of the accelerations under actuator forces.
 
-        See :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`.
-
-        Parameters
-        ----------
-        positions, speeds, forces : (..., n) array_like
-            State of the actuated joints, and their forces [N or N m].
-        guess : (nq,) array_like or LastPose, optional
-            Where closing the loops starts; ``q0`` by default.
-
-        Returns
-        -------
-        ForwardDynamicsDerivatives
-            ``.by_positions .by_speeds .by_forces``, each (..., n, n).
-
-        Raises
-        ------
-        InvalidArray, ClosureFailed, SingularConfiguration
-            See :meth:`configuration`.
+        See :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`; ``guess`` as in
+        :meth:`configuration`.
         """
         return ForwardDynamicsDerivatives(
             *self._three_matrices(FORWARD_DERIVATIVES, guess, positions, speeds, forces, "forces")
