@@ -39,6 +39,9 @@ class Kernel(CPUDispatcher):
         Types of variables; none are given here.
     targetoptions : dict, optional
         Options of ``numba.njit``.
+    vectorized : bool
+        Whether its loops over rows are to take several of them in one instruction; compiling takes
+        longer.
     """
 
     def __init__(
@@ -46,10 +49,13 @@ class Kernel(CPUDispatcher):
         function: Callable[..., Any],
         locals: dict[str, Any] | None = None,
         targetoptions: dict[str, Any] | None = None,
+        *,
+        vectorized: bool = False,
     ) -> None:
         # Older versions of numba want a dictionary, also where no types are given.
         kinds, options = dict(locals or {}), dict(targetoptions or {})
-        super().__init__(function, kinds, options, pipeline_class=_WholeCompiler)
+        compiler = _VectorizingCompiler if vectorized else _WholeCompiler
+        super().__init__(function, kinds, options, pipeline_class=compiler)
         self._part = CPUDispatcher(function, kinds, options, pipeline_class=PartCompiler)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
@@ -91,51 +97,12 @@ def _are_plain(kinds: Any) -> bool:
     )
 
 
-class _WholeCompiler(Compiler):
-    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
-        super().__init__(_Operations(typingctx), targetctx, library, *more)
-        # Nobody calls the function from C.
-        self.state.flags.no_cfunc_wrapper = True
-
-    def compile_extra(self, func: Any) -> Any:
-        """Return the function with its parts, optimized, as machine code."""
-        self.state.library = _Whole(self.state.targetctx.codegen(), func.__qualname__)
-        self.state.library.enable_object_caching()
-        result = super().compile_extra(func)
-        # What parts may raise.
-        for environment in result._find_referenced_environments():
-            result.library.codegen.set_env(environment.env_name, environment)
-        return result
-
-
-class PartCompiler(Compiler):
-    """Translates a function that other compiled functions call."""
-
-    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
-        super().__init__(_Operations(typingctx), targetctx, library, *more)
-        flags = self.state.flags
-        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
-
-    def compile_extra(self, func: Any) -> Any:
-        """Return the function, translated."""
-        self.state.library = _PartLibrary(
-            self.state.targetctx.codegen(), func.__qualname__, self.state.flags.forceinline
-        )
-        result = super().compile_extra(func)
-        # What numba finds the part by; there is no machine code behind it that could be called.
-        nothing = make_function(
-            result.fndesc.lookup_module(), func.__name__, "", 0, result.environment, ()
-        )
-        self.state.targetctx.insert_user_function(nothing, result.fndesc, [result.library])
-        return result._replace(entry_point=nothing)
-
-
 class _PartLibrary(JITCodeLibrary):
     """The code of a part, neither optimized nor made machine code."""
 
-    def __init__(self, codegen: Any, name: str, is_inlined: bool) -> None:
+    def __init__(self, codegen: Any, name: str) -> None:
         super().__init__(codegen, name)
-        self.is_inlined, self._with_parts = is_inlined, None
+        self._with_parts: Any = None
 
     def add_llvm_module(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
@@ -163,27 +130,29 @@ class _Whole(JITCodeLibrary):
     def finalize(self) -> None:
         self._raise_if_finalized()
         own = {one.name for one in self._final_module.functions if not one.is_declaration}
-        parts = _link(self._final_module, self)
+        _link(self._final_module, self)
         for one in self._final_module.functions:
             if one.linkage == Linkage.linkonce_odr and one.name not in own:
                 # Nobody else's, so that nothing is left of it where it is called once.
                 one.linkage = "internal"
         self._optimize_final_module()
-        if any(getattr(part, "is_inlined", False) for part in parts):
-            # Only what is simple already is vectorized, and the first time parts are not.
-            passes, builder = self._codegen._module_pass_manager()
-            passes.run(self._final_module, builder)
         self._final_module.verify()
         self._finalize_final_module()
 
 
-def _link(module: Any, library: Any) -> set[Any]:
-    """Add to a module the code of all that a library calls, and of what that calls in turn.
+class _Vectorized(_Whole):
+    """The code of a function whose loops take several rows in one instruction."""
 
-    Return the libraries of all that.
-    """
-    called: set[Any] = set()
-    left = list(library._linking_libraries)
+    def _optimize_final_module(self) -> None:
+        super()._optimize_final_module()
+        # Only what is simple already is vectorized, and the first time parts are not.
+        passes, builder = self._codegen._module_pass_manager()
+        passes.run(self._final_module, builder)
+
+
+def _link(module: Any, library: Any) -> None:
+    """Add to a module the code of all that a library calls, and of what that calls in turn."""
+    called, left = set(), list(library._linking_libraries)
     while left:
         one = left.pop()
         if one in called:
@@ -194,4 +163,46 @@ def _link(module: Any, library: Any) -> set[Any]:
         library._reload_init.update(one._reload_init)
         if is_part:
             left += one._linking_libraries
-    return called
+
+
+class _WholeCompiler(Compiler):
+    library: type[JITCodeLibrary] = _Whole
+
+    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
+        super().__init__(_Operations(typingctx), targetctx, library, *more)
+        # Nobody calls the function from C.
+        self.state.flags.no_cfunc_wrapper = True
+
+    def compile_extra(self, func: Any) -> Any:
+        """Return the function with its parts, optimized, as machine code."""
+        self.state.library = self.library(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.library.enable_object_caching()
+        result = super().compile_extra(func)
+        # What parts may raise.
+        for environment in result._find_referenced_environments():
+            result.library.codegen.set_env(environment.env_name, environment)
+        return result
+
+
+class _VectorizingCompiler(_WholeCompiler):
+    library = _Vectorized
+
+
+class PartCompiler(Compiler):
+    """Translates a function that other compiled functions call."""
+
+    def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
+        super().__init__(_Operations(typingctx), targetctx, library, *more)
+        flags = self.state.flags
+        flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+
+    def compile_extra(self, func: Any) -> Any:
+        """Return the function, translated."""
+        self.state.library = _PartLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        result = super().compile_extra(func)
+        # What numba finds the part by; there is no machine code behind it that could be called.
+        nothing = make_function(
+            result.fndesc.lookup_module(), func.__name__, "", 0, result.environment, ()
+        )
+        self.state.targetctx.insert_user_function(nothing, result.fndesc, [result.library])
+        return result._replace(entry_point=nothing)
