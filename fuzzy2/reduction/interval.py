@@ -97,6 +97,27 @@ def _paired(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array]:
     return points, weights
 
 
+def _scaled(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array, int]:
+    """Return crisp or interval points and weights whose sums are floats, and the points' exponent.
+
+    Points are divided by two to that power. Weights matter by their ratios only, row by row.
+    """
+    points, weights = _paired(z, w)
+    scale = binary_exponent(points)
+    if scale:
+        points = np.ldexp(points, -scale)
+    if binary_exponent(weights):
+        exponents = np.frexp(weights[..., 1].max(axis=-1))[1]
+        weights = np.ldexp(weights, -exponents[..., np.newaxis, np.newaxis])
+    return points, weights, scale
+
+
+def _unscaled(values: Array, scale: int) -> Array:
+    """Return what came of scaled points; bounds may lie beyond the range of floats."""
+    with np.errstate(over="ignore"):
+        return np.asarray(np.ldexp(values, scale))[()] if scale else values
+
+
 def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> Array:
     """Return the exact type-reduced interval of weighted points (eq. 1.116).
 
@@ -223,9 +244,10 @@ def nie_tan(z: ArrayLike, w: ArrayLike) -> Array:
     InvalidValue
         See :func:`generalized_centroid`.
     """
-    points, weights = _paired(z, w)
+    points, weights, scale = _scaled(z, w)
     points = points.mean(axis=-1)
-    return _ratio((points * weights.sum(axis=-1)).sum(axis=-1), weights.sum(axis=(-1, -2)))
+    ratio = _ratio((points * weights.sum(axis=-1)).sum(axis=-1), weights.sum(axis=(-1, -2)))
+    return _unscaled(ratio, scale)
 
 
 def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0.5) -> Array:
@@ -256,13 +278,13 @@ def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0
     InvalidValue
         See :func:`generalized_centroid`.
     """
-    points, weights = _paired(z, w)
+    points, weights, scale = _scaled(z, w)
     points = points.mean(axis=-1)
     low, high = (
         _ratio((points * weights[..., end]).sum(axis=-1), weights[..., end].sum(axis=-1))
         for end in (0, 1)
     )
-    return m * np.where(np.isnan(low), high, low) + n * high
+    return _unscaled(m * np.where(np.isnan(low), high, low) + n * high, scale)
 
 
 def _ratio(numerator: Array, denominator: Array) -> Array:
@@ -308,7 +330,8 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
     InvalidValue
         See :func:`generalized_centroid`.
     """
-    points, weights = np.broadcast_arrays(*_paired(z, w))
+    *both, scale = _scaled(z, w)
+    points, weights = np.broadcast_arrays(*both)
     low, high = weights[..., 0], weights[..., 1]
     sum_low, sum_high = low.sum(axis=-1), high.sum(axis=-1)
     fires = high > 0.0
@@ -338,6 +361,6 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
             )
         outer = np.where(share > 0.0, inner - gap, first)
         outer = np.where(sum_high > 0.0, outer, np.nan)
-        bounds.append((sign * outer, sign * inner))
+        bounds.append((_unscaled(sign * outer, scale), _unscaled(sign * inner, scale)))
     (left_lower, left_upper), (right_upper, right_lower) = bounds
     return WuMendelBounds(left_lower, left_upper, right_lower, right_upper)

@@ -35,7 +35,7 @@ from fuzzy2.operations.t_norms import t_conorm as conorm_named
 from fuzzy2.operations.t_norms import t_norm as norm_named
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, binary_exponent, reals
 from fuzzy2.systems.antecedents import strength, trees_of
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.construction import (
@@ -258,12 +258,18 @@ class FuzzySystem:
             )
 
     @property
+    def _is_huge(self) -> bool:
+        """Whether distances of the consequents may leave the range of floats."""
+        return binary_exponent(self.consequent_intervals) > 0
+
+    @property
     def _is_compiled(self) -> bool:
         """Whether the compiled loop does all that this system does."""
         return (
             self.type_reduction == "center_of_sets"
             and self.method not in DIRECT_METHODS
             and not isinstance(self.consequents, Linear)
+            and not self._is_huge
         )
 
     def _prepared_outputs(self) -> Outputs:
@@ -374,7 +380,8 @@ class FuzzySystem:
         return table_of(
             [len(terms) for terms in self.inputs],
             None if trees else self.rules,
-            self.consequent_intervals,
+            # Of huge ones the table serves for firing only.
+            0.0 * self.consequent_intervals if self._is_huge else self.consequent_intervals,
             self.t_norm.name == "min",
             rows,
             Supplement(
@@ -453,7 +460,8 @@ class FuzzySystem:
                 return out
         if self._fast:
             return self._evaluate(self._given(X, named), crisp=True)
-        return np.asarray(self.type_reduced(self._given(X, named)).mean(axis=-1))
+        # Half of each: the sum may be no float.
+        return np.asarray((0.5 * self.type_reduced(self._given(X, named))).sum(axis=-1))
 
     def _given(self, X: Any, named: Mapping[str, ArrayLike]) -> Any:
         """Return the inputs, which come by position or by name."""

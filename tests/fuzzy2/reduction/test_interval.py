@@ -270,3 +270,19 @@ def test_malformed_centroids_and_unknown_methods_are_refused() -> None:
         centroid(1.0, [0.1], [0.2])
     with pytest.raises(UnknownName, match="eiasc"):
         centroid([0.0, 1.0], [0.1, 0.2], [0.5, 0.5], method="karnik")
+
+
+@pytest.mark.parametrize("scale", [1e-170, 1e170, 1.7e308])
+def test_numbers_of_any_scale_are_reduced_as_ordinary_ones(scale: float) -> None:
+    """To 1e-14 of the scale, a few roundings of sums of ten numbers; warnings are errors here."""
+    rng = np.random.default_rng(3)
+    z = rng.uniform(-1.0, 1.0, 10)
+    z[:2] = -1.0, 1.0
+    w = np.sort(rng.random((10, 2)), axis=-1)
+    heaviest = w / w.max()
+    for reduced in (generalized_centroid, nie_tan, begian_melek_mendel, wu_mendel_bounds):
+        expected = np.asarray(reduced(z, w))
+        found = np.asarray(reduced(scale * z, w)) / scale
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-14)
+        found = np.asarray(reduced(z, scale * heaviest))
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-14)
