@@ -20,7 +20,8 @@ Where no weight can be positive there is no output: both ends are NaN.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import functools
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -118,6 +119,15 @@ def _unscaled(values: Array, scale: int) -> Array:
         return np.asarray(np.ldexp(values, scale))[()] if scale else values
 
 
+@functools.cache
+def _one_row() -> Any:
+    """Return the compiled centroid of one set, for rows of floats and nothing else."""
+    from fuzzy2.reduction.kernels import centroid_of_row
+    from fuzzy2.support.compiled import only_for
+
+    return only_for(centroid_of_row, np.zeros(1), np.zeros(1), np.zeros(1), 0, np.zeros(2))
+
+
 def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> Array:
     """Return the exact type-reduced interval of weighted points (eq. 1.116).
 
@@ -202,6 +212,15 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
     InvalidValue, UnknownName
         See :func:`generalized_centroid`.
     """
+    if type(x) is type(lower) is type(upper) is np.ndarray:
+        out = np.empty(2)
+        try:
+            done = _one_row()(x, lower, upper, _code(method), out)
+        except TypeError:
+            # Not contiguous rows of floats: many sets, whole numbers and the like go the longer way.
+            done = 0
+        if done:
+            return out
     try:
         low, high = np.broadcast_arrays(reals("lower", lower), reals("upper", upper))
     except ValueError as error:
