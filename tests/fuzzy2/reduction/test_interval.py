@@ -290,7 +290,7 @@ def test_numbers_of_any_scale_are_reduced_as_ordinary_ones(scale: float) -> None
 
 
 def test_rows_of_floats_go_a_shorter_way_to_the_same_centroid() -> None:
-    """To the last digits; out of order, as lists, of other scales and whole numbers it is longer."""
+    """To the last digits; it is longer out of order, as lists, of other scales and in batches."""
     rng = np.random.default_rng(8)
     for count in (1, 2, 7, 100):
         x = np.sort(rng.normal(size=count))
