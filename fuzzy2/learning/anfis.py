@@ -85,7 +85,9 @@ class ANFIS(Regressor):
     most_epochs : int
         Epochs at most.
     patience : int
-        Epochs without a smaller error over the samples held back, after which to stop.
+        Epochs without a smaller error over the samples held back, after which to stop; of an
+        interval system, whose error jumps, without one below 1.3 times the smallest. If it ends
+        within that, all samples are learned until their error falls no more.
     validation_share : float
         Share of the samples to hold back, at least 0 and below 1; with 0 there is no early
         stopping.
@@ -217,9 +219,12 @@ class ANFIS(Regressor):
         premises = Premises(layout.owners, layout.rules, np.zeros_like(reaches))
         history, chosen = self._run(premises, start, None, data, parts, ridges)
         if (reaches > 0.0).any():
-            # The type-1 system is where the interval system starts from.
+            # The interval system starts from the type-1 system, learned to its end: where learning
+            # stops on the way is chance, and so would be where the interval system comes to rest.
+            learner = Learner(premises, data, chosen.ridge)
+            whole = learner.learn(history.state, self.most_epochs, None, self.patience)
             premises = Premises(layout.owners, layout.rules, reaches)
-            start, coefficients = history.state.parameters, history.state.coefficients
+            start, coefficients = whole.state.parameters, whole.state.coefficients
             history, chosen = self._run(premises, start, coefficients, data, parts, [chosen.ridge])
         return history, chosen, premises
 
@@ -243,7 +248,12 @@ class ANFIS(Regressor):
                 )
                 errors = tried.validation_errors
                 if not chosen.errors or min(errors) < min(chosen.errors):
-                    chosen = _Chosen(ridge, tried.best_epoch, errors)
+                    # As good to its end: an interval system, whose objective has kinks, rests where
+                    # it happens to, and nothing says that all samples should stop there.
+                    epochs = tried.best_epoch
+                    if premises.is_interval and epochs == len(errors) - 1:
+                        epochs = self.most_epochs
+                    chosen = _Chosen(ridge, epochs, errors)
         learner = Learner(premises, data, chosen.ridge)
         first = learner.solved(start, coefficients)
         return learner.learn(first, chosen.epochs, None, self.patience), chosen

@@ -157,7 +157,7 @@ def centroid_of_row(x: Array, lower: Array, upper: Array, method: int, out: Arra
     for i in range(n):
         low, high, at = lower[i], upper[i], x[i]
         # What is not a number fails every comparison.
-        fine = fine and 0.0 <= low and low <= high and high < math.inf and before <= at
+        fine = fine and low >= 0.0 and low <= high and high < math.inf and before <= at
         heaviest, farthest, before = max(heaviest, high), max(farthest, abs(at)), at
     if not fine or not farthest < LARGEST or 0.0 < farthest < SMALLEST:
         return 0
