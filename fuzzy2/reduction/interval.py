@@ -217,7 +217,7 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
         try:
             done = _one_row()(x, lower, upper, _code(method), out)
         except TypeError:
-            # Not contiguous rows of floats: many sets, whole numbers and the like go the longer way.
+            # No contiguous rows of floats: many sets, whole numbers and the like go the longer way.
             done = 0
         if done:
             return out
