@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzy2.support.lazy import lazy_names
+from fuzzy2.support.shown import viewed_by
 
 if TYPE_CHECKING:
     from fuzzy2.errors import ApproximationWarning as ApproximationWarning
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from fuzzy2.files.json_files import to_json as to_json
     from fuzzy2.learning.adaptation import AdaptiveConsequents as AdaptiveConsequents
     from fuzzy2.learning.anfis import ANFIS as ANFIS
+    from fuzzy2.learning.automf import automf as automf
     from fuzzy2.learning.classifier import FuzzyClassifier as FuzzyClassifier
     from fuzzy2.learning.clustering import Clusters as Clusters
     from fuzzy2.learning.clustering import fuzzy_c_means as fuzzy_c_means
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from fuzzy2.learning.noise import mean_variation_from_snr as mean_variation_from_snr
     from fuzzy2.learning.noise import snr_from_mean_variation as snr_from_mean_variation
     from fuzzy2.learning.partition import gaussian_partition as gaussian_partition
+    from fuzzy2.learning.subtractive import subtractive_clustering as subtractive_clustering
     from fuzzy2.learning.time_series import lagged as lagged
     from fuzzy2.learning.wang_mendel import WangMendel as WangMendel
     from fuzzy2.numbers.affine import GaussianNumber as GaussianNumber
@@ -52,6 +55,7 @@ if TYPE_CHECKING:
     from fuzzy2.operations.set_operations import union as union
     from fuzzy2.operations.t_norms import t_conorm as t_conorm
     from fuzzy2.operations.t_norms import t_norm as t_norm
+    from fuzzy2.plots.view import view as view
     from fuzzy2.reduction.approximate import approximate_centroid as approximate_centroid
     from fuzzy2.reduction.approximate import (
         approximate_generalized_centroid as approximate_generalized_centroid,
@@ -105,3 +109,5 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)
+
+viewed_by(lambda *given: __getattr__("view")(*given))

@@ -100,6 +100,7 @@ def _warm_up_fuzzy_systems() -> None:
         GaussianType2Set,
         GeneralType2System,
         IntervalType2System,
+        centroid,
         generalized_centroid,
     )
 
@@ -117,6 +118,11 @@ def _warm_up_fuzzy_systems() -> None:
     adaptive.update(np.zeros(1), np.ones(1))
     adaptive(np.zeros(1))
     generalized_centroid([1.0], [[0.5, 1.0]])
+    centroid(np.array([0.0, 1.0]), np.array([0.2, 0.5]), np.array([0.5, 1.0]))
+    united = IntervalType2System(
+        terms, rules, [[Gaussian(0.0, 1.0)]], type_reduction="centroid", output_ranges=[(-3.0, 3.0)]
+    )
+    united(np.zeros(1))
 
 
 if __name__ == "__main__":

@@ -47,6 +47,7 @@ ELSEWHERE = {
     "fuzzy2/support/lazy.py": ("test_public_names.py", "tested on every facade of both packages"),
     "fuzzy2/support/quadrature.py": ("fuzzy2/sets/test_interval_type2.py", THROUGH_ITS_FACE),
     "fuzzy2/files/json_rules.py": ("fuzzy2/files/test_json_files.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/explainable.py": ("fuzzy2/systems/test_explanation.py", NAMES_ONLY),
     "fuzzy2/systems/averages.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/firing_kernels.py": ("fuzzy2/systems/test_antecedents.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/maxima.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),

@@ -24,7 +24,7 @@ load_result simulate statistics to_mjcf
         trajectories with_payload
     """,
     "fuzzy2": """
-        ANFIS FuzzyClassifier lagged
+        ANFIS FuzzyClassifier automf lagged subtractive_clustering view
         AdaptiveConsequents ApproximationWarning Bell Clusters Complement FineTuning FunctionalSet \
 FunctionalType2Set Fuzzy2Error
         FuzzyNumber FuzzySystem Gaussian GaussianNumber GaussianType2Set GaussianUncertainMean \

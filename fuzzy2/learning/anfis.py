@@ -31,6 +31,7 @@ from fuzzy2.learning.partition import (
 )
 from fuzzy2.learning.premises import Premises
 from fuzzy2.learning.samples import Samples, ranges_of, samples_of
+from fuzzy2.learning.subtractive import subtractive_clustering
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array, positive, real
@@ -38,7 +39,7 @@ from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
 KINDS = ("t1", "it2")
-PARTITIONS = ("grid", "clusters")
+PARTITIONS = ("grid", "clusters", "subtractive")
 
 RIDGES = (1e-11, 1e-8, 1e-5, 1e-2)
 """Weights of the coefficients that the samples held back choose from."""
@@ -70,9 +71,10 @@ class ANFIS(Regressor):
     kind : {"t1", "it2"}
         Type-1 terms, or interval type-2 terms with uncertain means. The interval system's ends are
         found exactly, and so is the gradient.
-    partition : {"grid", "clusters"}
+    partition : {"grid", "clusters", "subtractive"}
         Every combination of the inputs' terms is a rule; or each of ``n_terms`` clusters of the
-        inputs (fuzzy c-means) is one and has terms of its own.
+        inputs (fuzzy c-means) is one and has terms of its own; or each cluster of inputs and
+        outputs of a ``radius``, as many as there are (subtractive clustering).
     mean_variation : float
         Distance of both uncertain means from their middle, as a share of each input's range; not
         learned, so that the footprint stays twice as wide. For ``kind="it2"``.
@@ -83,12 +85,17 @@ class ANFIS(Regressor):
     most_epochs : int
         Epochs at most.
     patience : int
-        Epochs without a smaller error over the samples held back, after which to stop.
+        Epochs without a smaller error over the samples held back, after which to stop; of an
+        interval system, whose error jumps, without one below 1.3 times the smallest. If it ends
+        within that, all samples are learned until their error falls no more.
     validation_share : float
         Share of the samples to hold back, at least 0 and below 1; with 0 there is no early
         stopping.
     fuzzifier : float
         Of the clusters, see :func:`fuzzy2.fuzzy_c_means`.
+    radius : float
+        Of the clusters with ``partition="subtractive"``, see
+        :func:`fuzzy2.subtractive_clustering`.
     rng : numpy.random.Generator, optional
         Chooses the samples to hold back and the clusters' starts; seeded with 0 at every call of
         :meth:`fit` by default.
@@ -131,6 +138,7 @@ class ANFIS(Regressor):
         patience: int = 10,
         validation_share: float = 0.2,
         fuzzifier: float = 2.0,
+        radius: float = 0.5,
         rng: np.random.Generator | None = None,
     ) -> None:
         # Stored as given and checked by fit, so that a grid search can set them in any order.
@@ -143,6 +151,7 @@ class ANFIS(Regressor):
         self.patience = patience
         self.validation_share = validation_share
         self.fuzzifier = fuzzifier
+        self.radius = radius
         self.rng = rng
 
     def fit(self, X: ArrayLike, y: ArrayLike, sample_weight: ArrayLike | None = None) -> Self:
@@ -210,9 +219,12 @@ class ANFIS(Regressor):
         premises = Premises(layout.owners, layout.rules, np.zeros_like(reaches))
         history, chosen = self._run(premises, start, None, data, parts, ridges)
         if (reaches > 0.0).any():
-            # The type-1 system is where the interval system starts from.
+            # The interval system starts from the type-1 system, learned to its end: where learning
+            # stops on the way is chance, and so would be where the interval system comes to rest.
+            learner = Learner(premises, data, chosen.ridge)
+            whole = learner.learn(history.state, self.most_epochs, None, self.patience)
             premises = Premises(layout.owners, layout.rules, reaches)
-            start, coefficients = history.state.parameters, history.state.coefficients
+            start, coefficients = whole.state.parameters, whole.state.coefficients
             history, chosen = self._run(premises, start, coefficients, data, parts, [chosen.ridge])
         return history, chosen, premises
 
@@ -236,13 +248,32 @@ class ANFIS(Regressor):
                 )
                 errors = tried.validation_errors
                 if not chosen.errors or min(errors) < min(chosen.errors):
-                    chosen = _Chosen(ridge, tried.best_epoch, errors)
+                    # As good to its end: an interval system, whose objective has kinks, rests where
+                    # it happens to, and nothing says that all samples should stop there.
+                    epochs = tried.best_epoch
+                    if premises.is_interval and epochs == len(errors) - 1:
+                        epochs = self.most_epochs
+                    chosen = _Chosen(ridge, epochs, errors)
         learner = Learner(premises, data, chosen.ridge)
         first = learner.solved(start, coefficients)
         return learner.learn(first, chosen.epochs, None, self.patience), chosen
 
     def _layout(self, samples: Samples, ranges: Array, rng: np.random.Generator) -> _Layout:
         count = len(ranges)
+        if self.partition == "subtractive":
+            found = subtractive_clustering(
+                np.concatenate([samples.inputs, samples.outputs], axis=1),
+                self.radius,
+                sample_weight=samples.weights,
+            )
+            number = len(found.centers)
+            self._check_size(number, count)
+            return _Layout(
+                np.tile(np.arange(count), number),
+                np.arange(number * count).reshape(number, count),
+                found.centers[:, :count].ravel(),
+                np.tile(found.sigmas[:count], number),
+            )
         if self.partition == "clusters":
             number = whole_number("n_terms", self.n_terms, 1)
             self._check_size(number, count)

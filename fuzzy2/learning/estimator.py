@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import inspect
 import sys
 import warnings
@@ -19,11 +20,13 @@ from fuzzy2.learning.samples import (
     weights_of,
 )
 from fuzzy2.support.checks import Array
+from fuzzy2.support.shown import Shown
+from fuzzy2.systems.explanation import Explanation
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.system import FuzzySystem
 
 
-class Estimator:
+class Estimator(Shown):
     """Parameters by name, and inputs that are checked against those of ``fit``.
 
     A subclass stores its parameters as they were given, and ``fit`` leaves a system.
@@ -108,6 +111,37 @@ class Estimator:
         if not hasattr(self, "system_"):
             raise _not_fitted(type(self).__name__)
         return self.system_
+
+    def explain(self, x: ArrayLike) -> Explanation:
+        """Return which rules decided what is predicted for one input.
+
+        Parameters
+        ----------
+        x : (p,) or (1, p) array_like
+            One input.
+
+        Returns
+        -------
+        Explanation
+            See :meth:`fuzzy2.FuzzySystem.explain`. Of a classifier the outputs are the grades of
+            the classes.
+
+        Raises
+        ------
+        NotFitted, InvalidValue, NotNumbers, WrongFeatures
+            See :meth:`predict`; also if there are more inputs than one.
+        """
+        system = self._system()
+        rows = self._inputs(x if np.ndim(x) == 2 else np.asarray(x)[np.newaxis])
+        if len(rows) != 1:
+            raise InvalidValue("x", rows.shape, "one input")
+        return system.explain(rows[0])
+
+    def _repr_html_(self) -> str:
+        shown = f"<p><code>{html.escape(repr(self))}</code></p>"
+        if not hasattr(self, "system_"):
+            return f"{shown}<p>not fitted yet</p>"
+        return shown + self.system_._repr_html_()
 
     def _inputs(self, X: ArrayLike) -> Array:
         names, known = column_names(X), getattr(self, "feature_names_in_", None)

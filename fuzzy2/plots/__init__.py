@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from fuzzy2.plots.chapter_1 import figure_3 as figure_3
     from fuzzy2.plots.chapter_1 import figure_4 as figure_4
     from fuzzy2.plots.chapter_1 import figure_5 as figure_5
+    from fuzzy2.plots.inference import figure_of_inference as figure_of_inference
     from fuzzy2.plots.operations import figure_of_join_and_meet as figure_of_join_and_meet
     from fuzzy2.plots.operations import figure_of_operations as figure_of_operations
     from fuzzy2.plots.sets import ACROSS as ACROSS
@@ -38,5 +39,6 @@ if TYPE_CHECKING:
     from fuzzy2.plots.systems import figure_of_rule_surface as figure_of_rule_surface
     from fuzzy2.plots.type_reduced import REACH as REACH
     from fuzzy2.plots.type_reduced import figure_of_type_reduced as figure_of_type_reduced
+    from fuzzy2.plots.view import view as view
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)

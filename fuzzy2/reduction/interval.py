@@ -20,7 +20,8 @@ Where no weight can be positive there is no output: both ends are NaN.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+import functools
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -95,6 +96,36 @@ def _paired(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array]:
             "z and w", (points.shape, weights.shape), "arrays whose leading dimensions go together"
         ) from error
     return points, weights
+
+
+def _scaled(z: ArrayLike, w: ArrayLike) -> tuple[Array, Array, int]:
+    """Return crisp or interval points and weights whose sums are floats, and the points' exponent.
+
+    Points are divided by two to that power. Weights matter by their ratios only, row by row.
+    """
+    points, weights = _paired(z, w)
+    scale = binary_exponent(points)
+    if scale:
+        points = np.ldexp(points, -scale)
+    if binary_exponent(weights):
+        exponents = np.frexp(weights[..., 1].max(axis=-1))[1]
+        weights = np.ldexp(weights, -exponents[..., np.newaxis, np.newaxis])
+    return points, weights, scale
+
+
+def _unscaled(values: Array, scale: int) -> Array:
+    """Return what came of scaled points; bounds may lie beyond the range of floats."""
+    with np.errstate(over="ignore"):
+        return np.asarray(np.ldexp(values, scale))[()] if scale else values
+
+
+@functools.cache
+def _one_row() -> Any:
+    """Return the compiled centroid of one set, for rows of floats and nothing else."""
+    from fuzzy2.reduction.kernels import centroid_of_row
+    from fuzzy2.support.compiled import only_for
+
+    return only_for(centroid_of_row, np.zeros(1), np.zeros(1), np.zeros(1), 0, np.zeros(2))
 
 
 def generalized_centroid(z: ArrayLike, w: ArrayLike, method: str = "eiasc") -> Array:
@@ -181,6 +212,15 @@ def centroid(x: ArrayLike, lower: ArrayLike, upper: ArrayLike, method: str = "ei
     InvalidValue, UnknownName
         See :func:`generalized_centroid`.
     """
+    if type(x) is type(lower) is type(upper) is np.ndarray:
+        out = np.empty(2)
+        try:
+            done = _one_row()(x, lower, upper, _code(method), out)
+        except TypeError:
+            # No contiguous rows of floats: many sets, whole numbers and the like go the longer way.
+            done = 0
+        if done:
+            return out
     try:
         low, high = np.broadcast_arrays(reals("lower", lower), reals("upper", upper))
     except ValueError as error:
@@ -223,9 +263,10 @@ def nie_tan(z: ArrayLike, w: ArrayLike) -> Array:
     InvalidValue
         See :func:`generalized_centroid`.
     """
-    points, weights = _paired(z, w)
+    points, weights, scale = _scaled(z, w)
     points = points.mean(axis=-1)
-    return _ratio((points * weights.sum(axis=-1)).sum(axis=-1), weights.sum(axis=(-1, -2)))
+    ratio = _ratio((points * weights.sum(axis=-1)).sum(axis=-1), weights.sum(axis=(-1, -2)))
+    return _unscaled(ratio, scale)
 
 
 def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0.5) -> Array:
@@ -256,13 +297,13 @@ def begian_melek_mendel(z: ArrayLike, w: ArrayLike, m: float = 0.5, n: float = 0
     InvalidValue
         See :func:`generalized_centroid`.
     """
-    points, weights = _paired(z, w)
+    points, weights, scale = _scaled(z, w)
     points = points.mean(axis=-1)
     low, high = (
         _ratio((points * weights[..., end]).sum(axis=-1), weights[..., end].sum(axis=-1))
         for end in (0, 1)
     )
-    return m * np.where(np.isnan(low), high, low) + n * high
+    return _unscaled(m * np.where(np.isnan(low), high, low) + n * high, scale)
 
 
 def _ratio(numerator: Array, denominator: Array) -> Array:
@@ -308,7 +349,8 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
     InvalidValue
         See :func:`generalized_centroid`.
     """
-    points, weights = np.broadcast_arrays(*_paired(z, w))
+    *both, scale = _scaled(z, w)
+    points, weights = np.broadcast_arrays(*both)
     low, high = weights[..., 0], weights[..., 1]
     sum_low, sum_high = low.sum(axis=-1), high.sum(axis=-1)
     fires = high > 0.0
@@ -338,6 +380,6 @@ def wu_mendel_bounds(z: ArrayLike, w: ArrayLike) -> WuMendelBounds:
             )
         outer = np.where(share > 0.0, inner - gap, first)
         outer = np.where(sum_high > 0.0, outer, np.nan)
-        bounds.append((sign * outer, sign * inner))
+        bounds.append((_unscaled(sign * outer, scale), _unscaled(sign * inner, scale)))
     (left_lower, left_upper), (right_upper, right_lower) = bounds
     return WuMendelBounds(left_lower, left_upper, right_lower, right_upper)

@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.interval_type2 import IntervalType2Set, check_below
+from fuzzy2.sets.pictures import ShownSet
 from fuzzy2.sets.type1 import ROUNDING, SampledSet, Singleton, Type1Set, keep_nan, set_fields
 from fuzzy2.sets.vertical_slices import Staircase, cuts_of, maxima_of, slice_between
 from fuzzy2.support.checks import Array, grade, real, reals
@@ -66,7 +67,7 @@ class AlphaPlane(IntervalType2Set):
         set_fields(self, alpha=float(self.alpha))
 
 
-class GeneralType2Set(ABC):
+class GeneralType2Set(ShownSet, ABC):
     """Base of the general type-2 fuzzy sets.
 
     A subclass gives ``secondary``, ``support`` and ``landmarks``, and where it knows a faster way

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.curves import refined
+from fuzzy2.sets.pictures import ShownSet
 from fuzzy2.sets.shapes import Gaussian, Interval
 from fuzzy2.sets.type1 import ROUNDING, KernelRow, SampledSet, Type1Set, keep_nan, set_fields
 from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
@@ -28,7 +29,7 @@ FURTHEST_TAIL = np.array([12.0, 18.0, 26.0, 39.0])
 
 
 @dataclass(frozen=True)
-class IntervalType2Set:
+class IntervalType2Set(ShownSet):
     """Interval type-2 set between any two type-1 sets.
 
     ``fuzzy_set.lower`` and ``fuzzy_set.upper`` are type-1 sets, called with points:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import InvalidValue, NotApplicable
+from fuzzy2.sets.pictures import ShownSet
 from fuzzy2.support.checks import Array, maybe_infinite, real, reals
 from fuzzy2.support.quadrature import Moments, merged
 
@@ -22,7 +23,7 @@ KernelRow = tuple[float, float, float, float, float, float, float, float, float]
 """
 
 
-class Type1Set(ABC):
+class Type1Set(ShownSet, ABC):
     """Base of the type-1 fuzzy sets.
 
     A subclass gives ``height`` and the private methods that do the work of the public ones here.

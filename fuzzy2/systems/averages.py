@@ -43,8 +43,9 @@ def averaged(
         return generalized_centroid(points, weights, method)
     if method == "wu_mendel":
         bounds = wu_mendel_bounds(points, weights)
-        left = 0.5 * (bounds.left_lower + bounds.left_upper)
-        return np.stack([left, 0.5 * (bounds.right_lower + bounds.right_upper)], axis=-1)
+        left = 0.5 * bounds.left_lower + 0.5 * bounds.left_upper
+        right = 0.5 * bounds.right_lower + 0.5 * bounds.right_upper
+        return np.stack([left, right], axis=-1)
     if method == "nie_tan":
         middle = nie_tan(points, weights)
     else:

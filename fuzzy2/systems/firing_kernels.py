@@ -78,11 +78,22 @@ def _grades(row, o, x, width):
 def _fire(table, x, xo, width, grades, low, high):
     """Write lower and upper firing strength of every rule for the input that starts at ``xo``."""
     inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
+    uncertain = False
     for t in range(terms):
         o = HEADER + TERM * t
         grades[2 * t], grades[2 * t + 1] = _grades(table, o, x[xo + int(table[o])], width)
+        uncertain = uncertain or grades[2 * t] != grades[2 * t + 1]
     o = HEADER + TERM * terms
-    for r in range(rules):
+    # Where both ends of all grades are equal, so are those of the firing strengths.
+    for r in range(0 if uncertain else rules):
+        both = 1.0
+        for _ in range(inputs):
+            t = int(table[o])
+            o += 1
+            if t >= 0:
+                both = min(both, grades[2 * t]) if norm == 0 else both * grades[2 * t]
+        low[r] = high[r] = both
+    for r in range(rules if uncertain else 0):
         lower, upper = 1.0, 1.0
         for _ in range(inputs):
             t = int(table[o])

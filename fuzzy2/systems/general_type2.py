@@ -131,6 +131,14 @@ class GeneralType2System(FuzzySystem):
         return [(float(share), self._plane(level)) for level, share in enumerate(shares)]
 
     @property
+    def explained_by(self) -> Sequence[tuple[float, FuzzySystem]]:
+        """The α-planes with their weights; of the corollary the principal memberships alone."""
+        if self.reduction == "gaussian":
+            return ((1.0, self._plane(self.levels - 1)),)
+        shares = self.alphas / self.alphas.sum()
+        return [(float(share), self._plane(level)) for level, share in enumerate(shares)]
+
+    @property
     def middles(self) -> Array | None:
         """Middles of the consequents under the Gaussian corollary, (R, m); None by α-planes."""
         return self._middles if self.reduction == "gaussian" else None

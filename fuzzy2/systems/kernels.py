@@ -216,6 +216,7 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
     moments = np.empty(2 * outputs)
     one_extra = np.empty(rules)
     for start in range(0, rows, LANES):
+        uncertainty = 0.0
         for lane in range(LANES):
             _fire(table, x, (start + lane) * inputs, width, grades, one_low, one_high)
             total, fires = 0.0, 0.0
@@ -224,6 +225,7 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                 extra[r, lane] = one_high[r] - one_low[r]
                 total += one_low[r]
                 fires = max(fires, one_high[r])
+                uncertainty = max(uncertainty, extra[r, lane])
             mass[lane] = total
             unsettled[lane] = 0.0 if fires > TINY else 1.0
         for j in range(outputs):
@@ -236,17 +238,22 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                     weights = low[r]
                     for lane in range(LANES):
                         moment[lane] += weights[lane] * distance
-                first = in_order + rules * column
-                _nearest(
-                    table[first : first + rules],
-                    orders + rules * column,
-                    table,
-                    extra,
-                    mass,
-                    moment,
-                    weight,
-                    unsettled,
-                )
+                if uncertainty > 0.0:
+                    first = in_order + rules * column
+                    _nearest(
+                        table[first : first + rules],
+                        orders + rules * column,
+                        table,
+                        extra,
+                        mass,
+                        moment,
+                        weight,
+                        unsettled,
+                    )
+                else:
+                    # No weight can change, so there is nothing to search.
+                    for lane in range(LANES):
+                        weight[lane] = mass[lane]
                 extreme = table[extremes + column]
                 for lane in range(LANES):
                     o = (start + lane) * outputs + j

@@ -123,7 +123,7 @@ class Rule:
         if isinstance(self.antecedents, tuple):
             asked = " and ".join(_clause(variable, term) for variable, term in self.antecedents)
         else:
-            asked = _written(self.antecedents)
+            asked = antecedent_in_words(self.antecedents)
         text = f"IF {asked} THEN {_conclusions(self.consequents)}"
         if self.otherwise:
             text += f" ELSE {_conclusions(self.otherwise)}"
@@ -402,7 +402,8 @@ def _term_of(said: Any) -> Any:
     return said.term if isinstance(said, Negated) else said
 
 
-def _quoted(name: str) -> str:
+def quoted(name: str) -> str:
+    """Return a name as it stands in a rule."""
     plain = name and not re.search(r'[\s"()]', name) and not name.startswith("#")
     if plain and name.lower() not in (*KEYWORDS, ANY):
         return name
@@ -411,26 +412,26 @@ def _quoted(name: str) -> str:
 
 def _clause(variable: Any, term: Any) -> str:
     if term is None:
-        return f"{_quoted(variable)} is {ANY}"
+        return f"{quoted(variable)} is {ANY}"
     if isinstance(term, Negated):
-        return f"{_quoted(variable)} is not {_quoted(term.term)}"
-    return f"{_quoted(variable)} is {_quoted(term)}"
+        return f"{quoted(variable)} is not {quoted(term.term)}"
+    return f"{quoted(variable)} is {quoted(term)}"
 
 
 def _conclusions(clauses: Conclusions) -> str:
     return " and ".join(_clause(variable, term) for variable, term in clauses)
 
 
-def _written(tree: Antecedent, within: str = "or") -> str:
+def antecedent_in_words(tree: Antecedent, within: str = "or") -> str:
     """Return a tree in words, in parentheses where it stands within what binds closer."""
     match tree:
         case Is(variable, term):
             return _clause(variable, term)
         case And(parts):
-            text = " and ".join(_written(part, "and") for part in parts)
+            text = " and ".join(antecedent_in_words(part, "and") for part in parts)
             return f"({text})" if within != "or" and len(parts) > 1 else text
         case Or(parts):
-            text = " or ".join(_written(part, "in or") for part in parts)
+            text = " or ".join(antecedent_in_words(part, "in or") for part in parts)
             return f"({text})" if within != "or" and len(parts) > 1 else text
     words: list[str] = []
     inner: Antecedent = tree
@@ -438,10 +439,10 @@ def _written(tree: Antecedent, within: str = "or") -> str:
         words.append("not" if isinstance(inner, Not) else inner.hedge.name)
         inner = inner.part
     if isinstance(inner, Is):
-        term = ANY if inner.term is None else _quoted(str(inner.term))
-        return f"{_quoted(str(inner.variable))} is {' '.join(words)} {term}"
+        term = ANY if inner.term is None else quoted(str(inner.term))
+        return f"{quoted(str(inner.variable))} is {' '.join(words)} {term}"
     if isinstance(tree, Not):
-        return f"not ({_written(tree.part)})"
+        return f"not ({antecedent_in_words(tree.part)})"
     # Of a hedged group there is no shorter word than the group of its hedged parts.
     raise InvalidValue("antecedents", tree, "hedges of single terms; a group in words has none")
 

@@ -35,7 +35,8 @@ from fuzzy2.operations.t_norms import t_conorm as conorm_named
 from fuzzy2.operations.t_norms import t_norm as norm_named
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.checks import Array, binary_exponent, reals
+from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import strength, trees_of
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.construction import (
@@ -53,6 +54,7 @@ from fuzzy2.systems.construction import (
     read_rules,
 )
 from fuzzy2.systems.embedded import embedded_averages
+from fuzzy2.systems.explanation import Explanation, explained
 from fuzzy2.systems.fuzzifiers import Fuzzifier
 from fuzzy2.systems.gradients import Differentiable, gradient
 from fuzzy2.systems.hedges import Hedge, known_hedges
@@ -69,6 +71,7 @@ from fuzzy2.systems.operators import (
     type_reduction as reduction_named,
 )
 from fuzzy2.systems.outputs import Operators, Outputs
+from fuzzy2.systems.pictures import html_of
 from fuzzy2.systems.relative_firing import VANISHED, relative_firing
 from fuzzy2.systems.report import Report, found_in
 from fuzzy2.systems.rules import Rule
@@ -76,7 +79,7 @@ from fuzzy2.systems.table import Supplement, table_of
 from fuzzy2.systems.terms import range_of
 
 
-class FuzzySystem:
+class FuzzySystem(Shown):
     """What the three kinds of systems share.
 
     Use :class:`Type1System`, :class:`IntervalType2System` or :class:`GeneralType2System`. A system
@@ -258,12 +261,18 @@ class FuzzySystem:
             )
 
     @property
+    def _is_huge(self) -> bool:
+        """Whether distances of the consequents may leave the range of floats."""
+        return binary_exponent(self.consequent_intervals) > 0
+
+    @property
     def _is_compiled(self) -> bool:
         """Whether the compiled loop does all that this system does."""
         return (
             self.type_reduction == "center_of_sets"
             and self.method not in DIRECT_METHODS
             and not isinstance(self.consequents, Linear)
+            and not self._is_huge
         )
 
     def _prepared_outputs(self) -> Outputs:
@@ -374,7 +383,8 @@ class FuzzySystem:
         return table_of(
             [len(terms) for terms in self.inputs],
             None if trees else self.rules,
-            self.consequent_intervals,
+            # Of huge ones the table serves for firing only.
+            0.0 * self.consequent_intervals if self._is_huge else self.consequent_intervals,
             self.t_norm.name == "min",
             rows,
             Supplement(
@@ -453,7 +463,8 @@ class FuzzySystem:
                 return out
         if self._fast:
             return self._evaluate(self._given(X, named), crisp=True)
-        return np.asarray(self.type_reduced(self._given(X, named)).mean(axis=-1))
+        # Half of each: the sum may be no float.
+        return np.asarray((0.5 * self.type_reduced(self._given(X, named))).sum(axis=-1))
 
     def _given(self, X: Any, named: Mapping[str, ArrayLike]) -> Any:
         """Return the inputs, which come by position or by name."""
@@ -669,6 +680,43 @@ class FuzzySystem:
         return None
 
     # Looking at a system
+
+    def explain(self, x: ArrayLike) -> Explanation:
+        """Return why the system says what it says of one input: the rules that decided.
+
+        Parameters
+        ----------
+        x : (p,) array_like, or mapping
+            One input.
+
+        Returns
+        -------
+        Explanation
+            Printed, the rules in words, ranked by what they contribute; ``.view()`` draws the
+            inference, a row a rule.
+
+        Raises
+        ------
+        InvalidValue
+            If the input is not finite, of another shape, or more than one.
+        """
+        return explained(self, x)
+
+    @property
+    def explained_by(self) -> Sequence[tuple[float, FuzzySystem]]:
+        """Type-1 or interval type-2 systems that the output is a weighted sum of, with weights."""
+        return ((1.0, self),)
+
+    def one_row(self, x: ArrayLike) -> Array:
+        """Return one input as an array (1, p)."""
+        return self._rows(x)[1]
+
+    def relative_firing(self, rows: Array) -> Array:
+        """Return firing intervals (n, R, 2) of which only the ratios count if they underflow."""
+        return self._relative(rows, self._firing(rows))
+
+    def _repr_html_(self) -> str:
+        return html_of(self)
 
     def validity(self, X: ArrayLike) -> Array:
         r"""Return how far the firing strengths are from crisp (eq. 1.88, 1.104).

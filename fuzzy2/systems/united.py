@@ -179,7 +179,7 @@ class United:
         if row is None or row[0] != 0:
             return np.asarray(item.landmarks)
         means, sigma = np.array(row[1:3]), max(row[3:5])
-        return merged(means, means.mean(), *(means + s * sigma for s in (-8, -3, -1, 1, 3, 8)))
+        return merged(means, means.mean(), *(means + s * sigma for s in (-8, -2.5, 2.5, 8)))
 
     def _by_set_strengths(self, strengths: Array) -> Array:
         """Return the firing (n, K, 2) of the sets that are united, from that of the rules."""

@@ -16,7 +16,26 @@ from fuzzy2.support.compiled import compiled
 from fuzzy2.systems.firing_kernels import TERM, _grades
 
 MOST_PIECES = 4096
+USUAL_PIECES = 256
+"""Pieces for which there is room at first: more would cost a single call more than its sums."""
 STACK = 64
+
+
+@compiled
+def _one_grade(row, o, end, x):
+    """Lower or upper grade of x in the term whose row starts at o; both cost two exponentials."""
+    if int(row[o + 1]) != 0:
+        lower, upper = _grades(row, o, x, 0.0)
+        return upper if end == 1 else lower
+    m1, m2 = row[o + 2], row[o + 3]
+    if end == 1 or (m1 == m2 and row[o + 4] == row[o + 5] and row[o + 6] == row[o + 7]):
+        away = min(x - m1, 0.0) + max(x - m2, 0.0)
+        sigma, height = row[o + 5], row[o + 7]
+    else:
+        away = x - (m2 if x < 0.5 * (m1 + m2) else m1)
+        sigma, height = row[o + 4], row[o + 6]
+    t = away / sigma
+    return height * math.exp(-0.5 * t * t)
 
 
 @compiled
@@ -25,10 +44,10 @@ def _union(rows, weights, sets, product, total, end, x):
     united = 0.0
     for k in range(sets):
         weight = weights[end * sets + k]
-        if weight == 0.0:
+        # Grades are at most 1: by the maximum a weight that is no greater adds nothing.
+        if weight == 0.0 or (not total and weight <= united):
             continue
-        lower, upper = _grades(rows, TERM * (2 * k + end), x, 0.0)
-        grade = upper if end == 1 else lower
+        grade = _one_grade(rows, TERM * (2 * k + end), end, x)
         grade = weight * grade if product else min(weight, grade)
         united = united + grade if total else max(united, grade)
     return united
@@ -104,8 +123,7 @@ def _nodes_of(rows, weights, sets, product, crisp, kinks, nodes):
 @compiled
 def _grade_of(rows, weights, sets, product, k, end, x):
     """Grade at which a rule leaves its output set at a point."""
-    lower, upper = _grades(rows, TERM * (2 * k + end), x, 0.0)
-    grade = upper if end == 1 else lower
+    grade = _one_grade(rows, TERM * (2 * k + end), end, x)
     weight = weights[end * sets + k]
     return weight * grade if product else min(weight, grade)
 
@@ -231,7 +249,7 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
                 for j in range(4):
                     sums[0, j] += one[j] + one[4 + j]
                 continue
-            if pieces == MOST_PIECES:
+            if pieces == len(edges):
                 return -1
             edges[pieces, 0], edges[pieces, 1] = left, right
             for j in range(4):
@@ -316,7 +334,7 @@ def centroids_of_unions(
     """
     sets = strengths.shape[2]
     nodes = np.empty(kinks.size + 4 * sets)
-    most = 1 if crisp else MOST_PIECES
+    most = 1 if crisp else USUAL_PIECES
     edges, sums = np.empty((most, 2)), np.empty((most, 4))
     origin = 0.5 * kinks[0] + 0.5 * kinks[-1]
     for row in range(strengths.shape[0]):
@@ -326,6 +344,13 @@ def centroids_of_unions(
             rows, weights, sets, product, total, crisp, gauss,
             nodes, count, origin, tolerance, edges, sums,
         )  # fmt: skip
+        if pieces < 0 and most < MOST_PIECES:
+            most = MOST_PIECES
+            edges, sums = np.empty((most, 2)), np.empty((most, 4))
+            pieces = _pieces_of(
+                rows, weights, sets, product, total, crisp, gauss,
+                nodes, count, origin, tolerance, edges, sums,
+            )  # fmt: skip
         if pieces < 0:
             return row
         if crisp:

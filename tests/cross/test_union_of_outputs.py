@@ -250,7 +250,14 @@ def test_general_outputs_are_joined_plane_by_plane(reduction: str, seed: int, no
         for p in peaks
     ]
     system = GeneralType2System(
-        [terms, terms], RULES, sets, norm, reduction, levels=4, resolution=RESOLUTION
+        [terms, terms],
+        RULES,
+        sets,
+        norm,
+        reduction,
+        levels=4,
+        integration="sum",
+        resolution=RESOLUTION,
     )
     grid = np.linspace(peaks.min() - 1.0, peaks.max() + 1.3, RESOLUTION)
 

@@ -202,6 +202,20 @@ def test_clusters_move_and_grow_with_the_samples(seed: int, scale: float, shift:
     np.testing.assert_allclose(there.spreads, scale * here.spreads, rtol=1e-6)
 
 
+@pytest.mark.parametrize("scale", [1e-170, 1e170, 1.7e308])
+def test_samples_of_any_scale_are_clustered_as_ordinary_ones(scale: float) -> None:
+    """To 1e-9, at which the iteration ends."""
+    X = blobs(10, seed=4)
+    X = X / np.abs(X).max()
+    here, there = fuzzy_c_means(X, 3), fuzzy_c_means(scale * X, 3)
+    np.testing.assert_allclose(there.centers / scale, here.centers, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(there.spreads / scale, here.spreads, rtol=0.0, atol=1e-9)
+    np.testing.assert_allclose(there.memberships, here.memberships, rtol=0.0, atol=1e-8)
+    points = X[:5] * scale
+    np.testing.assert_allclose(there.membership(points), here.membership(X[:5]), atol=1e-8)
+    np.testing.assert_allclose(there.xie_beni, here.xie_beni, rtol=1e-7)
+
+
 def test_every_sample_can_be_a_cluster_and_repeated_ones_are_no_more() -> None:
     X = np.array([[0.0], [5.0], [1.0], [5.0]])
     clusters = fuzzy_c_means(X, 3)

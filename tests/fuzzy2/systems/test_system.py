@@ -245,6 +245,37 @@ def test_rules_in_words(X: Array) -> None:
         IntervalType2System(uncertain()[:2], text, outputs)
 
 
+def test_rules_in_words_are_replaced_by_others_in_words() -> None:
+    """They take the terms of the outputs from the system, and leave its weights behind."""
+    terms = {"Low": fuzzy2.Triangular(-1.0, 0.0, 1.0), "High": fuzzy2.Triangular(0.0, 1.0, 2.0)}
+    outputs = {"force": {"weak": 1.0, "strong": 3.0}}
+    first = "IF error is Low THEN force is weak WITH 0.5; IF error is High THEN force is strong"
+    second = "IF error is not Low THEN force is weak; IF error is Low THEN force is strong"
+    system = Type1System({"error": terms}, first.replace("; ", "\n"), outputs)
+    assert system.weights is not None
+    replaced = system.replace(rules=second.replace("; ", "\n"))
+    made = Type1System({"error": terms}, second.replace("; ", "\n"), outputs)
+    X = np.linspace(0.0, 1.0, 11)[:, None]
+    np.testing.assert_array_equal(replaced(X), made(X))
+    # Grades of Low and of its complement: the average of 3 and 1 by hand.
+    np.testing.assert_allclose(replaced(X), 3.0 * (1.0 - X) + 1.0 * X, atol=1e-15)
+    assert replaced.weights is None
+    assert replaced.consequent_names == (("weak",), ("strong",))
+
+
+@pytest.mark.parametrize("direct", ["eiasc", "nie_tan", "wu_mendel", "begian_melek_mendel"])
+def test_consequents_at_the_ends_of_the_floats(direct: str, X: Array) -> None:
+    """They are averaged as those of order 1, whose distances are floats."""
+    ends = np.where(np.arange(8) % 2, 1.0, -1.0)[:, None]
+    small = IntervalType2System(uncertain(), GRID_RULES, ends, method=direct)
+    huge = small.replace(consequents=1.7e308 * ends)
+    np.testing.assert_allclose(huge(X) / 1.7e308, small(X), atol=1e-14)
+    np.testing.assert_allclose(
+        huge.type_reduced(X[:5]) / 1.7e308, small.type_reduced(X[:5]), atol=1e-14
+    )
+    np.testing.assert_allclose(huge.firing(X), small.firing(X), atol=1e-15)
+
+
 def test_shapes(consequents: Array, X: Array) -> None:
     for system in (
         IntervalType2System(uncertain(), GRID_RULES, consequents),

@@ -265,3 +265,29 @@ def test_direct_methods_by_hand() -> None:
     np.testing.assert_allclose(found, np.full((1, 2), centers @ areas / areas.sum()), atol=1e-9)
     found = united.average(one, "begian_melek_mendel", (0.25, 0.75))
     np.testing.assert_allclose(found, np.full((1, 2), 0.5), atol=1e-9)
+
+
+@pytest.mark.parametrize("reduction", ["centroid", "center_of_sums"])
+def test_terms_narrower_than_the_step_of_a_grid_are_not_lost(reduction: str) -> None:
+    """Half-widths 0.1 at -80.2 and 80 on [-100, 100] under firing 0.75 and 0.25.
+
+    By hand: a triangle of area 0.1 clipped at w has the area 0.1 (1 - (1 - w)^2), 0.09375 and
+    0.04375, so (-80.2 * 0.09375 + 80 * 0.04375) / 0.1375 = -29.2273. A grid gave 80.
+    """
+    flat = fuzzy2.Trapezoidal(-1.0, 0.0, 1.0, 2.0)
+    narrow = [[fuzzy2.Triangular(c - 0.1, c, c + 0.1)] for c in (-80.2, 80.0)]
+    expected = (-80.2 * 0.09375 + 80.0 * 0.04375) / 0.1375
+    assert round(expected, 4) == -29.2273
+    for aggregation in ("max", "sum"):
+        system = fuzzy2.Type1System(
+            [[flat, flat]],
+            [[0], [1]],
+            narrow,
+            "min",
+            type_reduction=reduction,
+            t_conorm=aggregation,
+            output_ranges=[(-100.0, 100.0)],
+        )
+        # Firing is by the two rules' weights, which multiply 1.
+        fired = system.replace(weights=[0.75, 0.25])
+        np.testing.assert_allclose(fired([0.5]), [expected], rtol=0.0, atol=1e-6)

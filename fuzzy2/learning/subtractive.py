@@ -1,0 +1,134 @@
+r"""Subtractive clustering: it finds how many clusters there are, from how wide one is.
+
+Every sample is a possible center, and its potential counts the samples about it,
+
+.. math:: P_i = \sum_j e^{-4 \lVert x_i - x_j \rVert^2 / r_a^2},
+
+with columns divided by their ranges. The sample of the greatest potential is a center; what it
+explains is subtracted from all others, :math:`P_i \leftarrow P_i - P_1
+e^{-4 \lVert x_i - x_1 \rVert^2 / r_b^2}`, and so on. A sample whose potential is above 0.5 of the
+first one is a center, below 0.15 the search ends, and between it is one if
+:math:`d / r_a + P / P_1 \ge 1` with the distance d to the nearest center.
+
+Source: S. L. Chiu, "Fuzzy model identification based on cluster estimation", Journal of Intelligent
+and Fuzzy Systems 2(3), 1994.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.learning.samples import weights_of
+from fuzzy2.support.checks import Array, binary_exponent, positive, reals
+
+ACCEPTED, REJECTED = 0.5, 0.15
+"""Potentials, as shares of the first one, above and below which a sample is a center or none."""
+
+BLOCK = 2**21
+"""Distances that are held at a time."""
+
+
+@dataclass(frozen=True)
+class SubtractiveClusters:
+    r"""What :func:`subtractive_clustering` found.
+
+    Parameters
+    ----------
+    centers : (K, p) ndarray
+        Samples that are centers, from the greatest potential on.
+    sigmas : (p,) ndarray
+        Standard deviation of a Gaussian along each column that has the potential's width,
+        :math:`r_a / \sqrt 8` of the column's range.
+    potentials : (K,) ndarray
+        Potentials of the centers when they were chosen.
+    """
+
+    centers: Array
+    sigmas: Array
+    potentials: Array
+
+
+def subtractive_clustering(
+    X: ArrayLike,
+    radius: float = 0.5,
+    squash: float = 1.5,
+    *,
+    sample_weight: ArrayLike | None = None,
+) -> SubtractiveClusters:
+    r"""Return the clusters of samples, as many as there are of a width (Chiu 1994).
+
+    Parameters
+    ----------
+    X : (N, p) array_like
+        Samples.
+    radius : float
+        :math:`r_a`, how far a center reaches, as a share of the range of each column; above 0.
+    squash : float
+        :math:`r_b / r_a`, how much farther it keeps other centers away; above 0. MATLAB's
+        ``subclust`` has 1.25.
+    sample_weight : (N,) array_like, optional
+        How often each sample counts, not negative; 1 by default.
+
+    Returns
+    -------
+    SubtractiveClusters
+        Centers, widths and potentials.
+
+    Raises
+    ------
+    InvalidValue
+        If the samples are no table of finite numbers, or a number is outside of what it can be.
+    """
+    samples = reals("X", X)
+    if samples.ndim != 2 or 0 in samples.shape or not np.isfinite(samples).all():
+        raise InvalidValue("X", samples, "finite and of shape (N, p), a row for each sample")
+    reach, wider = positive("radius", radius), positive("squash", squash)
+    counts = weights_of(sample_weight, len(samples))
+    scaled = np.ldexp(samples, -binary_exponent(samples))
+    widths = np.ptp(scaled, axis=0)
+    units = (scaled - scaled.min(axis=0)) / np.where(widths > 0.0, widths, 1.0)
+    potentials = np.where(counts > 0.0, _potentials(units / reach, counts), 0.0)
+    chosen: list[int] = []
+    found: list[float] = []
+    while True:
+        best = int(np.argmax(potentials))
+        height = float(potentials[best])
+        if not _is_center(units, chosen, best, height, found, reach):
+            if height <= REJECTED * found[0]:
+                break
+            potentials[best] = 0.0
+            continue
+        chosen.append(best)
+        found.append(height)
+        squares = ((units - units[best]) ** 2).sum(axis=1) / (wider * reach) ** 2
+        potentials = potentials - height * np.exp(-4.0 * squares)
+        # Exactly: rounding must not make a center of it again.
+        potentials[best] = 0.0
+    ranges = np.ptp(0.5 * samples, axis=0)
+    sigmas = reach / np.sqrt(8.0) * 2.0 * ranges
+    return SubtractiveClusters(samples[chosen], sigmas, np.array(found))
+
+
+def _is_center(
+    units: Array, chosen: list[int], best: int, height: float, found: list[float], reach: float
+) -> bool:
+    if not chosen or height > ACCEPTED * found[0]:
+        return True
+    if height <= REJECTED * found[0]:
+        return False
+    nearest = np.sqrt(((units[chosen] - units[best]) ** 2).sum(axis=1).min())
+    return bool(nearest / reach + height / found[0] >= 1.0)
+
+
+def _potentials(points: Array, counts: Array) -> Array:
+    """Return the potentials (N,) of points in units of the radius."""
+    rows = max(BLOCK // points.size, 1)
+    parts = []
+    for start in range(0, len(points), rows):
+        apart = points[start : start + rows, np.newaxis] - points
+        parts.append(np.exp(-4.0 * (apart**2).sum(axis=-1)) @ counts)
+    return np.concatenate(parts)

@@ -1,0 +1,113 @@
+"""How things show themselves: a picture by ``view()``, and HTML with a small one in notebooks.
+
+Figures stand above what they show, so nothing here draws them: the facade, which knows both, says
+who does. Small pictures are plain SVG, made without a plotting library.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.support.checks import Array
+
+WIDTH, HEIGHT = 180.0, 48.0
+"""Size of a small picture in pixels."""
+
+COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f7f7f")
+"""Colors of curves; those of Okabe and Ito, which color-blind people tell apart."""
+
+Curve = tuple[Array, Array]
+"""Lower and upper grades at the points of a small picture."""
+
+_viewers: list[Callable[..., Any]] = []
+
+
+def viewed_by(viewer: Callable[..., Any]) -> None:
+    """Say who draws: a function of the thing and of the axes to draw into."""
+    _viewers[:] = [viewer]
+
+
+class Shown:
+    """What can be looked at."""
+
+    def view(self, axes: Any = None) -> tuple[Any, ...]:
+        """Draw this; see :func:`fuzzy2.view`.
+
+        Parameters
+        ----------
+        axes : Axes or sequence of them, optional
+            Those of a new figure by default.
+
+        Returns
+        -------
+        tuple of Axes
+            The axes; ``axes[0].figure`` is the figure to save or to show.
+        """
+        drawn: tuple[Any, ...] = _viewers[0](self, axes)
+        return drawn
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows."""
+        return f"<code>{html.escape(repr(self))}</code>"
+
+
+def captioned(picture: str, text: str) -> str:
+    """Return a picture with a text below, of which nothing is taken for HTML."""
+    return (
+        f'<figure style="margin:0;display:inline-block">{picture}'
+        f"<figcaption><code>{html.escape(text)}</code></figcaption></figure>"
+    )
+
+
+def table(rows: Sequence[Sequence[str]]) -> str:
+    """Return rows of cells, which are HTML, as a table."""
+    cells = ("".join(f"<td>{cell}</td>" for cell in row) for row in rows)
+    return f"<table>{''.join(f'<tr>{row}</tr>' for row in cells)}</table>"
+
+
+def small_picture(
+    ends: tuple[float, float], curves: Sequence[Curve], points: Array, name: str
+) -> str:
+    """Return curves between ``ends`` as SVG; ``name`` is read to those who cannot see it.
+
+    Parameters
+    ----------
+    ends : (float, float)
+        Ends of the abscissa.
+    curves : sequence of pairs of (N,) arrays
+        Lower and upper grades; their area is filled where they differ.
+    points : (N,) array
+        Where the grades are.
+    name : str
+        What is shown.
+    """
+    left, right = ends
+    # Divided first: the distance of the ends may be no float.
+    width = max(right / 2.0 - left / 2.0, np.finfo(float).tiny)
+    across = 2.0 + (WIDTH - 4.0) * np.clip((points / 2.0 - left / 2.0) / width, 0.0, 1.0)
+    shapes = [f"<title>{html.escape(name)}</title>"]
+    for n, (lower, upper) in enumerate(curves):
+        color = COLORS[n % len(COLORS)]
+        top, bottom = (_path(across, grades) for grades in (upper, lower))
+        if not np.array_equal(lower, upper):
+            area = f"{top} {_path(across[::-1], lower[::-1])}"
+            shapes.append(f'<polygon points="{area}" fill="{color}" fill-opacity="0.3"/>')
+            shapes.append(_line(bottom, color, ' stroke-dasharray="3 2"'))
+        shapes.append(_line(top, color, ""))
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{WIDTH:g}" height="{HEIGHT:g}" '
+        f'viewBox="0 0 {WIDTH:g} {HEIGHT:g}" role="img">{"".join(shapes)}</svg>'
+    )
+
+
+def _path(across: Array, grades: Array) -> str:
+    down = HEIGHT - 2.0 - (HEIGHT - 4.0) * np.clip(np.nan_to_num(grades), 0.0, 1.0)
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in zip(across, down, strict=True))
+
+
+def _line(path: str, color: str, style: str) -> str:
+    return f'<polyline points="{path}" fill="none" stroke="{color}"{style}/>'

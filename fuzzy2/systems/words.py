@@ -1,0 +1,74 @@
+"""The rules of a system in words, whatever they were made of."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.systems.antecedents import Antecedent, Is, mapped, trees_of
+from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.explainable import Explainable
+from fuzzy2.systems.rules import antecedent_in_words, quoted
+
+
+def rules_in_words(system: Explainable, most: int | None = None) -> list[str]:
+    """Return the text of each rule: names where there are names, else numbers or sets.
+
+    Parameters
+    ----------
+    system : FuzzySystem
+        The system.
+    most : int, optional
+        So many from the first on; all by default.
+    """
+    trees = system.rules if isinstance(system.rules, tuple) else trees_of(system.rules)
+    count = len(trees) if most is None else min(most, len(trees))
+    return [_rule(system, r, trees[r]) for r in range(count)]
+
+
+def _rule(system: Explainable, r: int, tree: Antecedent) -> str:
+    said = " and ".join(
+        f"{quoted(name)} is {_said(system, r, j)}"
+        for j, name in enumerate(system.output_names)
+        if system.silent is None or not system.silent[r, j]
+    )
+    text = f"IF {_asked(system, tree)} THEN {said}"
+    weight = 1.0 if system.weights is None else float(system.weights[r])
+    return text if weight == 1.0 else f"{text} with {weight:.6g}"
+
+
+def _asked(system: Explainable, tree: Antecedent) -> str:
+    def named(leaf: Is) -> Antecedent:
+        i = int(leaf.variable)
+        term = None if leaf.term is None else system.term_names[i][int(leaf.term)]
+        return Is(system.input_names[i], term)
+
+    by_names = mapped(tree, named)
+    try:
+        return antecedent_in_words(by_names)
+    except InvalidValue:
+        # A hedge of a group, which rules in words do not have.
+        return str(by_names)
+
+
+def _said(system: Explainable, r: int, j: int) -> str:
+    names = system.consequent_names
+    if names is not None and names[r][j]:
+        return quoted(names[r][j])
+    if system.consequent_sets is not None:
+        return repr(system.consequent_sets[r][j])
+    if isinstance(system.consequents, Linear):
+        return _linear(system.consequents.coefficients[r, j], system.input_names)
+    left, right = system.consequent_intervals[r, j]
+    return f"{left:.6g}" if left == right else f"[{left:.6g}, {right:.6g}]"
+
+
+def _linear(coefficients: Any, names: tuple[str, ...]) -> str:
+    text = f"{coefficients[0]:.6g}"
+    for value, name in zip(coefficients[1:], names, strict=True):
+        if value != 0.0:
+            sign = "-" if np.signbit(value) else "+"
+            text += f" {sign} {abs(value):.6g} {quoted(name)}"
+    return text
