@@ -11,11 +11,10 @@ from xml.parsers import expat
 from fuzzy2.errors import Fuzzy2Error, MalformedFile, NotExpressible
 from fuzzy2.files.description import (
     Constant,
+    DescribedRule,
     Description,
     LinearFunction,
-    Rules,
     Variable,
-    alternatives,
     negated,
     system_of,
 )
@@ -23,6 +22,7 @@ from fuzzy2.files.fml_names import NAMESPACE, SHAPES, T_CONORMS, T_NORMS
 from fuzzy2.files.source import Source
 from fuzzy2.sets.derived import Complement
 from fuzzy2.sets.type1 import SampledSet, Type1Set
+from fuzzy2.systems.antecedents import And, Is, Or
 from fuzzy2.systems.rules import unknown_name
 from fuzzy2.systems.system import FuzzySystem
 
@@ -350,7 +350,7 @@ class FmlReader(Source):
         outputs: tuple[Variable, ...],
         t_norm: str,
         splits: bool,
-    ) -> Rules:
+    ) -> tuple[DescribedRule, ...]:
         mamdani = rule_base.name == "mamdaniRuleBase"
         rules = []
         # A negation adds a term to its variable, which the document does not know.
@@ -379,7 +379,8 @@ class FmlReader(Source):
                 raise self.malformed(rule.line, "the rule asks for nothing")
             or_method = self._attribute(rule_base, "orMethod", "MAX")
             either = self._asks_for_either(rule, asked, t_norm, or_method if splits else "")
-            rules += [(one, said) for one in (alternatives(asked) if either else (asked,))]
+            parts = tuple(Is(i, term) for i, term in enumerate(asked) if term >= 0)
+            rules.append(DescribedRule(Or(parts) if either else And(parts), said))
         if not rules:
             raise self.malformed(rule_base.line, "there are no rules")
         return tuple(rules)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NoReturn
 from xml.etree import ElementTree
 
 from fuzzy2.errors import NotExpressible
 from fuzzy2.files.description import (
+    SILENT,
     SUM,
     Constant,
     Description,
     LinearFunction,
     Variable,
     check_names,
+    clauses_of_rule,
 )
 from fuzzy2.files.fml_names import NAMESPACE, T_CONORMS, T_NORMS, named_shape
 from fuzzy2.sets.derived import Complement
@@ -127,17 +130,23 @@ def _write_rules(root: ElementTree.Element, description: Description) -> None:
     )
     methods = {"activationMethod": t_norm, "andMethod": t_norm, "orMethod": "MAX"}
     base = ElementTree.SubElement(root, base_name, {"name": "rules", **methods})
-    for number, (asked, said) in enumerate(description.rules, start=1):
+    for number, rule in enumerate(description.rules, start=1):
+        flat = clauses_of_rule(rule.asked)
+        if flat is None or flat[0] or rule.weight != 1.0 or SILENT in rule.said:
+            _refuse("a rule with or, not, hedges, a weight or silence", "use JSON")
+        asked, said = [-1] * len(description.inputs), rule.said
+        for clause in flat[1]:
+            asked[clause.input] = clause.term
         if max(asked) < 0:
             _refuse("a rule that asks for nothing", "a rule has at least one clause")
         # A rule's own andMethod is MIN if it does not say so.
-        rule = ElementTree.SubElement(
+        written = ElementTree.SubElement(
             base, rule_name, {"name": f"rule{number}", "andMethod": t_norm, "connector": "and"}
         )
         _write_clauses(
-            ElementTree.SubElement(rule, "antecedent"), "clause", description.inputs, asked
+            ElementTree.SubElement(written, "antecedent"), "clause", description.inputs, asked
         )
-        consequent = ElementTree.SubElement(rule, consequent_name)
+        consequent = ElementTree.SubElement(written, consequent_name)
         _write_clauses(
             ElementTree.SubElement(consequent, then_name), clause_name, description.outputs, said
         )
@@ -147,7 +156,7 @@ def _write_clauses(
     parent: ElementTree.Element,
     kind: str,
     variables: tuple[Variable, ...],
-    numbers: tuple[int, ...],
+    numbers: Sequence[int],
 ) -> None:
     for variable, number in zip(variables, numbers, strict=True):
         if number >= 0:
