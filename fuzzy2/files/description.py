@@ -199,9 +199,10 @@ def system_of(description: Description) -> FuzzySystem:
         "output_ranges": [variable.range for variable in outputs],
         "output_terms": None if functions else terms,
     }
+    rules: Any = [rule.asked for rule in description.rules]
     return (IntervalType2System if description.type2 else Type1System)(
         [list(variable.terms.values()) for variable in description.inputs],
-        [rule.asked for rule in description.rules],
+        rules,
         consequents,
         **{**arguments, **description.options},
     )

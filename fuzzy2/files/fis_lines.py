@@ -26,7 +26,20 @@ _KEYS_OF_SYSTEM = (
     "CrispInterval",
 )
 
-_KEYS_OF_VARIABLE = ("Name", "Range", "NumMFs", "CrispInterval")
+# The last ones are of early versions of fuzzylite, and say what is so anyway.
+_KEYS_OF_VARIABLE = (
+    "Name",
+    "Range",
+    "NumMFs",
+    "CrispInterval",
+    "Enabled",
+    "Default",
+    "LockRange",
+    "LockPrevious",
+    "LockValid",
+    "LockValidOutput",
+    "LockOutputRange",
+)
 
 NUMBER = r"[+-]?(?:\d+\.?\d*(?:[eE][+-]?\d+)?|\.\d+(?:[eE][+-]?\d+)?|[iI]nf)"
 QUOTED = r"'((?:[^']|'')*)'"
@@ -50,10 +63,11 @@ class Section(NamedTuple):
 
 
 class FisLines(Source):
-    """One text, read into sections."""
+    """One text, read into sections; ``dialect`` is whose meaning it has."""
 
-    def __init__(self, text: str, source: str) -> None:
+    def __init__(self, text: str, source: str, dialect: str) -> None:
         super().__init__(source)
+        self.dialect = dialect
         self.sections = self._sections(text)
 
     def _sections(self, text: str) -> dict[str, Section]:

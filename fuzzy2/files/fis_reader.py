@@ -37,10 +37,6 @@ _TERM = re.compile(rf"{QUOTED}\s*:\s*{QUOTED}\s*,\s*{VECTOR}(?:\s*,\s*{VECTOR}\s
 class FisReader(FisLines):
     """One text, read into sections and then into a description."""
 
-    def __init__(self, text: str, source: str, dialect: str) -> None:
-        super().__init__(text, source)
-        self.dialect = dialect
-
     def system(self) -> FuzzySystem:
         """Return the system that the text describes."""
         section = self.sections["System"]

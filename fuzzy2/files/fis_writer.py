@@ -74,8 +74,8 @@ class FisWriter:
         for i, (variable, _) in enumerate(outputs):
             lines += [f"[Output{i + 1}]", *self._variable(variable, described.mamdani), ""]
         lines.append("[Rules]")
-        numbers = [[numbers for _, numbers in variables] for variables in (inputs, outputs)]
-        lines += [rule_line(rule, *numbers, self.where) for rule in described.rules]
+        asked, said = ([numbers for _, numbers in of] for of in (inputs, outputs))
+        lines += [rule_line(rule, asked, said, self.where) for rule in described.rules]
         return "\n".join(lines) + "\n"
 
     def _system(self) -> list[str]:
