@@ -447,7 +447,13 @@ def _numbers(said: list[list[Any]], inputs: int) -> Linear | Array:
 
 
 def _limits(values: Any) -> tuple[float, float]:
-    return float(np.min(values)), float(np.max(values))
+    """Return the least and the greatest number, apart also where they are one.
+
+    A range of no width is not read; constants may all be one.
+    """
+    low, high = float(np.min(values)), float(np.max(values))
+    margin = 0.0 if low < high else max(1.0, 0.5 * abs(low))
+    return low - margin, high + margin
 
 
 def _limits_of(terms: Iterable[Any]) -> tuple[float, float]:
@@ -513,7 +519,7 @@ def _whole(
             )
         else:
             sets.append(whole(term))
-    return (float(ends[0]), float(ends[1])), sets
+    return _limits(ends), sets
 
 
 def check_names(description: Description, where: str) -> None:

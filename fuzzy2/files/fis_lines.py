@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from typing import NamedTuple
 
@@ -134,15 +135,22 @@ class FisLines(Source):
 
     def vector(self, number: int, text: str) -> list[float]:
         """Return numbers with blanks or commas between them."""
-        words = re.split(r"[\s,]+", text.strip()) if text.strip() else []
-        wrong = next((word for word in words if not re.fullmatch(NUMBER, word)), None)
-        if wrong is not None:
-            raise self.malformed(number, f"expected a number, got {wrong[:40]!r}")
-        return [float(word) for word in words]
+        words = re.split(r"[\s,;]+", text.strip(" \t,;")) if text.strip(" \t,;") else []
+        return [self._number(number, word) for word in words]
+
+    def _number(self, number: int, word: str) -> float:
+        if re.fullmatch(NUMBER, word):
+            return float(word)
+        # MATLAB evaluates what stands there; of all that could, parts of pi are what does.
+        part = re.fullmatch(rf"([+-]?)(?:({NUMBER})\*)?pi(?:/({NUMBER}))?", word)
+        if part is None or float(part[3] or 1.0) == 0.0:
+            raise self.malformed(number, f"expected a number, got {word[:40]!r}")
+        value = float(part[2] or 1.0) * math.pi / float(part[3] or 1.0)
+        return -value if part[1] == "-" else value
 
     def choice(self, section: Section, key: str, known: dict[str, str], default: str) -> str:
         """Return what a word stands for, which may be missing."""
-        name = self.string(section, key, default)
+        name = self.string(section, key, default) or default
         if name not in known:
             line = section.entries[key].number
             raise self.refused(line, f"{key}={name!r}", f"known are {', '.join(known)}")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Container
 from typing import Any
 
 from fuzzy2.errors import Fuzzy2Error, NotExpressible
@@ -143,18 +143,17 @@ class FisReader(FisLines):
         line = self.entry(section, "Range")
         inside = re.fullmatch(VECTOR, line.value)
         ends = self.vector(line.number, inside[1]) if inside else []
+        count = self.count(section, "NumMFs")
+        of_sets = output is not None and output[0]
+        if not of_sets and len(ends) == 2 and ends[0] == ends[1]:
+            # It says nothing, neither of inputs nor of numbers.
+            ends = [ends[0] - 1.0, ends[1] + 1.0]
         if len(ends) != 2 or not ends[0] < ends[1] or math.isinf(ends[1] - ends[0]):
             raise self.malformed(line.number, f"expected Range=[low high], got {line.value[:40]!r}")
-        count = self.count(section, "NumMFs")
         terms: dict[str, Any] = {}
         for number in range(1, count + 1):
             name, term = self._term(section, number, output, (ends[0], ends[1]))
-            if name in terms:
-                raise self.malformed(
-                    self._line_of(section, number),
-                    f"the name {name!r} is given to two membership functions",
-                )
-            terms[name] = term
+            terms[_unlike(name, terms)] = term
         if not terms and output is not None:
             raise self.malformed(
                 section.entries["NumMFs"].number,
@@ -165,13 +164,6 @@ class FisReader(FisLines):
                 raise self.malformed(entry.number, f"NumMFs is {count}, but there is {key}")
         return Variable(self.string(section, "Name"), (ends[0], ends[1]), terms)
 
-    def _line_of(self, section: Section, number: int) -> int:
-        return next(
-            section.entries[key].number
-            for key in (f"MF{number}", f"MF{number}U")
-            if key in section.entries
-        )
-
     def _term(
         self,
         section: Section,
@@ -181,7 +173,8 @@ class FisReader(FisLines):
     ) -> tuple[str, Any]:
         if f"MF{number}U" not in section.entries:
             line = self.entry(section, f"MF{number}")
-            name, kind, parameters, lower = self._membership(line)
+            sugeno = output is not None and not output[0]
+            name, kind, parameters, lower = self._membership(line, sugeno)
             if output is not None and not output[0]:
                 return name, self._constant(line.number, kind, parameters, output[1])
             return name, self._guarded(
@@ -207,7 +200,7 @@ class FisReader(FisLines):
         )
 
     def _membership(
-        self, line: Line
+        self, line: Line, sugeno: bool = False
     ) -> tuple[str, str, list[float], tuple[list[float], list[float]] | None]:
         found = _TERM.fullmatch(line.value)
         if found is None:
@@ -215,6 +208,8 @@ class FisReader(FisLines):
                 line.number, f"expected '<name>':'<kind>',[parameters], got {line.value[:60]!r}"
             )
         name, kind = found[1].replace("''", "'"), found[2]
+        if sugeno and kind not in ("constant", "linear"):
+            raise self.refused(line.number, f"the output {kind!r}", "known are constant and linear")
         if not name:
             raise self.malformed(line.number, "the name of the membership function is empty")
         lower = (
@@ -264,3 +259,12 @@ class FisReader(FisLines):
                 )
             return LinearFunction(parameters[-1], tuple(parameters[:-1]))
         raise self.refused(line, f"the output {kind!r}", "known are constant and linear")
+
+
+def _unlike(name: str, names: Container[str]) -> str:
+    """Return a name, with a number where it is taken: files may give one to several terms."""
+    found, count = name, 1
+    while found in names:
+        count += 1
+        found = f"{name}_{count}"
+    return found

@@ -53,9 +53,16 @@ class FisRules:
                 system.entries["NumRules"].number,
                 f"NumRules is {count}, but there are {len(section.rules)} rules",
             )
-        return tuple(self._rule(line.number, line.value) for line in section.rules)
+        sugeno = lines.string(system, "Type") == "sugeno"
+        return tuple(
+            rule for line in section.rules for rule in self._rule(line.number, line.value, sugeno)
+        )
 
-    def _rule(self, line: int, text: str) -> DescribedRule:
+    def _rule(self, line: int, text: str, sugeno: bool) -> list[DescribedRule]:
+        """Return a rule, and one for each output whose term has a hedge, which changes its firing.
+
+        Octave raises the firing to the inverse of the power.
+        """
         found = _RULE.fullmatch(text)
         if found is None:
             raise self._lines.malformed(
@@ -66,7 +73,7 @@ class FisRules:
                 line, f"expected 1 (and) or 2 (or) at the end, got {found[4]}"
             )
         asked = self._asked(line, found[1].split())
-        said = self._said(line, found[2].split())
+        said, hedged = self._said(line, found[2].split(), sugeno)
         weight = float(found[3])
         if not 0.0 <= weight <= 1.0:
             raise self._lines.malformed(line, f"expected a weight from 0 to 1, got {found[3]}")
@@ -75,7 +82,14 @@ class FisRules:
         if all(number == SILENT for number in said):
             raise self._lines.malformed(line, "the rule says nothing")
         tree = asked[0] if len(asked) == 1 else Or(asked) if found[4] == "2" else And(asked)
-        return DescribedRule(tree, said, weight)
+        if hedged and weight != 1.0:
+            raise self._lines.refused(line, "a hedge of an output of a rule with a weight", "use 1")
+        plain = tuple(SILENT if j in hedged else number for j, number in enumerate(said))
+        rules = [DescribedRule(tree, plain, weight)] if max(plain) > SILENT else []
+        for j, power in hedged.items():
+            alone = tuple(number if i == j else SILENT for i, number in enumerate(said))
+            rules.append(DescribedRule(Hedged(_hedge(power), tree), alone))
+        return rules
 
     def _number(
         self, line: int, word: str, variable: Variable, count: int
@@ -125,13 +139,22 @@ class FisRules:
             )
         return _FUZZYLITE.get(hundredths)
 
-    def _said(self, line: int, words: list[str]) -> tuple[int, ...]:
+    def _said(
+        self, line: int, words: list[str], sugeno: bool
+    ) -> tuple[tuple[int, ...], dict[int, float]]:
+        """Return the numbers of the outputs' terms, and the powers of the firing of some."""
         self._check_length(line, words, len(self._outputs), "output")
-        numbers = []
-        for word, variable, count in zip(words, self._outputs, self._counts, strict=True):
+        numbers, hedged = [], {}
+        for j, (word, variable, count) in enumerate(
+            zip(words, self._outputs, self._counts, strict=True)
+        ):
             no, number, hundredths = self._number(line, word, variable, count)
             if hundredths:
-                raise self._lines.refused(line, f"the hedge of {word}", "consequents have none")
+                power = self._power(line, word, hundredths, variable)
+                if no or power is None or not (sugeno and self._lines.dialect == "octave"):
+                    reason = "only Sugeno's outputs have one, in the octave dialect"
+                    raise self._lines.refused(line, f"the hedge of the output {word}", reason)
+                hedged[j] = 1.0 / power
             if number == 0:
                 numbers.append(SILENT)
                 continue
@@ -143,7 +166,7 @@ class FisRules:
                     )
                 number = negated(variable, number)
             numbers.append(number)
-        return tuple(numbers)
+        return tuple(numbers), hedged
 
 
 def _hedge(power: float) -> Hedge:

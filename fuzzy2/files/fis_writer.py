@@ -140,14 +140,9 @@ class FisWriter:
         return [f"{key}='{known_as('eiasc', known, 'method', self.where)}'"]
 
     def _variable(self, variable: Variable, of_sets: bool) -> list[str]:
-        low, high = variable.range
-        if not low < high:
-            # A range of no width is not read; constants may all be one.
-            margin = max(1.0, 0.5 * abs(low))
-            low, high = low - margin, high + margin
         lines = [
             f"Name={_quote(variable.name)}",
-            f"Range={_vector((low, high))}",
+            f"Range={_vector(variable.range)}",
             f"NumMFs={len(variable.terms)}",
         ]
         for i, (name, term) in enumerate(variable.terms.items()):

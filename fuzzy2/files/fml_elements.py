@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from fuzzy2.errors import MalformedFile
-from fuzzy2.files.fml_names import NAMESPACE
+from fuzzy2.files.fml_names import NAMESPACE, OWN_INSTRUCTION
 from fuzzy2.files.source import Source
 from fuzzy2.systems.rules import unknown_name
 
@@ -25,7 +26,14 @@ class Element:
 
 
 class FmlElements(Source):
-    """One document, read into elements."""
+    """One document, read into elements.
+
+    ``own`` are the words of an instruction to this package, which other programs pass over.
+    """
+
+    def __init__(self, source: str) -> None:
+        super().__init__(source)
+        self.own: dict[str, str] = {}
 
     def root(self, text: str) -> Element:
         """Return the outermost element of a document."""
@@ -55,6 +63,10 @@ class FmlElements(Source):
         def characters(text: str) -> None:
             open_elements[-1].text += text
 
+        def instruction(target: str, data: str) -> None:
+            if target == OWN_INSTRUCTION:
+                self.own.update(re.findall(r'(\w+)="([^"]*)"', data))
+
         def doctype(*_: object) -> None:
             raise self.malformed(
                 parser.CurrentLineNumber, "a document type declaration is not allowed"
@@ -66,6 +78,7 @@ class FmlElements(Source):
             characters,
         )
         parser.StartDoctypeDeclHandler = doctype
+        parser.ProcessingInstructionHandler = instruction
         try:
             parser.Parse(text.encode("utf-8", "surrogatepass"), True)
         except expat.ExpatError as error:

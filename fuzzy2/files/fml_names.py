@@ -49,6 +49,9 @@ DEFUZZIFIERS = {
 }
 """Defuzzifiers. JFML's mean of maxima is the middle between the first and the last."""
 
+OWN_INSTRUCTION = "fuzzy2"
+"""Target of the processing instruction that says how this package integrates."""
+
 SAMPLE_POINTS = 20001
 """Points of a sum for the center of gravity, which the standard defines as an integral."""
 

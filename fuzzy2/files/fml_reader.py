@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 from fuzzy2.errors import Fuzzy2Error, MalformedFile, NotExpressible
@@ -12,6 +13,7 @@ from fuzzy2.files.fml_names import DEFUZZIFIERS, RULE_BASES, SAMPLE_POINTS, T_CO
 from fuzzy2.files.fml_rules import FmlRules
 from fuzzy2.files.fml_terms import FmlTerms
 from fuzzy2.sets.type1 import Singleton
+from fuzzy2.systems.operators import INTEGRATIONS
 from fuzzy2.systems.system import FuzzySystem
 
 _OUTPUTS = {"mamdani": "fuzzyVariable", "tsk": "tskVariable", "tsukamoto": "tsukamotoVariable"}
@@ -103,9 +105,18 @@ class FmlReader(FmlElements):
             "implication": implication,
             "aggregation": aggregation,
             "reduction": reduction,
-            "integration": "exact" if narrow or reduction != "centroid" else "sum",
-            "resolution": SAMPLE_POINTS,
+            **self._integration("exact" if narrow or reduction != "centroid" else "sum"),
         }
+
+    def _integration(self, default: str) -> dict[str, Any]:
+        """Return how centroids are found, as a document of this package says or by default."""
+        integration = self.own.get("integration", default)
+        points = self.own.get("resolution", str(SAMPLE_POINTS))
+        if integration not in INTEGRATIONS or not re.fullmatch(r"\d{1,6}", points):
+            raise self.malformed(
+                1, f"expected an integration and points, got {integration!r} and {points!r}"
+            )
+        return {"integration": integration, "resolution": int(points)}
 
     def _common(
         self, elements: list[Element], attribute: str, default: str, known: dict[str, str]

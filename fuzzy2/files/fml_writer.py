@@ -84,7 +84,7 @@ def _write_sets(
     low, high = variable.range
     ends = {
         "domainleft": _number(low),
-        "domainright": _number(high if low < high else low + max(1.0, 0.5 * abs(low))),
+        "domainright": _number(high),
     }
     element = ElementTree.SubElement(base, names[0], {"name": variable.name, **ends, **attributes})
     if not variable.terms:

@@ -124,8 +124,10 @@ class Outputs:
         weights = strengths[:, np.newaxis]
         if self._silent is not None:
             weights = np.where(self._silent.T[np.newaxis, ..., np.newaxis], 0.0, weights)
+        if self._same:
+            n, _, rules, _ = weights.shape
+            weights = np.array(np.broadcast_to(weights, (n, len(self._same), rules, 2)))
         for j, groups in enumerate(self._same):
-            weights = np.array(weights) if j == 0 else weights
             self._unite(weights[:, j], groups)
         if own.type_reduction in ("weighted_sum", "united_sum"):
             return weighted_sum(intervals, weights)
