@@ -26,6 +26,7 @@ ELSEWHERE = {
         "each is raised, and its message read, by the tests of what raises it",
     ),
     "fuzzy2/files/description.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
+    "fuzzy2/files/clauses.py": ("fuzzy2/files/test_formats.py", THROUGH_ITS_FACE),
     "fuzzy2/files/fis_lines.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
     "fuzzy2/files/fis_names.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
     "fuzzy2/files/fis_rules.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),

@@ -22,9 +22,8 @@ from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Singleton, Type1Set
 from fuzzy2.support.checks import Array
-from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Not, Or, trees_of
+from fuzzy2.systems.antecedents import Antecedent, trees_of
 from fuzzy2.systems.consequents import Linear
-from fuzzy2.systems.hedges import Hedge
 from fuzzy2.systems.operators import AGGREGATIONS, UNIONS
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 from fuzzy2.systems.terms import domain_of
@@ -60,17 +59,6 @@ class DescribedRule(NamedTuple):
     asked: Antecedent
     said: tuple[int, ...]
     weight: float = 1.0
-
-
-class Clause(NamedTuple):
-    """``input is term`` in a flat rule, with what it is changed by: ``"not"`` and hedges.
-
-    The outermost change comes first.
-    """
-
-    input: int
-    term: int
-    changes: tuple[str | Hedge, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -228,36 +216,6 @@ def negated(variable: Variable, number: int) -> int:
         name = f"not {name}"
     variable.terms[name] = opposite
     return len(variable.terms) - 1
-
-
-def clauses_of_rule(asked: Antecedent) -> tuple[bool, tuple[Clause, ...]] | None:
-    """Return what a flat rule asks for: whether by *or*, and its clauses.
-
-    Clauses are ``input is term``, with hedges and *not* before them. A clause that holds always is
-    left out of a conjunction. None of a rule that is not flat.
-    """
-    match asked:
-        case And(parts) | Or(parts):
-            either = isinstance(asked, Or)
-            found: list[Clause] = []
-            for part in parts:
-                inside = clauses_of_rule(part)
-                if inside is None or (len(inside[1]) > 1 and inside[0] != either):
-                    return None
-                if either and not inside[1]:
-                    return None
-                found += inside[1]
-            return (either and len(found) > 1, tuple(found))
-        case Not(part) | Hedged(_, part):
-            inside = clauses_of_rule(part)
-            if inside is None or len(inside[1]) != 1:
-                return None
-            change = asked.hedge if isinstance(asked, Hedged) else "not"
-            clause = inside[1][0]
-            return False, (clause._replace(changes=(change, *clause.changes)),)
-    if asked.term is None:
-        return False, ()
-    return False, (Clause(int(asked.variable), int(asked.term)),)
 
 
 def description_of(system: FuzzySystem, where: str) -> Description:

@@ -11,13 +11,13 @@ import re
 from collections.abc import Sequence
 
 from fuzzy2.errors import NotExpressible
+from fuzzy2.files.clauses import clauses_of_rule
 from fuzzy2.files.description import (
     SILENT,
     Constant,
     DescribedRule,
     LinearFunction,
     Variable,
-    clauses_of_rule,
     negated,
 )
 from fuzzy2.files.fis_lines import NUMBER, FisLines, Section

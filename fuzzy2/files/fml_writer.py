@@ -6,6 +6,7 @@ from typing import NoReturn
 from xml.etree import ElementTree
 
 from fuzzy2.errors import NotExpressible
+from fuzzy2.files.clauses import clauses_of_rule
 from fuzzy2.files.description import (
     SILENT,
     SUM,
@@ -14,7 +15,6 @@ from fuzzy2.files.description import (
     LinearFunction,
     Variable,
     check_names,
-    clauses_of_rule,
     known_as,
 )
 from fuzzy2.files.fml_names import (

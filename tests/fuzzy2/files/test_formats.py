@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 
 import fuzzy2
 from fuzzy2.errors import MalformedFile, NotExpressible, UnknownName
-from fuzzy2.files.description import clauses_of_rule, description_of, system_of
+from fuzzy2.files.clauses import clauses_of_rule
+from fuzzy2.files.description import description_of, system_of
 from fuzzy2.files.fis import format_fis, parse_fis
 from fuzzy2.files.fml import format_fml, parse_fml
 from fuzzy2.files.json_files import from_json, to_json
