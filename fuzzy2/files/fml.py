@@ -7,7 +7,7 @@ left linear), Gaussians, rectangles, singletons, linearly interpolated points, G
 and S-, Z- and pi-shaped sets. The standard gives a pi shape two parameters and does not say which;
 here, as in its reference implementation JFML, they are the left foot and the top, and the right
 side mirrors the left one. Complements of all these are kept. Points of Lagrange's polynomial are
-read, and terms made of others (circular definitions, aggregated variables).
+read, cut off at 0 and 1, and terms made of others (circular definitions, aggregated variables).
 
 Rules have weights, *and* or *or*, modifiers, an *else*, and may be silent about outputs. Where
 JFML departs from the standard the standard is followed: JFML's ``plus``, ``somewhat``,

@@ -25,8 +25,10 @@ from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
 from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.uncertain_mean import NearestMeanGaussian
 from fuzzy2.systems import IntervalType2System
-from fuzzy2.systems.antecedents import Is, Or
+from fuzzy2.systems.antecedents import And, Hedged, Is, Not, Or
+from fuzzy2.systems.hedges import HEDGES
 from tests.fuzzy2.files.fis_texts import OPEN_TYPE2, TIPPER, TYPE2
+from tests.fuzzy2.files.toolbox import Toolbox
 
 
 def test_the_tipper_gives_what_matlab_documents() -> None:
@@ -310,3 +312,86 @@ def test_damaged_files_raise_nothing_else(text: str, data: st.DataObject) -> Non
     # An error of any other class fails the test.
     with contextlib.suppress(MalformedFile, NotExpressible):
         parse_fis(damaged)
+
+
+def edits(text: str, *pairs: tuple[str, str]) -> str:
+    for old, new in pairs:
+        assert old in text
+        text = text.replace(old, new, 1)
+    return text
+
+
+SUGENO = edits(
+    TIPPER,
+    ("'mamdani'", "'sugeno'"),
+    ("'centroid'", "'wtaver'"),
+    ("'trimf',[0 5 10]", "'constant',[5]"),
+    ("'trimf',[10 15 20]", "'linear',[1 -2 15]"),
+    ("'trimf',[20 25 30]", "'constant',[25 0 0 0]"),
+)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        edits(TIPPER, ("1 1, 1 (1) : 2", "1 -1, 1 (0.5) : 2")),
+        edits(TIPPER, ("AndMethod='min'", "AndMethod='prod'"), ("2 0, 2", "-2 1, -2")),
+        edits(TIPPER, ("ImpMethod='min'", "ImpMethod='prod'"), ("(1) : 1", "(0.3) : 1")),
+        edits(TIPPER, ("AggMethod='max'", "AggMethod='probor'")),
+        edits(TIPPER, ("AggMethod='max'", "AggMethod='sum'"), ("'max'", "'probor'")),
+        edits(TIPPER, ("'centroid'", "'mom'")),
+        edits(TIPPER, ("'centroid'", "'som'"), ("Range=[0 30]", "Range=[-10 30]")),
+        edits(TIPPER, ("'centroid'", "'lom'"), ("[0 5 10]", "[-40 -35 0]"), ("[0 30]", "[-50 30]")),
+        edits(TIPPER, ("'gaussmf',[1.5 0]", "'gbellmf',[2 3 0 0]")),
+        edits(TIPPER, ("[1.5 5]", "[1.5 pi]"), ("%", "# also a comment\n%")),
+        SUGENO,
+        edits(SUGENO, ("'wtaver'", "'wtsum'"), ("1 1, 1 (1)", "1 1, 1 (0.7)")),
+        edits(
+            SUGENO, ("AndMethod='min'", "AndMethod='prod'"), ("3 2, 3 (1) : 2", "3 -2, 3 (1) : 1")
+        ),
+    ],
+)
+def test_against_the_toolbox_in_a_hundred_lines(text: str) -> None:
+    """To 1e-9: the same sums in another order; `toolbox.py` is written from the documentation."""
+    system, other = parse_fis(text), Toolbox(text)
+    X = np.random.default_rng(3).uniform(0.0, 10.0, size=(60, 2))
+    np.testing.assert_allclose(system(X), [other(list(x)) for x in X], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize("method", ["KM", "EKM", "IASC", "EIASC", "EODS", "NT", "BMM(0.9,0.3)"])
+def test_type_2_against_the_toolbox_in_a_hundred_lines(method: str) -> None:
+    """Exact methods against all switch points, to 1e-9."""
+    text = OPEN_TYPE2.replace("Karnik-Mendel", method)
+    system, other = parse_fis(text), Toolbox(text)
+    # Where a lower grade of all rules is 0, the average of Begian, Melek and Mendel has no answer.
+    X = np.random.default_rng(3).uniform(-1.0, 0.2, size=(60, 1))
+    np.testing.assert_allclose(system(X), [other(list(x)) for x in X], rtol=1e-9, atol=1e-9)
+
+
+def test_a_rule_may_be_silent_and_an_input_without_terms() -> None:
+    text = edits(
+        SUGENO,
+        ("NumInputs=2", "NumInputs=3"),
+        ("[Output1]", "[Input3]\nName='c'\nRange=[0 0]\nNumMFs=0\n\n[Output1]"),
+        ("'linear',[1 -2 15]", "'linear',[1 -2 3 15]"),
+        ("1 1, 1 (1) : 2", "1 1 0, 1 (1) : 2"),
+        ("2 0, 2 (1) : 1", "2 0 0, 2 (1) : 1"),
+        ("3 2, 3 (1) : 2", "3 2 0, 3 (1) : 2"),
+    )
+    system, other = parse_fis(text), Toolbox(text)
+    X = np.random.default_rng(3).uniform(0.0, 10.0, size=(40, 3))
+    np.testing.assert_allclose(system(X), [other(list(x)) for x in X], rtol=1e-9)
+
+
+def test_hedges_of_fuzzylite_and_of_octave() -> None:
+    text = edits(TIPPER, ("2 0, 2 (1) : 1", "2.3 -1.05, 2 (1) : 1"))
+    for dialect in ("matlab", "octave"):
+        tree = parse_fis(text, dialect=dialect).rules[1]
+        assert tree == And(
+            (Hedged(HEDGES["extremely"], Is(0, 1)), Not(Hedged(HEDGES["somewhat"], Is(1, 0))))
+        )
+
+
+def test_names_that_terms_share_are_told_apart() -> None:
+    system = parse_fis(edits(TIPPER, ("MF2='good'", "MF2='poor'")))
+    assert system.term_names[0] == ("poor", "poor_2", "excellent")

@@ -390,3 +390,89 @@ def test_damaged_documents_raise_nothing_else(text: str, data: st.DataObject) ->
     # An error of any other class fails the test.
     with contextlib.suppress(MalformedFile, NotExpressible):
         parse_fml(damaged)
+
+
+def test_what_rules_say_besides_clauses() -> None:
+    """Weights, hedges, *else*, silence: against the firing that they mean, written out."""
+    text = TIPPER.replace('connector="or" weight="1.0"', 'connector="or" weight="0.25"')
+    text = text.replace(
+        "<clause><variable>food</variable><term>rancid",
+        '<clause modifier="very"><variable>food</variable><term>rancid',
+    )
+    start = text.index("</consequent>", text.index('"rule2"'))
+    branch = "<else><clause><variable>tip</variable><term>cheap</term></clause></else>"
+    system = parse_fml(text[:start] + branch + text[start:])
+    x = np.random.default_rng(0).uniform(0.0, 10.0, size=(30, 2))
+    poor, good, excellent = (np.exp(-0.5 * ((x[:, 0] - m) / 1.5) ** 2) for m in (0.0, 5.0, 10.0))
+    rancid = np.clip((3.0 - x[:, 1]) / 2.0, 0.0, 1.0)
+    delicious = np.clip((x[:, 1] - 7.0) / 2.0, 0.0, 1.0)
+    fired = np.stack(
+        [
+            0.25 * np.maximum(rancid**2, poor),
+            good,
+            1.0 - good,
+            np.maximum(excellent, delicious),
+        ],
+        axis=1,
+    )
+    np.testing.assert_allclose(system.firing(x)[..., 1], fired, rtol=1e-12, atol=1e-15)
+
+
+def test_terms_made_of_others() -> None:
+    circular = (
+        '<fuzzyTerm name="fair"><circularDefinition><or t-conorm="MAX"><termName>good</termName>'
+        "<and><termName>poor</termName><termName>excellent</termName></and></or>"
+        '</circularDefinition></fuzzyTerm><fuzzyTerm name="excellent" complement="false">'
+    )
+    aggregated = (
+        '<aggregatedFuzzyVariable name="quality"><aggregatedFuzzyTerm name="bad"><and><clause>'
+        "<variable>food</variable><term>rancid</term></clause><clause modifier='not'>"
+        "<variable>service</variable><term>fair</term></clause></and></aggregatedFuzzyTerm>"
+        "</aggregatedFuzzyVariable></knowledgeBase>"
+    )
+    text = TIPPER.replace('<fuzzyTerm name="excellent" complement="false">', circular)
+    text = text.replace("</knowledgeBase>", aggregated).replace(
+        "<variable>service</variable><term> good </term>",
+        "<variable>quality</variable><term>bad</term>",
+    )
+    system = parse_fml(text)
+    x = np.random.default_rng(0).uniform(0.0, 10.0, size=(30, 2))
+    poor, good, excellent = (np.exp(-0.5 * ((x[:, 0] - m) / 1.5) ** 2) for m in (0.0, 5.0, 10.0))
+    fair = np.maximum(good, np.minimum(poor, excellent))
+    rancid = np.clip((3.0 - x[:, 1]) / 2.0, 0.0, 1.0)
+    expected = np.minimum(rancid, 1.0 - fair)
+    np.testing.assert_allclose(system.firing(x)[:, 1, 1], expected, rtol=1e-12)
+    with pytest.raises(MalformedFile, match="is defined by itself"):
+        parse_fml(text.replace("<termName>good</termName>", "<termName>fair</termName>"))
+
+
+def test_points_of_a_polynomial() -> None:
+    """A parabola through three points, cut off where it leaves the grades."""
+    shape = (
+        '<pointSetShape interpolationMethod="lagrange"><point x="1" y="0"/><point x="3" y="1"/>'
+        '<point x="5" y="0"/></pointSetShape>'
+    )
+    system = parse_fml(TIPPER.replace('<gaussianShape param1="0.0" param2="1.5"/>', shape))
+    x = np.linspace(0.0, 10.0, 51)
+    expected = np.clip(1.0 - ((x - 3.0) / 2.0) ** 2, 0.0, 1.0)
+    np.testing.assert_allclose(system.inputs[0][0](x), expected, atol=1e-12)
+
+
+def test_tsukamoto_and_the_maxima() -> None:
+    """Where a shoulder has the grade of the firing; and the middle of the highest points."""
+    text = TIPPER.replace("mamdaniRuleBase", "tsukamotoRuleBase")
+    start, end = text.index('<fuzzyVariable name="tip"'), text.index("  </knowledgeBase>")
+    output = (
+        '<tsukamotoVariable name="tip" domainleft="0" domainright="30" type="output">'
+        '<tsukamotoTerm name="cheap"><leftLinearShape param1="0" param2="10"/></tsukamotoTerm>'
+        '<tsukamotoTerm name="average"><rightLinearShape param1="5" param2="15"/></tsukamotoTerm>'
+        '<tsukamotoTerm name="generous"><rightLinearShape param1="20" param2="30"/></tsukamotoTerm>'
+        "</tsukamotoVariable>"
+    )
+    system = parse_fml(text[:start] + output + text[end:])
+    x = np.array([[3.0, 2.0]])
+    fired = system.firing(x)[0, :, 1]
+    points = np.array([10.0 * (1.0 - fired[0]), 5.0 + 10.0 * fired[1], 20.0 + 10.0 * fired[2]])
+    np.testing.assert_allclose(system(x), [[fired @ points / fired.sum()]], rtol=1e-12)
+    middle = parse_fml(TIPPER.replace('defuzzifier="COG"', 'defuzzifier="mom"'))
+    np.testing.assert_allclose(middle([5.0, 5.0]), [15.0], atol=1e-6)
