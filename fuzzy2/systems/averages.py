@@ -16,10 +16,13 @@ from fuzzy2.reduction.interval import (
     wu_mendel_bounds,
 )
 from fuzzy2.support.checks import Array
+from fuzzy2.support.quadrature import merged
 from fuzzy2.systems.operators import DIRECT_METHODS
 from fuzzy2.systems.terms import highest_point, spread
 
-_HALVINGS = 60
+_HALVINGS = 100
+_BEYOND = 1e6
+"""Widths within which consequents without a range are asked for grades."""
 
 
 def averaged(
@@ -89,9 +92,9 @@ class Monotonic:
     ----------
     sets : sequence of R type-1 sets
         Sets that rise all the way, or fall all the way, within the range.
-    ends : (float, float)
+    ends : (float, float), optional
         Range of the output. A grade that a set does not reach within it is taken at the end where
-        the set is nearest to it.
+        the set is nearest to it. Without a range the set is asked wherever it lives.
 
     Raises
     ------
@@ -99,8 +102,15 @@ class Monotonic:
         If a set does not, which is looked for at 257 points and its landmarks.
     """
 
-    def __init__(self, sets: Sequence[Any], ends: tuple[float, float]) -> None:
-        self._sets, self._ends = list(sets), ends
+    def __init__(self, sets: Sequence[Any], ends: tuple[float, float] | None) -> None:
+        self._sets = list(sets)
+        bounded = ends is not None
+        if ends is None:
+            points = merged(*(item.landmarks for item in self._sets))
+            ends = float(points[0]), float(points[-1])
+        self._bounded = bounded
+        width = 0.0 if bounded else _BEYOND * (ends[1] - ends[0])
+        self._ends = ends[0] - width, ends[1] + width
         self._rising = []
         for item in self._sets:
             inside = item.landmarks[(item.landmarks > ends[0]) & (item.landmarks < ends[1])]
@@ -125,4 +135,9 @@ class Monotonic:
                 before = (item(middle) < strengths[:, r]) == rising
                 low, high = np.where(before, middle, low), np.where(before, high, middle)
             found[:, r] = 0.5 * (low + high)
+            if not self._bounded:
+                # A grade that is approached but never reached, as 1 by a sigmoid, is at infinity.
+                fires = strengths[:, r] > 0.0
+                found[fires & (high == self._ends[1]), r] = np.inf
+                found[fires & (low == self._ends[0]), r] = -np.inf
         return found

@@ -65,8 +65,9 @@ DIRECT_METHODS = ("nie_tan", "wu_mendel", "begian_melek_mendel")
 METHODS = (*EXACT_METHODS, *DIRECT_METHODS)
 """Names of the methods of type reduction of a system."""
 
-INTEGRATIONS = ("exact", "sum")
-"""How the centroid of united sets is found: by integration, or as a sum over points."""
+INTEGRATIONS = ("exact", "sum", "midpoint")
+"""How the centroid of united sets is found: by integration, as a sum over points from end to end, or
+as a sum over the middles of equal pieces."""
 
 ALIASES = MappingProxyType(
     {

@@ -122,9 +122,10 @@ class FuzzySystem:
         Weights of the lower and the upper average under ``"begian_melek_mendel"``.
     hedges : mapping from words to Hedge or callable, optional
         Hedges of rules in words beside those of :mod:`fuzzy2.systems.hedges`.
-    integration : {"exact", "sum"}
+    integration : {"exact", "sum", "midpoint"}
         Whether the centroid of united sets is integrated, to 1e-6 of the output's range or better
-        (:mod:`fuzzy2.systems.united`), or summed up over ``resolution`` points, as MATLAB does.
+        (:mod:`fuzzy2.systems.united`), or summed up over ``resolution`` points from end to end, as
+        MATLAB does, or over the middles of so many equal pieces, as fuzzylite does.
     fuzzifier : Fuzzifier, or one for each input
         How inputs become fuzzy sets, see :mod:`fuzzy2.systems.fuzzifiers`; singleton by default.
     input_names, output_names : sequence of str, optional
@@ -138,7 +139,7 @@ class FuzzySystem:
         Ends of the variables' domains. Those of the outputs are the ends of the output grid, which
         are otherwise the ends of the consequents; those of the inputs are for files.
     resolution : int
-        Points of the output grid under ``integration="sum"``.
+        Points of the output grid where the integration is a sum.
     output_terms : sequence of mappings, optional
         All terms of each output by name, also those that no rule mentions, for files.
 
@@ -216,7 +217,12 @@ class FuzzySystem:
             raise InvalidValue("resolution", resolution, "a whole number of at least 2")
         self.resolution = int(resolution)
         checked = checked_consequents(
-            consequents, silent, count, len(self.inputs), (self._kinds, self._kind_names)
+            consequents,
+            silent,
+            count,
+            len(self.inputs),
+            (self._kinds, self._kind_names),
+            self.type_reduction == "center_of_sets",
         )
         self.consequents, self.consequent_sets = checked.given, checked.sets
         self.consequent_intervals, self.silent = checked.intervals, checked.silent
