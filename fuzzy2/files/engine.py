@@ -15,11 +15,11 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fuzzy2.errors import NotExpressible
 from fuzzy2.files.description import SUM, Constant, LinearFunction
 from fuzzy2.sets.type1 import Singleton
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or, leaves, mapped
 from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.hedges import Hedge, Scaled
 from fuzzy2.systems.operators import UNIONS
 from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import Type1System
@@ -38,6 +38,7 @@ class Defuzzifier(NamedTuple):
 
     reduction: str
     resolution: int | None = None
+    integration: str = "midpoint"
 
 
 @dataclass(frozen=True)
@@ -98,23 +99,32 @@ class _Spoken(NamedTuple):
     either: frozenset[str]
 
 
+def _weighted(one: _Spoken) -> Antecedent:
+    """Return a rule's tree times its weight."""
+    weight = one.rule.weight
+    if weight == 1.0:
+        return one.tree
+    return Hedged(Hedge(f"with {weight:g}", function=Scaled(weight)), one.tree)
+
+
 def depth_of(tree: Antecedent) -> int:
     """Return how many levels a tree has."""
     deepest, level = 0, [tree]
     while level:
         deepest += 1
-        level = [
-            part
-            for one in level
-            for part in (
-                one.parts
-                if isinstance(one, And | Or)
-                else (one.part,)
-                if isinstance(one, Not | Hedged)
-                else ()
-            )
-        ]
+        level = _below(level)
     return deepest
+
+
+def _below(level: Sequence[Antecedent]) -> list[Antecedent]:
+    """Return the parts of trees."""
+    parts: list[Antecedent] = []
+    for one in level:
+        if isinstance(one, And | Or):
+            parts += one.parts
+        elif isinstance(one, Not | Hedged):
+            parts.append(one.part)
+    return parts
 
 
 class SystemMaker:
@@ -139,6 +149,23 @@ class SystemMaker:
             tree, both, either = self._resolved(rule)
             for output, term in rule.said:
                 self._spoken[output].append(_Spoken(rule, tree, term, both, either))
+        for one in engine.outputs:
+            if one.defuzzifier.reduction == "center_of_sets" and one.aggregation is not None:
+                self._merge(one)
+
+    def _merge(self, output: Output) -> None:
+        """Aggregate the rules of an average that say the same: one rule asks for any of them."""
+        merged: dict[str, _Spoken] = {}
+        for one in self._spoken[output.name]:
+            first = merged.setdefault(one.term, one)
+            if first is one:
+                continue
+            parts = first.tree.parts if first.rule.place < 0 and isinstance(first.tree, Or) else ()
+            tree = Or((*(parts or (_weighted(first),)), _weighted(one)))
+            either = first.either | one.either | {str(output.aggregation)}
+            rule = EngineRule(-1, tree, ((output.name, one.term),))
+            merged[one.term] = _Spoken(rule, tree, one.term, first.both | one.both, either)
+        self._spoken[output.name] = list(merged.values())
 
     def _resolved(self, rule: EngineRule) -> tuple[Antecedent, frozenset[str], frozenset[str]]:
         """Return a rule's tree, in which outputs stand for the rules that spoke of them before."""
@@ -166,9 +193,9 @@ class SystemMaker:
                 # A term of which no rule has spoken holds nowhere.
                 return Not(Is(self._inputs[0], None))
             if len(before) == 1:
-                return before[0].tree
+                return _weighted(before[0])
             either.add(self._aggregations[str(clause.variable)] or SUM)
-            return Or(tuple(one.tree for one in before))
+            return Or(tuple(_weighted(one) for one in before))
 
         tree = mapped(rule.asked, resolved)
         if depth_of(tree) > _DEEPEST or sum(1 for _ in leaves(tree)) > 10_000:
@@ -181,26 +208,32 @@ class SystemMaker:
         if term is None:
             return [_Spoken(rule, Is(self._inputs[0], None), "", frozenset(), frozenset())]
         before = [one for one in self._spoken[output] if one.term == term]
-        if any(one.rule.weight != 1.0 for one in before):
-            raise self._refused(
-                rule.place, f"{output!r} in a condition", "a rule that speaks of it has a weight"
-            )
         return before
 
     def system(self) -> AnySystem:
         """Return the system."""
-        keyed = [(self._operators(output), output) for output in self._engine.outputs]
+        keyed = self._keyed()
         systems = [
             self._made(operators, [output for _, output in group])
             for operators, group in groupby(keyed, key=lambda pair: pair[0])
         ]
         return systems[0] if len(systems) == 1 else ParallelSystem(systems)
 
+    def _keyed(self) -> list[tuple[tuple[Any, ...], Output]]:
+        """Return the outputs with their operators; one of which no rule speaks takes others'."""
+        outputs = self._engine.outputs
+        known = {one.name: self._operators(one) for one in outputs if self._spoken[one.name]}
+        if not known:
+            raise self._refused(1, "a system without rules", "no rule speaks of an output")
+        keyed, last = [], next(iter(known.values()))
+        for output in outputs:
+            last = known.get(output.name, last)
+            keyed.append((last, output))
+        return keyed
+
     def _operators(self, output: Output) -> tuple[Any, ...]:
         """Return all that outputs of one system share: operators by name, and the kind of terms."""
         spoken = self._spoken[output.name]
-        if not spoken:
-            raise self._refused(1, f"the output {output.name!r}", "no rule speaks of it")
         sets = [not isinstance(output.terms[one.term], Constant | LinearFunction) for one in spoken]
         united = output.defuzzifier.reduction in UNIONS
         first = spoken[0].rule.place
@@ -225,19 +258,21 @@ class SystemMaker:
         if grouped:
             self._check_grouped(first, output)
         united = united or grouped
-        bounded = output.range if output.defuzzifier.reduction != "tsukamoto" else None
+        unbounded = output.range is None or output.defuzzifier.reduction == "tsukamoto"
         return (
             tuple(one_by_name.values()),
             output.aggregation if united else "max",
             output.defuzzifier,
             any(sets),
-            bounded is None,
+            unbounded,
         )
 
     def _one(self, place: int, output: str, what: str, names: Iterable[Any]) -> str | None:
         known = sorted({name for name in names if name is not None})
         if what == "implication" and None in set(names):
             raise self._refused(place, f"the output {output!r}", "its rules have no implication")
+        if what == "disjunction" and SUM in known:
+            raise self._refused(place, f"a sum of rules of {output!r}", "rules are united there")
         if len(known) > 1:
             raise self._refused(
                 place,
@@ -247,7 +282,7 @@ class SystemMaker:
         return known[0] if known else None
 
     def _check_grouped(self, place: int, output: Output) -> None:
-        """Refuse what is not the same by value and by name."""
+        """Refuse functions, which have no places to be united at."""
         terms = {one.term: output.terms[one.term] for one in self._spoken[output.name]}
         if any(isinstance(term, LinearFunction) for term in terms.values()):
             raise self._refused(
@@ -255,30 +290,26 @@ class SystemMaker:
                 f"the aggregation of the linear functions of {output.name!r}",
                 "rules that say the same add up; write none",
             )
-        if len(set(terms.values())) < len(terms):
-            raise self._refused(
-                place, f"two terms of {output.name!r} with one value", "they would be aggregated"
-            )
 
     def _made(self, operators: tuple[Any, ...], outputs: Sequence[Output]) -> Type1System:
         (both, either, implication), aggregation, defuzzifier, of_sets, unbounded = operators
         names = [output.name for output in outputs]
-        rules = [
-            rule
-            for rule in self._engine.rules
-            if any(variable in names for variable, _ in rule.said)
-        ]
-        trees = {id(one.rule): one.tree for name in names for one in self._spoken[name]}
-        said = _by_rule(rules, names)
+        spoken = [(j, one) for j, name in enumerate(names) for one in self._spoken[name]]
+        order = {id(rule): r for r, rule in enumerate(self._engine.rules)}
+        by_rule: dict[int, dict[int, _Spoken]] = {}
+        for j, one in sorted(spoken, key=lambda pair: order.get(id(pair[1].rule), len(order))):
+            by_rule.setdefault(id(one.rule), {})[j] = one
+        rows = [(next(iter(own.values())), own) for own in by_rule.values()]
+        said = [[own[j].term if j in own else None for j in range(len(names))] for _, own in rows]
         silent = np.array([[term is None for term in row] for row in said])
         grouped = defuzzifier.reduction == "centroid" and not of_sets
         consequents = self._consequents(said, outputs, of_sets, grouped)
         inputs = self._engine.inputs
-        weights = np.array([rule.weight for rule in rules])
+        weights = np.array([first.rule.weight for first, _ in rows])
         defaults = [None if math.isnan(one.default) else one.default for one in outputs]
         return Type1System(
             [list(one.terms.values()) for one in inputs],
-            tuple(self._numbered(trees[id(rule)]) for rule in rules),
+            tuple(self._numbered(first.tree) for first, _ in rows),
             consequents,
             t_norm=both or "min",
             type_reduction=defuzzifier.reduction,
@@ -288,7 +319,7 @@ class SystemMaker:
             weights=weights if (weights != 1.0).any() else None,
             silent=silent if silent.any() else None,
             default_outputs=defaults if any(one is not None for one in defaults) else None,
-            integration="exact" if defuzzifier.resolution is None else "midpoint",
+            integration="exact" if defuzzifier.resolution is None else defuzzifier.integration,
             resolution=defuzzifier.resolution or 501,
             input_names=self._inputs,
             output_names=names,
@@ -297,7 +328,7 @@ class SystemMaker:
             input_ranges=None
             if any(one.range is None for one in inputs)
             else [one.range for one in inputs],
-            output_ranges=None if unbounded else [one.range for one in outputs],
+            output_ranges=None if unbounded else [one.range or (0.0, 1.0) for one in outputs],
             output_terms=_all_terms(outputs, grouped),
         )
 
@@ -349,23 +380,8 @@ def _has(tree: Antecedent, kind: type) -> bool:
     while level:
         if any(isinstance(one, kind) for one in level):
             return True
-        level = [
-            part
-            for one in level
-            for part in (
-                one.parts
-                if isinstance(one, And | Or)
-                else (one.part,)
-                if isinstance(one, Not | Hedged)
-                else ()
-            )
-        ]
+        level = _below(level)
     return False
-
-
-def _by_rule(rules: Sequence[EngineRule], names: Sequence[str]) -> list[list[str | None]]:
-    """Return the term of each output (m,) by rule, None where it says nothing of the output."""
-    return [[dict(rule.said).get(name) for name in names] for rule in rules]
 
 
 def _all_terms(outputs: Sequence[Output], grouped: bool) -> list[dict[str, Any]] | None:
@@ -378,15 +394,3 @@ def _all_terms(outputs: Sequence[Output], grouped: bool) -> list[dict[str, Any]]
         {name: point(one.left) if isinstance(one, Constant) else one for name, one in of.items()}
         for of in terms
     ]
-
-
-def check_said(rule: EngineRule, refused: Any) -> None:
-    """Refuse a rule that says two things of one output."""
-    names = [name for name, _ in rule.said]
-    if len(set(names)) < len(names):
-        raise refused(rule.place, "a rule that speaks of an output twice", "write two rules")
-
-
-def engine_error(what: str, where: str, reason: str) -> NotExpressible:
-    """Return the error of a system that has no engine."""
-    return NotExpressible(what, where, reason)

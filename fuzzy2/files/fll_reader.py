@@ -330,11 +330,14 @@ class FllReader(Source):
                 )
         elif words[0] in ("WeightedAverage", "WeightedSum") and len(words) <= 2:
             defuzzifier = self._weighted(block, number, words, said, aggregation)
+            self._check_values(block, defuzzifier, [terms[name] for name in set(said)])
         else:
             known = (*INTEGRALS, "WeightedAverage", "WeightedSum")
             raise self.refused(number, f"defuzzifier: {value[:40]}", f"known: {', '.join(known)}")
         if self._truth(block, "lock-range", False) and words[0] not in INTEGRALS:
             self._check_locked(block, ends, terms, default)
+        if defuzzifier.reduction == "center_of_sets" and aggregation == SUM:
+            aggregation = None
         return Output(block.name, ends, terms, defuzzifier, aggregation, default)
 
     def _resolution(self, number: int, words: list[str]) -> int:
@@ -389,7 +392,15 @@ class FllReader(Source):
             return Defuzzifier("weighted_sum")
         if not of_numbers:
             return Defuzzifier("tsukamoto")
-        return Defuzzifier("centroid" if repeated else "center_of_sets")
+        united = repeated and all(one == "Constant" for one in kinds)
+        return Defuzzifier("centroid" if united else "center_of_sets")
+
+    def _check_values(self, block: _Block, defuzzifier: Defuzzifier, terms: list[Any]) -> None:
+        """Refuse equal numbers of different names, which fuzzylite does not aggregate."""
+        if defuzzifier.reduction == "centroid" and len(set(terms)) < len(terms):
+            raise self.refused(
+                block.number, f"two terms of {block.name!r} with one value", "they have one place"
+            )
 
     def _check_locked(
         self,

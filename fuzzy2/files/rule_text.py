@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 from fuzzy2.errors import InvalidRule
 from fuzzy2.files.engine import EngineRule
-from fuzzy2.systems.antecedents import Antecedent, Hedged, Not, leaves
+from fuzzy2.systems.antecedents import Antecedent, Hedged, Is, Not, leaves, mapped
 from fuzzy2.systems.hedges import Hedge
 from fuzzy2.systems.rule_grammar import parsed_hedged
 from fuzzy2.systems.rules import unknown_name
+
+_MOST_PARENTHESES = 1000
 
 Names = Mapping[str, tuple[str, ...]]
 """Terms of variables by name."""
@@ -21,6 +24,7 @@ def rules_of(
     hedges: Mapping[str, Hedge],
     variables: tuple[Names, Names],
     operators: tuple[str | None, str | None, str | None],
+    any_case: bool = False,
 ) -> list[EngineRule]:
     """Return the rules that a line states: one, or one for each thing it says of an output.
 
@@ -36,6 +40,8 @@ def rules_of(
         Terms of the inputs and of the outputs.
     operators : (str, str, str)
         Conjunction, disjunction and implication of its block, None where it has none.
+    any_case : bool
+        Whether upper and lower case are the same in names.
 
     Raises
     ------
@@ -47,6 +53,10 @@ def rules_of(
     tree, conclusions, weight = parsed_hedged(text.strip(), 1, hedges)
     inputs, outputs = variables
     both = {**inputs, **outputs}
+    if any_case:
+        tree = mapped(tree, lambda clause: Is(*_cased(str(clause.variable), clause.term, both)))
+        cased = [(*_cased(variable, term, outputs), words) for variable, words, term in conclusions]
+        conclusions = [(variable, words, str(term)) for variable, term, words in cased]
 
     def check(variable: str, term: str | None, known: Names, kind: str) -> None:
         if variable not in known:
@@ -76,4 +86,11 @@ def rules_of(
     ]
 
 
-_MOST_PARENTHESES = 1000
+def _cased(variable: str, term: Any, known: Names) -> tuple[str, Any]:
+    """Return the names that are meant, whatever their case; as they are if there are none."""
+    variable = next((one for one in known if one.lower() == variable.lower()), variable)
+    if term is None or term in known.get(variable, ()):
+        return variable, term
+    return variable, next(
+        (one for one in known.get(variable, ()) if one.lower() == str(term).lower()), term
+    )

@@ -178,7 +178,7 @@ _SHAPES: dict[str, _Shape] = {
     "discrete": _Shape(
         _discrete,
         _everywhere,
-        lambda p: list(p[::2]) if len(p) > 2 else [p[0], p[0] + 1.0],
+        lambda p: [*p[::2], *([] if p[0] < p[-2] else [p[0] - 1.0, p[0] + 1.0])],
         lambda p: (
             len(p) >= 2
             and len(p) % 2 == 0

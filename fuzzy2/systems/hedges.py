@@ -40,6 +40,17 @@ def relax(grades: Array) -> Array:
     return np.where(grades <= 0.5, low, high)
 
 
+@dataclass(frozen=True)
+class Scaled:
+    """Function of a hedge that multiplies grades by a factor in [0, 1]: the weight of a part."""
+
+    factor: float
+
+    def __call__(self, grades: Array) -> Array:
+        """Return the grades times the factor."""
+        return self.factor * grades
+
+
 NAMED_FUNCTIONS = MappingProxyType({"intensify": intensify, "relax": relax})
 """Functions of hedges that files know by name."""
 
@@ -57,7 +68,7 @@ class Hedge:
     function : callable, optional
         From grades (...,) in [0, 1] to grades (...,), rising or falling all the way; either this or
         a power. Systems with such hedges are evaluated at NumPy's speed, and can be saved if it is
-        :func:`intensify` or :func:`relax`.
+        :func:`intensify`, :func:`relax` or :class:`Scaled`.
 
     Raises
     ------

@@ -65,9 +65,9 @@ DIRECT_METHODS = ("nie_tan", "wu_mendel", "begian_melek_mendel")
 METHODS = (*EXACT_METHODS, *DIRECT_METHODS)
 """Names of the methods of type reduction of a system."""
 
-INTEGRATIONS = ("exact", "sum", "midpoint")
+INTEGRATIONS = ("exact", "sum", "midpoint", "left")
 """How the centroid of united sets is found: by integration, as a sum over points from end to end, or
-as a sum over the middles of equal pieces."""
+as a sum over the middles of equal pieces, or over their left ends."""
 
 ALIASES = MappingProxyType(
     {

@@ -190,8 +190,12 @@ class Outputs:
     def _grid(self, left: float, right: float) -> Array:
         """Return the points of an output's range that are summed over."""
         count = self._operators.resolution
+        step = (right - left) / count
         if self._operators.integration == "midpoint":
-            return left + (right - left) / count * (np.arange(count) + 0.5)
+            return left + step * (np.arange(count) + 0.5)
+        if self._operators.integration == "left":
+            # Step by step, for rounding decides whether a set of one point is seen.
+            return np.cumsum(np.concatenate([[left], np.full(count - 1, step)]))
         return np.linspace(left, right, count)
 
 

@@ -122,10 +122,11 @@ class FuzzySystem:
         Weights of the lower and the upper average under ``"begian_melek_mendel"``.
     hedges : mapping from words to Hedge or callable, optional
         Hedges of rules in words beside those of :mod:`fuzzy2.systems.hedges`.
-    integration : {"exact", "sum", "midpoint"}
+    integration : {"exact", "sum", "midpoint", "left"}
         Whether the centroid of united sets is integrated, to 1e-6 of the output's range or better
         (:mod:`fuzzy2.systems.united`), or summed up over ``resolution`` points from end to end, as
-        MATLAB does, or over the middles of so many equal pieces, as fuzzylite does.
+        MATLAB does, or over the middles of so many equal pieces, as fuzzylite does, or over their
+        left ends, as jFuzzyLogic does.
     fuzzifier : Fuzzifier, or one for each input
         How inputs become fuzzy sets, see :mod:`fuzzy2.systems.fuzzifiers`; singleton by default.
     input_names, output_names : sequence of str, optional
