@@ -6,6 +6,7 @@ Those of IEC 61131-7, and beside them those of jFuzzyLogic and fuzzylite.
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -88,7 +89,7 @@ SHAPES = tuple(_COUNTS)
 """Shapes of jFuzzyLogic."""
 
 
-def shape_of(kind: str, numbers: list[float], inputs: int | None) -> Any:
+def shape_of(kind: str, numbers: list[float], inputs: int | None, jfuzzylogic: bool) -> Any:
     """Return the term of a shape by jFuzzyLogic's or fuzzylite's name.
 
     Parameters
@@ -99,6 +100,8 @@ def shape_of(kind: str, numbers: list[float], inputs: int | None) -> Any:
         Its parameters.
     inputs : int, or None
         Of a term of an output, the number of inputs.
+    jfuzzylogic : bool
+        Whether ``Cosine``, spelled so, is jFuzzyLogic's shape, too, and not fuzzylite's.
 
     Raises
     ------
@@ -108,7 +111,7 @@ def shape_of(kind: str, numbers: list[float], inputs: int | None) -> Any:
         If the parameters are not those of the shape.
     """
     name = kind.lower()
-    if name not in _COUNTS:
+    if name not in _COUNTS or (kind in KINDS and not jfuzzylogic):
         known = next((one for one in KINDS if one.lower() == name), None)
         if known is None:
             listed = ", ".join((*SHAPES, *KINDS))
@@ -154,8 +157,19 @@ def _dsigm(p: list[float]) -> Any:
 def points_of(points: list[tuple[float, float]]) -> Any:
     """Return the term of points (x, grade), linear between them and level beyond."""
     places, grades = zip(*points, strict=True)
-    if any(after < before for before, after in zip(places, places[1:], strict=False)):
+    if any(after < before for before, after in pairwise(places)):
         raise InvalidValue("the points", places, "in ascending order")
+    top = max(grades)
+    if 0.0 < top <= 1.0 and len(set(places)) == len(places):
+        match [grade / top for grade in grades]:
+            case [0.0, 1.0, 0.0]:
+                return Triangular(*places, top)
+            case [0.0, 1.0, 1.0, 0.0]:
+                return Trapezoidal(*places, top)
+            case [0.0, 1.0]:
+                return Trapezoidal(*places, math.inf, math.inf, top)
+            case [1.0, 0.0]:
+                return Trapezoidal(-math.inf, -math.inf, *places, top)
     return NamedShape("discrete", tuple(value for point in points for value in point))
 
 

@@ -273,6 +273,7 @@ class FclReader(Source):
             str(kind),
             [self._number(token) for token in rest],
             None if inputs is None else len(inputs),
+            self._dialect == "jfuzzylogic",
         )
 
     def _rules(

@@ -15,6 +15,7 @@ from fuzzy2.reduction.interval import (
     nie_tan,
     wu_mendel_bounds,
 )
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.support.checks import Array
 from fuzzy2.support.quadrature import merged
 from fuzzy2.systems.operators import DIRECT_METHODS
@@ -128,6 +129,9 @@ class Monotonic:
         """Return the points (n, R) at which the sets have the grades (n, R)."""
         found = np.empty_like(strengths)
         for r, (item, rising) in enumerate(zip(self._sets, self._rising, strict=True)):
+            if isinstance(item, Sigmoid):
+                found[:, r] = self._of_sigmoid(item, strengths[:, r])
+                continue
             low = np.full(len(strengths), self._ends[0])
             high = np.full(len(strengths), self._ends[1])
             for _ in range(_HALVINGS):
@@ -141,3 +145,12 @@ class Monotonic:
                 found[fires & (high == self._ends[1]), r] = np.inf
                 found[fires & (low == self._ends[0]), r] = -np.inf
         return found
+
+    def _of_sigmoid(self, item: Sigmoid, grades: Array) -> Array:
+        """Return the points of grades, which near 1 only the formula tells apart."""
+        with np.errstate(divide="ignore"):
+            points = item.center - np.log(1.0 / grades - 1.0) / item.slope
+        if self._bounded:
+            return np.clip(points, *self._ends)
+        # What does not fire counts for nothing, wherever it is.
+        return np.where(grades > 0.0, points, item.center)
