@@ -169,7 +169,8 @@ class SystemMaker:
 
     def _resolved(self, rule: EngineRule) -> tuple[Antecedent, frozenset[str], frozenset[str]]:
         """Return a rule's tree, in which outputs stand for the rules that spoke of them before."""
-        both, either = set(), set()
+        both: set[str] = set()
+        either: set[str] = set()
         for kind, name, found in (
             (And, rule.conjunction, both),
             (Or, rule.disjunction, either),
@@ -207,8 +208,7 @@ class SystemMaker:
     def _before(self, rule: EngineRule, output: str, term: Any) -> list[_Spoken]:
         if term is None:
             return [_Spoken(rule, Is(self._inputs[0], None), "", frozenset(), frozenset())]
-        before = [one for one in self._spoken[output] if one.term == term]
-        return before
+        return [one for one in self._spoken[output] if one.term == term]
 
     def system(self) -> AnySystem:
         """Return the system."""
@@ -305,11 +305,14 @@ class SystemMaker:
         grouped = defuzzifier.reduction == "centroid" and not of_sets
         consequents = self._consequents(said, outputs, of_sets, grouped)
         inputs = self._engine.inputs
+        # Rules as trees are taken, too, which the type of the argument does not say.
+        trees: Any = tuple(self._numbered(first.tree) for first, _ in rows)
         weights = np.array([first.rule.weight for first, _ in rows])
+        ranges = [one.range for one in inputs if one.range is not None]
         defaults = [None if math.isnan(one.default) else one.default for one in outputs]
         return Type1System(
             [list(one.terms.values()) for one in inputs],
-            tuple(self._numbered(first.tree) for first, _ in rows),
+            trees,
             consequents,
             t_norm=both or "min",
             type_reduction=defuzzifier.reduction,
@@ -325,9 +328,7 @@ class SystemMaker:
             output_names=names,
             term_names=[list(one.terms) for one in inputs],
             consequent_names=[["" if term is None else term for term in row] for row in said],
-            input_ranges=None
-            if any(one.range is None for one in inputs)
-            else [one.range for one in inputs],
+            input_ranges=ranges if len(ranges) == len(inputs) else None,
             output_ranges=None if unbounded else [one.range or (0.0, 1.0) for one in outputs],
             output_terms=_all_terms(outputs, grouped),
         )

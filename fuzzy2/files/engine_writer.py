@@ -43,9 +43,7 @@ def engine_of(system: AnySystem, name: str, where: str) -> Engine:
         If the system has parts for which such a format has no word.
     """
     systems = system.systems if isinstance(system, ParallelSystem) else (system,)
-    for one in systems:
-        _check(one, where)
-    writers = [_Part(one, where) for one in systems]
+    writers = [_Part(_checked(one, where), where) for one in systems]
     inputs = writers[0].inputs()
     for other in writers[1:]:
         if other.inputs() != inputs:
@@ -53,15 +51,18 @@ def engine_of(system: AnySystem, name: str, where: str) -> Engine:
                 "systems with different terms of an input", where, "an input has one set of terms"
             )
     rules = [rule for writer in writers for rule in writer.rules()]
-    return _without_complements(Engine(
-        name,
-        inputs,
-        tuple(output for writer in writers for output in writer.outputs()),
-        tuple(rules),
-    ))
+    return _without_complements(
+        Engine(
+            name,
+            inputs,
+            tuple(output for writer in writers for output in writer.outputs()),
+            tuple(rules),
+        )
+    )
 
 
-def _check(system: FuzzySystem, where: str) -> None:
+def _checked(system: FuzzySystem, where: str) -> Type1System:
+    """Return the system if it has an engine."""
     if not isinstance(system, Type1System):
         raise NotExpressible(type(system).__name__, where, "only type-1 systems can; use JSON")
     if system.fuzzifier is not None:
@@ -76,6 +77,7 @@ def _check(system: FuzzySystem, where: str) -> None:
     ):
         if known.get(norm.name) is not norm:
             raise NotExpressible(f"the {what} {norm.name!r}", where, "it is a Python function")
+    return system
 
 
 class _Part:
@@ -107,7 +109,7 @@ class _Part:
                 name,
                 self._range(j),
                 self._terms[j][0],
-                Defuzzifier("centroid" if summed else kind, resolution),
+                Defuzzifier("centroid" if summed else kind, resolution, system.integration),
                 SUM if summed else system.t_conorm.name if united else None,
                 math.nan if defaults is None else float(defaults[j]),
             )
@@ -127,7 +129,7 @@ class _Part:
                 self._where,
                 'take replace(integration="midpoint") for fuzzylite\'s, "exact" for IEC\'s',
             )
-        return self._system.resolution if self._system.integration == "midpoint" else None
+        return None if self._system.integration == "exact" else self._system.resolution
 
     def _range(self, j: int) -> tuple[float, float] | None:
         system = self._system
@@ -264,4 +266,3 @@ def _without_complements(engine: Engine) -> Engine:
         for one in engine.inputs
     )
     return Engine(engine.name, inputs, engine.outputs, engine.rules)
-

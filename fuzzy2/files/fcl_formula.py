@@ -80,11 +80,11 @@ def _combined(node: Tree[Token], parts: list[Array], names: list[str], text: str
         return parts[0] + (parts[1] if node.data == "plus" else -parts[1])
     first, second = parts
     if node.data == "times" and not second[:-1].any():
-        return first * second[-1]
+        return np.asarray(first * second[-1])
     if node.data == "times" and not first[:-1].any():
-        return second * first[-1]
+        return np.asarray(second * first[-1])
     if node.data == "over" and not second[:-1].any() and second[-1] != 0.0:
-        return first / second[-1]
+        return np.asarray(first / second[-1])
     shown = text if len(text) < 60 else f"{text[:57]}..."
     raise NotExpressible(f"the formula {shown!r}", "fuzzy2", "it is no linear function")
 
@@ -98,5 +98,7 @@ def formula(function: LinearFunction, inputs: Sequence[str]) -> str:
     ]
     constant = function.constant
     if constant != 0.0 or not terms:
-        terms.append(repr(constant) if math.copysign(1.0, constant) > 0.0 else f"(0 - {-constant!r})")
+        terms.append(
+            repr(constant) if math.copysign(1.0, constant) > 0.0 else f"(0 - {-constant!r})"
+        )
     return " + ".join(terms)

@@ -163,13 +163,13 @@ def points_of(points: list[tuple[float, float]]) -> Any:
     if 0.0 < top <= 1.0 and len(set(places)) == len(places):
         match [grade / top for grade in grades]:
             case [0.0, 1.0, 0.0]:
-                return Triangular(*places, top)
+                return Triangular(places[0], places[1], places[2], top)
             case [0.0, 1.0, 1.0, 0.0]:
-                return Trapezoidal(*places, top)
+                return Trapezoidal(places[0], places[1], places[2], places[3], top)
             case [0.0, 1.0]:
-                return Trapezoidal(*places, math.inf, math.inf, top)
+                return Trapezoidal(places[0], places[1], math.inf, math.inf, top)
             case [1.0, 0.0]:
-                return Trapezoidal(-math.inf, -math.inf, *places, top)
+                return Trapezoidal(-math.inf, -math.inf, places[0], places[1], top)
     return NamedShape("discrete", tuple(value for point in points for value in point))
 
 

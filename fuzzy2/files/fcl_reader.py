@@ -120,7 +120,9 @@ class FclReader(Source):
             shown = lines[line - 1].strip()[:40] if line <= len(lines) else ""
             expected = sorted(
                 str(name)
-                for name in (getattr(error, "accepts", None) or getattr(error, "expected", None) or ())
+                for name in (
+                    getattr(error, "accepts", None) or getattr(error, "expected", None) or ()
+                )
                 if not str(name).startswith("__")
             )
             raise self.malformed(
@@ -155,9 +157,7 @@ class FclReader(Source):
         return int(getattr(tree.meta, "line", 1))
 
     def _parts(self, kind: str) -> list[Tree[Token]]:
-        return [
-            one for one in self._tree.children if isinstance(one, Tree) and one.data == kind
-        ]
+        return [one for one in self._tree.children if isinstance(one, Tree) and one.data == kind]
 
     def _engine(self) -> Engine:
         inputs, outputs = self._declared("inputs"), self._declared("outputs")
@@ -178,9 +178,7 @@ class FclReader(Source):
         )
         if not rules:
             raise self.malformed(self._line(self._tree), "there are no rules")
-        made = tuple(
-            self._output(name, ends, terms[name], rules) for name, ends in outputs.items()
-        )
+        made = tuple(self._output(name, ends, terms[name], rules) for name, ends in outputs.items())
         return Engine(
             self._name_of(self._tree),
             found,
@@ -192,7 +190,10 @@ class FclReader(Source):
     def _by_value(rule: EngineRule, terms: dict[str, dict[str, Any]]) -> EngineRule:
         """Return a rule that names the first of equal terms: they accumulate as one."""
         said = tuple(
-            (output, next(name for name, one in terms[output].items() if one == terms[output][term]))
+            (
+                output,
+                next(name for name, one in terms[output].items() if one == terms[output][term]),
+            )
             for output, term in rule.said
         )
         return replace(rule, said=said)
@@ -261,9 +262,7 @@ class FclReader(Source):
             value = self._number(tree.children[0])
             return Singleton(value) if inputs is None else Constant(value, value)
         if tree.data == "points":
-            return points_of(
-                [tuple(self._number(one) for one in point.children) for point in tree.children]
-            )
+            return points_of([self._point(point) for point in tree.children])
         kind, *rest = tree.children
         if str(kind).lower() == "singletons":
             raise NotExpressible("SINGLETONS", "fuzzy2", "a term is one point; write one for each")
@@ -275,6 +274,10 @@ class FclReader(Source):
             None if inputs is None else len(inputs),
             self._dialect == "jfuzzylogic",
         )
+
+    def _point(self, tree: Tree[Token]) -> tuple[float, float]:
+        x, grade = tree.children
+        return self._number(x), self._number(grade)
 
     def _rules(
         self, inputs: dict[str, tuple[str, ...]], outputs: dict[str, tuple[str, ...]]
@@ -288,7 +291,9 @@ class FclReader(Source):
                     text = _RULE_HEAD.sub("", str(token), count=1)
                     pieces = _THEN.split(text, maxsplit=1)
                     # A comma between conclusions is an "and".
-                    text = " THEN ".join([pieces[0], *(p.replace(",", " and ") for p in pieces[1:])])
+                    text = " THEN ".join(
+                        [pieces[0], *(p.replace(",", " and ") for p in pieces[1:])]
+                    )
                     try:
                         rules = rules_of(
                             text, line, FLL_HEDGES, (inputs, outputs), operators[:3], any_case=True
@@ -312,9 +317,7 @@ class FclReader(Source):
         if both is None:
             pairs = {own: dual for dual, own in reversed(DUALS.items())}
             both = "min" if either is None else pairs.get(either, "min")
-        return _Operators(
-            both, either or DUALS[both], given.get("ACT", "min"), given.get("ACCU")
-        )
+        return _Operators(both, either or DUALS[both], given.get("ACT", "min"), given.get("ACCU"))
 
     def _choice(self, key: str, token: Any, known: dict[str, str]) -> str:
         value = str(token).upper()
@@ -339,10 +342,7 @@ class FclReader(Source):
         if "LOCK" in options:
             raise self.refused(options["LOCK"].line or 1, "LOCK", "a system does not remember")
         speaking = [
-            (rule, own, term)
-            for rule, own in rules
-            for output, term in rule.said
-            if output == name
+            (rule, own, term) for rule, own in rules for output, term in rule.said if output == name
         ]
         line = self._line(self._tree)
         if not speaking:
@@ -367,10 +367,8 @@ class FclReader(Source):
             )
         if method not in ("COGS", "COGF", "COGSS"):
             known = ", ".join((*METHODS, "COGS", "COGF"))
-            raise self.refused(given.line or 1, f"METHOD : {given}", f"known are {known}")
-        return self._weighted(
-            name, (method, declared, default), said, terms, aggregation
-        )
+            raise self.refused(getattr(given, "line", 1), f"METHOD : {given}", f"known are {known}")
+        return self._weighted(name, (method, declared, default), said, terms, aggregation)
 
     def _integral(self, given: Any, method: str) -> Defuzzifier:
         """Return a method for sets, exact or by jFuzzyLogic's points."""

@@ -32,7 +32,7 @@ class FclWriter:
         self._t_norms = {own: name for name, own in reversed(T_NORMS.items())}
         self._s_norms = {own: name for name, own in reversed(S_NORMS.items())}
         self._accumulations = {own: name for name, own in reversed(ACCUMULATIONS.items())}
-        variables = (*engine.inputs, *engine.outputs)
+        variables: list[Input | Output] = [*engine.inputs, *engine.outputs]
         self._check([variable.name for variable in variables])
         for variable in variables:
             self._check(list(variable.terms))
@@ -42,7 +42,9 @@ class FclWriter:
             if not _NAME.fullmatch(name) or name.lower() in _KEYWORDS:
                 raise NotExpressible(f"the name {name!r}", self._where, "names are single words")
         if len({name.lower() for name in names}) < len(names):
-            raise NotExpressible(f"the names {list(names)}", self._where, "case makes no difference")
+            raise NotExpressible(
+                f"the names {list(names)}", self._where, "case makes no difference"
+            )
 
     def text(self) -> str:
         """Return the text."""
@@ -110,9 +112,7 @@ class FclWriter:
         name = next((name for name, own in METHODS.items() if own == reduction), None)
         if name is None:
             known = ", ".join(METHODS.values())
-            raise NotExpressible(
-                f"type reduction {reduction!r}", self._where, f"known are {known}"
-            )
+            raise NotExpressible(f"type reduction {reduction!r}", self._where, f"known are {known}")
         if resolution is not None:
             raise NotExpressible(
                 'an integration other than "exact"',
@@ -130,8 +130,7 @@ class FclWriter:
             lines.append(f"  OR : {self._s_norms[first.disjunction]};")
         if first.implication is not None:
             lines.append(f"  ACT : {self._t_norms[first.implication]};")
-        for rule in rules:
-            lines.append(f"  RULE {next(numbers)} : {self._rule(rule)};")
+        lines += [f"  RULE {next(numbers)} : {self._rule(rule)};" for rule in rules]
         return [*lines, "END_RULEBLOCK", ""]
 
     def _rule(self, rule: EngineRule) -> str:

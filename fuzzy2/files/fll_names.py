@@ -210,16 +210,18 @@ def clamped(term: Any, ends: tuple[float, float]) -> Any:
         raise _unlocked(term)
     points = sorted({left, right, *(p for p in term.landmarks.tolist() if left < p < right)})
     inside = [float(grade) for grade in term(points)]
-    if isinstance(term, Trapezoidal | Interval | Triangular):
-        corners = corners_of(term)
-        jumps = (corners[0] == corners[1], corners[2] == corners[3])
-        if any(jump and left < corners[i] < right for i, jump in ((0, jumps[0]), (3, jumps[1]))):
+    if not isinstance(term, NamedShape):
+        a, b, c, d = corners_of(term)
+        if (a == b and left < a < right) or (c == d and left < d < right):
+            # A jump has no place between points.
             raise _unlocked(term)
-        rests = term.support
-        if (rests[0] >= left or inside[0] == 0.0) and (rests[1] <= right or inside[-1] == 0.0):
-            if (rests[0] > left or inside[0] == 0.0) and (rests[1] < right or inside[-1] == 0.0):
+        if (a >= left or inside[0] == 0.0) and (d <= right or inside[-1] == 0.0):
+            level = (a > left or inside[0] == 0.0) and (d < right or inside[-1] == 0.0)
+            if level:
                 return term
-    return NamedShape("discrete", tuple(v for pair in zip(points, inside, strict=True) for v in pair))
+    return NamedShape(
+        "discrete", tuple(v for pair in zip(points, inside, strict=True) for v in pair)
+    )
 
 
 def _unlocked(term: Any) -> NotExpressible:
@@ -284,36 +286,26 @@ _NAMED = {
 
 def _parts(term: Any, where: str) -> tuple[str, list[float], float]:
     """Return name, parameters and height of a set."""
-    match term:
-        case NamedShape("constant", parameters, scale):
-            return "Constant", [scale * parameters[0]], 1.0
-        case NamedShape(shape, parameters, scale):
-            return _NAMED[shape], list(parameters), scale
-        case Gaussian():
-            return "Gaussian", [term.mean, term.sigma], term.height
-        case Triangular():
-            return "Triangle", [term.left, term.peak, term.right], term.height
-        case Interval():
-            return "Rectangle", [term.left, term.right], 1.0
-        case Trapezoidal():
-            return _trapezoid_parts(term, where)
-        case PiShaped():
-            return _pi_parts(term)
-        case Bell():
-            return "Bell", [term.center, term.width, term.slope], 1.0
-        case Sigmoid():
-            return "Sigmoid", [term.center, term.slope], 1.0
-        case SigmoidDifference() | SigmoidProduct():
-            (left, right), (rising, falling) = term.center, term.slope
-            return type(term).__name__, [left, rising, falling, right], 1.0
-        case TwoSidedGaussian():
-            (left, right), (first, second) = term.mean, term.sigma
-            if math.isfinite(first) and math.isfinite(second):
-                return "GaussianProduct", [left, first, right, second], 1.0
-        case SampledSet() if term.grades[0] == term.grades[-1] == 0.0:
-            pairs = zip(term.points.tolist(), term.grades.tolist(), strict=True)
-            return "Discrete", [value for pair in pairs for value in pair], 1.0
+    if isinstance(term, NamedShape):
+        if term.shape == "constant":
+            return "Constant", [term.scale * term.parameters[0]], 1.0
+        return _NAMED[term.shape], list(term.parameters), term.scale
+    if type(term) in _WRITTEN:
+        return _WRITTEN[type(term)](term)
+    if isinstance(term, Trapezoidal):
+        return _trapezoid_parts(term, where)
+    if isinstance(term, TwoSidedGaussian) and all(map(math.isfinite, term.sigma)):
+        (left, right), (first, second) = term.mean, term.sigma
+        return "GaussianProduct", [left, first, right, second], 1.0
+    if isinstance(term, SampledSet) and term.grades[0] == term.grades[-1] == 0.0:
+        pairs = zip(term.points.tolist(), term.grades.tolist(), strict=True)
+        return "Discrete", [value for pair in pairs for value in pair], 1.0
     raise NotExpressible(f"the set {repr(term)[:80]}", where, "it has no such term")
+
+
+def _two_sigmoids(term: Any) -> tuple[str, list[float], float]:
+    (left, right), (rising, falling) = term.center, term.slope
+    return type(term).__name__, [left, rising, falling, right], 1.0
 
 
 def _trapezoid_parts(term: Trapezoidal, where: str) -> tuple[str, list[float], float]:
@@ -334,3 +326,15 @@ def _pi_parts(term: PiShaped) -> tuple[str, list[float], float]:
     if math.isinf(term.d) and math.isfinite(term.a):
         return "SShape", [term.a, term.b], term.height
     return "PiShape", [term.a, term.b, term.c, term.d], term.height
+
+
+_WRITTEN: dict[type, Callable[[Any], tuple[str, list[float], float]]] = {
+    Gaussian: lambda term: ("Gaussian", [term.mean, term.sigma], term.height),
+    Triangular: lambda term: ("Triangle", [term.left, term.peak, term.right], term.height),
+    Interval: lambda term: ("Rectangle", [term.left, term.right], 1.0),
+    PiShaped: _pi_parts,
+    Bell: lambda term: ("Bell", [term.center, term.width, term.slope], 1.0),
+    Sigmoid: lambda term: ("Sigmoid", [term.center, term.slope], 1.0),
+    SigmoidDifference: _two_sigmoids,
+    SigmoidProduct: _two_sigmoids,
+}

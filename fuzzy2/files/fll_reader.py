@@ -253,7 +253,9 @@ class FllReader(Source):
         for number, value in block.many:
             words = value.split()
             if len(words) < 2:
-                raise self.malformed(number, f"expected term: <name> <kind> ..., got {value[:40]!r}")
+                raise self.malformed(
+                    number, f"expected term: <name> <kind> ..., got {value[:40]!r}"
+                )
             name, kind = words[0], words[1]
             # Of terms of one name fuzzylite 8 takes the last one.
             numbers = [] if kind == "Function" else self._numbers(number, words[2:])
@@ -307,7 +309,9 @@ class FllReader(Source):
                 raise self.malformed(line, f"the rule {error.reason}") from error
         return found
 
-    def _output(self, block: _Block, terms: dict[str, Any], rules: tuple[EngineRule, ...]) -> Output:
+    def _output(
+        self, block: _Block, terms: dict[str, Any], rules: tuple[EngineRule, ...]
+    ) -> Output:
         for key in ("lock-previous", "lock-valid"):
             if self._truth(block, key, False):
                 raise self.refused(
@@ -374,8 +378,10 @@ class FllReader(Source):
         of_numbers = all(one in ("Constant", "Linear") for one in kinds)
         repeated = len(set(said)) < len(said) and aggregation not in (None, SUM)
         if not of_numbers:
-            if words[0] == "WeightedSum" or kind == "TakagiSugeno" or not all(
-                map(is_monotonic, kinds)
+            if (
+                words[0] == "WeightedSum"
+                or kind == "TakagiSugeno"
+                or not all(map(is_monotonic, kinds))
             ):
                 raise self.refused(
                     number,

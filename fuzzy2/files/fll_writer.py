@@ -31,7 +31,8 @@ class FllWriter:
         self._engine, self._where = engine, where
         self._t_norms = {own: name for name, own in reversed(T_NORMS.items())}
         self._s_norms = {own: name for name, own in reversed(S_NORMS.items())}
-        for variable in (*engine.inputs, *engine.outputs):
+        variables: list[Input | Output] = [*engine.inputs, *engine.outputs]
+        for variable in variables:
             for name in (variable.name, *variable.terms):
                 if not _NAMES.fullmatch(name) or name.lower() in _KEYWORDS:
                     raise NotExpressible(f"the name {name!r}", where, "names are single words")
@@ -80,7 +81,7 @@ class FllWriter:
         ]
 
     def _defuzzifier(self, output: Output) -> str:
-        reduction, resolution = output.defuzzifier
+        reduction, resolution, integration = output.defuzzifier
         numbers = [text_of(one, self._where).split()[0] for one in output.terms.values()]
         of_numbers = all(kind in ("Constant", "Linear") for kind in numbers)
         if reduction == "weighted_sum":
@@ -98,9 +99,9 @@ class FllWriter:
             raise NotExpressible(
                 f"type reduction {reduction!r}", self._where, f"known are {', '.join(INTEGRALS)}"
             )
-        if resolution is None:
+        if resolution is None or integration != "midpoint":
             raise NotExpressible(
-                'integration="exact"',
+                f'integration="{"exact" if resolution is None else integration}"',
                 self._where,
                 'fuzzylite sums over points; take replace(integration="midpoint")',
             )

@@ -58,7 +58,9 @@ def written(
         joined = f" {joint} ".join(text(part, joint) for part in inner.parts)
         if words:
             return "not (" * len(words) + joined + ")" * len(words)
-        return joined if within in ("", joint) and (within == "" or joint == "or") else f"({joined})"
+        return (
+            joined if within in ("", joint) and (within == "" or joint == "or") else f"({joined})"
+        )
 
     return text(tree, "")
 
@@ -82,4 +84,6 @@ def _word(hedge: Hedge, hedges: Mapping[str, Hedge], where: str) -> str:
     for word, known in hedges.items():
         if hedge.power == known.power and hedge.function is known.function:
             return word
-    raise NotExpressible(f"the hedge {hedge.name!r}", where, f"known are {', '.join(hedges) or 'none'}")
+    raise NotExpressible(
+        f"the hedge {hedge.name!r}", where, f"known are {', '.join(hedges) or 'none'}"
+    )

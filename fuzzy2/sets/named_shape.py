@@ -1,4 +1,4 @@
-r"""Sets with the shapes of fuzzylite and of the Fuzzy Control Language that have no class of their own.
+r"""Sets with shapes of fuzzylite and of the Fuzzy Control Language that have no other class.
 
 With :math:`h` the height, :math:`s, e` start and end, :math:`c` a center and :math:`w` a width:
 

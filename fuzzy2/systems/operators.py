@@ -66,8 +66,8 @@ METHODS = (*EXACT_METHODS, *DIRECT_METHODS)
 """Names of the methods of type reduction of a system."""
 
 INTEGRATIONS = ("exact", "sum", "midpoint", "left")
-"""How the centroid of united sets is found: by integration, as a sum over points from end to end, or
-as a sum over the middles of equal pieces, or over their left ends."""
+"""How the centroid of united sets is found: by integration, or as a sum over points from end to
+end, over the middles of equal pieces, or over their left ends."""
 
 ALIASES = MappingProxyType(
     {

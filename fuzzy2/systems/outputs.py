@@ -143,7 +143,7 @@ class Outputs:
             # An average with infinity is infinite, or of both infinities nothing.
             with np.errstate(invalid="ignore"):
                 beyond = np.where(finite, 0.0, points).sum(axis=-1, keepdims=True)
-            return found + beyond
+            return np.asarray(found + beyond)
         united = self._united[j]
         if united is None:
             return self._summed(sets, self._ranges[j], strengths)
@@ -192,11 +192,13 @@ class Outputs:
         count = self._operators.resolution
         step = (right - left) / count
         if self._operators.integration == "midpoint":
-            return left + step * (np.arange(count) + 0.5)
+            return np.asarray(left + step * (np.arange(count) + 0.5))
         if self._operators.integration == "left":
             # Step by step, for rounding decides whether a set of one point is seen.
-            return np.cumsum(np.concatenate([[left], np.full(count - 1, step)]))
-        return np.linspace(left, right, count)
+            steps: Array = np.full(count, step)
+            steps[0] = left
+            return np.asarray(np.cumsum(steps))
+        return np.asarray(np.linspace(left, right, count), dtype=np.float64)
 
 
 def middle_of_area(grid: Array, grades: Array) -> Array:

@@ -1,7 +1,7 @@
-"""Several systems of the same inputs side by side: a system whose outputs differ in their operators.
+"""Several systems of the same inputs side by side, for outputs that differ in their operators.
 
 A system has one way from its rules to its outputs. Where one output is Mamdani's and another one
-Takagi and Sugeno's, as files of fuzzylite and IEC 61131-7 may have it, each has a system of its own.
+Takagi and Sugeno's, as files of fuzzylite and IEC 61131-7 may have it, each has its own system.
 """
 
 from __future__ import annotations
