@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import islice
 from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
@@ -28,6 +28,8 @@ AnySystem: TypeAlias = Type1System | ParallelSystem
 
 _DEEPEST = 100
 """Levels of a rule; people write three."""
+_MOST_CLAUSES = 1000
+"""Clauses of a rule, those of the rules that its outputs stand for among them."""
 
 
 class Defuzzifier(NamedTuple):
@@ -97,6 +99,16 @@ class _Spoken(NamedTuple):
     term: str
     both: frozenset[str]
     either: frozenset[str]
+
+
+def _joint(first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...] | None:
+    """Return operators that serve outputs with either, or None; what is not needed is None."""
+    named = []
+    for one, other in zip(first[0], second[0], strict=True):
+        if None not in (one, other) and one != other:
+            return None
+        named.append(one or other)
+    return (tuple(named), *first[1:]) if first[1:] == second[1:] else None
 
 
 def _weighted(one: _Spoken) -> Antecedent:
@@ -199,7 +211,9 @@ class SystemMaker:
             return Or(tuple(_weighted(one) for one in before))
 
         tree = mapped(rule.asked, resolved)
-        if depth_of(tree) > _DEEPEST or sum(1 for _ in leaves(tree)) > 10_000:
+        # Counted only as far as needed: a chain of rules doubles its tree with every link.
+        many = sum(1 for _ in islice(leaves(tree), _MOST_CLAUSES + 1)) > _MOST_CLAUSES
+        if many or depth_of(tree) > _DEEPEST:
             raise self._refused(
                 rule.place, "a chain of rules this long", "outputs stand in for their rules"
             )
@@ -212,11 +226,18 @@ class SystemMaker:
 
     def system(self) -> AnySystem:
         """Return the system."""
-        keyed = self._keyed()
-        systems = [
-            self._made(operators, [output for _, output in group])
-            for operators, group in groupby(keyed, key=lambda pair: pair[0])
-        ]
+        systems: list[Type1System] = []
+        group: list[Output] = []
+        shared: tuple[Any, ...] | None = None
+        for operators, output in self._keyed():
+            joint = None if shared is None else _joint(shared, operators)
+            if shared is not None and joint is None:
+                systems.append(self._made(shared, group))
+                group = []
+            shared = operators if joint is None else joint
+            group.append(output)
+        assert shared is not None
+        systems.append(self._made(shared, group))
         return systems[0] if len(systems) == 1 else ParallelSystem(systems)
 
     def _keyed(self) -> list[tuple[tuple[Any, ...], Output]]:

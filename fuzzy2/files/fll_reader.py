@@ -139,7 +139,8 @@ class FllReader(Source):
             value = str(child.children[1]).strip() if len(child.children) > 1 else ""
             known = _KEYS[block.kind]
             if key not in known:
-                raise self.malformed(number, unknown_name(f"key of {block.kind}", key, known))
+                headings = (*known, *_KEYS)
+                raise self.malformed(number, unknown_name(f"key of {block.kind}", key, headings))
             if key in _MANY:
                 block.many.append(_Line(number, value))
             elif key in block.entries:

@@ -12,8 +12,6 @@ from fuzzy2.systems.hedges import Hedge
 from fuzzy2.systems.rule_grammar import parsed_hedged
 from fuzzy2.systems.rules import unknown_name
 
-_MOST_PARENTHESES = 1000
-
 Names = Mapping[str, tuple[str, ...]]
 """Terms of variables by name."""
 
@@ -48,8 +46,20 @@ def rules_of(
     InvalidRule
         If it is no rule, or has names that there are not.
     """
-    if text.count("(") > _MOST_PARENTHESES:
-        raise InvalidRule(1, text[:60], f"has more than {_MOST_PARENTHESES} parentheses")
+    try:
+        return _rules_of(text, place, hedges, variables, operators, any_case)
+    except RecursionError:
+        raise InvalidRule(1, text[:60], "is nested too deeply") from None
+
+
+def _rules_of(
+    text: str,
+    place: int,
+    hedges: Mapping[str, Hedge],
+    variables: tuple[Names, Names],
+    operators: tuple[str | None, str | None, str | None],
+    any_case: bool,
+) -> list[EngineRule]:
     tree, conclusions, weight = parsed_hedged(text.strip(), 1, hedges)
     inputs, outputs = variables
     both = {**inputs, **outputs}

@@ -267,7 +267,7 @@ class NamedShape(Type1Set):
         check = maybe_infinite if self.shape == "binary" else real
         numbers = tuple(check("parameters", one) for one in self.parameters)
         kind = _SHAPES[self.shape]
-        if not kind.valid(numbers) or not math.isfinite(numbers[0]):
+        if not numbers or not kind.valid(numbers) or not math.isfinite(numbers[0]):
             raise InvalidValue(f"the parameters of {self.shape}", numbers, kind.requirement)
         scale = real("scale", self.scale)
         if not 0.0 < scale <= 1.0:
