@@ -47,9 +47,10 @@ class Kernel(CPUDispatcher):
         locals: dict[str, Any] | None = None,
         targetoptions: dict[str, Any] | None = None,
     ) -> None:
-        options = dict(targetoptions or {})
-        super().__init__(function, locals, options, pipeline_class=_WholeCompiler)
-        self._part = CPUDispatcher(function, locals, options, pipeline_class=PartCompiler)
+        # Older versions of numba want a dictionary, also where no types are given.
+        kinds, options = dict(locals or {}), dict(targetoptions or {})
+        super().__init__(function, kinds, options, pipeline_class=_WholeCompiler)
+        self._part = CPUDispatcher(function, kinds, options, pipeline_class=PartCompiler)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return how compiled code calls the function, for arguments of these types."""
