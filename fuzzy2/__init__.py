@@ -15,9 +15,9 @@ from fuzzy2.support.lazy import lazy_names
 if TYPE_CHECKING:
     from fuzzy2.errors import ApproximationWarning as ApproximationWarning
     from fuzzy2.errors import Fuzzy2Error as Fuzzy2Error
+    from fuzzy2.files.formats import load as load
+    from fuzzy2.files.formats import save as save
     from fuzzy2.files.json_files import from_json as from_json
-    from fuzzy2.files.json_files import load as load
-    from fuzzy2.files.json_files import save as save
     from fuzzy2.files.json_files import to_json as to_json
     from fuzzy2.learning.adaptation import AdaptiveConsequents as AdaptiveConsequents
     from fuzzy2.learning.anfis import ANFIS as ANFIS

@@ -3,15 +3,15 @@
 Named variables with named terms, rules by number, and the operators.
 
 Both ways between such a description and a system, for every format. Consequents that are sets
-(Mamdani) go with the reducers on a grid, ``"centroid"`` and ``"center_of_sums"``; numbers and
-linear functions (Takagi, Sugeno, Kang) with ``"center_of_sets"``.
+(Mamdani) go with the reducers that unite them, or Tsukamoto's; numbers and linear functions
+(Takagi, Sugeno, Kang) with averages. What a format has no word for its writer refuses.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, TypeAlias
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -20,18 +20,19 @@ from fuzzy2.operations.set_operations import complement
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.interval_type2 import IntervalType2Set
-from fuzzy2.sets.type1 import Type1Set
+from fuzzy2.sets.type1 import Singleton, Type1Set
 from fuzzy2.support.checks import Array
+from fuzzy2.systems.antecedents import Antecedent, trees_of
 from fuzzy2.systems.consequents import Linear
-from fuzzy2.systems.operators import AGGREGATIONS, DIRECT_METHODS
+from fuzzy2.systems.operators import AGGREGATIONS, UNIONS
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 from fuzzy2.systems.terms import domain_of
 
-Rules: TypeAlias = tuple[tuple[tuple[int, ...], tuple[int, ...]], ...]
-"""Pairs of numbers of terms: of all inputs, -1 for any, and of all outputs."""
-
 SUM = "sum"
 """Name of the aggregation that adds the output sets of the rules instead of uniting them."""
+
+SILENT = -1
+"""Instead of the number of a term: the rule says nothing of the output."""
 
 
 class Constant(NamedTuple):
@@ -48,35 +49,89 @@ class LinearFunction(NamedTuple):
     slopes: tuple[float, ...]
 
 
+class DescribedRule(NamedTuple):
+    """What a rule asks for and says.
+
+    ``asked`` is a tree by numbers of inputs and terms, ``said`` the number of a term of each
+    output or ``SILENT``, and ``weight`` what the firing is multiplied by.
+    """
+
+    asked: Antecedent
+    said: tuple[int, ...]
+    weight: float = 1.0
+
+
 @dataclass(frozen=True)
 class Variable:
     """An input or an output.
 
     Terms are sets by name, or for the outputs of a Takagi-Sugeno-Kang system constants and
-    functions.
+    functions. ``default`` is the output where no rule fires, None for NaN.
     """
 
     name: str
     range: tuple[float, float]
     terms: dict[str, Any]
+    default: float | None = None
 
 
 @dataclass(frozen=True)
 class Description:
     """A system as files describe it.
 
-    ``rules`` are pairs of numbers of terms, of all inputs (-1: any) and of all outputs.
+    Parameters
+    ----------
+    inputs, outputs : tuple of Variable
+        The variables.
+    rules : tuple of DescribedRule
+        The rules, by number.
+    t_norm, disjunction : str
+        What *and* and *or* mean.
+    mamdani : bool
+        Whether consequents are sets; else they are numbers and functions.
+    implication : str, optional
+        How firing clips or scales sets; ``t_norm`` by default.
+    aggregation : str
+        How sets are united, ``SUM`` if they are added; of numbers, see ``reduction``.
+    reduction : str, optional
+        Type reduction, a name of :mod:`fuzzy2.systems.operators`: by default ``"centroid"`` of
+        sets and ``"center_of_sets"`` of numbers. ``"center_of_sums"`` is ``"centroid"`` with the
+        aggregation ``SUM``.
+    type2 : bool
+        Whether it is an interval type-2 system.
+    method, shares : str and (float, float)
+        Method of type reduction, and its shares if it is ``"begian_melek_mendel"``.
+    integration, resolution : str and int
+        How centroids are found, and the points of a sum.
+    options : dict
+        Other arguments of the system.
     """
 
     inputs: tuple[Variable, ...]
     outputs: tuple[Variable, ...]
-    rules: Rules
+    rules: tuple[DescribedRule, ...]
     t_norm: str
     mamdani: bool
     aggregation: str = "max"
     type2: bool = False
     method: str = "eiasc"
     options: dict[str, Any] = field(default_factory=dict)
+    disjunction: str = "max"
+    implication: str | None = None
+    reduction: str | None = None
+    shares: tuple[float, float] = (0.5, 0.5)
+    integration: str = "sum"
+    resolution: int = 501
+
+    @property
+    def reduced_by(self) -> str:
+        """The type reduction, by default that of the kind of consequents."""
+        return self.reduction or ("centroid" if self.mamdani else "center_of_sets")
+
+    @property
+    def implied_by(self) -> str:
+        """The t-norm of the implication."""
+        return self.implication or self.t_norm
 
 
 def system_of(description: Description) -> FuzzySystem:
@@ -84,48 +139,71 @@ def system_of(description: Description) -> FuzzySystem:
 
     Output sets are cut off at the ends of the range of their output.
     """
-    consequents: Any
-    names = [list(output.terms) for output in description.outputs]
-    if description.mamdani:
-        cut = [
-            [_cut(term, output.range) for term in output.terms.values()]
-            for output in description.outputs
+    outputs = description.outputs
+    terms = [_meanings(output, description.mamdani) for output in outputs]
+    silent = np.array(
+        [[number == SILENT for number in rule.said] for rule in description.rules], dtype=bool
+    )
+    names = [
+        [
+            "" if number == SILENT else list(output.terms)[number]
+            for output, number in zip(outputs, rule.said, strict=True)
         ]
-        consequents = [
-            [cut[j][term] for j, term in enumerate(said)] for _, said in description.rules
+        for rule in description.rules
+    ]
+    said = [
+        [
+            None if number == SILENT else list(of.values())[number]
+            for of, number in zip(terms, rule.said, strict=True)
         ]
-        reduction = "center_of_sums" if description.aggregation == SUM else "centroid"
-    else:
-        terms = [list(output.terms.values()) for output in description.outputs]
-        said_by_rule = [
-            [terms[j][term] for j, term in enumerate(said)] for _, said in description.rules
-        ]
-        consequents, reduction = _numbers(said_by_rule, len(description.inputs)), "center_of_sets"
+        for rule in description.rules
+    ]
+    consequents: Any = said
+    if not description.mamdani:
+        consequents = _numbers(said, len(description.inputs))
+    reduction, t_conorm = description.reduced_by, description.aggregation
+    if reduction == "centroid" and t_conorm == SUM:
+        reduction, t_conorm = "center_of_sums", "max"
+    functions = any(isinstance(term, LinearFunction) for of in terms for term in of.values())
+    defaults = [output.default for output in outputs]
+    arguments: dict[str, Any] = {
+        "t_norm": description.t_norm,
+        "type_reduction": reduction,
+        "method": description.method,
+        "t_conorm": t_conorm,
+        "disjunction": description.disjunction,
+        "implication": description.implication,
+        "weights": [rule.weight for rule in description.rules],
+        "silent": silent if silent.any() else None,
+        "default_outputs": None if all(value is None for value in defaults) else defaults,
+        "shares": description.shares,
+        "integration": description.integration,
+        "resolution": description.resolution,
+        "input_names": [variable.name for variable in description.inputs],
+        "output_names": [variable.name for variable in outputs],
+        "term_names": [list(variable.terms) for variable in description.inputs],
+        "consequent_names": names,
+        "input_ranges": [variable.range for variable in description.inputs],
+        "output_ranges": [variable.range for variable in outputs],
+        "output_terms": None if functions else terms,
+    }
+    rules: Any = [rule.asked for rule in description.rules]
     return (IntervalType2System if description.type2 else Type1System)(
         [list(variable.terms.values()) for variable in description.inputs],
-        np.array([asked for asked, _ in description.rules]),
+        rules,
         consequents,
-        t_norm=description.t_norm,
-        type_reduction=reduction,
-        method=description.method,
-        t_conorm="max" if description.aggregation == SUM else description.aggregation,
-        input_names=[variable.name for variable in description.inputs],
-        output_names=[variable.name for variable in description.outputs],
-        term_names=[list(variable.terms) for variable in description.inputs],
-        consequent_names=[
-            [names[j][term] for j, term in enumerate(said)] for _, said in description.rules
-        ],
-        input_ranges=[variable.range for variable in description.inputs],
-        integration="sum",
-        **{
-            "output_ranges": [variable.range for variable in description.outputs],
-            **description.options,
-        },
+        **{**arguments, **description.options},
     )
 
 
+def _meanings(output: Variable, mamdani: bool) -> dict[str, Any]:
+    if not mamdani:
+        return output.terms
+    return {name: _cut(term, output.range) for name, term in output.terms.items()}
+
+
 def negated(variable: Variable, number: int) -> int:
-    """Return the number of the complement of a term.
+    """Return the number of the complement of a term of an output.
 
     If it is none yet, it becomes a term of its own, *not* with its name.
     """
@@ -167,106 +245,147 @@ def description_of(system: FuzzySystem, where: str) -> Description:
             strict=True,
         )
     )
+    of_sets = system.consequent_sets is not None
+    if of_sets and system.type_reduction not in (*UNIONS, "tsukamoto"):
+        reason = (
+            'output sets are united or summed there; take "centroid" or "center_of_sums", or '
+            "numbers for consequents"
+        )
+        raise NotExpressible(f"type reduction {system.type_reduction!r}", where, reason)
+    columns = _columns(system, where)
+    outputs, said = [], []
+    for j, column in enumerate(columns):
+        variable, numbers = _output(system, j, column, where)
+        outputs.append(variable)
+        said.append(numbers)
+    trees = system.rules if isinstance(system.rules, tuple) else trees_of(system.rules)
+    weights = [1.0] * len(trees) if system.weights is None else system.weights.tolist()
+    summed = system.type_reduction == "center_of_sums" or system.t_conorm is AGGREGATIONS[SUM]
+    return Description(
+        inputs,
+        tuple(outputs),
+        tuple(
+            DescribedRule(tree, terms, weight)
+            for tree, terms, weight in zip(trees, zip(*said, strict=True), weights, strict=True)
+        ),
+        system.t_norm.name,
+        of_sets,
+        SUM if summed else system.t_conorm.name,
+        isinstance(system, IntervalType2System),
+        system.method,
+        disjunction=system.disjunction.name,
+        implication=system.implication.name,
+        reduction="centroid"
+        if system.type_reduction == "center_of_sums"
+        else (system.type_reduction),
+        shares=system.shares,
+        integration=system.integration,
+        resolution=system.resolution,
+    )
+
+
+def _columns(system: FuzzySystem, where: str) -> list[tuple[tuple[float, float] | None, list[Any]]]:
+    """Return the range of each output and what each rule says of it, None where it is silent."""
+    rules, consequents = range(len(system.rules)), system.consequents
     ranges = system.output_ranges or (None,) * system.n_outputs
-    consequents = system.consequents
+    silent = system.silent
     if system.consequent_sets is not None:
-        columns = [_whole([row[j] for row in consequents], ends) for j, ends in enumerate(ranges)]
-        if system.type_reduction not in ("centroid", "center_of_sums"):
-            reason = (
-                'output sets are united or summed there; take "centroid" or "center_of_sums", or '
-                "numbers for consequents"
-            )
-            raise NotExpressible(f"type reduction {system.type_reduction!r}", where, reason)
-    elif isinstance(consequents, Linear):
+        of_sets = system.consequent_sets
+        return [_whole([row[j] for row in of_sets], ends) for j, ends in enumerate(ranges)]
+    values: list[list[Any]]
+    if isinstance(consequents, Linear):
         if consequents.spreads.any():
             raise NotExpressible(
                 "linear consequents with spreads", where, "its linear functions are crisp"
             )
         functions = np.moveaxis(consequents.coefficients, 1, 0).tolist()
-        columns = [
-            (_limits(column), [LinearFunction(row[0], tuple(row[1:])) for row in column])
-            for column in functions
+        values = [
+            [LinearFunction(row[0], tuple(row[1:])) for row in column] for column in functions
         ]
     else:
-        values = (
-            np.stack([consequents, consequents], axis=-1) if consequents.ndim == 2 else consequents
-        )
-        intervals = np.moveaxis(values, 1, 0).astype(float).tolist()
-        columns = [(_limits(column), [Constant(*row) for row in column]) for column in intervals]
-    outputs, said = [], []
-    for j, (name, (limits, column)) in enumerate(zip(system.output_names, columns, strict=True)):
-        words = (
-            _numbered(column)
-            if system.consequent_names is None
-            else [row[j] for row in system.consequent_names]
-        )
-        terms: dict[str, Any] = {}
-        for word, term in zip(words, column, strict=True):
-            if terms.setdefault(word, term) != term:
-                raise NotExpressible(
-                    f"the name {word!r} for two consequents of {name}",
-                    where,
-                    "a name stands for one term",
-                )
-        outputs.append(Variable(name, ranges[j] or limits, terms))
-        said.append([list(terms).index(word) for word in words])
-    return Description(
-        inputs,
-        tuple(outputs),
-        tuple(
-            (tuple(asked), tuple(terms))
-            for asked, terms in zip(system.rules.tolist(), zip(*said, strict=True), strict=True)
-        ),
-        system.t_norm.name,
-        system.consequent_sets is not None,
-        SUM if system.type_reduction == "center_of_sums" else system.t_conorm.name,
-        isinstance(system, IntervalType2System),
-        system.method,
+        intervals = np.moveaxis(system.consequent_intervals, 1, 0).astype(float).tolist()
+        values = [[Constant(*row) for row in column] for column in intervals]
+    columns: list[tuple[tuple[float, float] | None, list[Any]]] = []
+    for j, (ends, column) in enumerate(zip(ranges, values, strict=True)):
+        said = [None if silent is not None and silent[r, j] else column[r] for r in rules]
+        columns.append((ends, said))
+    return columns
+
+
+def _output(
+    system: FuzzySystem,
+    j: int,
+    found: tuple[tuple[float, float] | None, list[Any]],
+    where: str,
+) -> tuple[Variable, list[int]]:
+    """Return an output and the number of its term in each rule."""
+    (ends, column), name = found, system.output_names[j]
+    known = {} if system.output_terms is None else dict(system.output_terms[j])
+    terms = {word: _described(meaning, ends) for word, meaning in known.items()}
+    words = (
+        _numbered(column)
+        if system.consequent_names is None
+        else [row[j] for row in system.consequent_names]
     )
+    for word, term in zip(words, column, strict=True):
+        if term is not None and terms.setdefault(word, term) != term:
+            raise NotExpressible(
+                f"the name {word!r} for two consequents of {name}",
+                where,
+                "a name stands for one term",
+            )
+    numbers = [
+        SILENT if term is None else list(terms).index(word)
+        for word, term in zip(words, column, strict=True)
+    ]
+    default = None if system.default_outputs is None else float(system.default_outputs[j])
+    if default is not None and np.isnan(default):
+        default = None
+    return Variable(name, ends or _limits_of(terms.values()), terms, default), numbers
+
+
+def _described(meaning: Any, ends: tuple[float, float] | None) -> Any:
+    """Return a term of an output as descriptions have it."""
+    if isinstance(meaning, Type1Set | IntervalType2Set):
+        return meaning if ends is None else _whole([meaning], ends)[1][0]
+    left, right = np.broadcast_to(np.asarray(meaning, dtype=float), 2).tolist()
+    return Constant(left, right)
 
 
 def _check_operators(system: FuzzySystem, where: str) -> None:
-    """Refuse what no format is written with."""
-    if isinstance(system.rules, tuple):
-        raise NotExpressible("a rule with or, not or hedges", where, "use JSON")
-    for what, value in (
-        ("rule weights", system.weights),
-        ("rules that leave outputs out", system.silent),
-        ("default outputs", system.default_outputs),
-    ):
-        if value is not None:
-            raise NotExpressible(what, where, "use JSON")
-    if system.implication is not system.t_norm:
-        raise NotExpressible("another implication than the t-norm", where, "use JSON")
-    if system.t_conorm is AGGREGATIONS["sum"] or system.method in DIRECT_METHODS:
-        raise NotExpressible(f"the method {system.method!r} or the sum", where, "use JSON")
-    for kind, norm, known in (
+    """Refuse operators without a name."""
+    norms: tuple[tuple[str, Any, Mapping[str, Any]], ...] = (
         ("t-norm", system.t_norm, T_NORMS),
-        ("t-conorm", system.t_conorm, T_CONORMS),
-    ):
+        ("implication", system.implication, T_NORMS),
+        ("t-conorm", system.t_conorm, AGGREGATIONS),
+        ("disjunction", system.disjunction, T_CONORMS),
+    )
+    for kind, norm, known in norms:
         if known.get(norm.name) is not norm:
             raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
 
 
-def alternatives(asked: Sequence[int]) -> list[tuple[int, ...]]:
-    """Return one rule for each antecedent of a rule that joins them by *or*.
+def known_as(name: str, known: Mapping[str, str], what: str, where: str) -> str:
+    """Return the word of a format for one of our names, the first one in its table.
 
-    Under the maximum, of *or* and of the aggregation, the rules together do what the one does:
-    t-norms distribute over it.
+    Raises
+    ------
+    NotExpressible
+        If it has none.
     """
-    return [
-        tuple(term if i == j else -1 for i, term in enumerate(asked))
-        for j, used in enumerate(asked)
-        if used >= 0
-    ]
+    word = next((theirs for theirs, ours in known.items() if ours == name), None)
+    if word is None:
+        raise NotExpressible(f"the {what} {name!r}", where, f"it has {', '.join(known)} only")
+    return word
 
 
-def _numbers(said: list[list[Constant | LinearFunction]], inputs: int) -> Linear | Array:
+def _numbers(said: list[list[Any]], inputs: int) -> Linear | Array:
     """Return the consequents of a Takagi-Sugeno-Kang system, by rule and output.
 
-    In the simplest form that holds them.
+    In the simplest form that holds them; 0 where a rule is silent.
     """
-    if any(isinstance(term, LinearFunction) for row in said for term in row):
+    rows = [[Constant(0.0, 0.0) if term is None else term for term in row] for row in said]
+    if any(isinstance(term, LinearFunction) for row in rows for term in row):
         none = (0.0,) * inputs
         functions = [
             [
@@ -275,18 +394,34 @@ def _numbers(said: list[list[Constant | LinearFunction]], inputs: int) -> Linear
                 else (0.5 * term.left + 0.5 * term.right, none, 0.5 * (term.right - term.left))
                 for term in row
             ]
-            for row in said
+            for row in rows
         ]
         coefficients = [[(constant, *slopes) for constant, slopes, _ in row] for row in functions]
         return Linear(
             coefficients, [[(spread, *none) for _, _, spread in row] for row in functions]
         )
-    intervals = np.array(said)
+    intervals = np.array(rows)
     return intervals[..., 0] if (intervals[..., 0] == intervals[..., 1]).all() else intervals
 
 
 def _limits(values: Any) -> tuple[float, float]:
-    return float(np.min(values)), float(np.max(values))
+    """Return the least and the greatest number, apart also where they are one.
+
+    A range of no width is not read; constants may all be one.
+    """
+    low, high = float(np.min(values)), float(np.max(values))
+    margin = 0.0 if low < high else max(1.0, 0.5 * abs(low))
+    return low - margin, high + margin
+
+
+def _limits_of(terms: Iterable[Any]) -> tuple[float, float]:
+    """Return the least and the greatest number of constants and functions."""
+    values = [
+        value
+        for term in terms
+        for value in ((term.constant, *term.slopes) if isinstance(term, LinearFunction) else term)
+    ]
+    return _limits(values) if values else (0.0, 1.0)
 
 
 def _cut(term: Any, ends: tuple[float, float]) -> Any:
@@ -305,9 +440,9 @@ def _numbered(column: list[Any]) -> list[str]:
     """Return names for the terms of a column, numbered as they come; equal terms have one name."""
     distinct: list[Any] = []
     for term in column:
-        if term not in distinct:
+        if term is not None and term not in distinct:
             distinct.append(term)
-    return [f"term{distinct.index(term) + 1}" for term in column]
+    return ["" if term is None else f"term{distinct.index(term) + 1}" for term in column]
 
 
 def _whole(
@@ -317,7 +452,7 @@ def _whole(
 
     The sets are those before they were cut off at the ends of the range.
     """
-    ends = given or domain_of(column)
+    ends = given or domain_of([term for term in column if term is not None] or [Singleton(0.0)])
 
     def whole(term: Type1Set) -> Type1Set:
         if not isinstance(term, Truncated):
@@ -331,7 +466,9 @@ def _whole(
 
     sets: list[Any] = []
     for term in column:
-        if isinstance(term, IntervalType2Set):
+        if term is None:
+            sets.append(None)
+        elif isinstance(term, IntervalType2Set):
             lower, upper = whole(term.lower), whole(term.upper)
             sets.append(
                 term
@@ -340,7 +477,7 @@ def _whole(
             )
         else:
             sets.append(whole(term))
-    return (float(ends[0]), float(ends[1])), sets
+    return _limits(ends), sets
 
 
 def check_names(description: Description, where: str) -> None:

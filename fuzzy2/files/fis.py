@@ -10,13 +10,17 @@ Three layouts are known by what is in them:
   ``MF1U='low':'trimf',[0 1 2 1]`` and ``MF1L=...``, any two membership functions, with a height
   after their parameters.
 
-A system takes one t-norm for *and* and for the implication. A rule with *or* becomes one rule for
-each alternative, where that is the same: under the maximum. A term that a rule negates has its
-complement as a term beside it, called *not* with its name, and is written as such a negation.
-Weights and defuzzifiers other than the centroid are refused. MATLAB takes 101 points of an output's
-range, and so does a system that is read.
+Rules have weights, *or*, negations, and may be silent about outputs; and, or, implication and
+aggregation are independent. A negated output has its complement as a term beside it, called *not*
+with its name, and is written as such a negation. The lower membership function of version 3 is
+``scale * max(0, (upper - lag) / (1 - lag))``, which is how this package reads MATLAB's
+documentation for every shape.
 
-Not kept are terms of outputs, and complements, that no rule mentions.
+Two dialects differ in what they mean. MATLAB's toolbox adds up 101 points for the centroid, and so
+does a system that is read. Octave's takes trapezoids between them; it unites Sugeno rules that say
+the same number under the aggregation before it averages; its smallest and largest of maxima go by
+value, MATLAB's by distance from 0; it has more t-norms, and hedges. Where no rule fires a system
+answers NaN, as Octave does; MATLAB answers with the middle of the range.
 """
 
 from __future__ import annotations
@@ -25,14 +29,16 @@ import os
 from pathlib import Path
 
 from fuzzy2.files.description import description_of
-from fuzzy2.files.fis_names import OPEN_TOOLBOX_SUFFIX
+from fuzzy2.files.fis_names import DIALECTS, OPEN_TOOLBOX_SUFFIX
 from fuzzy2.files.fis_reader import FisReader
+from fuzzy2.files.fis_rules import OCTAVE
 from fuzzy2.files.fis_writer import FisWriter
 from fuzzy2.support.text_files import read_text, write_text
+from fuzzy2.systems.operators import choice
 from fuzzy2.systems.system import FuzzySystem
 
 
-def parse_fis(text: str, source: str = "text") -> FuzzySystem:
+def parse_fis(text: str, source: str = "text", dialect: str = "matlab") -> FuzzySystem:
     """Return the system that the text of a ``.fis`` file describes; see :func:`read_fis`.
 
     Parameters
@@ -41,6 +47,8 @@ def parse_fis(text: str, source: str = "text") -> FuzzySystem:
         The text.
     source : str
         What error messages call it.
+    dialect : {"matlab", "octave"}
+        Whose meaning it has.
 
     Returns
     -------
@@ -54,16 +62,18 @@ def parse_fis(text: str, source: str = "text") -> FuzzySystem:
     NotExpressible
         If it describes what a system here cannot be; it names the line.
     """
-    return FisReader(text, source).system()
+    return FisReader(text, source, choice("dialect", dialect, DIALECTS)).system()
 
 
-def read_fis(path: str | os.PathLike[str]) -> FuzzySystem:
+def read_fis(path: str | os.PathLike[str], dialect: str = "matlab") -> FuzzySystem:
     """Return the system of a MATLAB ``.fis`` file, or of a ``.t2fis`` file of the IT2-FLS toolbox.
 
     Parameters
     ----------
     path : str or path-like
         The file.
+    dialect : {"matlab", "octave"}
+        Whose meaning it has.
 
     Returns
     -------
@@ -80,10 +90,15 @@ def read_fis(path: str | os.PathLike[str]) -> FuzzySystem:
     OSError
         If it cannot be read.
     """
-    return parse_fis(read_text(path), str(path))
+    return parse_fis(read_text(path), str(path), dialect)
 
 
-def format_fis(system: FuzzySystem, name: str = "system", open_toolbox: bool = False) -> str:
+def format_fis(
+    system: FuzzySystem,
+    name: str = "system",
+    open_toolbox: bool = False,
+    dialect: str = "matlab",
+) -> str:
     """Return a system as the text of a ``.fis`` file; see :func:`write_fis`.
 
     Parameters
@@ -94,6 +109,8 @@ def format_fis(system: FuzzySystem, name: str = "system", open_toolbox: bool = F
         Its name in the file.
     open_toolbox : bool
         Whether type-2 sets are written for the IT2-FLS toolbox (``.t2fis``).
+    dialect : {"matlab", "octave"}
+        For which program it is otherwise; see the module.
 
     Returns
     -------
@@ -105,11 +122,12 @@ def format_fis(system: FuzzySystem, name: str = "system", open_toolbox: bool = F
     NotExpressible
         If the format has no way to write the system.
     """
-    where = OPEN_TOOLBOX_SUFFIX if open_toolbox else ".fis"
+    octave = choice("dialect", dialect, DIALECTS) == "octave"
+    where = OPEN_TOOLBOX_SUFFIX if open_toolbox else OCTAVE if octave else ".fis"
     return FisWriter(description_of(system, where), name, where).text()
 
 
-def write_fis(system: FuzzySystem, path: str | os.PathLike[str]) -> None:
+def write_fis(system: FuzzySystem, path: str | os.PathLike[str], dialect: str = "matlab") -> None:
     """Write a system to a MATLAB ``.fis`` file, or to a ``.t2fis`` file.
 
     The latter is the IT2-FLS toolbox's, and taken if the name ends so.
@@ -124,6 +142,8 @@ def write_fis(system: FuzzySystem, path: str | os.PathLike[str]) -> None:
         The system.
     path : str or path-like
         The file; one that exists is replaced whole.
+    dialect : {"matlab", "octave"}
+        For which program a ``.fis`` file is.
 
     Raises
     ------
@@ -133,4 +153,5 @@ def write_fis(system: FuzzySystem, path: str | os.PathLike[str]) -> None:
         If the file cannot be written; what was there before remains.
     """
     target = Path(path)
-    write_text(format_fis(system, target.stem, target.suffix == OPEN_TOOLBOX_SUFFIX), path)
+    open_toolbox = target.suffix.lower() == OPEN_TOOLBOX_SUFFIX
+    write_text(format_fis(system, target.stem, open_toolbox, dialect), path)

@@ -3,28 +3,43 @@
 from __future__ import annotations
 
 import dataclasses
-import math
 from collections.abc import Iterable
 from typing import Any, NoReturn
 
 from fuzzy2.errors import NotExpressible
-from fuzzy2.files.description import Description, LinearFunction, Variable, check_names
+from fuzzy2.files.description import (
+    Description,
+    LinearFunction,
+    Variable,
+    check_names,
+    known_as,
+)
 from fuzzy2.files.fis_names import (
     AGGREGATIONS,
+    DEFUZZIFIERS,
+    MATLAB_NORMS,
     OPEN_TOOLBOX_REDUCERS,
     OPEN_TOOLBOX_SUFFIX,
     REDUCERS,
+    T_CONORMS,
     T_NORMS,
-    corners_of,
 )
+from fuzzy2.files.fis_rules import OCTAVE, rule_line
+from fuzzy2.files.fis_shapes import corners_of, named_shape
 from fuzzy2.operations.set_operations import complement
-from fuzzy2.sets.derived import Complement
+from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.interval_type2 import IntervalType2Set
-from fuzzy2.sets.shapes import Gaussian, Trapezoidal, Triangular
-from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
-from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
+from fuzzy2.sets.lagged import Lagged
+from fuzzy2.sets.shapes import Gaussian
+from fuzzy2.sets.smooth_shapes import PiShaped
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.sets.uncertain_mean import NearestMeanGaussian
+from fuzzy2.systems.operators import DIRECT_METHODS
+
+_SEPARATE = ("center_of_sets", "weighted_sum")
+"""Averages and sums over the rules, whether or not they say the same."""
+
+_SEPARATE_OF = {"united_average": "center_of_sets", "united_sum": "weighted_sum"}
+"""Those over what is said, with the one over the rules."""
 
 
 class FisWriter:
@@ -59,70 +74,75 @@ class FisWriter:
         for i, (variable, _) in enumerate(outputs):
             lines += [f"[Output{i + 1}]", *self._variable(variable, described.mamdani), ""]
         lines.append("[Rules]")
-        for asked, said in described.rules:
-            if max(asked) < 0:
-                self._refuse(
-                    "a rule that asks for nothing", "it cannot be told from one that never fires"
-                )
-            sides = (
-                " ".join(
-                    str(numbers[term] if term >= 0 else 0)
-                    for term, (_, numbers) in zip(terms, variables, strict=True)
-                )
-                for terms, variables in ((asked, inputs), (said, outputs))
-            )
-            lines.append(f"{', '.join(sides)} (1) : 1")
+        asked, said = ([numbers for _, numbers in of] for of in (inputs, outputs))
+        lines += [rule_line(rule, asked, said, self.where) for rule in described.rules]
         return "\n".join(lines) + "\n"
 
     def _system(self) -> list[str]:
         described = self.description
         version = "3.0" if described.type2 and not self.open_toolbox else "2.0"
-        t_norm = _known_as(described.t_norm, T_NORMS) or self._refuse(
-            f"the t-norm {described.t_norm!r}", "it has min and prod only"
-        )
-        if described.mamdani:
-            aggregation = _known_as(described.aggregation, AGGREGATIONS)
-            if aggregation is None:
-                self._refuse(
-                    f"the t-conorm {described.aggregation!r}", "it has max, probor and sum only"
-                )
-            kind, methods = "mamdani", ("max", t_norm, aggregation, "centroid")
-        else:
-            kind, methods = "sugeno", ("probor", "prod", "sum", "wtaver")
+        kind, methods = self._methods()
         lines = [
             f"Type='{kind}'",
             f"Version={version}",
             f"NumInputs={len(described.inputs)}",
             f"NumOutputs={len(described.outputs)}",
+            f"NumRules={len(described.rules)}",
         ]
-        lines += [f"NumRules={len(described.rules)}", f"AndMethod='{t_norm}'"]
-        lines += [
-            f"{key}='{method}'"
-            for key, method in zip(
-                ("OrMethod", "ImpMethod", "AggMethod", "DefuzzMethod"), methods, strict=True
-            )
-        ]
-        if described.type2:
-            # A method that MATLAB has not is as exact as the one that it is exchanged for.
-            known, key = (
-                (OPEN_TOOLBOX_REDUCERS, "TypeRedMethod")
-                if self.open_toolbox
-                else (REDUCERS, "TypeReductionMethod")
-            )
-            lines.append(
-                f"{key}='{_known_as(described.method, known) or _known_as('eiasc', known)}'"
-            )
-        return lines
+        keys = ("AndMethod", "OrMethod", "ImpMethod", "AggMethod", "DefuzzMethod")
+        lines += [f"{key}='{method}'" for key, method in zip(keys, methods, strict=True)]
+        return [*lines, *self._reducer()]
+
+    def _methods(self) -> tuple[str, tuple[str, ...]]:
+        """Return the kind of system and the words for its operators."""
+        described, dialect = self.description, "octave" if self.where == OCTAVE else "matlab"
+        reduction, kind = described.reduced_by, "mamdani" if described.mamdani else "sugeno"
+        either = self._norm(described.disjunction, T_CONORMS, "t-conorm")
+        both = self._norm(described.t_norm, T_NORMS, "t-norm")
+        implied = self._norm(described.implied_by, T_NORMS, "implication")
+        united = self._norm(described.aggregation, AGGREGATIONS, "t-conorm")
+        if reduction == "tsukamoto":
+            self._refuse("Tsukamoto's reduction", "its outputs are of Mamdani or Sugeno; use JSON")
+        if kind == "sugeno":
+            implied, united = "prod", "sum" if reduction in _SEPARATE else united
+            if reduction not in _SEPARATE and dialect == "matlab":
+                self._refuse(
+                    f"the type reduction {reduction!r}", "it is Octave's; take dialect='octave'"
+                )
+            reduction = _SEPARATE_OF.get(reduction, reduction)
+        word = known_as(reduction, DEFUZZIFIERS[kind, dialect], "type reduction", self.where)
+        return kind, (both, either, implied, united, word)
+
+    def _norm(self, name: str, known: dict[str, str], what: str) -> str:
+        if self.where != OCTAVE:
+            known = {theirs: ours for theirs, ours in known.items() if theirs in MATLAB_NORMS}
+        elif name == "probabilistic":
+            # Octave knows its own word only.
+            return "algebraic_sum"
+        elif name == "nilpotent":
+            self._refuse(f"the {what} {name!r}", "it has none of the name")
+        return known_as(name, known, what, self.where)
+
+    def _reducer(self) -> list[str]:
+        described = self.description
+        if not described.type2:
+            return []
+        if self.open_toolbox:
+            if described.method == "begian_melek_mendel":
+                lower, upper = (repr(share) for share in described.shares)
+                return [f"TypeRedMethod='BMM({lower},{upper})'"]
+            known, key = OPEN_TOOLBOX_REDUCERS, "TypeRedMethod"
+        else:
+            known, key = REDUCERS, "TypeReductionMethod"
+        if described.method in (*DIRECT_METHODS, *known.values()):
+            return [f"{key}='{known_as(described.method, known, 'method', self.where)}'"]
+        # A method that the program has not is as exact as the one that it is exchanged for.
+        return [f"{key}='{known_as('eiasc', known, 'method', self.where)}'"]
 
     def _variable(self, variable: Variable, of_sets: bool) -> list[str]:
-        low, high = variable.range
-        if not low < high:
-            # A range of no width is not read; constants may all be one.
-            margin = max(1.0, 0.5 * abs(low))
-            low, high = low - margin, high + margin
         lines = [
             f"Name={_quote(variable.name)}",
-            f"Range={_vector((low, high))}",
+            f"Range={_vector(variable.range)}",
             f"NumMFs={len(variable.terms)}",
         ]
         for i, (name, term) in enumerate(variable.terms.items()):
@@ -168,6 +188,8 @@ class FisWriter:
     ) -> tuple[float, tuple[float, float]]:
         if lower == upper:
             return 1.0, (0.0, 0.0)
+        if isinstance(lower, Lagged) and lower.whole == upper:
+            return lower.scale, lower.lags
         if (
             isinstance(lower, Gaussian | PiShaped)
             and dataclasses.replace(lower, height=1.0) == upper
@@ -186,39 +208,15 @@ class FisWriter:
         )
 
     def _shape(self, one: Type1Set) -> tuple[str, tuple[float, ...], float]:
-        if isinstance(one, Trapezoidal) and math.isinf(one.a) and math.isfinite(one.d):
-            return "linzmf", (one.c, one.d), one.height
-        if isinstance(one, Trapezoidal) and math.isinf(one.d) and math.isfinite(one.a):
-            return "linsmf", (one.a, one.b), one.height
-        corners = corners_of(one)
-        if corners is not None and all(map(math.isfinite, corners)):
-            return (
-                ("trimf", (corners[0], *corners[2:]), one.height)
-                if isinstance(one, Triangular)
-                else ("trapmf", corners, one.height)
-            )
-        if isinstance(one, Gaussian):
-            return "gaussmf", (one.sigma, one.mean), one.height
-        if isinstance(one, NearestMeanGaussian):
-            return "gauss2mf", (one.sigma, one.mean[0], one.sigma, one.mean[1]), 1.0
-        if isinstance(one, PiShaped) and (math.isfinite(one.a) or math.isfinite(one.d)):
-            corners = one.a, one.b, one.c, one.d
-            kind = "zmf" if math.isinf(one.a) else "smf" if math.isinf(one.d) else "pimf"
-            return kind, tuple(filter(math.isfinite, corners)), one.height
-        if isinstance(one, TwoSidedGaussian):
-            return "gauss2mf", (one.sigma[0], one.mean[0], one.sigma[1], one.mean[1]), 1.0
-        if isinstance(one, SigmoidDifference | SigmoidProduct):
-            (c1, c2), (s1, s2) = one.center, one.slope
-            return (
-                "dsigmf" if isinstance(one, SigmoidDifference) else "psigmf",
-                (s1, c1, s2, c2),
-                1.0,
-            )
-        if isinstance(one, Bell):
-            return "gbellmf", (one.width, one.slope, one.center), 1.0
-        if isinstance(one, Sigmoid):
-            return "sigmf", (one.slope, one.center), 1.0
-        raise NotExpressible(f"{one!r}", self.where, "it has no membership function of that shape")
+        if isinstance(one, Lagged) and not any(one.lags):
+            kind, values, height = self._shape(one.whole)
+            return kind, values, height * one.scale
+        if isinstance(one, Truncated) and self.open_toolbox:
+            # It was cut off where it is above the upper one, beyond the range.
+            return self._shape(one.whole)
+        return named_shape(one) or self._refuse(
+            f"{one!r}", "it has no membership function of that shape"
+        )
 
 
 def _without_complements(variable: Variable) -> tuple[Variable, list[int]]:
@@ -251,10 +249,6 @@ def _lag(foot: float, lower_foot: float, shoulder: float) -> float:
     return (
         0.0 if foot == lower_foot else min(max((lower_foot - foot) / (shoulder - foot), 0.0), 1.0)
     )
-
-
-def _known_as(name: str, known: dict[str, str]) -> str | None:
-    return next((theirs for theirs, ours in known.items() if ours == name), None)
 
 
 def _quote(name: str) -> str:

@@ -1,22 +1,25 @@
 """Systems in the Fuzzy Markup Language of IEEE Std 1855-2016 (FML).
 
-Type-1 systems of Mamdani, and of Takagi, Sugeno and Kang.
+Type-1 systems of Mamdani, of Takagi, Sugeno and Kang, and of Tsukamoto.
 
 The shapes that have a class here are read and written: triangles, trapezoids, shoulders (right and
 left linear), Gaussians, rectangles, singletons, linearly interpolated points, Gaussian shoulders,
 and S-, Z- and pi-shaped sets. The standard gives a pi shape two parameters and does not say which;
 here, as in its reference implementation JFML, they are the left foot and the top, and the right
-side mirrors the left one. Complements of all these are kept, and what the modifier ``not`` makes of
-a term becomes a term of its own.
+side mirrors the left one. Complements of all these are kept. Points of Lagrange's polynomial are
+read, cut off at 0 and 1, and terms made of others (circular definitions, aggregated variables).
 
-One t-norm serves for *and* and for the activation. A rule with *or* becomes one rule for each
-alternative, where that is the same: under the maximum. Weights, other modifiers, *else*, other
-defuzzifiers than the center of gravity, and the rule bases of Tsukamoto and AnYa are refused with
-their line.
+Rules have weights, *and* or *or*, modifiers, an *else*, and may be silent about outputs. Where
+JFML departs from the standard the standard is followed: JFML's ``plus``, ``somewhat``,
+``more_or_less`` and ``seldom`` divide whole numbers. Refused with their line are the modifiers
+``above``, ``below``, ``norm`` and ``slightly``, custom shapes and operators, cubic and spline
+interpolation, several rule bases, operators that differ among outputs or rules, and AnYa.
 
-Where no rule fires a system answers NaN; so ``defaultValue`` is written ``NaN``, and that of a file
-is not used. Terms of outputs that no rule mentions are not kept. A document type declaration is
-refused: it could make a small file expand without end, or read other files.
+Words are read in any case. ``defaultValue`` is the output where no rule fires, and NaN, which is
+written, stands for none. The center of gravity, an integral in the standard, is summed up over
+20 001 points, and integrated exactly if there are singletons; a processing instruction, which other
+programs pass over, says it of systems of this package. A document type declaration is refused: it
+could make a small file expand without end, or read other files.
 
 The schema of the standard names the t-norms of Lukasiewicz and the drastic one ``BSUM`` and
 ``DRS``, like their t-conorms, its text ``BDIF`` and ``DRP``: written are the names of the schema,
@@ -30,6 +33,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from fuzzy2.files.description import description_of
+from fuzzy2.files.fml_names import OWN_INSTRUCTION
 from fuzzy2.files.fml_reader import FmlReader
 from fuzzy2.files.fml_writer import document_of
 from fuzzy2.support.text_files import read_text, write_text
@@ -107,13 +111,14 @@ def format_fml(system: FuzzySystem, name: str = "system") -> str:
     NotExpressible
         If FML has no way to write the system.
     """
-    root = document_of(description_of(system, "FML"), name if name.isprintable() else "system")
+    description = description_of(system, "FML")
+    root = document_of(description, name if name.isprintable() else "system")
     ElementTree.indent(root)
-    return (
-        '<?xml version="1.0" encoding="UTF-8"?>\n'
-        + ElementTree.tostring(root, encoding="unicode")
-        + "\n"
-    )
+    lines = ['<?xml version="1.0" encoding="UTF-8"?>']
+    if description.mamdani:
+        integration, points = description.integration, description.resolution
+        lines.append(f'<?{OWN_INSTRUCTION} integration="{integration}" resolution="{points}"?>')
+    return "\n".join([*lines, ElementTree.tostring(root, encoding="unicode"), ""])
 
 
 def write_fml(system: FuzzySystem, path: str | os.PathLike[str]) -> None:

@@ -6,9 +6,12 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
+
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import Singleton, Type1Set
+from fuzzy2.systems.hedges import HEDGES, Hedge
 
 NAMESPACE = "http://www.ieee1855.org"
 
@@ -23,6 +26,7 @@ T_NORMS = {
     "HPROD": "hamacher",
     "NILMIN": "nilpotent",
 }
+"""T-norms, in capital letters; documents write them in any case."""
 
 T_CONORMS = {
     "MAX": "max",
@@ -34,21 +38,58 @@ T_CONORMS = {
     "NILMAX": "nilpotent",
 }
 
+RULE_BASES = {"mamdaniRuleBase": "mamdani", "tskRuleBase": "tsk", "tsukamotoRuleBase": "tsukamoto"}
+
+DEFUZZIFIERS = {
+    "COG": "centroid",
+    "COA": "bisector",
+    "MOM": "middle_of_maxima",
+    "LM": "smallest_of_maxima",
+    "RM": "largest_of_maxima",
+}
+"""Defuzzifiers. JFML's mean of maxima is the middle between the first and the last."""
+
+OWN_INSTRUCTION = "fuzzy2"
+"""Target of the processing instruction that says how this package integrates."""
+
+SAMPLE_POINTS = 20001
+"""Points of a sum for the center of gravity, which the standard defines as an integral."""
+
+MODIFIERS = {
+    "very": HEDGES["very"],
+    "extremely": HEDGES["extremely"],
+    "somewhat": HEDGES["somewhat"],
+    "more_or_less": Hedge("more_or_less", 1.0 / 3.0),
+    "plus": Hedge("plus", 1.25),
+    "intensify": Hedge(
+        "intensify", function=lambda g: np.where(g <= 0.5, 2.0 * g**2, 1.0 - 2.0 * (1.0 - g) ** 2)
+    ),
+    "seldom": Hedge(
+        "seldom",
+        function=lambda g: np.where(g <= 0.5, np.sqrt(0.5 * g), 1.0 - np.sqrt(0.5 * (1.0 - g))),
+    ),
+}
+"""Hedges of the standard's annex A that rise all the way."""
+
 SHAPES: dict[str, tuple[int, Callable[..., Type1Set]]] = {
     "triangularShape": (3, Triangular),
     "trapezoidShape": (4, Trapezoidal),
-    "gaussianShape": (2, Gaussian),
+    "gaussianShape": (2, lambda mean, sigma: Gaussian(mean, abs(sigma))),
     "rectangularShape": (2, Interval),
     "singletonShape": (1, Singleton),
     "rightLinearShape": (2, lambda a, b: Trapezoidal(a, b, math.inf, math.inf)),
     "leftLinearShape": (2, lambda a, b: Trapezoidal(-math.inf, -math.inf, a, b)),
     "rightGaussianShape": (
         2,
-        lambda mean, sigma: TwoSidedGaussian((mean, mean), (sigma, math.inf)),
+        lambda mean, sigma: TwoSidedGaussian((mean, mean), (abs(sigma), math.inf)),
     ),
-    "leftGaussianShape": (2, lambda mean, sigma: TwoSidedGaussian((mean, mean), (math.inf, sigma))),
-    "sShape": (2, lambda a, b: PiShaped(a, b, math.inf, math.inf)),
-    "zShape": (2, lambda a, b: PiShaped(-math.inf, -math.inf, a, b)),
+    "leftGaussianShape": (
+        2,
+        lambda mean, sigma: TwoSidedGaussian((mean, mean), (math.inf, abs(sigma))),
+    ),
+    # Where the parameters are not in order, JFML makes a step at the first one.
+    "sShape": (2, lambda a, b: PiShaped(a, max(a, b), math.inf, math.inf)),
+    "zShape": (2, lambda a, b: PiShaped(-math.inf, -math.inf, a, max(a, b))),
     "piShape": (2, lambda foot, top: PiShaped(foot, top, top, top + (top - foot))),
 }
 """Shapes with the number of their parameters."""

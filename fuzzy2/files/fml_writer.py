@@ -6,25 +6,41 @@ from typing import NoReturn
 from xml.etree import ElementTree
 
 from fuzzy2.errors import NotExpressible
+from fuzzy2.files.clauses import clauses_of_rule
 from fuzzy2.files.description import (
+    SILENT,
     SUM,
     Constant,
     Description,
     LinearFunction,
     Variable,
     check_names,
+    known_as,
 )
-from fuzzy2.files.fml_names import NAMESPACE, T_CONORMS, T_NORMS, named_shape
+from fuzzy2.files.fml_names import (
+    DEFUZZIFIERS,
+    MODIFIERS,
+    NAMESPACE,
+    RULE_BASES,
+    T_CONORMS,
+    T_NORMS,
+    named_shape,
+)
 from fuzzy2.sets.derived import Complement
 from fuzzy2.sets.type1 import SampledSet, Type1Set
+from fuzzy2.systems.hedges import Hedge
 
 
 def document_of(description: Description, name: str) -> ElementTree.Element:
     """Return the document of a description."""
     if description.type2:
         _refuse("an interval type-2 system", "the standard has type-1 sets only; use JSON or .fis")
-    if description.aggregation == SUM:
+    if description.aggregation == SUM and description.mamdani:
         _refuse("center of sums", "its accumulation unites; use .fis, or the reducer centroid")
+    reduction = description.reduced_by
+    kind = "tsukamoto" if reduction == "tsukamoto" else "mamdani" if description.mamdani else "tsk"
+    if kind == "tsk" and reduction != "center_of_sets":
+        _refuse(f"the type reduction {reduction!r}", "it has weighted averages only")
     check_names(description, "FML")
     names = [variable.name for variable in (*description.inputs, *description.outputs)]
     if len(set(names)) < len(names):
@@ -32,42 +48,49 @@ def document_of(description: Description, name: str) -> ElementTree.Element:
     root = ElementTree.Element("fuzzySystem", {"xmlns": NAMESPACE, "name": name})
     base = ElementTree.SubElement(root, "knowledgeBase")
     for variable in description.inputs:
-        _write_fuzzy_variable(base, variable, {"type": "input"})
+        _write_sets(base, variable, ("fuzzyVariable", "fuzzyTerm"), {"type": "input"})
     for variable in description.outputs:
-        if description.mamdani:
-            accumulation = _known_as(description.aggregation, T_CONORMS)
-            attributes = {
+        default = {"defaultValue": _number(variable.default, "NaN")}
+        if kind == "mamdani":
+            words = {
                 "type": "output",
-                "accumulation": accumulation,
-                "defuzzifier": "COG",
-                "defaultValue": "NaN",
+                "accumulation": known_as(description.aggregation, T_CONORMS, "t-conorm", "FML"),
+                "defuzzifier": _defuzzifier(reduction),
             }
-            _write_fuzzy_variable(base, variable, attributes)
+            _write_sets(base, variable, ("fuzzyVariable", "fuzzyTerm"), {**words, **default})
+        elif kind == "tsukamoto":
+            words = {"type": "output", "combination": "WA", **default}
+            _write_sets(base, variable, ("tsukamotoVariable", "tsukamotoTerm"), words)
         else:
-            _write_functions(base, variable, len(description.inputs))
-    _write_rules(root, description)
+            _write_functions(base, variable, default)
+    _write_rules(root, description, kind)
     return root
+
+
+def _defuzzifier(reduction: str) -> str:
+    return known_as(reduction, DEFUZZIFIERS, "type reduction", "FML")
 
 
 def _refuse(what: str, reason: str) -> NoReturn:
     raise NotExpressible(what, "FML", reason)
 
 
-def _write_fuzzy_variable(
-    base: ElementTree.Element, variable: Variable, attributes: dict[str, str]
+def _write_sets(
+    base: ElementTree.Element,
+    variable: Variable,
+    names: tuple[str, str],
+    attributes: dict[str, str],
 ) -> None:
     low, high = variable.range
     ends = {
         "domainleft": _number(low),
-        "domainright": _number(high if low < high else low + max(1.0, 0.5 * abs(low))),
+        "domainright": _number(high),
     }
-    element = ElementTree.SubElement(
-        base, "fuzzyVariable", {"name": variable.name, **ends, **attributes}
-    )
+    element = ElementTree.SubElement(base, names[0], {"name": variable.name, **ends, **attributes})
+    if not variable.terms:
+        _refuse(f"the variable {variable.name!r} without terms", "a variable has at least one")
     for name, term in variable.terms.items():
-        _write_set(
-            ElementTree.SubElement(element, "fuzzyTerm", {"name": name}), term, variable.range
-        )
+        _write_set(ElementTree.SubElement(element, names[1], {"name": name}), term, variable.range)
 
 
 def _write_set(element: ElementTree.Element, term: Type1Set, domain: tuple[float, float]) -> None:
@@ -98,13 +121,10 @@ def _write_set(element: ElementTree.Element, term: Type1Set, domain: tuple[float
     )
 
 
-def _write_functions(base: ElementTree.Element, variable: Variable, inputs: int) -> None:
-    attributes = {
-        "name": variable.name,
-        "type": "output",
-        "combination": "WA",
-        "defaultValue": "NaN",
-    }
+def _write_functions(
+    base: ElementTree.Element, variable: Variable, default: dict[str, str]
+) -> None:
+    attributes = {"name": variable.name, "type": "output", "combination": "WA", **default}
     element = ElementTree.SubElement(base, "tskVariable", attributes)
     for name, term in variable.terms.items():
         if isinstance(term, Constant) and term.left != term.right:
@@ -119,47 +139,66 @@ def _write_functions(base: ElementTree.Element, variable: Variable, inputs: int)
             ElementTree.SubElement(written, "tskValue").text = _number(value)
 
 
-def _write_rules(root: ElementTree.Element, description: Description) -> None:
-    mamdani, t_norm = description.mamdani, _known_as(description.t_norm, T_NORMS)
-    base_name, rule_name = ("mamdaniRuleBase", "rule") if mamdani else ("tskRuleBase", "tskRule")
-    consequent_name, then_name, clause_name = (
-        ("consequent", "then", "clause") if mamdani else ("tskConsequent", "tskThen", "tskClause")
+def _write_rules(root: ElementTree.Element, description: Description, kind: str) -> None:
+    tsk = kind == "tsk"
+    rule_name, consequent_name, then_name, clause_name = (
+        ("tskRule", "tskConsequent", "tskThen", "tskClause")
+        if tsk
+        else ("rule", "consequent", "then", "clause")
     )
-    methods = {"activationMethod": t_norm, "andMethod": t_norm, "orMethod": "MAX"}
+    base_name = next(word for word, known in RULE_BASES.items() if known == kind)
+    both = known_as(description.t_norm, T_NORMS, "t-norm", "FML")
+    either = known_as(description.disjunction, T_CONORMS, "t-conorm", "FML")
+    implied = known_as(description.implied_by, T_NORMS, "implication", "FML")
+    methods = {"activationMethod": implied, "andMethod": both, "orMethod": either}
     base = ElementTree.SubElement(root, base_name, {"name": "rules", **methods})
-    for number, (asked, said) in enumerate(description.rules, start=1):
-        if max(asked) < 0:
+    for number, rule in enumerate(description.rules, start=1):
+        flat = clauses_of_rule(rule.asked)
+        if flat is None:
+            _refuse("a rule with and and or, or with a negated group", "a rule has either")
+        if not flat[1]:
             _refuse("a rule that asks for nothing", "a rule has at least one clause")
-        # A rule's own andMethod is MIN if it does not say so.
-        rule = ElementTree.SubElement(
-            base, rule_name, {"name": f"rule{number}", "andMethod": t_norm, "connector": "and"}
+        # A rule's own andMethod is MIN if it does not say so, and its orMethod MAX.
+        words = {"andMethod": both, "orMethod": either, "connector": "or" if flat[0] else "and"}
+        weight = {} if rule.weight == 1.0 else {"weight": _number(rule.weight)}
+        written = ElementTree.SubElement(
+            base, rule_name, {"name": f"rule{number}", **words, **weight}
         )
-        _write_clauses(
-            ElementTree.SubElement(rule, "antecedent"), "clause", description.inputs, asked
-        )
-        consequent = ElementTree.SubElement(rule, consequent_name)
-        _write_clauses(
-            ElementTree.SubElement(consequent, then_name), clause_name, description.outputs, said
-        )
+        antecedent = ElementTree.SubElement(written, "antecedent")
+        for clause in flat[1]:
+            asked = _write_clause(
+                antecedent, "clause", description.inputs[clause.input], clause.term
+            )
+            if clause.changes:
+                asked.set("modifier", _modifier(clause.changes))
+        consequent = ElementTree.SubElement(written, consequent_name)
+        then = ElementTree.SubElement(consequent, then_name)
+        for variable, term in zip(description.outputs, rule.said, strict=True):
+            if term != SILENT:
+                _write_clause(then, clause_name, variable, term)
 
 
-def _write_clauses(
-    parent: ElementTree.Element,
-    kind: str,
-    variables: tuple[Variable, ...],
-    numbers: tuple[int, ...],
-) -> None:
-    for variable, number in zip(variables, numbers, strict=True):
-        if number >= 0:
-            clause = ElementTree.SubElement(parent, kind)
-            ElementTree.SubElement(clause, "variable").text = variable.name
-            ElementTree.SubElement(clause, "term").text = list(variable.terms)[number]
+def _write_clause(
+    parent: ElementTree.Element, kind: str, variable: Variable, number: int
+) -> ElementTree.Element:
+    clause = ElementTree.SubElement(parent, kind)
+    ElementTree.SubElement(clause, "variable").text = variable.name
+    ElementTree.SubElement(clause, "term").text = list(variable.terms)[number]
+    return clause
 
 
-def _known_as(name: str, known: dict[str, str]) -> str:
-    return next(theirs for theirs, ours in known.items() if ours == name)
+def _modifier(changes: tuple[str | Hedge, ...]) -> str:
+    change = changes[0]
+    if len(changes) > 1:
+        _refuse("several hedges and negations of one clause", "a clause has one modifier")
+    if isinstance(change, str):
+        return change
+    for word, hedge in MODIFIERS.items():
+        if hedge == change or (change.power is not None and hedge.power == change.power):
+            return word
+    _refuse(f"the hedge {change.name!r}", f"it has {', '.join(MODIFIERS)} only")
 
 
-def _number(value: float) -> str:
+def _number(value: float | None, missing: str = "") -> str:
     # The digits that give back the same float.
-    return repr(float(value))
+    return missing if value is None else repr(float(value))

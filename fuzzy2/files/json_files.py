@@ -58,6 +58,7 @@ from fuzzy2.sets.interval_type2 import (
     GaussianUncertainSigma,
     IntervalType2Set,
 )
+from fuzzy2.sets.lagged import Lagged
 from fuzzy2.sets.named_shape import SHAPES, NamedShape
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
@@ -207,6 +208,7 @@ _FIELDS: dict[type, dict[str, Kind]] = {
     Interval: {"left": NUMBER, "right": NUMBER},
     SampledSet: {"points": _NUMBERS, "grades": _NUMBERS},
     Truncated: {"whole": _TYPE1, "left": NUMBER, "right": NUMBER},
+    Lagged: {"whole": _TYPE1, "lags": _PAIR, "scale": NUMBER},
     PiShaped: {
         "a": ANY_NUMBER,
         "b": ANY_NUMBER,

@@ -18,6 +18,9 @@ name                          answer
 "smallest_absolute_maximum"   of these points the one nearest to 0, MATLAB's smallest of maxima
 "largest_absolute_maximum"    the one farthest from 0, MATLAB's largest of maxima
 "weighted_sum"                sum of the consequents, weighted with the firing, without dividing
+"united_average"              average of the different consequents, the firing of the rules that
+                              say the same united by the t-conorm first
+"united_sum"                  sum of them in the same way
 "tsukamoto"                   average of the points where monotonic consequents have the grade of
                               the firing
 ============================  ==================================================================
@@ -37,7 +40,10 @@ from fuzzy2.errors import UnknownName
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS, BinaryFunction, TConorm, t_conorm
 from fuzzy2.reduction.interval import METHODS as EXACT_METHODS
 
-AVERAGES = ("center_of_sets", "height", "modified_height", "weighted_sum", "tsukamoto")
+POINTS = ("center_of_sets", "weighted_sum", "united_average", "united_sum")
+"""Type reductions that take numbers, intervals and functions, too."""
+
+AVERAGES = (*POINTS, "height", "modified_height", "tsukamoto")
 """Type reductions that go rule by rule."""
 
 MAXIMA = (
@@ -65,9 +71,9 @@ DIRECT_METHODS = ("nie_tan", "wu_mendel", "begian_melek_mendel")
 METHODS = (*EXACT_METHODS, *DIRECT_METHODS)
 """Names of the methods of type reduction of a system."""
 
-INTEGRATIONS = ("exact", "sum", "midpoint", "left")
+INTEGRATIONS = ("exact", "sum", "trapezoidal", "midpoint", "left")
 """How the centroid of united sets is found: by integration, or as a sum over points from end to
-end, over the middles of equal pieces, or over their left ends."""
+end, over trapezoids between them, over the middles of equal pieces, or over their left ends."""
 
 ALIASES = MappingProxyType(
     {

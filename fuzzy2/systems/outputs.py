@@ -16,7 +16,7 @@ from fuzzy2.support.checks import Array
 from fuzzy2.systems.averages import Monotonic, averaged, height_weights, weighted_sum
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.maxima import maximum
-from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, SUM, UNIONS
+from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, POINTS, SUM, UNIONS
 from fuzzy2.systems.terms import domain_of
 from fuzzy2.systems.united import United
 
@@ -76,10 +76,13 @@ class Outputs:
         ]
         kind = operators.type_reduction
         self._sets: list[list[Any]] = []
-        if sets is not None and kind != "center_of_sets":
+        if sets is not None and kind not in POINTS:
             self._sets = [
                 [sets[int(r)][j] for r in rules] for j, rules in enumerate(self._speaking)
             ]
+        self._same = (
+            [self._groups(sets, j) for j in range(count)] if kind.startswith("united") else []
+        )
         self._united: list[United | None] = [None] * count
         self._monotonic: list[Monotonic | None] = [None] * count
         for j, ends in enumerate(self._ranges):
@@ -102,7 +105,7 @@ class Outputs:
     def __call__(self, rows: Array, strengths: Array) -> Array:
         """Return the type-reduced intervals (n, m, 2) of inputs and firing intervals (n, R, 2)."""
         own = self._operators
-        if own.type_reduction in ("center_of_sets", "weighted_sum"):
+        if own.type_reduction in POINTS:
             return self._of_points(rows, strengths)
         outputs = []
         for j, rules in enumerate(self._speaking):
@@ -121,9 +124,38 @@ class Outputs:
         weights = strengths[:, np.newaxis]
         if self._silent is not None:
             weights = np.where(self._silent.T[np.newaxis, ..., np.newaxis], 0.0, weights)
-        if own.type_reduction == "weighted_sum":
+        if self._same:
+            n, _, rules, _ = weights.shape
+            weights = np.array(np.broadcast_to(weights, (n, len(self._same), rules, 2)))
+        for j, groups in enumerate(self._same):
+            self._unite(weights[:, j], groups)
+        if own.type_reduction in ("weighted_sum", "united_sum"):
             return weighted_sum(intervals, weights)
         return averaged(intervals, weights, own.method, own.shares)
+
+    def _groups(self, sets: Sequence[Sequence[Any]] | None, j: int) -> list[list[int]]:
+        """Return the rules that say the same of an output, of several that do."""
+        if isinstance(self._consequents, Linear):
+            linear = self._consequents
+            said: list[Any] = [
+                (linear.coefficients[r, j].tobytes(), linear.spreads[r, j].tobytes())
+                for r in range(len(self._intervals))
+            ]
+        elif sets is not None:
+            said = [row[j] for row in sets]
+        else:
+            said = [row.tobytes() for row in self._intervals[:, j] + 0.0]
+        first = [said.index(one) for one in said]
+        speaking = self._speaking[j].tolist()
+        groups = [[r for r in speaking if first[r] == one] for one in sorted(set(first))]
+        return [group for group in groups if len(group) > 1]
+
+    def _unite(self, weights: Array, groups: list[list[int]]) -> None:
+        """Give what rules (n, R, 2) that say the same fire together to the first of them."""
+        for group in groups:
+            together = self._operators.aggregation.reduce(weights[:, group], axis=1)
+            weights[:, group] = 0.0
+            weights[:, group[0]] = together
 
     def _of_sets(self, j: int, strengths: Array) -> Array:
         own, sets = self._operators, self._sets[j]
@@ -175,6 +207,8 @@ class Outputs:
                 united = clipped[:, 0]
             if kind in ("centroid", "center_of_sums"):
                 weights = np.moveaxis(united, 1, 2)
+                if own.integration == "trapezoidal":
+                    weights = weights * np.where([1, *[0] * (len(grid) - 2), 1], 0.5, 1.0)[:, None]
                 reduced[block] = averaged(grid, weights, own.method, own.shares)
                 continue
             grades = united[:, 1]

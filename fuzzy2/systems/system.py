@@ -62,6 +62,7 @@ from fuzzy2.systems.operators import (
     DIRECT_METHODS,
     INTEGRATIONS,
     METHODS,
+    POINTS,
     aggregation,
     choice,
 )
@@ -122,11 +123,11 @@ class FuzzySystem:
         Weights of the lower and the upper average under ``"begian_melek_mendel"``.
     hedges : mapping from words to Hedge or callable, optional
         Hedges of rules in words beside those of :mod:`fuzzy2.systems.hedges`.
-    integration : {"exact", "sum", "midpoint", "left"}
+    integration : {"exact", "sum", "trapezoidal", "midpoint", "left"}
         Whether the centroid of united sets is integrated, to 1e-6 of the output's range or better
         (:mod:`fuzzy2.systems.united`), or summed up over ``resolution`` points from end to end, as
-        MATLAB does, or over the middles of so many equal pieces, as fuzzylite does, or over their
-        left ends, as jFuzzyLogic does.
+        MATLAB does, or over trapezoids between them, as Octave does, or over the middles of so many
+        equal pieces, as fuzzylite does, or over their left ends, as jFuzzyLogic does.
     fuzzifier : Fuzzifier, or one for each input
         How inputs become fuzzy sets, see :mod:`fuzzy2.systems.fuzzifiers`; singleton by default.
     input_names, output_names : sequence of str, optional
@@ -140,7 +141,7 @@ class FuzzySystem:
         Ends of the variables' domains. Those of the outputs are the ends of the output grid, which
         are otherwise the ends of the consequents; those of the inputs are for files.
     resolution : int
-        Points of the output grid where the integration is a sum.
+        Points of the output grid, unless integration is exact.
     output_terms : sequence of mappings, optional
         All terms of each output by name, also those that no rule mentions, for files.
 
@@ -254,7 +255,7 @@ class FuzzySystem:
 
     def _check_reduction(self) -> None:
         kind = self.type_reduction
-        if kind not in ("center_of_sets", "weighted_sum") and self.consequent_sets is None:
+        if kind not in POINTS and self.consequent_sets is None:
             raise NotApplicable(
                 f"type reduction {kind!r}", "the consequents are no sets; use center_of_sets"
             )

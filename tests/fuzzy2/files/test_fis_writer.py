@@ -91,7 +91,7 @@ G, N = Gaussian(0, 1), [[1.0]]
         ),
         (
             Type1System([[G]], [[0]], N, t_norm="hamacher"),
-            "the t-norm 'hamacher' cannot be expressed in .fis: it has min and prod only",
+            "the t-norm 'hamacher' cannot be expressed in .fis: it has min, prod only",
         ),
         (Type1System([[G]], [[0]], N, t_norm=lambda a, b: a * b), "it is a Python function"),
         (Type1System([[G]], [[0]], [G]), "type reduction 'center_of_sets'"),

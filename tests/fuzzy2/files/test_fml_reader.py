@@ -18,7 +18,7 @@ from fuzzy2.files.fml import parse_fml
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton
-from fuzzy2.systems import Type1System
+from fuzzy2.systems.antecedents import leaves
 from tests.fuzzy2.files.fis_texts import TIPPER as TIPPER_FIS
 from tests.fuzzy2.files.fml_texts import TIPPER, TSK
 
@@ -30,20 +30,14 @@ def test_the_tipper_is_that_of_matlab_but_for_the_grid() -> None:
     """
     system, other = parse_fml(TIPPER), parse_fis(TIPPER_FIS)
     assert (system.inputs, system.term_names) == (other.inputs, other.term_names)
-    assert sorted(system.rules.tolist()) == sorted(other.rules.tolist())
+    assert [set(leaves(tree)) for tree in system.rules] == [
+        set(leaves(tree)) for tree in other.rules
+    ]
     X = np.random.default_rng(0).uniform(0.0, 10.0, size=(50, 2))
     # Both are Riemann sums of piecewise linear functions on 30; 0.3 apart, their kinks cost about
     # 0.3² / 30.
     np.testing.assert_allclose(system(X), other(X), atol=0.01)
-    on_its_grid = Type1System(
-        system.inputs,
-        system.rules,
-        system.consequents,
-        t_norm="min",
-        type_reduction="centroid",
-        resolution=other.resolution,
-        integration="sum",
-    )
+    on_its_grid = system.replace(resolution=other.resolution)
     np.testing.assert_allclose(
         on_its_grid([[2.0, 1.0], [7.0, 8.0]]), [[7.0169], [20.3414]], atol=5e-5
     )
@@ -139,7 +133,7 @@ def line_of(text: str, part: str) -> int:
         (
             TIPPER,
             'param1="0.0" param2="1.5"',
-            'param1="0.0" param2="-1.5"',
+            'param1="0.0" param2="-0.0"',
             "gaussianShape: sigma must be a finite number above 0",
         ),
         (
@@ -297,27 +291,20 @@ def test_documents_that_are_none(text: str, place: str, said: str) -> None:
 @pytest.mark.parametrize(
     ("text", "old", "new", "said"),
     [
-        (TIPPER, 'defuzzifier="COG"', 'defuzzifier="MOM"', "known is COG"),
-        (
-            TIPPER,
-            'activationMethod="MIN"',
-            'activationMethod="PROD"',
-            "a system has one t-norm for both",
-        ),
+        (TIPPER, 'defuzzifier="COG"', 'defuzzifier="custom_x"', "known are COG, COA, MOM"),
         (TIPPER, 'andMethod="MIN"', 'andMethod="custom_and"', "known are MIN, PROD"),
         (TIPPER, 'accumulation="MAX"', 'accumulation="custom_sum"', "known are MAX, PROBOR"),
         (
             TIPPER,
             '<rule name="rule1" orMethod="MAX"',
-            '<rule name="rule1" orMethod="PROBOR"',
-            "one rule for each alternative",
+            '<rule name="rule1" orMethod="custom_or"',
+            "known are MAX, PROBOR",
         ),
-        (TIPPER, '"or" weight="1.0"', '"or" weight="0.5"', "rules have no weights"),
         (
             TIPPER,
             "<clause><variable>food",
-            '<clause modifier="very"><variable>food',
-            "the modifier 'very'",
+            '<clause modifier="above"><variable>food',
+            "the modifier 'above'",
         ),
         (
             TSK,
@@ -327,11 +314,11 @@ def test_documents_that_are_none(text: str, place: str, said: str) -> None:
         ),
         (
             TIPPER,
-            "<clause><variable>service</variable><term>poor",
-            "<clause><variable>food</variable><term>rancid",
+            "<then><clause><variable>tip</variable><term>cheap</term></clause>",
+            "<then><clause><variable>tip</variable><term>cheap</term></clause>"
+            "<clause><variable>tip</variable><term>cheap</term></clause>",
             "two clauses",
         ),
-        (TIPPER, "</then>", "</then><else/>", "where it does not fire"),
         (
             TIPPER,
             '<gaussianShape param1="0.0" param2="1.5"/>',
@@ -357,18 +344,6 @@ def test_documents_that_are_none(text: str, place: str, said: str) -> None:
             "variables are fuzzy, or outputs of TSK",
         ),
         (TSK, 'combination="WA"', 'combination="custom_x"', "the weighted average"),
-        (
-            TSK,
-            '<tskRule name="r1" andMethod="PROD"',
-            '<tskRule name="r1" andMethod="MIN"',
-            "a system has one t-norm",
-        ),
-        (
-            TSK,
-            '<tskRule name="r1" andMethod="PROD"',
-            '<tskRule name="r1" connector="or"',
-            "one rule for each alternative",
-        ),
     ],
 )
 def test_what_a_system_cannot_be_is_refused_with_its_line(
@@ -389,8 +364,12 @@ def test_two_rule_bases_and_two_accumulations_are_refused() -> None:
     other = TIPPER[start:end].replace('"tip"', '"other"').replace('"MAX"', '"PROBOR"')
     with pytest.raises(NotExpressible, match="another accumulation"):
         parse_fml(TIPPER[:end] + other + TIPPER[end:])
-    with pytest.raises(NotExpressible, match="a rule that says nothing about other"):
-        parse_fml(TIPPER[:end] + other.replace("PROBOR", "MAX") + TIPPER[end:])
+    silent = parse_fml(TIPPER[:end] + other.replace("PROBOR", "MAX") + TIPPER[end:])
+    # No rule speaks of the other one, so it keeps its defaultValue.
+    assert silent([5.0, 5.0])[1] == 0.0
+    rule = TIPPER[TIPPER.index('    <rule name="rule3"') : TIPPER.index("  </mamdaniRuleBase>")]
+    with pytest.raises(NotExpressible, match="another orMethod"):
+        parse_fml(TIPPER.replace(rule, rule.replace('"rule3"', '"rule3" orMethod="PROBOR"')))
 
 
 @pytest.mark.parametrize("declared", ["iso-8859-1", "utf-16", "utf-7", "idna", "rot13", "U0TF-8"])
@@ -411,3 +390,89 @@ def test_damaged_documents_raise_nothing_else(text: str, data: st.DataObject) ->
     # An error of any other class fails the test.
     with contextlib.suppress(MalformedFile, NotExpressible):
         parse_fml(damaged)
+
+
+def test_what_rules_say_besides_clauses() -> None:
+    """Weights, hedges, *else*, silence: against the firing that they mean, written out."""
+    text = TIPPER.replace('connector="or" weight="1.0"', 'connector="or" weight="0.25"')
+    text = text.replace(
+        "<clause><variable>food</variable><term>rancid",
+        '<clause modifier="very"><variable>food</variable><term>rancid',
+    )
+    start = text.index("</consequent>", text.index('"rule2"'))
+    branch = "<else><clause><variable>tip</variable><term>cheap</term></clause></else>"
+    system = parse_fml(text[:start] + branch + text[start:])
+    x = np.random.default_rng(0).uniform(0.0, 10.0, size=(30, 2))
+    poor, good, excellent = (np.exp(-0.5 * ((x[:, 0] - m) / 1.5) ** 2) for m in (0.0, 5.0, 10.0))
+    rancid = np.clip((3.0 - x[:, 1]) / 2.0, 0.0, 1.0)
+    delicious = np.clip((x[:, 1] - 7.0) / 2.0, 0.0, 1.0)
+    fired = np.stack(
+        [
+            0.25 * np.maximum(rancid**2, poor),
+            good,
+            1.0 - good,
+            np.maximum(excellent, delicious),
+        ],
+        axis=1,
+    )
+    np.testing.assert_allclose(system.firing(x)[..., 1], fired, rtol=1e-12, atol=1e-15)
+
+
+def test_terms_made_of_others() -> None:
+    circular = (
+        '<fuzzyTerm name="fair"><circularDefinition><or t-conorm="MAX"><termName>good</termName>'
+        "<and><termName>poor</termName><termName>excellent</termName></and></or>"
+        '</circularDefinition></fuzzyTerm><fuzzyTerm name="excellent" complement="false">'
+    )
+    aggregated = (
+        '<aggregatedFuzzyVariable name="quality"><aggregatedFuzzyTerm name="bad"><and><clause>'
+        "<variable>food</variable><term>rancid</term></clause><clause modifier='not'>"
+        "<variable>service</variable><term>fair</term></clause></and></aggregatedFuzzyTerm>"
+        "</aggregatedFuzzyVariable></knowledgeBase>"
+    )
+    text = TIPPER.replace('<fuzzyTerm name="excellent" complement="false">', circular)
+    text = text.replace("</knowledgeBase>", aggregated).replace(
+        "<variable>service</variable><term> good </term>",
+        "<variable>quality</variable><term>bad</term>",
+    )
+    system = parse_fml(text)
+    x = np.random.default_rng(0).uniform(0.0, 10.0, size=(30, 2))
+    poor, good, excellent = (np.exp(-0.5 * ((x[:, 0] - m) / 1.5) ** 2) for m in (0.0, 5.0, 10.0))
+    fair = np.maximum(good, np.minimum(poor, excellent))
+    rancid = np.clip((3.0 - x[:, 1]) / 2.0, 0.0, 1.0)
+    expected = np.minimum(rancid, 1.0 - fair)
+    np.testing.assert_allclose(system.firing(x)[:, 1, 1], expected, rtol=1e-12)
+    with pytest.raises(MalformedFile, match="is defined by itself"):
+        parse_fml(text.replace("<termName>good</termName>", "<termName>fair</termName>"))
+
+
+def test_points_of_a_polynomial() -> None:
+    """A parabola through three points, cut off where it leaves the grades."""
+    shape = (
+        '<pointSetShape interpolationMethod="lagrange"><point x="1" y="0"/><point x="3" y="1"/>'
+        '<point x="5" y="0"/></pointSetShape>'
+    )
+    system = parse_fml(TIPPER.replace('<gaussianShape param1="0.0" param2="1.5"/>', shape))
+    x = np.linspace(0.0, 10.0, 51)
+    expected = np.clip(1.0 - ((x - 3.0) / 2.0) ** 2, 0.0, 1.0)
+    np.testing.assert_allclose(system.inputs[0][0](x), expected, atol=1e-12)
+
+
+def test_tsukamoto_and_the_maxima() -> None:
+    """Where a shoulder has the grade of the firing; and the middle of the highest points."""
+    text = TIPPER.replace("mamdaniRuleBase", "tsukamotoRuleBase")
+    start, end = text.index('<fuzzyVariable name="tip"'), text.index("  </knowledgeBase>")
+    output = (
+        '<tsukamotoVariable name="tip" domainleft="0" domainright="30" type="output">'
+        '<tsukamotoTerm name="cheap"><leftLinearShape param1="0" param2="10"/></tsukamotoTerm>'
+        '<tsukamotoTerm name="average"><rightLinearShape param1="5" param2="15"/></tsukamotoTerm>'
+        '<tsukamotoTerm name="generous"><rightLinearShape param1="20" param2="30"/></tsukamotoTerm>'
+        "</tsukamotoVariable>"
+    )
+    system = parse_fml(text[:start] + output + text[end:])
+    x = np.array([[3.0, 2.0]])
+    fired = system.firing(x)[0, :, 1]
+    points = np.array([10.0 * (1.0 - fired[0]), 5.0 + 10.0 * fired[1], 20.0 + 10.0 * fired[2]])
+    np.testing.assert_allclose(system(x), [[fired @ points / fired.sum()]], rtol=1e-12)
+    middle = parse_fml(TIPPER.replace('defuzzifier="COG"', 'defuzzifier="mom"'))
+    np.testing.assert_allclose(middle([5.0, 5.0]), [15.0], atol=1e-6)

@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 import fuzzy2
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.derived import Complement, FunctionalSet, Truncated
+from fuzzy2.sets.lagged import Lagged
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
 from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
@@ -166,7 +167,7 @@ def test_repr_rebuilds_the_set_and_equal_sets_hash_alike(name: str) -> None:
     copy = eval(
         repr(fuzzy_set),
         {name: getattr(fuzzy2, name) for name in fuzzy2.__all__}
-        | {"Truncated": Truncated, "inf": math.inf},
+        | {"Truncated": Truncated, "Lagged": Lagged, "inf": math.inf},
     )
     assert copy == fuzzy_set
     assert hash(copy) == hash(fuzzy_set)

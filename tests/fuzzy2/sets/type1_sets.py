@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from fuzzy2.sets.derived import Complement, FunctionalSet, Truncated
+from fuzzy2.sets.lagged import Lagged
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
 from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
@@ -46,4 +47,7 @@ SETS: dict[str, Type1Set] = {
     "rising sigmoid product": SigmoidProduct(center=(-1.0, 2.0), slope=(4.0, 9.0)),
     "not z": Complement(PiShaped(-math.inf, -math.inf, 0.0, 2.0)),
     "not rising sigmoid": Complement(Sigmoid(1.0, 3.0)),
+    "lagged": Lagged(Gaussian(0.3, 0.7), (0.2, 0.5), 0.8),
+    "scaled bell": Lagged(Bell(1.0, 2.0, 2.5), (0.0, 0.0), 0.5),
+    "lagged sigmoid": Lagged(Sigmoid(1.0, 3.0), (0.3, 0.0), 0.9),
 }

@@ -133,3 +133,47 @@ def test_other_names_and_unknown_ones() -> None:
         Type1System([sets], [[0], [1]], sets, method="kmm")
     with pytest.raises(NotApplicable, match="defined for type-1 systems"):
         IntervalType2System([sets], [[0], [1]], sets, "min", "bisector")
+
+
+def test_rules_that_say_the_same_are_united_before_they_are_averaged() -> None:
+    """As Octave does; two rules of 5 fire .6 and .8, one of 1 fires .4: written out."""
+    terms = [fuzzy2.Triangular(-1.0, 0.0, 1.0), fuzzy2.Triangular(-4.0, 0.0, 4.0)]
+    third = fuzzy2.Triangular(-2.0 / 3.0, 0.0, 2.0 / 3.0)
+    for said, functions in (
+        ([[5.0], [5.0], [1.0]], False),
+        ([[[5.0, 0.0]], [[5.0, 0.0]], [[1.0, 0.0]]], True),
+    ):
+        for t_conorm, together in (("max", 0.8), ("probabilistic", 0.92), ("lukasiewicz", 1.0)):
+            for reduction, divided in (("united_average", True), ("united_sum", False)):
+                system = fuzzy2.Type1System(
+                    [[*terms, third]],
+                    [[0], [1], [2]],
+                    fuzzy2.Linear(said) if functions else said,
+                    type_reduction=reduction,
+                    t_conorm=t_conorm,
+                    weights=[0.75, 16.0 / 19.0, 1.0 / 1.75],
+                )
+                fired = system.firing([0.2])[:, 1]
+                np.testing.assert_allclose(fired, [0.6, 0.8, 0.4], rtol=1e-12)
+                expected = 5.0 * together + 0.4
+                expected /= together + 0.4 if divided else 1.0
+                np.testing.assert_allclose(system([0.2]), [expected], rtol=1e-12)
+
+
+def test_trapezoids_between_points_count_the_ends_half() -> None:
+    """Against NumPy's own, on the points of the grid."""
+    low, high = fuzzy2.Trapezoidal(-1, 0, 2, 6), fuzzy2.Trapezoidal(3, 7, 10, 11)
+    system = fuzzy2.Type1System(
+        [[fuzzy2.Triangular(-1, 0, 1), fuzzy2.Triangular(0, 1, 2)]],
+        [[0], [1]],
+        [low, high],
+        type_reduction="centroid",
+        output_ranges=[(0.0, 10.0)],
+        resolution=11,
+        integration="trapezoidal",
+    )
+    y = np.linspace(0.0, 10.0, 11)
+    united = np.maximum(0.7 * low(y), 0.3 * high(y))
+    right = np.trapezoid(y * united, y) / np.trapezoid(united, y)
+    np.testing.assert_allclose(system([0.3]), [right], rtol=1e-12)
+    assert abs(system.replace(integration="sum")([0.3])[0] - right) > 1e-3

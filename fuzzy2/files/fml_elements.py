@@ -1,0 +1,151 @@
+"""The elements of an FML document, with their lines."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from xml.parsers import expat
+
+from fuzzy2.errors import MalformedFile
+from fuzzy2.files.fml_names import NAMESPACE, OWN_INSTRUCTION
+from fuzzy2.files.source import Source
+from fuzzy2.systems.rules import unknown_name
+
+
+@dataclass
+class Element:
+    """Element of a document that remembers its line."""
+
+    name: str
+    attributes: dict[str, str]
+    line: int
+    children: list[Element] = field(default_factory=list)
+    text: str = ""
+
+
+class FmlElements(Source):
+    """One document, read into elements.
+
+    ``own`` are the words of an instruction to this package, which other programs pass over.
+    """
+
+    def __init__(self, source: str) -> None:
+        super().__init__(source)
+        self.own: dict[str, str] = {}
+
+    def root(self, text: str) -> Element:
+        """Return the outermost element of a document."""
+        # The text is decoded already, so what it declares of its encoding is past.
+        parser = expat.ParserCreate("utf-8", namespace_separator="}")
+        holder = Element("", {}, 0)
+        open_elements = [holder]
+
+        def start(name: str, attributes: dict[str, str]) -> None:
+            namespace, _, local = name.rpartition("}")
+            if namespace.strip().rstrip("/").lower() not in (
+                "",
+                NAMESPACE,
+                f"https{NAMESPACE[4:]}",
+            ):
+                raise self.malformed(
+                    parser.CurrentLineNumber,
+                    f"expected elements of {NAMESPACE}, got one of {namespace}",
+                )
+            element = Element(local, attributes, parser.CurrentLineNumber)
+            open_elements[-1].children.append(element)
+            open_elements.append(element)
+
+        def end(name: str) -> None:
+            open_elements.pop()
+
+        def characters(text: str) -> None:
+            open_elements[-1].text += text
+
+        def instruction(target: str, data: str) -> None:
+            if target == OWN_INSTRUCTION:
+                self.own.update(re.findall(r'(\w+)="([^"]*)"', data))
+
+        def doctype(*_: object) -> None:
+            raise self.malformed(
+                parser.CurrentLineNumber, "a document type declaration is not allowed"
+            )
+
+        parser.StartElementHandler, parser.EndElementHandler, parser.CharacterDataHandler = (
+            start,
+            end,
+            characters,
+        )
+        parser.StartDoctypeDeclHandler = doctype
+        parser.ProcessingInstructionHandler = instruction
+        try:
+            parser.Parse(text.encode("utf-8", "surrogatepass"), True)
+        except expat.ExpatError as error:
+            reason = expat.errors.messages[error.code]
+            raise MalformedFile(
+                self.source, f"line {error.lineno}, column {error.offset + 1}", reason
+            ) from None
+        return holder.children[0]
+
+    def attribute(self, element: Element, name: str, default: str | None = None) -> str:
+        """Return an attribute, which must be there if it has no default."""
+        value = element.attributes.get(name, default)
+        if value is None:
+            raise self.malformed(element.line, f"<{element.name}> has no attribute {name!r}")
+        return value
+
+    def number(self, element: Element, text: str) -> float:
+        """Return a finite number."""
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not math.isfinite(value):
+            raise self.malformed(element.line, f"expected a finite number, got {text[:40]!r}")
+        return value
+
+    def children(self, element: Element, *names: str) -> list[Element]:
+        """Return the children, which must have one of some names."""
+        for child in element.children:
+            if child.name not in names:
+                wanted = " or ".join(f"<{name}>" for name in names)
+                raise self.malformed(
+                    child.line, f"expected {wanted} in <{element.name}>, got <{child.name}>"
+                )
+        return element.children
+
+    def only(self, element: Element, *names: str) -> Element:
+        """Return the one child, which must have one of some names."""
+        children = self.children(element, *names)
+        if len(children) != 1:
+            wanted = " or ".join(f"<{name}>" for name in names)
+            raise self.malformed(
+                element.line, f"expected one {wanted} in <{element.name}>, got {len(children)}"
+            )
+        return children[0]
+
+    def choice(
+        self, element: Element, attribute: str, default: str, known: Mapping[str, str]
+    ) -> str:
+        """Return what a word in any case stands for."""
+        name = self.attribute(element, attribute, default)
+        if name.upper() not in known:
+            raise self.refused(
+                element.line, f"{attribute}={name!r}", f"known are {', '.join(known)}"
+            )
+        return known[name.upper()]
+
+    def truth(self, element: Element, attribute: str) -> bool:
+        """Return whether an attribute is true; it is false where it is missing."""
+        value = self.attribute(element, attribute, "false")
+        if value.lower() not in ("true", "false"):
+            raise self.malformed(element.line, f"expected {attribute} true or false, got {value!r}")
+        return value.lower() == "true"
+
+    def named(self, element: Element, known: Iterable[str], kind: str) -> str:
+        """Return a name that is known, with or without the blanks around it."""
+        for name in (element.text, element.text.strip()):
+            if name in known:
+                return name
+        raise self.malformed(element.line, unknown_name(kind, name, known))

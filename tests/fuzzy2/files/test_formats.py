@@ -1,0 +1,264 @@
+"""Files of all formats: by suffix and content, and one through the other."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import fuzzy2
+from fuzzy2.errors import MalformedFile, NotExpressible, UnknownName
+from fuzzy2.files.clauses import clauses_of_rule
+from fuzzy2.files.description import description_of, system_of
+from fuzzy2.files.fis import format_fis, parse_fis
+from fuzzy2.files.fll import parse_fll
+from fuzzy2.files.fml import format_fml, parse_fml
+from fuzzy2.files.json_files import from_json, to_json
+from fuzzy2.systems.antecedents import And, Hedged, Is, Not, Or
+from fuzzy2.systems.hedges import HEDGES
+from tests.fuzzy2.files.engines import TSUKAMOTO, inputs_of
+from tests.fuzzy2.files.fis_texts import OPEN_TYPE2, TIPPER, TYPE2
+from tests.fuzzy2.files.fml_texts import TIPPER as TIPPER_FML
+
+X = np.random.default_rng(0).uniform(0.0, 10.0, size=(40, 2))
+
+
+@pytest.mark.parametrize("suffix", [".json", ".fis", ".fml", ".xml", ".FIS", ""])
+def test_a_system_is_written_as_its_suffix_says(tmp_path: Path, suffix: str) -> None:
+    system, path = parse_fis(TIPPER), tmp_path / f"tipper{suffix}"
+    fuzzy2.save(system, path)
+    first = path.read_text(encoding="utf-8").lstrip()[0]
+    assert first == {".json": "{", "": "{", ".fis": "[", ".fml": "<", ".xml": "<"}[suffix.lower()]
+    np.testing.assert_allclose(fuzzy2.load(path)(X), system(X), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "name"),
+    [
+        (TIPPER, "tipper.txt"),
+        ("# a comment\n" + TIPPER, "tipper"),
+        (TIPPER_FML, "tipper.fis"),
+        (TYPE2, "x.json"),
+        (OPEN_TYPE2, "x.t2fis"),
+    ],
+)
+def test_what_is_in_a_file_says_how_it_is_read(tmp_path: Path, text: str, name: str) -> None:
+    (tmp_path / name).write_text(text, encoding="utf-8")
+    assert isinstance(fuzzy2.load(tmp_path / name), fuzzy2.FuzzySystem)
+
+
+def test_what_is_no_file_of_any_format_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.txt").write_text("IF a is b THEN c is d", encoding="utf-8")
+    with pytest.raises(MalformedFile, match=r"known are \.json, \.fml, \.xml, \.fis, \.t2fis"):
+        fuzzy2.load(tmp_path / "a.txt")
+    (tmp_path / "a.fis").write_text("nothing", encoding="utf-8")
+    with pytest.raises(MalformedFile, match=r"expected \[System\]"):
+        fuzzy2.load(tmp_path / "a.fis")
+    with pytest.raises(UnknownName, match=r"suffix of a file '\.docx'"):
+        fuzzy2.save(parse_fis(TIPPER), tmp_path / "a.docx")
+    with pytest.raises(NotExpressible, match="only systems can"):
+        fuzzy2.save(fuzzy2.Gaussian(0, 1), tmp_path / "a.fis")
+    assert not (tmp_path / "a.docx").exists()
+
+
+def test_the_dialect_reaches_reader_and_writer(tmp_path: Path) -> None:
+    system = parse_fis(TIPPER.replace("AndMethod='min'", "AndMethod='einstein_product'"))
+    fuzzy2.save(system, tmp_path / "a.fis", dialect="octave")
+    assert "einstein_product" in (tmp_path / "a.fis").read_text(encoding="utf-8")
+    assert fuzzy2.load(tmp_path / "a.fis", dialect="octave").integration == "trapezoidal"
+    with pytest.raises(NotExpressible, match="t-norm 'einstein'"):
+        fuzzy2.save(system, tmp_path / "b.fis")
+
+
+def test_rules_are_flattened_into_clauses() -> None:
+    very, a, b = HEDGES["very"], Is(0, 1), Is(1, 0)
+    assert clauses_of_rule(And((a, And((b, Is(2, None))))))[1] == ((0, 1, ()), (1, 0, ()))
+    assert clauses_of_rule(Or((Not(a), Hedged(very, b)))) == (
+        True,
+        ((0, 1, ("not",)), (1, 0, (very,))),
+    )
+    assert clauses_of_rule(Not(Hedged(very, a))) == (False, ((0, 1, ("not", very)),))
+    assert clauses_of_rule(Or((a, And((a, b))))) is None
+    assert clauses_of_rule(Not(And((a, b)))) is None
+    assert clauses_of_rule(Or((a, Is(1, None)))) is None
+    assert clauses_of_rule(Is(0, None)) == (False, ())
+
+
+def through_fis(system: Any) -> Any:
+    return parse_fis(format_fis(system))
+
+
+def through_octave(system: Any) -> Any:
+    return parse_fis(format_fis(system, dialect="octave"), dialect="octave")
+
+
+def through_open_toolbox(system: Any) -> Any:
+    return parse_fis(format_fis(system, open_toolbox=True))
+
+
+def through_fml(system: Any) -> Any:
+    return parse_fml(format_fml(system))
+
+
+def through_json(system: Any) -> Any:
+    return from_json(to_json(system))
+
+
+def through_description(system: Any) -> Any:
+    description = description_of(system, "nothing")
+    assert dataclasses.replace(description) == description
+    return system_of(description)
+
+
+ROUTES = (
+    through_fis,
+    through_octave,
+    through_open_toolbox,
+    through_fml,
+    through_json,
+    through_description,
+)
+
+sevenths = st.integers(-20, 20).map(lambda k: k / 7.0)
+widths = st.integers(1, 20).map(lambda k: k / 7.0)
+type1_terms = st.one_of(
+    st.builds(lambda a, b, c: fuzzy2.Triangular(a, a + b, a + b + c), sevenths, widths, widths),
+    st.builds(fuzzy2.Gaussian, sevenths, widths),
+    st.builds(lambda a, b: fuzzy2.PiShaped(a, a + b, np.inf, np.inf), sevenths, widths),
+    st.builds(
+        lambda a, b, c: fuzzy2.Trapezoidal(a, a + b, a + b + c, a + 2 * b + c),
+        sevenths,
+        widths,
+        widths,
+    ),
+)
+type2_terms = st.builds(
+    lambda mean, sigma, height: fuzzy2.IntervalType2Set(
+        fuzzy2.Gaussian(mean, sigma, height), fuzzy2.Gaussian(mean, sigma)
+    ),
+    sevenths,
+    widths,
+    st.sampled_from([0.5, 0.75]),
+)
+
+
+@st.composite
+def rules(draw: st.DrawFn, counts: list[int]) -> Any:
+    """Draw a flat rule, with negations and hedges."""
+    asked = draw(st.lists(st.integers(0, len(counts) - 1), min_size=1, max_size=3, unique=True))
+    parts: list[Any] = []
+    for i in asked:
+        part: Any = Is(i, draw(st.integers(0, counts[i] - 1)))
+        if draw(st.integers(0, 7)) == 0:
+            part = Hedged(HEDGES[draw(st.sampled_from(["very", "extremely", "somewhat"]))], part)
+        parts.append(Not(part) if draw(st.integers(0, 3)) == 0 else part)
+    if len(parts) == 1:
+        return parts[0]
+    return (And if draw(st.booleans()) else Or)(tuple(parts))
+
+
+@st.composite
+def systems(draw: st.DrawFn) -> Any:
+    """Draw a system with what some of the formats can say."""
+    p, m, count = draw(st.integers(1, 3)), draw(st.integers(1, 2)), draw(st.integers(1, 5))
+    type2 = draw(st.integers(0, 3)) == 0
+    terms = type1_terms | type2_terms if type2 else type1_terms
+    inputs = [draw(st.lists(terms, min_size=1, max_size=3)) for _ in range(p)]
+    rng = np.random.default_rng(draw(st.integers(0, 999)))
+    trees = [draw(rules([len(of) for of in inputs])) for _ in range(count)]
+    silent = rng.random((count, m)) < 0.2
+    silent[np.arange(count), rng.integers(0, m, count)] = False
+    norms = st.sampled_from(["min", "product", "min", "product", "einstein"])
+    conorms = st.sampled_from(["max", "probabilistic", "max", "einstein"])
+    options: dict[str, Any] = {
+        "t_norm": draw(norms),
+        "disjunction": draw(conorms),
+        "weights": rng.choice([1.0, 1.0, 0.5, 0.25], count),
+        "silent": silent,
+        "output_ranges": [(-4.0, 4.0)] * m,
+    }
+    consequents: Any
+    if draw(st.booleans()):
+        pool = draw(st.lists(type1_terms, min_size=1, max_size=3))
+        chosen = rng.integers(0, len(pool), (count, m))
+        consequents = [
+            [fuzzy2.sets.derived.Truncated(pool[k], -4.0, 4.0) for k in row] for row in chosen
+        ]
+        kinds = ["centroid", "center_of_sums"]
+        if not type2:
+            kinds += ["bisector", "mean_of_maxima", "smallest_of_maxima", "middle_of_maxima"]
+        options |= {
+            "type_reduction": draw(st.sampled_from(kinds)),
+            "implication": draw(norms),
+            "t_conorm": draw(conorms),
+            "integration": draw(st.sampled_from(["sum", "trapezoidal"])),
+            "resolution": 101,
+        }
+    elif draw(st.booleans()):
+        consequents = fuzzy2.Linear(rng.normal(size=(count, m, p + 1)))
+    else:
+        consequents = rng.integers(-3, 4, size=(count, m)) / 2.0
+        kinds = ["center_of_sets", "weighted_sum", "united_average"]
+        options |= {"type_reduction": draw(st.sampled_from(kinds)), "t_conorm": draw(conorms)}
+    kind = fuzzy2.IntervalType2System if type2 else fuzzy2.Type1System
+    return kind(inputs, trees, consequents, **options)
+
+
+def expressed(system: Any, route: Any) -> Any:
+    """Return a system that has gone through a format, or None if that has no word for it."""
+    try:
+        return route(system)
+    except NotExpressible:
+        return None
+
+
+def same_grid(system: Any, route: Any) -> bool:
+    """Return whether a format says how the system integrates: MATLAB sums, Octave does not."""
+    if system.consequent_sets is None:
+        return True
+    if route is through_fis:
+        return bool(system.integration == "sum")
+    averages = system.type_reduction in ("centroid", "center_of_sums")
+    if route is through_octave:
+        return not averages or bool(system.integration == "trapezoidal")
+    return True
+
+
+@pytest.mark.slow
+@given(systems())
+@settings(max_examples=60, deadline=None)
+def test_every_format_through_every_other_gives_equal_outputs(system: Any) -> None:
+    """To 1e-9: texts have all digits, and lags alone are multiplied and divided."""
+    at = np.random.default_rng(1).uniform(-4.0, 4.0, size=(15, len(system.inputs)))
+    right = system(at)
+    for first, second in itertools.product(ROUTES, repeat=2):
+        once = expressed(system, first) if same_grid(system, first) else None
+        if once is None:
+            continue
+        np.testing.assert_allclose(once(at), right, rtol=1e-9, atol=1e-9, err_msg=first.__name__)
+        twice = expressed(once, second) if same_grid(once, second) else None
+        if twice is not None:
+            np.testing.assert_allclose(
+                twice(at),
+                right,
+                rtol=1e-9,
+                atol=1e-9,
+                err_msg=f"{first.__name__}, {second.__name__}",
+            )
+
+
+def test_files_of_fuzzylite_and_of_iec_61131_7(tmp_path: Path) -> None:
+    system = parse_fll(TSUKAMOTO)
+    X = inputs_of(system)
+    for name in ("engine.fll", "engine.fcl", "engine.json"):
+        fuzzy2.save(system, tmp_path / name)
+        again = tmp_path / f"{name}.txt"
+        again.write_text((tmp_path / name).read_text(encoding="utf-8"), encoding="utf-8")
+        for path in (tmp_path / name, again):
+            np.testing.assert_allclose(fuzzy2.load(path)(X), system(X), rtol=1e-9, atol=1e-9)
