@@ -178,10 +178,12 @@ def test_deep_nesting(rule: str) -> None:
         "rule: if heat is cold or", f"rule: {rule}\n  rule: if heat is cold or", 1
     )
     start = time.process_time()
+    said = ""
     try:
         parse_fll(text)
     except Fuzzy2Error as error:
-        assert "line 37" in str(error)
+        said = str(error)
+    assert not said or "line 37" in said
     assert time.process_time() - start < 5.0
 
 
@@ -210,13 +212,13 @@ def test_mutated_files_are_read_or_refused(seed: int) -> None:
             start = rng.randrange(len(text))
             text[place:place] = text[start : start + 40]
     begin = time.process_time()
+    refusal: Fuzzy2Error | None = None
     try:
         system = parse_fll("".join(text))
         system(np.zeros(len(system.input_names)))
-    except MalformedFile as error:
-        assert re.fullmatch(r"line \d+", error.place)
-    except Fuzzy2Error:
-        pass
+    except Fuzzy2Error as error:
+        refusal = error
+    assert not isinstance(refusal, MalformedFile) or re.fullmatch(r"line \d+", refusal.place)
     assert time.process_time() - begin < 5.0
 
 
