@@ -19,6 +19,9 @@ READERS = {"robot": "from_urdf", "mujoco": "from_mjcf", "sdf": "from_sdf"}
 ENDINGS = (".urdf", ".xml", ".mjcf", ".sdf", ".world", ".xacro")
 """What a file of a robot ends in; anything else is the name of a robot."""
 
+SDF_ENDINGS = (".sdf", ".world")
+"""What only an SDF ends in."""
+
 
 @overload
 def load(name: Literal["psp3"] = "psp3", parameters: str | Parameters = "default") -> PSP3: ...
@@ -43,8 +46,9 @@ def load(
         thesis, or one of what people build: ``"planar_4rrr"``, ``"jansen"``, ``"agile_eye"``,
         ``"hexa"``, ``"gripper"`` or ``"biped"`` (``urdf/README.md`` describes them); or a file that
         ends in ``.urdf``, ``.xml``, ``.mjcf``, ``.sdf`` or ``.world``. What is in it, its outermost
-        element says. Beside ``my.urdf`` the files ``my.yaml``, its loops, and ``my.srdf``, its
-        poses, are used where they are and ``loops`` and ``srdf`` are not given.
+        element says, unless it ends as an SDF. Beside ``my.urdf`` the files ``my.yaml``, its loops,
+        and ``my.srdf``, its poses, are used where they are and ``loops`` and ``srdf`` are not
+        given.
     parameters : str or Parameters
         Numbers of the 3-PSP: ``"default"``, ``"table_3_1"``, ``"table_5_1"`` (see
         :mod:`psp3.three_psp.parameters`) or your own. The other robots have those of their files
@@ -101,7 +105,8 @@ def _from_file(path: Path, options: dict[str, Any]) -> ClosedLoopRobot:
         raise InvalidRobotFile(
             path, "is a macro file: write it out first, with xacro robot.urdf.xacro > robot.urdf"
         )
-    tag = read_xml(path, None).tag
+    # The reader of SDF takes what its library takes, which strict XML does not.
+    tag = "sdf" if path.suffix.lower() in SDF_ENDINGS else read_xml(path, None).tag
     if tag not in READERS:
         raise InvalidRobotFile(
             path,

@@ -5,21 +5,39 @@ Run by ``python -m psp3.warm_up``.
 
 from __future__ import annotations
 
+import logging
 from typing import Any
 
 import numpy as np
+
+logger = logging.getLogger(__name__)
 
 
 def warm_up() -> None:
     """Call every compiled function.
 
-    With a writable cache directory, later processes load what this one compiled.
+    With a writable cache directory, later processes load what this one compiled. What is compiled
+    next is logged.
     """
+    from psp3.loading import load
+
+    robot = load("psp3")
+    logger.info("compiling the closed form of the 3-PSP")
+    _warm_up_closed_form(robot)
+    logger.info("compiling the core: answers, derivatives and plants of any robot")
+    _warm_up_core(load("five_bar"))
+    logger.info("compiling controllers and plants of the 3-PSP")
+    _warm_up_control(robot)
+    logger.info("compiling fuzzy systems")
+    _warm_up_fuzzy_systems()
+
+
+def _warm_up_control(robot: Any) -> None:
+    """Compile the loops of the 3-PSP: controllers, drives, runs of a study, adaptation."""
     from psp3.control.classical import ComputedTorque
     from psp3.drives.drive import Drive
     from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-    from psp3.loading import load
     from psp3.simulation.constraint_dynamics import ConstraintDynamics
     from psp3.simulation.runge_kutta import RungeKutta
     from psp3.simulation.tracking import simulate
@@ -27,7 +45,20 @@ def warm_up() -> None:
     from psp3.study.run import Run, execute
     from psp3.trajectories.paths import Helix
 
-    robot = load("psp3")
+    rest = np.zeros(3)
+    simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01)
+    drive = Drive(coulomb_friction=1.0)
+    for plant in (RungeKutta(robot, drive=drive), ConstraintDynamics(robot, drive=drive)):
+        simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01, plant=plant)
+    # Learning a controller compiles its step, and a run the whole loop.
+    execute(Run("it2", snr_db=20.0, duration=0.05))
+    for name in ("ctc", "lqr", "adaptive-t1"):
+        run(Case(), name, duration=0.05)
+    controller = FuzzyComputedTorque("t1", robot).fit(Helix(robot=robot), 1.0)
+    AdaptiveFuzzyComputedTorque(controller).torque(0.0, rest, rest, Helix(robot=robot)(0.0))
+
+
+def _warm_up_closed_form(robot: Any) -> None:
     rest = np.zeros(3)
     robot.configuration(rest)
     robot.tip_jacobian(rest)
@@ -39,18 +70,6 @@ def warm_up() -> None:
     robot.equation_of_motion(rows, rows)
     robot.inverse_dynamics(rows, rows, rows)
     robot.forward_dynamics(rows, rows, rows)
-    _warm_up_core(load("five_bar"))
-    simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01)
-    drive = Drive(coulomb_friction=1.0)
-    for plant in (RungeKutta(robot, drive=drive), ConstraintDynamics(robot, drive=drive)):
-        simulate(robot, ComputedTorque(robot), Helix(robot=robot), 0.01, plant=plant)
-    # Learning a controller compiles its step, and a run the whole loop.
-    execute(Run("it2", snr_db=20.0, duration=0.05))
-    for name in ("ctc", "lqr", "adaptive-t1"):
-        run(Case(), name, duration=0.05)
-    controller = FuzzyComputedTorque("t1", robot).fit(Helix(robot=robot), 1.0)
-    AdaptiveFuzzyComputedTorque(controller).torque(0.0, rest, rest, Helix(robot=robot)(0.0))
-    _warm_up_fuzzy_systems()
 
 
 def _warm_up_core(robot: Any) -> None:
@@ -101,4 +120,5 @@ def _warm_up_fuzzy_systems() -> None:
 
 
 if __name__ == "__main__":
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
     warm_up()

@@ -100,6 +100,7 @@ ELSEWHERE = {
     "psp3/dynamics/closed_pose.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/dynamics/compiled_robot.py": ("psp3/simulation/test_plant.py", THROUGH_ITS_FACE),
     "psp3/dynamics/driven_steps.py": ("psp3/simulation/test_plant.py", THROUGH_ITS_FACE),
+    "psp3/dynamics/joined_frames.py": ("psp3/dynamics/test_projected.py", THROUGH_ITS_FACE),
     "psp3/fuzzy_control/adaptive_kernels.py": (
         "psp3/fuzzy_control/test_adaptive.py",
         THROUGH_ITS_FACE,

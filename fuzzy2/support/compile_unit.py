@@ -118,7 +118,9 @@ class PartCompiler(Compiler):
 
     def compile_extra(self, func: Any) -> Any:
         """Return the function, translated."""
-        self.state.library = _PartLibrary(self.state.targetctx.codegen(), func.__qualname__)
+        self.state.library = _PartLibrary(
+            self.state.targetctx.codegen(), func.__qualname__, self.state.flags.forceinline
+        )
         result = super().compile_extra(func)
         # What numba finds the part by; there is no machine code behind it that could be called.
         nothing = make_function(
@@ -131,9 +133,9 @@ class PartCompiler(Compiler):
 class _PartLibrary(JITCodeLibrary):
     """The code of a part, neither optimized nor made machine code."""
 
-    def __init__(self, codegen: Any, name: str) -> None:
+    def __init__(self, codegen: Any, name: str, is_inlined: bool) -> None:
         super().__init__(codegen, name)
-        self._with_parts: Any = None
+        self.is_inlined, self._with_parts = is_inlined, None
 
     def add_llvm_module(self, ll_module: Any) -> None:
         ll_module.data_layout = self._codegen._data_layout
@@ -161,19 +163,27 @@ class _Whole(JITCodeLibrary):
     def finalize(self) -> None:
         self._raise_if_finalized()
         own = {one.name for one in self._final_module.functions if not one.is_declaration}
-        _link(self._final_module, self)
+        parts = _link(self._final_module, self)
         for one in self._final_module.functions:
             if one.linkage == Linkage.linkonce_odr and one.name not in own:
                 # Nobody else's, so that nothing is left of it where it is called once.
                 one.linkage = "internal"
         self._optimize_final_module()
+        if any(getattr(part, "is_inlined", False) for part in parts):
+            # Only what is simple already is vectorized, and the first time parts are not.
+            passes, builder = self._codegen._module_pass_manager()
+            passes.run(self._final_module, builder)
         self._final_module.verify()
         self._finalize_final_module()
 
 
-def _link(module: Any, library: Any) -> None:
-    """Add to a module the code of all that a library calls, and of what that calls in turn."""
-    called, left = set(), list(library._linking_libraries)
+def _link(module: Any, library: Any) -> set[Any]:
+    """Add to a module the code of all that a library calls, and of what that calls in turn.
+
+    Return the libraries of all that.
+    """
+    called: set[Any] = set()
+    left = list(library._linking_libraries)
     while left:
         one = left.pop()
         if one in called:
@@ -184,3 +194,4 @@ def _link(module: Any, library: Any) -> None:
         library._reload_init.update(one._reload_init)
         if is_part:
             left += one._linking_libraries
+    return called

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -39,8 +40,23 @@ def force_units(robot: ClosedLoopRobot) -> list[str]:
     return ["N m" if turns else "N" for turns in turning]
 
 
-def motor_units(robot: ClosedLoopRobot) -> list[str]:
-    """Return ``rad``, ``m`` or nothing for each motor; a tendon's is not known."""
+def commanded_joints(robot: ClosedLoopRobot) -> tuple[str, ...]:
+    """Return the coordinates that the motors command, (k); of them a motion is desired."""
+    return robot.coordinates[: robot.commanded]
+
+
+def what_follows(robot: ClosedLoopRobot) -> str:
+    """Say which coordinates no motor commands, and what becomes of them; nothing if all are."""
+    others = robot.coordinates[robot.commanded :]
+    if not others:
+        return ""
+    falls = robot.reference.size > robot.coordinates_v.size
+    base = f"; {others[-1]} floats: nothing holds the robot up, so that it falls" if falls else ""
+    return f"no motor commands {', '.join(others)}, which follow{base}"
+
+
+def joint_units(robot: ClosedLoopRobot, names: Iterable[str]) -> list[str]:
+    """Return ``rad``, ``m`` or nothing for each joint or motor; a tendon's is not known."""
     from psp3.kinematics.tasks import rotating
 
     turning = rotating(robot.model)
@@ -49,7 +65,7 @@ def motor_units(robot: ClosedLoopRobot) -> list[str]:
         for name, joint in zip(robot.model.names, robot.model.joints, strict=True)
         if joint.nv == 1
     }
-    return [joints.get(name, "") for name in robot.actuated]
+    return [joints.get(name, "") for name in names]
 
 
 def joint_rows(robot: ClosedLoopRobot, q: Any) -> list[JointRow]:

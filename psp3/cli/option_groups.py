@@ -15,6 +15,7 @@ from psp3.cli.options import (
     MOTION,
     OUTPUT,
     SAMPLED,
+    SAMPLED_FALL,
     Numbers,
     csv_output,
     figure_output,
@@ -117,7 +118,8 @@ class MotionOptions:
             metavar="S",
             rich_help_panel=MOTION,
             help=(
-                f"Time in all (s); unless given until the motion ends, {SAMPLED} if it never does."
+                f"Time in all (s); unless given until the motion ends, {SAMPLED} if it never does, "
+                f"{SAMPLED_FALL} where coordinates follow the motors'."
             ),
         ),
     ] = None

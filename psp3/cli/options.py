@@ -21,6 +21,9 @@ FIGURE_FORMATS = (".pdf", ".png", ".svg")
 SAMPLED = "10.4"
 """Default duration of a motion without an end of its own [s], that of the thesis's simulations."""
 
+SAMPLED_FALL = "2"
+"""And of a robot whose coordinates follow: a floating one falls 20 m in it."""
+
 
 class Triple(NamedTuple):
     """Three numbers of the command line, one for each screw or axis."""
@@ -168,6 +171,19 @@ Model = Annotated[
         help=(
             "Where M, C and G come from: closed_form (of the 3-PSP, unless given), core (of any "
             "other robot), pinocchio or noc."
+        ),
+    ),
+]
+Positions = Annotated[
+    Numbers | None,
+    typer.Option(
+        "--positions",
+        "--heights",
+        parser=numbers,
+        metavar="A1,A2,…",
+        help=(
+            "Positions of the coordinates, which are the motors as a rule (m, rad); those of the "
+            "reference pose unless given."
         ),
     ),
 ]

@@ -136,6 +136,14 @@ def show(*tables: Table) -> None:
         console.print(table)
 
 
+def show_text(text: str) -> None:
+    """Print a sentence in as many lines as it takes, none broken within a word."""
+    from rich.console import Console
+    from rich.text import Text
+
+    Console(highlight=False).print(Text(text))
+
+
 def print_json(content: dict[str, Any]) -> None:
     """Print content as JSON; numbers that JSON does not know are null."""
     import json

@@ -9,10 +9,12 @@ from typing import TYPE_CHECKING, Any, cast
 
 import typer
 
+from psp3.cli.joint_tables import commanded_joints
 from psp3.cli.option_groups import GainOptions, MotionOptions
 from psp3.cli.options import (
     INTERRUPTED,
     SAMPLED,
+    SAMPLED_FALL,
     ControllerName,
     ModelName,
     Numbers,
@@ -91,7 +93,8 @@ def trajectory_from_options(
         trajectory = Sway(robot=robot, **{names[name]: value for name, value in options.items()})
     else:
         trajectory = _path_between_points(robot, kind, given)
-    wanted = duration if duration is not None else trajectory.duration or float(SAMPLED)
+    endless = float(SAMPLED if robot.commanded == robot.coordinates_v.size else SAMPLED_FALL)
+    wanted = duration if duration is not None else trajectory.duration or endless
     return trajectory, wanted, text
 
 
@@ -100,7 +103,7 @@ def _path_between_points(robot: ClosedLoopRobot, kind: str, given: dict[str, Any
     from psp3.trajectories import paths
 
     has_inverse = robot.has_inverse_of_tip
-    labels = ("x", "y", "z") if has_inverse else robot.actuated
+    labels = ("x", "y", "z") if has_inverse else commanded_joints(robot)
 
     def point(option: str, numbers: Numbers) -> tuple[float, ...]:
         return of_each(option, numbers, labels)
@@ -128,7 +131,8 @@ def _path_between_points(robot: ClosedLoopRobot, kind: str, given: dict[str, Any
     missing = [option_of(name) for name in needed if name not in options]
     if missing:
         raise usage_error(f"--trajectory {kind} needs {listed(missing)}")
-    start = point("--start", options["start"]) if "start" in options else robot.reference
+    home = robot.reference[: len(labels)]
+    start = point("--start", options["start"]) if "start" in options else home
     segment = paths.Line if kind == "line" else paths.PointToPoint
     return segment(start, point("--end", options["end"]), options["travel_time"], robot=robot)
 
@@ -182,7 +186,9 @@ def _classical(
                 f"--model does not apply to --controller {name.value}, which uses none"
             )
         kinds = {ControllerName.PD: controllers.PD, ControllerName.PID: controllers.PID}
-        return kinds[name](**gains), {"model": None}
+        # Feedback is along the coordinates: what the motors do along them the robot must say.
+        motors = {} if robot.drives_coordinates else {"model": robot}
+        return kinds[name](**gains, **motors), {"model": None}
     chosen = model or (ModelName.CLOSED_FORM if robot.has_inverse_of_tip else ModelName.CORE)
     of_a_model: dict[ControllerName, Callable[..., Any]] = {
         ControllerName.PD_GRAVITY: controllers.GravityCompensatedPD,
@@ -204,7 +210,7 @@ def _default_gains(robot: ClosedLoopRobot, name: ControllerName) -> dict[str, An
     if name not in (ControllerName.PD, ControllerName.PD_GRAVITY, ControllerName.PID):
         kp, kv = critically_damped_gains(BANDWIDTH)
         return {"kp": kp, "kv": kv}
-    mass = robot.mass_matrix(robot.reference)
+    mass = _moved_mass(robot)
     kp, kv = critically_damped_gains(BANDWIDTH, mass)
     gains = {"kp": kp, "kv": kv}
     if name is ControllerName.PID:
@@ -213,6 +219,16 @@ def _default_gains(robot: ClosedLoopRobot, name: ControllerName) -> dict[str, An
         least = float(np.linalg.eigvalsh(mass)[0])
         gains["ki"] = INTEGRAL_SHARE * 2.0 * omega**3 * least
     return gains
+
+
+def _moved_mass(robot: ClosedLoopRobot) -> Any:
+    """Return what the motors move at the reference: the mass matrix, less what others give way."""
+    import numpy as np
+
+    mass, k = robot.mass_matrix(robot.reference), robot.commanded
+    if k == len(mass):
+        return mass
+    return mass[:k, :k] - mass[:k, k:] @ np.linalg.solve(mass[k:, k:], mass[k:, :k])
 
 
 def controller_from_file(

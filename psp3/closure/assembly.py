@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 
 import numpy as np
@@ -22,6 +23,10 @@ ASSEMBLED = 1e-9
 MOST_EVALUATIONS = 100
 """So often the equations are asked for from one start. Where they can be closed some 10 to 50 are
 enough; along a valley that ends open there is no end."""
+
+
+class _TimeIsUp(Exception):
+    """Thrown through SciPy, which cannot be told to stop."""
 
 
 def residual(flat: FlatTree, q: Array) -> Array:
@@ -90,17 +95,24 @@ def assembled(model: pin.Model, flat: FlatTree, q0: Array) -> Array:
     raise ClosureFailed(q0, least, 0.0)
 
 
-def nearly_closed(model: pin.Model, flat: FlatTree, q0: Array) -> Iterator[tuple[Array, float]]:
+def nearly_closed(
+    model: pin.Model, flat: FlatTree, q0: Array, deadline: float = np.inf
+) -> Iterator[tuple[Array, float]]:
     """Yield configurations that open the loops least, each with its residual [m, rad].
 
     SciPy's trust-region least squares finds them within the joint limits, from ``q0`` and then from
-    30 random configurations around it.
+    30 random configurations around it. It ends early at a deadline, in CPU time of the process [s].
     """
     # Only here, because most robots are never as far from closed.
     from scipy.optimize import least_squares
 
     lower, upper = _tangent_limits(model, q0)
     rng = np.random.default_rng(0)
+
+    def open_by(step: Array) -> Array:
+        if time.process_time() > deadline:
+            raise _TimeIsUp
+        return residual(flat, pin.integrate(model, q0, step))
 
     def slope(step: Array) -> Array:
         q = pin.integrate(model, q0, step)
@@ -111,16 +123,19 @@ def nearly_closed(model: pin.Model, flat: FlatTree, q0: Array) -> Iterator[tuple
         # Strictly inside, as the library wants its start.
         inside = 1e-6 * np.minimum(upper - lower, 1.0)
         start = np.clip(spread * rng.uniform(-1.0, 1.0, model.nv), lower + inside, upper - inside)
-        solution = least_squares(
-            lambda step: residual(flat, pin.integrate(model, q0, step)),
-            start,
-            jac=slope,
-            bounds=(lower, upper),
-            xtol=1e-15,
-            ftol=1e-15,
-            gtol=1e-15,
-            max_nfev=MOST_EVALUATIONS,
-        )
+        try:
+            solution = least_squares(
+                open_by,
+                start,
+                jac=slope,
+                bounds=(lower, upper),
+                xtol=1e-15,
+                ftol=1e-15,
+                gtol=1e-15,
+                max_nfev=MOST_EVALUATIONS,
+            )
+        except _TimeIsUp:
+            return
         yield (
             np.asarray(pin.integrate(model, q0, solution.x)),
             float(np.abs(solution.fun).max(initial=0.0)),

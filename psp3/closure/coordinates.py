@@ -262,25 +262,25 @@ class _Choice:
 
 
 def bases(model: pin.Model) -> list[Any]:
-    """Return the joints of floating and planar bases."""
-    return [
+    """Return the joints of what floats or slides on a plane, those of bases before others."""
+    found = [
         joint
         for joint in list(model.joints)[1:]
-        if model.parents[joint.id] == 0
-        and ((joint.nq, joint.nv) == (7, 6) or "Planar" in joint.shortname())
+        if (joint.nq, joint.nv) == (7, 6) or "Planar" in joint.shortname()
     ]
+    return sorted(found, key=lambda joint: bool(model.parents[joint.id] != 0))
 
 
 def floating_base(model: pin.Model, closures: Sequence[Any]) -> Any:
-    """Return the joint of a floating base that no loop contains, or None."""
+    """Return the first joint of what floats that no loop contains, or None."""
+    loops = [one for one in closures if not isinstance(one, Coupling | Spin)]
     for joint in bases(model):
-        for one in closures:
-            if isinstance(one, Coupling | Spin):
-                continue
-            ends = [list(model.supports[end]) for end in (one.joint1_id, one.joint2_id)]
-            if (joint.id in ends[0]) != (joint.id in ends[1]):
-                return None
-        return joint
+        ends = [
+            [joint.id in list(model.supports[end]) for end in (one.joint1_id, one.joint2_id)]
+            for one in loops
+        ]
+        if all(first == second for first, second in ends):
+            return joint
     return None
 
 

@@ -8,11 +8,14 @@ is there by rounding alone is no larger than the residual that rounding leaves.
 
 So loops are closed by Gauss–Newton steps in which singular values below a threshold count as zero,
 at home and at poses of a random walk along the motions that are left. Thresholds are tried by
-decades, and the strictest is taken that is explained: the loops come to rest with a small residual
-:math:`\mu`, and what counts as zero is far below what does not, and at most some :math:`\mu`.
+decades. One is explained where the loops come to rest with a small residual :math:`\mu`, and what
+counts as zero is far below what does not, and at most some :math:`\mu`. Of these the strictest is
+taken in which all that counts is well above what rounding makes: numbers with few digits often
+close exactly at home, all the same, and a strict reading then holds what only they hold. Motors
+have no say in it, so that the freedoms of a mechanism do not depend on where its motors are.
 
 Position rows and sliding joints are measured in sizes of the robot, so that lengths and angles
-compare.
+compare; a loop that is much smaller is measured by itself before it is called weak.
 """
 
 from __future__ import annotations
@@ -26,6 +29,7 @@ import pinocchio as pin
 
 from psp3.checks import Array
 from psp3.closure.assembly import by_short_steps, jacobian, nearly_closed, residual
+from psp3.closure.ranges import how_far_beyond, within_limits
 from psp3.closure.rank import ASSEMBLED_RANK_TOLERANCE
 from psp3.errors import LoopsDoNotClose
 from psp3.multibody.flatten import FlatTree
@@ -56,6 +60,11 @@ makes both, it was up to twice.
 
 WEAK = 1e-3
 """With all singular values that count above this the strictest threshold is right without doubt."""
+
+SMALL_LOOP = 1e-2
+"""As well with all above this where each loop is measured in its own size: a small loop in a
+large robot is weak in the size of that, and rounding makes less than this of either.
+"""
 
 LARGEST_WAY = 1.0
 """Loops that close only after their joints have moved by more than this are closed elsewhere [rad,
@@ -95,6 +104,8 @@ class Structure(NamedTuple):
     """Independent closure equations."""
     values: Array
     """Singular values over the largest, of each the largest over the poses."""
+    first: float
+    """The largest singular value; small where all loops are much smaller than the robot."""
     length: float
     """How far redundant equations contradict each other in position [m]."""
     angle: float
@@ -159,32 +170,35 @@ def structure(
     """
     start = q
     if start is None:
-        start = within_limits(model, pin.neutral(model))
-        near = by_short_steps(model, flat, start)
-        start = start if near is None else near
+        inside = within_limits(model, pin.neutral(model))
+        near = by_short_steps(model, flat, inside)
+        start = inside if near is None else near
     equations = _Equations(model, flat, start)
-    found = equations.structure(start, motors)
+    found = equations.structure(start)
     if found is not None and (q is not None or _is_good(model, found, motors)):
         return found
-    begun, tried = time.process_time(), 1
+    equations.deadline = time.process_time() + MOST_SECONDS
+    tried = 1
     least, worst = equations.openness(start)
     nearest = start
     others = [found] if found is not None else []
-    for near in _other_starts(model, flat, start):
+    for near in _other_starts(model, flat, start if q is not None else inside, equations.deadline):
         tried += 1
         size, where = equations.openness(near)
         if size < least:
             least, worst, nearest = size, where, near
-        found = equations.structure(near, motors)
+        found = equations.structure(near)
         if found is not None:
             if _is_good(model, found, motors) or q is not None:
                 return found
             others.append(found)
-        if time.process_time() - begun > MOST_SECONDS:
+        if time.process_time() > equations.deadline:
             break
     if others:
-        # That in which motors command most; of equals one within the limits.
-        return max(others, key=lambda one: (commanded(one, motors), is_within(model, one.home)))
+        # That in which motors command most; of equals that which is least beyond the limits.
+        return max(
+            others, key=lambda one: (commanded(one, motors), -how_far_beyond(model, one.home))
+        )
     loop = names[worst] if 0 <= worst < len(names) else ""
     raise LoopsDoNotClose(start, float(np.abs(residual(flat, nearest)).max()), loop, tried)
 
@@ -196,45 +210,19 @@ def _is_good(model: pin.Model, found: Structure, motors: Array) -> bool:
     example, none is.
     """
     most = min(motors.shape[1], model.nv - found.rank)
-    return is_within(model, found.home) and commanded(found, motors) == most
+    return how_far_beyond(model, found.home) == 0.0 and commanded(found, motors) == most
 
 
-def _other_starts(model: pin.Model, flat: FlatTree, start: Array) -> Iterator[Array]:
+def _other_starts(
+    model: pin.Model, flat: FlatTree, start: Array, deadline: float
+) -> Iterator[Array]:
     """Yield other configurations to start from: first within the joint limits, then anywhere."""
-    for near, _ in nearly_closed(model, flat, start):
+    for near, _ in nearly_closed(model, flat, start, deadline):
         yield near
     rng = np.random.default_rng(1)
     for attempt in range(1, 31):
         way = 0.1 * attempt * rng.uniform(-1.0, 1.0, model.nv)
         yield np.asarray(pin.integrate(model, start, way))
-
-
-def within_limits(model: pin.Model, q: Array) -> Array:
-    """Return a configuration with every joint of one coordinate brought inside its limits."""
-    inside = np.array(q, dtype=float)
-    for joint in list(model.joints)[1:]:
-        if joint.nq == 1:
-            low, high = _limits(model, joint.idx_q)
-            # A limit that is at infinity, or below the other, is none.
-            if low <= high and not low <= inside[joint.idx_q] <= high:
-                # Not on the limit, where a leg may be stretched.
-                margin = 0.05 * min(high - low, 1.0)
-                inside[joint.idx_q] = low + margin if inside[joint.idx_q] < low else high - margin
-    return inside
-
-
-def is_within(model: pin.Model, q: Array) -> bool:
-    """Tell whether all joints of one coordinate are within their limits, to rounding."""
-    for joint in list(model.joints)[1:]:
-        if joint.nq == 1:
-            low, high = _limits(model, joint.idx_q)
-            if low <= high and not low - 1e-6 <= q[joint.idx_q] <= high + 1e-6:
-                return False
-    return True
-
-
-def _limits(model: pin.Model, at: int) -> tuple[float, float]:
-    return float(model.lowerPositionLimit[at]), float(model.upperPositionLimit[at])
 
 
 class _Equations:
@@ -244,6 +232,8 @@ class _Equations:
         self.model, self.flat, self.size = model, flat, robot_size(model, q)
         self.units = np.where(flat.sliding, self.size, 1.0)
         self.scale = np.where(flat.is_length, self.size, 1.0)
+        self.deadline = np.inf
+        """When looking ends, in CPU time of the process [s]."""
 
     def openness(self, q: Array) -> tuple[float, int]:
         """Return the largest residual, and the closure that has it."""
@@ -273,6 +263,8 @@ class _Equations:
             largest = float(np.abs(step).max(initial=0.0))
             if largest < 1e-13 or (largest < 1e-9 and largest >= 0.5 * last):
                 return q, gaps
+            if time.process_time() > self.deadline:
+                return None
             step *= min(1.0, LARGEST_STEP / largest)
             way += np.abs(step)
             if not way.max() <= LARGEST_WAY:
@@ -289,12 +281,13 @@ class _Equations:
         if at_home is None or np.abs(at_home[1]).max(initial=0.0) > LARGEST_MISMATCH:
             return None
         here, gaps = at_home
-        poses, spectra, bases = [here], [], []
+        poses, firsts, spectra, bases = [here], [], [], []
         rng = np.random.default_rng(0)
         home, worst = here, np.abs(gaps)
         while True:
             _, values, right = self.decomposed(here)
-            spectra.append(values / max(values.max(initial=0.0), 1e-300))
+            firsts.append(float(values.max(initial=0.0)))
+            spectra.append(values / max(firsts[-1], 1e-300))
             bases.append(right)
             motions = right[_count(values, threshold) :].T
             if len(poses) > POSES or not motions.shape[1]:
@@ -307,7 +300,7 @@ class _Equations:
             if away is not None:
                 worst = np.maximum(worst, np.abs(away[1]))
             poses.append(here)
-        largest = np.max(spectra, axis=0)
+        largest, first = np.max(spectra, axis=0), max(firsts)
         rank = int(np.count_nonzero(largest > threshold))
         length = self.size * float(worst[self.flat.is_length].max(initial=0.0))
         angle = float(worst[~self.flat.is_length].max(initial=0.0))
@@ -318,6 +311,7 @@ class _Equations:
             motions_of,
             rank,
             largest,
+            first,
             length,
             angle,
             self.size,
@@ -333,8 +327,31 @@ class _Equations:
                 return found
         return None
 
-    def structure(self, q: Array, motors: Array) -> Structure | None:
-        """Return the structure by the strictest threshold that is explained; None without one."""
+    def is_well(self, found: Structure) -> bool:
+        """Tell whether no equation that counts is so weak that rounding may have made it."""
+        if found.kept > WEAK:
+            return True
+        shares = np.max([self._shares_by_loop(q) for q in found.poses], axis=0)
+        return bool(shares[found.rank - 1] > SMALL_LOOP)
+
+    def _shares_by_loop(self, q: Array) -> Array:
+        """Return singular values over the largest, with each loop measured in its own size.
+
+        That is the longest lever about a joint of what its point is closed at.
+        """
+        matrix, row = jacobian(self.flat, q), 0
+        for count in self.flat.closure_rows:
+            block = np.arange(row, row + count)[self.flat.is_length[row : row + count]]
+            levers = np.linalg.norm(matrix[block][:, ~self.flat.sliding], axis=0)
+            matrix[block] /= levers.max(initial=0.0) or self.size
+            row += count
+        longest = np.linalg.norm(matrix[:, self.flat.sliding], axis=0)
+        matrix[:, self.flat.sliding] /= np.where(longest > 0.0, longest, 1.0)
+        values = np.linalg.svd(matrix, compute_uv=False)
+        return np.asarray(values / max(values.max(initial=0.0), 1e-300))
+
+    def structure(self, q: Array) -> Structure | None:
+        """Return the structure by the rule of this module; None where no threshold is explained."""
         accepted: list[Structure] = []
         for threshold in THRESHOLDS:
             found = self.explored(q, threshold)
@@ -342,7 +359,7 @@ class _Equations:
                 continue
             if found.kept < GAP * found.dropped:
                 continue
-            if found.dropped > max(EXACT, EXPLAINED * found.mismatch):
+            if found.dropped * min(found.first, 1.0) > max(EXACT, EXPLAINED * found.mismatch):
                 continue
             if found.dropped > EXACT:
                 # Once more from the given configuration, with the threshold amid the gap: too
@@ -354,20 +371,19 @@ class _Equations:
                     continue
                 found = again
             accepted.append(found)
-            if found.kept > WEAK and commanded(found, motors) == motors.shape[1]:
-                break
+            if self._moves(found) and self.is_well(found):
+                return found
         if not accepted:
             return None
-        # That in which the motors command most; of equals those that leave home where it was; of
-        # these the strictest.
+        # One that moves; of these those that leave home where it was; of these the strictest.
         moved = [np.abs(pin.difference(self.model, q, one.home)).max() for one in accepted]
         near = [one < 10.0 * min(moved) + 1e-6 for one in moved]
         return accepted[
-            max(
-                range(len(accepted)),
-                key=lambda k: (commanded(accepted[k], motors), near[k], -k),
-            )
+            max(range(len(accepted)), key=lambda k: (self._moves(accepted[k]), near[k], -k))
         ]
+
+    def _moves(self, found: Structure) -> bool:
+        return bool(found.rank < self.model.nv)
 
 
 def commanded(found: Structure, motors: Array) -> int:

@@ -17,17 +17,11 @@ import numpy as np
 import pinocchio as pin
 
 from psp3.checks import Array
-from psp3.description.xml import described
+from psp3.description.xml import BLANKS, NUMBER, described
 from psp3.errors import InvalidRobotFile
 
 OLDEST = 4
 """The oldest version that is read is 1.4."""
-
-BLANKS = " \t\r\n"
-"""What XML takes for blanks."""
-
-NUMBER = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
-"""A number as parsers in Python and in C++ read it alike."""
 
 INFINITE = re.compile(r"[+-]?inf(?:inity)?", re.IGNORECASE)
 """What else a limit may be."""

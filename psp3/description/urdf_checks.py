@@ -16,7 +16,8 @@ from pathlib import Path
 
 import numpy as np
 
-from psp3.description.xml import check_inertia, described, numbers, unique_names
+from psp3.description.urdf_inertia import check_inertias
+from psp3.description.xml import described, numbers, unique_names
 from psp3.errors import InvalidRobotFile
 
 logger = logging.getLogger(__name__)
@@ -137,7 +138,6 @@ def check_urdf(path: Path, root: ElementTree.Element) -> None:
     for item in (*links.values(), *joints.values()):
         _check_numbers(path, item)
     for link in links.values():
-        _check_inertia(path, link)
         for visual in (*link.findall("visual"), *link.findall("collision")):
             if len([shape for shape in visual.findall("geometry/*") if shape.tag in SHAPES]) != 1:
                 raise InvalidRobotFile(
@@ -149,6 +149,7 @@ def check_urdf(path: Path, root: ElementTree.Element) -> None:
         _check_joint(path, joint)
     _check_mimics(path, joints)
     _check_tree(path, links, joints)
+    check_inertias(path, links, joints)
 
 
 def _check_places(path: Path, root: ElementTree.Element) -> None:
@@ -235,22 +236,6 @@ def _check_numbers(path: Path, item: ElementTree.Element) -> None:
                     f"{described(item)}: {described(element)}: {attribute} is larger than "
                     f"{LARGEST_NUMBER:g}, so that products of it are no numbers",
                 )
-
-
-def _check_inertia(path: Path, link: ElementTree.Element) -> None:
-    inertial = link.find("inertial")
-    if inertial is None:
-        return
-    mass, inertia = inertial.find("mass"), inertial.find("inertia")
-    if mass is None or inertia is None:
-        raise InvalidRobotFile(path, f"{described(link)}: <inertial> needs <mass> and <inertia>")
-    xx, xy, xz, yy, yz, zz = (_number(path, inertia, entry, 0.0) for entry in NEEDED["inertia"])
-    check_inertia(
-        path,
-        link,
-        _number(path, mass, "value", 0.0),
-        np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]]),
-    )
 
 
 def _number(path: Path, element: ElementTree.Element, attribute: str, default: float) -> float:

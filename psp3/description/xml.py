@@ -151,6 +151,13 @@ def unique_names(
     return known
 
 
+def negative_moment(mass: float, inertia: Array) -> float | None:
+    """Return a principal moment of an inertia (3, 3) that is negative [kg m²], None without one."""
+    moments = np.linalg.eigvalsh(inertia)
+    least = LEAST_MOMENT * abs(moments[2]) - mass * SMALLEST_RADIUS**2
+    return float(moments[0]) if moments[0] < least else None
+
+
 def check_inertia(path: Path, body: ElementTree.Element, mass: float, inertia: Array) -> None:
     """Raise :class:`InvalidRobotFile` if a mass or a moment is negative.
 
@@ -159,11 +166,11 @@ def check_inertia(path: Path, body: ElementTree.Element, mass: float, inertia: A
     Moments that no rigid body has (each must be at most the sum of the other two) pass: they matter
     only to bodies that turn, and the published ones of the 3-PSP's nuts, which do not, are such.
     """
-    moments = np.linalg.eigvalsh(inertia)
     if mass < 0.0:
         raise InvalidRobotFile(path, f"{described(body)}: the mass {mass:g} is negative")
-    if moments[0] < LEAST_MOMENT * abs(moments[2]) - mass * SMALLEST_RADIUS**2:
+    moment = negative_moment(mass, inertia)
+    if moment is not None:
         raise InvalidRobotFile(
             path,
-            f"{described(body)}: a principal moment of inertia is negative, {moments[0]:.6g} kg m²",
+            f"{described(body)}: a principal moment of inertia is negative, {moment:.6g} kg m²",
         )

@@ -103,6 +103,14 @@ class Mechanism:
         self.dependent: Indices = np.setdiff1d(np.arange(self.model.nv), [*self.actuated, *held])
 
     @property
+    def drives_coordinates(self) -> bool:
+        """Whether each coordinate is that of a motor, in the same order."""
+        n = self.actuated.size
+        return self.motors is None or (
+            self.motors.shape[1] == n and bool((self.motors[self.actuated] == np.eye(n)).all())
+        )
+
+    @property
     def rows(self) -> int:
         """How many closure equations there are: three or six a loop."""
         return sum(int(loop.residualSize()) for loop in self.loops)

@@ -14,13 +14,14 @@ with h the forces of a motion without acceleration, and S the rows of the coordi
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
-from psp3.checks import Array, Indices
+from psp3.checks import Array, Indices, finite_rows
 from psp3.errors import InvalidValue, UnreachableForces
 
 RANK = 1e-7
@@ -102,6 +103,41 @@ def least_norm(matrix: Array, wanted: Array, names: Sequence[str], what: str = "
     if size > LEFT_OVER * (1.0 + float(np.abs(wanted).max(initial=0.0))):
         raise UnreachableForces(size, names, what)
     return motors
+
+
+def forces_of_motors(
+    actuation: Array,
+    along: Callable[[ArrayLike], Array],
+    mass: Callable[[], Array],
+    accelerations: ArrayLike,
+    names: Sequence[str],
+) -> Array:
+    """Return the shortest motor forces (..., m) of accelerations of all coordinates, or the first.
+
+    Parameters
+    ----------
+    actuation : (..., n, m) ndarray
+        A.
+    along : callable
+        Forces along the coordinates (..., n) of accelerations (..., n) in this state.
+    mass : callable
+        The mass matrix (..., n, n) in this state, which fewer accelerations need.
+    accelerations : (..., n) or (..., k) array_like
+        Of the coordinates; fewer are those of the first k, and the others follow.
+    names : sequence of str
+        The coordinates.
+
+    Raises
+    ------
+    UnreachableForces
+        If the motors cannot.
+    """
+    n = actuation.shape[-2]
+    k = (*np.shape(accelerations)[-1:], n)[0]
+    if k < n:
+        wanted = finite_rows("accelerations", accelerations, k)
+        return partly_linearizing(mass(), along(np.zeros(n)), actuation, wanted, names)
+    return least_norm(actuation, along(accelerations), names)
 
 
 def partly_linearizing(

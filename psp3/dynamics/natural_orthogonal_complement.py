@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, applied_to_rows
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.dynamics.mechanism import HasTree, Mechanism
+from psp3.dynamics.motors import forces_of_motors
 from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
 from psp3.errors import InconsistentVelocity, OpenLoops
 
@@ -830,18 +831,33 @@ class NaturalOrthogonalComplement:
         Parameters
         ----------
         positions, speeds, accelerations : (..., n) array_like
-            Motion of the actuated joints.
+            Motion of the actuated joints. Of a robot whose coordinates are not its motors, of the
+            coordinates; of fewer accelerations as :meth:`psp3.ClosedLoopRobot.actuator_forces`.
 
         Returns
         -------
         (..., n) ndarray
-            Forces [N], of hinges torques [N m].
+            Forces [N], of hinges torques [N m]; those of the m motors, of least norm, where they
+            are not the coordinates.
 
         Raises
         ------
         InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
             See :meth:`equation_of_motion`.
         """
+        if self._mechanism.drives_coordinates:
+            return self._forces(positions, speeds, accelerations)
+        L = self.L(self.configuration(positions))
+        return forces_of_motors(
+            np.swapaxes(L, -1, -2) @ self._mechanism.motors,
+            lambda rates: self._forces(positions, speeds, rates),
+            lambda: self.equation_of_motion(positions, speeds)[0],
+            accelerations,
+            self._mechanism.names,
+        )
+
+    def _forces(self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike) -> Array:
+        """Return the forces along the coordinates, (..., n)."""
         n = self._actuated.size
 
         def one(positions: Array, speeds: Array, accelerations: Array) -> Array:

@@ -14,7 +14,6 @@ residuals and Jacobian from Pinocchio.
 from __future__ import annotations
 
 import functools
-import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -26,9 +25,10 @@ from psp3.closure.coordinates import floating_base
 from psp3.closure.passive_limits import PassiveLimits
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
+from psp3.dynamics.joined_frames import JoinedFrames
 from psp3.dynamics.mechanism import HasTree, Mechanism, check_order
 from psp3.dynamics.more_equations import JointElements, MoreEquations
-from psp3.dynamics.motors import least_norm, partly_linearizing
+from psp3.dynamics.motors import forces_of_motors
 from psp3.dynamics.newton_from_home import Closed, NewtonFromHome
 from psp3.dynamics.projected_derivatives import projected_derivatives
 from psp3.errors import InvalidValue
@@ -76,7 +76,7 @@ class ProjectedDynamics:
         self.actuated_v = self._mechanism.actuated
         self.dependent_v = self._mechanism.dependent
         self._limited = PassiveLimits(self.model, self.actuated)
-        self._frames = _JoinedFrames(self._mechanism)
+        self._frames = JoinedFrames(self._mechanism)
         self._more = MoreEquations(self.model, self._mechanism.equations)
         self._elements = JointElements(self.model, self._mechanism.springs)
         joints = [self.model.joints[self.model.getJointId(name)] for name in self.actuated]
@@ -199,22 +199,8 @@ class ProjectedDynamics:
     def drift(self, q: Array, v: Array) -> Array:
         r"""Return the joint accelerations :math:`\dot L \dot q^a`, while the motors move uniformly.
 
-        Parameters
-        ----------
-        q : (nq,) ndarray
-            A closed configuration.
-        v : (nv,) ndarray
-            Joint velocities that keep the loops closed.
-
-        Returns
-        -------
-        (nv,) ndarray
-            Joint accelerations, zero for the actuated joints.
-
-        Raises
-        ------
-        SingularConfiguration
-            If the actuated joints do not determine the others here.
+        Of a closed configuration and joint velocities, (nv,), as
+        :meth:`psp3.ClosedLoopRobot.drift`.
         """
         _, jacobian = self._constraint(q)
         _, inverse = self._mechanism.complement(q, jacobian)
@@ -260,27 +246,10 @@ class ProjectedDynamics:
     ) -> tuple[Array, Array, Array]:
         r"""Return mass matrix, Coriolis matrix and gravity in actuated coordinates.
 
-        .. math:: M = L^T M_\text{tree} L, \qquad G = L^T g_\text{tree},
-
-        and C as the unique matrix of Christoffel symbols: the quadratic form
-        :math:`h(v) = C(v)\,v`, projected from RNEA, gives its columns by polarization,
-        :math:`C(v) e_j = \tfrac12 [h(v + e_j) - h(v) - h(e_j)]`.
-
-        Parameters
-        ----------
-        positions, speeds : (..., n) array_like
-            Actuated positions and speeds [m, m/s or rad, rad/s].
-
-        Returns
-        -------
-        M : (..., n, n) ndarray
-        C : (..., n, n) ndarray
-        G : (..., n) ndarray
-
-        Raises
-        ------
-        InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
-            See :meth:`configuration`.
+        As :meth:`psp3.ClosedLoopRobot.equation_of_motion`, by other ways: M and G are projected,
+        and the quadratic form :math:`h(v) = C(v)\,v`, projected from RNEA, gives the columns of C
+        by polarization, :math:`C(v) e_j = \tfrac12 [h(v + e_j) - h(v) - h(e_j)]`. Errors as in
+        :meth:`configuration`.
         """
         n = self.actuated_v.size
 
@@ -331,20 +300,7 @@ class ProjectedDynamics:
     ) -> Array:
         r"""Return the actuator forces of a motion, :math:`\tau = L^T \operatorname{RNEA}`.
 
-        Parameters
-        ----------
-        positions, speeds, accelerations : (..., n) array_like
-            Motion of the actuated joints.
-
-        Returns
-        -------
-        (..., n) ndarray
-            Forces [N] or torques [N m] of the actuated joints.
-
-        Raises
-        ------
-        InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
-            See :meth:`configuration`.
+        As :meth:`psp3.ClosedLoopRobot.inverse_dynamics`; errors as in :meth:`configuration`.
         """
 
         def one(position: Array, speed: Array, acceleration: Array) -> Array:
@@ -375,40 +331,22 @@ class ProjectedDynamics:
 
         As :meth:`psp3.ClosedLoopRobot.actuator_forces`, also for fewer accelerations.
         """
-        n, motors = self.actuated_v.size, self._mechanism.motors
-        if motors is None or (
-            motors.shape[1] == n and (motors[self.actuated_v] == np.eye(n)).all()
-        ):
+        if self._mechanism.drives_coordinates:
             return self.inverse_dynamics(positions, speeds, accelerations)
-        actuation = np.swapaxes(self.complement(positions), -1, -2) @ motors
-        if np.shape(accelerations)[-1] < n:
-            bias = self.inverse_dynamics(positions, speeds, np.zeros(n))
-            mass = self.mass_matrix(positions)
-            wanted = np.asarray(accelerations, dtype=np.float64)
-            return partly_linearizing(mass, bias, actuation, wanted, self.actuated)
-        forces = self.inverse_dynamics(positions, speeds, accelerations)
-        return least_norm(actuation, forces, self.actuated)
+        return forces_of_motors(
+            np.swapaxes(self.complement(positions), -1, -2) @ self._mechanism.motors,
+            lambda rates: self.inverse_dynamics(positions, speeds, rates),
+            lambda: self.mass_matrix(positions),
+            accelerations,
+            self.actuated,
+        )
 
     def forward_dynamics(self, positions: ArrayLike, speeds: ArrayLike, forces: ArrayLike) -> Array:
         r"""Return the accelerations of the actuated joints under actuator forces.
 
         They solve :math:`L^T M_\text{tree} L\, \ddot q^a = \tau - L^T \operatorname{RNEA}` of the
-        uniform motion.
-
-        Parameters
-        ----------
-        positions, speeds, forces : (..., n) array_like
-            State and actuator forces.
-
-        Returns
-        -------
-        (..., n) ndarray
-            Accelerations of the actuated joints.
-
-        Raises
-        ------
-        InvalidArray, ClosureFailed, JointLimitExceeded, SingularConfiguration
-            See :meth:`configuration`.
+        uniform motion. As :meth:`psp3.ClosedLoopRobot.forward_dynamics`; errors as in
+        :meth:`configuration`.
         """
 
         def one(position: Array, speed: Array, force: Array) -> Array:
@@ -428,22 +366,13 @@ class ProjectedDynamics:
     ) -> InverseDynamicsDerivatives:
         """Return the derivatives of the forces of a motion.
 
-        See :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`.
-
-        Parameters
-        ----------
-        positions, speeds, accelerations : (..., n) array_like
-            Motion of the actuated joints [m, m/s, m/s² or rad, rad/s, rad/s²].
-
-        Returns
-        -------
-        InverseDynamicsDerivatives
-            ``.by_positions .by_speeds .by_accelerations``, each (..., n, n).
+        As :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`, from Pinocchio's of the
+        tree.
 
         Raises
         ------
-        InvalidArray, ClosureFailed, JointLimitExceeded
-            See :meth:`configuration`.
+        InvalidValue
+            If the robot is more than a tree with exact closures at points or frames.
         """
         n = self.actuated_v.size
         if self._more.rows or self._elements.are_there or self._mechanism.mismatch > 1e-9:
@@ -467,22 +396,8 @@ class ProjectedDynamics:
     ) -> ForwardDynamicsDerivatives:
         """Return the derivatives of the accelerations under forces.
 
-        See :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`.
-
-        Parameters
-        ----------
-        positions, speeds, forces : (..., n) array_like
-            State of the actuated joints, and their forces [N or N m].
-
-        Returns
-        -------
-        ForwardDynamicsDerivatives
-            ``.by_positions .by_speeds .by_forces``, each (..., n, n).
-
-        Raises
-        ------
-        InvalidArray, ClosureFailed, JointLimitExceeded
-            See :meth:`configuration`.
+        As :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`; errors as in
+        :meth:`inverse_dynamics_derivatives`.
         """
         accelerations = self.forward_dynamics(positions, speeds, forces)
         by_positions, by_speeds, mass = self.inverse_dynamics_derivatives(
@@ -523,52 +438,6 @@ class ProjectedDynamics:
             If the tree's joints are not chain by chain, for which the answer would be wrong.
         """
         return self._solver.accelerations(q, v, forces)
-
-
-class _JoinedFrames:
-    """The two frames of every loop: how far they are apart, and how they come apart."""
-
-    def __init__(self, mechanism: Mechanism) -> None:
-        ends = np.cumsum([0, *(int(loop.residualSize()) for loop in mechanism.loops)])
-        self.rows = int(ends[-1])
-        self._loops = [
-            (
-                slice(*rows),
-                loop.type == pin.ContactType.CONTACT_3D,
-                (loop.joint1_id, loop.joint1_placement),
-                (loop.joint2_id, loop.joint2_placement),
-            )
-            for rows, loop in zip(itertools.pairwise(ends), mechanism.loops, strict=True)
-        ]
-
-    def opening(self, states: list[pin.RigidConstraintData]) -> Array:
-        """Return the first frames' placements in the second ones, (m,), as small motions."""
-        opening = np.empty(self.rows)
-        for (rows, is_point, _, _), state in zip(self._loops, states, strict=True):
-            relative = state.c1Mc2
-            opening[rows] = relative.translation if is_point else pin.log6(relative).vector
-        return -opening
-
-    def accelerations(self, data: pin.Data, states: list[pin.RigidConstraintData]) -> Array:
-        """Return how the first frames accelerate against the second ones, (m,).
-
-        In axes of the first, in the motion of the tree without weight that RNEA has just been asked
-        for, which keeps the loops closed.
-        """
-        velocities, accelerations, out = data.v, data.a_gf, np.empty(self.rows)
-        for (rows, is_point, *sides), state in zip(self._loops, states, strict=True):
-            one, other = (placement.actInv(accelerations[joint]) for joint, placement in sides)
-            if is_point:
-                turning, turning_other = (
-                    placement.actInv(velocities[joint]) for joint, placement in sides
-                )
-                there = pin.classicAcceleration(turning_other, other)
-                here = pin.classicAcceleration(turning, one)
-                out[rows] = here - state.c1Mc2.rotation @ there
-            else:
-                # Both frames move as one, so that neither turns against the other.
-                out[rows] = (one - state.c1Mc2.act(other)).vector
-        return out
 
 
 class _ConstraintDynamics:

@@ -80,7 +80,8 @@ def frame_motion(
     robot : ClosedLoopRobot
         The robot.
     positions, speeds, accelerations : (..., n) array_like
-        Motion of the actuated joints [m or rad, per s, per s²].
+        Motion of the coordinates, which are the actuated joints as a rule [m or rad, per s, per
+        s²]; positions (..., p).
     frame : str
         Name of a frame of the model.
 
@@ -96,16 +97,15 @@ def frame_motion(
     ClosureFailed, JointLimitExceeded, SingularConfiguration
         If a pose cannot be taken, or the actuated joints do not determine the others there.
     """
-    index, width = frame_number(robot.model, frame), len(robot.actuated)
-    arrays = {"positions": positions, "speeds": speeds, "accelerations": accelerations}
+    index, n = frame_number(robot.model, frame), len(robot.coordinates_v)
     a, v, w = together(
-        **{name: finite_rows(name, values, width) for name, values in arrays.items()}
+        positions=finite_rows("positions", positions, len(robot.reference)),
+        speeds=finite_rows("speeds", speeds, n),
+        accelerations=finite_rows("accelerations", accelerations, n),
     )
     rows = [
         motion_and_jacobian(robot, index, *row)[0]
-        for row in zip(
-            a.reshape(-1, width), v.reshape(-1, width), w.reshape(-1, width), strict=True
-        )
+        for row in zip(*(values.reshape(-1, values.shape[-1]) for values in (a, v, w)), strict=True)
     ]
     shapes = (4, 4), (6,), (6,)
     return FrameMotion(

@@ -2,14 +2,15 @@ r"""Singularities of any robot with loops: what kind, how far away, and what mov
 
 The joint velocities that keep the loops closed are those in the null space of the constraint
 Jacobian :math:`\Phi(q)`. With N an orthonormal basis of it, :math:`\dot q = N w`, two maps lead
-out: one to the actuated joints, whose rows of N are :math:`N_a`, and one to the chosen rows of a
-frame's velocity,
+out: one to the motors, :math:`N_a`, the rows of N of their joints, or what a tendon makes of them,
+and one to the chosen rows of a frame's velocity,
 
 .. math:: \Phi N = 0, \qquad \dot q^a = N_a w, \qquad \dot x = T w, \quad T = J_\text{tree} N .
 
-Where :math:`N_a` is invertible, :math:`\dot x = J \dot q^a` with :math:`J = T N_a^{-1}`;
-eliminating w gives :math:`A \dot x = B \dot q^a`, with :math:`\det A` proportional to
-:math:`\det N_a` and :math:`\det B` to :math:`\det T`. Three things can go wrong:
+Where :math:`N_a` is invertible, :math:`\dot x = J \dot q^a` with :math:`J = T N_a^{-1}`, of more
+motors than coordinates the pseudo-inverse; eliminating w gives :math:`A \dot x = B \dot q^a`, with
+:math:`\det A` proportional to :math:`\det N_a` and :math:`\det B` to :math:`\det T`. Three things
+can go wrong:
 
 * ``actuation``, also called parallel or of the second type: :math:`N_a` loses rank, which is to say
   that the un-actuated columns :math:`\Phi^u` do. The robot can move with its motors locked, and
@@ -54,7 +55,9 @@ from psp3.kinematics.tasks import (
     TASK_COORDINATES,
     characteristic_length,
     checked_frame,
+    checked_motors,
     checked_task,
+    equations_of,
     rotating,
 )
 from psp3.multibody.flatten import NO_MOTORS, flattened
@@ -66,6 +69,9 @@ OPEN = 1e-6
 
 KINDS = ("constraint", "actuation", "end_effector")
 """The three kinds of singularities."""
+
+OPEN_BY_ROUNDING = 10.0
+"""So many times their mismatch rounded loops may be open, for it is not the same in every pose."""
 
 _CHUNK = 256
 """Configurations whose matrices are factored at once."""
@@ -158,33 +164,31 @@ class SingularityAnalysis:
     UnknownName
         If the robot has no such frame, or there is no such task coordinate.
     InvalidValue
-        If the task is empty or names a coordinate twice, or the length is not positive.
+        If the task is empty or names a coordinate twice, the length is not positive, or some of the
+        robot's coordinates follow its motors.
     """
 
     def __init__(
         self, robot: ClosedLoopRobot, frame: str, task: Sequence[str], length: float | None = None
     ) -> None:
-        self.robot, self.frame, self.task = robot, checked_frame(robot, frame), checked_task(task)
+        self.robot, self.frame = checked_motors(robot), checked_frame(robot, frame)
+        self.task = checked_task(task)
         self.length = (
             characteristic_length(robot) if length is None else checked_positive("length", length)
         )
         self._index = frame_number(robot.model, frame)
         self._rows = [TASK_COORDINATES.index(name) for name in self.task]
         # Here the motors are joints like any other.
-        self._table = flattened(robot.model, robot.constraint_models, NO_MOTORS)
+        closures = [*robot.constraint_models, *equations_of(robot)]
+        self._table = flattened(robot.model, closures, NO_MOTORS)
+        mismatch = max(robot.closure_mismatch.length, robot.closure_mismatch.angle)
+        self._open = OPEN + OPEN_BY_ROUNDING * mismatch
+        self._dependent = np.setdiff1d(np.arange(robot.model.nv), robot.coordinates_v)
         # Multiplied by these, velocities are in m/s; divided by those of the joints, so are the
         # columns of Jacobians.
         self._joint_scale = np.where(rotating(robot.model), self.length, 1.0)
         self._row_scale = np.array([self.length if row >= 3 else 1.0 for row in self._rows])
-        self._closure_scale = np.concatenate(
-            [
-                np.zeros(0),
-                *(
-                    np.array([1.0] * 3 + [self.length] * (rows - 3))
-                    for rows in self._table.closure_rows
-                ),
-            ]
-        )
+        self._closure_scale = np.where(self._table.is_length, 1.0, self.length)
         left, _, _ = np.linalg.svd(self._matrices(robot.q0[np.newaxis])[0][0])
         self._independent: Array = left[:, : self._rank].T
 
@@ -275,14 +279,14 @@ class SingularityAnalysis:
         q = np.array(one_row("configuration", configuration, self.robot.model.nq))
         closures, frame = (matrices[0] for matrices in self._matrices(q[np.newaxis]))
         motions = null_space(closures, limit)
-        driven, moved = motions[self.robot.actuated_v], frame @ motions
+        driven, moved = self.robot.motors.T @ motions, frame @ motions
         locked = motions @ null_space(driven, limit, size=1.0)
         still = motions @ null_space(moved, limit, size=1.0)
         free = motions.shape[1]
         found = {
             "constraint": free > self.robot.model.nv - self._rank,
             "actuation": locked.shape[1] > 0,
-            "end_effector": free - still.shape[1] < min(len(self.task), len(self.robot.actuated)),
+            "end_effector": free - still.shape[1] < min(len(self.task), self.robot.commanded),
         }
         return Singularity(
             tuple(kind for kind in KINDS if found[kind]),
@@ -294,9 +298,9 @@ class SingularityAnalysis:
     def _rank(self) -> int:
         """Independent closure equations in general position.
 
-        As many as there are joints without a motor.
+        As many as there are velocities that follow from the coordinates, or are held.
         """
-        return self.robot.dependent_v.size
+        return self._dependent.size
 
     def _velocities(self, motions: Array) -> Array:
         """Return homogeneous motions (nv, k) as joint velocities (k, nv), the fastest being 1."""
@@ -314,8 +318,8 @@ class SingularityAnalysis:
         frames = np.empty((len(rows), len(self._rows), model.nv))
         for q, closure, frame in zip(rows, closures, frames, strict=True):
             opening = float(np.abs(residual(self._table, q)).max(initial=0.0))
-            if not opening <= OPEN:
-                raise OpenLoops(opening, OPEN)
+            if not opening <= self._open:
+                raise OpenLoops(opening, self._open)
             closure[:] = jacobian(self._table, q)
             pin.computeJointJacobians(model, data, q)
             pin.updateFramePlacement(model, data, self._index)
@@ -328,12 +332,7 @@ class SingularityAnalysis:
         return closures, frames
 
     def _measures(self, closures: Array, frames: Array) -> Measures:
-        count, n, rank, nv = (
-            len(closures),
-            len(self.robot.actuated),
-            self._rank,
-            self.robot.model.nv,
-        )
+        count, rank, nv = len(closures), self._rank, self.robot.model.nv
         constraint, closure_condition, mobility = (
             np.ones(count),
             np.ones(count),
@@ -343,12 +342,12 @@ class SingularityAnalysis:
         if rank:
             _, values, right = np.linalg.svd(closures)
             constraint = values[:, rank - 1] / values[:, 0]
-            mobility = (
-                nv - np.count_nonzero(values > RANK_TOLERANCE * values[:, :1], axis=1)
-            ).astype(float)
+            # Rounding makes redundant equations seem independent.
+            independent = np.count_nonzero(values > RANK_TOLERANCE * values[:, :1], axis=1)
+            mobility = (nv - np.minimum(independent, rank)).astype(float)
             motions = np.swapaxes(right[:, rank:], 1, 2)
-            closure_condition = _condition(closures[:, :, self.robot.dependent_v])
-        driven, moved = motions[:, self.robot.actuated_v], frames @ motions
+            closure_condition = _condition(closures[:, :, self._dependent])
+        driven, moved = self.robot.motors.T @ motions, frames @ motions
         measures = Measures(
             constraint=constraint,
             actuation=np.linalg.svd(driven, compute_uv=False)[:, -1].astype(float),
@@ -358,17 +357,15 @@ class SingularityAnalysis:
             manipulability=np.full(count, np.inf),
             # The determinants change their signs together with the basis, their product does not.
             orientation=np.sign(np.linalg.det(driven) * np.linalg.det(moved))
-            if len(self.task) == n
+            if driven.shape[1] == driven.shape[2] == len(self.task)
             else np.zeros(count),
-            assembly=np.sign(
-                np.linalg.det((self._independent @ closures)[:, :, self.robot.dependent_v])
-            ),
+            assembly=np.sign(np.linalg.det((self._independent @ closures)[:, :, self._dependent])),
             mobility=mobility,
         )
         regular = measures.actuation > RANK_TOLERANCE
-        transposed: Array = np.linalg.solve(
-            np.swapaxes(driven[regular], 1, 2), np.swapaxes(moved[regular], 1, 2)
-        ).astype(float)
+        # With more motors than coordinates their motions are those that keep the loops closed.
+        inverse = np.linalg.pinv(driven[regular])
+        transposed: Array = np.swapaxes(moved[regular] @ inverse, 1, 2).astype(float)
         measures.condition[regular] = _condition(transposed)
         measures.manipulability[regular] = np.linalg.svd(transposed, compute_uv=False).prod(axis=1)
         # Which of the directions belong to N is not determined where there are more than usual.

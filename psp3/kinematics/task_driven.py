@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, finite_rows
 from psp3.errors import InvalidValue, MobilityMismatch
-from psp3.kinematics.tasks import checked_frame, checked_task
+from psp3.kinematics.tasks import checked_frame, checked_motors, checked_task, equations_of
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
@@ -54,11 +54,11 @@ class TaskDrivenRobot(ClosedLoopRobot):
     frame : str
         Name of the frame that does the task.
     task : sequence of str
-        As many coordinates as the robot has motors: ``x``, ``y``, ``z``, the position of the frame
-        in base axes [m], and ``rx``, ``ry``, ``rz``, angles [rad] by which the frame is turned away
-        from its orientation in the robot's reference configuration, about the fixed base axes, x
-        first, then y, then z. Those that are not named are free, and follow; the turn about such an
-        axis comes last, except that a single angle always is the last.
+        As many coordinates as the robot's motors command: ``x``, ``y``, ``z``, the position of the
+        frame in base axes [m], and ``rx``, ``ry``, ``rz``, angles [rad] by which the frame is
+        turned away from its orientation in the robot's reference configuration, about the fixed
+        base axes, x first, then y, then z. Those that are not named are free, and follow; the turn
+        about such an axis comes last, except that a single angle always is the last.
 
     Attributes
     ----------
@@ -71,19 +71,20 @@ class TaskDrivenRobot(ClosedLoopRobot):
     UnknownName
         If the robot has no such frame, or there is no such coordinate.
     InvalidValue
-        If the task has not as many coordinates as the robot has motors, or they do not determine
-        its pose.
+        If the task has not as many coordinates as the robot's motors command, or they do not
+        determine its pose, or some of the robot's coordinates follow its motors.
     ClosureFailed, SingularConfiguration
         If the reference configuration is a singularity of the frame.
     """
 
     def __init__(self, robot: ClosedLoopRobot, frame: str, task: Sequence[str]) -> None:
-        self.robot, self.frame, self.task = robot, checked_frame(robot, frame), checked_task(task)
-        if len(self.task) != len(robot.actuated):
+        self.robot, self.frame = checked_motors(robot), checked_frame(robot, frame)
+        self.task = checked_task(task)
+        if len(self.task) != robot.commanded:
             raise InvalidValue(
                 "task",
                 self.task,
-                f"as many coordinates as the robot has motors, {len(robot.actuated)}",
+                f"as many coordinates as the robot's motors command, {robot.commanded}",
             )
         at_reference = self._placement(robot.q0)
         self._orientation, self._turns = at_reference.rotation.copy(), _turns(self.task)
@@ -114,6 +115,7 @@ class TaskDrivenRobot(ClosedLoopRobot):
                 closures,
                 [f"task_{name}" for name in self.task],
                 self.completed(robot.q0),
+                equations=equations_of(robot),
                 free="refuse",
             )
         except MobilityMismatch as error:

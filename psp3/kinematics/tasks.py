@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from psp3.errors import InvalidValue, UnknownName
+from psp3.multibody.equations import Coupling
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
@@ -66,6 +68,33 @@ def rotating(model: pin.Model) -> NDArray[np.bool_]:
         )[:, columns]
         angular[columns] = np.abs(own[3:]).max(axis=0, initial=0.0) > 0.0
     return angular
+
+
+def checked_motors(robot: ClosedLoopRobot) -> ClosedLoopRobot:
+    """Return a robot whose motors command all of its coordinates; raise if it is none."""
+    if robot.commanded < len(robot.coordinates_v):
+        followers = ", ".join(robot.coordinates[robot.commanded :])
+        raise InvalidValue(
+            "robot",
+            robot.title,
+            f"one whose motors command all coordinates; of this one {followers} follow (free="
+            "'lock' holds what can be held)",
+        )
+    return robot
+
+
+def equations_of(robot: ClosedLoopRobot) -> list[Any]:
+    """Return what closes a robot besides its constraint models, and what is held in it."""
+    held: list[Any] = list(robot.equations)
+    for one in robot.locked:
+        if one.spin is not None:
+            held.append(one.spin)
+            continue
+        number = robot.model.getJointId(one.joint)
+        place = robot.q0[robot.model.joints[number].idx_q]
+        # A joint that is held follows itself.
+        held.append(Coupling(f"{one.joint}, held", number, number, (float(place),)))
+    return held
 
 
 def checked_frame(robot: ClosedLoopRobot, frame: str) -> str:

@@ -28,7 +28,7 @@ from psp3.kinematics.border import EDGE_ACCURACY, Boundary, Tracer
 from psp3.kinematics.pose_map import COORDINATES, KinematicMap, Status
 from psp3.kinematics.singularities import Measures, SingularityAnalysis
 from psp3.kinematics.task_driven import TaskDrivenRobot, without_limits
-from psp3.kinematics.tasks import rotating
+from psp3.kinematics.tasks import equations_of, rotating
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 
 UNLIMITED = 1e30
@@ -80,7 +80,7 @@ class Workspace:
         :class:`psp3.kinematics.task_driven.TaskDrivenRobot`.
     over : {"task", "actuators"}
         Coordinates over which the workspace is seen: those of the task, of which there must then be
-        as many as motors, or those of the motors.
+        as many as the motors command, or the robot's own, which are its motors as a rule.
     length : float, optional
         Characteristic length [m], see :mod:`psp3.kinematics.singularities`.
     singular_below : float
@@ -127,10 +127,14 @@ class Workspace:
             self.coordinates: tuple[str, ...] = self.analysis.task
         else:
             self._driven = ClosedLoopRobot(
-                without_limits(robot.model), robot.constraint_models, robot.actuated, robot.q0
+                without_limits(robot.model),
+                robot.constraint_models,
+                robot.coordinates,
+                robot.q0,
+                equations=equations_of(robot),
             )
-            self.coordinates = robot.actuated
-        angular = rotating(self._driven.model)[self._driven.actuated_v]
+            self.coordinates = robot.coordinates
+        angular = rotating(self._driven.model)[self._driven.coordinates_v]
         self.units = {
             name: "rad" if turns else "m"
             for name, turns in zip(self.coordinates, angular, strict=True)
@@ -476,7 +480,7 @@ class Workspace:
         if margin[0] < 0.0:
             return "limit", self._limits.names[joint[0]]
         measures = self.analysis.measures(q)
-        if measures.mobility > len(self.analysis.robot.actuated):
+        if measures.mobility > self.analysis.robot.commanded:
             return "constraint", ""
         kinds = {
             "constraint": measures.constraint / self._tight,

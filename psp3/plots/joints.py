@@ -1,4 +1,4 @@
-"""Figures of motions of any robot, a line a joint."""
+"""Figures of motions of any robot, a line for each joint that a motor commands."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from itertools import cycle
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from psp3.checks import Array
 from psp3.kinematics.tasks import rotating
@@ -27,6 +28,9 @@ def figure_of_joint_tracking(
     robot: Robot, result: Result, title: str, axes: Sequence[Axes] | None = None
 ) -> Panels:
     """Draw a simulation of any robot: positions beside the desired ones, errors, and forces.
+
+    Of a robot whose coordinates are not its motors, the positions of those that are commanded and
+    the forces of all motors.
 
     Parameters
     ----------
@@ -58,19 +62,20 @@ def figure_of_joint_tracking(
         panels = tuple(figure.subplots(3, 1, sharex=True))
     positions, errors, forces = panels
     length, force = _units(robot)
-    _draw(positions, result.t, result.positions, robot.actuated)
+    names, reached = _commanded(robot), result.positions[:, : robot.commanded]
+    _draw(positions, result.t, reached, names)
     for line, column in zip(positions.lines, result.desired.positions.T, strict=True):
         positions.plot(result.t, column, color=line.get_color(), linestyle=":", linewidth=1.0)
-    _draw(errors, result.t, result.desired.positions - result.positions, robot.actuated)
+    _draw(errors, result.t, result.desired.positions - reached, names)
     _draw(forces, result.t, result.torque, robot.actuated)
     for panel, name, unit in (
         (positions, "position (desired: dotted)", length),
         (errors, "error", length),
         (forces, "force", force),
     ):
-        panel.set(ylabel=f"{name} [{unit}]", xlim=(result.t[0], result.t[-1]))
+        panel.set(ylabel=_with_unit(name, unit), xlim=(result.t[0], result.t[-1]))
     forces.set_xlabel("time t [s]")
-    _name(positions, robot.actuated)
+    _name_both(robot, positions, forces)
     return panels
 
 
@@ -115,13 +120,22 @@ def figure_of_joint_forces(
         (length, f"{length} per s", f"{length} per s²", force),
         strict=True,
     ):
-        _draw(panel, forces.t, values, robot.actuated)
-        panel.set_ylabel(f"{name} [{unit}]")
+        names = robot.actuated if panel is panels[-1] else _commanded(robot)
+        _draw(panel, forces.t, values, names)
+        panel.set_ylabel(_with_unit(name, unit))
         if forces.t.size > 1:
             panel.set_xlim(forces.t[0], forces.t[-1])
     panels[-1].set_xlabel("time t [s]")
-    _name(panels[0], robot.actuated)
+    _name_both(robot, panels[0], panels[-1])
     return panels
+
+
+def _commanded(robot: Robot) -> tuple[str, ...]:
+    return robot.coordinates[: robot.commanded]
+
+
+def _with_unit(name: str, unit: str) -> str:
+    return f"{name} [{unit}]" if unit else name
 
 
 def _draw(panel: Axes, t: Array, values: Array, names: Sequence[str]) -> None:
@@ -137,9 +151,20 @@ def _name(panel: Axes, names: Sequence[str]) -> None:
         )
 
 
+def _name_both(robot: Robot, positions: Axes, forces: Axes) -> None:
+    """Name the joints, and the motors where they are others."""
+    _name(positions, _commanded(robot))
+    if robot.actuated != _commanded(robot):
+        _name(forces, robot.actuated)
+
+
 def _units(robot: Robot) -> tuple[str, str]:
-    """Return the units of the motors' positions and forces."""
-    turning = rotating(robot.model)[robot.actuated_v]
-    if np.all(turning):
-        return "rad", "N m"
-    return ("rad, m", "N m, N") if np.any(turning) else ("m", "N")
+    """Return the units of positions and of the motors' forces; a tendon's is not known."""
+    turning = rotating(robot.model)
+    length = _joined(turning[robot.coordinates_v[: robot.commanded]], "rad", "m")
+    return length, _joined(turning[robot.actuated_v], "N m", "N")
+
+
+def _joined(turning: NDArray[np.bool_], angular: str, linear: str) -> str:
+    both = ((angular, np.any(turning)), (linear, not np.all(turning)))
+    return ", ".join(unit for unit, is_there in both if is_there)

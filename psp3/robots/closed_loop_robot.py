@@ -31,6 +31,7 @@ from psp3.checks import Array, finite_rows, one_row, together
 from psp3.closure.coordinates import chosen_coordinates
 from psp3.closure.mobility import mobility_of
 from psp3.closure.passive_limits import PassiveLimits
+from psp3.closure.ranges import freed
 from psp3.closure.rank import dependent_solver, null_space
 from psp3.closure.structure import (
     EXACT,
@@ -44,7 +45,7 @@ from psp3.description.urdf import read_robot
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
-from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
+from psp3.dynamics.motors import Motors, forces_of_motors, least_norm
 from psp3.errors import (
     ClosureFailed,
     DependentCoordinates,
@@ -82,6 +83,7 @@ from psp3.robots.simple_joints import (
     SimpleTree,
     base_in_loop,
     can_spin,
+    is_round,
     parts_of_base,
     with_simple_joints,
 )
@@ -166,6 +168,9 @@ class ClosedLoopRobot:
         and forces as in a velocity: a floating base, which is last, has 7 and 6.
     locked : tuple of Locked
         Free motions that are held.
+    without_limits : tuple of Beyond
+        Joints that are outside their range in the reference pose, because that pose was given or no
+        closed one within all ranges was found: the limit that they are beyond is not kept.
     mobility : Mobility
         How many ways the mechanism can move, and how many of them its motors command.
     closure_mismatch : ClosureMismatch
@@ -187,6 +192,8 @@ class ClosedLoopRobot:
     """
     srdf: Path | None = None
     """The SRDF it was loaded with."""
+    mjcf: Path | None = None
+    """The MJCF file it was loaded from, if it was."""
 
     def __init__(
         self,
@@ -247,6 +254,8 @@ class ClosedLoopRobot:
         found = structure(model, flat, home, self.motors, names)
         self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
         _refuse(found, self.mobility, self.actuated, names, free)
+        self.model, self.without_limits = freed(model, found.home)
+        model = self.model
         base: int | None = None
         spins: list[Any] = []
         try:
@@ -260,7 +269,7 @@ class ClosedLoopRobot:
         else:
             spins = [one for one in chosen.spins if free == "keep" and can_spin(model, one)]
         if spins or base is not None:
-            kept = kept if base is None else parts_of_base(model, base)
+            kept = kept if base is None else [*kept, *parts_of_base(model, base)]
             self._take(with_simple_joints(tree._replace(home=found.home), spins, base), kept)
             return
         if not chosen.names:
@@ -324,13 +333,27 @@ class ClosedLoopRobot:
                 loop,
                 self.closure_mismatch.home_moved,
             )
-        if self.locked:
+        if self.without_limits:
+            logger.warning(
+                "%s: the reference pose has %s, so that these limits are not kept: correct them, "
+                "or give a closed pose within them (home in an SRDF or a key frame)",
+                self.title,
+                "; ".join(map(str, self.without_limits)),
+            )
+        if self.options["free"] == "keep":
+            # Nothing feels how a round rod has turned; what else is held, hinges cannot replace.
+            felt = [one for one in self.locked if one.spin and not is_round(self.model, one.spin)]
+            remedy = "its ball has damping, friction or armature, so that no hinges can replace it"
+        else:
+            felt = list(self.locked)
+            remedy = 'free="keep" makes them coordinates, free="refuse" refuses the robot'
+        if felt:
             logger.warning(
                 "%s: no motor commands these motions, which are held where they are: %s; a body "
-                "that would turn keeps its inertia where it is, also off its axis "
-                '(free="keep" makes them coordinates, free="refuse" refuses the robot)',
+                "that would turn keeps its inertia where it is, also off its axis (%s)",
                 self.title,
-                "; ".join(map(str, self.locked)),
+                "; ".join(map(str, felt)),
+                remedy,
             )
 
     def _create_data(self) -> None:
@@ -427,12 +450,10 @@ class ClosedLoopRobot:
         """
         from psp3.description.mjcf import read_mjcf
 
-        return cls(
-            *read_mjcf(mjcf, actuated, joint_type),
-            free=free,
-            coordinates=coordinates,
-            closures=closures,
-        )
+        parts = read_mjcf(mjcf, actuated, joint_type)
+        robot = cls(*parts, free=free, coordinates=coordinates, closures=closures)
+        robot.mjcf = Path(mjcf)
+        return robot
 
     @classmethod
     def from_sdf(
@@ -613,11 +634,23 @@ class ClosedLoopRobot:
             if failed.outcome == SINGULAR:
                 # What is wrong is told by Pinocchio's Jacobian.
                 self._dependent_inverse(failed.q)
+                if self._has_mass_matrix(positions[failed.row]):
+                    return NoFiniteAnswer(positions[failed.row])
         except (JointLimitExceeded, SingularConfiguration) as error:
             return error
         if failed.outcome == NOT_FINITE:
             return NoFiniteAnswer(positions[failed.row])
         return ClosureFailed(positions[failed.row], failed.residual, failed.share)
+
+    def _has_mass_matrix(self, positions: Array) -> bool:
+        """Tell whether a mass matrix is to be had, so that only it can be singular."""
+        rest = np.zeros((1, self._speed_count))
+        out = np.empty((1, 2 * rest.size**2 + rest.size))
+        try:
+            self._core.ask(EQUATION_OF_MOTION, positions[np.newaxis], rest, rest, out, None)
+        except NoAnswer:
+            return False
+        return True
 
     def _ask(
         self,
@@ -931,23 +964,15 @@ class ClosedLoopRobot:
         UnreachableForces
             If motors are missing for this motion.
         """
-        if not self.drives_coordinates and np.shape(accelerations)[-1:] < (self._speed_count,):
-            return self._forces_for_some(positions, speeds, accelerations)
-        forces = self.inverse_dynamics(positions, speeds, accelerations, guess)
         if self.drives_coordinates:
-            return forces
-        return least_norm(self.actuation_matrix(positions), forces, self.coordinates)
-
-    def _forces_for_some(
-        self, positions: ArrayLike, speeds: ArrayLike, accelerations: ArrayLike
-    ) -> Array:
-        """Return the motors' forces for accelerations of the first coordinates alone."""
-        wanted = finite_rows("accelerations", accelerations, np.shape(accelerations)[-1])
-        rest = np.zeros(self._speed_count)
-        mass = self.mass_matrix(positions)
-        bias = self.inverse_dynamics(positions, speeds, rest)
-        actuation = self.actuation_matrix(positions)
-        return partly_linearizing(mass, bias, actuation, wanted, self.coordinates)
+            return self.inverse_dynamics(positions, speeds, accelerations, guess)
+        return forces_of_motors(
+            self.actuation_matrix(positions),
+            lambda rates: self.inverse_dynamics(positions, speeds, rates, guess),
+            lambda: self.mass_matrix(positions, guess),
+            accelerations,
+            self.coordinates,
+        )
 
     def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:
         """Return the motors' forces of least norm that make forces along the first coordinates.
@@ -1111,24 +1136,8 @@ class ClosedLoopRobot:
     ) -> InverseDynamicsDerivatives:
         """Return the derivatives of the actuator forces of a motion, along the closed loops.
 
-        See :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`.
-
-        Parameters
-        ----------
-        positions, speeds, accelerations : (..., n) array_like
-            Motion of the actuated joints [m, m/s, m/s² or rad, rad/s, rad/s²].
-        guess : (nq,) array_like or LastPose, optional
-            Where closing the loops starts; ``q0`` by default.
-
-        Returns
-        -------
-        InverseDynamicsDerivatives
-            ``.by_positions .by_speeds .by_accelerations``, each (..., n, n).
-
-        Raises
-        ------
-        InvalidArray, ClosureFailed, SingularConfiguration
-            See :meth:`configuration`.
+        See :func:`psp3.dynamics.derivatives.inverse_dynamics_derivatives`; ``guess`` as in
+        :meth:`configuration`.
         """
         return InverseDynamicsDerivatives(
             *self._three_matrices(INVERSE_DERIVATIVES, guess, positions, speeds, accelerations)
@@ -1143,24 +1152,8 @@ class ClosedLoopRobot:
     ) -> ForwardDynamicsDerivatives:
         """Return the derivatives of the accelerations under actuator forces.
 
-        See :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`.
-
-        Parameters
-        ----------
-        positions, speeds, forces : (..., n) array_like
-            State of the actuated joints, and their forces [N or N m].
-        guess : (nq,) array_like or LastPose, optional
-            Where closing the loops starts; ``q0`` by default.
-
-        Returns
-        -------
-        ForwardDynamicsDerivatives
-            ``.by_positions .by_speeds .by_forces``, each (..., n, n).
-
-        Raises
-        ------
-        InvalidArray, ClosureFailed, SingularConfiguration
-            See :meth:`configuration`.
+        See :func:`psp3.dynamics.derivatives.forward_dynamics_derivatives`; ``guess`` as in
+        :meth:`configuration`.
         """
         return ForwardDynamicsDerivatives(
             *self._three_matrices(FORWARD_DERIVATIVES, guess, positions, speeds, forces, "forces")

@@ -45,7 +45,7 @@ def named_closures(
         if second == "world":
             two = 0, data.oMf[number]
         else:
-            frame = model.frames[frame_number(model, second)]
+            frame = model.frames[_second_frame(model, second)]
             two = frame.parentJoint, frame.placement
         if kind == "hinge":
             made.append(Hinge(f"{first}-{second}", *one, *two))
@@ -56,3 +56,10 @@ def named_closures(
             loop.name = f"{first}-{second}"
             made.append(loop)
     return made
+
+
+def _second_frame(model: pin.Model, name: str) -> int:
+    try:
+        return frame_number(model, name)
+    except UnknownName as error:
+        raise UnknownName("frame", name, ("world", *error.known)) from None

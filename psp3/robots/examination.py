@@ -10,6 +10,7 @@ import pinocchio as pin
 from psp3.closure.structure import TOLD_MISMATCH, closure_names, robot_size
 from psp3.multibody.equations import Coupling, Hinge
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.second_opinion import Opinion, mujoco_opinion
 
 IMPOSSIBLE = 1e-9
 """So far, as a share of the largest, a principal moment may exceed the sum of the other two by the
@@ -21,6 +22,13 @@ ROUNDED = 2e-3
 
 LIGHT = 1e-9
 """A coordinate that moves this share of what another one does moves nothing."""
+
+
+HELD = (
+    ("", False, 'actuated=[...] names more motors, free="keep" makes them coordinates'),
+    ("the spin of ", True, "nothing, of a rod; of more, hold or drive it (joint_type)"),
+)
+"""Motions that are held: what they are called, whether a ball's, and what can be done."""
 
 
 class Finding(NamedTuple):
@@ -52,6 +60,8 @@ class Examination(NamedTuple):
     """How far redundant loops stay open [m], [rad], and how far that moved home [m, rad]."""
     size: float
     """How far apart its joints are [m]."""
+    mujoco: str
+    """How well MuJoCo agrees about the file, if it reads such files and is installed."""
     findings: tuple[Finding, ...]
 
 
@@ -66,10 +76,12 @@ def examine(robot: ClosedLoopRobot) -> Examination:
     Returns
     -------
     Examination
-        What it is made of, with a finding for each motion that is held, each motor that another
-        one determines, loops that contradict themselves, bodies that have an inertia that no rigid
-        body has, and coordinates that move next to nothing.
+        What it is made of, with findings of motions that are held, motors that others determine,
+        joints that are beyond their limits, loops that contradict themselves, bodies that have an
+        inertia that no rigid body has, coordinates that move next to nothing, and of what MuJoCo
+        reads otherwise.
     """
+    opinion = mujoco_opinion(robot)
     closures = [*robot.constraint_models, *robot.equations]
     return Examination(
         title=robot.title,
@@ -84,11 +96,14 @@ def examine(robot: ClosedLoopRobot) -> Examination:
         redundant_equations=robot.mobility.redundant_equations,
         mismatch=tuple(robot.closure_mismatch),
         size=robot_size(robot.model, robot.q0),
+        mujoco=opinion.summary,
         findings=(
             *_of_motions(robot),
+            *_of_limits(robot),
             *_of_loops(robot),
             *_of_inertias(robot.model),
             *_of_mass_matrix(robot),
+            *_of_opinion(opinion),
         ),
     )
 
@@ -102,13 +117,13 @@ def _kind(closure: Any) -> str:
 
 
 def _of_motions(robot: ClosedLoopRobot) -> list[Finding]:
-    findings = [
-        Finding(
-            f"no motor commands {motion}, which is held where it is in the reference pose",
-            'actuated=[...] names more motors, free="keep" makes it a coordinate',
-        )
-        for motion in robot.locked
-    ]
+    findings = []
+    for kind, is_spin, remedy in HELD:
+        joints = [one.joint for one in robot.locked if (one.spin is not None) == is_spin]
+        if joints:
+            # A ball that is held in several directions once.
+            names = ", ".join(dict.fromkeys(joints))
+            findings.append(Finding(f"no motor commands {kind}{names}: held at home", remedy))
     if robot.mobility.over_actuation:
         followers = ", ".join(robot.mobility.dependent_actuators)
         findings.append(
@@ -120,6 +135,29 @@ def _of_motions(robot: ClosedLoopRobot) -> list[Finding]:
             )
         )
     return findings
+
+
+def _of_limits(robot: ClosedLoopRobot) -> list[Finding]:
+    if not robot.without_limits:
+        return []
+    return [
+        Finding(
+            f"the reference pose has {'; '.join(map(str, robot.without_limits))}: these limits are "
+            "not kept",
+            "correct the ranges, or give a closed pose within them (home in an SRDF or key frame)",
+        )
+    ]
+
+
+def _of_opinion(opinion: Opinion) -> list[Finding]:
+    if not opinion.disagreements:
+        return []
+    return [
+        Finding(
+            f"MuJoCo reads {len(opinion.disagreements)} numbers of this file otherwise",
+            "compare the two readings above; if ours is wrong, please report it",
+        )
+    ]
 
 
 def _of_loops(robot: ClosedLoopRobot) -> list[Finding]:

@@ -36,6 +36,8 @@ class Robot(DynamicsModel, Protocol):
     """Names of the actuated joints, in the order of all actuated coordinates."""
     actuated_v: Indices
     """Indices of the actuated joints in a velocity of the tree, (n,)."""
+    coordinates: tuple[str, ...]
+    """Names of the joints that are coordinates, those that the motors command first."""
     coordinates_v: Indices
     """Indices of the coordinates in a velocity of the tree, (n,)."""
     q0: Array
@@ -125,6 +127,10 @@ class Robot(DynamicsModel, Protocol):
 
     def actuation_matrix(self, positions: ArrayLike) -> Array:
         """Return what the motors' forces do along the coordinates, (..., n, m)."""
+        ...
+
+    def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:
+        """Return motor forces (..., m) of least norm for forces along the first coordinates."""
         ...
 
     def mass_matrix(self, positions: ArrayLike, guess: ArrayLike | LastPose | None = None) -> Array:

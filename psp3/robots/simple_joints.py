@@ -8,7 +8,7 @@ right angle swing and spin are the same motion, and the pose is singular.
 A floating base in a loop, as of a robot that stands on a point of its foot, keeps some of its
 motions. So that they have coordinates, slides ``<base>_x``, ``_y`` and ``_z`` and hinges
 ``<base>_yaw``, ``_pitch`` and ``_roll`` stand in its place, singular at a pitch of a right angle;
-of a planar base ``_x``, ``_y`` and ``_yaw``.
+of a planar base ``_x``, ``_y`` and ``_yaw``. So it is with all that floats but the first.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ def can_spin(model: pin.Model, spin: Spin) -> bool:
 
 
 def base_in_loop(model: pin.Model, closures: Sequence[Any]) -> int | None:
-    """Return the joint of a base that a loop contains, or None."""
+    """Return the joint of a base that a loop contains, or of a second one that floats, or None."""
     free = floating_base(model, closures)
     return next((joint.id for joint in bases(model) if free is None or joint.id != free.id), None)
 

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array
 from psp3.dynamics.dynamics_model import DynamicsModel
-from psp3.errors import InvalidArray
+from psp3.errors import InvalidArray, InvalidValue
 from psp3.trajectories.motion import Motion, finite_times
 from psp3.trajectories.trajectory import Trajectory
 
@@ -33,7 +33,8 @@ class ScrewForces:
     motion : Motion
         ``.positions .speeds .accelerations .tip``, each (N, 3).
     inertial, coriolis, gravity : (N, 3) ndarray
-        The three terms of eq. 3.1 [N].
+        The three terms of eq. 3.1 [N]. Of a robot with more motors than coordinates those of the
+        motors, each of least norm.
     """
 
     t: Array
@@ -92,20 +93,36 @@ def screw_forces(
     ------
     InvalidArray
         If the times are not finite or not a list.
+    InvalidValue
+        If some of the robot's coordinates follow as forces let them.
     UnreachableTip, StrokeExceeded
         If the robot cannot make the motion.
     """
     times = finite_times(t)
     if times.ndim != 1:
         raise InvalidArray("t", "(N,)", times)
+    robot = trajectory.robot
+    if robot.commanded < len(robot.coordinates_v):
+        followers = ", ".join(robot.coordinates[robot.commanded :])
+        raise InvalidValue(
+            "robot of a motion whose forces are asked for",
+            robot.title,
+            f"one whose motors command all coordinates: {followers} follow as the forces let them; "
+            "simulate finds both",
+        )
     motion = trajectory.check(times)
-    M, C, G = (trajectory.robot if model is None else model).equation_of_motion(
+    M, C, G = (robot if model is None else model).equation_of_motion(
         motion.positions, motion.speeds
     )
     return ScrewForces(
         times,
         motion,
-        inertial=np.einsum("nij,nj->ni", M, motion.accelerations),
-        coriolis=np.einsum("nij,nj->ni", C, motion.speeds),
-        gravity=G,
+        *(
+            robot.allocated_forces(motion.positions, forces)
+            for forces in (
+                np.einsum("nij,nj->ni", M, motion.accelerations),
+                np.einsum("nij,nj->ni", C, motion.speeds),
+                G,
+            )
+        ),
     )

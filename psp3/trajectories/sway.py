@@ -1,4 +1,4 @@
-"""A motion to look at for any robot: every motor goes to and fro about the reference pose."""
+"""A motion to look at for any robot: what motors command goes to and fro about its reference."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from psp3.trajectories.fourier_series import FourierSeries
 from psp3.trajectories.trajectory import Trajectory
 
 LARGEST = 0.4
-"""No motor is moved by more than this to begin with [rad, or sizes of the robot]."""
+"""No joint is moved by more than this to begin with [rad, or sizes of the robot]."""
 
 ROOM = 0.3
 """Nor by more than this share of the way to its nearer limit, or of its whole range where the
@@ -29,7 +29,7 @@ reference is at a limit.
 """
 
 AT_A_LIMIT = 0.02
-"""So near to a limit, as a share of the range, a motor only moves away from it."""
+"""So near to a limit, as a share of the range, a joint only moves away from it."""
 
 SAMPLES = 64
 """Times at which it is looked whether the robot can make the motion."""
@@ -48,19 +48,20 @@ NO_POSE = (
 
 
 class Sway(FourierSeries):
-    r"""A periodic motion of all n motors from rest, each in its own phase.
+    r"""A periodic motion of all n joints that motors command, from rest, each in its own phase.
 
     .. math:: a_i(t) = a_i(0) + A_i \big( \cos \varphi_i (1 - \cos \omega t)
               + \sin \varphi_i (\sin \omega t - \tfrac12 \sin 2 \omega t) \big), \qquad
               \varphi_i = 2 \pi i / n, \quad \omega = 2 \pi / T
 
-    It starts and returns with speed zero. A motor whose reference is at a limit only moves away
-    from it, with :math:`\varphi_i` of 0 or :math:`\pi`.
+    It starts and returns with speed zero. A joint whose reference is at a limit only moves away
+    from it, with :math:`\varphi_i` of 0 or :math:`\pi`. Of a robot whose coordinates are not its
+    motors these are the first coordinates, as many as ``robot.commanded``; the others follow.
 
     Parameters
     ----------
     amplitude : float, optional
-        Amplitude A of all motors [m or rad]. By default each motor's is chosen from its limits and
+        Amplitude A of all joints [m or rad]. By default each joint's is chosen from its limits and
         the robot's size, and then all are halved until the robot can make the motion.
     period : float
         Time T after which the motion repeats [s].
@@ -77,10 +78,11 @@ class Sway(FourierSeries):
         self, amplitude: float | None = None, period: float = 2.0, robot: Robot | None = None
     ) -> None:
         whose = Trajectory(robot, "joints").robot
-        home = whose.reference
+        k = whose.commanded
+        home = whose.reference[:k]
         still = np.zeros((2, len(home)))
         super().__init__(home, still, still, period, whose)
-        lower, upper = self.robot.limits
+        lower, upper = (limit[:k] for limit in whose.limits)
         phases = _phases(home, lower, upper)
         if amplitude is not None:
             self._set(home, phases, np.full(len(home), checked_positive("amplitude", amplitude)))
@@ -100,7 +102,7 @@ class Sway(FourierSeries):
 
     @property
     def amplitudes(self) -> Array:
-        """Amplitudes :math:`A_i` of the motors, (n,) [m or rad]."""
+        """Amplitudes :math:`A_i` of the joints, (n,) [m or rad]."""
         found: Array = np.hypot(self.cosines[0], self.sines[0])
         return found
 
@@ -111,7 +113,7 @@ class Sway(FourierSeries):
 
 
 def _phases(home: Array, lower: Array, upper: Array) -> Array:
-    """Return the phases of the motors: away from the limit where one is at a limit."""
+    """Return the phases of the joints: away from the limit where one is at a limit."""
     phases = 2.0 * np.pi * np.arange(len(home)) / len(home)
     near = AT_A_LIMIT * (upper - lower)
     phases = np.where(np.isfinite(near) & (home - lower <= near), 0.0, phases)
@@ -124,5 +126,5 @@ def _amplitudes(robot: Robot, home: Array, lower: Array, upper: Array) -> Array:
     at_a_limit = room <= AT_A_LIMIT * (upper - lower)
     room = np.where(at_a_limit & np.isfinite(upper - lower), 0.5 * (upper - lower), room)
     size = robot_size(robot.model, robot.q0)
-    turning = rotating(robot.model)[robot.actuated_v]
+    turning = rotating(robot.model)[robot.coordinates_v[: len(home)]]
     return np.minimum(ROOM * room, LARGEST * np.where(turning, 1.0, size))

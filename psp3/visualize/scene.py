@@ -27,6 +27,7 @@ from psp3.errors import InvalidValue
 from psp3.kinematics.tasks import rotating
 from psp3.robots.robot import Robot
 from psp3.simulation.result import Result
+from psp3.trajectories.motion import completed
 from psp3.trajectories.trajectory import Trajectory
 from psp3.visualize.animation import Frames, clip, frames_of
 from psp3.visualize.commands import DrawingCommands
@@ -202,7 +203,8 @@ class Scene:
 
         Of a result are shown: the robot, the desired pose as a translucent ghost, the paths of the
         tip and of the desired tip, and the screw forces as arrows. Of a trajectory: the robot that
-        follows it exactly, and the path of the tip.
+        follows it exactly, and the path of the tip. Of a robot whose motors do not command all
+        coordinates no desired pose is shown, and on a trajectory the others stay where they are.
 
         Parameters
         ----------
@@ -236,7 +238,10 @@ class Scene:
                 samples,
                 "one simulation result or more, none of them empty (number of samples by name)",
             )
-        frames = {name: frames_of(motion, duration) for name, motion in named.items()}
+        frames = {
+            name: _of_all_coordinates(self.robot, frames_of(motion, duration))
+            for name, motion in named.items()
+        }
         if not _is_driven_by_slides(self.robot):
             # A torque has no arrow.
             frames = {name: one._replace(force=None) for name, one in frames.items()}
@@ -359,6 +364,22 @@ class Scene:
         )
 
 
+def _of_all_coordinates(robot: Robot, frames: Frames) -> Frames:
+    """Return frames with positions of all coordinates, where a motion is of the commanded ones.
+
+    Nothing is desired of those that follow, and thus no pose and no place of the tip.
+    """
+    if robot.commanded == len(robot.coordinates_v):
+        return frames
+    return frames._replace(
+        positions=frames.positions
+        if frames.positions.shape[1] == len(robot.reference)
+        else completed(robot, frames.positions),
+        desired_positions=None,
+        desired_tip=None,
+    )
+
+
 def _legend(frames: Mapping[str, Frames], newtons: float) -> list[dict[str, str]]:
     """Return what is to be explained.
 
@@ -390,7 +411,9 @@ def _hull(points: Array) -> Array:
 
 def _is_driven_by_slides(robot: Robot) -> bool:
     """Whether all motors of a robot push along a line, which an arrow can show."""
-    return not rotating(robot.model)[robot.actuated_v].any()
+    turns = rotating(robot.model)[robot.actuated_v]
+    # A motor on a tendon is no joint.
+    return len(turns) == len(robot.actuated) and not turns.any()
 
 
 def _axes_of_slides(robot: Robot) -> Array:

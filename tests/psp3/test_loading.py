@@ -154,6 +154,23 @@ def test_a_file_is_read_as_its_outermost_element_says(tmp_path: Path) -> None:
         assert psp3.load(tmp_path / name, actuated=["hinge"]).actuated == ("hinge",)
 
 
+@pytest.mark.parametrize("ending", ["sdf", "world"])
+def test_an_sdf_is_read_as_its_library_reads_it(tmp_path: Path, ending: str) -> None:
+    """Two dashes in a comment and a prefix that is not declared are no XML, and in public files."""
+    (tmp_path / f"arm.{ending}").write_text(
+        """<?xml version="1.0"?><sdf version="1.7"><model name="arm"><!-- a -- b -->
+        <link name="upper"><inertial><mass>1</mass></inertial></link>
+        <joint name="hinge" type="revolute"><parent>world</parent><child>upper</child>
+        <drake:rotor_inertia>0</drake:rotor_inertia><axis><xyz>0 1 0</xyz></axis></joint>
+        </model></sdf>"""
+    )
+    robot = psp3.load(tmp_path / f"arm.{ending}", actuated=["hinge"])
+    assert robot.actuated == ("hinge",)
+    (tmp_path / "page.sdf").write_text("<robot name='arm'/>")
+    with pytest.raises(InvalidRobotFile, match="is a URDF: read it with from_urdf"):
+        psp3.load(tmp_path / "page.sdf")
+
+
 def test_what_is_no_robot_is_refused_with_what_to_do(tmp_path: Path) -> None:
     with pytest.raises(UnknownRobot, match=r"psp3\.load\('my_robot\.urdf'\)"):
         psp3.load("my_robot")

@@ -152,5 +152,6 @@ def _rows(found: Examination) -> list[tuple[str, str]]:
         ("held", "\n".join(found.held)),
         ("redundant equations", str(found.redundant_equations)),
         ("mismatch of the loops", f"{length:.1g} m, {angle:.1g} rad"),
+        ("MuJoCo", found.mujoco),
     ]
     return [(name, text) for name, text in rows if text]

@@ -8,8 +8,8 @@ import typer
 
 from psp3.cli.joint_tables import force_units, position_labels, speed_labels
 from psp3.cli.option_groups import single_options
-from psp3.cli.options import Json, Numbers, numbers, of_each
-from psp3.cli.output import fixed, new_table, print_json, show
+from psp3.cli.options import Json, Numbers, Positions, numbers, of_each
+from psp3.cli.output import fixed, new_table, print_json, show, show_narrow, show_text
 from psp3.cli.robot_options import RobotOptions
 
 if TYPE_CHECKING:
@@ -20,16 +20,7 @@ if TYPE_CHECKING:
 def dynamics(
     *,
     robot: RobotOptions,
-    positions: Annotated[
-        Numbers | None,
-        typer.Option(
-            "--positions",
-            "--heights",
-            parser=numbers,
-            metavar="A1,A2,…",
-            help="Positions of the motors (m, rad); those of the reference pose unless given.",
-        ),
-    ] = None,
+    positions: Positions = None,
     speeds: Annotated[
         Numbers | None,
         typer.Option(
@@ -120,22 +111,25 @@ def _show(
     forces: Any,
     motors: dict[str, Any],
 ) -> None:
-    tables = []
-    for name, matrix in (("M", M), ("C", C)):
-        table = new_table(f"{name} of {robot.title}", "", *labels)
-        for label, row in zip(labels, matrix, strict=True):
-            table.add_row(label, *(f"{value + 0.0:.6g}" for value in row))
-        tables.append(table)
-    tables[0].caption = "kg, kg m and kg m² as the coordinates slide or turn; C is per second"
+    # Numbered, for of many coordinates no line has room for all their names.
+    numbers = [str(number) for number in range(1, len(labels) + 1)]
+    units = "kg, kg m and kg m² as the coordinates slide or turn"
+    for name, matrix, note in (("M", M, units), ("C", C, f"{units}, per second")):
+        rows = [
+            [number, label, *(f"{value + 0.0:.6g}" for value in row)]
+            for number, label, row in zip(numbers, labels, matrix, strict=True)
+        ]
+        show_narrow(f"{name} of {robot.title}", ["", "coordinate", *numbers], rows, note)
     vector = new_table("Forces on the coordinates", "", "G", "M w + C v + G", "unit")
     for cells in zip(labels, fixed(G), fixed(forces), force_units(robot), strict=True):
         vector.add_row(*cells)
-    tables.append(vector)
-    if motors:
-        table = new_table("Forces of the motors, of least norm", "", "force")
-        found = motors["actuator_forces"]
-        for name, value in zip(robot.actuated, [] if found is None else fixed(found), strict=False):
-            table.add_row(name, value)
-        table.caption = motors.get("why")
-        tables.append(table)
-    show(*tables)
+    show(vector)
+    if not motors:
+        return
+    if motors["actuator_forces"] is None:
+        show_text(motors["why"])
+        return
+    table = new_table("Forces of the motors, of least norm", "", "force")
+    for name, value in zip(robot.actuated, fixed(motors["actuator_forces"]), strict=True):
+        table.add_row(name, value)
+    show(table)

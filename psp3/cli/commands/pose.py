@@ -12,8 +12,8 @@ from psp3.cli.options import (
     RIGHT_ANGLE,
     Json,
     Numbers,
+    Positions,
     Triple,
-    numbers,
     of_each,
     triple,
     usage_error,
@@ -30,19 +30,7 @@ if TYPE_CHECKING:
 def pose(
     *,
     robot: RobotOptions,
-    positions: Annotated[
-        Numbers | None,
-        typer.Option(
-            "--positions",
-            "--heights",
-            parser=numbers,
-            metavar="A1,A2,…",
-            help=(
-                "Forward: the pose at these positions of the motors (m, rad); the reference pose "
-                "of another robot than the 3-PSP unless given."
-            ),
-        ),
-    ] = None,
+    positions: Positions = None,
     frame: Annotated[
         list[str] | None,
         typer.Option(

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from psp3.cli.joint_tables import motor_units
+from psp3.cli.joint_tables import commanded_joints, joint_units, what_follows
 from psp3.cli.option_groups import GainOptions, MotionOptions, OutputOptions, single_options
 from psp3.cli.options import (
     OUTPUT,
@@ -34,6 +34,7 @@ from psp3.cli.output import (
     print_json,
     progress_bar,
     show,
+    show_text,
     write_csv,
 )
 from psp3.cli.robot_options import ParametersOption, RobotOptions
@@ -46,6 +47,7 @@ from psp3.cli.shared import (
 if TYPE_CHECKING:
     from psp3.robots.closed_loop_robot import ClosedLoopRobot
     from psp3.simulation.result import Result
+    from psp3.trajectories.trajectory import Trajectory
 
 
 @single_options
@@ -121,6 +123,7 @@ def simulate(
         controller = ControllerName(steering.kind)
     limit = None if torque_limit is None else _one_or_each(torque_limit, which)
     desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
+    on_path = initial_speed is InitialSpeed.PATH
     from psp3.errors import SimulationStopped
     from psp3.simulation.tracking import simulate as run
 
@@ -129,13 +132,15 @@ def simulate(
         title = f"{which.title}, {title}"
 
     def write(result: Result) -> dict[str, Path]:
-        files = {"result": out, "csv": outputs.csv, "figure": outputs.figure}
+        # Of a controller without a first force there is nothing to draw.
+        figure = outputs.figure if result.t.size else None
+        files = {"result": out, "csv": outputs.csv, "figure": figure}
         if out is not None:
             result.save(out)
         if outputs.csv is not None:
             write_csv(outputs.csv, _samples(result, which))
-        if outputs.figure is not None:
-            draw_figure(outputs.figure, lambda: _figure(which, result, title))
+        if figure is not None:
+            draw_figure(figure, lambda: _figure(which, result, title))
         return {
             name: path for name, path in files.items() if path is not None and path != Path("-")
         }
@@ -148,14 +153,14 @@ def simulate(
                 desired,
                 seconds,
                 period,
-                initial_speeds=desired(0.0).speeds if initial_speed is InitialSpeed.PATH else None,
+                initial_speeds=_speeds_of_path(which, desired) if on_path else None,
                 torque_limit=limit,
                 progress=progress,
             )
     except SimulationStopped as error:
         files = write(error.result)
         kept = f"; the part until then is in {listed(map(str, files.values()))}" if files else ""
-        typer.echo(f"{error_message(error)}{kept}", err=True)
+        typer.echo(f"{error_message(error)}{kept}{_why_it_may_have(which)}", err=True)
         raise typer.Exit(USAGE) from error
     files = write(result)
     if outputs.csv == Path("-"):
@@ -168,6 +173,7 @@ def simulate(
                 "controller": controller.value,
                 **settings,
                 **robot.identity(which),
+                **({} if which.has_inverse_of_tip else {"coordinates": which.coordinates}),
                 "trajectory": name_of_motion,
                 "trajectory_options": {
                     name: value for name, value in of_the_path if value is not None
@@ -191,6 +197,23 @@ def simulate(
         typer.echo(path)
 
 
+def _why_it_may_have(robot: ClosedLoopRobot) -> str:
+    """Say, of a robot that stopped, what no motor held, and how to hold it."""
+    follow = what_follows(robot)
+    if not follow or robot.options["free"] != "keep":
+        return ""
+    return f"; {follow} (--free lock holds what can be held)"
+
+
+def _speeds_of_path(robot: ClosedLoopRobot, desired: Trajectory) -> Any:
+    """Return the speeds at the start of a motion; what follows rests."""
+    import numpy as np
+
+    speeds = np.zeros(robot.coordinates_v.size)
+    speeds[: robot.commanded] = desired(0.0).speeds
+    return speeds
+
+
 def _one_or_each(given: Limit, robot: ClosedLoopRobot) -> Any:
     if len(given.values) == 1:
         return given.values[0]
@@ -208,23 +231,29 @@ def _figure(robot: ClosedLoopRobot, result: Result, title: str) -> Any:
 
 
 def _show_joint_metrics(metrics: dict[str, Any], title: str, robot: ClosedLoopRobot) -> None:
-    table = new_table(
-        title, "motor", "root mean square of the error", "largest error", "largest force", "unit"
-    )
-    for name, square, largest, force, unit in zip(
-        robot.actuated,
-        metrics["rms_errors"],
-        metrics["largest_errors"],
-        metrics["largest_forces"],
-        motor_units(robot),
-        strict=True,
-    ):
-        units = {"rad": "rad, N m", "m": "m, N"}.get(unit, "")
-        table.add_row(name, f"{square:.6g}", f"{largest:.6g}", f"{force:.6g}", units)
+    joints, motors = commanded_joints(robot), robot.actuated
+    errors = [metrics["rms_errors"], metrics["largest_errors"]]
+    headings = ["root mean square of the error", "largest error"]
+    if motors == joints:
+        table = new_table(title, "motor", *headings, "largest force", "unit")
+        units = {"rad": "rad, N m", "m": "m, N"}
+        tables, columns = [table], [*errors, metrics["largest_forces"]]
+    else:
+        table = new_table(title, "joint", *headings, "unit")
+        of_motors = new_table("Forces of the motors", "motor", "largest force", "unit")
+        for name, force, unit in zip(
+            motors, metrics["largest_forces"], joint_units(robot, motors), strict=True
+        ):
+            of_motors.add_row(name, f"{force:.6g}", {"rad": "N m", "m": "N"}.get(unit, ""))
+        units, tables, columns = {}, [table, of_motors], errors
+    for name, unit, *values in zip(joints, joint_units(robot, joints), *columns, strict=True):
+        table.add_row(name, *(f"{value:.6g}" for value in values), units.get(unit, unit))
     tip = metrics["largest_tip_error"]
     if tip is not None:
         table.caption = f"largest error of the tip: {1e3 * tip:.6g} mm"
-    show(table)
+    show(*tables)
+    if what_follows(robot):
+        show_text(what_follows(robot))
 
 
 def _show_metrics(metrics: dict[str, Any], title: str) -> None:
@@ -252,13 +281,15 @@ def _show_metrics(metrics: dict[str, Any], title: str) -> None:
     show(table)
 
 
-def _joint_metrics(result: Result) -> dict[str, Any]:
+def _joint_metrics(result: Result, robot: ClosedLoopRobot) -> dict[str, Any]:
     import numpy as np
 
     from psp3.simulation.metrics import largest_tip_error
 
-    errors = result.desired.positions - result.positions
-    tip = largest_tip_error(result)
+    errors = result.desired.positions - result.positions[:, : robot.commanded]
+    # Where coordinates follow, no motion of the tip is desired.
+    all_commanded = robot.commanded == robot.coordinates_v.size
+    tip = largest_tip_error(result) if all_commanded else math.nan
     return {
         "rms_errors": np.sqrt((errors**2).mean(axis=0)),
         "largest_errors": np.abs(errors).max(axis=0),
@@ -274,7 +305,7 @@ def _metrics(result: Result, robot: ClosedLoopRobot) -> dict[str, Any]:
     from psp3.simulation import metrics
 
     if not robot.has_inverse_of_tip:
-        return _joint_metrics(result)
+        return _joint_metrics(result, robot)
     try:
         squares = metrics.sum_of_squared_errors(result)
     except InvalidValue:

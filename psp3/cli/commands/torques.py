@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from psp3.cli.joint_tables import motor_units
+from psp3.cli.joint_tables import commanded_joints, joint_units
 from psp3.cli.option_groups import MotionOptions, OutputOptions, single_options
 from psp3.cli.options import Model, TrajectoryText
 from psp3.cli.output import draw_figure, fixed, new_table, print_json, show, write_csv
@@ -93,24 +93,31 @@ def _figure(robot: ClosedLoopRobot, forces: ScrewForces, title: str) -> Any:
 
 
 def _table_of_joints(title: str, robot: ClosedLoopRobot, forces: ScrewForces) -> Any:
-    table = new_table(title, "motor", "", "least", "greatest", "unit")
-    motion = forces.motion
-    for number, (name, unit) in enumerate(zip(robot.actuated, motor_units(robot), strict=True)):
+    table = new_table(title, "joint", "", "least", "greatest", "unit")
+    motion, joints, motors = forces.motion, commanded_joints(robot), robot.actuated
+    rows = [
+        (name, what, values[:, number], unit + of_rate)
+        for number, (name, unit) in enumerate(zip(joints, joint_units(robot, joints), strict=True))
         for what, values, of_rate in (
             ("position", motion.positions, ""),
             ("speed", motion.speeds, "/s"),
             ("acceleration", motion.accelerations, "/s²"),
-            ("force", forces.forces, None),
-        ):
-            column = values[:, number]
-            shown = {"rad": "N m", "m": "N"}.get(unit, "") if of_rate is None else unit + of_rate
-            table.add_row(
-                name if what == "position" else "",
-                what,
-                *fixed([column.min(), column.max()], 4),
-                shown,
-            )
-        table.add_section()
+        )
+    ]
+    rows += [
+        (name, "force", column, {"rad": "N m", "m": "N"}.get(unit, ""))
+        for name, column, unit in zip(
+            motors, forces.forces.T, joint_units(robot, motors), strict=True
+        )
+    ]
+    order = list(dict.fromkeys((*joints, *motors)))
+    last = None
+    for name, what, column, unit in sorted(rows, key=lambda row: order.index(row[0])):
+        if last not in (None, name):
+            table.add_section()
+        shown = "" if name == last else name
+        table.add_row(shown, what, *fixed([column.min(), column.max()], 4), unit)
+        last = name
     return table
 
 

@@ -13,8 +13,7 @@ from psp3.cli.option_groups import GainOptions, MotionOptions, single_options
 from psp3.cli.options import (
     MOTION,
     ControllerName,
-    Numbers,
-    numbers,
+    Positions,
     of_each,
     only_allowed,
     page_output,
@@ -39,16 +38,7 @@ if TYPE_CHECKING:
 def view(
     *,
     robot: RobotOptions,
-    positions: Annotated[
-        Numbers | None,
-        typer.Option(
-            "--positions",
-            "--heights",
-            parser=numbers,
-            metavar="A1,A2,…",
-            help="Show the pose at these positions of the motors (m, rad); home unless given.",
-        ),
-    ] = None,
+    positions: Positions = None,
     result: Annotated[
         list[Path] | None,
         typer.Option(

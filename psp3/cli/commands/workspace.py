@@ -241,8 +241,10 @@ def _map_of_thesis(
 
 def _space(robot: ClosedLoopRobot, frame: str | None, task: str | None) -> Workspace:
     """Return the workspace of a frame."""
+    from psp3.kinematics.tasks import checked_motors
     from psp3.kinematics.workspace import Workspace
 
+    checked_motors(robot)
     if frame is None:
         if not robot.model.existFrame("tip"):
             raise usage_error(f"{robot.title} has no frame tip: give --frame, a body or a site")
@@ -252,7 +254,7 @@ def _space(robot: ClosedLoopRobot, frame: str | None, task: str | None) -> Works
 
 
 def _driven(robot: ClosedLoopRobot, frame: str) -> tuple[str, ...]:
-    """Return the first independent coordinates of a frame, as many as motors."""
+    """Return the first independent coordinates of a frame, as many as the motors command."""
     import numpy as np
 
     from psp3.kinematics.tasks import TASK_COORDINATES, characteristic_length
@@ -263,13 +265,14 @@ def _driven(robot: ClosedLoopRobot, frame: str) -> tuple[str, ...]:
     chosen: list[int] = []
     for row in range(len(TASK_COORDINATES)):
         values = np.linalg.svd(jacobian[[*chosen, row]], compute_uv=False)
-        if len(chosen) < len(robot.actuated) and values[-1] > WELL * largest:
+        if len(chosen) < robot.commanded and values[-1] > WELL * largest:
             chosen.append(row)
     names = tuple(TASK_COORDINATES[row] for row in chosen)
-    if len(names) < len(robot.actuated):
+    if len(names) < robot.commanded:
         raise usage_error(
-            f"the motors of {robot.title} move {frame} in {listed(names) or 'no coordinate'} only: "
-            f"give --frame, one that all {len(robot.actuated)} of them move"
+            f"the motors of {robot.title} move {frame} in "
+            f"{listed(names) if names else 'no coordinate'} only: give --frame, one that moves in "
+            f"as many coordinates as they command, {robot.commanded}"
         )
     return names
 

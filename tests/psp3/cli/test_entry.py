@@ -16,8 +16,9 @@ import pytest
 import typer
 
 import psp3
-from psp3.cli import app
+from psp3.cli import app, options
 from psp3.cli import entry as cli
+from psp3.description.parts import ROBOTS
 from tests.processes import ENVIRONMENT, PROCESSES, program
 from tests.psp3.cli.answers import Run
 
@@ -342,3 +343,38 @@ def test_terminal_without_greek_gets_replacements_instead_of_an_error(tmp_path: 
 
 def test_progress_goes_to_standard_error_of_a_terminal_only(psp3_command: Run) -> None:
     assert psp3_command("simulate", "--model", "pinocchio", "--duration", 0.1).err == ""
+
+
+# Every robot, as somebody who has just installed the package tries it
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_every_robot_answers_every_command(psp3_command: Run, name: str) -> None:
+    """Or says in one line what it lacks, and what to do instead."""
+    follows = "no motor commands" if name in ("gripper", "biped") else ""
+    short = ("--duration", "0.01")
+    for arguments, refusal in (
+        (("info", name), ""),
+        (("pose", name), "give one of --heights" if name == "psp3" else ""),
+        (("dynamics", name), ""),
+        (("torques", name, *short, "--figure", "t.png", "--csv", "t.csv"), follows and "simulate"),
+        (
+            ("simulate", name, *short, "--out", "r.npz", "--figure", "r.png", "--csv", "r.csv"),
+            "",
+        ),
+        (("view", name, "--record", "pose.html"), ""),
+        (("view", name, "--trajectory", "sway", *short, "--record", "sway.html"), ""),
+        (("view", name, "--controller", "ctc", *short, "--record", "ctc.html"), ""),
+        (("view", name, "--result", "r.npz", "--record", "result.html"), ""),
+        (("workspace", name, "--resolution", "2"), follows and "free='lock'"),
+    ):
+        answer = psp3_command(*arguments)
+        # Warnings about the robot come first.
+        assert "Traceback" not in answer.err, arguments
+        assert answer.status == (options.USAGE if refusal else 0), (arguments, answer.err)
+        if refusal:
+            assert refusal in answer.err.splitlines()[-1], arguments
+        else:
+            assert max(map(len, answer.out.splitlines())) <= 80, arguments
+    if follows:
+        assert follows in " ".join(psp3_command("simulate", name, *short).out.split())

@@ -194,6 +194,35 @@ def bennett(digits: int, seed: int = 3) -> Parts:
     return built(bodies, [("h3", "", places[0], "6d")], ("h0",), digits, seed)
 
 
+def five_bar_by_poses(digits: int, seed: int = 3) -> Parts:
+    """Return a five-bar of which the pose of each body is written, as SDF does, and so rounded.
+
+    Where it is closed follows from the poses, so that it closes exactly at home, and there only.
+    """
+    corners = ((0.0, 0.0), (-0.12, 0.21), (0.14, 0.48), (0.3, 0.0), (0.41, 0.23))
+    o, p, meeting, a, b = (rounded(in_plane(*corner), digits) for corner in corners)
+    bodies = [("left", "", o), ("far left", "left", p), ("right", "", a), ("far right", "right", b)]
+    # The hinges are where the poses say, each turned as little as rounding turns it.
+    rng = np.random.default_rng(seed)
+    tilted = [
+        (name, parent, place * pin.SE3(pin.exp3(rng.normal(0.0, 10.0**-digits, 3)), np.zeros(3)))
+        for name, parent, place in bodies
+    ]
+    loops = [("far left", "far right", meeting, "3d")]
+    return built(tilted, loops, ("left", "right"), EXACT, seed)
+
+
+def small_four_bar(digits: int, seed: int = 3) -> Parts:
+    """Return a four-bar of 5 mm beside one of 2 m."""
+    bodies, loops = [], []
+    for name, size in (("large", 4.0), ("small", 0.01)):
+        a, b, c, d = (in_plane(*(size * np.array(corner))) for corner in FOUR_BAR)
+        crank, coupler, rocker = (f"{name} {part}" for part in ("crank", "coupler", "rocker"))
+        bodies += [(crank, "", a), (coupler, crank, b), (rocker, "", d)]
+        loops += [(coupler, rocker, c, "3d")]
+    return built(bodies, loops, ("large crank", "small crank"), digits, seed)
+
+
 LINKAGES: dict[str, tuple[Callable[..., Parts], int, int]] = {
     # builder, degrees of freedom, rank
     "four-bar": (four_bar, 1, 2),
@@ -201,4 +230,5 @@ LINKAGES: dict[str, tuple[Callable[..., Parts], int, int]] = {
     "Jansen's leg": (jansen, 1, 6),
     "spherical 3-RRR": (spherical, 3, 6),
     "Bennett": (bennett, 1, 3),
+    "five-bar by poses": (five_bar_by_poses, 2, 2),
 }

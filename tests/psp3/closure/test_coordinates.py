@@ -11,7 +11,7 @@ import pytest
 
 import psp3
 from psp3.closure.coordinates import is_ball
-from psp3.errors import DependentCoordinates, MobilityMismatch, UnknownName
+from psp3.errors import DependentCoordinates, MobilityMismatch, NoFiniteAnswer, UnknownName
 from psp3.multibody.equations import Hinge
 from tests.helpers import Array, derivative
 from tests.psp3.closure.rounded import EXACT, four_bar
@@ -137,6 +137,51 @@ def test_a_foot_on_the_ground_makes_the_base_follow_the_legs() -> None:
             return robot.kinetic_energy(at, moving) + robot.potential_energy(at)
 
         assert derivative(energy, 1e-3) == pytest.approx(forces @ speeds, rel=1e-7, abs=1e-7)
+
+
+def test_what_floats_at_the_end_of_a_tree_is_kept_and_falls_freely() -> None:
+    """As a link that a URDF lets float: the arm moves as without it, and it falls as anything."""
+    model = chain(("arm", pin.JointModelRY()), ("fore", pin.JointModelRX()))
+    alone = psp3.ClosedLoopRobot(model.copy(), [], ("arm", "fore"))
+    leaf = model.addJoint(2, pin.JointModelFreeFlyer(), pin.SE3.Random(), "leaf")
+    model.appendBodyToJoint(leaf, BODY, pin.SE3.Identity())
+    place = pin.SE3(np.eye(3), BODY.lever)
+    center = model.addFrame(pin.Frame("center", leaf, 0, place, pin.FrameType.OP_FRAME))
+    robot = psp3.ClosedLoopRobot(model, [], ("arm", "fore"))
+    assert robot.coordinates == ("arm", "fore", "leaf")
+    assert not robot.locked
+    rng, data = np.random.default_rng(0), model.createData()
+    for _ in range(5):
+        q = pin.integrate(model, robot.q0, rng.uniform(-1.0, 1.0, model.nv))
+        speeds, forces = rng.uniform(-1.0, 1.0, (2, 8))
+        forces[2:] = 0.0
+        found = robot.forward_dynamics(q[robot.coordinates_q], speeds, forces)
+        expected = alone.forward_dynamics(q[:2], speeds[:2], forces[:2])
+        assert found[:2] == pytest.approx(expected, rel=1e-10)
+        pin.forwardKinematics(model, data, q, speeds, found)
+        motion = pin.getFrameClassicalAcceleration(model, data, center, pin.LOCAL_WORLD_ALIGNED)
+        assert motion.linear == pytest.approx([0.0, 0.0, -9.81], abs=1e-9)
+
+
+def test_a_second_body_that_floats_has_slides_and_hinges() -> None:
+    model = chain(("arm", pin.JointModelRY()))
+    for name in ("one", "two"):
+        leaf = model.addJoint(1, pin.JointModelFreeFlyer(), pin.SE3.Identity(), name)
+        model.appendBodyToJoint(leaf, BODY, pin.SE3.Identity())
+    robot = psp3.ClosedLoopRobot(model, [], ("arm",))
+    parts = tuple(f"two_{part}" for part in ("yaw", "pitch", "roll", "x", "y", "z"))
+    assert robot.coordinates == ("arm", *parts, "one")
+    assert robot.mobility.degrees_of_freedom == 13
+
+
+def test_what_floats_without_mass_has_no_accelerations() -> None:
+    model = chain(("arm", pin.JointModelRY()))
+    model.addJoint(1, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "frame")
+    robot = psp3.ClosedLoopRobot(model, [], ("arm",))
+    rest = np.zeros(7)
+    assert np.isfinite(robot.inverse_dynamics(robot.reference, rest, rest)).all()
+    with pytest.raises(NoFiniteAnswer, match="some mass or inertia"):
+        robot.forward_dynamics(robot.reference, rest, rest)
 
 
 def test_closures_by_names_of_frames() -> None:

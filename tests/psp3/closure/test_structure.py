@@ -10,12 +10,22 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import psp3
+from psp3.closure.mobility import mobility
 from psp3.closure.structure import LARGEST_MISMATCH, TOLD_MISMATCH, robot_size, structure
 from psp3.errors import LoopsDoNotClose, MobilityMismatch, RoundedLoops
 from psp3.multibody.flatten import NO_MOTORS, flattened
-from tests.psp3.closure.rounded import EXACT, LINKAGES, Parts, four_bar, in_plane
+from tests.psp3.closure.rounded import (
+    EXACT,
+    LINKAGES,
+    Parts,
+    four_bar,
+    in_plane,
+    small_four_bar,
+)
 
 DIGITS = (4, 5, 6, 8, 10, 12)
 
@@ -51,6 +61,30 @@ def test_rounded_loops_load_and_move_as_the_exact_robot(name: str, digits: int) 
                 theirs = getattr(exact, question)(0.2 * x, s, third)
                 error = np.abs(ours - theirs).max() / np.abs(theirs).max()
                 assert error < 100.0 * 10.0**-digits
+
+
+@pytest.mark.parametrize("name", list(LINKAGES))
+@given(digits=st.sampled_from(DIGITS), seed=st.integers(0, 9), data=st.data())
+def test_the_freedoms_do_not_depend_on_which_joints_are_motors(
+    name: str, digits: int, seed: int, data: st.DataObject
+) -> None:
+    builder, freedoms, rank = LINKAGES[name]
+    parts = builder(digits, seed)
+    joints = list(parts.model.names)[1:]
+    chosen = data.draw(st.lists(st.sampled_from(joints), unique=True))
+    found = mobility(parts.model, parts.loops, chosen, np.zeros(parts.model.nq))
+    assert (found.degrees_of_freedom, found.rank) == (freedoms, rank)
+
+
+@pytest.mark.parametrize("digits", [EXACT, 12, 8, 6])
+@pytest.mark.parametrize(
+    "motors", [["large crank"], ["small crank"], ["small crank", "small rocker"]]
+)
+def test_a_small_loop_in_a_large_robot_is_no_rounding(digits: int, motors: list[str]) -> None:
+    """Its equations are weak in the size of the robot, by 1e-3, and strong in their own."""
+    parts = small_four_bar(digits)
+    found = mobility(parts.model, parts.loops, motors, np.zeros(parts.model.nq))
+    assert (found.degrees_of_freedom, found.rank) == (2, 4)
 
 
 def test_a_rounded_loop_says_once_how_far_it_stays_open(caplog: pytest.LogCaptureFixture) -> None:

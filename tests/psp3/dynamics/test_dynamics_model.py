@@ -132,3 +132,16 @@ def test_a_refused_state_does_not_spoil_the_next() -> None:
     with pytest.raises(ClosureFailed):
         forces(robot.reference + np.array([3.0, -3.0]), rest, rest)
     assert_allclose(forces(robot.reference, rest, rest), before, rtol=1e-12)
+
+
+@pytest.mark.parametrize("name", ["pinocchio", "noc"])
+def test_forces_of_more_motors_than_coordinates_agree(name: str) -> None:
+    """Of least norm in every path, also where accelerations of the first coordinates are asked."""
+    robot, rng = psp3.load("planar_4rrr"), np.random.default_rng(5)
+    positions = robot.reference[:3] + rng.uniform(-0.02, 0.02, (4, 3))
+    speeds, accelerations = rng.normal(size=(2, 4, 3))
+    for wanted in (accelerations, accelerations[:, :2]):
+        expected = robot.actuator_forces(positions, speeds, wanted)
+        found = robot.dynamics(name).actuator_forces(positions, speeds, wanted)
+        assert found.shape == (4, 4)
+        assert_allclose(found, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max())

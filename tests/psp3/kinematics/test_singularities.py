@@ -875,3 +875,37 @@ def test_many_configurations_are_those_one_by_one(analyses: dict[str, Singularit
         for whole, one in zip(together, analysis.measures(q[row]), strict=True):
             assert_array_equal(whole[row], one)
     assert_allclose(analysis.positions(q)[:, [0, 2]], FiveBar().forward(positions), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("name", "frame", "task", "options"),
+    [
+        ("hexa", "tip", ("x", "y", "z", "rx", "ry", "rz"), {}),
+        ("agile_eye", "tip", ("rx", "ry", "rz"), {}),
+        ("planar_4rrr", "tip", ("x", "y", "rz"), {}),
+        ("gripper", "right_pad", ("y",), {"free": "lock"}),
+    ],
+    ids=["balls held in spin", "hinges and rounding", "more motors", "joints held and a tendon"],
+)
+def test_measures_of_what_is_no_loop_or_no_joint(
+    name: str, frame: str, task: tuple[str, ...], options: dict[str, str]
+) -> None:
+    """Against the Jacobian of the core, which knows equations, and what the motors' speeds are.
+
+    1e-9 of the measures; loops with six digits are open by 1e-6, which is what they agree to.
+    """
+    robot = psp3.load(name, **options)
+    analysis = SingularityAnalysis(robot, frame, task)
+    rows = [TASK_COORDINATES.index(one) for one in task]
+    scale = np.array([analysis.length if row >= 3 else 1.0 for row in rows])
+    bar = 1e-4 if name == "agile_eye" else 1e-9
+    for shift in (0.0, 0.03):
+        a = robot.reference + shift * np.arange(1, len(robot.reference) + 1) / 6.0
+        jacobian = scale[:, np.newaxis] * robot.frame_jacobian(a, frame)[rows]
+        # All motors turn, and turning counts as the way at the characteristic length.
+        of_motors = jacobian @ np.linalg.pinv(robot.actuation_matrix(a).T) / analysis.length
+        values = np.linalg.svd(of_motors, compute_uv=False)
+        found = analysis.measures(robot.configuration(a))
+        assert found.condition == pytest.approx(values[0] / values[-1], rel=bar)
+        assert found.manipulability == pytest.approx(values.prod(), rel=bar)
+        assert found.mobility == len(robot.coordinates)

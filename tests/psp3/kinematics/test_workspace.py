@@ -616,3 +616,36 @@ def test_borders_of_nothing_are_refused(
 def test_a_map_of_another_workspace_is_refused(plane: KinematicMap) -> None:
     with pytest.raises(InvalidValue, match="of this workspace"):
         Workspace(arm(), "hand", ("x", "y")).boundary(plane)
+
+
+def test_four_rrr_ends_where_a_leg_is_stretched() -> None:
+    """More motors than coordinates: sideways, the two legs behind the platform are 0.34 m long."""
+    space = Workspace(psp3.load("planar_4rrr"), "tip", ("x", "y", "rz"), singular_below=0.0)
+    apart = (0.3 - 0.08) / np.sqrt(2.0)
+    expected = np.sqrt(0.34**2 - apart**2) - apart
+    for name, sign in (("x", 1.0), ("x", -1.0), ("y", 1.0), ("y", -1.0)):
+        reach = space.distance({name: sign}, 1.0)
+        assert reach.ends == "end_effector"
+        assert reach.distance == pytest.approx(expected, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["hexa", "planar_4rrr"])
+def test_robots_with_held_or_more_motors_over_their_coordinates(name: str) -> None:
+    """Configurations are those of the robot itself, of which limits do not matter here."""
+    robot = psp3.load(name)
+    task = ("x", "y", "z", "rx", "ry", "rz") if name == "hexa" else ("x", "y", "rz")
+    space = Workspace(robot, "tip", task, over="actuators")
+    assert space.coordinates == robot.coordinates
+    first = robot.coordinates[0]
+    values = space.reference[first] + np.array([-0.05, 0.05])
+    poses = space.map({first: values})
+    for value, q in zip(values, poses.configuration, strict=True):
+        positions = robot.reference.copy()
+        positions[0] = value
+        np.testing.assert_allclose(q, robot.configuration(positions), rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize("name", ["gripper", "biped"])
+def test_robots_whose_coordinates_follow_are_refused(name: str) -> None:
+    with pytest.raises(InvalidValue, match=r"follow .*free='lock'"):
+        Workspace(psp3.load(name), "tip", ("x", "y", "z"))

@@ -39,3 +39,26 @@ def test_figure_of_forces_draws_the_motion_and_its_forces() -> None:
     np.testing.assert_array_equal(panels[1].lines[1].get_ydata(), forces.motion.speeds[:, 1])
     again = figure_of_joint_forces(ROBOT, forces, "sway", panels)
     assert again == panels
+
+
+def test_more_motors_than_coordinates_are_named_apart() -> None:
+    robot = psp3.load("planar_4rrr")
+    result = psp3.simulate(robot, psp3.ComputedTorque(robot), Sway(robot=robot), 0.01)
+    positions, errors, forces = figure_of_joint_tracking(robot, result, "over-actuated")
+    assert len(errors.lines) == 3
+    assert [text.get_text() for text in positions.get_legend().get_texts()] == list(
+        robot.coordinates
+    )
+    assert [text.get_text() for text in forces.get_legend().get_texts()] == list(robot.actuated)
+    np.testing.assert_array_equal(forces.lines[3].get_ydata(), result.torque[:, 3])
+    panels = figure_of_joint_forces(robot, screw_forces(Sway(robot=robot), [0.0, 0.1]), "sway")
+    assert [len(panel.lines) for panel in panels] == [3, 3, 3, 4]
+
+
+def test_what_follows_is_not_drawn_and_a_tendon_has_no_unit() -> None:
+    robot = psp3.load("gripper")
+    result = psp3.simulate(robot, psp3.ComputedTorque(robot), Sway(robot=robot), 0.01)
+    positions, errors, forces = figure_of_joint_tracking(robot, result, "springs")
+    np.testing.assert_array_equal(positions.lines[0].get_ydata(), result.positions[:, 0])
+    assert len(errors.lines) == len(forces.lines) == 1
+    assert [panel.get_ylabel() for panel in (errors, forces)] == ["error [rad]", "force"]

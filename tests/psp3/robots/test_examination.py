@@ -36,6 +36,33 @@ def test_motors_that_are_missing_or_too_many_are_told() -> None:
     assert more.what.startswith("1 more motors than freedoms")
 
 
+def test_motions_that_are_held_are_one_finding_of_a_kind() -> None:
+    (spins,) = examine(psp3.load("hexa")).findings
+    balls = ", ".join(f"leg{leg}_ball" for leg in range(1, 7))
+    assert spins.what == f"no motor commands the spin of {balls}: held at home"
+    whats = [one.what for one in examine(psp3.load("biped", free="lock")).findings]
+    assert len(whats) == 2
+    assert whats[0].startswith("no motor commands left_")
+    assert "the spin of" in whats[1]
+
+
+def test_a_home_beyond_its_limits_is_told() -> None:
+    model = FIVE_BAR.model.copy()
+    at = model.joints[model.getJointId("leg1_elbow")].idx_q
+    model.upperPositionLimit[at] = FIVE_BAR.q0[at] - 0.1
+    (found,) = examine(changed(model=model)).findings
+    assert f"leg1_elbow at {FIVE_BAR.q0[at]:.6g}, above" in found.what
+
+
+def test_what_mujoco_reads_otherwise_is_told() -> None:
+    robot = psp3.load("five_bar")
+    assert float(examine(robot).mujoco.removeprefix("agrees to ")) < 1e-9
+    robot.model.inertias[2] = robot.model.inertias[2] + robot.model.inertias[2]
+    found = examine(robot)
+    assert found.mujoco.startswith("disagrees: the mass that hangs on leg")
+    assert "MuJoCo reads" in found.findings[-1].what
+
+
 @pytest.mark.parametrize("excess", [1e-3, 0.5])
 def test_inertia_that_no_body_has_is_told_with_its_size(excess: float) -> None:
     """Moments 1, 1 and 2 are a thin disk's, the border of what can be."""

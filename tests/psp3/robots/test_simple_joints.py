@@ -22,6 +22,7 @@ from tests.helpers import Array, derivative
 from tests.mujoco_null_space import NullSpace, biped, rod
 
 LEGS = ("l_hip", "l_motor", "r_hip", "r_motor")
+DAMPED_BALL = '<joint type="ball" name="ball" damping=".1"/>'
 
 
 def loaded(path: Path, text: str, **options: object) -> psp3.ClosedLoopRobot:
@@ -213,7 +214,23 @@ def test_which_bases_loops_contain() -> None:
     local, unit = pin.ReferenceFrame.LOCAL, pin.SE3.Identity()
     foot = pin.RigidConstraintModel(pin.ContactType.CONTACT_3D, model, 2, unit, 0, unit, local)
     assert base_in_loop(model, []) == 3
-    assert floating_base(model, [foot]) is None
+    assert floating_base(model, [foot]).id == 3
     assert base_in_loop(model, [foot]) == 1
     assert parts_of_base(model, 1)[:3] == ["root_yaw", "root_pitch", "root_roll"]
     assert parts_of_base(model, 3) == ["cart_yaw", "cart_x", "cart_y"]
+
+
+def test_only_held_motions_that_something_feels_are_told(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Round rods may turn or not; a ball with damping would need hinges that have it, too."""
+    caplog.set_level(logging.WARNING)
+    robot = psp3.load("hexa")
+    assert len(robot.locked) == 6
+    assert not caplog.records
+    psp3.load("hexa", free="lock")
+    assert 'free="keep" makes them coordinates' in caplog.text
+    caplog.clear()
+    damped = rod().replace('<joint type="ball" name="ball"/>', DAMPED_BALL)
+    assert loaded(tmp_path, damped, free="keep").locked
+    assert "no hinges can replace it" in caplog.text

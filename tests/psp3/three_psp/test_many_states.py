@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import re
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given
@@ -177,7 +176,7 @@ def test_the_loop_over_states_is_made_of_vector_instructions() -> None:
 
     The compiler leaves single ones for the rows that fill no vector.
     """
-    kernel = numba.njit(nogil=True, error_model="numpy")(many_states._write_columns.py_func)
+    kernel = compiled(many_states._write_columns.py_func)
     rest = np.zeros(3)
     kernel(rest, rest, 0, 1, P, np.empty(many_states.COLUMNS))
     (code,) = kernel.inspect_llvm().values()

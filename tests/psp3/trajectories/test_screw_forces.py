@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 import psp3
-from psp3.errors import InvalidArray, StrokeExceeded, UnreachableTip
+from psp3.errors import InvalidArray, InvalidValue, StrokeExceeded, UnreachableTip
 from psp3.trajectories import Circle, FromCSV, Helix, Hold, Line, PointToPoint, Trajectory
 from psp3.trajectories.screw_forces import screw_forces
+from psp3.trajectories.sway import Sway
 
 ROBOT = psp3.load("psp3")
 
@@ -139,3 +140,21 @@ def test_columns_are_a_file_that_can_be_followed_again(motion: Trajectory, tmp_p
 def test_motions_that_cannot_be_made_are_refused(call: object, error: type[Exception]) -> None:
     with pytest.raises(error):
         call()  # type: ignore[operator]
+
+
+def test_forces_of_more_motors_than_coordinates() -> None:
+    """Each term is of least norm, so that their sum is what the motors do; 1e-10 is rounding."""
+    robot = psp3.load("planar_4rrr")
+    forces = screw_forces(Sway(robot=robot), np.linspace(0.0, 1.0, 11))
+    expected = robot.dynamics("pinocchio").actuator_forces(*forces.motion[:3])
+    assert forces.forces.shape == (11, 4)
+    np.testing.assert_allclose(
+        forces.forces, expected, rtol=0.0, atol=1e-10 * np.abs(expected).max()
+    )
+
+
+@pytest.mark.parametrize(("name", "follower"), [("gripper", "right_spring"), ("biped", "root")])
+def test_motions_that_motors_do_not_determine_have_no_forces(name: str, follower: str) -> None:
+    robot = psp3.load(name)
+    with pytest.raises(InvalidValue, match=rf"{follower}.* simulate finds both"):
+        screw_forces(Sway(robot=robot), [0.0, 0.1])

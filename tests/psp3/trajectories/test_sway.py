@@ -49,3 +49,14 @@ def test_amplitude_of_ones_own() -> None:
     np.testing.assert_allclose(Sway(0.1, 4.0, robot).amplitudes, 0.1)
     with pytest.raises(InvalidValue, match="amplitude"):
         Sway(-0.1, robot=robot)
+
+
+@pytest.mark.parametrize("name", ["planar_4rrr", "jansen", "agile_eye", "hexa", "gripper", "biped"])
+def test_what_the_motors_command_sways(name: str) -> None:
+    """As many coordinates as they command, the first ones; the others stay at the reference."""
+    robot = psp3.load(name)
+    motion = Sway(robot=robot).check(TIMES)
+    assert motion.positions.shape == (201, robot.commanded)
+    start = robot.reference[: robot.commanded]
+    np.testing.assert_allclose(motion.positions[0], start, atol=1e-15)
+    assert np.ptp(motion.positions, axis=0).min() > 0.01

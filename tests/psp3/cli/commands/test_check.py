@@ -13,6 +13,7 @@ def test_nothing_is_odd_about_a_robot_of_ours(psp3_command: Run) -> None:
         "2 degrees of freedom",
         "tip-leg2_end (3d)",
         "redundant equations 1",
+        "MuJoCo agrees to",
         "odd nothing",
     ):
         assert part in text

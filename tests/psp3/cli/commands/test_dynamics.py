@@ -57,3 +57,16 @@ def test_dynamics_of_any_robot(psp3_command: Run, name: str) -> None:
         )
     assert found["coordinates"] == list(robot.actuated)
     assert f"M of {name}" in words(psp3_command("dynamics", name).out)
+
+
+def test_dynamics_of_many_coordinates_fit_a_terminal(psp3_command: Run) -> None:
+    """Columns are numbered, and what does not fit comes below; what motors cannot do is said."""
+    out = psp3_command("dynamics", "biped").out
+    lines = out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert "the motors cannot bring about this motion" in words(out)
+    rows = [line.split() for line in lines if "left_knee" in line]
+    mass = psp3.load("biped").mass_matrix(psp3.load("biped").reference)
+    assert [float(cell) for cell in rows[0][2:]] == pytest.approx(
+        mass[3, : len(rows[0]) - 2], rel=1e-4, abs=1e-12
+    )

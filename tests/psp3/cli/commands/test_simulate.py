@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import psp3
@@ -261,3 +262,54 @@ def test_another_robot_between_points_of_its_motors(psp3_command: Run) -> None:
         *("simulate", "five_bar", "--trajectory", "hold", "--at=-0.3,0.1", "--duration", "0.1")
     )
     assert "hold" in held.out
+
+
+def test_more_motors_than_coordinates_are_tracked_by_the_coordinates(psp3_command: Run) -> None:
+    """Forces of four motors, errors of three coordinates; feedback is shared out among the four."""
+    for name in ("pd", "ctc"):
+        answer = psp3_command(
+            *("simulate", "planar_4rrr", "--controller", name, "--duration", "0.2", "--json")
+        )
+        metrics = answer.json["metrics"]
+        assert answer.json["coordinates"] == ["leg1_shoulder", "leg2_shoulder", "leg3_shoulder"]
+        assert len(metrics["largest_forces"]) == 4
+        assert max(metrics["largest_errors"]) < (1e-4 if name == "ctc" else 0.1)
+    text = words(psp3_command("simulate", "planar_4rrr", "--duration", "0.02").out)
+    assert "Forces of the motors" in text
+    assert "leg4_shoulder" in text
+
+
+def test_a_floating_robot_falls_while_its_motors_track(psp3_command: Run) -> None:
+    """The center of mass falls g t²/2, whatever the motors do; nothing is desired of the tip."""
+    answer = psp3_command("simulate", "biped", "--duration", "0.2", "--out", "r.npz", "--json")
+    metrics = answer.json["metrics"]
+    assert metrics["largest_tip_error"] is None
+    assert max(metrics["largest_errors"]) < 1e-3
+    robot, result = psp3.load("biped"), psp3.load_result("r.npz")
+    heights = [
+        pin.centerOfMass(robot.model, robot.data, robot.configuration(row))[2]
+        for row in result.positions[[0, -1]]
+    ]
+    assert heights[1] - heights[0] == pytest.approx(-0.5 * 9.81 * 0.2**2, abs=1e-9)
+    assert psp3_command("simulate", "biped", "--json").json["duration"] == pytest.approx(2.0)
+    told = psp3_command("simulate", "biped", "--duration", "0.01", "--initial-speed", "path").out
+    assert "root floats: nothing holds the robot up" in words(told)
+
+
+def test_springs_that_nothing_holds_stop_a_run_and_can_be_held(psp3_command: Run) -> None:
+    """The gripper's springs press its fingertips against what they hold; without, they fly off."""
+    answer = psp3_command("simulate", "gripper", "--duration", "0.5")
+    assert answer.status == options.USAGE
+    assert "no motor commands right_spring, left_spring, which follow (--free lock" in answer.err
+    held = psp3_command("simulate", "gripper", "--free", "lock", "--duration", "0.5", "--json")
+    assert max(held.json["metrics"]["largest_errors"]) < 1e-4
+
+
+def test_between_points_of_the_commanded_coordinates(psp3_command: Run) -> None:
+    answer = psp3_command(
+        *("simulate", "gripper", "--free", "lock", "--trajectory", "point-to-point"),
+        *("--end", "0.5", "--travel-time", "0.1", "--csv", "-"),
+    )
+    names, *_, last = answer.out.splitlines()
+    row = dict(zip(names.split(","), map(float, last.split(",")), strict=True))
+    assert row["a1"] == pytest.approx(0.5, abs=1e-3)

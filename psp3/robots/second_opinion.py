@@ -1,0 +1,222 @@
+"""What MuJoCo makes of the file that a robot was loaded from, beside the robot itself.
+
+An MJCF file it compiles, see :mod:`psp3.description.mujoco_opinion`. A URDF it reads as a tree:
+masses, mass matrix and bias forces of that are compared joint by joint, at a few poses away from
+the zero pose; shapes are left out, and with them what only shapes need.
+"""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from psp3.checks import Array
+from psp3.description.mujoco_opinion import AGREEMENT, mujoco_disagreements
+from psp3.description.xml import read_xml
+from psp3.errors import MissingPackage
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+
+POSES = 3
+"""So many poses are compared."""
+
+BOUND = 2e-15
+"""Mass and inertia that MuJoCo gives to a body that has none [kg, kg m²]: it takes no less."""
+
+LEAST = 1e-7
+"""Less than this is no mass or inertia to speak of [kg, kg m²]; of many bodies at the bound it is
+a share of :data:`AGREEMENT`.
+"""
+
+MOST_SHOWN = 3
+"""So many disagreements are told in words."""
+
+
+class Opinion(NamedTuple):
+    """What MuJoCo says about a robot."""
+
+    summary: str
+    """In a few words; empty of a robot that is of no file that MuJoCo reads."""
+    disagreements: tuple[str, ...]
+
+
+def mujoco_opinion(robot: ClosedLoopRobot) -> Opinion:
+    """Compare a robot with what MuJoCo reads from its file.
+
+    Parameters
+    ----------
+    robot : ClosedLoopRobot
+        The robot, loaded from a URDF or an MJCF file.
+
+    Returns
+    -------
+    Opinion
+        How well both agree, that MuJoCo is not installed, or what they disagree about.
+    """
+    if robot.mjcf is None and robot.urdf is None:
+        return Opinion("", ())
+    try:
+        if robot.mjcf is not None:
+            return _summed_up(list(map(str, mujoco_disagreements(robot.mjcf))), AGREEMENT)
+        return _of_urdf(robot, Path(str(robot.urdf)))
+    except MissingPackage:
+        return Opinion("not installed", ())
+
+
+def _summed_up(disagreements: list[str], most: float) -> Opinion:
+    if not disagreements:
+        return Opinion(f"agrees to {max(most, 1e-15):.0e}", ())
+    shown = disagreements[:MOST_SHOWN]
+    if len(disagreements) > MOST_SHOWN:
+        shown.append(f"{len(disagreements) - MOST_SHOWN} more")
+    return Opinion(f"disagrees: {'; '.join(shown)}", tuple(disagreements))
+
+
+def _of_urdf(robot: ClosedLoopRobot, path: Path) -> Opinion:
+    try:
+        import mujoco
+    except ImportError as error:
+        raise MissingPackage("mujoco", "mujoco", error) from error
+    try:
+        engine = mujoco.MjModel.from_xml_string(without_shapes(path))
+    except ValueError as error:
+        return Opinion(f"refuses the file: {' '.join(str(error).split())}", ())
+    joints = _common_joints(robot.model, engine)
+    if not joints:
+        return Opinion("knows none of the joints by name", ())
+    compared = [*_masses(robot.model, engine, joints), *_motions(robot.model, engine, joints)]
+    wrong = [one for one in compared if not one.share <= AGREEMENT]
+    return _summed_up(list(map(str, wrong)), max(one.share for one in compared))
+
+
+def without_shapes(path: Path) -> str:
+    """Return a URDF without its shapes, so that MuJoCo needs no file of a mesh."""
+    root = read_xml(path, "robot")
+    for link in root.iter("link"):
+        for shape in [*link.findall("visual"), *link.findall("collision")]:
+            link.remove(shape)
+    extension = root.find("mujoco")
+    if extension is None:
+        extension = ElementTree.SubElement(root, "mujoco")
+    compiler = extension.find("compiler")
+    if compiler is None:
+        compiler = ElementTree.SubElement(extension, "compiler")
+    compiler.set("fusestatic", "false")
+    # Bodies without mass between two joints are nothing to us, and an error to MuJoCo.
+    for bound in ("boundmass", "boundinertia"):
+        compiler.set(bound, compiler.get(bound, str(BOUND)))
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+class _Compared(NamedTuple):
+    """One number as two readers have it."""
+
+    what: str
+    joint: str
+    ours: float
+    theirs: float
+    scale: float
+
+    @property
+    def share(self) -> float:
+        return abs(self.ours - self.theirs) / max(self.scale, LEAST)
+
+    def __str__(self) -> str:
+        return f"{self.what} {self.joint}: {self.ours:.6g} here, {self.theirs:.6g} by MuJoCo"
+
+
+class _Joint(NamedTuple):
+    """A joint of one degree of freedom that both have."""
+
+    name: str
+    ours: int
+    """Its number in Pinocchio's model."""
+    body: int
+    """What it moves in MuJoCo's."""
+    velocity: int
+    """Where its speed is in MuJoCo's."""
+
+
+def _common_joints(model: pin.Model, engine: Any) -> list[_Joint]:
+    import mujoco
+
+    scalar = {int(kind) for kind in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE)}
+    found = []
+    for number in range(engine.njnt):
+        name = mujoco.mj_id2name(engine, mujoco.mjtObj.mjOBJ_JOINT, number)
+        is_scalar = int(engine.jnt_type[number]) in scalar
+        if name and is_scalar and model.existJointName(name):
+            joint = model.getJointId(name)
+            if model.joints[joint].nv == 1:
+                body, velocity = int(engine.jnt_bodyid[number]), int(engine.jnt_dofadr[number])
+                found.append(_Joint(name, joint, body, velocity))
+    return found
+
+
+def _masses(model: pin.Model, engine: Any, joints: list[_Joint]) -> list[_Compared]:
+    """Compare what each joint carries, all that hangs on it included."""
+    data = model.createData()
+    pin.computeSubtreeMasses(model, data)
+    return [
+        _Compared(
+            "the mass that hangs on",
+            joint.name,
+            float(data.mass[joint.ours]),
+            float(engine.body_subtreemass[joint.body]),
+            float(engine.body_subtreemass[joint.body]),
+        )
+        for joint in joints
+    ]
+
+
+def _motions(model: pin.Model, engine: Any, joints: list[_Joint]) -> list[_Compared]:
+    """Compare mass matrix and bias forces of the tree at a few poses.
+
+    Joints that only one of them has stand still at zero, where they do not matter to the others.
+    """
+    import mujoco
+
+    data, rng, found = mujoco.MjData(engine), np.random.default_rng(0), []
+    ours = [model.joints[joint.ours].idx_v for joint in joints]
+    theirs = [joint.velocity for joint in joints]
+    for _ in range(POSES):
+        position, speed = rng.uniform(-1.0, 1.0, (2, len(joints)))
+        data.qpos[:] = engine.qpos0
+        for joint, value in zip(joints, position, strict=True):
+            data.qpos[engine.jnt_qposadr[engine.dof_jntid[joint.velocity]]] = value
+        data.qvel[theirs] = speed
+        mujoco.mj_forward(engine, data)
+        columns, bias = _tree_dynamics(model, ours, position, speed)
+        expected = np.zeros((len(joints), engine.nv))
+        for row, unit in zip(expected, np.eye(engine.nv)[theirs], strict=True):
+            mujoco.mj_mulM(engine, data, row, unit)
+        matrix, forces = expected[:, theirs], data.qfrc_bias[theirs]
+        inertias = np.diag(matrix)
+        for i, joint in enumerate(joints):
+            for k in range(i + 1):
+                between = "" if k == i else f" and {joints[k].name}"
+                scale = float(np.sqrt(inertias[i] * inertias[k]))
+                what = "the mass matrix at"
+                name = joint.name + between
+                found.append(_Compared(what, name, columns[i, k], matrix[i, k], scale))
+            # Beside what an acceleration of one unit needs: many joints carry no weight.
+            scale = float(np.abs(forces[i]) + inertias[i])
+            found.append(_Compared("gravity and speeds at", joint.name, bias[i], forces[i], scale))
+    return found
+
+
+def _tree_dynamics(
+    model: pin.Model, velocities: list[int], position: Array, speed: Array
+) -> tuple[Array, Array]:
+    """Return mass matrix and bias forces of some joints, the others at rest at zero."""
+    data, way, v = model.createData(), np.zeros(model.nv), np.zeros(model.nv)
+    way[velocities], v[velocities] = position, speed
+    q, rest = pin.integrate(model, pin.neutral(model), way), np.zeros(model.nv)
+    weight = pin.rnea(model, data, q, rest, rest).copy()
+    # By columns: Pinocchio's composite bodies are silently wrong for some orders of joints.
+    columns = [pin.rnea(model, data, q, rest, unit) - weight for unit in np.eye(model.nv)]
+    matrix = np.array(columns)[np.ix_(velocities, velocities)]
+    return matrix, pin.rnea(model, data, q, v, rest)[velocities].copy()
