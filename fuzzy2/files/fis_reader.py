@@ -154,11 +154,6 @@ class FisReader(FisLines):
         for number in range(1, count + 1):
             name, term = self._term(section, number, output, (ends[0], ends[1]))
             terms[_unlike(name, terms)] = term
-        if not terms and output is not None:
-            raise self.malformed(
-                section.entries["NumMFs"].number,
-                "an output needs at least one membership function",
-            )
         for key, entry in section.entries.items():
             if key.startswith("MF") and int(key[2:].rstrip("UL")) not in range(1, count + 1):
                 raise self.malformed(entry.number, f"NumMFs is {count}, but there is {key}")

@@ -126,6 +126,8 @@ def _write_functions(
 ) -> None:
     attributes = {"name": variable.name, "type": "output", "combination": "WA", **default}
     element = ElementTree.SubElement(base, "tskVariable", attributes)
+    if not variable.terms:
+        _refuse(f"the variable {variable.name!r} without terms", "a variable has at least one")
     for name, term in variable.terms.items():
         if isinstance(term, Constant) and term.left != term.right:
             _refuse(f"the interval {list(term)} as a consequent", "its constants are crisp")

@@ -20,8 +20,8 @@ from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, POINTS, SUM, UNIONS
 from fuzzy2.systems.terms import domain_of
 from fuzzy2.systems.united import United
 
-_BLOCK = 64
-"""Inputs whose united sets are held at a time on a grid."""
+_BLOCK, _GRADES = 64, 2**22
+"""Inputs whose united sets are held at a time on a grid, and the most grades of them."""
 
 
 @dataclass(frozen=True)
@@ -195,9 +195,10 @@ class Outputs:
         grid = self._grid(*(ends or domain_of(sets)))
         shapes = np.array([[item.lower(grid), item.upper(grid)] for item in sets])
         reduced = np.empty((len(strengths), 2))
-        for start in range(0, len(strengths), _BLOCK):
+        size = max(1, min(_BLOCK, _GRADES // (len(sets) * own.resolution)))
+        for start in range(0, len(strengths), size):
             # A block at a time, so that memory stays that of a block however many inputs there are.
-            block = slice(start, start + _BLOCK)
+            block = slice(start, start + size)
             clipped = own.implication(strengths[block][..., np.newaxis], shapes[np.newaxis])
             if kind == "center_of_sums" or own.aggregation is SUM:
                 united = clipped.sum(axis=1)
