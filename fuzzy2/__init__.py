@@ -82,6 +82,7 @@ if TYPE_CHECKING:
     from fuzzy2.sets.interval_type2 import GaussianUncertainMean as GaussianUncertainMean
     from fuzzy2.sets.interval_type2 import GaussianUncertainSigma as GaussianUncertainSigma
     from fuzzy2.sets.interval_type2 import IntervalType2Set as IntervalType2Set
+    from fuzzy2.sets.named_shape import NamedShape as NamedShape
     from fuzzy2.sets.shapes import Gaussian as Gaussian
     from fuzzy2.sets.shapes import Interval as Interval
     from fuzzy2.sets.shapes import Trapezoidal as Trapezoidal
@@ -99,6 +100,7 @@ if TYPE_CHECKING:
     from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier as NonSingletonFuzzifier
     from fuzzy2.systems.fuzzifiers import SingletonFuzzifier as SingletonFuzzifier
     from fuzzy2.systems.general_type2 import GeneralType2System as GeneralType2System
+    from fuzzy2.systems.parallel import ParallelSystem as ParallelSystem
     from fuzzy2.systems.rules import Rule as Rule
     from fuzzy2.systems.rules import format_rules as format_rules
     from fuzzy2.systems.rules import parse_rules as parse_rules

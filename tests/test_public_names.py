@@ -26,7 +26,7 @@ load_result simulate statistics to_mjcf
     "fuzzy2": """
         ANFIS FuzzyClassifier automf lagged subtractive_clustering view
         AdaptiveConsequents ApproximationWarning Bell Clusters Complement FineTuning FunctionalSet \
-FunctionalType2Set Fuzzy2Error
+FunctionalType2Set Fuzzy2Error NamedShape ParallelSystem
         FuzzyNumber FuzzySystem Gaussian GaussianNumber GaussianType2Set GaussianUncertainMean \
 GaussianUncertainSigma GeneralType2Set
         GeneralType2System Interval IntervalNumber IntervalType2Set IntervalType2System Linear \

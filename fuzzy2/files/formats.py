@@ -10,7 +10,9 @@ from typing import Any, NamedTuple
 
 from fuzzy2.errors import MalformedFile, NotExpressible, UnknownName
 from fuzzy2.files import json_files
+from fuzzy2.files.fcl import read_fcl, write_fcl
 from fuzzy2.files.fis import read_fis, write_fis
+from fuzzy2.files.fll import read_fll, write_fll
 from fuzzy2.files.fml import read_fml, write_fml
 from fuzzy2.support.text_files import read_text
 from fuzzy2.systems.system import FuzzySystem
@@ -26,6 +28,8 @@ class Format(NamedTuple):
 
 
 _SYSTEM_HEADER = re.compile(r"^\s*\[\s*System\s*\]", re.MULTILINE)
+_ENGINE = re.compile(r"^\s*(Engine|InputVariable|OutputVariable)\s*:", re.MULTILINE)
+_FUNCTION_BLOCK = re.compile(r"^\s*FUNCTION_BLOCK\b", re.MULTILINE | re.IGNORECASE)
 
 FORMATS = (
     Format(
@@ -41,6 +45,8 @@ FORMATS = (
         read_fis,
         write_fis,
     ),
+    Format((".fll",), lambda text: _ENGINE.search(text) is not None, read_fll, write_fll),
+    Format((".fcl",), lambda text: _FUNCTION_BLOCK.search(text) is not None, read_fcl, write_fcl),
 )
 """The formats, in the order in which a text is tried."""
 
@@ -51,8 +57,8 @@ SUFFIXES = tuple(suffix for one in FORMATS for suffix in one.suffixes)
 def load(path: str | os.PathLike[str], **options: Any) -> Any:
     """Return what a file describes, whatever its format.
 
-    What is in the file decides: JSON, FML, or ``.fis`` with its kin ``.t2fis``. If that says
-    nothing, the suffix does.
+    What is in the file decides: JSON, FML, ``.fis`` with its kin ``.t2fis``, ``.fll`` or ``.fcl``.
+    If that says nothing, the suffix does.
 
     Parameters
     ----------
@@ -60,7 +66,8 @@ def load(path: str | os.PathLike[str], **options: Any) -> Any:
         The file.
     **options
         What the reader of the format takes: ``dialect="octave"`` for ``.fis``, see
-        :mod:`fuzzy2.files.fis`.
+        :mod:`fuzzy2.files.fis`; ``block`` and ``dialect`` for ``.fcl``, see
+        :mod:`fuzzy2.files.fcl`.
 
     Returns
     -------

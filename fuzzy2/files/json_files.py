@@ -59,6 +59,7 @@ from fuzzy2.sets.interval_type2 import (
     IntervalType2Set,
 )
 from fuzzy2.sets.lagged import Lagged
+from fuzzy2.sets.named_shape import SHAPES, NamedShape
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
 from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
@@ -70,6 +71,7 @@ from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.operators import AGGREGATIONS, INTEGRATIONS, METHODS, TYPE_REDUCTIONS
+from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.rules import Rule, parse_rule, unknown_name
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
@@ -214,6 +216,11 @@ _FIELDS: dict[type, dict[str, Kind]] = {
         "d": ANY_NUMBER,
         "height": NUMBER,
     },
+    NamedShape: {
+        "shape": choice_of(SHAPES, "shape"),
+        "parameters": list_of(ANY_NUMBER),
+        "scale": NUMBER,
+    },
     TwoSidedGaussian: {"mean": _PAIR, "sigma": _ANY_PAIR},
     SigmoidDifference: {"center": _PAIR, "slope": _PAIR},
     SigmoidProduct: {"center": _PAIR, "slope": _PAIR},
@@ -234,6 +241,7 @@ _FIELDS: dict[type, dict[str, Kind]] = {
     Linear: {"coefficients": _COEFFICIENTS, "spreads": _COEFFICIENTS},
     Type1System: _SYSTEM,
     IntervalType2System: _SYSTEM,
+    ParallelSystem: {"systems": list_of(_thing(FuzzySystem, "a system"))},
     GeneralType2System: {
         **_SYSTEM,
         "reduction": choice_of(("alpha_planes", "gaussian"), "reduction"),

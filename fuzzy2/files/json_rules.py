@@ -1,7 +1,8 @@
 """Rules of a system in JSON: numbers of terms, or trees.
 
 A tree is ``{"is": [input, term]}`` (``null`` for any term), ``{"and": [...]}``, ``{"or": [...]}``,
-``{"not": ...}``, or ``{"hedge": "very", "power": 2.0, "of": ...}``.
+``{"not": ...}``, or ``{"hedge": "very", "power": 2.0, "of": ...}``, in which
+``"function": "intensify"`` or ``"relax"``, or ``"factor": 0.5``, may stand in place of the power.
 """
 
 from __future__ import annotations
@@ -15,14 +16,16 @@ from fuzzy2.files.json_kinds import (
     TEXT,
     Json,
     Kind,
+    choice_of,
     malformed,
     read_list,
     shown,
     table_of,
 )
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
-from fuzzy2.systems.hedges import Hedge
+from fuzzy2.systems.hedges import NAMED_FUNCTIONS, Hedge, Scaled
 
+_FUNCTIONS = choice_of(NAMED_FUNCTIONS, "function of a hedge")
 _TABLE = table_of(INTEGER, "whole numbers (R, p), or trees", 2)
 
 
@@ -35,6 +38,13 @@ def _write_tree(tree: Antecedent, path: str) -> Json:
         case Not(part):
             return {"not": _write_tree(part, path)}
         case Hedged(hedge, part):
+            if isinstance(hedge.function, Scaled):
+                of = _write_tree(part, path)
+                return {"hedge": hedge.name, "factor": hedge.function.factor, "of": of}
+            known = [name for name, own in NAMED_FUNCTIONS.items() if own is hedge.function]
+            if known:
+                of = _write_tree(part, path)
+                return {"hedge": hedge.name, "function": known[0], "of": of}
             if hedge.power is None:
                 raise NotExpressible(
                     f"the hedge {hedge.name!r} at {path}", "JSON", "it is a Python function"
@@ -67,6 +77,18 @@ def _read_tree(value: Json, path: str) -> Antecedent:
             )
         except Fuzzy2Error as error:
             raise malformed(path, str(error)) from error
+        return Hedged(hedge, _read_tree(value["of"], f"{path}.of"))
+    if names == ["factor", "hedge", "of"]:
+        factor = NUMBER.read(value["factor"], f"{path}.factor")
+        if not 0.0 <= factor <= 1.0:
+            raise malformed(f"{path}.factor", f"expected a number in [0, 1], got {factor}")
+        hedge = Hedge(TEXT.read(value["hedge"], f"{path}.hedge"), function=Scaled(factor))
+        return Hedged(hedge, _read_tree(value["of"], f"{path}.of"))
+    if names == ["function", "hedge", "of"]:
+        function = _FUNCTIONS.read(value["function"], f"{path}.function")
+        hedge = Hedge(
+            TEXT.read(value["hedge"], f"{path}.hedge"), function=NAMED_FUNCTIONS[function]
+        )
         return Hedged(hedge, _read_tree(value["of"], f"{path}.of"))
     raise malformed(path, f"expected is, and, or, not, or hedge with power and of, got {names}")
 

@@ -15,11 +15,15 @@ from fuzzy2.reduction.interval import (
     nie_tan,
     wu_mendel_bounds,
 )
+from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.support.checks import Array
+from fuzzy2.support.quadrature import merged
 from fuzzy2.systems.operators import DIRECT_METHODS
 from fuzzy2.systems.terms import highest_point, spread
 
-_HALVINGS = 60
+_HALVINGS = 100
+_BEYOND = 1e6
+"""Widths within which consequents without a range are asked for grades."""
 
 
 def averaged(
@@ -90,9 +94,9 @@ class Monotonic:
     ----------
     sets : sequence of R type-1 sets
         Sets that rise all the way, or fall all the way, within the range.
-    ends : (float, float)
+    ends : (float, float), optional
         Range of the output. A grade that a set does not reach within it is taken at the end where
-        the set is nearest to it.
+        the set is nearest to it. Without a range the set is asked wherever it lives.
 
     Raises
     ------
@@ -100,8 +104,15 @@ class Monotonic:
         If a set does not, which is looked for at 257 points and its landmarks.
     """
 
-    def __init__(self, sets: Sequence[Any], ends: tuple[float, float]) -> None:
-        self._sets, self._ends = list(sets), ends
+    def __init__(self, sets: Sequence[Any], ends: tuple[float, float] | None) -> None:
+        self._sets = list(sets)
+        bounded = ends is not None
+        if ends is None:
+            points = merged(*(item.landmarks for item in self._sets))
+            ends = float(points[0]), float(points[-1])
+        self._bounded = bounded
+        width = 0.0 if bounded else _BEYOND * (ends[1] - ends[0])
+        self._ends = ends[0] - width, ends[1] + width
         self._rising = []
         for item in self._sets:
             inside = item.landmarks[(item.landmarks > ends[0]) & (item.landmarks < ends[1])]
@@ -119,6 +130,9 @@ class Monotonic:
         """Return the points (n, R) at which the sets have the grades (n, R)."""
         found = np.empty_like(strengths)
         for r, (item, rising) in enumerate(zip(self._sets, self._rising, strict=True)):
+            if isinstance(item, Sigmoid):
+                found[:, r] = self._of_sigmoid(item, strengths[:, r])
+                continue
             low = np.full(len(strengths), self._ends[0])
             high = np.full(len(strengths), self._ends[1])
             for _ in range(_HALVINGS):
@@ -126,4 +140,18 @@ class Monotonic:
                 before = (item(middle) < strengths[:, r]) == rising
                 low, high = np.where(before, middle, low), np.where(before, high, middle)
             found[:, r] = 0.5 * (low + high)
+            if not self._bounded:
+                # A grade that is approached but never reached, as 1 by a sigmoid, is at infinity.
+                fires = strengths[:, r] > 0.0
+                found[fires & (high == self._ends[1]), r] = np.inf
+                found[fires & (low == self._ends[0]), r] = -np.inf
         return found
+
+    def _of_sigmoid(self, item: Sigmoid, grades: Array) -> Array:
+        """Return the points of grades, which near 1 only the formula tells apart."""
+        with np.errstate(divide="ignore"):
+            points = item.center - np.log(1.0 / grades - 1.0) / item.slope
+        if self._bounded:
+            return np.clip(points, *self._ends)
+        # What does not fire counts for nothing, wherever it is.
+        return np.where(grades > 0.0, points, item.center)

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fuzzy2.errors import InvalidValue
+from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.set_operations import complement
 from fuzzy2.support.checks import Array, real, reals
 from fuzzy2.systems.antecedents import check_numbers, rows_of
@@ -238,8 +238,12 @@ def checked_consequents(
     count: int,
     inputs: int,
     kinds: tuple[tuple[type, ...], str],
+    averaged: bool,
 ) -> Consequents:
-    """Return the consequents; what stands where a rule is silent does not matter."""
+    """Return the consequents; what stands where a rule is silent does not matter.
+
+    Where sets are not ``averaged``, those without a centroid of their own have NaN for it.
+    """
     if isinstance(consequents, Linear):
         shape = consequents.coefficients.shape
         if shape[0] != count or shape[2] != inputs + 1:
@@ -250,7 +254,7 @@ def checked_consequents(
         return Consequents(consequents, None, _read_only(np.zeros((*shape[:2], 2))), mask)
     sets = as_sets(consequents)
     if sets is not None:
-        return _of_sets(sets, silent, count, kinds)
+        return _of_sets(sets, silent, count, kinds, averaged)
     if not isinstance(consequents, np.ndarray):
         consequents, silent = _without_none(consequents, silent)
     requirement = f"numbers (R, m), intervals (R, m, 2) or sets, R = {count}"
@@ -277,6 +281,7 @@ def _of_sets(
     silent: ArrayLike | None,
     count: int,
     kinds: tuple[tuple[type, ...], str],
+    averaged: bool,
 ) -> Consequents:
     if len(sets) != count or len({len(row) for row in sets}) != 1:
         raise InvalidValue(
@@ -296,7 +301,10 @@ def _of_sets(
             if item is not None and not isinstance(item, kinds[0]):
                 raise InvalidValue("a consequent", item, kinds[1])
     intervals = np.array(
-        [[(0.0, 0.0) if item is None else centroid_interval(item) for item in row] for row in rows]
+        [
+            [(0.0, 0.0) if item is None else _centroid(item, averaged) for item in row]
+            for row in rows
+        ]
     )
     return Consequents(
         rows,
@@ -304,6 +312,16 @@ def _of_sets(
         _read_only(intervals),
         _checked_silence(mask, mask.shape) if mask.any() else None,
     )
+
+
+def _centroid(item: Any, needed: bool) -> tuple[float, float]:
+    """Return the centroid of a consequent; NaN if it has none, and none is needed."""
+    try:
+        return centroid_interval(item)
+    except NotApplicable:
+        if needed:
+            raise
+        return np.nan, np.nan
 
 
 def _without_none(consequents: Any, silent: ArrayLike | None) -> tuple[Any, Any]:

@@ -29,6 +29,32 @@ from fuzzy2.support.checks import Array, positive
 _TRIAL_GRADES = np.linspace(0.0, 1.0, 129)
 
 
+def intensify(grades: Array) -> Array:
+    r"""Return :math:`2\mu^2` up to 1/2 and :math:`1 - 2(1 - \mu)^2` above (Zadeh)."""
+    return np.where(grades <= 0.5, 2.0 * grades**2, 1.0 - 2.0 * (1.0 - grades) ** 2)
+
+
+def relax(grades: Array) -> Array:
+    r"""Return what :func:`intensify` undoes, :math:`\sqrt{\mu/2}` up to 1/2."""
+    low, high = np.sqrt(0.5 * grades), 1.0 - np.sqrt(0.5 * (1.0 - grades))
+    return np.where(grades <= 0.5, low, high)
+
+
+@dataclass(frozen=True)
+class Scaled:
+    """Function of a hedge that multiplies grades by a factor in [0, 1]: the weight of a part."""
+
+    factor: float
+
+    def __call__(self, grades: Array) -> Array:
+        """Return the grades times the factor."""
+        return self.factor * grades
+
+
+NAMED_FUNCTIONS = MappingProxyType({"intensify": intensify, "relax": relax})
+"""Functions of hedges that files know by name."""
+
+
 @dataclass(frozen=True)
 class Hedge:
     """What a word does to the grade of a term.
@@ -41,7 +67,8 @@ class Hedge:
         Power that the grade is raised to, above 0.
     function : callable, optional
         From grades (...,) in [0, 1] to grades (...,), rising or falling all the way; either this or
-        a power. Systems with such hedges are evaluated at NumPy's speed and cannot be saved.
+        a power. Systems with such hedges are evaluated at NumPy's speed, and can be saved if it is
+        :func:`intensify`, :func:`relax` or :class:`Scaled`.
 
     Raises
     ------

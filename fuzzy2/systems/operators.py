@@ -71,9 +71,9 @@ DIRECT_METHODS = ("nie_tan", "wu_mendel", "begian_melek_mendel")
 METHODS = (*EXACT_METHODS, *DIRECT_METHODS)
 """Names of the methods of type reduction of a system."""
 
-INTEGRATIONS = ("exact", "sum", "trapezoidal")
-"""How the centroid of united sets is found: by integration, as a sum over points, or as a sum over
-trapezoids between them."""
+INTEGRATIONS = ("exact", "sum", "trapezoidal", "midpoint", "left")
+"""How the centroid of united sets is found: by integration, or as a sum over points from end to
+end, over trapezoids between them, over the middles of equal pieces, or over their left ends."""
 
 ALIASES = MappingProxyType(
     {

@@ -89,7 +89,7 @@ class Outputs:
             if not self._speaking[j].size:
                 continue
             if kind == "tsukamoto":
-                self._monotonic[j] = Monotonic(self._sets[j], ends or domain_of(self._sets[j]))
+                self._monotonic[j] = Monotonic(self._sets[j], ends)
             if kind in UNIONS and operators.integration == "exact":
                 self._united[j] = self._union(j, ends)
 
@@ -168,7 +168,14 @@ class Outputs:
         monotonic = self._monotonic[j]
         if monotonic is not None:
             points = monotonic.points(strengths[..., 1])
-            return averaged(np.stack([points, points], axis=-1), strengths, "eiasc")
+            finite = np.isfinite(points)
+            found = averaged(
+                np.stack([np.where(finite, points, 0.0)] * 2, axis=-1), strengths, "eiasc"
+            )
+            # An average with infinity is infinite, or of both infinities nothing.
+            with np.errstate(invalid="ignore"):
+                beyond = np.where(finite, 0.0, points).sum(axis=-1, keepdims=True)
+            return np.asarray(found + beyond)
         united = self._united[j]
         if united is None:
             return self._summed(sets, self._ranges[j], strengths)
@@ -185,7 +192,7 @@ class Outputs:
         """Return the intervals (n, 2) of one output from points of its range."""
         own = self._operators
         kind = own.type_reduction
-        grid = np.linspace(*(ends or domain_of(sets)), own.resolution)
+        grid = self._grid(*(ends or domain_of(sets)))
         shapes = np.array([[item.lower(grid), item.upper(grid)] for item in sets])
         reduced = np.empty((len(strengths), 2))
         size = max(1, min(_BLOCK, _GRADES // (len(sets) * own.resolution)))
@@ -206,10 +213,38 @@ class Outputs:
                 reduced[block] = averaged(grid, weights, own.method, own.shares)
                 continue
             grades = united[:, 1]
-            found = (
-                maximum(grid, grades, kind)
-                if kind in MAXIMA
-                else defuzzify_samples(grid, grades, "bisector")
-            )
+            if kind in MAXIMA:
+                found = maximum(grid, grades, kind)
+            elif own.integration == "midpoint":
+                found = middle_of_area(grid, grades)
+            else:
+                found = defuzzify_samples(grid, grades, "bisector")
             reduced[block] = np.stack([found, found], axis=-1)
         return reduced
+
+    def _grid(self, left: float, right: float) -> Array:
+        """Return the points of an output's range that are summed over."""
+        count = self._operators.resolution
+        step = (right - left) / count
+        if self._operators.integration == "midpoint":
+            return np.asarray(left + step * (np.arange(count) + 0.5))
+        if self._operators.integration == "left":
+            # Step by step, for rounding decides whether a set of one point is seen.
+            steps: Array = np.full(count, step)
+            steps[0] = left
+            return np.asarray(np.cumsum(steps))
+        return np.asarray(np.linspace(left, right, count), dtype=np.float64)
+
+
+def middle_of_area(grid: Array, grades: Array) -> Array:
+    """Return the points (n,) up to which grades (n, N) sum up to nearly half of their sum.
+
+    Of several that are equally near their mean, as fuzzylite's bisector does; NaN where all grades
+    are 0.
+    """
+    areas = np.cumsum(grades, axis=1)
+    total = areas[:, -1:]
+    with np.errstate(invalid="ignore"):
+        off = np.abs(areas / total - 0.5)
+        nearest = off == off.min(axis=1, keepdims=True)
+        return np.asarray((grid * nearest).sum(axis=1) / nearest.sum(axis=1))

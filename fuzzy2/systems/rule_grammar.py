@@ -79,13 +79,32 @@ def parsed(text: str, number: int, hedges: Mapping[str, Hedge]) -> Words:
     InvalidRule
         If it is no rule, with what was expected at which word.
     """
+    return _Reader(text, number, hedges).rule(_tree(text, number))
+
+
+def parsed_hedged(
+    text: str, number: int, hedges: Mapping[str, Hedge]
+) -> tuple[Antecedent, list[tuple[str, list[str], str]], float]:
+    """Return what a line of text states where what is said is hedged, too.
+
+    The antecedent, the variables, hedges and terms of what is said, and the weight; ``else`` is
+    refused.
+
+    Raises
+    ------
+    InvalidRule
+        If it is no such rule, with what was expected at which word.
+    """
+    return _Reader(text, number, hedges).hedged_rule(_tree(text, number))
+
+
+def _tree(text: str, number: int) -> Tree[Token]:
     try:
-        tree = _parser().parse(text)
+        return _parser().parse(text)
     except UnexpectedCharacters as error:
         raise InvalidRule(number, text, _misplaced(text, error.pos_in_stream or 0)) from None
     except UnexpectedToken as error:
         raise InvalidRule(number, text, _unexpected(text, error)) from None
-    return _Reader(text, number, hedges).rule(tree)
 
 
 def _misplaced(text: str, position: int) -> str:
@@ -146,6 +165,23 @@ class _Reader:
             self.said(said[1]) if len(said) > 1 else (),
             1.0 if weight is None else self.weight(weight),
         )
+
+    def hedged_rule(
+        self, tree: Tree[Token]
+    ) -> tuple[Antecedent, list[tuple[str, list[str], str]], float]:
+        parts = [part for part in tree.children if isinstance(part, Tree)]
+        said = [part for part in parts[1:] if part.data == "said"]
+        weight = next((part for part in parts[1:] if part.data == "weight"), None)
+        if len(said) > 1:
+            raise self.error('has "else", which this format has no word for')
+        found = []
+        for clause in said[0].children:
+            if isinstance(clause, Tree):
+                variable, words, term = self.clause(clause)
+                if term is None:
+                    raise self.error(f"says that {variable!r} is anything")
+                found.append((variable, words, term))
+        return self.asked(parts[0]), found, 1.0 if weight is None else self.weight(weight)
 
     def weight(self, tree: Tree[Token]) -> float:
         written = str(tree.children[-1])

@@ -126,10 +126,11 @@ class FuzzySystem(Shown):
         Weights of the lower and the upper average under ``"begian_melek_mendel"``.
     hedges : mapping from words to Hedge or callable, optional
         Hedges of rules in words beside those of :mod:`fuzzy2.systems.hedges`.
-    integration : {"exact", "sum", "trapezoidal"}
+    integration : {"exact", "sum", "trapezoidal", "midpoint", "left"}
         Whether the centroid of united sets is integrated, to 1e-6 of the output's range or better
-        (:mod:`fuzzy2.systems.united`), or summed up over ``resolution`` points, as MATLAB does, or
-        over trapezoids between them, as Octave does.
+        (:mod:`fuzzy2.systems.united`), or summed up over ``resolution`` points from end to end, as
+        MATLAB does, or over trapezoids between them, as Octave does, or over the middles of so many
+        equal pieces, as fuzzylite does, or over their left ends, as jFuzzyLogic does.
     fuzzifier : Fuzzifier, or one for each input
         How inputs become fuzzy sets, see :mod:`fuzzy2.systems.fuzzifiers`; singleton by default.
     input_names, output_names : sequence of str, optional
@@ -221,7 +222,12 @@ class FuzzySystem(Shown):
             raise InvalidValue("resolution", resolution, "a whole number of at least 2")
         self.resolution = int(resolution)
         checked = checked_consequents(
-            consequents, silent, count, len(self.inputs), (self._kinds, self._kind_names)
+            consequents,
+            silent,
+            count,
+            len(self.inputs),
+            (self._kinds, self._kind_names),
+            self.type_reduction == "center_of_sets",
         )
         self.consequents, self.consequent_sets = checked.given, checked.sets
         self.consequent_intervals, self.silent = checked.intervals, checked.silent

@@ -17,10 +17,12 @@ from fuzzy2.errors import MalformedFile, NotExpressible, UnknownName
 from fuzzy2.files.clauses import clauses_of_rule
 from fuzzy2.files.description import description_of, system_of
 from fuzzy2.files.fis import format_fis, parse_fis
+from fuzzy2.files.fll import parse_fll
 from fuzzy2.files.fml import format_fml, parse_fml
 from fuzzy2.files.json_files import from_json, to_json
 from fuzzy2.systems.antecedents import And, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import HEDGES
+from tests.fuzzy2.files.engines import TSUKAMOTO, inputs_of
 from tests.fuzzy2.files.fis_texts import OPEN_TYPE2, TIPPER, TYPE2
 from tests.fuzzy2.files.fml_texts import TIPPER as TIPPER_FML
 
@@ -249,3 +251,14 @@ def test_every_format_through_every_other_gives_equal_outputs(system: Any) -> No
                 atol=1e-9,
                 err_msg=f"{first.__name__}, {second.__name__}",
             )
+
+
+def test_files_of_fuzzylite_and_of_iec_61131_7(tmp_path: Path) -> None:
+    system = parse_fll(TSUKAMOTO)
+    X = inputs_of(system)
+    for name in ("engine.fll", "engine.fcl", "engine.json"):
+        fuzzy2.save(system, tmp_path / name)
+        again = tmp_path / f"{name}.txt"
+        again.write_text((tmp_path / name).read_text(encoding="utf-8"), encoding="utf-8")
+        for path in (tmp_path / name, again):
+            np.testing.assert_allclose(fuzzy2.load(path)(X), system(X), rtol=1e-9, atol=1e-9)

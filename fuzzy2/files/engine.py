@@ -1,0 +1,418 @@
+"""What files of fuzzylite and of IEC 61131-7 say of a system: every output has its own operators.
+
+An :class:`Engine` stands between the text and the system, both ways. Outputs that follow each other
+with the same operators become one system; where there are more than one, they become a
+:class:`fuzzy2.ParallelSystem`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from itertools import islice
+from typing import Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.sets.type1 import Singleton
+from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or, leaves, mapped
+from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.hedges import Hedge, Scaled
+from fuzzy2.systems.operators import UNIONS
+from fuzzy2.systems.parallel import ParallelSystem
+from fuzzy2.systems.system import Type1System
+
+AnySystem: TypeAlias = Type1System | ParallelSystem
+
+_DEEPEST = 100
+"""Levels of a rule; people write three."""
+_MOST_CLAUSES = 1000
+"""Clauses of a rule, those of the rules that its outputs stand for among them."""
+
+
+class Defuzzifier(NamedTuple):
+    """How an output becomes a number: a type reduction, and the points that it sums over.
+
+    ``resolution`` is None where the integral is exact, or nothing is integrated.
+    """
+
+    reduction: str
+    resolution: int | None = None
+    integration: str = "midpoint"
+
+
+@dataclass(frozen=True)
+class Input:
+    """An input: its range, None if it has no end, and its terms by name."""
+
+    name: str
+    range: tuple[float, float] | None
+    terms: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Output:
+    """An output.
+
+    Terms are sets, constants or linear functions by name. ``aggregation`` is None where none is
+    given, ``default`` is the output where no rule fires, NaN for none.
+    """
+
+    name: str
+    range: tuple[float, float] | None
+    terms: dict[str, Any]
+    defuzzifier: Defuzzifier
+    aggregation: str | None = "max"
+    default: float = math.nan
+
+
+@dataclass(frozen=True)
+class EngineRule:
+    """A rule by names, with its place in the file and the operators of its block."""
+
+    place: int
+    asked: Antecedent
+    said: tuple[tuple[str, str], ...]
+    weight: float = 1.0
+    conjunction: str | None = "min"
+    disjunction: str | None = "max"
+    implication: str | None = "min"
+
+
+@dataclass(frozen=True)
+class Engine:
+    """Inputs, outputs and rules, in the order of the file."""
+
+    name: str
+    inputs: tuple[Input, ...]
+    outputs: tuple[Output, ...]
+    rules: tuple[EngineRule, ...]
+
+
+class _Spoken(NamedTuple):
+    """A rule of an output: its tree without other outputs, and the operators that it needs."""
+
+    rule: EngineRule
+    tree: Antecedent
+    term: str
+    both: frozenset[str]
+    either: frozenset[str]
+
+
+def _joint(first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...] | None:
+    """Return operators that serve outputs with either, or None; what is not needed is None."""
+    named = []
+    for one, other in zip(first[0], second[0], strict=True):
+        if None not in (one, other) and one != other:
+            return None
+        named.append(one or other)
+    return (tuple(named), *first[1:]) if first[1:] == second[1:] else None
+
+
+def _weighted(one: _Spoken) -> Antecedent:
+    """Return a rule's tree times its weight."""
+    weight = one.rule.weight
+    if weight == 1.0:
+        return one.tree
+    return Hedged(Hedge(f"with {weight:g}", function=Scaled(weight)), one.tree)
+
+
+def depth_of(tree: Antecedent) -> int:
+    """Return how many levels a tree has."""
+    deepest, level = 0, [tree]
+    while level:
+        deepest += 1
+        level = _below(level)
+    return deepest
+
+
+def _below(level: Sequence[Antecedent]) -> list[Antecedent]:
+    """Return the parts of trees."""
+    parts: list[Antecedent] = []
+    for one in level:
+        if isinstance(one, And | Or):
+            parts += one.parts
+        elif isinstance(one, Not | Hedged):
+            parts.append(one.part)
+    return parts
+
+
+class SystemMaker:
+    """The system of an engine.
+
+    Parameters
+    ----------
+    engine : Engine
+        What the file says.
+    refused : callable
+        Takes the place in the file, what is refused and the reason, and returns the error.
+    """
+
+    def __init__(self, engine: Engine, refused: Any) -> None:
+        self._engine, self._refused = engine, refused
+        self._inputs = [one.name for one in engine.inputs]
+        self._spoken: dict[str, list[_Spoken]] = {one.name: [] for one in engine.outputs}
+        self._aggregations = {one.name: one.aggregation for one in engine.outputs}
+        for rule in engine.rules:
+            if depth_of(rule.asked) > _DEEPEST:
+                raise refused(rule.place, "a rule nested this deeply", f"at most {_DEEPEST} levels")
+            tree, both, either = self._resolved(rule)
+            for output, term in rule.said:
+                self._spoken[output].append(_Spoken(rule, tree, term, both, either))
+        for one in engine.outputs:
+            if one.defuzzifier.reduction == "center_of_sets" and one.aggregation is not None:
+                self._merge(one)
+
+    def _merge(self, output: Output) -> None:
+        """Aggregate the rules of an average that say the same: one rule asks for any of them."""
+        merged: dict[str, _Spoken] = {}
+        for one in self._spoken[output.name]:
+            first = merged.setdefault(one.term, one)
+            if first is one:
+                continue
+            parts = first.tree.parts if first.rule.place < 0 and isinstance(first.tree, Or) else ()
+            tree = Or((*(parts or (_weighted(first),)), _weighted(one)))
+            either = first.either | one.either | {str(output.aggregation)}
+            rule = EngineRule(-1, tree, ((output.name, one.term),))
+            merged[one.term] = _Spoken(rule, tree, one.term, first.both | one.both, either)
+        self._spoken[output.name] = list(merged.values())
+
+    def _resolved(self, rule: EngineRule) -> tuple[Antecedent, frozenset[str], frozenset[str]]:
+        """Return a rule's tree, in which outputs stand for the rules that spoke of them before."""
+        both: set[str] = set()
+        either: set[str] = set()
+        for kind, name, found in (
+            (And, rule.conjunction, both),
+            (Or, rule.disjunction, either),
+        ):
+            if _has(rule.asked, kind):
+                if name is None:
+                    word = "and" if kind is And else "or"
+                    raise self._refused(
+                        rule.place, f'a rule with "{word}"', "its block does not say what that is"
+                    )
+                found.add(name)
+
+        def resolved(clause: Is) -> Antecedent:
+            if clause.variable in self._inputs:
+                return clause
+            before = self._before(rule, str(clause.variable), clause.term)
+            for one in before:
+                both.update(one.both)
+                either.update(one.either)
+            if not before:
+                # A term of which no rule has spoken holds nowhere.
+                return Not(Is(self._inputs[0], None))
+            if len(before) == 1:
+                return _weighted(before[0])
+            either.add(self._aggregations[str(clause.variable)] or SUM)
+            return Or(tuple(_weighted(one) for one in before))
+
+        tree = mapped(rule.asked, resolved)
+        # Counted only as far as needed: a chain of rules doubles its tree with every link.
+        many = sum(1 for _ in islice(leaves(tree), _MOST_CLAUSES + 1)) > _MOST_CLAUSES
+        if many or depth_of(tree) > _DEEPEST:
+            raise self._refused(
+                rule.place, "a chain of rules this long", "outputs stand in for their rules"
+            )
+        return tree, frozenset(both), frozenset(either)
+
+    def _before(self, rule: EngineRule, output: str, term: Any) -> list[_Spoken]:
+        if term is None:
+            return [_Spoken(rule, Is(self._inputs[0], None), "", frozenset(), frozenset())]
+        return [one for one in self._spoken[output] if one.term == term]
+
+    def system(self) -> AnySystem:
+        """Return the system."""
+        systems: list[Type1System] = []
+        group: list[Output] = []
+        shared: tuple[Any, ...] | None = None
+        for operators, output in self._keyed():
+            joint = None if shared is None else _joint(shared, operators)
+            if shared is not None and joint is None:
+                systems.append(self._made(shared, group))
+                group = []
+            shared = operators if joint is None else joint
+            group.append(output)
+        assert shared is not None
+        systems.append(self._made(shared, group))
+        return systems[0] if len(systems) == 1 else ParallelSystem(systems)
+
+    def _keyed(self) -> list[tuple[tuple[Any, ...], Output]]:
+        """Return the outputs with their operators; one of which no rule speaks takes others'."""
+        outputs = self._engine.outputs
+        known = {one.name: self._operators(one) for one in outputs if self._spoken[one.name]}
+        if not known:
+            raise self._refused(1, "a system without rules", "no rule speaks of an output")
+        keyed, last = [], next(iter(known.values()))
+        for output in outputs:
+            last = known.get(output.name, last)
+            keyed.append((last, output))
+        return keyed
+
+    def _operators(self, output: Output) -> tuple[Any, ...]:
+        """Return all that outputs of one system share: operators by name, and the kind of terms."""
+        spoken = self._spoken[output.name]
+        sets = [not isinstance(output.terms[one.term], Constant | LinearFunction) for one in spoken]
+        united = output.defuzzifier.reduction in UNIONS
+        first = spoken[0].rule.place
+        if any(sets) != all(sets):
+            raise self._refused(
+                first, f"numbers and sets in {output.name!r}", "an output has one kind of terms"
+            )
+        one_by_name = {
+            what: self._one(first, output.name, what, names)
+            for what, names in (
+                ("conjunction", {name for one in spoken for name in one.both}),
+                ("disjunction", {name for one in spoken for name in one.either}),
+                (
+                    "implication",
+                    {one.rule.implication for one in spoken} if united and any(sets) else set(),
+                ),
+            )
+        }
+        grouped = output.defuzzifier.reduction == "centroid" and not any(sets)
+        if (united or grouped) and output.aggregation is None:
+            raise self._refused(first, f"the output {output.name!r}", "it has no aggregation")
+        if grouped:
+            self._check_grouped(first, output)
+        united = united or grouped
+        unbounded = output.range is None or output.defuzzifier.reduction == "tsukamoto"
+        return (
+            tuple(one_by_name.values()),
+            output.aggregation if united else "max",
+            output.defuzzifier,
+            any(sets),
+            unbounded,
+        )
+
+    def _one(self, place: int, output: str, what: str, names: Iterable[Any]) -> str | None:
+        known = sorted({name for name in names if name is not None})
+        if what == "implication" and None in set(names):
+            raise self._refused(place, f"the output {output!r}", "its rules have no implication")
+        if what == "disjunction" and SUM in known:
+            raise self._refused(place, f"a sum of rules of {output!r}", "rules are united there")
+        if len(known) > 1:
+            raise self._refused(
+                place,
+                f"rules of {output!r} with different operators ({', '.join(known)})",
+                f"an output has one {what}",
+            )
+        return known[0] if known else None
+
+    def _check_grouped(self, place: int, output: Output) -> None:
+        """Refuse functions, which have no places to be united at."""
+        terms = {one.term: output.terms[one.term] for one in self._spoken[output.name]}
+        if any(isinstance(term, LinearFunction) for term in terms.values()):
+            raise self._refused(
+                place,
+                f"the aggregation of the linear functions of {output.name!r}",
+                "rules that say the same add up; write none",
+            )
+
+    def _made(self, operators: tuple[Any, ...], outputs: Sequence[Output]) -> Type1System:
+        (both, either, implication), aggregation, defuzzifier, of_sets, unbounded = operators
+        names = [output.name for output in outputs]
+        spoken = [(j, one) for j, name in enumerate(names) for one in self._spoken[name]]
+        order = {id(rule): r for r, rule in enumerate(self._engine.rules)}
+        by_rule: dict[int, dict[int, _Spoken]] = {}
+        for j, one in sorted(spoken, key=lambda pair: order.get(id(pair[1].rule), len(order))):
+            by_rule.setdefault(id(one.rule), {})[j] = one
+        rows = [(next(iter(own.values())), own) for own in by_rule.values()]
+        said = [[own[j].term if j in own else None for j in range(len(names))] for _, own in rows]
+        silent = np.array([[term is None for term in row] for row in said])
+        grouped = defuzzifier.reduction == "centroid" and not of_sets
+        consequents = self._consequents(said, outputs, of_sets, grouped)
+        inputs = self._engine.inputs
+        # Rules as trees are taken, too, which the type of the argument does not say.
+        trees: Any = tuple(self._numbered(first.tree) for first, _ in rows)
+        weights = np.array([first.rule.weight for first, _ in rows])
+        ranges = [one.range for one in inputs if one.range is not None]
+        defaults = [None if math.isnan(one.default) else one.default for one in outputs]
+        return Type1System(
+            [list(one.terms.values()) for one in inputs],
+            trees,
+            consequents,
+            t_norm=both or "min",
+            type_reduction=defuzzifier.reduction,
+            t_conorm=aggregation,
+            disjunction=either or "max",
+            implication=implication or "min",
+            weights=weights if (weights != 1.0).any() else None,
+            silent=silent if silent.any() else None,
+            default_outputs=defaults if any(one is not None for one in defaults) else None,
+            integration="exact" if defuzzifier.resolution is None else defuzzifier.integration,
+            resolution=defuzzifier.resolution or 501,
+            input_names=self._inputs,
+            output_names=names,
+            term_names=[list(one.terms) for one in inputs],
+            consequent_names=[["" if term is None else term for term in row] for row in said],
+            input_ranges=ranges if len(ranges) == len(inputs) else None,
+            output_ranges=None if unbounded else [one.range or (0.0, 1.0) for one in outputs],
+            output_terms=_all_terms(outputs, grouped),
+        )
+
+    def _numbered(self, tree: Antecedent) -> Antecedent:
+        def numbered(clause: Is) -> Is:
+            place = self._inputs.index(str(clause.variable))
+            if clause.term is None:
+                return Is(place, None)
+            return Is(place, list(self._engine.inputs[place].terms).index(str(clause.term)))
+
+        return mapped(tree, numbered)
+
+    def _consequents(
+        self,
+        said: list[list[str | None]],
+        outputs: Sequence[Output],
+        of_sets: bool,
+        grouped: bool,
+    ) -> Any:
+        terms = [
+            [None if name is None else outputs[j].terms[name] for j, name in enumerate(row)]
+            for row in said
+        ]
+        if of_sets:
+            return terms
+        if grouped:
+            return [[None if one is None else Singleton(one.left) for one in row] for row in terms]
+        width = len(self._inputs)
+        if any(isinstance(one, LinearFunction) for row in terms for one in row):
+            none = (0.0,) * width
+            return Linear(
+                [
+                    [
+                        (0.0, *none)
+                        if one is None
+                        else (one.constant, *one.slopes)
+                        if isinstance(one, LinearFunction)
+                        else (one.left, *none)
+                        for one in row
+                    ]
+                    for row in terms
+                ]
+            )
+        return np.array([[0.0 if one is None else one.left for one in row] for row in terms])
+
+
+def _has(tree: Antecedent, kind: type) -> bool:
+    level = [tree]
+    while level:
+        if any(isinstance(one, kind) for one in level):
+            return True
+        level = _below(level)
+    return False
+
+
+def _all_terms(outputs: Sequence[Output], grouped: bool) -> list[dict[str, Any]] | None:
+    """Return the terms of outputs, or None where one is a function, which has no other place."""
+    terms = [dict(one.terms) for one in outputs]
+    if any(isinstance(term, LinearFunction) for of in terms for term in of.values()):
+        return None
+    point = Singleton if grouped else float
+    return [
+        {name: point(one.left) if isinstance(one, Constant) else one for name, one in of.items()}
+        for of in terms
+    ]

@@ -1,0 +1,106 @@
+"""Rules of fuzzylite and IEC 61131-7, by the grammar of rules in words, for an engine."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from fuzzy2.errors import InvalidRule
+from fuzzy2.files.engine import EngineRule
+from fuzzy2.systems.antecedents import Antecedent, Hedged, Is, Not, leaves, mapped
+from fuzzy2.systems.hedges import Hedge
+from fuzzy2.systems.rule_grammar import parsed_hedged
+from fuzzy2.systems.rules import unknown_name
+
+Names = Mapping[str, tuple[str, ...]]
+"""Terms of variables by name."""
+
+
+def rules_of(
+    text: str,
+    place: int,
+    hedges: Mapping[str, Hedge],
+    variables: tuple[Names, Names],
+    operators: tuple[str | None, str | None, str | None],
+    any_case: bool = False,
+) -> list[EngineRule]:
+    """Return the rules that a line states: one, or one for each thing it says of an output.
+
+    Parameters
+    ----------
+    text : str
+        The rule.
+    place : int
+        Its line.
+    hedges : mapping
+        Hedges that the format knows.
+    variables : pair of mappings
+        Terms of the inputs and of the outputs.
+    operators : (str, str, str)
+        Conjunction, disjunction and implication of its block, None where it has none.
+    any_case : bool
+        Whether upper and lower case are the same in names.
+
+    Raises
+    ------
+    InvalidRule
+        If it is no rule, or has names that there are not.
+    """
+    try:
+        return _rules_of(text, place, hedges, variables, operators, any_case)
+    except RecursionError:
+        raise InvalidRule(1, text[:60], "is nested too deeply") from None
+
+
+def _rules_of(
+    text: str,
+    place: int,
+    hedges: Mapping[str, Hedge],
+    variables: tuple[Names, Names],
+    operators: tuple[str | None, str | None, str | None],
+    any_case: bool,
+) -> list[EngineRule]:
+    tree, conclusions, weight = parsed_hedged(text.strip(), 1, hedges)
+    inputs, outputs = variables
+    both = {**inputs, **outputs}
+    if any_case:
+        tree = mapped(tree, lambda clause: Is(*_cased(str(clause.variable), clause.term, both)))
+        cased = [(*_cased(variable, term, outputs), words) for variable, words, term in conclusions]
+        conclusions = [(variable, words, str(term)) for variable, term, words in cased]
+
+    def check(variable: str, term: str | None, known: Names, kind: str) -> None:
+        if variable not in known:
+            raise InvalidRule(1, text, f"speaks of an {unknown_name(kind, variable, known)}")
+        if term is not None and term not in known[variable]:
+            names = known[variable]
+            raise InvalidRule(
+                1, text, f"speaks of an {unknown_name(f'term of {variable}', term, names)}"
+            )
+
+    for clause in leaves(tree):
+        term = None if clause.term is None else str(clause.term)
+        check(str(clause.variable), term, both, "variable")
+    passes: list[tuple[Antecedent, list[tuple[str, str]]]] = [(tree, [])]
+    for variable, words, concluded in conclusions:
+        check(variable, concluded, outputs, "output")
+        if words and weight != 1.0:
+            raise InvalidRule(1, text, "hedges what it says and has a weight")
+        # A hedge goes on to what is said after it, as in fuzzylite.
+        for word in reversed(words):
+            tree = Not(tree) if word == "not" else Hedged(hedges[word], tree)
+        if words or any(variable == other for other, _ in passes[-1][1]):
+            passes.append((tree, []))
+        passes[-1][1].append((variable, concluded))
+    return [
+        EngineRule(place, asked, tuple(said), weight, *operators) for asked, said in passes if said
+    ]
+
+
+def _cased(variable: str, term: Any, known: Names) -> tuple[str, Any]:
+    """Return the names that are meant, whatever their case; as they are if there are none."""
+    variable = next((one for one in known if one.lower() == variable.lower()), variable)
+    if term is None or term in known.get(variable, ()):
+        return variable, term
+    return variable, next(
+        (one for one in known.get(variable, ()) if one.lower() == str(term).lower()), term
+    )

@@ -1,0 +1,102 @@
+"""Several systems of the same inputs side by side, for outputs that differ in their operators.
+
+A system has one way from its rules to its outputs. Where one output is Mamdani's and another one
+Takagi and Sugeno's, as files of fuzzylite and IEC 61131-7 may have it, each has its own system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import InvalidValue, ReadOnly
+from fuzzy2.support.checks import Array
+from fuzzy2.systems.system import FuzzySystem
+
+
+class ParallelSystem:
+    """Systems of the same inputs side by side, each with operators of its own.
+
+    Parameters
+    ----------
+    systems : sequence of systems
+        Systems whose inputs have the same names, and whose outputs have different ones.
+
+    Raises
+    ------
+    InvalidValue
+        If there are none, or the names are not so.
+    """
+
+    def __init__(self, systems: Sequence[FuzzySystem]) -> None:
+        self.systems = tuple(systems)
+        if not self.systems or not all(isinstance(one, FuzzySystem) for one in self.systems):
+            raise InvalidValue("systems", systems, "at least one system")
+        self.input_names = self.systems[0].input_names
+        for one in self.systems:
+            if one.input_names != self.input_names:
+                raise InvalidValue(
+                    "systems", one.input_names, f"systems with the inputs {self.input_names}"
+                )
+        self.output_names = tuple(name for one in self.systems for name in one.output_names)
+        if len(set(self.output_names)) < len(self.output_names):
+            raise InvalidValue("systems", self.output_names, "systems with different outputs")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self.__dict__:
+            raise ReadOnly("a ParallelSystem", name)
+        object.__setattr__(self, name, value)
+
+    @property
+    def n_outputs(self) -> int:
+        """Number of outputs."""
+        return len(self.output_names)
+
+    def __repr__(self) -> str:
+        return f"ParallelSystem({list(self.systems)!r})"
+
+    def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
+        """Return the crisp outputs (..., m) of inputs (..., p), or of inputs by name.
+
+        Parameters
+        ----------
+        X : (..., p) array_like, mapping or data frame
+            Inputs.
+        **named
+            The same as keywords.
+
+        Returns
+        -------
+        (..., m) ndarray
+            Outputs of the systems in their order; NaN where no rule fires.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        given = () if X is None else (X,)
+        return np.concatenate([one(*given, **named) for one in self.systems], axis=-1)
+
+    def type_reduced(self, X: ArrayLike) -> Array:
+        """Return the type-reduced intervals (..., m, 2) of inputs (..., p).
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (..., m, 2) ndarray
+            Left and right ends; NaN where no rule fires.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        return np.concatenate([one.type_reduced(X) for one in self.systems], axis=-2)
