@@ -29,6 +29,10 @@ from tests.mujoco_null_space import NullSpace, mujoco, shipped
 BUILT = ROBOTS[len(THESIS_ROBOTS) :]
 STATES = 10
 
+BAR, ROUNDED = 1e-9, 100.0
+"""Relative error that is allowed, and how many times the mismatch of loops written with few digits.
+"""
+
 REACH = {"gripper": 0.05, "agile_eye": 0.3}
 """How far poses are from home [rad], if not 0.1."""
 
@@ -50,7 +54,7 @@ class Case(NamedTuple):
 def case(request: pytest.FixtureRequest) -> Case:
     robot = psp3.load(request.param)
     mismatch = robot.closure_mismatch
-    return Case(request.param, robot, max(1e-9, 100.0 * max(mismatch.length, mismatch.angle)))
+    return Case(request.param, robot, max(BAR, ROUNDED * max(mismatch.length, mismatch.angle)))
 
 
 def moved(case: Case, positions: Array, step: Array) -> Array:

@@ -27,8 +27,13 @@ TEMPLATES = (
     ),
     "On a machine with Linux, Python {python} or newer, make and pip:",
     (
-        "M, C v and G of every shipped robot agree with MuJoCo's, projected on the loops, to "
-        "{bars/mujoco} of the largest entry in {bars/mujoco states} random states."
+        "M, C v and G of every robot of the thesis agree with MuJoCo's, projected on the loops, to "
+        "{bars/mujoco} of the largest entry in {bars/mujoco states} random states;"
+    ),
+    (
+        "accelerations of the robots that stand for what people build ([what each is here "
+        "for](urdf/README.md#six-robots-that-people-build)) to {bars/built}, or to "
+        "{bars/rounded:.0f} times what rounding leaves open."
     ),
     (
         "`make reproduce`, with the gains of Table 6.1, on a helix of radius "

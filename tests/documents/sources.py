@@ -17,7 +17,7 @@ from psp3.study.file import Row
 from psp3.study.run import Run
 from psp3.thesis.findings import REPRODUCED, SAME_ORDER, Reproduction
 from psp3.thesis.plan import NOISY, Outcomes, decibels
-from tests.cross import test_mujoco_robots, test_pinocchio
+from tests.cross import test_built_robots, test_mujoco_robots, test_pinocchio
 from tests.processes import ROOT
 
 LEVELS = [decibels(snr) for snr in NOISY]
@@ -57,6 +57,8 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
             "states": sum(test_pinocchio.STATES.values()),
             "mujoco": test_mujoco_robots.TOLERANCE,
             "mujoco states": test_mujoco_robots.STATES,
+            "built": test_built_robots.BAR,
+            "rounded": test_built_robots.ROUNDED,
         },
         "verdict": {"reproduced": REPRODUCED, "same order": SAME_ORDER},
         "python": tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"][
