@@ -83,7 +83,8 @@ def _times(gain: float | Array, error: Array) -> Array:
 
 def _error(desired: Array, found: Array) -> Array:
     """Return the error of the first coordinates, of which a motion is desired."""
-    return desired - found[: len(desired)]
+    # Slices cost as much as the difference, in every control step.
+    return desired - (found if len(found) == len(desired) else found[: len(desired)])
 
 
 def _allocated(model: Any, positions: Array, forces: Array) -> Array:
