@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzy2.support.lazy import lazy_names
-from fuzzy2.support.shown import viewed_by
+from fuzzy2.support.viewers import viewed_by
 
 if TYPE_CHECKING:
     from fuzzy2.errors import ApproximationWarning as ApproximationWarning

@@ -72,6 +72,7 @@ ELSEWHERE = {
     "fuzzy2/systems/outputs.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/rule_grammar.py": ("fuzzy2/systems/test_rules.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/united_kernels.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
+    "fuzzy2/support/viewers.py": ("fuzzy2/support/test_shown.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/construction.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/table.py": ("fuzzy2/systems/test_kernels.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/terms.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),

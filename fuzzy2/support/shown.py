@@ -1,18 +1,19 @@
 """How things show themselves: a picture by ``view()``, and HTML with a small one in notebooks.
 
-Figures stand above what they show, so nothing here draws them: the facade, which knows both, says
-who does. Small pictures are plain SVG, made without a plotting library.
+Small pictures are plain SVG, made without a plotting library; who draws the others is said in
+:mod:`fuzzy2.support.viewers`.
 """
 
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from fuzzy2.support.checks import Array
+from fuzzy2.support.viewers import viewer
 
 WIDTH, HEIGHT = 180.0, 48.0
 """Size of a small picture in pixels."""
@@ -22,13 +23,6 @@ COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#7f
 
 Curve = tuple[Array, Array]
 """Lower and upper grades at the points of a small picture."""
-
-_viewers: list[Callable[..., Any]] = []
-
-
-def viewed_by(viewer: Callable[..., Any]) -> None:
-    """Say who draws: a function of the thing and of the axes to draw into."""
-    _viewers[:] = [viewer]
 
 
 class Shown:
@@ -47,7 +41,7 @@ class Shown:
         tuple of Axes
             The axes; ``axes[0].figure`` is the figure to save or to show.
         """
-        drawn: tuple[Any, ...] = _viewers[0](self, axes)
+        drawn: tuple[Any, ...] = viewer()(self, axes)
         return drawn
 
     def _repr_html_(self) -> str:
