@@ -39,9 +39,9 @@ class Kernel(CPUDispatcher):
         Types of variables; none are given here.
     targetoptions : dict, optional
         Options of ``numba.njit``.
-    vectorized : bool
-        Whether its loops over rows are to take several of them in one instruction; compiling takes
-        longer.
+    twice : bool
+        Whether the compiler goes over the code a second time: only then are parts simple enough for
+        vector instructions, and calls of parts gone.
     """
 
     def __init__(
@@ -50,11 +50,11 @@ class Kernel(CPUDispatcher):
         locals: dict[str, Any] | None = None,
         targetoptions: dict[str, Any] | None = None,
         *,
-        vectorized: bool = False,
+        twice: bool = False,
     ) -> None:
         # Older versions of numba want a dictionary, also where no types are given.
         kinds, options = dict(locals or {}), dict(targetoptions or {})
-        compiler = _VectorizingCompiler if vectorized else _WholeCompiler
+        compiler = _TwiceCompiler if twice else _WholeCompiler
         super().__init__(function, kinds, options, pipeline_class=compiler)
         self._part = CPUDispatcher(function, kinds, options, pipeline_class=PartCompiler)
 
@@ -140,8 +140,8 @@ class _Whole(JITCodeLibrary):
         self._finalize_final_module()
 
 
-class _Vectorized(_Whole):
-    """The code of a function whose loops take several rows in one instruction."""
+class _Twice(_Whole):
+    """The same, optimized twice."""
 
     def _optimize_final_module(self) -> None:
         super()._optimize_final_module()
@@ -184,8 +184,8 @@ class _WholeCompiler(Compiler):
         return result
 
 
-class _VectorizingCompiler(_WholeCompiler):
-    library = _Vectorized
+class _TwiceCompiler(_WholeCompiler):
+    library = _Twice
 
 
 class PartCompiler(Compiler):

@@ -67,26 +67,7 @@ def compiled(function: Function) -> Function:
         The compiled function. Where no directory for the cache can be written it is compiled anew
         in every process.
     """
-    return _compiled(function)
-
-
-def vectorized(function: Function) -> Function:
-    """Compile ``function`` as :func:`compiled` does, its loops over rows with vector instructions.
-
-    For what takes many rows in one call. Compiling takes longer, because the compiler sees what a
-    loop calls only once it is simple, and goes over the code twice.
-
-    Parameters
-    ----------
-    function : callable
-        As for :func:`compiled`. What a loop calls must be :func:`inlined` to be vectorized.
-
-    Returns
-    -------
-    callable
-        The compiled function.
-    """
-    return _compiled(function, vectorized=True)
+    return _compiled(function, twice=True)
 
 
 def inlined(function: Function) -> Function:
@@ -105,7 +86,7 @@ def inlined(function: Function) -> Function:
     callable
         The compiled function.
     """
-    return _compiled(function, forceinline=True)
+    return _compiled(function, twice=True, forceinline=True)
 
 
 class ChosenByTable(Protocol):
@@ -164,10 +145,11 @@ def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
 
 
 def scalar(function: Function) -> Function:
-    """Compile ``function`` as :func:`compiled` does, without memory of its own.
+    """Compile ``function`` as :func:`compiled` does, without memory of its own, in less time.
 
     For functions that make no arrays, and call none that do: calls cost less, and the compiler need
-    not find out who holds which array.
+    not find out who holds which array. It goes over the code once; long code without loops over
+    rows gains nothing from a second time.
 
     Parameters
     ----------
@@ -182,11 +164,11 @@ def scalar(function: Function) -> Function:
     return _compiled(function, _nrt=False)
 
 
-def _compiled(function: Function, *, vectorized: bool = False, **more: Any) -> Function:
+def _compiled(function: Function, *, twice: bool = False, **more: Any) -> Function:
     if getattr(numba.config, "DISABLE_JIT", False):
         return function
     options = {"nopython": True, "nogil": True, "error_model": "numpy", "boundscheck": None}
-    kernel = Kernel(function, targetoptions={**options, **more}, vectorized=vectorized)
+    kernel = Kernel(function, targetoptions={**options, **more}, twice=twice)
     # "no locator available": site-packages and home are both read-only
     with contextlib.suppress(RuntimeError):
         kernel.enable_caching()

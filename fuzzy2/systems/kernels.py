@@ -8,7 +8,7 @@ import numpy as np
 
 from fuzzy2.reduction.kernels import EIASC, end_of_interval
 from fuzzy2.support.checks import Array
-from fuzzy2.support.compiled import compiled, vectorized
+from fuzzy2.support.compiled import compiled
 from fuzzy2.systems.firing_kernels import (
     HEADER,
     SUPPLEMENT,
@@ -283,7 +283,7 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                 )
 
 
-@vectorized
+@compiled
 def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> int:
     """Write the outputs (rows, m), or type-reduced intervals (rows, m, 2), of flat inputs.
 
@@ -335,7 +335,7 @@ def evaluate_row(table: Array, x: Array, out: Array) -> int:
     return 1 if evaluate(table, x, 0.0, out.size == int(table[3]), out) < 0 else 0
 
 
-@vectorized
+@compiled
 def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, out: Array) -> int:
     """Write the crisp outputs (rows, m), the middles on the alpha-planes weighted with alpha.
 
@@ -377,7 +377,7 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
     return -1
 
 
-@vectorized
+@compiled
 def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
     """Write the type-reduced intervals (rows, planes, m, 2) of the alpha-planes.
 
@@ -410,7 +410,7 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
     return -1
 
 
-@vectorized
+@compiled
 def evaluate_corollary(
     table: Array, x: Array, middles: Array, spreads: Array, product_grades: bool, out: Array
 ) -> int:

@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from fuzzy2.support import parallel_rows
-from fuzzy2.support.compiled import vectorized
+from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
 from psp3.three_psp import closed_form
 from psp3.three_psp.closed_form import _equation, _solve
@@ -31,7 +31,7 @@ BLOCK = 128
 HEIGHTS, SPEEDS, M, C, G, VALID, COLUMNS = (BLOCK * column for column in (0, 3, 6, 12, 21, 24, 25))
 
 
-@vectorized
+@compiled
 def _write_columns(
     heights: Array, speeds: Array, first: int, count: int, p: Array, columns: Array
 ) -> None:
@@ -77,7 +77,7 @@ def _write_columns(
         columns[VALID + r] = 1.0 if valid else 0.0
 
 
-@vectorized
+@compiled
 def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> int:
     """Write M (9), C (9) and G (3) of every row, 21 numbers each (eq. 3.2–3.4)."""
     columns = np.empty(COLUMNS)
@@ -102,7 +102,7 @@ def equation_of_motion(heights: Array, speeds: Array, p: Array, out: Array) -> i
     return -1
 
 
-@vectorized
+@compiled
 def inverse_dynamics(
     heights: Array, speeds: Array, accelerations: Array, p: Array, out: Array
 ) -> int:
@@ -149,7 +149,7 @@ def inverse_dynamics(
     return -1
 
 
-@vectorized
+@compiled
 def forward_dynamics(heights: Array, speeds: Array, forces: Array, p: Array, out: Array) -> int:
     """Write the accelerations M⁻¹ (tau − C v − G) of every row."""
     columns = np.empty(COLUMNS)
