@@ -31,8 +31,8 @@ TEMPLATES = (
         "{bars/mujoco} of the largest entry in {bars/mujoco states} random states;"
     ),
     (
-        "accelerations of the robots that stand for what people build ([what each is here "
-        "for](urdf/README.md#six-robots-that-people-build)) to {bars/built}, or to "
+        "accelerations of the robots that stand for what people build ([what each is here for]) "
+        "to {bars/built}, or to "
         "{bars/rounded:.0f} times what rounding leaves open."
     ),
     (

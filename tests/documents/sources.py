@@ -57,7 +57,7 @@ def sources(outcome: Reproduction, numbers: Mapping[str, Any], runs: list[Row]) 
             "states": sum(test_pinocchio.STATES.values()),
             "mujoco": test_mujoco_robots.TOLERANCE,
             "mujoco states": test_mujoco_robots.STATES,
-            "built": test_built_robots.BAR,
+            "built": f"{test_built_robots.BAR:.0e}".replace("e-0", "e-"),
             "rounded": test_built_robots.ROUNDED,
         },
         "verdict": {"reproduced": REPRODUCED, "same order": SAME_ORDER},
