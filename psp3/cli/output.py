@@ -249,6 +249,22 @@ def cell_text(value: Any) -> str:
     return "∞" if value == math.inf else "–" if math.isnan(value) else f"{value:.3g}"
 
 
+OPTIONS = {
+    "actuated=[...]": "--actuated NAME,NAME",
+    'free="keep"': "--free keep",
+    'free="lock"': "--free lock",
+    'free="refuse"': "--free refuse",
+}
+"""What remedies are called in Python, and on the command line."""
+
+
+def as_options(text: str) -> str:
+    """Return a text of the library with its remedies in words of the command line."""
+    for argument, option in OPTIONS.items():
+        text = text.replace(argument, option)
+    return text
+
+
 def error_message(error: Exception) -> str | None:
     """Return what a person needs to read of an error, in one line.
 
@@ -271,7 +287,7 @@ def error_message(error: Exception) -> str | None:
     from fuzzy2.errors import RaisedOnPurpose
 
     if isinstance(error, RaisedOnPurpose):
-        return f"psp3: {' '.join(str(error).split())}"
+        return f"psp3: {as_options(' '.join(str(error).split()))}"
     if isinstance(error, OSError):
         reason = error.strerror or str(error)
         return (

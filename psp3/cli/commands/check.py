@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from psp3.cli.options import USAGE, Json
-from psp3.cli.output import error_message, new_table, print_json, show
+from psp3.cli.output import as_options, error_message, new_table, print_json, show
 from psp3.cli.robot_options import Free, RobotOptions
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def _show(report: dict[str, Any]) -> None:
     for warning in report["warnings"]:
         table.add_row("left out", warning)
     for what, remedy in found.findings:
-        table.add_row("odd", f"{what}: {remedy}")
+        table.add_row("odd", f"{what}: {as_options(remedy)}")
     if not report["warnings"] and not found.findings:
         table.add_row("odd", "nothing")
     show(table)

@@ -6,7 +6,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from psp3.cli.output import _least_width, _parts, _room_of, _widened, show_narrow
+from psp3.cli.output import (
+    _least_width,
+    _parts,
+    _room_of,
+    _widened,
+    error_message,
+    show_narrow,
+)
+from psp3.errors import InvalidRobotFile
 
 WORDS = ["strongest", "sample", "(0.000254", "to", "37260)", "reproduced", "-10.1", "20"]
 CELL = st.lists(st.sampled_from(WORDS), min_size=1, max_size=6).map(" ".join)
@@ -52,3 +60,8 @@ def test_every_part_fits_and_no_word_is_broken(table: list[list[str]], room: int
         widths = _widened(narrowest, [columns[k] for k in part], room)
         assert _room_of(widths) <= room
         assert all(width >= one for width, one in zip(widths, narrowest, strict=True))
+
+
+def test_remedies_are_told_in_words_of_the_command_line() -> None:
+    told = error_message(InvalidRobotFile("a.xml", 'name motors (actuated=[...], free="keep")'))
+    assert told == "psp3: a.xml: name motors (--actuated NAME,NAME, --free keep)"
