@@ -29,16 +29,18 @@ import os
 from pathlib import Path
 
 from fuzzy2.files.description import description_of
+from fuzzy2.files.fis_engine import FisEngineReader, is_of_fuzzylite
 from fuzzy2.files.fis_names import DIALECTS, OPEN_TOOLBOX_SUFFIX
 from fuzzy2.files.fis_reader import FisReader
 from fuzzy2.files.fis_rules import OCTAVE
 from fuzzy2.files.fis_writer import FisWriter
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.operators import choice
+from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import FuzzySystem
 
 
-def parse_fis(text: str, source: str = "text", dialect: str = "matlab") -> FuzzySystem:
+def parse_fis(text: str, source: str = "text", dialect: str | None = None) -> FuzzySystem | ParallelSystem:
     """Return the system that the text of a ``.fis`` file describes; see :func:`read_fis`.
 
     Parameters
@@ -47,12 +49,13 @@ def parse_fis(text: str, source: str = "text", dialect: str = "matlab") -> Fuzzy
         The text.
     source : str
         What error messages call it.
-    dialect : {"matlab", "octave"}
-        Whose meaning it has.
+    dialect : {"matlab", "octave", "fuzzylite"}, optional
+        Whose meaning it has. By default fuzzylite's if the file says that fuzzylite wrote it, or
+        has what only fuzzylite knows; else MATLAB's.
 
     Returns
     -------
-    Type1System or IntervalType2System
+    Type1System, IntervalType2System or ParallelSystem
         The system.
 
     Raises
@@ -62,22 +65,27 @@ def parse_fis(text: str, source: str = "text", dialect: str = "matlab") -> Fuzzy
     NotExpressible
         If it describes what a system here cannot be; it names the line.
     """
-    return FisReader(text, source, choice("dialect", dialect, DIALECTS)).system()
+    own = "fuzzylite" if is_of_fuzzylite(text) else "matlab"
+    chosen = own if dialect is None else choice("dialect", dialect, DIALECTS)
+    if chosen == "fuzzylite":
+        return FisEngineReader(text, source).system()
+    return FisReader(text, source, chosen).system()
 
 
-def read_fis(path: str | os.PathLike[str], dialect: str = "matlab") -> FuzzySystem:
+def read_fis(path: str | os.PathLike[str], dialect: str | None = None) -> FuzzySystem | ParallelSystem:
     """Return the system of a MATLAB ``.fis`` file, or of a ``.t2fis`` file of the IT2-FLS toolbox.
 
     Parameters
     ----------
     path : str or path-like
         The file.
-    dialect : {"matlab", "octave"}
-        Whose meaning it has.
+    dialect : {"matlab", "octave", "fuzzylite"}, optional
+        Whose meaning it has. By default fuzzylite's if the file says that fuzzylite wrote it, or
+        has what only fuzzylite knows; else MATLAB's.
 
     Returns
     -------
-    Type1System or IntervalType2System
+    Type1System, IntervalType2System or ParallelSystem
         Mamdani systems with the reducer ``"centroid"`` (``"center_of_sums"`` if the file sums), on
         101 points; Sugeno systems with ``"center_of_sets"``.
 

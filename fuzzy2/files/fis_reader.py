@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Container
+from collections.abc import Callable
 from typing import Any
 
 from fuzzy2.errors import Fuzzy2Error, NotExpressible
@@ -15,7 +15,7 @@ from fuzzy2.files.description import (
     Variable,
     system_of,
 )
-from fuzzy2.files.fis_lines import QUOTED, VECTOR, FisLines, Line, Section
+from fuzzy2.files.fis_lines import QUOTED, VECTOR, FisLines, Line, Section, unlike
 from fuzzy2.files.fis_names import (
     AGGREGATIONS,
     DEFUZZIFIERS,
@@ -153,7 +153,7 @@ class FisReader(FisLines):
         terms: dict[str, Any] = {}
         for number in range(1, count + 1):
             name, term = self._term(section, number, output, (ends[0], ends[1]))
-            terms[_unlike(name, terms)] = term
+            terms[unlike(name, terms)] = term
         for key, entry in section.entries.items():
             if key.startswith("MF") and int(key[2:].rstrip("UL")) not in range(1, count + 1):
                 raise self.malformed(entry.number, f"NumMFs is {count}, but there is {key}")
@@ -254,12 +254,3 @@ class FisReader(FisLines):
                 )
             return LinearFunction(parameters[-1], tuple(parameters[:-1]))
         raise self.refused(line, f"the output {kind!r}", "known are constant and linear")
-
-
-def _unlike(name: str, names: Container[str]) -> str:
-    """Return a name, with a number where it is taken: files may give one to several terms."""
-    found, count = name, 1
-    while found in names:
-        count += 1
-        found = f"{name}_{count}"
-    return found

@@ -1,7 +1,6 @@
 """Systems as files of fuzzylite (``.fll``).
 
-What is read and written is what fuzzylite 8 does: its terms but *Function*, its hedges and norms,
-the midpoint rule of its integrals (``integration="midpoint"``, 1000 points if a file gives no
+What is read and written is what fuzzylite 8 does: its terms, its hedges and norms, the midpoint rule of its integrals (``integration="midpoint"``, 1000 points if a file gives no
 number), weighted averages and sums, Tsukamoto's terms anywhere, within the range or not. Outputs
 with operators of their own become a :class:`fuzzy2.ParallelSystem`. An output in a condition stands
 for the rules that spoke of it before.

@@ -7,7 +7,7 @@ import re
 from itertools import groupby
 
 from fuzzy2.errors import NotExpressible
-from fuzzy2.files.description import LinearFunction
+from fuzzy2.files.description import FormulaFunction, LinearFunction
 from fuzzy2.files.engine import Engine, EngineRule, Input, Output
 from fuzzy2.files.fll_names import (
     FLL_HEDGES,
@@ -83,14 +83,15 @@ class FllWriter:
     def _defuzzifier(self, output: Output) -> str:
         reduction, resolution, integration = output.defuzzifier
         numbers = [text_of(one, self._where).split()[0] for one in output.terms.values()]
-        of_numbers = all(kind in ("Constant", "Linear") for kind in numbers)
+        formulas = any(isinstance(one, FormulaFunction) for one in output.terms.values())
+        of_numbers = formulas or all(kind in ("Constant", "Linear") for kind in numbers)
         if reduction == "weighted_sum":
             return "WeightedSum TakagiSugeno"
         if reduction == "center_of_sets" or (reduction == "centroid" and of_numbers):
             if reduction == "centroid" and any(
-                isinstance(one, LinearFunction) for one in output.terms.values()
+                isinstance(one, LinearFunction | FormulaFunction) for one in output.terms.values()
             ):
-                raise NotExpressible("united linear functions", self._where, "they have no places")
+                raise NotExpressible("united functions", self._where, "they have no places")
             return "WeightedAverage TakagiSugeno"
         if reduction == "tsukamoto":
             return self._tsukamoto(output, numbers)
