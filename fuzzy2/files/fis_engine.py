@@ -31,6 +31,9 @@ from fuzzy2.sets.formula_set import FormulaSet
 from fuzzy2.support.formula import Formula
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 
+FUZZYLITE = ".fis of fuzzylite"
+"""What errors call fuzzylite's meaning of the format."""
+
 KINDS = {
     "binarymf": ("Binary", (0, 1)),
     "concavemf": ("Concave", (0, 1)),
@@ -56,15 +59,15 @@ KINDS = {
 """fuzzylite's terms, and where their parameters stand in the file."""
 
 _TYPES = ("mamdani", "larsen", "sugeno", "tsukamoto", "hybrid")
-_WEIGHTED = {"wtaver": "center_of_sets", "wtsum": "weighted_sum"}
-_INTEGRALS = {
+WEIGHTED_WORDS = {"wtaver": "center_of_sets", "wtsum": "weighted_sum"}
+INTEGRAL_WORDS = {
     "centroid": INTEGRALS["Centroid"],
     "bisector": INTEGRALS["Bisector"],
     "lom": INTEGRALS["LargestOfMaximum"],
     "mom": INTEGRALS["MeanOfMaximum"],
     "som": INTEGRALS["SmallestOfMaximum"],
 }
-_HEDGES = {1: ("seldom",), 5: ("somewhat",), 20: ("very",), 30: ("extremely",), 40: ("very",) * 2}
+HEDGES = {1: ("seldom",), 5: ("somewhat",), 20: ("very",), 30: ("extremely",), 40: ("very",) * 2}
 """Hedges by hundredths of a number of a term; 99 is any."""
 
 _TERM = re.compile(rf"{QUOTED}\s*:\s*'(\w+)'?\s*,\s*\[([^\]']*)\]\s*")
@@ -110,7 +113,7 @@ class FisEngineReader(FisLines):
                 line = section.entries[key].number
                 raise self.malformed(line, f"a system needs at least one {key[3:-1].lower()}")
         inputs = tuple(self._input(f"Input{i + 1}") for i in range(counts["NumInputs"]))
-        weighted = self.string(section, "DefuzzMethod", "centroid") in _WEIGHTED
+        weighted = self.string(section, "DefuzzMethod", "centroid") in WEIGHTED_WORDS
         terms = [
             self._terms(f"Output{i + 1}", len(inputs), weighted)
             for i in range(counts["NumOutputs"])
@@ -119,19 +122,18 @@ class FisEngineReader(FisLines):
         known = {name: tuple(own) for name, own in zip(names, terms, strict=True)}
         rules = self._rules(section, inputs, known)
         outputs = tuple(
-            self._output(f"Output{i + 1}", section, kind, own, rules)
-            for i, own in enumerate(terms)
+            self._output(f"Output{i + 1}", section, kind, own, rules) for i, own in enumerate(terms)
         )
         return Engine(self.string(section, "Name", "system"), inputs, outputs, rules)
 
     def _section(self, header: str) -> Section:
         if header not in self.sections:
-            raise self.malformed(
-                self.sections["System"].number, f"there is no section [{header}]"
-            )
+            raise self.malformed(self.sections["System"].number, f"there is no section [{header}]")
         section = self.sections[header]
         if section.entries.get("Enabled", Line(0, "1")).value not in ("1", "1.0", "1.000"):
-            raise self.refused(section.entries["Enabled"].number, "a disabled variable", "leave it out")
+            raise self.refused(
+                section.entries["Enabled"].number, "a disabled variable", "leave it out"
+            )
         return section
 
     def _name(self, header: str) -> str:
@@ -184,8 +186,8 @@ class FisEngineReader(FisLines):
                 )
             name, places = KINDS[kind]
             numbers = self.vector(line, text)
-            if places is not None and len(numbers) == len(places):
-                numbers = [numbers[place] for place in places]
+            if places is not None and len(numbers) >= len(places):
+                numbers = [*(numbers[k] for k in places), *numbers[len(places) :]]
             return term_of(name, numbers, inputs)
         except NotExpressible as error:
             if error.what.startswith(self.source):
@@ -218,19 +220,19 @@ class FisEngineReader(FisLines):
         numbers = [isinstance(terms[term], NUMBERS) for term in said]
         method = self.string(system, "DefuzzMethod", "centroid") or "centroid"
         line = self.entry(section, "Name").number
-        if method not in (*_WEIGHTED, *_INTEGRALS):
-            known = ", ".join((*_WEIGHTED, *_INTEGRALS))
+        if method not in (*WEIGHTED_WORDS, *INTEGRAL_WORDS):
+            known = ", ".join((*WEIGHTED_WORDS, *INTEGRAL_WORDS))
             raise self.refused(
                 system.entries["DefuzzMethod"].number, f"DefuzzMethod={method!r}", f"known: {known}"
             )
-        if numbers and all(numbers) and (method in _WEIGHTED or kind == "hybrid"):
-            defuzzifier = Defuzzifier(_WEIGHTED.get(method, "center_of_sets"))
+        if numbers and all(numbers) and (method in WEIGHTED_WORDS or kind == "hybrid"):
+            defuzzifier = Defuzzifier(WEIGHTED_WORDS.get(method, "center_of_sets"))
             return self._made(section, name, terms, defuzzifier, None)
         if any(numbers):
             raise self.refused(line, f"{method} of numbers", "wtaver is what they go with")
-        if method not in _WEIGHTED:
+        if method not in WEIGHTED_WORDS:
             aggregation = self.choice(system, "AggMethod", AGGREGATIONS, "max")
-            defuzzifier = Defuzzifier(_INTEGRALS[method], RESOLUTION)
+            defuzzifier = Defuzzifier(INTEGRAL_WORDS[method], RESOLUTION)
             return self._made(section, name, terms, defuzzifier, aggregation)
         kinds = sorted({self._kinds[name, term] for term in said})
         if method == "wtsum" or not all(is_monotonic(KINDS[one][0]) for one in kinds):
@@ -338,13 +340,13 @@ class FisEngineReader(FisLines):
         for code, (name, terms) in zip(codes, variables.items(), strict=True):
             number = int(abs(code) + 1e-6)
             hundredths = round(100.0 * (abs(code) - number))
-            if number > len(terms) or (hundredths not in (0, 99, *_HEDGES)):
+            if number > len(terms) or (hundredths not in (0, 99, *HEDGES)):
                 raise self.malformed(
                     line, f"{name} has membership functions 1 to {len(terms)}, got {code:g}"
                 )
             if code == 0.0:
                 continue
-            words = [*(["not"] if code < 0.0 else []), *_HEDGES.get(hundredths, ())]
+            words = [*(["not"] if code < 0.0 else []), *HEDGES.get(hundredths, ())]
             if hundredths == 99:
                 found.append((name, words, None))
             elif number == 0:
@@ -352,5 +354,3 @@ class FisEngineReader(FisLines):
             else:
                 found.append((name, words, terms[number - 1]))
         return found
-
-

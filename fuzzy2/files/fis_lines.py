@@ -170,3 +170,8 @@ def unlike(name: str, names: Container[str]) -> str:
         count += 1
         found = f"{name}_{count}"
     return found
+
+
+def quoted(name: str) -> str:
+    """Return a name in quotes, those in it twice."""
+    return "'" + name.replace("'", "''") + "'"

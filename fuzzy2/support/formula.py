@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
+from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.support.checks import Array
@@ -46,8 +47,8 @@ def _truth(function: Callable[..., Any]) -> Callable[..., Array]:
     return lambda *parts: np.asarray(function(*parts), dtype=float)
 
 
-def _equal(a: Array, b: Array) -> Array:
-    return (a == b) | (np.isnan(a) & np.isnan(b))
+def _equal(a: Array, b: Array) -> NDArray[np.bool_]:
+    return np.equal(a, b) | (np.isnan(a) & np.isnan(b))
 
 
 _OPERATORS: dict[str, Callable[..., Array]] = {
@@ -131,12 +132,13 @@ class Formula:
         if not isinstance(text, str) or len(text) > _LONGEST:
             raise InvalidValue("the formula", text, f"a text of at most {_LONGEST} characters")
         object.__setattr__(self, "text", " ".join(text.split()))
-        for node in self._tree.iter_subtrees():
+        for node in self.tree.iter_subtrees():
             if node.data == "call":
                 self._check_call(node)
 
     @functools.cached_property
-    def _tree(self) -> Tree[Token]:
+    def tree(self) -> Tree[Token]:
+        """The parsed formula, as a grammar has it, within a node of its own."""
         try:
             tree = _parser().parse(self.text)
         except UnexpectedInput as error:
@@ -166,13 +168,13 @@ class Formula:
     @functools.cached_property
     def names(self) -> frozenset[str]:
         """Names that the formula asks for."""
-        found = {str(node.children[0]) for node in self._tree.find_data("name")}
+        found = {str(node.children[0]) for node in self.tree.find_data("name")}
         return frozenset(found - {"pi"})
 
     @functools.cached_property
     def numbers(self) -> tuple[float, ...]:
         """Numbers in the formula, in ascending order."""
-        return tuple(sorted({float(str(n.children[0])) for n in self._tree.find_data("number")}))
+        return tuple(sorted({float(str(n.children[0])) for n in self.tree.find_data("number")}))
 
     def at(self, values: Mapping[str, Array]) -> Array:
         """Return the formula (...,) at values (...,) by name; NaN where it has none.
@@ -185,10 +187,10 @@ class Formula:
         found: dict[int, Array] = {}
         # By a stack, from the leaves to the root, for formulas may be long.
         with np.errstate(all="ignore"):
-            for node in self._tree.iter_subtrees():
+            for node in self.tree.iter_subtrees():
                 parts = [found[id(part)] for part in node.children if isinstance(part, Tree)]
                 found[id(node)] = _evaluated(node, parts, values)
-        return found[id(self._tree)]
+        return found[id(self.tree)]
 
     def __call__(self, x: Array) -> Array:
         """Return the formula at points (...,) of its only name, x."""

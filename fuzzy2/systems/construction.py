@@ -12,7 +12,13 @@ from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.set_operations import complement
 from fuzzy2.support.checks import Array, real, reals
 from fuzzy2.systems.antecedents import check_numbers, rows_of
-from fuzzy2.systems.consequents import Formulas, FunctionsOfInputs, Linear, as_sets, centroid_interval
+from fuzzy2.systems.consequents import (
+    Formulas,
+    FunctionsOfInputs,
+    Linear,
+    as_sets,
+    centroid_interval,
+)
 from fuzzy2.systems.fuzzifiers import Fuzzifier, NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.hedges import Hedge
 from fuzzy2.systems.rules import read_rule_base
