@@ -192,7 +192,7 @@ class SystemMaker:
             (And, rule.conjunction, both),
             (Or, rule.disjunction, either),
         ):
-            if _has(rule.asked, kind):
+            if has_part(rule.asked, kind):
                 if name is None:
                     word = "and" if kind is And else "or"
                     raise self._refused(
@@ -445,7 +445,8 @@ def _number(value: float) -> str:
     return repr(value) if math.copysign(1.0, value) > 0.0 else f"(0 - {-value!r})"
 
 
-def _has(tree: Antecedent, kind: type) -> bool:
+def has_part(tree: Antecedent, kind: type) -> bool:
+    """Return whether a tree has a part of a kind in it."""
     level = [tree]
     while level:
         if any(isinstance(one, kind) for one in level):

@@ -9,13 +9,13 @@ from typing import NoReturn
 from fuzzy2.errors import NotExpressible
 from fuzzy2.files.clauses import clauses_of_rule
 from fuzzy2.files.description import known_as
-from fuzzy2.files.engine import NUMBERS, Engine, EngineRule, Input, Output
+from fuzzy2.files.engine import NUMBERS, Engine, EngineRule, Input, Output, has_part
 from fuzzy2.files.fis_engine import HEDGES, INTEGRAL_WORDS, KINDS, WEIGHTED_WORDS
 from fuzzy2.files.fis_lines import quoted
 from fuzzy2.files.fis_names import AGGREGATIONS, T_CONORMS, T_NORMS
 from fuzzy2.files.fll_names import FLL_HEDGES, RESOLUTION, is_monotonic, text_of
 from fuzzy2.files.rule_writer import outer_words, word_of
-from fuzzy2.systems.antecedents import Antecedent, Is, mapped
+from fuzzy2.systems.antecedents import And, Antecedent, Is, Or, mapped
 from fuzzy2.systems.hedges import Hedge
 
 
@@ -60,8 +60,11 @@ class FisEngineWriter:
     def _methods(self) -> list[str]:
         """Return the operators, which all rules and outputs must have in common."""
         rules, outputs = self._engine.rules, self._engine.outputs
-        both = self._one("t-norm", {one.conjunction for one in rules}, "min")
-        either = self._one("disjunction", {one.disjunction for one in rules}, "max")
+        # What no rule asks for may be anything.
+        joint = {one.conjunction for one in rules if has_part(one.asked, And)}
+        chosen = {one.disjunction for one in rules if has_part(one.asked, Or)}
+        both = self._one("t-norm", joint, "min")
+        either = self._one("disjunction", chosen, "max")
         implied = self._one("implication", {one.implication for one in rules}, "min")
         of_sets = [one for one in outputs if self._kind(one) == "mamdani"]
         united = self._one("aggregation", {one.aggregation for one in of_sets}, "max")
