@@ -49,12 +49,6 @@ class LinearFunction(NamedTuple):
     slopes: tuple[float, ...]
 
 
-class FormulaFunction(NamedTuple):
-    """Consequent that is a formula of the inputs, and of other outputs."""
-
-    text: str
-
-
 class DescribedRule(NamedTuple):
     """What a rule asks for and says.
 

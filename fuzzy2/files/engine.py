@@ -15,7 +15,8 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fuzzy2.files.description import SUM, Constant, FormulaFunction, LinearFunction
+from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.files.functions import NUMBERS, FormulaFunction, formula_of
 from fuzzy2.sets.type1 import Singleton
 from fuzzy2.support.formula import Formula
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or, leaves, mapped
@@ -26,9 +27,6 @@ from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import Type1System
 
 AnySystem: TypeAlias = Type1System | ParallelSystem
-
-NUMBERS = Constant | LinearFunction | FormulaFunction
-"""Terms that say a number, of the inputs or not."""
 
 _DEEPEST = 100
 """Levels of a rule; people write three."""
@@ -408,7 +406,7 @@ class SystemMaker:
             return [[None if one is None else Singleton(one.left) for one in row] for row in terms]
         width = len(self._inputs)
         if any(isinstance(one, FormulaFunction) for row in terms for one in row):
-            texts = [[_formula_of(one, self._inputs) for one in row] for row in terms]
+            texts = [[formula_of(one, self._inputs) for one in row] for row in terms]
             return Formulas(texts, self._inputs, self._known)
         if any(isinstance(one, LinearFunction) for row in terms for one in row):
             none = (0.0,) * width
@@ -426,23 +424,6 @@ class SystemMaker:
                 ]
             )
         return np.array([[0.0 if one is None else one.left for one in row] for row in terms])
-
-
-def _formula_of(term: Any, inputs: Sequence[str]) -> str:
-    """Return what a rule says as a formula, 0 where it is silent."""
-    match term:
-        case None:
-            return "0"
-        case FormulaFunction(text):
-            return text
-        case LinearFunction(constant, slopes):
-            parts = [f"{_number(slope)}*{name}" for slope, name in zip(slopes, inputs, strict=True)]
-            return " + ".join([*parts, _number(constant)])
-    return _number(term.left)
-
-
-def _number(value: float) -> str:
-    return repr(value) if math.copysign(1.0, value) > 0.0 else f"(0 - {-value!r})"
 
 
 def has_part(tree: Antecedent, kind: type) -> bool:

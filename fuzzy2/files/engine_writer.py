@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 
 from fuzzy2.errors import NotExpressible
-from fuzzy2.files.description import SUM, Constant, FormulaFunction, LinearFunction
+from fuzzy2.files.description import SUM, Constant, LinearFunction
 from fuzzy2.files.engine import AnySystem, Defuzzifier, Engine, EngineRule, Input, Output
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.type1 import Singleton

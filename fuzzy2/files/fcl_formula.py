@@ -10,7 +10,8 @@ import numpy as np
 from lark import Token, Tree
 
 from fuzzy2.errors import InvalidValue, NotExpressible
-from fuzzy2.files.description import FormulaFunction, LinearFunction
+from fuzzy2.files.description import LinearFunction
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.support.checks import Array
 from fuzzy2.support.formula import Formula
 

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 
 from fuzzy2.errors import InvalidValue, NotExpressible
-from fuzzy2.files.description import SUM, Constant, FormulaFunction, LinearFunction
+from fuzzy2.files.description import SUM, Constant, LinearFunction
 from fuzzy2.files.fll_names import KINDS, number, term_of, text_of
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.sets.named_shape import NamedShape
 from fuzzy2.sets.shapes import Gaussian, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid

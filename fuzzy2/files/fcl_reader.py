@@ -14,7 +14,6 @@ from lark.exceptions import UnexpectedInput
 from fuzzy2.errors import Fuzzy2Error, InvalidRule, NotExpressible, UnknownName
 from fuzzy2.files.description import SUM, Constant
 from fuzzy2.files.engine import (
-    NUMBERS,
     AnySystem,
     Defuzzifier,
     Engine,
@@ -35,6 +34,7 @@ from fuzzy2.files.fcl_names import (
     universe,
 )
 from fuzzy2.files.fll_names import FLL_HEDGES
+from fuzzy2.files.functions import NUMBERS
 from fuzzy2.files.rule_text import rules_of
 from fuzzy2.files.source import Source
 from fuzzy2.sets.type1 import Singleton

@@ -8,11 +8,12 @@ import re
 from collections.abc import Iterator, Sequence
 
 from fuzzy2.errors import NotExpressible
-from fuzzy2.files.description import FormulaFunction, LinearFunction
+from fuzzy2.files.description import LinearFunction
 from fuzzy2.files.engine import Engine, EngineRule, Input, Output
 from fuzzy2.files.fcl_formula import formula, formula_text
 from fuzzy2.files.fcl_names import ACCUMULATIONS, METHODS, S_NORMS, T_NORMS, term_text
 from fuzzy2.files.fll_names import FLL_HEDGES, number
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.files.rule_writer import written
 
 _NAME = re.compile(r"[^\W\d]\w*")

@@ -12,9 +12,8 @@ import re
 from typing import Any
 
 from fuzzy2.errors import Fuzzy2Error, NotExpressible
-from fuzzy2.files.description import Constant, FormulaFunction
+from fuzzy2.files.description import Constant
 from fuzzy2.files.engine import (
-    NUMBERS,
     AnySystem,
     Defuzzifier,
     Engine,
@@ -26,6 +25,7 @@ from fuzzy2.files.engine import (
 from fuzzy2.files.fis_lines import NUMBER, QUOTED, FisLines, Line, Section, unlike
 from fuzzy2.files.fis_names import AGGREGATIONS, T_CONORMS, T_NORMS
 from fuzzy2.files.fll_names import FLL_HEDGES, INTEGRALS, RESOLUTION, is_monotonic, term_of
+from fuzzy2.files.functions import NUMBERS, FormulaFunction
 from fuzzy2.files.rule_text import concluded
 from fuzzy2.sets.formula_set import FormulaSet
 from fuzzy2.support.formula import Formula

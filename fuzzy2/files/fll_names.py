@@ -8,7 +8,8 @@ from types import MappingProxyType
 from typing import Any
 
 from fuzzy2.errors import InvalidValue, NotExpressible
-from fuzzy2.files.description import SUM, Constant, FormulaFunction, LinearFunction
+from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.sets.formula_set import FormulaSet
 from fuzzy2.sets.named_shape import NamedShape
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular

@@ -11,9 +11,8 @@ from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
 from fuzzy2.errors import Fuzzy2Error, InvalidRule, NotExpressible
-from fuzzy2.files.description import SUM, Constant, FormulaFunction
+from fuzzy2.files.description import SUM, Constant
 from fuzzy2.files.engine import (
-    NUMBERS,
     AnySystem,
     Defuzzifier,
     Engine,
@@ -32,6 +31,7 @@ from fuzzy2.files.fll_names import (
     is_monotonic,
     term_of,
 )
+from fuzzy2.files.functions import NUMBERS, FormulaFunction
 from fuzzy2.files.rule_text import rules_of
 from fuzzy2.files.source import Source
 from fuzzy2.sets.formula_set import FormulaSet

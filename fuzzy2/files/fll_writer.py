@@ -7,7 +7,7 @@ import re
 from itertools import groupby
 
 from fuzzy2.errors import NotExpressible
-from fuzzy2.files.description import FormulaFunction, LinearFunction
+from fuzzy2.files.description import LinearFunction
 from fuzzy2.files.engine import Engine, EngineRule, Input, Output
 from fuzzy2.files.fll_names import (
     FLL_HEDGES,
@@ -18,6 +18,7 @@ from fuzzy2.files.fll_names import (
     number,
     text_of,
 )
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.files.rule_writer import outer_words, written
 
 _NAMES = re.compile(r"[^\s#\"()]+")

@@ -40,6 +40,7 @@ from fuzzy2.files.json_kinds import (
     choice_of,
     list_of,
     malformed,
+    mapping_of,
     norm_of,
     or_none,
     pair_of,
@@ -154,34 +155,8 @@ def _read_meaning(value: Json, path: str) -> Any:
     return _PAIR.read(value, path) if isinstance(value, list) else NUMBER.read(value, path)
 
 
-def _read_terms(value: Json, path: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise malformed(path, f"expected an object of terms by name, got {shown(value)}")
-    return {name: _read_meaning(one, f"{path}.{name}") for name, one in value.items()}
-
-
-_TERMS = Kind(
-    lambda terms, path: {
-        name: _write_meaning(one, f"{path}.{name}") for name, one in terms.items()
-    },
-    _read_terms,
-)
-
-_OTHER = _thing(OutputOf, "the output of another system")
-
-
-def _read_others(value: Json, path: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise malformed(path, f"expected an object of outputs by name, got {shown(value)}")
-    return {name: _OTHER.read(one, f"{path}.{name}") for name, one in value.items()}
-
-
-_OTHERS = Kind(
-    lambda others, path: {
-        name: _OTHER.write(one, f"{path}.{name}") for name, one in others.items()
-    },
-    _read_others,
-)
+_TERMS = mapping_of(Kind(_write_meaning, _read_meaning), "terms")
+_OTHERS = mapping_of(_thing(OutputOf, "the output of another system"), "outputs")
 
 _SYSTEM: dict[str, Kind] = {
     "inputs": _INPUTS,

@@ -245,6 +245,8 @@ def same_grid(system: Any, route: Any) -> bool:
         return True
     averages = system.type_reduction in ("centroid", "center_of_sums")
     if route is through_octave:
+        if system.integration == "midpoint":
+            return False
         return not averages or bool(system.integration == "trapezoidal")
     return True
 
