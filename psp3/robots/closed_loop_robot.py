@@ -524,10 +524,13 @@ class ClosedLoopRobot:
 
     def compiled_table(self) -> NamedTuple | None:
         """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
-        import psp3.robots.stepping  # noqa: F401 # registers what loops ask of it
+        from psp3.robots.stepping import tables_of_motors
 
-        is_ours = type(self) is ClosedLoopRobot and self.drives_coordinates
-        return self._core.tables() if is_ours else None
+        if type(self) is not ClosedLoopRobot:
+            return None
+        if self.drives_coordinates:
+            return self._core.tables()
+        return tables_of_motors(self._core, self._motors)
 
     @property
     def limits(self) -> tuple[Array, Array]:

@@ -6,6 +6,7 @@ Motions are compared with MuJoCo's numbers projected on the null space of its eq
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ import pinocchio as pin
 import pytest
 
 import psp3
+from psp3.control.controller import widths_of
 from psp3.errors import InvalidValue, UnreachableForces
 from psp3.simulation.dormand_prince import DormandPrince
 from psp3.simulation.metrics import rms_error
@@ -256,6 +258,63 @@ def test_motors_beyond_the_freedoms_make_the_same_motion(name: str, tmp_path: Pa
         along = robots[1].actuation_matrix(state[0]) @ together
         np.testing.assert_allclose(along, alone, rtol=0.0, atol=1e-9 * np.abs(alone).max())
         assert np.linalg.norm(together) < np.linalg.norm(alone)
+
+
+class InPython(RungeKutta):
+    """A plant that no compiled loop takes."""
+
+
+STRUCTURES: dict[str, Callable[[Path], psp3.ClosedLoopRobot]] = {
+    "floating": lambda path: loaded(path, biped(*LEGS)),
+    "floating, six motors": lambda path: loaded(path, biped(*LEGS, "l_knee", "r_knee")),
+    "one motor and a spring": lambda path: loaded(path, five_bar("m1", spring=SPRING), free="keep"),
+    "tendon": lambda path: loaded(path, gripper(), free="keep"),
+    "three motors": lambda path: loaded(path, five_bar("m1", "m2", "p1")),
+    "planar_4rrr": lambda path: psp3.load("planar_4rrr"),
+    "biped": lambda path: psp3.load("biped"),
+}
+
+
+@pytest.mark.parametrize("name", STRUCTURES)
+def test_both_loops_agree_where_coordinates_are_not_motors(name: str, tmp_path: Path) -> None:
+    """With encoders, delay and limits of torque, for every controller with a table.
+
+    Forces are of least norm, by other ways: 1e-11 of some 0.1 rad, m, rad/s and 10 N m.
+    """
+    robot = STRUCTURES[name](tmp_path)
+    assert not robot.drives_coordinates
+    k = robot.commanded
+    path = PointToPoint(robot.reference[:k], robot.reference[:k] + 0.05, 0.1, robot)
+    options = {"delay": 1, "encoder_resolution": 1e-5, "torque_limit": 50.0}
+    for controller in (
+        psp3.ComputedTorque(robot, 400.0, 40.0),
+        psp3.FeedForward(robot),
+        psp3.GravityCompensatedPD(robot, 40.0, 4.0),
+        psp3.PD(20.0, 2.0, model=robot),
+        psp3.PID(20.0, 2.0, 10.0, model=robot),
+    ):
+        assert controller.table(robot.compiled_table(), widths_of(robot)) is not None
+        compiled, python = (
+            psp3.simulate(robot, controller, path, 0.1, plant=plant, **options)
+            for plant in (RungeKutta(robot), InPython(robot))
+        )
+        assert np.abs(compiled.torque).max() > 0.0
+        for field in ("positions", "speeds", "torque"):
+            one, other = getattr(compiled, field), getattr(python, field)
+            np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11)
+
+
+def test_a_compiled_loop_says_what_motors_cannot_do(tmp_path: Path) -> None:
+    """The motor at m1 exerts no force along p1, which is to be commanded."""
+    robot = loaded(tmp_path, five_bar("m1", spring=SPRING), free="keep", coordinates=["p1", "m1"])
+    hold = Hold(robot.reference[:1] + 0.01, robot)
+    with pytest.raises(UnreachableForces, match="p1"):
+        psp3.simulate(robot, psp3.PD(20.0, 2.0, model=robot), hold, 0.1)
+    steered = psp3.simulate(robot, psp3.ComputedTorque(robot, 400.0, 40.0), hold, 0.05)
+    other = psp3.simulate(
+        robot, psp3.ComputedTorque(robot, 400.0, 40.0), hold, 0.05, plant=InPython(robot)
+    )
+    np.testing.assert_allclose(steered.positions, other.positions, rtol=0.0, atol=1e-11)
 
 
 def test_feedback_that_does_not_know_the_motors_is_refused(tmp_path: Path) -> None:
