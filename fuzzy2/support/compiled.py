@@ -161,14 +161,16 @@ def scalar(function: Function) -> Function:
     callable
         The compiled function. A function that makes an array is refused when it is compiled.
     """
-    return _compiled(function, _nrt=False)
+    return _compiled(function, scalar=True, _nrt=False)
 
 
-def _compiled(function: Function, *, twice: bool = False, **more: Any) -> Function:
+def _compiled(
+    function: Function, *, twice: bool = False, scalar: bool = False, **more: Any
+) -> Function:
     if getattr(numba.config, "DISABLE_JIT", False):
         return function
     options = {"nopython": True, "nogil": True, "error_model": "numpy", "boundscheck": None}
-    kernel = Kernel(function, targetoptions={**options, **more}, twice=twice)
+    kernel = Kernel(function, targetoptions={**options, **more}, twice=twice, scalar=scalar)
     # "no locator available": site-packages and home are both read-only
     with contextlib.suppress(RuntimeError):
         kernel.enable_caching()
