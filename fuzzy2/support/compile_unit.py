@@ -7,7 +7,10 @@ parts that it needs, as its own, and is optimized once. The numbers are the same
 not reorder floating-point operations in either way.
 
 What types the simplest operations have, sums of numbers and entries of arrays, is looked up once
-and remembered, which is a third of the time that the translation takes.
+and remembered, and how they are written down is known
+(:mod:`fuzzy2.support.plain_lowering`). Of functions that keep to what can be written in C, what
+numba looks for in vain is left out, too: closures, comprehensions, array expressions. Together that
+is two thirds of the time that the translation takes.
 
 This is built on classes of numba that are documented for its developers, not for its users. The
 tests of this file fail where a version of numba has changed them.
@@ -29,7 +32,7 @@ from numba.core.registry import CPUDispatcher
 from numba.core.typed_passes import NativeLowering
 from numba.core.typing.context import Context
 
-from fuzzy2.support.plain_lowering import PLAIN, PlainLowering, ScalarLowering
+from fuzzy2.support.plain_lowering import PLAIN, PlainLowering, ScalarLowering, WideLowering
 
 
 class Kernel(CPUDispatcher):
@@ -45,7 +48,10 @@ class Kernel(CPUDispatcher):
         Options of ``numba.njit``.
     twice : bool
         Whether the compiler goes over the code a second time: only then are parts simple enough for
-        vector instructions, and calls of parts gone.
+        vector instructions, and calls of parts gone. These may then be as long as the machine's.
+    scalar : bool
+        Whether the function keeps to what can be written in C: no index is negative, and arrays of
+        numbers of different types share no memory.
     """
 
     def __init__(
@@ -59,10 +65,10 @@ class Kernel(CPUDispatcher):
     ) -> None:
         # Older versions of numba want a dictionary, also where no types are given.
         kinds, options = dict(locals or {}), dict(targetoptions or {})
+        whole: type[Compiler] = _TwiceCompiler if twice else _WholeCompiler
+        part: type[Compiler] = PartCompiler
         if scalar:
             whole, part = _ScalarCompiler, _ScalarPartCompiler
-        else:
-            whole, part = _TwiceCompiler if twice else _WholeCompiler, PartCompiler
         super().__init__(function, kinds, options, pipeline_class=whole)
         self._part = CPUDispatcher(function, kinds, options, pipeline_class=part)
 
@@ -213,6 +219,7 @@ class _WholeCompiler(_PlainCompiler):
 
 
 class _TwiceCompiler(_WholeCompiler):
+    lowering = WideLowering
     library = _Twice
 
 

@@ -149,12 +149,14 @@ def scalar(function: Function) -> Function:
 
     For functions that make no arrays, and call none that do: calls cost less, and the compiler need
     not find out who holds which array. It goes over the code once; long code without loops over
-    rows gains nothing from a second time.
+    rows gains nothing from a second time. An index is what it is in C: a negative one does not
+    count from the end, but is an error that nobody notices; and entries of an array of whole
+    numbers are not read again after an array of others is written to.
 
     Parameters
     ----------
     function : callable
-        As for :func:`compiled`.
+        As for :func:`compiled`, without closures, comprehensions and operations on whole arrays.
 
     Returns
     -------

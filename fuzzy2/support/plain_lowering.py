@@ -86,12 +86,10 @@ class _PlainLower(Lower):
         """Say of what type an entry is, if no other type can be there."""
         if self.counts_from_the_end:
             return
-        module = self.builder.module
-        text = lambda value: ir.MetaDataString(module, value)  # noqa: E731
-        root = module.add_metadata([text("entries of arrays")])
-        own = module.add_metadata([text(str(kind)), root, ir.Constant(ir.IntType(64), 0)])
-        access = module.add_metadata([own, own, ir.Constant(ir.IntType(64), 0)])
-        instruction.set_metadata("tbaa", access)
+        module, start = self.builder.module, ir.Constant(ir.IntType(64), 0)
+        root = module.add_metadata([ir.MetaDataString(module, "entries of arrays")])
+        own = module.add_metadata([ir.MetaDataString(module, str(kind)), root, start])
+        instruction.set_metadata("tbaa", module.add_metadata([own, own, start]))
 
     def lower_getitem(self, resty: Any, expr: Any, value: Any, index: Any, signature: Any) -> Any:
         """Return an entry of an array."""
@@ -153,6 +151,16 @@ class _PlainLower(Lower):
         return self.context.cast(self.builder, result, signature.return_type, resty)
 
 
+class _WideLower(_PlainLower):
+    """The same for functions whose loops are to become vector instructions."""
+
+    def setup_function(self, fndesc: Any) -> None:
+        """Begin a function, which may use the longest vectors that the machine has."""
+        super().setup_function(fndesc)
+        # Attributes with a value are none that llvmlite knows.
+        set.add(self.function.attributes, '"prefer-vector-width"="512"')
+
+
 class _ScalarLower(_PlainLower):
     counts_from_the_end = False
 
@@ -162,18 +170,25 @@ class PlainLowering(NativeLowering):
     """The pass that translates a function, with plain operations written down directly."""
 
     _name = "plain_lowering"
+    translator: type[Lower] = _PlainLower
 
     @property
-    def lowering_class(self) -> Any:
-        return _PlainLower
+    def lowering_class(self) -> type[Lower]:
+        """Return what translates a function."""
+        return self.translator
 
 
 @register_pass(mutates_CFG=True, analysis_only=False)
-class ScalarLowering(NativeLowering):
+class WideLowering(PlainLowering):
+    """The same for functions whose loops are to become vector instructions."""
+
+    _name = "wide_lowering"
+    translator = _WideLower
+
+
+@register_pass(mutates_CFG=True, analysis_only=False)
+class ScalarLowering(PlainLowering):
     """The same for functions that mean by an index and by an array what C does."""
 
     _name = "scalar_lowering"
-
-    @property
-    def lowering_class(self) -> Any:
-        return _ScalarLower
+    translator = _ScalarLower
