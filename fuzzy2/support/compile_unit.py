@@ -2,9 +2,9 @@
 
 Numba makes optimized machine code of every function by itself, with all that it calls inside, and
 of these again in each function that calls it: a chain of calls is compiled as often as it is long.
-Here a function that others call is only translated (a *part*). What is called from Python gets all
-parts that it needs, as its own, and is optimized once. The numbers are the same: the compiler may
-not reorder floating-point operations in either way.
+Here a function that others call is only translated and simplified (a *part*). What is called from
+Python gets all parts that it needs, as its own, and is optimized once. The numbers are the same:
+the compiler may not reorder floating-point operations in either way.
 
 What types the simplest operations have, sums of numbers and entries of arrays, is looked up once
 and remembered, and how they are written down is known
@@ -115,15 +115,11 @@ def _are_plain(kinds: Any) -> bool:
 
 
 class _PartLibrary(JITCodeLibrary):
-    """The code of a part, neither optimized nor made machine code."""
+    """The code of a part, simplified by itself, but not made machine code."""
 
     def __init__(self, codegen: Any, name: str) -> None:
         super().__init__(codegen, name)
         self._with_parts: Any = None
-
-    def add_llvm_module(self, ll_module: Any) -> None:
-        ll_module.data_layout = self._codegen._data_layout
-        self._final_module.link_in(ll_module)
 
     def finalize(self) -> None:
         self._finalize_dynamic_globals()
