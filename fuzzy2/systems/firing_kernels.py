@@ -166,32 +166,63 @@ def _supplement_firing(table, grades, low, high):
         high[r] *= table[weights + r]
 
 
-# Products of grades below this one have lost digits, or all of them, to underflow.
+# Firing strengths below this one have lost digits, or all of them, to underflow.
 VANISHED = 1e-280
 
 
 @compiled
-def _fire_in_logarithms(table, grades, low, high):
-    """Write the firing strengths of plain rules under the product, divided by the greatest.
+def _log_grades(row, o, x, width, low, high):
+    """Logarithms of the grades of ``_grades``, which are ``low`` and ``high``.
 
-    ``grades`` are as ``_fire`` left them. Return whether any rule fires.
+    Of Gaussians they are parabolas, however far x is away and though the grades themselves
+    underflow.
     """
-    inputs, terms, rules = int(table[0]), int(table[1]), int(table[2])
+    kind = int(row[o + 1])
+    if kind == 1 or (kind == 2 and width * row[o + 8] > 0.0):
+        return math.log(low), math.log(high)
+    m1, m2, s_low, s_high = row[o + 2], row[o + 3], row[o + 4], row[o + 5]
+    h_low, h_high = row[o + 6], row[o + 7]
+    if kind == 2:
+        h_low, s_low = h_high, s_high
+    t = (x - max(min(x, m2), m1)) / s_high
+    upper = math.log(h_high) - 0.5 * t * t
+    t = (x - (m2 if x < 0.5 * (m1 + m2) else m1)) / s_low
+    return min(math.log(h_low) - 0.5 * t * t, upper), upper
+
+
+@compiled
+def _fire_in_logarithms(table, x, xo, width, grades, low, high):
+    """Write the firing strengths of plain rules, divided by the greatest of them.
+
+    ``grades`` are as ``_fire`` left them for the input that starts at ``xo``. Return whether any
+    rule fires.
+    """
+    inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
     start = int(table[5])
-    if int(table[4]) != 1 or (start > 0 and table[start + 1] > 0.0):
+    if start > 0 and table[start + 1] > 0.0:
         return False
+    for t in range(terms):
+        o = HEADER + TERM * t
+        grades[2 * t], grades[2 * t + 1] = _log_grades(
+            table, o, x[xo + int(table[o])], width, grades[2 * t], grades[2 * t + 1]
+        )
     o = HEADER + TERM * terms
     greatest = -math.inf
     for r in range(rules):
         lower, upper = 0.0, 0.0
-        if start > 0:
-            lower = upper = math.log(table[start + SUPPLEMENT + r])
         for _ in range(inputs):
             t = int(table[o])
             o += 1
-            if t >= 0:
-                lower += math.log(grades[2 * t])
-                upper += math.log(grades[2 * t + 1])
+            if t < 0:
+                continue
+            if norm == 0:
+                lower, upper = min(lower, grades[2 * t]), min(upper, grades[2 * t + 1])
+            else:
+                lower += grades[2 * t]
+                upper += grades[2 * t + 1]
+        if start > 0:
+            weight = math.log(table[start + SUPPLEMENT + r])
+            lower, upper = lower + weight, upper + weight
         low[r], high[r] = lower, upper
         greatest = max(greatest, upper)
     if greatest == -math.inf:

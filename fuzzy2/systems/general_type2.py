@@ -221,10 +221,11 @@ class GeneralType2System(FuzzySystem):
         self._kernels.firing(self._table, rows.ravel(), float(self._widths[0]), out.ravel())
         return out
 
-    def _coverage(self, rows: Array) -> Array:
+    def coverage(self, X: ArrayLike) -> Array:
+        """Return the upper firing strength of the rule that fires most, (...,), for α = 1."""
         # A low plane of a Gaussian secondary reaches above 0 everywhere; the highest one, alpha =
         # 1, says where rules really fire.
-        return self._plane(self.levels - 1)._coverage(rows)
+        return self._plane(self.levels - 1).coverage(X)
 
     def embedded_outputs(
         self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None

@@ -162,7 +162,7 @@ def _reduce_row(table, x, xo, width, grades, low, high, extra, moments, out, oo,
     """Fire the rules for the input that starts at ``xo``, and write what they say."""
     _fire(table, x, xo, width, grades, low, high)
     fires = _center_of_sets(table, low, high, extra, moments, out, oo, crisp)
-    if fires < VANISHED and _fire_in_logarithms(table, grades, low, high):
+    if fires < VANISHED and _fire_in_logarithms(table, x, xo, width, grades, low, high):
         _center_of_sets(table, low, high, extra, moments, out, oo, crisp)
 
 

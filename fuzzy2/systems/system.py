@@ -7,7 +7,9 @@ consequents. Evaluating it takes three steps: membership grades, firing interval
 :math:`[\underline f_r, \overline f_r]` of the rules (the meet of the grades of their antecedents,
 eq. 1.79), and type reduction of the consequents weighted with them. The type-reduced set is the
 answer with its uncertainty; its middle is the crisp output. **Where no rule fires there is no
-answer: NaN, never 0**; :meth:`validate` says where that is.
+answer: NaN, never 0**; :meth:`validate` says where that is. Gaussians fire everywhere: where their
+grades underflow, firing strengths under minimum or product are carried in logarithms, and far from
+all terms the nearest rule answers.
 
 Gaussian, triangular and trapezoidal terms under minimum or product are evaluated by one compiled
 loop; any other set or t-norm works, too, at NumPy's speed.
@@ -73,7 +75,7 @@ from fuzzy2.systems.operators import (
 )
 from fuzzy2.systems.outputs import Operators, Outputs
 from fuzzy2.systems.pictures import html_of
-from fuzzy2.systems.relative_firing import VANISHED, relative_firing
+from fuzzy2.systems.relative_firing import VANISHED, log_grades, relative_firing
 from fuzzy2.systems.report import Report, found_in
 from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.table import Supplement, table_of
@@ -526,21 +528,21 @@ class FuzzySystem(Shown):
 
         Only where nothing but ratios of them matters.
         """
-        ratios = (
-            (
-                self.type_reduction in ("center_of_sets", "height", "modified_height")
-                or (self.type_reduction in ("centroid", "center_of_sums"))
-            )
+        ratios = self.type_reduction == "center_of_sets" or (
+            self.type_reduction in ("height", "modified_height", "centroid", "center_of_sums")
             and self.implication.name == "product"
             and self.t_conorm.name in ("max", "sum")
         )
-        if self.t_norm.name != "product" or isinstance(self.rules, tuple) or not ratios:
+        known = self.t_norm.name in ("min", "product")
+        if not known or isinstance(self.rules, tuple) or not ratios:
             return strengths
         vanished = strengths[..., 1].max(axis=1) < VANISHED
         if not vanished.any():
             return strengths
         relative = strengths.copy()
-        relative[vanished] = relative_firing(self._grades(rows[vanished]), self.rules, self.weights)
+        relative[vanished] = relative_firing(
+            self._log_grades(rows[vanished]), self.rules, self.weights, self.t_norm.name == "min"
+        )
         return relative
 
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
@@ -582,10 +584,26 @@ class FuzzySystem(Shown):
             return out
         return self._combine(self._grades(rows))
 
-    def _coverage(self, rows: Array) -> Array:
-        """Return the upper firing strength of the rule that fires most, (n,)."""
-        strongest: Array = self._firing(rows)[..., 1].max(axis=-1)
-        return strongest
+    def coverage(self, X: ArrayLike) -> Array:
+        """Return the upper firing strength of the rule that fires most.
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (...,) ndarray
+            Strengths, of a general type-2 system those on the plane of α = 1; 0 where no rule
+            fires, or all of them so little that no float tells.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        return np.asarray(self.firing(X)[..., 1].max(axis=-1))
 
     def _grades(self, rows: Array) -> list[Array]:
         """Lower and upper grades (n, terms, 2) of every input."""
@@ -611,6 +629,17 @@ class FuzzySystem(Shown):
             if terms
             else np.empty((len(rows), 0, 2))
             for i, terms in enumerate(self.inputs)
+        ]
+
+    def _log_grades(self, rows: Array) -> list[Array]:
+        """Return the logarithms of :meth:`_grades`, where they underflow, too."""
+        grades = self._grades(rows)
+        if self.fuzzifiers is not None:
+            with np.errstate(divide="ignore"):
+                return [np.log(of_input) for of_input in grades]
+        return [
+            log_grades(terms, rows[:, i], of_input)
+            for i, (terms, of_input) in enumerate(zip(self.inputs, grades, strict=True))
         ]
 
     def _combine(self, grades: list[Array]) -> Array:
@@ -810,7 +839,7 @@ class FuzzySystem(Shown):
             raise InvalidValue("domain", ranges, f"finite ranges of shape ({len(self.inputs)}, 2)")
         trees = self.rules if isinstance(self.rules, tuple) else trees_of(self.rules)
         return found_in(
-            lambda grid: self._coverage(grid) > threshold,
+            lambda grid: self.coverage(grid) > threshold,
             ranges,
             points,
             trees,

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import dataclasses
 import functools
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fuzzy2 import ANFIS, lagged
 from fuzzy2.errors import Fuzzy2Error, InvalidValue, UnknownName
 from fuzzy2.learning.fine_tuning import fine_tune
 from fuzzy2.systems import IntervalType2System, Linear, Type1System
+from tests import examples
 from tests.fuzzy2.learning.mackey_glass import mackey_glass, ndei
 
 
@@ -57,6 +61,38 @@ def test_a_plane_is_learned_exactly_by_any_rules(kind: str, partition: str) -> N
     y = np.column_stack([3.0 - 2.0 * X[:, 0] + 0.1 * X[:, 1], X[:, 0]])
     model = ANFIS(3, kind, partition, most_epochs=3).fit(X, y)
     assert (np.abs(model.predict(X) - y).max(axis=0) < 1e-4 * y.std(axis=0)).all()
+
+
+@functools.cache
+def narrow(kind: str) -> ANFIS:
+    """Return a model with terms a tenth as wide as they were learned: there are holes between."""
+    model = ANFIS(3, kind, most_epochs=3).fit(*surface())
+    terms = [
+        [dataclasses.replace(term, sigma=0.1 * term.sigma) for term in terms]
+        for terms in model.system_.inputs
+    ]
+    model.system_ = model.system_.replace(inputs=terms)
+    return model
+
+
+@settings(max_examples=examples(100), deadline=None)
+@given(
+    kind=st.sampled_from(["t1", "it2"]),
+    x=st.tuples(*[st.floats(-1e100, 1e100)] * 2),
+    inside=st.booleans(),
+)
+def test_there_is_a_prediction_for_every_input(
+    kind: str, x: tuple[float, float], inside: bool
+) -> None:
+    """One that some rule would give, or what lies between the rules."""
+    model = narrow(kind)
+    row = np.array(x)
+    if inside:
+        row = np.array([0.0, 20.0]) + [1.0, 10.0] * np.tanh(row)
+    said = model.system_.consequents.at(row[np.newaxis])[0, :, 0]
+    predicted = model.predict(row[np.newaxis])[0]
+    margin = 1e-9 * np.abs(said).max()
+    assert said.min() - margin <= predicted <= said.max() + margin
 
 
 def test_learning_beats_least_squares_alone() -> None:
