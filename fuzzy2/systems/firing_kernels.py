@@ -111,6 +111,53 @@ def _fire(table, x, xo, width, grades, low, high):
 
 
 @compiled
+def _fire_lanes(table, x, start, width, grades, low, high):
+    """Do as ``_fire`` for rows from ``start`` on, side by side: ``low`` and ``high`` (R, lanes).
+
+    To the last bit the same. Return whether lower and upper firing strengths may differ; else only
+    the lower ones are written.
+    """
+    inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
+    lanes = low.shape[1]
+    uncertain = False
+    for t in range(terms):
+        o = HEADER + TERM * t
+        first = start * inputs + int(table[o])
+        mean, sigma, height = table[o + 2], table[o + 5], table[o + 7]
+        certain = mean == table[o + 3] and sigma == table[o + 4] and height == table[o + 6]
+        if table[o + 1] == 0.0 and certain:
+            # The Gaussian of ``_grades`` without its branches, which no processor foresees.
+            for lane in range(lanes):
+                away = (x[first + lane * inputs] - mean) / sigma
+                grade = height * math.exp(-0.5 * away * away)
+                grades[2 * t, lane] = grades[2 * t + 1, lane] = grade
+            continue
+        for lane in range(lanes):
+            lower, upper = _grades(table, o, x[first + lane * inputs], width)
+            grades[2 * t, lane], grades[2 * t + 1, lane] = lower, upper
+            uncertain = uncertain or lower != upper
+    for end in range(2 if uncertain else 1):
+        o = HEADER + TERM * terms
+        for r in range(rules):
+            firing = low[r] if end == 0 else high[r]
+            for lane in range(lanes):
+                firing[lane] = 1.0
+            for _ in range(inputs):
+                t = int(table[o])
+                o += 1
+                if t < 0:
+                    continue
+                own = grades[2 * t + end]
+                if norm == 0:
+                    for lane in range(lanes):
+                        firing[lane] = min(firing[lane], own[lane])
+                else:
+                    for lane in range(lanes):
+                        firing[lane] *= own[lane]
+    return uncertain
+
+
+@compiled
 def _either(norm, a, b):
     """Combine two grades by *or*: maximum, probabilistic sum, or bounded sum."""
     if norm == 0:
