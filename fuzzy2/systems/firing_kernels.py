@@ -75,6 +75,48 @@ def _grades(row, o, x, width):
 
 
 @compiled
+def _both(norm, a, b):
+    """Combine two grades by *and*, the t-norm of a code, see ``fuzzy2.systems.table.NORMS``."""
+    least, most = min(a, b), max(a, b)
+    if norm == 0:
+        return least
+    if norm == 1:
+        return a * b
+    if norm == 2:
+        # a + b - 1 would round a tiny grade beside 1 away.
+        return least if most == 1.0 else max(a + b - 1.0, 0.0)
+    if norm == 3:
+        return 0.0 if most < 1.0 else least
+    if norm == 4:
+        return 0.0 if least <= 1.0 - most else least
+    if norm == 5:
+        united = most + least * (1.0 - most)
+        return a * b / united if united > 0.0 else 0.0
+    return a * b / (1.0 + (1.0 - a) * (1.0 - b))
+
+
+@compiled
+def _either(norm, a, b):
+    """Combine two grades by *or*, the t-conorm of a code, dual to that of ``_both``."""
+    least, most = min(a, b), max(a, b)
+    if norm == 0:
+        return most
+    if norm == 1:
+        return most + least * (1.0 - most)
+    if norm == 2:
+        return min(a + b, 1.0)
+    if norm == 3:
+        return 1.0 if least > 0.0 else most
+    if norm == 4:
+        return 1.0 if least >= 1.0 - most else most
+    if most == 1.0:
+        return 1.0
+    if norm == 5:
+        return most + least * (1.0 - most) ** 2 / (1.0 - least * most)
+    return most + least * (1.0 - most) * (1.0 + most) / (1.0 + least * most)
+
+
+@compiled
 def _fire(table, x, xo, width, grades, low, high):
     """Write lower and upper firing strength of every rule for the input that starts at ``xo``."""
     inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
@@ -90,8 +132,12 @@ def _fire(table, x, xo, width, grades, low, high):
         for _ in range(inputs):
             t = int(table[o])
             o += 1
-            if t >= 0:
-                both = min(both, grades[2 * t]) if norm == 0 else both * grades[2 * t]
+            if t < 0:
+                continue
+            if norm == 1:
+                both *= grades[2 * t]
+            else:
+                both = _both(norm, both, grades[2 * t])
         low[r] = high[r] = both
     for r in range(rules if uncertain else 0):
         lower, upper = 1.0, 1.0
@@ -100,25 +146,26 @@ def _fire(table, x, xo, width, grades, low, high):
             o += 1
             if t < 0:
                 continue
-            if norm == 0:
-                lower, upper = min(lower, grades[2 * t]), min(upper, grades[2 * t + 1])
-            else:
+            if norm == 1:
                 lower *= grades[2 * t]
                 upper *= grades[2 * t + 1]
-        low[r], high[r] = lower, upper
+            else:
+                lower = _both(norm, lower, grades[2 * t])
+                upper = _both(norm, upper, grades[2 * t + 1])
+        # Rounding, which is not the same for both ends, must not exchange them.
+        low[r], high[r] = min(lower, upper), upper
     if table[5] > 0.0:
         _supplement_firing(table, grades, low, high)
 
 
 @compiled
-def _fire_lanes(table, x, start, width, grades, low, high):
-    """Do as ``_fire`` for rows from ``start`` on, side by side: ``low`` and ``high`` (R, lanes).
+def _grade_lanes(table, x, start, width, grades):
+    """Write the grades (2 T, lanes) of rows from ``start`` on, side by side.
 
-    To the last bit the same. Return whether lower and upper firing strengths may differ; else only
-    the lower ones are written.
+    Return whether lower and upper ones may differ.
     """
-    inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
-    lanes = low.shape[1]
+    inputs, terms = int(table[0]), int(table[1])
+    lanes = grades.shape[1]
     uncertain = False
     for t in range(terms):
         o = HEADER + TERM * t
@@ -136,36 +183,37 @@ def _fire_lanes(table, x, start, width, grades, low, high):
             lower, upper = _grades(table, o, x[first + lane * inputs], width)
             grades[2 * t, lane], grades[2 * t + 1, lane] = lower, upper
             uncertain = uncertain or lower != upper
-    for end in range(2 if uncertain else 1):
-        o = HEADER + TERM * terms
-        for r in range(rules):
-            firing = low[r] if end == 0 else high[r]
-            for lane in range(lanes):
-                firing[lane] = 1.0
-            for _ in range(inputs):
-                t = int(table[o])
-                o += 1
-                if t < 0:
-                    continue
-                own = grades[2 * t + end]
-                if norm == 0:
-                    for lane in range(lanes):
-                        firing[lane] = min(firing[lane], own[lane])
-                else:
-                    for lane in range(lanes):
-                        firing[lane] *= own[lane]
     return uncertain
 
 
 @compiled
-def _either(norm, a, b):
-    """Combine two grades by *or*: maximum, probabilistic sum, or bounded sum."""
-    if norm == 0:
-        return max(a, b)
-    if norm == 1:
-        least, most = min(a, b), max(a, b)
-        return most + least * (1.0 - most)
-    return min(a + b, 1.0)
+def _fire_lanes(table, grades, end, firing):
+    """Write the lower (0) or upper (1) firing strengths (R, lanes) of plain rules.
+
+    To the last bit those of ``_fire``.
+    """
+    inputs, rules, norm = int(table[0]), int(table[2]), int(table[4])
+    lanes = grades.shape[1]
+    o = HEADER + TERM * int(table[1])
+    for r in range(rules):
+        combined = firing[r]
+        for lane in range(lanes):
+            combined[lane] = 1.0
+        for _ in range(inputs):
+            t = int(table[o])
+            o += 1
+            if t < 0:
+                continue
+            own = grades[2 * t + end]
+            if norm == 0:
+                for lane in range(lanes):
+                    combined[lane] = min(combined[lane], own[lane])
+            elif norm == 1:
+                for lane in range(lanes):
+                    combined[lane] *= own[lane]
+            else:
+                for lane in range(lanes):
+                    combined[lane] = _both(norm, combined[lane], own[lane])
 
 
 @compiled
@@ -190,12 +238,8 @@ def _supplement_firing(table, grades, low, high):
                     upper[top] = 1.0 if code < 0 else grades[2 * code + 1]
                 elif code == -2:
                     top -= 1
-                    if norm == 0:
-                        lower[top] = min(lower[top], lower[top + 1])
-                        upper[top] = min(upper[top], upper[top + 1])
-                    else:
-                        lower[top] *= lower[top + 1]
-                        upper[top] *= upper[top + 1]
+                    lower[top] = _both(norm, lower[top], lower[top + 1])
+                    upper[top] = _both(norm, upper[top], upper[top + 1])
                 elif code == -3:
                     top -= 1
                     lower[top] = _either(conorm, lower[top], lower[top + 1])
@@ -246,7 +290,7 @@ def _fire_in_logarithms(table, x, xo, width, grades, low, high):
     """
     inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
     start = int(table[5])
-    if start > 0 and table[start + 1] > 0.0:
+    if norm > 1 or (start > 0 and table[start + 1] > 0.0):
         return False
     for t in range(terms):
         o = HEADER + TERM * t

@@ -17,6 +17,7 @@ from fuzzy2.systems.firing_kernels import (
     _fire,
     _fire_in_logarithms,
     _fire_lanes,
+    _grade_lanes,
     _grades,
 )
 
@@ -220,7 +221,9 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
     for start in range(0, rows, LANES):
         uncertain = True
         if plain:
-            uncertain = _fire_lanes(table, x, start, width, grades, low, extra)
+            uncertain = _grade_lanes(table, x, start, width, grades)
+            for end in range(2 if uncertain else 1):
+                _fire_lanes(table, grades, end, low if end == 0 else extra)
         for lane in range(0 if plain else LANES):
             _fire(table, x, (start + lane) * inputs, width, one_grades, one_low, one_high)
             for r in range(rules):
@@ -229,6 +232,9 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
             mass[lane] = unsettled[lane] = 0.0
         for r in range(rules):
             lower, upper = low[r], extra[r] if uncertain else low[r]
+            for lane in range(LANES if uncertain else 0):
+                # As in ``_fire``: rounding must not exchange them.
+                lower[lane] = min(lower[lane], upper[lane])
             for lane in range(LANES):
                 mass[lane] += lower[lane]
                 unsettled[lane] = max(unsettled[lane], upper[lane])

@@ -11,8 +11,8 @@ answer: NaN, never 0**; :meth:`validate` says where that is. Gaussians fire ever
 grades underflow, firing strengths under minimum or product are carried in logarithms, and far from
 all terms the nearest rule answers.
 
-Gaussian, triangular and trapezoidal terms under minimum or product are evaluated by one compiled
-loop; any other set or t-norm works, too, at NumPy's speed.
+Gaussian, triangular and trapezoidal terms under a t-norm that has a name are evaluated by one
+compiled loop; any other set or t-norm works, too, at NumPy's speed.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from fuzzy2.errors import (
     NotApplicable,
     ReadOnly,
 )
-from fuzzy2.operations.t_norms import BinaryFunction, TConorm, TNorm
+from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS, BinaryFunction, TConorm, TNorm
 from fuzzy2.operations.t_norms import t_conorm as conorm_named
 from fuzzy2.operations.t_norms import t_norm as norm_named
 from fuzzy2.sets.interval_type2 import IntervalType2Set
@@ -380,7 +380,8 @@ class FuzzySystem(Shown):
 
     def _compiled_table(self) -> Array | None:
         """Return the system as one array for the compiled loop, or None if that cannot do it."""
-        if self.t_norm.name not in ("min", "product") or self.fuzzifiers is not None:
+        # A function of one's own may have the name of one of ours.
+        if self.t_norm != T_NORMS.get(self.t_norm.name) or self.fuzzifiers is not None:
             return None
         rows = []
         for number, terms in enumerate(self.inputs):
@@ -395,11 +396,13 @@ class FuzzySystem(Shown):
             None if trees else self.rules,
             # Of huge ones the table serves for firing only.
             0.0 * self.consequent_intervals if self._is_huge else self.consequent_intervals,
-            self.t_norm.name == "min",
+            self.t_norm.name,
             rows,
             Supplement(
                 self.rules if trees else None,
-                self.disjunction.name,
+                self.disjunction.name
+                if self.disjunction == T_CONORMS.get(self.disjunction.name)
+                else None,
                 self.weights,
                 self.silent,
                 self._compiled_defaults(),
@@ -646,8 +649,6 @@ class FuzzySystem(Shown):
         if isinstance(self.rules, tuple):
             fired = [strength(tree, grades, self.t_norm, self.disjunction) for tree in self.rules]
             strengths = np.stack(fired, axis=1)
-            # Rounding, which is not the same for both ends, must not exchange them.
-            np.minimum(strengths[..., 0], strengths[..., 1], out=strengths[..., 0])
         else:
             strengths = np.ones((len(grades[0]), len(self.rules), 2))
             for i, of_input in enumerate(grades):
@@ -658,6 +659,8 @@ class FuzzySystem(Shown):
                 strengths = np.where(
                     (asked >= 0)[:, np.newaxis], self.t_norm(strengths, chosen), strengths
                 )
+        # Rounding, which is not the same for both ends, must not exchange them.
+        np.minimum(strengths[..., 0], strengths[..., 1], out=strengths[..., 0])
         return strengths if self.weights is None else strengths * self.weights[:, np.newaxis]
 
     def gradient(self, X: ArrayLike) -> Array:
