@@ -291,12 +291,8 @@ class GeneralType2System(FuzzySystem):
                 self._planes.append(plane)
         return self._planes[level]
 
-    def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
-        """Return the crisp outputs, of shape (..., m).
-
-        See :class:`GeneralType2System` for how, and :meth:`FuzzySystem.__call__`.
-        """
-        X = self._given(X, named)
+    def _crisp(self, X: Any) -> Array:
+        """Return the crisp outputs (..., m); see :class:`GeneralType2System` for how."""
         if self.reduction == "gaussian":
             return self._corollary(X)[..., 0]
         if self._one_loop:

@@ -60,7 +60,7 @@ from fuzzy2.systems.explanation import Explanation, explained
 from fuzzy2.systems.fuzzifiers import Fuzzifier
 from fuzzy2.systems.gradients import Differentiable, gradient
 from fuzzy2.systems.hedges import Hedge, known_hedges
-from fuzzy2.systems.named_inputs import by_name
+from fuzzy2.systems.named_inputs import by_name, like_inputs
 from fuzzy2.systems.operators import (
     CRISP_ONLY,
     DIRECT_METHODS,
@@ -457,7 +457,8 @@ class FuzzySystem(Shown):
         Returns
         -------
         (..., m) ndarray
-            Outputs; NaN where no rule fires.
+            Outputs; NaN where no rule fires. Of a DataFrame of pandas a DataFrame with its index
+            and the names of the outputs, and of a row of one a Series.
 
         Raises
         ------
@@ -474,10 +475,16 @@ class FuzzySystem(Shown):
                 done = 0
             if done and not named:
                 return out
+        given = self._given(X, named)
+        outputs: Array = like_inputs(self._crisp(given), given, self.output_names)
+        return outputs
+
+    def _crisp(self, X: Any) -> Array:
+        """Return the crisp outputs (..., m) of inputs of any make and number."""
         if self._fast:
-            return self._evaluate(self._given(X, named), crisp=True)
+            return self._evaluate(X, crisp=True)
         # Half of each: the sum may be no float.
-        return np.asarray((0.5 * self.type_reduced(self._given(X, named))).sum(axis=-1))
+        return np.asarray((0.5 * self.type_reduced(X)).sum(axis=-1))
 
     def _given(self, X: Any, named: Mapping[str, ArrayLike]) -> Any:
         """Return the inputs, which come by position or by name."""

@@ -191,3 +191,19 @@ def test_parameters_that_cannot_be_meant_are_refused_by_fit(
 ) -> None:
     with pytest.raises(error, match=words):
         ANFIS(**options).fit(*surface(20))
+
+
+def test_data_frames_name_inputs_outputs_and_explanations() -> None:
+    """Predictions are arrays, as scikit-learn's; the system's own answers are data frames."""
+    pandas = pytest.importorskip("pandas")
+    X, y = surface(40)
+    frame, target = pandas.DataFrame(X, columns=["heat", "flow"]), pandas.Series(y, name="yield")
+    model = ANFIS(most_epochs=2).fit(frame, target)
+    plain = ANFIS(most_epochs=2).fit(X, y)
+    assert model.system_.input_names == ("heat", "flow")
+    assert model.system_.output_names == ("yield",)
+    assert type(model.predict(frame)) is np.ndarray
+    np.testing.assert_array_equal(model.predict(frame), plain.predict(X))
+    answer = model.system_(frame[["flow", "heat"]])
+    np.testing.assert_array_equal(answer["yield"].to_numpy(), plain.predict(X))
+    assert str(model.explain(frame.iloc[3])) == str(model.explain(frame.iloc[[3]]))
