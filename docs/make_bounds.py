@@ -98,9 +98,7 @@ def learned_3psp() -> Case:
     recorded = record(robot, helix, 10.4, kp=10.0, kv=1.0)
 
     def controller(seed: int, kp: float, kv: float) -> psp3.FuzzyComputedTorque:
-        fuzzy = psp3.FuzzyComputedTorque(
-            "it2", robot, learner="average", snr_db=20.0, kp=kp, kv=kv
-        )
+        fuzzy = psp3.FuzzyComputedTorque("it2", robot, learner="average", snr_db=20.0, kp=kp, kv=kv)
         return fuzzy.learn(recorded, 209, np.random.default_rng(seed))
 
     faster = psp3.trajectories.Helix(radius=0.018, period=1.6, rise=0.010, robot=robot)
@@ -117,9 +115,7 @@ def rows_of_tubes(case: Case) -> Iterator[str]:
     alike = [case.run(seed, GAINS, case.path) for seed in range(count)]
     source = np.random.default_rng(0)
     draws = [np.arange(count)] + [source.permutation(count) for _ in range(DRAWS)]
-    tubes = [
-        psp3.TrackingTube([alike[i] for i in draw[:CALIBRATION]], *GAINS) for draw in draws
-    ]
+    tubes = [psp3.TrackingTube([alike[i] for i in draw[:CALIBRATION]], *GAINS) for draw in draws]
     for what, gains, path in (
         ("as calibrated", GAINS, case.path),
         ("gains 400, 40", (400.0, 40.0), case.path),
@@ -134,7 +130,10 @@ def rows_of_tubes(case: Case) -> Iterator[str]:
             seeds = range(count, count + TEST)
             tests = [[case.run(seed, gains, path) for seed in seeds]] * len(draws)
         kept = 100.0 * np.array(
-            [np.mean([tube.holds(run) for run in runs]) for tube, runs in zip(own, tests, strict=True)]
+            [
+                np.mean([tube.holds(run) for run in runs])
+                for tube, runs in zip(own, tests, strict=True)
+            ]
         )
         widths = np.mean([tube.width for tube in own[1:]], axis=0)
         errors = np.array(
@@ -230,4 +229,5 @@ CASES: dict[str, Callable[[], Case]] = {
 if __name__ == "__main__":
     for asked in sys.argv[1:] or [*CASES, "intervals"]:
         for row in rows_of_intervals() if asked == "intervals" else rows_of_tubes(CASES[asked]()):
-            print(row, flush=True)
+            sys.stdout.write(f"{row}\n")
+            sys.stdout.flush()

@@ -152,8 +152,8 @@ def share_of_period(rows: Array, period: float) -> Array:
     # Of a straight line the mean size is that of its ends, or the areas of two triangles where it
     # changes its sign.
     ends = np.abs(first) + np.abs(last)
-    crossing = np.where(first * last < 0.0, 2.0 * np.abs(first * last) / np.where(ends, ends, 1.0), 0.0)
-    share: Array = 0.5 * period * (ends - crossing)
+    crossing = np.maximum(-first * last, 0.0) / np.where(ends > 0.0, ends, 1.0)
+    share: Array = period * (0.5 * ends - crossing)
     return share
 
 

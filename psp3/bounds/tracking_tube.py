@@ -64,7 +64,7 @@ def residual_accelerations(result: Result, kp: float, kv: float) -> Array:
     Returns
     -------
     (N - 1, k) ndarray
-        For each period, and each of the k coordinates of which a motion is desired [m/s² or rad/s²].
+        For each period and each of the k coordinates that are commanded [m/s² or rad/s²].
 
     Raises
     ------

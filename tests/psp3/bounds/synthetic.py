@@ -1,4 +1,4 @@
-"""Runs of unit masses under a servo and a disturbance that is known: kinematics and nothing else."""
+"""Runs of unit masses under a servo and a disturbance that is known: kinematics only."""
 
 from __future__ import annotations
 

@@ -93,7 +93,9 @@ def test_of_the_torques_given_as_many_are_held_as_the_rank_says(
     within = (stretched[..., 0] - 1e-12 <= torques) & (torques <= stretched[..., 1] + 1e-12)
     np.testing.assert_array_equal(within, held)
     factors = found.factor if scale == "constant" else found.factor * half
-    np.testing.assert_allclose(np.diff(stretched)[..., 0], 2.0 * np.broadcast_to(factors, half.shape))
+    np.testing.assert_allclose(
+        np.diff(stretched)[..., 0], 2.0 * np.broadcast_to(factors, half.shape)
+    )
     np.testing.assert_allclose(stretched.mean(axis=-1), middle, atol=1e-12)
 
 
@@ -119,7 +121,7 @@ def test_intervals_without_a_width_are_held_or_not_as_they_are() -> None:
     assert found.factor[0] == pytest.approx(1.8)
     assert found.holds([[0.0]], [[[0.0, 0.0]]]).all()
     assert not found.holds([[0.1]], [[[0.0, 0.0]]]).any()
-    with pytest.raises(InvalidValue, match='scale="constant".*of no width at 100%'):
+    with pytest.raises(InvalidValue, match=r'scale="constant".*of no width at 100%'):
         ConformalIntervals(torques, ends(middle, 0.0 * some), 0.8)
     assert ConformalIntervals(torques, ends(middle, 0.0 * some), 0.8, "constant").factor > 0.0
 

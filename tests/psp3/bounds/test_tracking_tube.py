@@ -188,7 +188,9 @@ def test_runs_of_other_periods_or_coordinates_are_refused() -> None:
     uneven = run.t.copy()
     uneven[3] += 1e-4
     one = Motion(*(array[:1] for array in run.desired))
-    short = replace(run, t=run.t[:1], positions=run.positions[:1], speeds=run.speeds[:1], desired=one)
+    short = replace(
+        run, t=run.t[:1], positions=run.positions[:1], speeds=run.speeds[:1], desired=one
+    )
     for wrong, match in ((replace(run, t=uneven), "even"), (short, "two samples")):
         with pytest.raises(InvalidValue, match=match):
             residual_accelerations(wrong, KP, KV)
@@ -223,9 +225,10 @@ def test_the_tip_is_no_farther_than_first_order_says(name: str) -> None:
     corners reach the bound but for that.
     """
     robot = psp3.load(name)
-    path = robot.reference + np.random.default_rng(0).uniform(-0.02, 0.02, (5, 3))[
-        :, : len(robot.reference)
-    ]
+    path = (
+        robot.reference
+        + np.random.default_rng(0).uniform(-0.02, 0.02, (5, 3))[:, : len(robot.reference)]
+    )
     source = np.random.default_rng(1)
     k = len(robot.reference)
     places = source.uniform(-1.0, 1.0, (1000, 5, k))
