@@ -7,7 +7,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import binom
 
@@ -17,7 +17,6 @@ from psp3.errors import InvalidArray, InvalidValue
 SHARES = st.fractions(Fraction(1, 50), Fraction(49, 50), max_denominator=100)
 
 
-@settings(max_examples=100, deadline=None)
 @given(
     share=SHARES,
     more=st.integers(0, 40),
@@ -46,14 +45,12 @@ def test_each_of_exchangeable_scores_is_as_likely_the_new_one(
     assert share <= Fraction(expected, count + 1) < share + Fraction(1, count + 1)
 
 
-@settings(max_examples=200, deadline=None)
 @given(share=SHARES, count=st.integers(0, 2000))
 def test_ranks_are_those_of_exact_arithmetic(share: Fraction, count: int) -> None:
     assert rank_of_bound(count, float(share)) == math.ceil((count + 1) * share)
     assert scores_needed(float(share)) == math.ceil(share / (1 - share))
 
 
-@settings(max_examples=60, deadline=None)
 @given(share=SHARES)
 def test_one_score_less_is_refused_and_the_error_says_how_many(share: Fraction) -> None:
     needed = scores_needed(float(share))

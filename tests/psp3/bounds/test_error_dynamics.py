@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.optimize import linprog
@@ -35,7 +35,6 @@ def impulse_response(kp: float, kv: float, t: float) -> float:
     return math.exp(-middle * t) * math.sin(root * t) / root
 
 
-@settings(max_examples=40, deadline=None)
 @given(kp=st.floats(0.1, 1000.0), ratio=RATIOS)
 def test_without_a_period_it_is_the_integral_of_the_absolute_impulse_response(
     kp: float, ratio: float
@@ -112,7 +111,6 @@ def test_short_periods_come_near_to_none(ratio: float) -> None:
         assert coarse / fine == pytest.approx(10.0, rel=0.3)
 
 
-@settings(max_examples=100, deadline=None)
 @given(kp=st.floats(0.1, 1e4), kv=st.floats(0.1, 1e3), period=st.floats(1e-3, 1.0))
 def test_gains_that_do_not_settle_are_refused_as_eigenvalues_say(
     kp: float, kv: float, period: float
@@ -150,7 +148,6 @@ def test_powers_are_those_of_numpy() -> None:
     np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     alpha=st.floats(-100.0, 100.0),
     beta=st.floats(-5.0, 5.0),
@@ -165,7 +162,6 @@ def test_share_of_a_period_is_an_integral(alpha: float, beta: float, period: flo
     assert abs(found - expected) <= 1e-8 * size
 
 
-@settings(max_examples=25, deadline=None)
 @given(moved=st.floats(-3.0, 3.0), sped=st.floats(-3.0, 3.0), period=st.sampled_from([0.1, 1.0]))
 def test_no_smaller_disturbance_explains_a_period(moved: float, sped: float, period: float) -> None:
     """A linear program over 400 parts of the period; one part has a mean of two signs."""

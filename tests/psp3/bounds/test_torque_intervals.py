@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import betabinom, norm
 
@@ -73,7 +73,6 @@ def test_intervals_of_the_fuzzy_torque_hold_ninety_percent_of_noisy_torques(
     np.testing.assert_allclose(means, 0.9, atol=0.01)
 
 
-@settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 10_000),
     count=st.integers(10, 60),

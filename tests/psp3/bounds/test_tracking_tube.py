@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
@@ -31,7 +31,6 @@ def tube_of(bounds: np.ndarray) -> psp3.TrackingTube:
 # Residual accelerations
 
 
-@settings(max_examples=60, deadline=None)
 @given(disturbances=ACCELERATIONS, start=STARTS)
 def test_residuals_are_no_more_than_what_disturbed(
     disturbances: np.ndarray, start: tuple[float, float]
@@ -88,7 +87,6 @@ def test_only_coordinates_that_are_commanded_are_asked() -> None:
 # The tube
 
 
-@settings(max_examples=60, deadline=None)
 @given(disturbances=ACCELERATIONS, start=STARTS)
 def test_who_keeps_the_bounds_keeps_the_tube(
     disturbances: np.ndarray, start: tuple[float, float]
