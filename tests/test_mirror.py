@@ -50,6 +50,10 @@ ELSEWHERE = {
     "fuzzy2/files/fml_terms.py": ("fuzzy2/files/test_fml_reader.py", THROUGH_ITS_FACE),
     "fuzzy2/files/json_kinds.py": ("fuzzy2/files/test_json_files.py", THROUGH_ITS_FACE),
     "fuzzy2/files/source.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
+    "fuzzy2/learning/tuning_kernels.py": (
+        "fuzzy2/learning/test_tunable_system.py",
+        THROUGH_ITS_FACE,
+    ),
     "fuzzy2/learning/adaptation_kernels.py": (
         "fuzzy2/learning/test_adaptation.py",
         THROUGH_ITS_FACE,
