@@ -79,6 +79,7 @@ def _warm_up_core(robot: Any) -> None:
     """
     from psp3.control.classical import ComputedTorque
     from psp3.drives.drive import Drive
+    from psp3.loading import load
     from psp3.simulation.runge_kutta import RungeKutta
     from psp3.simulation.tracking import simulate
     from psp3.trajectories.paths import PointToPoint
@@ -91,6 +92,11 @@ def _warm_up_core(robot: Any) -> None:
         # The loop above is compiled with its plant. A controller in Python calls that by itself.
         plant.start(robot.reference, rest)
         plant.advance(rest, 1e-3)
+    # And of a robot whose coordinates are not its motors.
+    many = load("planar_4rrr")
+    goal = many.reference + 0.01
+    way = PointToPoint(many.reference, goal, 1.0, many)
+    simulate(many, ComputedTorque(many), way, 0.01)
 
 
 def _warm_up_fuzzy_systems() -> None:

@@ -17,7 +17,7 @@ from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 from fuzzy2.systems.gradients import Differentiable
 from fuzzy2.systems.operators import DIRECT_METHODS
@@ -356,7 +356,7 @@ class GeneralType2System(FuzzySystem):
             raise NotApplicable(
                 name, "it needs the product t-norm, center of sets and a singleton fuzzifier"
             )
-        if isinstance(self.consequents, Linear):
+        if isinstance(self.consequents, FunctionsOfInputs):
             raise NotApplicable(
                 name, "its consequents are numbers or sets, not functions of the inputs"
             )

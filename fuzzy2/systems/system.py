@@ -40,7 +40,7 @@ from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, binary_exponent, reals
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import strength, trees_of
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import Formulas, FunctionsOfInputs
 from fuzzy2.systems.construction import (
     check_inputs,
     checked_consequents,
@@ -281,7 +281,7 @@ class FuzzySystem(Shown):
         return (
             self.type_reduction == "center_of_sets"
             and self.method not in DIRECT_METHODS
-            and not isinstance(self.consequents, Linear)
+            and not isinstance(self.consequents, FunctionsOfInputs)
             and not self._is_huge
         )
 
@@ -712,6 +712,8 @@ class FuzzySystem(Shown):
             return f"type reduction {self.type_reduction!r}"
         if isinstance(self.rules, tuple):
             return "rules with or, not or hedges"
+        if isinstance(self.consequents, Formulas):
+            return "consequents that are formulas"
         if self.silent is not None or self.default_outputs is not None:
             return "rules that leave outputs out, and default outputs"
         return f"the method {self.method!r}" if self.method in DIRECT_METHODS else None
@@ -872,9 +874,8 @@ class FuzzySystem(Shown):
         """Return whether two rules say the same of an output."""
         if self.consequent_sets is not None:
             return bool(self.consequent_sets[a][j] == self.consequent_sets[b][j])
-        if isinstance(self.consequents, Linear):
-            both = (self.consequents.coefficients, self.consequents.spreads)
-            return all(np.array_equal(values[a, j], values[b, j]) for values in both)
+        if isinstance(self.consequents, FunctionsOfInputs):
+            return bool(self.consequents.said(a, j) == self.consequents.said(b, j))
         return np.array_equal(self.consequent_intervals[a, j], self.consequent_intervals[b, j])
 
     def embedded_outputs(
@@ -912,7 +913,7 @@ class FuzzySystem(Shown):
         strengths = self._firing(rows)[0]
         intervals = (
             self.consequents.at(rows)[0]
-            if isinstance(self.consequents, Linear)
+            if isinstance(self.consequents, FunctionsOfInputs)
             else self.consequent_intervals
         )
         yield from embedded_averages(
