@@ -1253,7 +1253,7 @@ def swap(content: dict[str, Any], what: str) -> dict[str, Any]:
         (lambda c: {**c, "ranges": [[-math.inf] * 4, [math.inf] * 4]}, "ranges"),
         (lambda c: {**c, "robot": {**c["robot"], "wheels": 4}}, "wheels"),
         (
-            lambda c: {**c, "system": {**c["system"], "t_norm": "lukasiewicz"}},
+            lambda c: {**c, "system": {**c["system"], "method": "nie_tan"}},
             "compiled loop cannot",
         ),
         (
