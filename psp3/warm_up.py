@@ -107,6 +107,7 @@ def _warm_up_fuzzy_systems() -> None:
         GeneralType2System,
         IntervalType2System,
         centroid,
+        fine_tune,
         generalized_centroid,
     )
 
@@ -123,6 +124,7 @@ def _warm_up_fuzzy_systems() -> None:
     adaptive = AdaptiveConsequents(system)
     adaptive.update(np.zeros(1), np.ones(1))
     adaptive(np.zeros(1))
+    fine_tune(system, [[0.0], [1.0]], [0.0, 1.0], np.random.default_rng(0), most_epochs=1)
     generalized_centroid([1.0], [[0.5, 1.0]])
     centroid(np.array([0.0, 1.0]), np.array([0.2, 0.5]), np.array([0.5, 1.0]))
     united = IntervalType2System(

@@ -303,7 +303,7 @@ class FuzzyComputedTorque:
         system = system.replace(output_names=OUTPUT_NAMES)
         if self.term_width != 1.0:
             system = _widened(system, self.term_width)
-            uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
+            uncovered = (system.coverage(inputs) == 0.0).mean()
             if uncovered > 0.0:
                 wanted = (
                     f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} "
