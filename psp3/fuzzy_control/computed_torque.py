@@ -42,6 +42,7 @@ from psp3.checks import (
     checked_positive,
     one_row,
 )
+from psp3.control.controller import Widths
 from psp3.errors import (
     InvalidControllerFile,
     InvalidValue,
@@ -302,7 +303,7 @@ class FuzzyComputedTorque:
         system = system.replace(output_names=OUTPUT_NAMES)
         if self.term_width != 1.0:
             system = _widened(system, self.term_width)
-            uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
+            uncovered = (system.coverage(inputs) == 0.0).mean()
             if uncovered > 0.0:
                 wanted = (
                     f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} "
@@ -361,9 +362,11 @@ class FuzzyComputedTorque:
 
     numbers_said = kernels.STEP - 3
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not FuzzyComputedTorque or self._controller is None:
+        if type(self) is not FuzzyComputedTorque or widths != Widths.of_motors(3):
+            return None
+        if self._controller is None:
             return None
         return kernels.FuzzyRun(self._controller, self._parameters, kernels.NOTHING_ADDED)
 
