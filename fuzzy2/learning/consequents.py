@@ -108,7 +108,8 @@ def rules_from_all(
     """Let every rule, given or of the grid, take its consequent from all samples.
 
     Rules that no sample fires are completed. A ``ridge`` of None is chosen by generalized
-    cross-validation, for every output by itself. ``weights`` (N,) say how often a sample counts; where
+    cross-validation, for every output by itself. ``weights`` (N,) say how often a sample counts;
+    where
     one sample speaks for a rule, they make no difference.
     """
     shape = [of_input.shape[1] for of_input in grades]

@@ -43,6 +43,7 @@ from psp3.fuzzy_control import adaptive_kernels as kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import reported, step_width
 from psp3.fuzzy_control.numbers import unpack
+from psp3.fuzzy_control.records import INPUT_NAMES
 from psp3.trajectories.motion import Motion
 
 UPDATE_PERIOD = 0.02
@@ -115,9 +116,12 @@ class AdaptiveFuzzyComputedTorque:
         reach: float = 0.5,
         lag: float = 0.05,
     ) -> None:
-        wanted = 'a trained FuzzyComputedTorque of kind "t1" or "it2" with outside="clamp"'
+        wanted = (
+            'a trained FuzzyComputedTorque of the 3-PSP, of kind "t1" or "it2" with outside="clamp"'
+        )
         if (
             not isinstance(controller, FuzzyComputedTorque)
+            or controller.inputs.names != INPUT_NAMES
             or controller.kind not in ("t1", "it2")
             or controller.outside != "clamp"
         ):
