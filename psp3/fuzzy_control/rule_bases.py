@@ -144,7 +144,7 @@ def learned_system(
         system = system_of(options, partition, learned.point_values(), names)
     if options.term_width != 1.0:
         system = _widened(system, options.term_width)
-        uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
+        uncovered = (system.coverage(inputs) == 0.0).mean()
         if uncovered > 0.0:
             wanted = (
                 f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} "
