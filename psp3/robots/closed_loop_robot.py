@@ -76,6 +76,7 @@ from psp3.multibody.named_frames import frame_number
 from psp3.robots.construction import motor_matrix, named_closures
 from psp3.robots.implementations import DYNAMICS_MODELS as DYNAMICS_MODELS
 from psp3.robots.implementations import implementation
+from psp3.robots.learning_inputs import LearningInputs, positions_and_speeds
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.mismatch import ClosureMismatch, allowance, refuse, warnings_of
 from psp3.robots.pickling import constraints, plain
@@ -478,6 +479,11 @@ class ClosedLoopRobot:
         if self.drives_coordinates:
             return self._core.tables()
         return tables_of_motors(self._core, self._motors)
+
+    @property
+    def learning_inputs(self) -> LearningInputs:
+        """What M, C and G depend on: positions, and for C speeds, too."""
+        return positions_and_speeds(self.coordinates)
 
     @property
     def limits(self) -> tuple[Array, Array]:
