@@ -52,12 +52,6 @@ def resumable(place: Path) -> Iterator[None]:
 MOTION_OF_THESIS, MOTION_OF_OTHERS = "helix", "sway"
 """What is followed unless another motion is named."""
 
-BANDWIDTH = 20.0
-"""Of the default gains of another robot than the 3-PSP [rad/s]."""
-
-INTEGRAL_SHARE = 0.1
-"""Default integral gain of another robot, as a share of the largest that is stable."""
-
 
 def trajectory_from_options(
     robot: ClosedLoopRobot, text: str | None, motion: MotionOptions
@@ -146,7 +140,9 @@ def controller_named(
     )
     kept = only_allowed(f"--controller {name.value}", vars(gains), allowed)
     if not robot.has_inverse_of_tip:
-        kept = _default_gains(robot, name) | kept
+        from psp3.control.default_gains import default_gains
+
+        kept = default_gains(robot, name.value) | kept
     if name in (ControllerName.T1, ControllerName.IT2, ControllerName.GT2):
         controller, settings = _learned(robot, name, model, kept)
     else:
@@ -197,38 +193,6 @@ def _classical(
     }
     made = of_a_model[name](robot.dynamics(chosen.value), **gains)
     return made, {"model": chosen.value}
-
-
-def _default_gains(robot: ClosedLoopRobot, name: ControllerName) -> dict[str, Any]:
-    """Return gains of a critically damped loop in the reference pose."""
-    import numpy as np
-
-    from psp3.control.classical import critically_damped_gains
-
-    if name is ControllerName.FEED_FORWARD:
-        return {}
-    if name not in (ControllerName.PD, ControllerName.PD_GRAVITY, ControllerName.PID):
-        kp, kv = critically_damped_gains(BANDWIDTH)
-        return {"kp": kp, "kv": kv}
-    mass = _moved_mass(robot)
-    kp, kv = critically_damped_gains(BANDWIDTH, mass)
-    gains = {"kp": kp, "kv": kv}
-    if name is ControllerName.PID:
-        # A mass m with these gains is stable up to ki = kp kv / m, and the least m is what counts.
-        omega = float(kv[0, 0] / (2.0 * mass[0, 0]))
-        least = float(np.linalg.eigvalsh(mass)[0])
-        gains["ki"] = INTEGRAL_SHARE * 2.0 * omega**3 * least
-    return gains
-
-
-def _moved_mass(robot: ClosedLoopRobot) -> Any:
-    """Return what the motors move at the reference: the mass matrix, less what others give way."""
-    import numpy as np
-
-    mass, k = robot.mass_matrix(robot.reference), robot.commanded
-    if k == len(mass):
-        return mass
-    return mass[:k, :k] - mass[:k, k:] @ np.linalg.solve(mass[k:, k:], mass[k:, :k])
 
 
 def controller_from_file(
