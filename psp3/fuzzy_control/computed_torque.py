@@ -596,7 +596,9 @@ class FuzzyComputedTorque:
             As from :meth:`torque`.
         """
         rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
-        a, v, *wanted = (one_row(name, row, self.joints) for name, row in zip(_ROWS, rows, strict=True))
+        a, v, *wanted = (
+            one_row(name, row, self.joints) for name, row in zip(_ROWS, rows, strict=True)
+        )
         M, C, G = self.estimated_numbers(a, v)
         servo = wanted[2] + self.kv * (wanted[1] - v) + self.kp * (wanted[0] - a)
         alpha_part: Any = M @ servo

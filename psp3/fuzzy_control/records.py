@@ -187,7 +187,9 @@ class Record:
         span = np.ptp(self.inputs, axis=0)
         if not (span > STILL).all():
             still = ", ".join(
-                name for name, width in zip(self.input_names, span, strict=True) if not width > STILL
+                name
+                for name, width in zip(self.input_names, span, strict=True)
+                if not width > STILL
             )
             raise InvalidValue(
                 "trajectory", still, "one on which every input changes; " + self._remedy

@@ -258,5 +258,3 @@ def _wider(term: Any, width: float) -> Any:
     if isinstance(term, GaussianType2Set):
         return GaussianType2Set(_wider(term.principal, width), term.sigma)
     return type(term)(term.mean, width * term.sigma)
-
-

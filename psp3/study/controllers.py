@@ -23,6 +23,7 @@ from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import Record, RecordNoise, record
 from psp3.loading import load
 from psp3.published import TABLE_6_1
+from psp3.study.entries import EstimatedComputedTorque, is_estimator
 from psp3.study.paths import names_of_paths, path_named
 from psp3.study.run import ADAPTIVE, FUZZY, Run
 
@@ -92,12 +93,13 @@ class WithNoisyModel:
 
     def __init__(self, controller: Any, added: Array) -> None:
         self._controller, self._added = controller, added
-        self.numbers_said = controller.numbers_said
-        self.reset, self.take = controller.reset, controller.take
+        self.numbers_said = getattr(controller, "numbers_said", 0)
+        self.reset, self.take = controller.reset, getattr(controller, "take", None)
 
     def table(self, robot: Any, joints: int) -> NamedTuple:
         """Return the controller's table with what is added."""
-        table = self._controller.table(robot, joints)
+        make = getattr(self._controller, "table", lambda robot, joints: None)
+        table = make(robot, joints)
         if table is None or not hasattr(table, "added"):
             raise InvalidValue(
                 "reading",
@@ -220,15 +222,29 @@ def _of_place(run: Run, robot: Any) -> Any:
             f"the module and name of something that can be imported here ({error}); on a cluster "
             "every worker needs it",
         ) from error
+    if isinstance(maker, type) and is_estimator(maker):
+        # An estimator knows nothing of robots.
+        return _estimated(run, robot, maker())
     made = maker(robot)
+    if is_estimator(made):
+        return _estimated(run, robot, made)
     if not callable(getattr(made, "torque", None)) or not callable(getattr(made, "reset", None)):
         raise InvalidValue(
             "controller",
             run.controller,
             "what makes of a robot a controller with reset() and torque(t, positions, speeds, "
-            "desired)",
+            "desired), or an estimator with fit(X, Y) and predict(X)",
         )
     return made
+
+
+def _estimated(run: Run, robot: Any, estimator: Any) -> EstimatedComputedTorque:
+    seed = run.seed if run.learning_seed is None else run.learning_seed
+    gains = gains_of(run, robot)
+    snr_db = run.snr_db if run.reading in ("parameters", "inputs") else np.inf
+    return EstimatedComputedTorque(estimator, robot, **gains).learn(
+        record_of(run), run.samples, snr_db, np.random.default_rng([seed, 0]), noise_of(run)
+    )
 
 
 # The same for many runs of a study, and more costly than a run.

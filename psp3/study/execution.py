@@ -263,7 +263,7 @@ def _noise(run: Run, count: int, p: int, n: int) -> tuple[Array | None, Array | 
     added = measured = None
     if run.reading == "measurement" and run.snr_db < math.inf:
         recorded = record_of(run)
-        seen = np.concatenate([recorded.heights, recorded.speeds], axis=1)
+        seen = np.concatenate([recorded.positions, recorded.speeds], axis=1)
         measured = ratio * noise_of(run).amplitudes(seen) * rng.standard_normal((count, p + n))
     elif run.reading == "online" and run.snr_db < math.inf:
         amplitudes = ratio * noise_of(run).output_amplitudes(record_of(run))

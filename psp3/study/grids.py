@@ -53,6 +53,9 @@ class Grid(Sequence[Run]):
             chosen[name] = values[k]
         return Run(**chosen)
 
+    def __add__(self, other: Iterable[Run]) -> tuple[Run, ...]:
+        return (*self, *other)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Sequence) or isinstance(other, str):
             return NotImplemented

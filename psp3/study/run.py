@@ -40,13 +40,19 @@ import numpy as np
 
 from fuzzy2.learning.noise import mean_variation_from_snr
 from fuzzy2.learning.partition import KINDS
-from fuzzy2.learning.wang_mendel import LEARNERS
 from psp3.checks import checked_count, checked_not_negative, checked_positive
 from psp3.description.parts import ROBOTS
 from psp3.drives.drive import Drive
 from psp3.errors import InvalidValue, UnknownName, UnknownRobot
-from psp3.fuzzy_control.computed_torque import ORDERS, OUTSIDE, REDUCTIONS, checked_snr
+from psp3.fuzzy_control.computed_torque import (
+    ORDERS,
+    OUTSIDE,
+    REDUCTIONS,
+    SAMPLES,
+    checked_snr,
+)
 from psp3.fuzzy_control.records import ENTRIES, REFERENCES
+from psp3.fuzzy_control.rule_bases import LEARNERS
 from psp3.loading import ENDINGS
 from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
 from psp3.simulation.metrics import METRICS as METRICS
@@ -151,7 +157,8 @@ class Run:
         ``"helix"`` of the 3-PSP and ``"sway"`` of any other.
     learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
         See :class:`psp3.FuzzyComputedTorque`. The learner that the thesis cites, table look-up, is
-        ``"strict"``.
+        ``"strict"``; unless given it is ``"strongest"``, of 209 samples, for the 3-PSP, and
+        ``"least-squares"`` for any other robot.
     payload : float
         Mass that no controller knows of [kg]: at the center of the 3-PSP's star, and at the frame
         ``tip`` of any other robot.
@@ -204,14 +211,14 @@ class Run:
     snr_db: float = math.inf
     seed: int = 0
     trajectory: str | None = None
-    learner: str = "strongest"
+    learner: str | None = None
     n_terms: int = 2
     mean_variation: float | None = None
     levels: int = 5
     reduction: str = "alpha_planes"
     outside: str = "clamp"
     term_width: float = 1.0
-    samples: int = 209
+    samples: int | None = None
     payload: float = 0.0
     coulomb_friction: float = 0.0
     viscous_friction: float = 0.0
@@ -279,8 +286,9 @@ class Run:
             is_fine = type(value) is int and least <= value <= LARGEST_INTEGER
             if not is_fine and checked_count(name, value, least) > LARGEST_INTEGER:
                 raise InvalidValue(name, value, "less than 2**63")
-        if self.learning_seed is not None:
-            checked_count("learning_seed", self.learning_seed, 0)
+        for name, least in (("learning_seed", 0), ("samples", 2)):
+            if getattr(self, name) is not None:
+                checked_count(name, getattr(self, name), least)
         for name in _POSITIVE:
             checked_positive(name, getattr(self, name))
         for name, value in zip(_NOT_NEGATIVE, _amounts_of(self), strict=True):
@@ -303,7 +311,6 @@ class Run:
             _check_name("controller", self.controller, CONTROLLERS)
         for what, name, known in (
             ("reading", self.reading, READINGS),
-            ("learner", self.learner, LEARNERS),
             ("reduction", self.reduction, REDUCTIONS),
             ("way outside of the trained range", self.outside, OUTSIDE),
             ("reference of the signal-to-noise ratio", self.snr_reference, REFERENCES),
@@ -312,6 +319,8 @@ class Run:
         ):
             if type(name) is not str or name not in known:
                 _check_name(what, name, known)
+        if self.learner is not None:
+            _check_name("learner", self.learner, LEARNERS)
         paths = names_of_paths(self.robot)
         for path in (self.trajectory, self.learned_on):
             if path is not None:
@@ -393,6 +402,11 @@ class Run:
             kept = ("samples",) if _is_place(self.controller) else ()
             changed.update((name, DEFAULTS[name]) for name in OF_LEARNING if name not in kept)
             return
+        is_ours = self.robot == "psp3"
+        if self.learner is None:
+            changed["learner"] = "strongest" if is_ours else "least-squares"
+        if self.samples is None and is_ours:
+            changed["samples"] = SAMPLES
         if self.controller in ("t1", "adaptive-t1"):
             changed["mean_variation"] = 0.0
         elif self.mean_variation is None:
@@ -453,7 +467,7 @@ DEFAULTS: dict[str, Value] = {field.name: field.default for field in fields(Run)
 _OPTIONAL = tuple(name for name, value in DEFAULTS.items() if value is None)
 _FLOATS = tuple(name for name, kind in _TYPES.items() if kind == "float")
 _OTHERS = tuple(name for name in _TYPES if name not in _FLOATS)
-_LEAST = (("seed", 0), ("n_terms", 1), ("levels", 1), ("samples", 2), ("delay", 0))
+_LEAST = (("seed", 0), ("n_terms", 1), ("levels", 1), ("delay", 0))
 _POSITIVE = ("duration", "period", "term_width")
 _NOT_NEGATIVE = (
     "mean_variation",

@@ -413,11 +413,10 @@ def _partners(
             if len(alone)
             else (np.empty((0, 2), dtype=np.intp))
         )
-    _, ours, theirs = np.intersect1d(
-        table.seeds[places], table.seeds[there], assume_unique=True, return_indices=True
-    )
-    pairs: NDArray[np.intp] = np.stack([places[ours], there[theirs]], axis=1)
-    return pairs
+    place_of = dict(zip(table.seeds[there].tolist(), there.tolist(), strict=True))
+    seeds = zip(places.tolist(), table.seeds[places].tolist(), strict=True)
+    pairs = [(place, place_of[seed]) for place, seed in seeds if seed in place_of]
+    return np.array(pairs, dtype=np.intp).reshape(-1, 2)
 
 
 def check_metric(metric: str) -> None:

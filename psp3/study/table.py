@@ -129,6 +129,8 @@ class Table(Sequence[Row]):
 
     def groups(self) -> list[tuple[Run, NDArray[np.intp]]]:
         """Return the settings that have rows with the places of these, in the order of the rows."""
+        if not len(self):
+            return []
         order = np.argsort(self.setting, kind="stable")
         numbers, first = np.unique(self.setting[order], return_index=True)
         parts = np.split(order, first[1:])
