@@ -121,7 +121,7 @@ class Table(Sequence[Row]):
             several = isinstance(given, Iterable) and not isinstance(given, str)
             wanted: set[Any] = set(given) if several else {given}  # type: ignore[arg-type]
             if name == "seed":
-                keep &= np.isin(self.seeds, [seed for seed in wanted if seed in range(2**63)])
+                keep &= np.isin(self.seeds, [seed for seed in wanted if type(seed) is int])
             else:
                 fits = np.array([getattr(run, name) in wanted for run in self.settings], bool)
                 keep &= fits[self.setting]
