@@ -93,6 +93,16 @@ def new_track(
     return Track(t, wanted, states, asked, applied, np.empty((count, motors + numbers_said)))
 
 
+def new_wires(wiring: Wiring) -> Wires:
+    """Return a wiring as compiled loops take it, whose encoders have read nothing yet."""
+    n = len(wiring.limit)
+    noise = np.empty((0, 2 * n)) if wiring.noise is None else wiring.noise
+    return Wires(
+        *(wiring.resolution, np.zeros(n), noise),
+        *(wiring.limit, wiring.low, wiring.high, np.zeros(2 * n)),
+    )
+
+
 def compiled_loop(
     controller: Any,
     plant: Any,
@@ -102,6 +112,8 @@ def compiled_loop(
     first: int = 0,
     progress: Callable[[int], None] | None = None,
     every: int | None = None,
+    last: int | None = None,
+    wires: Wires | None = None,
 ) -> Ended:
     """Let a controller steer a plant, compiled.
 
@@ -121,14 +133,14 @@ def compiled_loop(
         Called with the number of samples that are done.
     every : int
         After so many it is called, too.
+    last : int, optional
+        The sample before which the loop pauses, the state being that of this sample.
+    wires : Wires, optional
+        Those of the loop that is gone on with, which remember what encoders read last.
     """
-    n, count = len(wiring.limit), len(track.t)
-    noise = np.empty((0, 2 * n)) if wiring.noise is None else wiring.noise
+    n, count = len(wiring.limit), len(track.t) if last is None else last
     state, ending = np.array(state), np.array([WHOLE])
-    wires = Wires(
-        *(wiring.resolution, np.zeros(n), noise),
-        *(wiring.limit, wiring.low, wiring.high, np.zeros(2 * n)),
-    )
+    wires = new_wires(wiring) if wires is None else wires
     done, chunk = first, max(1, CHUNK // (n * plant.steps))
     while done < count:
         end = min(done + chunk, count)

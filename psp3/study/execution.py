@@ -18,8 +18,8 @@ import numpy as np
 from psp3.checks import Array
 from psp3.robots.payloads import with_payload
 from psp3.simulation import metrics
-from psp3.simulation.kernels import WHOLE, Track
-from psp3.simulation.loop import Ended, Wiring, compiled_loop, new_track, python_loop
+from psp3.simulation.kernels import WHOLE
+from psp3.simulation.loop import Ended, Wiring, compiled_loop, new_track, new_wires, python_loop
 from psp3.simulation.plant import NO_POSE
 from psp3.simulation.result import Result
 from psp3.study.controllers import (
@@ -312,15 +312,16 @@ class _Loop:
     def _compiled(
         self, table: Any, plants: tuple[tuple[Any, int | None], ...], state: Array
     ) -> int:
-        track, first = self._track, 0
-        ended = Ended(0, WHOLE, state)
+        track, wires, ended = self._track, new_wires(self._wiring), Ended(0, WHOLE, state)
         for plant, end in plants:
-            # The sample between two plants is done twice, from the same state.
-            part = track if end is None else Track(*(array[: end + 1] for array in track))
-            ended = compiled_loop(table, plant, self._wiring, part, ended.state, first)
+            last = None if end is None else min(end, len(track.t))
+            ended = compiled_loop(
+                *(table, plant, self._wiring, track, ended.state, ended.samples),
+                last=last,
+                wires=wires,
+            )
             if ended.why != WHOLE:
                 break
-            first = len(part.t) - 1
         return ended.samples
 
     def _in_python(
