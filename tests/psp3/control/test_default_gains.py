@@ -18,7 +18,9 @@ def test_loops_are_critically_damped_with_the_bandwidth(name: str) -> None:
     np.testing.assert_allclose(moved_mass(robot), mass)
     for controller, moved in (("pd", mass), ("pd-gravity", mass), ("ctc", np.eye(len(mass)))):
         gains = default_gains(robot, controller)
-        kp, kv = (np.linalg.solve(moved, gains[k] * np.eye(len(mass))) for k in ("kp", "kv"))
+        unit = np.eye(len(mass))
+        full = (gains[k] if np.ndim(gains[k]) else gains[k] * unit for k in ("kp", "kv"))
+        kp, kv = (np.linalg.solve(moved, gain) for gain in full)
         omega = kv[0, 0] / 2.0
         np.testing.assert_allclose(kp, omega**2 * np.eye(len(mass)), rtol=1e-9, atol=1e-6)
         assert omega == pytest.approx(critically_damped_gains(BANDWIDTH)[1] / 2.0)

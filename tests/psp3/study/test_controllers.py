@@ -27,13 +27,16 @@ def test_gains_are_those_of_the_table_unless_given() -> None:
 
 @pytest.mark.parametrize(("name", "force"), [("lqr", 1.0), ("lqr-stiff", 10.0)])
 def test_regulators_weigh_errors_like_forces(name: str, force: float) -> None:
-    """Of the 3-PSP by Bryson's rule; of another robot like the forces of computed torque."""
+    """Of the 3-PSP by Bryson's rule; of another robot like the forces of computed torque.
+
+    To 1e-7 of the largest gain: the Riccati equation is solved to about the root of rounding.
+    """
     robot = robot_named("psp3")
     expected = LinearQuadraticRegulator(
         robot, np.diag([1e4] * 3 + [1e2] * 3), np.eye(3) / force**2
     ).regulator.K
     made: Any = controller_of(Run(name), robot)
-    np.testing.assert_allclose(made.regulator.K, expected, rtol=1e-12)
+    np.testing.assert_allclose(made.regulator.K, expected, rtol=0.0, atol=1e-7 * expected.max())
     other = robot_named("five_bar")
     made = controller_of(Run(name, robot="five_bar"), other)
     stiffness = default_gains(other, "ctc")["kp"] * other.mass_matrix(other.reference)
@@ -41,7 +44,7 @@ def test_regulators_weigh_errors_like_forces(name: str, force: float) -> None:
     expected = LinearQuadraticRegulator(
         other, np.diag([1e4] * 2 + [1e2] * 2), np.diag(1.0 / forces**2)
     ).regulator.K
-    np.testing.assert_allclose(made.regulator.K, expected, rtol=1e-9)
+    np.testing.assert_allclose(made.regulator.K, expected, rtol=0.0, atol=1e-7 * expected.max())
 
 
 def test_integral_in_python_is_the_compiled_one() -> None:
