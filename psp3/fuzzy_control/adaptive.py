@@ -38,6 +38,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from psp3.checks import Array, checked_number, checked_positive, one_row
+from psp3.control.controller import Widths
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control import adaptive_kernels as kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
@@ -193,9 +194,9 @@ class AdaptiveFuzzyComputedTorque:
 
     numbers_said = step_width(3) - 3
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not AdaptiveFuzzyComputedTorque:
+        if type(self) is not AdaptiveFuzzyComputedTorque or widths != Widths.of_motors(3):
             return None
         # The memory is this controller's own: what is learned in the loop stays.
         return kernels.Adaptive(self.settings, self.rules, self._memory)

@@ -40,6 +40,7 @@ from psp3.checks import (
     finite_rows,
     one_row,
 )
+from psp3.control.controller import Widths
 from psp3.errors import InvalidValue, NotTrained, UnknownName, UnusableEstimate
 from psp3.fuzzy_control import controller_files, kernels, rule_bases
 from psp3.fuzzy_control.numbers import unpack
@@ -383,9 +384,11 @@ class FuzzyComputedTorque:
         """Numbers that a compiled step writes after the n forces."""
         return kernels.step_width(self.joints) - self.joints
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not FuzzyComputedTorque or self._controller is None:
+        if type(self) is not FuzzyComputedTorque or widths != Widths.of_motors(self.joints):
+            return None
+        if self._controller is None:
             return None
         return self.run_table()
 

@@ -68,8 +68,8 @@ def unbounded(
 class Ended(NamedTuple):
     """How a loop ended.
 
-    The number of ``samples`` whose force is known, ``why`` there are no more, the ``state`` (2n,)
-    reached, and what the controller ``returned`` last where that was no force.
+    The number of ``samples`` whose force is known, ``why`` there are no more, the ``state``
+    (p + n,) reached, and what the controller ``returned`` last where that was no force.
     """
 
     samples: int
@@ -93,13 +93,15 @@ def new_track(
     return Track(t, wanted, states, asked, applied, np.empty((count, motors + numbers_said)))
 
 
-def new_wires(wiring: Wiring) -> Wires:
-    """Return a wiring as compiled loops take it, whose encoders have read nothing yet."""
-    n = len(wiring.limit)
-    noise = np.empty((0, 2 * n)) if wiring.noise is None else wiring.noise
+def new_wires(wiring: Wiring, width: int) -> Wires:
+    """Return a wiring as compiled loops take it, whose encoders have read nothing yet.
+
+    ``width`` is that of a state, p + n.
+    """
+    noise = np.empty((0, width)) if wiring.noise is None else wiring.noise
     return Wires(
-        *(wiring.resolution, np.zeros(n), noise),
-        *(wiring.limit, wiring.low, wiring.high, np.zeros(2 * n)),
+        *(wiring.resolution, np.zeros(len(wiring.resolution)), noise),
+        *(wiring.limit, wiring.low, wiring.high, np.zeros(width)),
     )
 
 
@@ -125,7 +127,7 @@ def compiled_loop(
         What has ``robot``, a table, ``drives`` and ``steps``: what ``robot.compiled_steps`` makes.
     wiring, track
         What lies between them, and what is filled in.
-    state : (2n,) ndarray
+    state : (p + n,) ndarray
         Where the robot is at the first sample.
     first : int
         That sample; those before are filled in already.
@@ -138,10 +140,10 @@ def compiled_loop(
     wires : Wires, optional
         Those of the loop that is gone on with, which remember what encoders read last.
     """
-    n, count = len(wiring.limit), len(track.t) if last is None else last
+    count, joints = len(track.t) if last is None else last, len(wiring.low)
     state, ending = np.array(state), np.array([WHOLE])
-    wires = new_wires(wiring) if wires is None else wires
-    done, chunk = first, max(1, CHUNK // (n * plant.steps))
+    wires = new_wires(wiring, len(state)) if wires is None else wires
+    done, chunk = first, max(1, CHUNK // (joints * plant.steps))
     while done < count:
         end = min(done + chunk, count)
         if every is not None:

@@ -13,7 +13,7 @@ import numpy as np
 from fuzzy2.learning.noise import mean_variation_from_snr
 from psp3.checks import Array
 from psp3.control.classical import PD, ComputedTorque, FeedForward, GravityCompensatedPD
-from psp3.control.controller import Controller
+from psp3.control.controller import Controller, Widths
 from psp3.control.default_gains import default_gains, moved_mass
 from psp3.control.kernels import COMPUTED_TORQUE, classical
 from psp3.control.linear_quadratic_regulator import LinearQuadraticRegulator
@@ -72,12 +72,12 @@ class WithIntegral(ComputedTorque):
         wanted = desired.accelerations + self.ki * self._integral
         return super().torque(t, positions, speeds, desired._replace(accelerations=wanted))
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None."""
-        model = self._model_table()
+        model = self._model_table(widths)
         if model is None:
             return None
-        return classical(COMPUTED_TORQUE, self.kp, self.kv, model, joints, self.ki)
+        return classical(COMPUTED_TORQUE, self.kp, self.kv, model, widths, self.ki)
 
 
 class WithNoisyModel:
@@ -96,10 +96,10 @@ class WithNoisyModel:
         self.numbers_said = getattr(controller, "numbers_said", 0)
         self.reset, self.take = controller.reset, getattr(controller, "take", None)
 
-    def table(self, robot: Any, joints: int) -> NamedTuple:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple:
         """Return the controller's table with what is added."""
-        make = getattr(self._controller, "table", lambda robot, joints: None)
-        table = make(robot, joints)
+        make = getattr(self._controller, "table", lambda robot, widths: None)
+        table = make(robot, widths)
         if table is None or not hasattr(table, "added"):
             raise InvalidValue(
                 "reading",

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from psp3.checks import Array
+from psp3.control.controller import widths_of
 from psp3.robots.payloads import with_payload
 from psp3.simulation import metrics
 from psp3.simulation.kernels import WHOLE
@@ -290,8 +291,8 @@ class _Loop:
         """Return what happens from a state on; less than the whole if the robot is lost."""
         controller, track, table = self._controller, self._track, None
         controller.reset()
-        if self._robot.drives_coordinates and hasattr(controller, "table"):
-            table = controller.table(self._robot.compiled_table(), len(self._wiring.limit))
+        if hasattr(controller, "table"):
+            table = controller.table(self._robot.compiled_table(), widths_of(self._robot))
         if table is None:
             done, said = self._in_python(plants, state)
         else:
@@ -312,7 +313,11 @@ class _Loop:
     def _compiled(
         self, table: Any, plants: tuple[tuple[Any, int | None], ...], state: Array
     ) -> int:
-        track, wires, ended = self._track, new_wires(self._wiring), Ended(0, WHOLE, state)
+        track, wires, ended = (
+            self._track,
+            new_wires(self._wiring, len(state)),
+            Ended(0, WHOLE, state),
+        )
         for plant, end in plants:
             last = None if end is None else min(end, len(track.t))
             ended = compiled_loop(

@@ -155,7 +155,7 @@ def test_csv_holds_every_run(study: Run) -> None:
         ("--learner rote", "unknown learner 'rote'"),
         ("--terms 0", "n_terms must be"),
         ("--mean-variation -1", "mean_variation must be"),
-        ("--payload -2", "payload must be not negative"),
+        ("--payload -2", "payload must be finite and not negative"),
         ("--duration 0", "duration must be finite and positive"),
         ("--workers 0", "--workers"),
         ("--workers 2 --scheduler tcp://127.0.0.1:8786", "--workers does not apply to --scheduler"),
