@@ -39,7 +39,8 @@ from psp3.errors import (
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import OUTPUT_NAMES, Record, pack, record, unpack
-from psp3.study.run import Run, execute
+from psp3.study.execution import execute
+from psp3.study.run import Run
 from psp3.three_psp.parameters import Parameters
 from psp3.trajectories import Circle, Helix, Hold, Line, Motion
 
