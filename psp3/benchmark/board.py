@@ -142,18 +142,34 @@ class Board:
     @cached_property
     def scores(self) -> tuple[Score, ...]:
         """Scores: those with a place in their order, then those without."""
-        errors = {entry.name: self._errors(entry.name) for entry in self.entries}
-        by_seed = {
-            name: np.exp(np.mean([np.log(row) for row in rows.values()], axis=0))
-            for name, rows in errors.items()
-        }
+        by_seed = self._by_seed
         whole = [entry for entry in self.entries if np.isfinite(by_seed[entry.name]).all()]
         whole.sort(key=lambda entry: float(np.log(by_seed[entry.name]).mean()))
         others = [entry for entry in self.entries if entry not in whole]
-        best = whole[0].name if whole else None
-        return tuple(
-            self._score(entry, errors[entry.name], by_seed, best) for entry in (*whole, *others)
+        best = whole[0].name if whole else REFERENCE
+        return tuple(self._score(entry, best) for entry in (*whole, *others))
+
+    def ratio(self, name: str, other: str) -> Estimate:
+        """Return the score of an entry over that of another one, paired by seed.
+
+        NaN if one of the two did not take part in everything.
+        """
+        nothing = np.full(self.seeds, np.nan)
+        return ratio_of_geometric_means(
+            *(self._by_seed.get(one, nothing) for one in (name, other))
         )
+
+    @cached_property
+    def _all_errors(self) -> dict[str, dict[Cell, Array]]:
+        return {entry.name: self._errors(entry.name) for entry in self.entries}
+
+    @cached_property
+    def _by_seed(self) -> dict[str, Array]:
+        """Scores of the seeds of every entry, (N,) each [m]."""
+        return {
+            name: np.exp(np.mean([np.log(row) for row in rows.values()], axis=0))
+            for name, rows in self._all_errors.items()
+        }
 
     @property
     def ranked(self) -> tuple[Score, ...]:
@@ -192,13 +208,7 @@ class Board:
             )
         return found
 
-    def _score(
-        self,
-        entry: Entry,
-        errors: dict[Cell, Array],
-        by_seed: dict[str, Array],
-        best: str | None,
-    ) -> Score:
+    def _score(self, entry: Entry, best: str) -> Score:
         name = entry.name
         lost = {
             cell: self._per_seed(name, cell, lambda run: float(run["diverged"]))
@@ -210,14 +220,13 @@ class Board:
             for (who, _), outcome in self._outcomes.items()
             if who == name and not outcome["error"]
         ]
-        own = by_seed[name]
-        nothing = np.full(self.seeds, np.nan)
+        own = self._by_seed[name]
         return Score(
             entry,
             self._problem(name, own),
             ratio_of_geometric_means(own, np.ones_like(own)),
-            ratio_of_geometric_means(own, nothing if best is None else by_seed[best]),
-            ratio_of_geometric_means(own, by_seed.get(REFERENCE, nothing)),
+            self.ratio(name, best),
+            self.ratio(name, REFERENCE),
             _mean(np.concatenate(list(lost.values()))),
             _median([outcome["step_time"] for outcome in of_trials]),
             _median([outcome["training_time"] for outcome in of_trials]),
@@ -227,7 +236,7 @@ class Board:
                     ratio_of_geometric_means(row, np.ones_like(row)),
                     share(lost[cell][np.isfinite(lost[cell])]),
                 )
-                for cell, row in errors.items()
+                for cell, row in self._all_errors[name].items()
             },
         )
 
