@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from fuzzy2.errors import UnsupportedRule
+from fuzzy2.learning.cross_validation import ridge_by_cross_validation
 from fuzzy2.learning.partition import (
     Integers,
     centroid_of_term,
@@ -100,13 +101,14 @@ def rules_from_all(
     combine: Callable[..., Array],
     given: Integers | None,
     learner: str,
-    ridge: float,
+    ridge: float | None,
     completion: str = "refuse",
     weights: Array | None = None,
 ) -> Learned:
     """Let every rule, given or of the grid, take its consequent from all samples.
 
-    Rules that no sample fires are completed. ``weights`` (N,) say how often a sample counts; where
+    Rules that no sample fires are completed. A ``ridge`` of None is chosen by generalized
+    cross-validation, for every output by itself. ``weights`` (N,) say how often a sample counts; where
     one sample speaks for a rule, they make no difference.
     """
     shape = [of_input.shape[1] for of_input in grades]
@@ -143,6 +145,16 @@ def rules_from_all(
     average = _completed(average, rules, empty, best, shape, completion)
     if learner == "average":
         return Learned(rules, best, average, None, None)
+    if ridge is None:
+        design = np.concatenate(
+            [
+                firing / firing.sum(axis=1, keepdims=True)
+                for _, firing in _firing_blocks(grades, combine, given)
+            ]
+        )
+        roots = np.sqrt(share)[:, np.newaxis]
+        moved, _ = ridge_by_cross_validation(roots * design, roots * (outputs - design @ average))
+        return Learned(rules, best, average + moved, None, None)
     gram, right_side = np.zeros((len(rules), len(rules))), np.zeros_like(moment)
     for rows, firing in _firing_blocks(grades, combine, given):
         shares = firing / firing.sum(axis=1, keepdims=True)

@@ -114,8 +114,10 @@ class WangMendel(Regressor):
         ranges; the highest degree or firing decides between equally near ones), all rules are
         averaged with the inverse squares of their distances as weights, the cells are left without
         a rule, or :class:`fuzzy2.errors.UnsupportedRule` is raised.
-    ridge : float
-        Weight :math:`\lambda` of the ridge learner, above 0.
+    ridge : float or None
+        Weight :math:`\lambda` of the ridge learner, above 0. None: generalized cross-validation
+        chooses it, for every output by itself (:mod:`fuzzy2.learning.cross_validation`); next to
+        nothing where samples have no noise.
     output_terms : int or None
         None: consequents are values. A number K: every output's range is partitioned by K Gaussian
         terms of the same mean variation, a consequent is the term whose mean is nearest, and enters
@@ -181,7 +183,7 @@ class WangMendel(Regressor):
         mean_variation: float = 0.1,
         learner: str = "strongest",
         completion: str = "nearest",
-        ridge: float = 1e-3,
+        ridge: float | None = 1e-3,
         output_terms: int | None = None,
         t_norm: str = "product",
         reduction: str = "alpha_planes",
@@ -381,7 +383,8 @@ class WangMendel(Regressor):
         for what, name, known in choices:
             if name not in known:
                 raise UnknownName(what, name, known)
-        positive("ridge", self.ridge)
+        if self.ridge is not None:
+            positive("ridge", self.ridge)
         if real("mean_variation", self.mean_variation) < 0.0:
             raise InvalidValue("mean_variation", self.mean_variation, "at least 0")
         if self.output_terms is not None:

@@ -41,8 +41,8 @@ from psp3.checks import Array, checked_number, checked_positive, one_row
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control import adaptive_kernels as kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-from psp3.fuzzy_control.kernels import STEP, reported
-from psp3.fuzzy_control.records import unpack
+from psp3.fuzzy_control.kernels import reported, step_width
+from psp3.fuzzy_control.numbers import unpack
 from psp3.trajectories.motion import Motion
 
 UPDATE_PERIOD = 0.02
@@ -151,7 +151,7 @@ class AdaptiveFuzzyComputedTorque:
     def reset(self) -> None:
         """Go back to what was trained, and forget everything about earlier runs."""
         self._memory = kernels.new_memory(self.rules.trained)
-        self._step = np.full(STEP, np.nan)
+        self._step = np.full(step_width(3), np.nan)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
         """Return the torque, of shape (3,) [N], after learning from what the last one did.
@@ -183,7 +183,7 @@ class AdaptiveFuzzyComputedTorque:
         now = checked_number("t", t, "a finite number", -np.finfo(float).max)
         if now == math.inf:
             raise InvalidValue("t", t, "a finite number")
-        step = np.empty(STEP)
+        step = np.empty(step_width(3))
         kernels.adaptive_step(
             self.settings, self.rules, self._memory, now, a, v, np.concatenate(wanted), step
         )
@@ -191,7 +191,7 @@ class AdaptiveFuzzyComputedTorque:
         torque: Array = step[:3].copy()
         return torque
 
-    numbers_said = STEP - 3
+    numbers_said = step_width(3) - 3
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""

@@ -20,12 +20,14 @@ from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
 from psp3.control.controller import steer
 from psp3.fuzzy_control.kernels import (
-    OUTPUTS,
     apply_model,
     is_positive_definite,
     width_of_force,
     write_servo,
 )
+
+OUTPUTS = 18
+"""Estimated numbers: the upper triangle of M, C and G."""
 
 ADAPTED = 9
 """Estimated numbers that adapt: the upper triangle of M and G."""
@@ -263,7 +265,7 @@ def adaptive_step(
         _estimate(phi, rules.trained, trained, other)
         for j in range(OUTPUTS):
             least[j] = middle[j] - settings.least_share * trained[j]
-        fell_back = not is_positive_definite(least)
+        fell_back = not is_positive_definite(least, 3)
         if fell_back:
             # Their order is another one than that of the adapted consequents, and so are their
             # switch points.

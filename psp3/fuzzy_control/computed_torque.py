@@ -1,6 +1,7 @@
 r"""The controller of chapter 5.
 
-Computed torque with M, C and G estimated by a fuzzy system from four differences.
+Computed torque with M, C and G estimated by fuzzy systems: of the 3-PSP by one, from four
+differences, and of any other robot from positions and speeds.
 
 .. math:: \tau = \alpha\,(\ddot a_d + k_v \dot e + k_p e) + \beta, \qquad
           \alpha = M, \quad \beta = C \dot a + G
@@ -15,60 +16,46 @@ thesis's: the centroid (eq. 1.68) of the fuzzy torque. Either way it is one comp
 
 from __future__ import annotations
 
-import json
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.files.json_files import from_json, to_json
 from fuzzy2.learning.noise import mean_variation_from_snr
 from fuzzy2.learning.partition import KINDS
-from fuzzy2.learning.wang_mendel import LEARNERS, WangMendel
 from fuzzy2.numbers.affine import GaussianNumber, IntervalNumber
 from fuzzy2.reduction.general import cut_centroid
-from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.support.compiled import only_for
-from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.general_type2 import GeneralType2System
-from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
+from fuzzy2.systems.system import FuzzySystem
 from psp3.checks import (
     Array,
     checked_count,
     checked_not_negative,
     checked_number,
     checked_positive,
+    finite_rows,
     one_row,
 )
-from psp3.errors import (
-    InvalidControllerFile,
-    InvalidValue,
-    NotTrained,
-    UnknownName,
-    UnusableEstimate,
-)
-from psp3.fuzzy_control import kernels
+from psp3.errors import InvalidValue, NotTrained, UnknownName, UnusableEstimate
+from psp3.fuzzy_control import controller_files, kernels, rule_bases
+from psp3.fuzzy_control.numbers import unpack
 from psp3.fuzzy_control.records import (
-    INPUT_NAMES,
     NOISE_OF_THE_STUDY,
-    OUTPUT_NAMES,
     Record,
     RecordNoise,
-    differences,
+    learning_inputs,
     record,
-    unpack,
 )
+from psp3.fuzzy_control.rule_bases import CORIOLIS, LEARNERS, Place, RuleOptions
 from psp3.loading import load
 from psp3.published import DURATION
-from psp3.three_psp.parameters import Parameters
-from psp3.three_psp.robot import PSP3
+from psp3.robots.robot import Robot
 from psp3.trajectories.motion import Motion
 from psp3.trajectories.trajectory import Trajectory
-
-FORMAT = "psp3-fuzzy-computed-torque-1"
-"""Written into every controller file; a file with another mark is refused."""
 
 OUTSIDE = ("clamp", "crisp")
 """What to do outside of the trained range: take the nearest inputs in it, or the exact M, C and
@@ -84,17 +71,15 @@ ORDERS = ("first", "last")
 LEAST_SNR = -100.0
 """Least signal-to-noise ratio [dB]: noise of a hundred thousand times the signal."""
 
+SAMPLES = 209
+"""Samples that one rule base is learned from, the thesis's number."""
+
+MOST_SAMPLES = 2000
+"""Samples that several are learned from, unless the record has fewer."""
+
 FuzzyNumbers = IntervalNumber | GaussianNumber
 
-_SYSTEMS = dict(zip(KINDS, (Type1System, IntervalType2System, GeneralType2System), strict=True))
-_NO_PLANES, _NO_MOMENTS = np.empty((2, 0)), np.empty((2, 0, kernels.OUTPUTS))
 _ROWS = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")
-
-
-class _Named(np.ndarray[Any, np.dtype[np.float64]]):
-    """An array whose columns have names, so that errors of learning speak of Δq12 and not of x1."""
-
-    columns = INPUT_NAMES
 
 
 class FuzzyComputedTorque:
@@ -106,15 +91,26 @@ class FuzzyComputedTorque:
         Kind of the estimators: interval type-2 (Gaussian terms of uncertain mean, center of sets:
         the thesis's), type-1 (the same with mean variation zero), or general type-2 (Gaussian
         secondary grades: the thesis's future work).
-    robot : PSP3, optional
-        The robot to learn from; ``psp3.load("psp3")`` by default.
+    robot : Robot, optional
+        The robot to learn from, whose n coordinates are its motors; ``psp3.load("psp3")`` by
+        default. What its dynamics depend on it says itself, ``robot.learning_inputs``. Where M and
+        G depend on less than C does, they have a rule base of their own.
     kp, kv : float
         Gains of the servo, 10 [1/s²] and 1 [1/s] in Table 6.1.
     n_terms : int
-        Terms of every input; two make 16 rules.
-    learner : str
-        How rules are learned, see :class:`fuzzy2.WangMendel`; by default every rule takes the
-        sample that fires it most.
+        Terms of every input; two make 16 rules of four inputs. Of several rule bases, one whose grid
+        would have more than 256 rules has 64, of clusters of the samples.
+    rules : int, optional
+        Rules of every base, of so many clusters of the samples, in place of a grid of terms.
+    learner : str, optional
+        How rules are learned, see :class:`fuzzy2.WangMendel`, or ``"least-squares"``: its ridge
+        least squares, with a ridge that generalized cross-validation chooses. By default
+        ``"strongest"`` where one rule base says all, as of the 3-PSP: every rule takes the sample
+        that fires it most; and else ``"least-squares"``.
+    coriolis : {"rules", "mass"}
+        Where C comes from: from rules of its own, or from the derivative of M
+        (:mod:`psp3.fuzzy_control.christoffel_kernels`), which needs no more rules than those for M,
+        and makes :math:`\dot M - 2 C` skew-symmetric.
     snr_db : float
         Signal-to-noise ratio of the recorded M, C and G [dB]: noise of that power is added to the
         samples, and the mean variation follows from it. Infinite by default.
@@ -142,13 +138,14 @@ class FuzzyComputedTorque:
 
     Attributes
     ----------
-    system_ : fuzzy2 system
-        What was learned: 4 inputs, 18 outputs in the order of
-        :data:`psp3.fuzzy_control.records.OUTPUT_NAMES`. M is symmetric, because its lower triangle
+    systems_ : tuple of fuzzy2 systems
+        What was learned: of the 3-PSP one system of 4 inputs and 18 outputs, else one for M and G
+        and one for C, if C has rules. Outputs are named as by
+        :func:`psp3.fuzzy_control.numbers.output_names`. M is symmetric, because its lower triangle
         is its upper one.
-    ranges_ : (2, 4) ndarray
-        Smallest and largest training inputs.
-    fallback_ : (18,) ndarray
+    ranges_ : (2, p) ndarray
+        Smallest and largest training inputs, of all inputs.
+    fallback_ : (K,) ndarray
         Average over the rules. It takes the place of an estimate that is not finite, or whose M is
         not positive definite.
 
@@ -164,19 +161,21 @@ class FuzzyComputedTorque:
     centroid of a sum is not the sum of the centroids.
     """
 
-    system_: FuzzySystem
+    systems_: tuple[FuzzySystem, ...]
     ranges_: Array
     fallback_: Array
 
     def __init__(  # noqa: PLR0913 (public: everything that makes a controller is named here)
         self,
         kind: str = "it2",
-        robot: PSP3 | None = None,
+        robot: Robot | None = None,
         *,
         kp: float = 10.0,
         kv: float = 1.0,
         n_terms: int = 2,
-        learner: str = "strongest",
+        rules: int | None = None,
+        learner: str | None = None,
+        coriolis: str = "rules",
         snr_db: float = math.inf,
         mean_variation: float | None = None,
         levels: int = 5,
@@ -185,23 +184,37 @@ class FuzzyComputedTorque:
         term_width: float = 1.0,
         defuzzify: str = "first",
     ) -> None:
+        if robot is not None and not isinstance(robot, Robot):
+            raise InvalidValue("robot", robot, 'a robot, such as psp3.load("psp3")')
+        self.robot: Any = load("psp3") if robot is None else robot
+        self.inputs = learning_inputs(self.robot)
+        self.joints = len(self.robot.coordinates)
         for what, name, known in (
             ("kind of controller", kind, KINDS),
-            ("learner", learner, LEARNERS),
+            ("learner", "strongest" if learner is None else learner, LEARNERS),
+            ("origin of C", coriolis, CORIOLIS),
             ("reduction", reduction, REDUCTIONS),
             ("way outside of the trained range", outside, OUTSIDE),
             ("order of defuzzification", defuzzify, ORDERS),
         ):
             if name not in known:
                 raise UnknownName(what, name, known)
+        self.places: tuple[Place, ...] = rule_bases.places_of_bases(
+            self.inputs, self.joints, coriolis
+        )
+        says_all = len(self.places) == 1 and coriolis == "rules"
+        self.learner = learner or ("strongest" if says_all else "least-squares")
+        self.samples = SAMPLES if says_all else MOST_SAMPLES
+        self._most_grid_rules = math.inf if says_all else rule_bases.MOST_GRID_RULES
         # The method of that name defuzzifies a number.
         self.order = defuzzify
-        self.kind, self.learner, self.reduction, self.outside = kind, learner, reduction, outside
+        self.kind, self.coriolis, self.reduction, self.outside = kind, coriolis, reduction, outside
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         self.n_terms, self.levels = (
             checked_count("n_terms", n_terms),
             checked_count("levels", levels),
         )
+        self.rules = None if rules is None else checked_count("rules", rules)
         self.snr_db = checked_snr(snr_db)
         by_rule = float(mean_variation_from_snr(self.snr_db))
         self.mean_variation = (
@@ -212,15 +225,13 @@ class FuzzyComputedTorque:
         if kind == "t1":
             self.mean_variation = 0.0
         self.term_width = checked_positive("term_width", term_width)
-        if robot is not None and not isinstance(robot, PSP3):
-            raise InvalidValue("robot", robot, 'a robot, such as psp3.load("psp3")')
-        self.robot = load("psp3") if robot is None else robot
         self._controller: kernels.Fuzzy | None = None
-        self._parameters = self.robot.parameters.as_array()
+        self._model: Any = kernels.NO_MODEL
         self.reset()
 
     def __repr__(self) -> str:
-        trained = "not trained" if self._controller is None else f"{len(self.system_.rules)} rules"
+        numbers = [] if self._controller is None else [len(s.rules) for s in self.systems_]
+        trained = f"{' + '.join(map(str, numbers))} rules" if numbers else "not trained"
         return (
             f"{type(self).__name__}({self.kind!r}, kp={self.kp:g}, kv={self.kv:g}, "
             f"mean_variation={self.mean_variation:.3g}, {trained})"
@@ -232,7 +243,7 @@ class FuzzyComputedTorque:
         self,
         trajectory: Trajectory,
         duration: float = DURATION,
-        samples: int = 209,
+        samples: int | None = None,
         rng: np.random.Generator | None = None,
     ) -> Self:
         """Learn as in chapter 5.
@@ -246,8 +257,9 @@ class FuzzyComputedTorque:
             The path to learn on; the thesis's is a helix.
         duration : float
             Length of the training run [s].
-        samples : int
-            Number of samples, spread evenly over the recorded inputs.
+        samples : int, optional
+            Number of samples, spread evenly over the recorded inputs; 209 by default where one rule
+            base says all, and else 2000, or as many as there are.
         rng : numpy.random.Generator, optional
             Source of the noise on the samples; a new one by default. Not used at an infinite
             signal-to-noise ratio.
@@ -274,11 +286,18 @@ class FuzzyComputedTorque:
     def learn(
         self,
         recorded: Record,
-        samples: int = 209,
+        samples: int | None = None,
         rng: np.random.Generator | None = None,
         noise: RecordNoise = NOISE_OF_THE_STUDY,
     ) -> Self:
         """Learn from a record; see :meth:`fit`. ``noise`` says what the ratio ``snr_db`` means."""
+        if tuple(recorded.input_names) != self.inputs.names:
+            wanted = f"one of {self.robot.title}, with the inputs {', '.join(self.inputs.names)}"
+            raise InvalidValue("recorded", ", ".join(recorded.input_names), wanted)
+        if samples is None:
+            samples = self.samples
+            if samples == MOST_SAMPLES:
+                samples = min(samples, len(recorded.t))
         chosen = recorded.sample(samples)
         inputs, outputs = recorded.inputs[chosen], recorded.outputs[chosen]
         if math.isfinite(self.snr_db):
@@ -288,63 +307,61 @@ class FuzzyComputedTorque:
                     "rng", rng, "a numpy.random.Generator, such as numpy.random.default_rng(0)"
                 )
             inputs, outputs = noise.added(recorded, chosen, self.snr_db, rng)
-        learner = WangMendel(
-            self.n_terms,
-            self.kind,
-            self.mean_variation,
-            self.learner,
-            # Table look-up is published with completion; what no sample says is no model else.
-            "nearest" if self.learner == "strict" else "refuse",
-            reduction=self.reduction,
-            levels=self.levels,
+        systems = rule_bases.learned_systems(
+            self._options, self.places, self.inputs.names, inputs, outputs, self.joints
         )
-        system = learner.fit(inputs.view(_Named), outputs).system_
-        system = system.replace(output_names=OUTPUT_NAMES)
-        if self.term_width != 1.0:
-            system = _widened(system, self.term_width)
-            uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
-            if uncovered > 0.0:
-                wanted = (
-                    f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} "
-                    "of the samples none does"
-                )
-                raise InvalidValue("term_width", self.term_width, wanted)
-        self._take(system, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
+        self._take(systems, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
 
-    def _take(self, system: FuzzySystem, ranges: Array) -> None:
-        fallback = np.asarray(system.consequents, dtype=float).mean(axis=0)
-        mass = unpack(fallback)[0]
-        if not np.isfinite(fallback).all() or np.linalg.eigvalsh(mass)[0] <= 0.0:
+    @property
+    def _options(self) -> RuleOptions:
+        return RuleOptions(
+            *(self.kind, self.n_terms, self.rules, self.mean_variation, self.learner),
+            *(self.reduction, self.levels, self.term_width, self._most_grid_rules),
+        )
+
+    def terms_of(self, place: Place) -> int:
+        """Return how many terms every input of a rule base has."""
+        return rule_bases.terms_of_input(self._options, len(place.columns))[0]
+
+    def _take(self, systems: Sequence[FuzzySystem], ranges: Array) -> None:
+        """Be trained: systems of all rule bases, and ranges (2, p) of all inputs."""
+        table = rule_bases.controller_table(
+            *(systems, self.places, self.inputs, ranges, self.joints),
+            *((self.kp, self.kv), OUTSIDE.index(self.outside), self.order),
+            self.coriolis == "mass",
+        )
+        mass = unpack(table.fallback)[0]
+        if not np.isfinite(table.fallback).all() or np.linalg.eigvalsh(mass)[0] <= 0.0:
             raise UnusableEstimate(mass)
-        self.system_, self.ranges_, self.fallback_ = system, ranges, fallback
-        kind, product, planes, moments = kernels.INTERVAL, False, _NO_PLANES, _NO_MOMENTS
-        if isinstance(system, GeneralType2System):
-            if system.reduction == "gaussian":
-                kind, product = kernels.COROLLARY, system.grade_t_norm == "product"
-                moments = np.stack(system.moments)
-            else:
-                kind = kernels.CENTROID if self.order == "last" else kernels.PLANES
-                planes = np.stack([system.alphas, system.widths])
-        assert system.table is not None
-        self._controller = kernels.Fuzzy(
-            *(kind, float(self.kp), float(self.kv), OUTSIDE.index(self.outside), int(product)),
-            *map(_floats, (ranges, fallback, planes, system.table, moments)),
-        )
-        self._packed = kernels.packed(self._controller)
+        self.systems_, self.ranges_, self.fallback_ = tuple(systems), ranges, table.fallback
+        self._controller, self._packed = table, kernels.packed(table)
+        self._model = kernels.NO_MODEL
+        if self.outside == "crisp":
+            self._model = self.robot.compiled_table()
+            if self._model is None:
+                wanted = "'clamp': this robot has no compiled dynamics that could take over"
+                raise InvalidValue("outside", self.outside, wanted)
         self.reset()
-        row = np.zeros(3)
-        only_for(
-            kernels.control_step,
-            self._packed,
-            self._parameters,
-            row,
-            row,
-            row,
-            row,
-            row,
-            self._step.copy(),
-        )
+        row = np.array(self.robot.reference)
+        rows = (row, 0.0 * row, row, 0.0 * row, 0.0 * row)
+        only_for(kernels.control_step, self._packed, self._model, *rows, self._step.copy())
+
+    @property
+    def system_(self) -> FuzzySystem:
+        """What was learned, where one system says all.
+
+        Raises
+        ------
+        NotTrained
+            If nothing was learned yet.
+        InvalidValue
+            If there are several, ``systems_``.
+        """
+        self.controller  # noqa: B018 # raises NotTrained
+        if len(self.systems_) > 1:
+            raise InvalidValue("system_", len(self.systems_), "one system; take systems_")
+        return self.systems_[0]
 
     @property
     def controller(self) -> kernels.Fuzzy:
@@ -357,15 +374,27 @@ class FuzzyComputedTorque:
 
     def reset(self) -> None:
         """Forget the last call; what was learned stays."""
-        self._step = np.full(kernels.STEP, np.nan)
+        self._step = np.full(kernels.step_width(self.joints), np.nan)
 
-    numbers_said = kernels.STEP - 3
+    @property
+    def numbers_said(self) -> int:
+        """Numbers that a compiled step writes after the n forces."""
+        return kernels.step_width(self.joints) - self.joints
 
     def table(self, robot: Any, joints: int) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
         if type(self) is not FuzzyComputedTorque or self._controller is None:
             return None
-        return kernels.FuzzyRun(self._controller, self._parameters, kernels.NOTHING_ADDED)
+        return self.run_table()
+
+    def run_table(self, added: Array | None = None) -> kernels.FuzzyRun:
+        """Return the trained controller for one loop.
+
+        ``added`` (N, K) is added to its estimates of M, C and G at each sample.
+        """
+        nothing = kernels.nothing_added(self.controller.fallback.size)
+        model = kernels.NO_MODEL if self.outside == "clamp" else self.robot.compiled_table()
+        return kernels.FuzzyRun(self.controller, model, nothing if added is None else added)
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
         """Be as after the last of the steps, and return what is reported of all."""
@@ -373,7 +402,7 @@ class FuzzyComputedTorque:
         return kernels.reported(steps)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
-        """Return the crisp torque, of shape (3,) [N].
+        """Return the crisp torque, of shape (n,) [N or N m].
 
         Defuzzified first or last, as ``defuzzify`` said.
 
@@ -381,86 +410,106 @@ class FuzzyComputedTorque:
         ----------
         t : float
             Time [s]; not used.
-        heights, speeds : (3,) array_like
-            Nut heights [m] and speeds [m/s].
+        heights, speeds : (n,) array_like
+            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
         desired : Motion
-            Desired heights, speeds and accelerations, (3,) each.
+            Desired positions, speeds and accelerations, (n,) each.
 
         Returns
         -------
-        (3,) ndarray
-            Screw forces.
+        (n,) ndarray
+            Forces of the motors.
 
         Raises
         ------
         NotTrained
             If nothing was learned yet.
         InvalidArray
-            If heights, speeds or the desired motion are not three finite numbers each.
+            If positions, speeds or the desired motion are not n finite numbers each.
         UnreachablePose
             If the exact model takes over, and the heights are no pose that the robot can take.
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
         # A new array in every call: the torque is a view of it, and stays what it is.
-        step = np.empty(kernels.STEP)
-        rows = (heights, speeds, desired.heights, desired.speeds, desired.accelerations)
+        step = np.empty(3 * self.joints + 2)
+        rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
         try:
-            done = kernels.control_step(self._packed, self._parameters, *rows, step)
+            done = kernels.control_step(self._packed, self._model, *rows, step)
         except TypeError:
             done = -1
         if done != 1:
-            # Not contiguous rows of three finite floats: lists will do, and copies of rows that are
+            # Not contiguous rows of n finite floats: lists will do, and copies of rows that are
             # read-only; the rest is refused.
-            a, v, a_d, v_d, acc_d = (
-                np.array(one_row(name, row, 3)) for name, row in zip(_ROWS, rows, strict=True)
-            )
-            if (
-                kernels.control_step(self._packed, self._parameters, a, v, a_d, v_d, acc_d, step)
-                != 1
-                and self.outside == "crisp"
-            ):
-                self.robot.forward_kinematics(a)
+            copies = [
+                np.array(one_row(name, row, self.joints))
+                for name, row in zip(_ROWS, rows, strict=True)
+            ]
+            done = kernels.control_step(self._packed, self._model, *copies, step)
+            if done != 1 and self.outside == "crisp":
+                self.robot.mass_matrix(copies[0])
         self._step = step
-        torque: Array = step[:3]
+        torque: Array = step[: self.joints]
         return torque
 
     @property
     def torque_interval(self) -> Array:
-        """Ends of the torque interval of the last call (3, 2) [N].
+        """Ends of the torque interval of the last call (n, 2) [N or N m].
 
         The lowest α-plane's for α-planes; (mean, sigma) by the corollary.
         """
-        return self._step[3:9].reshape(2, 3).T.copy()
+        n = self.joints
+        return self._step[n : 3 * n].reshape(2, n).T.copy()
 
     @property
     def covered(self) -> bool:
         """Whether the inputs of the last call were within the trained range."""
-        return bool(self._step[9] > 0.0)
+        return bool(self._step[-2] > 0.0)
 
     @property
     def fell_back(self) -> bool:
         """Whether the last estimate was unusable, and the average over the rules took its place."""
-        return bool(self._step[10] > 0.0)
+        return bool(self._step[-1] > 0.0)
 
-    def _inputs(self, heights: ArrayLike, speeds: ArrayLike) -> Array:
+    def _inputs(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array]:
+        """Return the inputs (..., p), as they are looked up, and the speeds (..., n)."""
         if self._controller is None:
             raise NotTrained(type(self).__name__)
-        inputs = differences(heights, speeds)
-        return np.clip(inputs, *self.ranges_) if self.outside == "clamp" else inputs
+        a, v = np.broadcast_arrays(
+            finite_rows("heights", heights, self.joints), finite_rows("speeds", speeds, self.joints)
+        )
+        inputs = self.inputs.of(a, v)
+        return (np.clip(inputs, *self.ranges_) if self.outside == "clamp" else inputs), v
+
+    def _numbers(self, inputs: Array, speeds: Array, said: Sequence[Array]) -> Array:
+        """Return what the bases said, (..., m) each, as numbers (..., K), with a derived C."""
+        leading = said[0].shape[:-1]
+        numbers = np.zeros((*leading, self.controller.fallback.size))
+        for place, outputs in zip(self.places, said, strict=True):
+            numbers[..., place.outputs] = outputs
+        if self.coriolis == "mass":
+            derived = np.empty((*inputs.shape[:-1], numbers.shape[-1]))
+            for row in np.ndindex(inputs.shape[:-1]):
+                rule_bases.write_derived_coriolis(
+                    self.controller, inputs[row], speeds[row], derived[row]
+                )
+            n = self.joints
+            coriolis = slice(n * (n + 1) // 2, -n)
+            numbers[..., coriolis] = derived[..., coriolis]
+        return numbers
 
     def estimate(self, heights: ArrayLike, speeds: ArrayLike) -> tuple[Array, Array, Array]:
         """Return the crisp estimates of M, C and G.
 
         Parameters
         ----------
-        heights, speeds : (..., 3) array_like
-            Nut heights [m] and speeds [m/s].
+        heights, speeds : (..., n) array_like
+            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
 
         Returns
         -------
-        M, C, G : (..., 3, 3), (..., 3, 3), (..., 3) ndarray
-            As the fuzzy system gives them, inputs clamped to the trained range if ``outside`` says
+        M, C, G : (..., n, n), (..., n, n), (..., n) ndarray
+            As the fuzzy systems give them, inputs clamped to the trained range if ``outside`` says
             so; no fallback.
 
         Raises
@@ -468,8 +517,12 @@ class FuzzyComputedTorque:
         NotTrained, InvalidArray
             As from :meth:`torque`.
         """
-        inputs = self._inputs(heights, speeds)
-        return unpack(np.asarray(self.system_(inputs)))
+        inputs, v = self._inputs(heights, speeds)
+        said = [
+            np.asarray(system(inputs[..., place.columns]))
+            for system, place in zip(self.systems_, self.places, strict=True)
+        ]
+        return unpack(self._numbers(inputs, v, said))
 
     def estimated_numbers(
         self, heights: ArrayLike, speeds: ArrayLike
@@ -478,32 +531,42 @@ class FuzzyComputedTorque:
 
         Parameters
         ----------
-        heights, speeds : (..., 3) array_like
-            Nut heights [m] and speeds [m/s].
+        heights, speeds : (..., n) array_like
+            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
 
         Returns
         -------
         M, C, G : IntervalNumber or GaussianNumber
             Of the shapes of :meth:`estimate`; by α-planes with the planes as a first dimension
-            more, in the order of ``system_.alphas``.
+            more, in the order of ``systems_[0].alphas``.
 
         Raises
         ------
         NotTrained, InvalidArray
             As from :meth:`torque`.
         """
-        inputs = self._inputs(heights, speeds)
-        if not isinstance(self.system_, GeneralType2System):
-            ends = self.system_.type_reduced(inputs)
-        elif self.system_.reduction == "gaussian":
-            mean, sigma = np.moveaxis(self.system_.type_reduced(inputs), -1, 0)
-            grades: Any = self.system_.grade_t_norm
-            means, sigmas = unpack(mean), unpack(sigma)
-            numbers = [GaussianNumber(m, s, grades) for m, s in zip(means, sigmas, strict=True)]
-            return numbers[0], numbers[1], numbers[2]
-        else:
-            ends = np.moveaxis(self.system_.alpha_cuts(inputs), -2, 0)
-        left, right = unpack(ends[..., 0]), unpack(ends[..., 1])
+        inputs, v = self._inputs(heights, speeds)
+        by_cuts = self.controller.kind in (kernels.PLANES, kernels.CENTROID)
+        ends: list[list[Array]] = [[], []]
+        for system, place in zip(self.systems_, self.places, strict=True):
+            asked = inputs[..., place.columns]
+            if by_cuts:
+                assert isinstance(system, GeneralType2System)
+                said = np.moveaxis(system.alpha_cuts(asked), -2, 0)
+            else:
+                said = system.type_reduced(asked)
+            ends[0].append(said[..., 0])
+            ends[1].append(said[..., 1])
+        left, right = (unpack(self._numbers(inputs, v, said)) for said in ends)
+        if self.controller.kind == kernels.COROLLARY:
+            first: Any = self.systems_[0]
+            # A derived C is crisp.
+            deviations = (right[0], 0.0 * right[1], right[2]) if self.coriolis == "mass" else right
+            gaussian = [
+                GaussianNumber(m, s, first.grade_t_norm)
+                for m, s in zip(left, deviations, strict=True)
+            ]
+            return gaussian[0], gaussian[1], gaussian[2]
         intervals = [
             IntervalNumber(0.5 * (low + high), 0.5 * (high - low))
             for low, high in zip(left, right, strict=True)
@@ -517,23 +580,23 @@ class FuzzyComputedTorque:
 
         Parameters
         ----------
-        heights, speeds : (3,) array_like
-            Nut heights [m] and speeds [m/s].
+        heights, speeds : (n,) array_like
+            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
         desired : Motion
-            Desired heights, speeds and accelerations, (3,) each.
+            Desired positions, speeds and accelerations, (n,) each.
 
         Returns
         -------
         IntervalNumber or GaussianNumber
-            Of shape (3,) [N]; by α-planes (L, 3), a row for each plane.
+            Of shape (n,) [N or N m]; by α-planes (L, n), a row for each plane.
 
         Raises
         ------
         NotTrained, InvalidArray
             As from :meth:`torque`.
         """
-        rows = (heights, speeds, desired.heights, desired.speeds, desired.accelerations)
-        a, v, *wanted = (one_row(name, row, 3) for name, row in zip(_ROWS, rows, strict=True))
+        rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
+        a, v, *wanted = (one_row(name, row, self.joints) for name, row in zip(_ROWS, rows, strict=True))
         M, C, G = self.estimated_numbers(a, v)
         servo = wanted[2] + self.kv * (wanted[1] - v) + self.kp * (wanted[0] - a)
         alpha_part: Any = M @ servo
@@ -554,8 +617,8 @@ class FuzzyComputedTorque:
 
         Returns
         -------
-        (3,) ndarray
-            Screw forces [N].
+        (n,) ndarray
+            Forces of the motors [N or N m].
 
         Raises
         ------
@@ -564,13 +627,14 @@ class FuzzyComputedTorque:
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
+        first = self.systems_[0]
         if (
             isinstance(number, GaussianNumber)
-            or not isinstance(self.system_, GeneralType2System)
-            or self.system_.reduction == "gaussian"
+            or not isinstance(first, GeneralType2System)
+            or first.reduction == "gaussian"
         ):
             return number.defuzzify()
-        alphas = self.system_.alphas
+        alphas = first.alphas
         if self.order == "last":
             return cut_centroid(alphas, np.moveaxis(number.interval(), 0, -2))
         return np.asarray(alphas @ number.defuzzify() / alphas.sum())
@@ -580,7 +644,7 @@ class FuzzyComputedTorque:
     def save(self, path: str | Path) -> Path:
         """Write the trained controller as JSON.
 
-        The fuzzy system, gains, ranges and the parameters of the robot it was trained for.
+        The fuzzy systems, gains, ranges and what tells the robot it was trained for.
 
         Raises
         ------
@@ -589,37 +653,19 @@ class FuzzyComputedTorque:
         """
         if self._controller is None:
             raise NotTrained(type(self).__name__)
-        content = {
-            "format": FORMAT,
-            "kind": self.kind,
-            "kp": self.kp,
-            "kv": self.kv,
-            "outside": self.outside,
-            "defuzzify": self.order,
-            "learner": self.learner,
-            "n_terms": self.n_terms,
-            "mean_variation": self.mean_variation,
-            "term_width": self.term_width,
-            "inputs": INPUT_NAMES,
-            "outputs": OUTPUT_NAMES,
-            "snr_db": self.snr_db if math.isfinite(self.snr_db) else "inf",
-            "ranges": self.ranges_.tolist(),
-            "robot": self.robot.parameters.as_dict(),
-            "system": to_json(self.system_),
-        }
-        write_text(json.dumps(content, indent=1, ensure_ascii=False) + "\n", path)
-        return Path(path)
+        return controller_files.save(self, path)
 
     @classmethod
-    def load(cls, path: str | Path, robot: PSP3 | None = None) -> FuzzyComputedTorque:
+    def load(cls, path: str | Path, robot: Robot | None = None) -> FuzzyComputedTorque:
         """Read a controller that :meth:`save` wrote.
 
         Parameters
         ----------
         path : path
             The file.
-        robot : PSP3, optional
-            The robot it is meant for; by default one with the parameters in the file.
+        robot : Robot, optional
+            The robot it is meant for; by default the 3-PSP with the parameters in the file, or a
+            robot of the name in it that comes with the package.
 
         Returns
         -------
@@ -629,132 +675,10 @@ class FuzzyComputedTorque:
         ------
         InvalidControllerFile
             If the file is missing, malformed or of another version, or the controller was trained
-            for other parameters of the robot, or for other inputs or outputs or in another order.
+            for another robot or other parameters of it, or for other inputs or outputs or in
+            another order.
         """
-        try:
-            content = json.loads(read_text(path))
-            return cls._from(content, robot, path)
-        except InvalidControllerFile:
-            raise
-        except OSError as error:
-            raise InvalidControllerFile(
-                path, f"cannot be read ({error.strerror or error})"
-            ) from error
-        except (ValueError, TypeError, OverflowError, RecursionError) as error:
-            raise InvalidControllerFile(
-                path, f"is not a whole controller file ({error})"
-            ) from error
-        except KeyError as error:
-            raise InvalidControllerFile(path, f"lacks {error.args[0]!r}") from error
-
-    @classmethod
-    def _from(cls, content: Any, robot: PSP3 | None, path: str | Path) -> FuzzyComputedTorque:
-        if not isinstance(content, dict) or content.get("format") != FORMAT:
-            found = content.get("format") if isinstance(content, dict) else type(content).__name__
-            raise InvalidControllerFile(
-                path, f"has format {found!r}, this version reads {FORMAT!r}"
-            )
-        for what, names in (("inputs", INPUT_NAMES), ("outputs", OUTPUT_NAMES)):
-            if tuple(content[what]) != names:
-                raise InvalidControllerFile(
-                    path,
-                    f"has the {what} {', '.join(content[what])}, this version needs "
-                    f"{', '.join(names)}",
-                )
-        parameters = Parameters(
-            **{name: content["robot"][name] for name in Parameters().as_dict() | content["robot"]}
-        )
-        if robot is not None and robot.parameters != parameters:
-            given = robot.parameters.as_dict()
-            other = [
-                f"{name} {value} (yours {given[name]})"
-                for name, value in parameters.as_dict().items()
-                if given[name] != value
-            ]
-            raise InvalidControllerFile(
-                path,
-                f"was trained for a robot with {', '.join(other)}; load it without a robot, or "
-                "train anew",
-            )
-        system = from_json(content["system"])
-        ranges = np.asarray(content["ranges"], dtype=float)
-        kind, n_terms, snr = content["kind"], content["n_terms"], content["snr_db"]
-        if not isinstance(system, FuzzySystem) or type(system) is not _SYSTEMS.get(kind):
-            raise InvalidControllerFile(
-                path, f"has kind {kind!r} and holds {type(system).__name__}"
-            )
-        if (system.input_names, system.output_names) != (INPUT_NAMES, OUTPUT_NAMES):
-            raise InvalidControllerFile(
-                path, "holds a fuzzy system of other inputs or outputs than the file says"
-            )
-        if np.shape(system.consequents) != (len(system.rules), len(OUTPUT_NAMES)):
-            raise InvalidControllerFile(
-                path, "has consequents that are not a number for each rule and output"
-            )
-        if any(len(terms) != n_terms for terms in system.inputs):
-            raise InvalidControllerFile(
-                path,
-                f"has inputs of {[len(terms) for terms in system.inputs]} terms, and n_terms "
-                f"{n_terms!r}",
-            )
-        if (
-            ranges.shape != (2, 4)
-            or not np.isfinite(ranges).all()
-            or not (ranges[0] < ranges[1]).all()
-        ):
-            raise InvalidControllerFile(
-                path, "has ranges that are not four smallest and four largest inputs"
-            )
-        if system.table is None:
-            raise InvalidControllerFile(
-                path, "holds a fuzzy system that the compiled loop cannot evaluate"
-            )
-        options: dict[str, Any] = {}
-        if isinstance(system, GeneralType2System):
-            options = {"levels": system.levels, "reduction": system.reduction}
-        controller = cls(
-            kind,
-            load("psp3", parameters=parameters) if robot is None else robot,
-            kp=content["kp"],
-            kv=content["kv"],
-            n_terms=n_terms,
-            learner=content["learner"],
-            snr_db=math.inf if snr == "inf" else snr,
-            mean_variation=checked_not_negative("mean_variation", content["mean_variation"]),
-            term_width=content["term_width"],
-            outside=content["outside"],
-            # Files of version 1 that lack it are of controllers that knew one order only.
-            defuzzify=content.get("defuzzify", "first"),
-            **options,
-        )
-        controller._take(system, ranges)
-        return controller
-
-
-def _widened(system: FuzzySystem, width: float) -> FuzzySystem:
-    """Return the system with the standard deviations of its terms multiplied.
-
-    All else is as it is.
-    """
-    options: dict[str, Any] = {
-        "input_names": system.input_names,
-        "output_names": system.output_names,
-        "term_names": system.term_names,
-    }
-    if isinstance(system, GeneralType2System):
-        options |= {"reduction": system.reduction, "levels": system.levels}
-    terms = [[_wider(term, width) for term in terms] for terms in system.inputs]
-    return type(system)(terms, system.rules, system.consequents, system.t_norm, **options)
-
-
-def _wider(term: Any, width: float) -> Any:
-    if isinstance(term, GaussianType2Set):
-        return GaussianType2Set(_wider(term.principal, width), term.sigma)
-    return type(term)(term.mean, width * term.sigma)
-
-
-def _floats(values: ArrayLike) -> Array:
-    return np.ascontiguousarray(values, dtype=np.float64)
+        return controller_files.load(cls, path, robot)
 
 
 def checked_snr(snr_db: object) -> float:

@@ -1,6 +1,7 @@
-"""Compiled control steps of the fuzzy computed-torque controller.
+"""Compiled control steps of the fuzzy computed-torque controller, of any robot.
 
-``p`` are the robot's parameters as :mod:`psp3.three_psp.closed_form` takes them.
+M, C and G of n joints are one row of numbers: the upper triangle of M, C and G, see
+:mod:`psp3.fuzzy_control.numbers`. One or several rule bases say them.
 """
 
 from __future__ import annotations
@@ -14,7 +15,9 @@ from fuzzy2.support.compiled import compiled
 from fuzzy2.systems.kernels import evaluate, evaluate_corollary, evaluate_planes
 from psp3.checks import Array
 from psp3.control.controller import steer
-from psp3.three_psp.closed_form import equation_of_motion
+from psp3.control.kernels import add_force
+from psp3.dynamics.compiled_robot import write_forces
+from psp3.fuzzy_control.christoffel_kernels import write_christoffel
 
 INTERVAL, PLANES, COROLLARY, CENTROID = range(4)
 """Fuzzy controllers by what their estimates are: intervals, α-planes whose middles are weighted
@@ -24,35 +27,60 @@ whose centroid is taken.
 
 CLAMP, CRISP = range(2)
 
-OUTPUTS = 18
-"""Estimated numbers: the upper triangle of M, C and G."""
 
-STEP = 11
-"""Numbers that ``fuzzy_torque`` writes: torque (3), left or mean (3), right or standard deviation
-(3), covered, fell back.
-"""
+def step_width(joints: int) -> int:
+    """Return how many numbers ``fuzzy_torque`` writes of n joints.
 
-NOTHING_ADDED = np.empty((0, OUTPUTS))
+    They are torque (n), left or mean (n), right or standard deviation (n), covered, fell back.
+    """
+    return 3 * joints + 2
+
+
+def nothing_added(numbers: int) -> Array:
+    """Return what is added to estimates of so many numbers where nothing is."""
+    return np.empty((0, numbers))
 
 
 def reported(steps: Array) -> dict[str, Any]:
-    """Return what results report of steps (N, STEP), by its name."""
+    """Return what results report of steps (N, 3n + 2), by its name."""
+    n = (steps.shape[1] - 2) // 3
     return {
-        "covered": steps[:, 9] > 0.0,
-        "fell_back": steps[:, 10] > 0.0,
-        "torque_interval": np.stack([steps[:, 3:6], steps[:, 6:9]], axis=-1),
+        "covered": steps[:, 3 * n] > 0.0,
+        "fell_back": steps[:, 3 * n + 1] > 0.0,
+        "torque_interval": np.stack([steps[:, n : 2 * n], steps[:, 2 * n : 3 * n]], axis=-1),
     }
+
+
+class NoModel(NamedTuple):
+    """In place of a robot's table, of a controller that never asks for the exact forces."""
+
+    nothing: float
+
+
+NO_MODEL = NoModel(0.0)
+
+
+@write_forces.register(NoModel)
+def _write_no_forces(
+    robot: NoModel, positions: Array, speeds: Array, accelerations: Array, out: Array
+) -> bool:
+    return False
 
 
 class Fuzzy(NamedTuple):
     """A trained controller.
 
     ``kind`` see above; gains ``kp`` and ``kv``; what to do ``outside``, ``CLAMP`` or ``CRISP``;
-    whether grades are multiplied, 1 or 0; ``ranges`` (2, 4) lower and upper ends of the trained
-    inputs; ``fallback`` (18,) numbers used where an estimate cannot be; ``planes`` (2, L) levels
-    and widths, see ``fuzzy2.systems.kernels.evaluate_planes``; ``system`` the fuzzy system, see
-    ``fuzzy2.systems.kernels``; ``moments`` (2, R, 18) middles and spreads, see
-    ``fuzzy2.systems.kernels.evaluate_corollary``, of that kind only.
+    whether grades are multiplied, 1 or 0; ``ranges`` (2, p) lower and upper ends of the trained
+    inputs; ``fallback`` (K,) numbers used where an estimate cannot be; ``planes`` (2, L) levels
+    and widths, see ``fuzzy2.systems.kernels.evaluate_planes``; ``system`` the fuzzy systems of all
+    rule bases one after the other, see ``fuzzy2.systems.kernels``; ``moments`` middles and spreads
+    (2, R, m) of each, flat, see ``fuzzy2.systems.kernels.evaluate_corollary``, of that kind only.
+    ``inputs`` (2, p) are the places of each input in positions and speeds, and of what is
+    subtracted, or -1. ``bases`` is the number of rule bases, and of each ``BASE`` numbers, see
+    ``base_row``, the places of its inputs among all and those of its outputs among the numbers.
+    ``derived`` is what C is found from as M's derivative, see
+    :mod:`psp3.fuzzy_control.christoffel_kernels`, or empty.
     """
 
     kind: int
@@ -65,10 +93,18 @@ class Fuzzy(NamedTuple):
     planes: Array
     system: Array
     moments: Array
+    inputs: Array
+    bases: Array
+    derived: Array
 
 
-HEADER = 8
-"""Numbers with which a packed controller begins: its scalars, then L, the size of the system, R."""
+BASE = 6
+"""Numbers with which a rule base begins: start and size of its system, start of its moments, its
+rules, inputs and outputs.
+"""
+
+HEADER = 11
+"""Numbers with which a packed controller begins: its scalars, then the sizes of its arrays."""
 
 
 def packed(controller: Fuzzy) -> Array:
@@ -77,111 +113,189 @@ def packed(controller: Fuzzy) -> Array:
     Python hands over one array in less than a third of the time that five take, which single steps
     would feel; ``_unpacked`` reads it.
     """
-    kind, kp, kv, outside, product, *arrays = controller
-    header = [kind, kp, kv, outside, product]
-    header += [controller.planes.shape[1], controller.system.size, controller.moments.shape[1]]
-    return np.concatenate([header, *(array.ravel() for array in arrays)]).astype(np.float64)
+    scalars, arrays = controller[:5], controller[5:]
+    sizes = [controller.inputs.shape[1], controller.fallback.size, controller.planes.shape[1]]
+    sizes += [controller.system.size, controller.moments.size, controller.bases.size]
+    return np.concatenate([[*scalars, *sizes], *(array.ravel() for array in arrays)]).astype(
+        np.float64
+    )
 
 
 @compiled
 def _unpacked(array: Array) -> Fuzzy:
     """Return the controller that ``packed`` made one array of; its arrays are views."""
-    levels, size, rules = int(array[5]), int(array[6]), int(array[7])
+    inputs, levels = int(array[5]), int(array[7])
     ranges = HEADER
-    fallback = ranges + 8
-    planes = fallback + OUTPUTS
+    fallback = ranges + 2 * inputs
+    planes = fallback + int(array[6])
     system = planes + 2 * levels
-    moments = system + size
+    moments = system + int(array[8])
+    places = moments + int(array[9])
+    bases = places + 2 * inputs
+    derived = bases + int(array[10])
     return Fuzzy(
         int(array[0]),
         array[1],
         array[2],
         int(array[3]),
         int(array[4]),
-        array[ranges:fallback].reshape(2, 4),
+        array[ranges:fallback].reshape(2, inputs),
         array[fallback:planes],
         array[planes:system].reshape(2, levels),
         array[system:moments],
-        array[moments:].reshape(2, rules, OUTPUTS),
+        array[moments:places],
+        array[places:bases].reshape(2, inputs),
+        array[bases:derived],
+        array[derived:],
     )
 
 
 class FuzzyRun(NamedTuple):
     """A trained controller in a loop: with the ``model`` that takes over where it is ``CRISP``.
 
-    ``added`` (N, 18) is added to the estimates at each sample, or (0, 18).
+    It is a robot's table, or ``NO_MODEL``. ``added`` (N, K) is added to the estimates at each
+    sample, or (0, K).
     """
 
     controller: Fuzzy
-    model: Array
+    model: Any
     added: Array
 
 
 @compiled
-def is_positive_definite(m):
-    """Whether M, given by its upper triangle, is finite and positive definite.
+def is_positive_definite(m, n):
+    """Whether M (n, n), given by its upper triangle, is positive definite.
 
-    By its leading minors.
+    By the pivots of elimination; none is positive where a number is not finite.
     """
-    m11, m12, m13, m22, m23, m33 = m[0], m[1], m[2], m[3], m[4], m[5]
-    second = m11 * m22 - m12 * m12
-    determinant = m33 * second - m11 * m23 * m23 + 2.0 * m12 * m13 * m23 - m22 * m13 * m13
-    return m11 > 0.0 and second > 0.0 and determinant > 0.0 and math.isfinite(determinant)
+    work = np.empty((n, n))
+    place = 0
+    for i in range(n):
+        for j in range(i, n):
+            work[i, j] = m[place]
+            place += 1
+    for k in range(n):
+        pivot = work[k, k]
+        if not 0.0 < pivot < math.inf:
+            return False
+        for i in range(k + 1, n):
+            factor = work[k, i] / pivot
+            for j in range(i, n):
+                work[i, j] -= factor * work[k, j]
+    return True
 
 
 @compiled
-def _estimate(controller, x, numbers, crisp, middle, spread):
-    """Write M, C and G estimated at the four differences.
+def write_inputs(places, ranges, clamp, positions, speeds, x):
+    """Write the inputs, put into the trained ranges where they are to be clamped.
 
-    Crisp values, middles and half-widths, or means and standard deviations. ``numbers`` gets them
-    as they are estimated: ends of the intervals, plane by plane, or means and standard deviations.
+    Return whether they were there.
     """
-    kind, planes = controller.kind, controller.planes.shape[1]
+    n, covered = positions.size, True
+    for i in range(x.size):
+        plus, minus = int(places[0, i]), int(places[1, i])
+        value = positions[plus] if plus < n else speeds[plus - n]
+        if minus >= 0:
+            value -= positions[minus] if minus < n else speeds[minus - n]
+        low, high = ranges[0, i], ranges[1, i]
+        if not low <= value <= high:
+            covered = False
+            if clamp:
+                value = min(max(value, low), high)
+        x[i] = value
+    return covered
+
+
+@compiled
+def _estimate_of_base(controller, o, x, numbers, crisp, middle, spread):
+    """Do as ``_estimate`` for the rule base whose numbers begin at ``o``."""
+    kind, planes, bases = controller.kind, controller.planes.shape[1], controller.bases
+    start, first, rules = int(bases[o]), int(bases[o + 2]), int(bases[o + 3])
+    inputs, outputs, count = int(bases[o + 4]), int(bases[o + 5]), crisp.size
+    table = controller.system[start : start + int(bases[o + 1])]
+    columns = bases[o + BASE : o + BASE + inputs]
+    places = bases[o + BASE + inputs : o + BASE + inputs + outputs]
+    asked = np.empty(inputs)
+    for i in range(inputs):
+        asked[i] = x[int(columns[i])]
+    said = np.empty(max(planes, 1) * 2 * outputs)
     if kind == COROLLARY:
-        middles, spreads = controller.moments[0], controller.moments[1]
+        size = rules * outputs
+        middles = controller.moments[first : first + size].reshape(rules, outputs)
+        spreads = controller.moments[first + size : first + 2 * size].reshape(rules, outputs)
         product = controller.product > 0
-        evaluate_corollary(controller.system, x, middles, spreads, product, numbers)
-        for j in range(OUTPUTS):
-            crisp[j] = middle[j] = numbers[2 * j]
-            spread[j] = numbers[2 * j + 1]
+        evaluate_corollary(table, asked, middles, spreads, product, said)
+        for k in range(outputs):
+            j = int(places[k])
+            crisp[j] = middle[j] = numbers[2 * j] = said[2 * k]
+            spread[j] = numbers[2 * j + 1] = said[2 * k + 1]
         return
     if kind == INTERVAL:
-        evaluate(controller.system, x, 0.0, False, numbers)
+        evaluate(table, asked, 0.0, False, said)
     else:
-        evaluate_planes(controller.system, x, controller.planes[1], numbers)
+        evaluate_planes(table, asked, controller.planes[1], said)
     # What is shown of a general type-2 estimate is its lowest plane, the first.
-    for j in range(OUTPUTS):
+    for k in range(outputs):
+        j = int(places[k])
         middle[j], spread[j] = (
-            0.5 * (numbers[2 * j] + numbers[2 * j + 1]),
-            0.5 * (numbers[2 * j + 1] - numbers[2 * j]),
+            0.5 * (said[2 * k] + said[2 * k + 1]),
+            0.5 * (said[2 * k + 1] - said[2 * k]),
         )
         crisp[j] = middle[j]
+        for plane in range(max(planes, 1)):
+            numbers[2 * (plane * count + j)] = said[2 * (plane * outputs + k)]
+            numbers[2 * (plane * count + j) + 1] = said[2 * (plane * outputs + k) + 1]
     if kind != INTERVAL:
         total = 0.0
         for plane in range(planes):
             total += controller.planes[0, plane]
-        for j in range(OUTPUTS):
+        for k in range(outputs):
             moment = 0.0
             for plane in range(planes):
-                o = 2 * (plane * OUTPUTS + j)
-                moment += controller.planes[0, plane] * (0.5 * (numbers[o] + numbers[o + 1]))
-            crisp[j] = moment / total
+                q = 2 * (plane * outputs + k)
+                moment += controller.planes[0, plane] * (0.5 * (said[q] + said[q + 1]))
+            crisp[int(places[k])] = moment / total
+
+
+@compiled
+def _estimate(controller, x, speeds, numbers, crisp, middle, spread):
+    """Write M, C and G estimated at the inputs.
+
+    Crisp values, middles and half-widths, or means and standard deviations. ``numbers`` gets them
+    as they are estimated: ends of the intervals, plane by plane, or means and standard deviations.
+    """
+    bases, o = controller.bases, 1
+    for _ in range(int(bases[0])):
+        _estimate_of_base(controller, o, x, numbers, crisp, middle, spread)
+        o += BASE + int(bases[o + 4]) + int(bases[o + 5])
+    if controller.derived.size > 0:
+        n = speeds.size
+        first = n * (n + 1) // 2
+        write_christoffel(controller.derived, controller.inputs, x, speeds, crisp)
+        for j in range(first, first + n * n):
+            middle[j] = crisp[j]
+            mean = controller.kind == COROLLARY
+            for plane in range(max(controller.planes.shape[1], 1)):
+                q = 2 * (plane * crisp.size + j)
+                numbers[q], numbers[q + 1] = crisp[j], 0.0 if mean else crisp[j]
 
 
 @compiled
 def apply_model(m, servo, speeds, out, o):
-    """Write the force M servo + C speeds + G of eighteen numbers."""
-    s1, s2, s3 = servo[0], servo[1], servo[2]
-    out[o] = m[0] * s1 + m[1] * s2 + m[2] * s3
-    out[o + 1] = m[1] * s1 + m[3] * s2 + m[4] * s3
-    out[o + 2] = m[2] * s1 + m[4] * s2 + m[5] * s3
-    for i in range(3):
-        out[o + i] += (
-            m[6 + 3 * i] * speeds[0]
-            + m[7 + 3 * i] * speeds[1]
-            + m[8 + 3 * i] * speeds[2]
-            + m[15 + i]
-        )
+    """Write the force M servo + C speeds + G of the numbers of n joints."""
+    n = servo.size
+    coriolis = n * (n + 1) // 2
+    gravity = coriolis + n * n
+    for i in range(n):
+        force = 0.0
+        for j in range(n):
+            a, b = min(i, j), max(i, j)
+            product = m[a * (2 * n - 1 - a) // 2 + b] * servo[j]
+            force = product if j == 0 else force + product
+        other = m[coriolis + n * i] * speeds[0]
+        for j in range(1, n):
+            other += m[coriolis + n * i + j] * speeds[j]
+        out[o + i] = force + (other + m[gravity + i])
 
 
 @compiled
@@ -190,12 +304,15 @@ def width_of_force(spread, servo, speeds, i, squares):
 
     Spreads add up (Theorem 1.4), or their squares (1.5, product grades).
     """
-    width = spread[15 + i] * spread[15 + i] if squares else spread[15 + i]
-    for j in range(3):
+    n = servo.size
+    coriolis = n * (n + 1) // 2
+    gravity = coriolis + n * n
+    width = spread[gravity + i] * spread[gravity + i] if squares else spread[gravity + i]
+    for j in range(n):
         a, b = min(i, j), max(i, j)
         one, two = (
-            abs(servo[j]) * spread[a * (5 - a) // 2 + b],
-            abs(speeds[j]) * spread[6 + 3 * i + j],
+            abs(servo[j]) * spread[a * (2 * n - 1 - a) // 2 + b],
+            abs(speeds[j]) * spread[coriolis + n * i + j],
         )
         width += one * one + two * two if squares else one + two
     return math.sqrt(width) if squares else width
@@ -209,163 +326,160 @@ def _centroid_of_force(controller, ends, added, servo, speeds, out):
     (Theorem 1.4), its α-cut. Between two planes the ends of the cut are linear in the level, and
     below the lowest plane they are those of the lowest: ``fuzzy2.reduction.general.cut_centroid``.
     """
-    planes = controller.planes.shape[1]
-    middle, spread = np.empty(OUTPUTS), np.empty(OUTPUTS)
-    centers, widths = np.empty(3 * planes), np.empty(3 * planes)
+    planes, n, count = controller.planes.shape[1], servo.size, controller.fallback.size
+    middle, spread = np.empty(count), np.empty(count)
+    centers, widths = np.empty(n * planes), np.empty(n * planes)
     for plane in range(planes):
-        for j in range(OUTPUTS):
-            o = 2 * (plane * OUTPUTS + j)
+        for j in range(count):
+            o = 2 * (plane * count + j)
             middle[j], spread[j] = 0.5 * (ends[o] + ends[o + 1]), 0.5 * (ends[o + 1] - ends[o])
         for j in range(added.size):
             middle[j] += added[j]
-        apply_model(middle, servo, speeds, centers, 3 * plane)
-        for i in range(3):
-            widths[3 * plane + i] = width_of_force(spread, servo, speeds, i, False)
-    for i in range(3):
+        apply_model(middle, servo, speeds, centers, n * plane)
+        for i in range(n):
+            widths[n * plane + i] = width_of_force(spread, servo, speeds, i, False)
+    for i in range(n):
         # About the middle of the lowest cut, so that a force far from zero keeps its digits.
         origin, area, moment = centers[i], controller.planes[0, 0] * widths[i], 0.0
         for plane in range(1, planes):
-            o, step = 3 * plane + i, controller.planes[0, plane] - controller.planes[0, plane - 1]
-            c0, c1, w0, w1 = centers[o - 3] - origin, centers[o] - origin, widths[o - 3], widths[o]
+            o, step = n * plane + i, controller.planes[0, plane] - controller.planes[0, plane - 1]
+            c0, c1, w0, w1 = centers[o - n] - origin, centers[o] - origin, widths[o - n], widths[o]
             area += step * 0.5 * (w0 + w1)
             moment += step * (c0 * (2.0 * w0 + w1) + c1 * (w0 + 2.0 * w1)) / 6.0
         out[i] = origin + moment / area if area > 0.0 else origin
 
 
 @compiled
-def exact_model(heights, speeds, p, full, m):
-    """Write the exact eighteen numbers, or NaN where the pose is none of the machine's."""
-    if equation_of_motion(heights, speeds, p, full) >= 0:
-        full[:] = math.nan
-    m[0], m[1], m[2], m[3], m[4], m[5] = full[0], full[1], full[2], full[4], full[5], full[8]
-    for k in range(12):
-        m[6 + k] = full[9 + k]
+def write_servo(controller, positions, speeds, desired, servo):
+    """Write the acceleration that the servo asks for.
+
+    ``desired`` holds positions, speeds and accelerations.
+    """
+    n = servo.size
+    for i in range(n):
+        servo[i] = (
+            desired[2 * n + i]
+            + controller.kv * (desired[n + i] - speeds[i])
+            + controller.kp * (desired[i] - positions[i])
+        )
 
 
 @compiled
-def write_servo(controller, heights, speeds, desired, servo):
-    """Write the acceleration that the servo asks for.
+def _usable(controller, x, speeds, added, numbers, crisp, middle, spread):
+    """Write what the rules estimate, as ``_estimate``; return whether it can be used."""
+    total, count = 0.0, crisp.size
+    for i in range(x.size):
+        total += x[i]
+    for i in range(speeds.size):
+        total += speeds[i]
+    if not math.isfinite(total):
+        return False
+    _estimate(controller, x, speeds, numbers, crisp, middle, spread)
+    for j in range(added.size):
+        crisp[j] += added[j]
+        middle[j] += added[j]
+    for j in range(count):
+        total += crisp[j] + spread[j]
+    return math.isfinite(total) and is_positive_definite(crisp, speeds.size)
 
-    ``desired`` holds heights, speeds and accelerations.
-    """
-    for i in range(3):
-        servo[i] = (
-            desired[6 + i]
-            + controller.kv * (desired[3 + i] - speeds[i])
-            + controller.kp * (desired[i] - heights[i])
-        )
+
+@compiled
+def _exact_torque(model, positions, speeds, servo, added, out):
+    """Write a step of the exact forces, where they take over; NaN where there are none."""
+    n = servo.size
+    if not write_forces(model, positions, speeds, servo, out[:n]):
+        out[:n] = math.nan
+    if added.size > 0:
+        add_force(added, servo, speeds, out[:n])
+    for i in range(n):
+        out[n + i] = out[2 * n + i] = out[i]
 
 
 @compiled
 def fuzzy_torque(
     controller: Fuzzy,
-    p: Array,
-    heights: Array,
+    model: Any,
+    positions: Array,
     speeds: Array,
     desired: Array,
     added: Array,
     out: Array,
 ) -> bool:
-    """Write one step of the fuzzy computed-torque controller, ``STEP`` numbers.
+    """Write one step of the fuzzy computed-torque controller, see ``step_width``.
 
     Return whether the torque is finite.
 
-    ``desired`` holds heights, speeds and accelerations; ``added`` is empty, or eighteen numbers
-    that are added to the estimates.
+    ``desired`` holds positions, speeds and accelerations; ``added`` is empty, or the numbers that
+    are added to the estimates.
     """
-    x = np.empty(4)
-    x[0], x[1], x[2], x[3] = (
-        heights[0] - heights[1],
-        heights[0] - heights[2],
-        speeds[0] - speeds[1],
-        speeds[0] - speeds[2],
-    )
-    clamp, covered = controller.outside == CLAMP, True
-    for i in range(4):
-        low, high = controller.ranges[0, i], controller.ranges[1, i]
-        if not low <= x[i] <= high:
-            covered = False
-            if clamp:
-                x[i] = min(max(x[i], low), high)
-    crisp, middle, spread, servo = (
-        np.empty(OUTPUTS),
-        np.empty(OUTPUTS),
-        np.zeros(OUTPUTS),
-        np.empty(3),
-    )
-    numbers = np.empty(max(controller.planes.shape[1], 1) * 2 * OUTPUTS)
-    fell_back, estimated = False, covered or clamp
-    if estimated:
-        total = x[0] + x[1] + x[2] + x[3]
-        if math.isfinite(total):
-            _estimate(controller, x, numbers, crisp, middle, spread)
-            for j in range(added.size):
-                crisp[j] += added[j]
-                middle[j] += added[j]
-            for j in range(OUTPUTS):
-                total += crisp[j] + spread[j]
-        if not (math.isfinite(total) and is_positive_definite(crisp)):
-            fell_back = True
-            for j in range(OUTPUTS):
-                crisp[j] = middle[j] = controller.fallback[j]
-                spread[j] = 0.0
-    else:
-        exact_model(heights, speeds, p, np.empty(21), crisp)
-        for j in range(added.size):
-            crisp[j] += added[j]
-        middle[:] = crisp
-    write_servo(controller, heights, speeds, desired, servo)
+    n, count = positions.size, controller.fallback.size
+    x, servo = np.empty(controller.inputs.shape[1]), np.empty(n)
+    clamp, corollary = controller.outside == CLAMP, controller.kind == COROLLARY
+    covered = write_inputs(controller.inputs, controller.ranges, clamp, positions, speeds, x)
+    write_servo(controller, positions, speeds, desired, servo)
+    out[3 * n], out[3 * n + 1] = 1.0 if covered else 0.0, 0.0
+    if not (covered or clamp):
+        _exact_torque(model, positions, speeds, servo, added, out)
+        if corollary:
+            out[2 * n : 3 * n] = 0.0
+        return math.isfinite(out[:n].sum())
+    crisp, middle, spread = np.empty(count), np.empty(count), np.zeros(count)
+    numbers = np.empty(max(controller.planes.shape[1], 1) * 2 * count)
+    usable = _usable(controller, x, speeds, added, numbers, crisp, middle, spread)
+    if not usable:
+        out[3 * n + 1] = 1.0
+        for j in range(count):
+            crisp[j] = middle[j] = controller.fallback[j]
+            spread[j] = 0.0
     apply_model(crisp, servo, speeds, out, 0)
-    if controller.kind == CENTROID and estimated and not fell_back:
+    if controller.kind == CENTROID and usable:
         _centroid_of_force(controller, numbers, added, servo, speeds, out)
-    apply_model(middle, servo, speeds, out, 3)
-    corollary = controller.kind == COROLLARY
-    for i in range(3):
+    apply_model(middle, servo, speeds, out, n)
+    total = 0.0
+    for i in range(n):
         width = width_of_force(spread, servo, speeds, i, corollary and controller.product > 0)
         if corollary:
-            out[6 + i] = width
+            out[2 * n + i] = width
         else:
-            out[3 + i], out[6 + i] = out[3 + i] - width, out[3 + i] + width
-    out[9], out[10] = 1.0 if covered else 0.0, 1.0 if fell_back else 0.0
-    return math.isfinite(out[0] + out[1] + out[2])
+            out[n + i], out[2 * n + i] = out[n + i] - width, out[n + i] + width
+        total += out[i]
+    return math.isfinite(total)
 
 
 @compiled
 def control_step(
     controller: Array,
-    p: Array,
-    heights: Array,
+    model: Any,
+    positions: Array,
     speeds: Array,
-    desired_heights: Array,
+    desired_positions: Array,
     desired_speeds: Array,
     desired_accelerations: Array,
     out: Array,
 ) -> int:
     """Do as ``fuzzy_torque`` for a packed controller and rows that come one by one.
 
-    Return 1, 0 where the torque is not finite, or -1 for a row that is not of three.
+    Return 1, 0 where the torque is not finite, or -1 for a row that is not of n.
     """
+    n = (out.size - 2) // 3
     if not (
-        heights.size
+        positions.size
         == speeds.size
-        == desired_heights.size
+        == desired_positions.size
         == desired_speeds.size
         == desired_accelerations.size
-        == 3
+        == n
     ):
         return -1
-    desired = np.empty(9)
-    for i in range(3):
-        desired[i], desired[3 + i], desired[6 + i] = (
-            desired_heights[i],
+    desired = np.empty(3 * n)
+    for i in range(n):
+        desired[i], desired[n + i], desired[2 * n + i] = (
+            desired_positions[i],
             desired_speeds[i],
             desired_accelerations[i],
         )
-    return (
-        1
-        if fuzzy_torque(_unpacked(controller), p, heights, speeds, desired, np.empty(0), out)
-        else 0
-    )
+    unpacked = _unpacked(controller)
+    return 1 if fuzzy_torque(unpacked, model, positions, speeds, desired, np.empty(0), out) else 0
 
 
 @steer.register(FuzzyRun)
@@ -374,12 +488,12 @@ def run_step(
     run: FuzzyRun,
     sample: int,
     t: float,
-    heights: Array,
+    positions: Array,
     speeds: Array,
     desired: Array,
     out: Array,
 ) -> bool:
     """Do as ``fuzzy_torque`` in a loop."""
     added = run.added[sample] if run.added.shape[0] > 0 else run.added[:0].reshape(0)
-    done: bool = fuzzy_torque(run.controller, run.model, heights, speeds, desired, added, out)
+    done: bool = fuzzy_torque(run.controller, run.model, positions, speeds, desired, added, out)
     return done

@@ -2,13 +2,13 @@ r"""Records of the crisp computed-torque controller on a trajectory.
 
 What the fuzzy estimators of chapter 5 learn from.
 
-M, C and G do not change when all nuts rise together, so they are functions of four differences
-(Table 5.2),
+M, C and G are functions of positions and speeds. Those of the 3-PSP do not change when all nuts
+rise together, so they are functions of four differences (Table 5.2),
 
 .. math:: x = (\Delta q_{12}, \Delta q_{13}, \Delta\dot q_{12}, \Delta\dot q_{13}), \qquad
           \Delta q_{1k} = a_1 - a_k,
 
-and of these alone. M is symmetric, so eighteen numbers hold all of them.
+and of these alone. What the inputs of a robot are it says itself, ``robot.learning_inputs``.
 """
 
 from __future__ import annotations
@@ -21,20 +21,26 @@ from numpy.typing import ArrayLike, NDArray
 from psp3.checks import Array, finite_rows
 from psp3.control.classical import ComputedTorque
 from psp3.errors import InvalidValue, UnknownName
+from psp3.fuzzy_control.numbers import output_names, pack, unpack
 from psp3.published import DURATION
+from psp3.robots.learning_inputs import (
+    LearningInputs,
+    differences_of_three,
+    positions_and_speeds,
+)
+from psp3.robots.robot import Robot
 from psp3.simulation.tracking import simulate
-from psp3.three_psp.robot import PSP3
 from psp3.trajectories.trajectory import Trajectory
 
-INPUT_NAMES = ("Δq12", "Δq13", "Δq̇12", "Δq̇13")
-"""Inputs of the estimators, in order [m, m, m/s, m/s]."""
+__all__ = ["pack", "unpack"]
 
-OUTPUT_NAMES = (
-    *("M11", "M12", "M13", "M22", "M23", "M33"),
-    *(f"C{row}{column}" for row in (1, 2, 3) for column in (1, 2, 3)),
-    *("G1", "G2", "G3"),
-)
-"""Outputs of the estimators, in order: the upper triangle of M [kg], C [kg/s] and G [N]."""
+INPUT_NAMES = differences_of_three().names
+"""Inputs of the estimators of the 3-PSP, in order [m, m, m/s, m/s]."""
+
+OUTPUT_NAMES = output_names(3)
+"""Outputs of the estimators of the 3-PSP, in order: the upper triangle of M [kg], C [kg/s] and G
+[N].
+"""
 
 REFERENCES = ("mean-square", "variance", "unit")
 """What a signal-to-noise ratio is taken against: the mean square of a signal, its mean included,
@@ -49,11 +55,29 @@ STILL = 1e-9
 rounding.
 """
 
-_UPPER = np.triu_indices(3)
+
+def learning_inputs(robot: Robot) -> LearningInputs:
+    """Return what a robot says that its dynamics depend on, or positions and speeds.
+
+    Raises
+    ------
+    InvalidValue
+        If its coordinates are not its motors.
+    """
+    if not getattr(robot, "drives_coordinates", False):
+        named = getattr(robot, "title", robot)
+        raise InvalidValue(
+            "robot",
+            named,
+            "one whose coordinates are those of its motors; of others forces along the "
+            "coordinates are not those that motors are told",
+        )
+    given: LearningInputs | None = getattr(robot, "learning_inputs", None)
+    return positions_and_speeds(robot.coordinates) if given is None else given
 
 
 def differences(heights: ArrayLike, speeds: ArrayLike) -> Array:
-    """Return the four difference inputs of the estimators.
+    """Return the four difference inputs of the estimators of the 3-PSP.
 
     Parameters
     ----------
@@ -71,25 +95,7 @@ def differences(heights: ArrayLike, speeds: ArrayLike) -> Array:
         If an argument is not finite numbers of that shape.
     """
     a, v = finite_rows("heights", heights, 3), finite_rows("speeds", speeds, 3)
-    return np.concatenate([a[..., :1] - a[..., 1:], v[..., :1] - v[..., 1:]], axis=-1)
-
-
-def pack(M: Array, C: Array, G: Array) -> Array:
-    """Return M (..., 3, 3), C (..., 3, 3) and G (..., 3) as outputs (..., 18).
-
-    These are the eighteen outputs of the estimators.
-    """
-    return np.concatenate([M[..., _UPPER[0], _UPPER[1]], C.reshape(*C.shape[:-2], 9), G], axis=-1)
-
-
-def unpack(outputs: Array) -> tuple[Array, Array, Array]:
-    """Return M (..., 3, 3), C (..., 3, 3) and G (..., 3) of outputs (..., 18).
-
-    M is symmetric.
-    """
-    M = np.empty((*outputs.shape[:-1], 3, 3))
-    M[..., _UPPER[0], _UPPER[1]] = M[..., _UPPER[1], _UPPER[0]] = outputs[..., :6]
-    return M, outputs[..., 6:15].reshape(*outputs.shape[:-1], 3, 3), outputs[..., 15:]
+    return differences_of_three().of(*np.broadcast_arrays(a, v))
 
 
 @dataclass(frozen=True)
@@ -100,26 +106,35 @@ class Record:
     ----------
     t : (N,) ndarray
         Times [s].
-    heights, speeds : (N, 3) ndarray
-        Nut heights [m] and speeds [m/s].
-    inputs : (N, 4) ndarray
-        The four differences on the way.
-    outputs : (N, 18) ndarray
-        Exact M, C and G on the way, in the order of ``OUTPUT_NAMES``.
+    positions, speeds : (N, n) ndarray
+        Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
+    inputs : (N, p) ndarray
+        What the robot's dynamics depend on, on the way; of the 3-PSP four differences.
+    outputs : (N, K) ndarray
+        Exact M, C and G on the way, in the order of :func:`psp3.fuzzy_control.numbers.pack`.
+    input_names, output_names : tuple of str
+        Names of the columns; by default those of the 3-PSP.
     """
 
     t: Array
-    heights: Array
+    positions: Array
     speeds: Array
     inputs: Array
     outputs: Array
+    input_names: tuple[str, ...] = INPUT_NAMES
+    output_names: tuple[str, ...] = OUTPUT_NAMES
     _chosen: dict[int, NDArray[np.intp]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
 
     @property
+    def heights(self) -> Array:
+        """Positions, of the 3-PSP nut heights, (N, n) [m]."""
+        return self.positions
+
+    @property
     def rms(self) -> Array:
-        """Root mean square of every output over the run, mean included, (18,).
+        """Root mean square of every output over the run, mean included, (K,).
 
         The amplitude of the signal that noise is set against.
         """
@@ -162,17 +177,20 @@ class Record:
             self._chosen[count] = self._spread_evenly(count)
         return self._chosen[count].copy()
 
+    @property
+    def _remedy(self) -> str:
+        if self.input_names == INPUT_NAMES:
+            return "choose a path that tilts the star both ways"
+        return "choose a path on which every joint moves"
+
     def _spread_evenly(self, count: int) -> NDArray[np.intp]:
         span = np.ptp(self.inputs, axis=0)
         if not (span > STILL).all():
             still = ", ".join(
-                name for name, width in zip(INPUT_NAMES, span, strict=True) if not width > STILL
+                name for name, width in zip(self.input_names, span, strict=True) if not width > STILL
             )
             raise InvalidValue(
-                "trajectory",
-                still,
-                "one on which every difference input changes; choose a path that tilts the star "
-                "both ways",
+                "trajectory", still, "one on which every input changes; " + self._remedy
             )
         points = (self.inputs - self.inputs.min(axis=0)) / span
         chosen = [int(np.argmax(((points - 0.5) ** 2).sum(axis=1)))]
@@ -250,10 +268,10 @@ class RecordNoise:
 
         Returns
         -------
-        (18,) ndarray
-            Amplitudes in the order of ``OUTPUT_NAMES``.
+        (K,) ndarray
+            Amplitudes in the order of ``recorded.output_names``.
         """
-        gravity = np.array([name.startswith("G") for name in OUTPUT_NAMES])
+        gravity = np.array([name.startswith("G") for name in recorded.output_names])
         chosen = {"all": gravity | ~gravity, "gravity": gravity, "mass-coriolis": ~gravity}
         return np.where(chosen[self.entries], self.amplitudes(recorded.outputs), 0.0)
 
@@ -281,10 +299,10 @@ class RecordNoise:
 
         Returns
         -------
-        inputs : (N, 4) ndarray
-            In the order of ``INPUT_NAMES``.
-        outputs : (N, 18) ndarray
-            In the order of ``OUTPUT_NAMES``.
+        inputs : (N, p) ndarray
+            In the order of ``recorded.input_names``.
+        outputs : (N, K) ndarray
+            In the order of ``recorded.output_names``.
         """
         inputs, outputs = recorded.inputs[chosen], recorded.outputs[chosen]
         ratio = 10.0 ** (-snr_db / 20.0)
@@ -302,7 +320,7 @@ squares.
 
 
 def record(
-    robot: PSP3,
+    robot: Robot,
     trajectory: Trajectory,
     duration: float = DURATION,
     period: float = 0.002,
@@ -315,7 +333,7 @@ def record(
 
     Parameters
     ----------
-    robot : PSP3
+    robot : Robot
         The robot, whose M, C and G are recorded.
     trajectory : Trajectory
         The desired motion.
@@ -331,10 +349,18 @@ def record(
     Raises
     ------
     InvalidValue, UnreachableTip, StrokeExceeded, SimulationStopped
-        As from :func:`psp3.simulation.tracking.simulate`.
+        As from :func:`psp3.simulation.tracking.simulate`; or if the robot's coordinates are not its
+        motors.
     """
+    inputs = learning_inputs(robot)
     result = simulate(robot, ComputedTorque(robot, kp, kv), trajectory, duration, period)
-    outputs = pack(*robot.equation_of_motion(result.heights, result.speeds))
+    outputs = pack(*robot.equation_of_motion(result.positions, result.speeds))
     return Record(
-        result.t, result.heights, result.speeds, differences(result.heights, result.speeds), outputs
+        result.t,
+        result.positions,
+        result.speeds,
+        inputs.of(result.positions, result.speeds),
+        outputs,
+        inputs.names,
+        output_names(result.positions.shape[1]),
     )

@@ -77,6 +77,7 @@ from psp3.multibody.motion import (
 )
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.construction import motor_matrix, named_closures
+from psp3.robots.learning_inputs import LearningInputs, positions_and_speeds
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
 from psp3.robots.pickling import constraints, plain
 from psp3.robots.simple_joints import (
@@ -528,6 +529,11 @@ class ClosedLoopRobot:
 
         is_ours = type(self) is ClosedLoopRobot and self.drives_coordinates
         return self._core.tables() if is_ours else None
+
+    @property
+    def learning_inputs(self) -> LearningInputs:
+        """What M, C and G depend on: positions, and for C speeds, too."""
+        return positions_and_speeds(self.coordinates)
 
     @property
     def limits(self) -> tuple[Array, Array]:

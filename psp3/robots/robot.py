@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, Indices
 from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.multibody.core import LastPose
+from psp3.robots.learning_inputs import LearningInputs
 
 
 @runtime_checkable
@@ -87,6 +88,11 @@ class Robot(DynamicsModel, Protocol):
     @property
     def compiled_steps(self) -> Callable[[int, Any], Any]:
         """How to make a compiled plant from a number of steps and drives."""
+        ...
+
+    @property
+    def learning_inputs(self) -> LearningInputs:
+        """What M, C and G depend on, where they are learned."""
         ...
 
     def compiled_table(self) -> NamedTuple | None:

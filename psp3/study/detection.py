@@ -42,7 +42,7 @@ from psp3.drives.drive import NO_DRIVE
 from psp3.fuzzy_control import adaptive_kernels
 from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-from psp3.fuzzy_control.kernels import STEP
+from psp3.fuzzy_control.kernels import step_width
 from psp3.fuzzy_control.monitor import Monitor, torque_width
 from psp3.fuzzy_control.records import Record, differences, record
 from psp3.loading import load
@@ -423,7 +423,7 @@ def watch_run(
     )
     loaded = mismatched(robot.parameters, 0.0, payload, np.random.default_rng(0))
     wiring, middle = unbounded(PERIOD, np.zeros(3), noise=noise), round(EVENT / PERIOD)
-    track = new_track(t, motion, STEP - 3)
+    track = new_track(t, motion, step_width(3) - 3)
     before = Track(*(array[: middle + 1] for array in track))
     plant = ClosedFormSteps(robot.parameters.as_array(), 1, NO_DRIVE)
     ended = compiled_loop(table, plant, wiring, before, state)

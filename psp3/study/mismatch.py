@@ -44,7 +44,7 @@ from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_control import adaptive_kernels
 from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque, checked_snr
-from psp3.fuzzy_control.kernels import STEP
+from psp3.fuzzy_control.kernels import step_width
 from psp3.fuzzy_control.records import Record, record
 from psp3.loading import load
 from psp3.published import DURATION, TABLE_6_1, THESIS_SAMPLING_PERIOD
@@ -412,7 +412,7 @@ def simulate_run(case: Case, controller: str, seed: int = 0, duration: float = D
         table: NamedTuple = _fuzzy(controller, case.snr_db, records)
     else:
         table = _classical(controller)
-    said = STEP - 3 if controller in FUZZY else 0
+    said = step_width(3) - 3 if controller in FUZZY else 0
     track, steps = new_track(t, motion, said), ClosedFormSteps(plant, 1, case.drive)
     state = np.concatenate([motion.heights[0], np.zeros(3)])
     done = compiled_loop(table, steps, wiring, track, state).samples

@@ -51,7 +51,14 @@ from psp3.fuzzy_control.computed_torque import (
     FuzzyComputedTorque,
     checked_snr,
 )
-from psp3.fuzzy_control.kernels import NOTHING_ADDED, Fuzzy, FuzzyRun, reported
+from psp3.fuzzy_control.kernels import (
+    NO_MODEL,
+    Fuzzy,
+    FuzzyRun,
+    nothing_added,
+    reported,
+    step_width,
+)
 from psp3.fuzzy_control.records import ENTRIES, REFERENCES, Record, RecordNoise, record
 from psp3.loading import load
 from psp3.published import DURATION, TABLE_6_1, THESIS_SAMPLING_PERIOD
@@ -472,7 +479,7 @@ def simulate_run(run: Run) -> Samples:
     run.check()
     robot = _robot(run.parameters)
     t, desired = _desired(run.trajectory, run.parameters, run.duration, run.period)
-    plant, measured, added = robot.parameters.as_array(), None, NOTHING_ADDED
+    plant, measured, added = robot.parameters.as_array(), None, nothing_added(18)
     # One stream for each use of noise (that of rules is 0), so that runs of one seed can be paired
     # whatever else they draw.
     noise = np.random.default_rng([run.seed, 1])
@@ -594,7 +601,8 @@ def _controller(run: Run, robot: PSP3, added: Array) -> tuple[NamedTuple, int]:
         controller = _learned_from_noisy_inputs(run.canonical())
     else:
         controller = trained(run, robot, np.random.default_rng([run.seed, 0])).controller
-    return FuzzyRun(controller, model, added), FuzzyComputedTorque.numbers_said
+    exact = NO_MODEL if run.outside == "clamp" else closed_form_table(model)
+    return FuzzyRun(controller, exact, added), step_width(3) - 3
 
 
 def trained(run: Run, robot: PSP3, rng: np.random.Generator) -> FuzzyComputedTorque:

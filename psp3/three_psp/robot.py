@@ -23,6 +23,7 @@ from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose
 from psp3.multibody.core import LastPose
 from psp3.robots import closed_loop_robot
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.learning_inputs import LearningInputs, differences_of_three
 from psp3.three_psp.geometry import arm_lengths, heights_of_tilt, tip_reach
 from psp3.three_psp.parameters import Parameters
 
@@ -152,6 +153,11 @@ class PSP3(ClosedLoopRobot):
     def point_of_force(self) -> Array:
         """Where the screw passes through the nut, in the axes of the leg, (3,) [m]."""
         return SCREW_IN_NUT
+
+    @property
+    def learning_inputs(self) -> LearningInputs:
+        """What M, C and G depend on: four differences, for they do not change with the height."""
+        return differences_of_three()
 
     @property
     def compiled_steps(self) -> Callable[[int, Any], Any]:

@@ -729,7 +729,8 @@ def spoiled(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", fuzzy2.ApproximationWarning)
         other._take(
-            type(system)(system.inputs, system.rules, consequents, **options), controller.ranges_
+            (type(system)(system.inputs, system.rules, consequents, **options),),
+            controller.ranges_,
         )
     return other
 
@@ -788,12 +789,10 @@ def test_what_counts_as_positive_definite_is_what_the_eigenvalues_say(
     controller = copy.copy(trained["t1"])
     if least < 0.0:
         with pytest.raises(UnusableEstimate):
-            controller._take(
-                type(controller.system_)(
-                    controller.system_.inputs, controller.system_.rules, consequents
-                ),
-                controller.ranges_,
+            system = type(controller.system_)(
+                controller.system_.inputs, controller.system_.rules, consequents
             )
+            controller._take((system,), controller.ranges_)
         # With an average that is usable, the rules themselves decide.
         controller = copy.copy(trained["t1"])
         system = type(controller.system_)(
@@ -804,12 +803,10 @@ def test_what_counts_as_positive_definite_is_what_the_eigenvalues_say(
         controller.torque(0.0, np.zeros(3), np.zeros(3), HELIX(0.0))
         assert controller.fell_back
     else:
-        controller._take(
-            type(controller.system_)(
-                controller.system_.inputs, controller.system_.rules, consequents
-            ),
-            controller.ranges_,
+        system = type(controller.system_)(
+            controller.system_.inputs, controller.system_.rules, consequents
         )
+        controller._take((system,), controller.ranges_)
         controller.torque(0.0, np.zeros(3), np.zeros(3), HELIX(0.0))
         assert not controller.fell_back
 

@@ -22,7 +22,7 @@ from psp3.fuzzy_control.records import Record, record, unpack
 from psp3.simulation.loop import compiled_loop, new_track, unbounded
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.three_psp.parameters import Parameters
-from psp3.three_psp.stepping import ClosedFormSteps
+from psp3.three_psp.stepping import ClosedFormSteps, closed_form_table
 from psp3.trajectories import Helix, Motion, Trajectory
 from psp3.trajectories.fourier_series import FourierSeries
 
@@ -85,7 +85,7 @@ def compiled_run(
     noise = np.empty((0, 18)) if added is None else added
     is_fuzzy, table = isinstance(controller, kernels.Fuzzy), controller
     if is_fuzzy:
-        table = kernels.FuzzyRun(controller, ROBOT.parameters.as_array(), noise)
+        table = kernels.FuzzyRun(controller, closed_form_table(ROBOT.parameters.as_array()), noise)
     else:
         # A run changes the memory of its controller.
         table = controller._replace(added=noise, memory=np.zeros((4, 3)), clock=np.zeros(2))
@@ -385,10 +385,10 @@ def test_online_noise_moves_the_torques_interval_and_leaves_its_width(
 
     1e-10 N is rounding of 1e2 N.
     """
-    table, p, t = trained[name].controller, ROBOT.parameters.as_array(), 1.3
+    table, p, t = trained[name].controller, kernels.NO_MODEL, 1.3
     desired = HELIX(t)
     wanted = np.concatenate([desired.heights, desired.speeds, desired.accelerations])
-    without, noisy = np.empty((2, kernels.STEP))
+    without, noisy = np.empty((2, kernels.step_width(3)))
     kernels.fuzzy_torque(table, p, desired.heights, desired.speeds, wanted, np.empty(0), without)
     kernels.fuzzy_torque(table, p, desired.heights, desired.speeds, wanted, ADDED[0], noisy)
     M, C, G = unpack(ADDED[0])

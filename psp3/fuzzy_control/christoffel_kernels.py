@@ -1,0 +1,140 @@
+r"""C as the derivative of a learned M, compiled.
+
+With the Christoffel symbols of the first kind,
+
+.. math:: C_{ij} = \tfrac12 \sum_k \left(\frac{\partial M_{ij}}{\partial a_k}
+          + \frac{\partial M_{ik}}{\partial a_j} - \frac{\partial M_{jk}}{\partial a_i}\right)
+          \dot a_k,
+
+:math:`\dot M - 2 C` is skew-symmetric, as that of a robot is. M is what the type-1 rules say, of
+Gaussian terms whose grades are multiplied,
+
+.. math:: M = \sum_r \phi_r M_r, \qquad
+          \phi_r \propto \exp\left(-\tfrac12 \sum_i \frac{(x_i - m_{ri})^2}{\sigma_{ri}^2}\right),
+          \qquad \frac{\partial \phi_r}{\partial x_i}
+          = \phi_r \Big(d_{ri} - \sum_s \phi_s d_{si}\Big), \quad
+          d_{ri} = -\frac{x_i - m_{ri}}{\sigma_{ri}^2}.
+
+What is uncertain about the terms of a type-2 system does not enter: C is crisp. An input that is
+held at the end of its trained range does not change, and M with it.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fuzzy2.support.compiled import compiled
+from psp3.checks import Array
+
+DERIVED = 2
+"""Numbers with which the array of :func:`derived` begins: those of rules and inputs."""
+
+
+def derived(columns: Array, ranges: Array, means: Array, sigmas: Array, mass: Array) -> Array:
+    """Return what C is found from as one array.
+
+    Parameters
+    ----------
+    columns : (q,) ndarray of int
+        Numbers of M's inputs among all.
+    ranges : (2, q) ndarray
+        Their least and greatest values; beyond them M does not change.
+    means, sigmas : (R, q) ndarray
+        Of each rule's terms.
+    mass : (R, n (n + 1) / 2) ndarray
+        Upper triangle of each rule's M.
+    """
+    parts = (columns, ranges, means, 1.0 / sigmas**2, mass)
+    return np.concatenate([[*means.shape], *(np.ravel(part) for part in parts)]).astype(np.float64)
+
+
+@compiled
+def write_basis(means, precisions, x, phi, slopes):
+    """Write basis functions (R,) of type-1 rules at x (q,), and their slopes (R, q)."""
+    rules, inputs = means.shape
+    largest = -math.inf
+    for r in range(rules):
+        total = 0.0
+        for i in range(inputs):
+            gap = x[i] - means[r, i]
+            total -= 0.5 * gap * gap * precisions[r, i]
+        phi[r] = total
+        largest = max(largest, total)
+    total = 0.0
+    for r in range(rules):
+        phi[r] = math.exp(phi[r] - largest)
+        total += phi[r]
+    for r in range(rules):
+        phi[r] /= total
+    for i in range(inputs):
+        mean = 0.0
+        for r in range(rules):
+            slopes[r, i] = -(x[i] - means[r, i]) * precisions[r, i]
+            mean += phi[r] * slopes[r, i]
+        for r in range(rules):
+            slopes[r, i] = phi[r] * (slopes[r, i] - mean)
+
+
+@compiled
+def slopes_of_positions(places, columns, ranges, x, slopes, out):
+    """Write the slopes (R, n) along the positions from those (R, q) along the inputs x (q,).
+
+    ``places`` (2, p) are those of all inputs in positions and speeds, see
+    ``psp3.fuzzy_control.kernels.Fuzzy``.
+    """
+    n = out.shape[1]
+    out[:] = 0.0
+    for i in range(columns.size):
+        if not ranges[0, i] < x[i] < ranges[1, i]:
+            continue
+        for side in range(2):
+            place = int(places[side, int(columns[i])])
+            if 0 <= place < n:
+                for r in range(out.shape[0]):
+                    out[r, place] += slopes[r, i] if side == 0 else -slopes[r, i]
+
+
+@compiled
+def write_christoffel(data: Array, places: Array, x: Array, speeds: Array, numbers: Array) -> None:
+    """Write C (n, n) to its places in the numbers, at inputs x (p,) and speeds (n,)."""
+    rules, inputs, n = int(data[0]), int(data[1]), speeds.size
+    entries = n * (n + 1) // 2
+    o = DERIVED
+    columns = data[o : o + inputs]
+    o += inputs
+    ranges = data[o : o + 2 * inputs].reshape(2, inputs)
+    o += 2 * inputs
+    means = data[o : o + rules * inputs].reshape(rules, inputs)
+    o += rules * inputs
+    precisions = data[o : o + rules * inputs].reshape(rules, inputs)
+    o += rules * inputs
+    mass = data[o:].reshape(rules, entries)
+    asked, phi = np.empty(inputs), np.empty(rules)
+    slopes, along = np.empty((rules, inputs)), np.empty((rules, n))
+    for i in range(inputs):
+        asked[i] = x[int(columns[i])]
+    write_basis(means, precisions, asked, phi, slopes)
+    slopes_of_positions(places, columns, ranges, asked, slopes, along)
+    rates = np.zeros((n, entries))
+    for r in range(rules):
+        row = mass[r]
+        for k in range(n):
+            slope = along[r, k]
+            rate = rates[k]
+            for entry in range(entries):
+                rate[entry] += slope * row[entry]
+    for i in range(n):
+        for j in range(n):
+            total = 0.0
+            for k in range(n):
+                a, b = min(i, j), max(i, j)
+                c, d = min(i, k), max(i, k)
+                e, f = min(j, k), max(j, k)
+                total += speeds[k] * (
+                    rates[k, a * (2 * n - 1 - a) // 2 + b]
+                    + rates[j, c * (2 * n - 1 - c) // 2 + d]
+                    - rates[i, e * (2 * n - 1 - e) // 2 + f]
+                )
+            numbers[entries + n * i + j] = 0.5 * total

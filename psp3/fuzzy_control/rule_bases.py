@@ -1,0 +1,262 @@
+"""Rule bases of M, C and G: which there are of a robot, how they are learned, and as one table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fuzzy2.learning.wang_mendel import LEARNERS as LEARNERS_OF_RULES
+from fuzzy2.learning.wang_mendel import WangMendel
+from fuzzy2.sets.gaussian_type2 import GaussianType2Set
+from fuzzy2.systems.general_type2 import GeneralType2System
+from fuzzy2.systems.system import FuzzySystem
+from psp3.checks import Array, Indices
+from psp3.errors import InvalidValue
+from psp3.fuzzy_control import christoffel_kernels, kernels
+from psp3.fuzzy_control.numbers import count_of_numbers, output_names, places_of
+from psp3.robots.learning_inputs import LearningInputs
+
+LEARNERS = (*LEARNERS_OF_RULES, "least-squares")
+"""How rules are learned, see :class:`fuzzy2.WangMendel`; the last one is its ridge least squares,
+with a ridge that generalized cross-validation chooses.
+"""
+
+CORIOLIS = ("rules", "mass")
+"""Where C comes from: rules of its own, or the derivative of M."""
+
+MOST_GRID_RULES = 256
+"""Rules of the largest grid of a base that is one of several; where it would have more, clusters of
+the samples are the rules.
+"""
+
+CLUSTERS = 64
+"""How many they are then."""
+
+_NO_PLANES = np.empty((2, 0))
+
+
+class Place(NamedTuple):
+    """Where a rule base stands: numbers of its inputs, and places of its outputs in the row."""
+
+    columns: tuple[int, ...]
+    outputs: Indices
+
+
+def places_of_bases(inputs: LearningInputs, joints: int, coriolis: str) -> tuple[Place, ...]:
+    """Return where the rule bases of a robot stand.
+
+    One says all where all depends on the same inputs; else one says M and G, and one C, where that
+    has rules.
+    """
+    of_mass, of_coriolis = inputs.of_mass_and_gravity, inputs.of_coriolis
+    if coriolis == "rules" and of_mass == of_coriolis:
+        return (Place(of_mass, places_of("MCG", joints)),)
+    of_both = Place(of_mass, places_of("MG", joints))
+    if coriolis == "rules":
+        return of_both, Place(of_coriolis, places_of("C", joints))
+    if (inputs.plus[list(of_mass)] >= joints).any():
+        raise InvalidValue(
+            "coriolis",
+            coriolis,
+            "'rules', of a robot whose M is learned from speeds, too, as that of the 3-PSP",
+        )
+    return (of_both,)
+
+
+class RuleOptions(NamedTuple):
+    """How rules are learned, see :class:`psp3.FuzzyComputedTorque`."""
+
+    kind: str
+    n_terms: int
+    rules: int | None
+    mean_variation: float
+    learner: str
+    reduction: str
+    levels: int
+    term_width: float
+    most_grid_rules: float
+
+
+class _Named(np.ndarray[Any, np.dtype[np.float64]]):
+    """An array whose columns have names, so that errors of learning speak of Δq12 and not of x1."""
+
+    columns: tuple[str, ...]
+
+
+def terms_of_input(options: RuleOptions, inputs: int) -> tuple[int, bool]:
+    """Return the number of terms of every input of a base, and whether they make a grid."""
+    if options.rules is None and options.n_terms**inputs <= options.most_grid_rules:
+        return options.n_terms, True
+    return options.rules or CLUSTERS, False
+
+
+def learned_system(
+    options: RuleOptions, inputs: Array, names: tuple[str, ...], outputs: Array
+) -> FuzzySystem:
+    """Return the system of one rule base, learned from samples (N, p) and (N, m)."""
+    number, on_grid = terms_of_input(options, len(names))
+    by_validation = options.learner == "least-squares"
+    completion = "nearest" if options.learner == "strict" else "refuse"
+    learner = WangMendel(
+        number,
+        options.kind,
+        options.mean_variation,
+        "ridge" if by_validation else options.learner,
+        # Table look-up is published with completion; what no sample says is no model else.
+        completion,
+        **({"ridge": None} if by_validation else {}),
+        reduction=options.reduction,
+        levels=options.levels,
+        partition="grid" if on_grid else "clusters",
+    )
+    table = inputs.view(_Named)
+    table.columns = names
+    system = learner.fit(table, outputs).system_
+    if options.term_width != 1.0:
+        system = _widened(system, options.term_width)
+        uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
+        if uncovered > 0.0:
+            wanted = (
+                f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} "
+                "of the samples none does"
+            )
+            raise InvalidValue("term_width", options.term_width, wanted)
+    return system
+
+
+def learned_systems(
+    options: RuleOptions,
+    places: Sequence[Place],
+    names: tuple[str, ...],
+    inputs: Array,
+    outputs: Array,
+    joints: int,
+) -> tuple[FuzzySystem, ...]:
+    """Return the systems of all rule bases, learned from inputs (N, p) and M, C and G (N, K)."""
+    of_numbers = output_names(joints)
+    return tuple(
+        learned_system(
+            options,
+            np.ascontiguousarray(inputs[:, columns]),
+            tuple(names[column] for column in columns),
+            np.ascontiguousarray(outputs[:, said]),
+        ).replace(output_names=tuple(of_numbers[j] for j in said))
+        for columns, said in places
+    )
+
+
+def fallback_of(systems: Sequence[FuzzySystem], places: Sequence[Place], joints: int) -> Array:
+    """Return the averages over the rules, (K,); 0 of a C that has no rules."""
+    fallback = np.zeros(count_of_numbers(joints))
+    for system, place in zip(systems, places, strict=True):
+        fallback[place.outputs] = np.asarray(system.consequents, dtype=float).mean(axis=0)
+    return fallback
+
+
+def principal_terms_of(system: FuzzySystem) -> tuple[Array, Array]:
+    """Return means and standard deviations (R, q) of the type-1 terms of each rule."""
+    numbers = np.array([[_mean_and_sigma(term) for term in terms] for terms in system.inputs])
+    rules = np.asarray(system.rules)
+    chosen = numbers[np.arange(rules.shape[1]), rules]
+    return chosen[..., 0], chosen[..., 1]
+
+
+def _mean_and_sigma(term: Any) -> tuple[float, float]:
+    if isinstance(term, GaussianType2Set):
+        term = term.principal
+    return float(np.mean(term.mean)), float(term.sigma)
+
+
+def kind_of(system: FuzzySystem, defuzzify: str) -> int:
+    """Return the kind of controller, as kernels take it, from a system of one of its bases."""
+    if not isinstance(system, GeneralType2System):
+        return kernels.INTERVAL
+    if system.reduction == "gaussian":
+        return kernels.COROLLARY
+    return kernels.CENTROID if defuzzify == "last" else kernels.PLANES
+
+
+def controller_table(
+    systems: Sequence[FuzzySystem],
+    places: Sequence[Place],
+    inputs: LearningInputs,
+    ranges: Array,
+    joints: int,
+    gains: tuple[float, float],
+    outside: int,
+    defuzzify: str,
+    has_derived_coriolis: bool,
+) -> kernels.Fuzzy:
+    """Return a trained controller as compiled steps take it."""
+    first = systems[0]
+    kind, product, planes = kind_of(first, defuzzify), False, _NO_PLANES
+    moments: list[Array] = []
+    if isinstance(first, GeneralType2System):
+        if kind == kernels.COROLLARY:
+            product = first.grade_t_norm == "product"
+        else:
+            planes = np.stack([first.alphas, first.widths])
+    bases, tables, size, begun = [float(len(systems))], [], 0, 0
+    for system, place in zip(systems, places, strict=True):
+        assert system.table is not None
+        table = np.ravel(system.table)
+        shape = len(system.rules), len(place.columns), len(place.outputs)
+        bases += [size, table.size, begun, *shape, *place.columns, *place.outputs]
+        tables.append(table)
+        size += table.size
+        if isinstance(system, GeneralType2System) and kind == kernels.COROLLARY:
+            moments.append(np.ravel(np.stack(system.moments)))
+            begun += moments[-1].size
+    derived = np.empty(0)
+    if has_derived_coriolis:
+        columns, entries = list(places[0].columns), joints * (joints + 1) // 2
+        means, sigmas = principal_terms_of(first)
+        mass = np.asarray(first.consequents, dtype=float)[:, :entries]
+        derived = christoffel_kernels.derived(
+            np.array(columns), ranges[:, columns], means, sigmas, mass
+        )
+    arrays = (
+        *(ranges, fallback_of(systems, places, joints), planes, np.concatenate(tables)),
+        *(np.concatenate(moments) if moments else np.empty(0),),
+        *(np.stack([inputs.plus, inputs.minus]), np.array(bases), derived),
+    )
+    return kernels.Fuzzy(
+        *(kind, gains[0], gains[1], outside, int(product)),
+        *(np.ascontiguousarray(array, dtype=np.float64) for array in arrays),
+    )
+
+
+def write_derived_coriolis(
+    controller: kernels.Fuzzy, inputs: Array, speeds: Array, numbers: Array
+) -> None:
+    """Write the C that M's derivative gives to its places in the numbers (K,)."""
+    asked, rates = (np.array(row, dtype=np.float64) for row in (inputs, speeds))
+    christoffel_kernels.write_christoffel(
+        controller.derived, controller.inputs, asked, rates, numbers
+    )
+
+
+def _widened(system: FuzzySystem, width: float) -> FuzzySystem:
+    """Return the system with the standard deviations of its terms multiplied.
+
+    All else is as it is.
+    """
+    options: dict[str, Any] = {
+        "input_names": system.input_names,
+        "output_names": system.output_names,
+        "term_names": system.term_names,
+    }
+    if isinstance(system, GeneralType2System):
+        options |= {"reduction": system.reduction, "levels": system.levels}
+    terms = [[_wider(term, width) for term in terms] for terms in system.inputs]
+    return type(system)(terms, system.rules, system.consequents, system.t_norm, **options)
+
+
+def _wider(term: Any, width: float) -> Any:
+    if isinstance(term, GaussianType2Set):
+        return GaussianType2Set(_wider(term.principal, width), term.sigma)
+    return type(term)(term.mean, width * term.sigma)
+
+
