@@ -17,7 +17,6 @@ import numpy as np
 
 from fuzzy2.learning.anfis import ANFIS
 from fuzzy2.learning.partition import KINDS
-from fuzzy2.learning.wang_mendel import LEARNERS
 from psp3.benchmark import regressors
 from psp3.benchmark.entries import BOTH, MODEL, SAMPLES, Course, Entry, of_regressor
 from psp3.benchmark.readings import NONE, READINGS
@@ -28,6 +27,7 @@ from psp3.control.linear_quadratic_regulator import LinearQuadraticRegulator
 from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import NOISE_OF_THE_STUDY
+from psp3.fuzzy_control.rule_bases import LEARNERS
 
 REFERENCE = "ctc"
 """Name of exact computed torque, to which efforts are compared; it takes part in every board."""

@@ -139,7 +139,7 @@ def of_regressor(regressor: Any, course: Course, name: str) -> LearnedComputedTo
     """Return computed torque with what a regressor learns from the samples of a course."""
     task = course.task
     return LearnedComputedTorque(
-        regressor, course.lesson, task.inputs_of, task.joints, task.kp, task.kv, name
+        regressor, course.lesson, task.inputs_of, task.kp, task.kv, name
     )
 
 

@@ -14,6 +14,7 @@ from psp3.benchmark.readings import Lesson
 from psp3.checks import Array
 from psp3.control.controller import Stateless
 from psp3.errors import InvalidEntry
+from psp3.fuzzy_control.numbers import unpack
 from psp3.trajectories.motion import Motion
 
 
@@ -44,8 +45,6 @@ class LearnedComputedTorque(Stateless):
         What it learns from.
     inputs_of : callable
         Returns the inputs (p,) at positions and speeds, (n,) each.
-    joints : int
-        Number n of actuated joints.
     kp, kv : float
         Gains of the servo [1/s²], [1/s].
     name : str
@@ -67,13 +66,12 @@ class LearnedComputedTorque(Stateless):
         regressor: Regressor,
         lesson: Lesson,
         inputs_of: Callable[[Array, Array], Array],
-        joints: int,
         kp: float,
         kv: float,
         name: str,
     ) -> None:
         self._regressor, self._inputs_of, self._name = regressor, inputs_of, name
-        self._joints, self.kp, self.kv = joints, kp, kv
+        self.kp, self.kv = kp, kv
         self._width = lesson.outputs.shape[1]
         # Copies: what an entry does to its samples is no business of the next one.
         regressor.fit(lesson.inputs.copy(), lesson.outputs.copy())
@@ -89,9 +87,9 @@ class LearnedComputedTorque(Stateless):
                 f"predict returned shape {said.shape} for inputs {inputs.shape}; it must be "
                 f"{(1, self._width)}, M, C and G stacked as in the Y of fit",
             )
-        M, C, G = unstacked(said[0], self._joints)
+        M, C, G = unpack(said[0])
         self.fell_back = not (np.isfinite(said).all() and _is_positive_definite(M))
-        return unstacked(self._average, self._joints) if self.fell_back else (M, C, G)
+        return unpack(self._average) if self.fell_back else (M, C, G)
 
     def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
         """Return the forces, (n,) [N or N m]."""
@@ -103,15 +101,6 @@ class LearnedComputedTorque(Stateless):
         )
         forces: Array = M @ servo + C @ speeds + G
         return forces
-
-
-def unstacked(outputs: Array, n: int) -> tuple[Array, Array, Array]:
-    """Return M (n, n), C (n, n) and G (n,) of outputs: M's upper triangle, C, G."""
-    upper = np.triu_indices(n)
-    count = len(upper[0])
-    M = np.empty((n, n))
-    M[upper] = M.T[upper] = outputs[:count]
-    return M, outputs[count : count + n * n].reshape(n, n), outputs[count + n * n :]
 
 
 def _is_positive_definite(M: Array) -> bool:

@@ -90,7 +90,7 @@ def measured_noise(
     if reading == NONE or READINGS[reading].noise is not None or not math.isfinite(snr_db):
         return None
     recorded = task.recorded
-    state = np.concatenate([recorded.heights, recorded.speeds], axis=1)
+    state = np.concatenate([recorded.positions, recorded.speeds], axis=1)
     amplitudes = 10.0 ** (-snr_db / 20.0) * AT_RUN_TIME.amplitudes(state)
     noise: Array = amplitudes * rng.standard_normal((count, state.shape[1]))
     return noise

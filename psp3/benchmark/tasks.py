@@ -97,7 +97,7 @@ class Task:
     @cached_property
     def recorded(self) -> Record:
         """The run that is learned from: exact computed torque on the first path."""
-        return _record(self.robot, self.paths[PATHS[0]], self.kp, self.kv)
+        return record(self.robot, self.paths[PATHS[0]], DURATION, kp=self.kp, kv=self.kv)
 
     @property
     def joints(self) -> int:
@@ -106,7 +106,7 @@ class Task:
 
     def inputs_of(self, positions: Array, speeds: Array) -> Array:
         """Return the inputs that M, C and G are learned from, at positions and speeds (..., n)."""
-        return inputs_of(self.robot, positions, speeds)
+        return self.robot.learning_inputs.of(positions, speeds)
 
     def desired(self, path: str, duration: float, period: float) -> tuple[Array, Motion]:
         """Return the times of the control periods [s] and the desired motion at them."""
@@ -121,24 +121,6 @@ class Task:
         _, motion = self.desired(path, duration, period)
         every = max(1, len(motion.tip) // 400)
         return float(pdist(motion.tip[::every]).max())
-
-
-def inputs_of(robot, positions, speeds):  # INTERIM
-    from psp3.fuzzy_control.records import differences
-    if robot.has_inverse_of_tip:
-        return differences(positions, speeds)
-    return np.concatenate([positions, speeds], axis=-1)
-
-
-def _record(robot, path, kp, kv):  # INTERIM
-    if robot.has_inverse_of_tip:
-        return record(robot, path, DURATION, kp=kp, kv=kv)
-    import psp3
-    res = psp3.simulate(robot, psp3.ComputedTorque(robot, kp, kv), path, DURATION)
-    M, C, G = robot.equation_of_motion(res.positions, res.speeds)
-    iu = np.triu_indices(M.shape[-1])
-    Y = np.concatenate([M[:, iu[0], iu[1]], C.reshape(len(C), -1), G], axis=1)
-    return Record(res.t, res.positions, res.speeds, inputs_of(robot, res.positions, res.speeds), Y)
 
 
 @lru_cache(maxsize=len(ROBOTS))
