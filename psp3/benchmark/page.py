@@ -35,6 +35,9 @@ COLUMNS = (
 )
 """Columns of the board."""
 
+SHORT_COLUMNS = ("place", "entry", "knows", "mm", "times best", "lost", "µs", "training")
+"""Columns of the board where there is little room: error, ratio, diverged, step and training."""
+
 
 def write_numbers(board: Board, path: str | Path) -> Path:
     """Write the board as JSON and return the path; see :meth:`Board.as_numbers`."""
@@ -143,6 +146,14 @@ def _placeless(board: Board) -> list[Score]:
 def board_rows(board: Board) -> list[list[str]]:
     """Return the cells of the board, a row an entry."""
     return [_row(place, score) for place, score in enumerate(board.scores, start=1)]
+
+
+def short_rows(board: Board) -> list[list[str]]:
+    """Return the cells of the short board, a row an entry: only ratios have intervals."""
+    return [
+        [*row[:3], _short(1e3 * score.error.value), row[4], row[6], *row[7:9]]
+        for row, score in zip(board_rows(board), board.scores, strict=True)
+    ]
 
 
 def _row(place: int, score: Score) -> list[str]:

@@ -7,7 +7,6 @@ they learned from.
 
 from __future__ import annotations
 
-import warnings
 from typing import Any, Self
 
 import numpy as np
@@ -38,11 +37,7 @@ class Standardized:
         """Learn from inputs (N, p) and outputs (N, m)."""
         self._low, self._high = X.min(axis=0), X.max(axis=0)
         self._x, self._y = _scale(X), _scale(Y)
-        with warnings.catch_warnings():
-            # Of optimizers that stop at a bound or at their last iteration: what they have found
-            # is what is scored.
-            warnings.simplefilter("ignore")
-            self.regressor.fit((X - self._x[0]) / self._x[1], (Y - self._y[0]) / self._y[1])
+        self.regressor.fit((X - self._x[0]) / self._x[1], (Y - self._y[0]) / self._y[1])
         return self
 
     def predict(self, X: Array) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import time
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -130,7 +131,11 @@ def execute(trial: Trial, entry: Entry) -> Outcome:
     trial.check()
     of_robot = task(trial.robot)
     try:
-        return _done(trial, entry, of_robot)
+        with warnings.catch_warnings():
+            # What an entry is warned of, such as a search that has not converged, it knows or not:
+            # its score shows.
+            warnings.simplefilter("ignore")
+            return _done(trial, entry, of_robot)
     except (Exception, SystemExit) as error:
         # An entry is code of others: what it raises is a result.
         return {"error": said(error)}

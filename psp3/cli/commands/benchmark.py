@@ -82,9 +82,9 @@ def benchmark(
     """
     from psp3.benchmark.benchmark import ALL, NUMBERS, PAGE, Benchmark
     from psp3.benchmark.page import (
-        COLUMNS,
+        SHORT_COLUMNS,
         board_note,
-        board_rows,
+        short_rows,
         summary,
         write_numbers,
         write_page,
@@ -105,7 +105,7 @@ def benchmark(
     with resumable(out), _progress() as progress:
         asked.run(workers, progress)
     board = asked.board()
-    show_narrow("The board", list(COLUMNS), board_rows(board), board_note(board))
+    show_narrow("The board", list(SHORT_COLUMNS), short_rows(board), board_note(board))
     for sentence in summary(board):
         show_text(f"• {sentence}")
     for path in (write_page(board, out / PAGE), write_numbers(board, out / NUMBERS)):
