@@ -8,7 +8,7 @@ import multiprocessing
 import os
 import signal
 import time
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -174,7 +174,9 @@ class Benchmark:
         StudyInterrupted
             After Ctrl-C; what was done stays.
         """
-        count = len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
+        count = (
+            len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
+        )
         self.directory.mkdir(parents=True, exist_ok=True)
         file = OutcomeFile(self.directory / FILE)
         wanted: dict[str, tuple[Entry, Trial]] = {}

@@ -154,10 +154,13 @@ class Board:
 
         NaN if one of the two did not take part in everything.
         """
-        nothing = np.full(self.seeds, np.nan)
-        return ratio_of_geometric_means(
-            *(self._by_seed.get(one, nothing) for one in (name, other))
-        )
+        return ratio_of_geometric_means(self._whole(name), self._whole(other))
+
+    def _whole(self, name: str) -> Array:
+        """Return the scores of all seeds of an entry, NaN where one of them lacks."""
+        found = self._by_seed.get(name)
+        is_whole = found is not None and bool(np.isfinite(found).all())
+        return found if found is not None and is_whole else np.full(self.seeds, np.nan)
 
     @cached_property
     def _all_errors(self) -> dict[str, dict[Cell, Array]]:
@@ -182,14 +185,14 @@ class Board:
             for seed in range(self.seeds)
         ]
 
-    def _per_seed(
-        self, name: str, cell: Cell, value: Callable[[dict[str, Any]], float]
-    ) -> Array:
+    def _per_seed(self, name: str, cell: Cell, value: Callable[[dict[str, Any]], float]) -> Array:
         """Return a number of the run of each seed, NaN where there is none."""
         found = (self._outcomes.get((name, trial)) for trial in self._trials(cell))
         return np.array(
             [
-                math.nan if outcome is None or outcome["error"] else value(outcome["runs"][cell.path])
+                math.nan
+                if outcome is None or outcome["error"]
+                else value(outcome["runs"][cell.path])
                 for outcome in found
             ]
         )
@@ -220,7 +223,7 @@ class Board:
             for (who, _), outcome in self._outcomes.items()
             if who == name and not outcome["error"]
         ]
-        own = self._by_seed[name]
+        own = self._whole(name)
         return Score(
             entry,
             self._problem(name, own),

@@ -138,9 +138,7 @@ def load_entry(path: str | Path) -> Entry:
 def of_regressor(regressor: Any, course: Course, name: str) -> LearnedComputedTorque:
     """Return computed torque with what a regressor learns from the samples of a course."""
     task = course.task
-    return LearnedComputedTorque(
-        regressor, course.lesson, task.inputs_of, task.kp, task.kv, name
-    )
+    return LearnedComputedTorque(regressor, course.lesson, task.inputs_of, task.kp, task.kv, name)
 
 
 def _the_class(path: Path, mark: str) -> type:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,6 +22,10 @@ MARKERS = "osv^DPX*"
 
 LINE = 0.24
 """Height of the line of an entry [inch]."""
+
+
+LONGEST = 24
+"""Letters of a name that are drawn."""
 
 
 def condition(cell: Cell) -> str:
@@ -48,11 +53,12 @@ def figure_of_cells(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
     InvalidValue
         If another number of axes is given.
     """
-    names = [score.entry.name for score in board.ranked]
+    names = [_shown(score.entry.name) for score in board.ranked]
     panels = given_panels(axes, len(board.robots))
     if panels is None:
         figure = Figure(
-            figsize=(1.6 + 3.0 * len(board.robots), 1.6 + LINE * len(names)), layout="constrained"
+            figsize=(max(8.0, 2.0 + 3.0 * len(board.robots)), 2.2 + LINE * len(names)),
+            layout="constrained",
         )
         panels = tuple(figure.subplots(1, len(board.robots), sharey=True, squeeze=False).flat)
     lines = np.arange(len(names))
@@ -85,7 +91,9 @@ def figure_of_cells(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
     for label in panels[0].get_yticklabels():
         label.set_parse_math(False)
     panels[0].set_ylim(len(names) - 0.5, -0.5)
-    panels[0].legend(loc="lower left", bbox_to_anchor=(0.0, 1.08), ncols=2)
+    if axes is None:
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=2)
     return panels
 
 
@@ -117,7 +125,7 @@ def figure_of_times(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
         x, y = 1e6 * score.step_time, 1e3 * score.error.value
         points = panel.plot(x, y, "o", markersize=5.0)
         panel.annotate(
-            score.entry.name,
+            _shown(score.entry.name),
             (x, y),
             xytext=(5.0, 3.0),
             textcoords="offset points",
@@ -131,9 +139,15 @@ def figure_of_times(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
     return panels
 
 
+def _shown(name: str) -> str:
+    """Return a name, cut where it is so long that it would leave no room."""
+    return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
+
+
 def as_svg(panels: Panels) -> bytes:
     """Return the figure of some axes as SVG, the same one every time."""
     text = io.BytesIO()
+    drawn: Any = panels[0].get_figure(root=True)
     with style("light"):
-        panels[0].get_figure(root=True).savefig(text, format="svg", metadata={"Date": None})
+        drawn.savefig(text, format="svg", metadata={"Date": None})
     return text.getvalue()

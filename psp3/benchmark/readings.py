@@ -60,7 +60,9 @@ class Lesson(NamedTuple):
     outputs: Array
 
 
-def lesson(task: Task, reading: str, snr_db: float, rng: np.random.Generator, samples: int) -> Lesson:
+def lesson(
+    task: Task, reading: str, snr_db: float, rng: np.random.Generator, samples: int
+) -> Lesson:
     """Return samples of a task's record, with the noise of a reading on them.
 
     Parameters

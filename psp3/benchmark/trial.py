@@ -143,9 +143,7 @@ def execute(trial: Trial, entry: Entry) -> Outcome:
 
 def _done(trial: Trial, entry: Entry, of_robot: Task) -> Outcome:
     noise = (trial.seed, NOISE)
-    taught = lesson(
-        of_robot, trial.reading, trial.snr_db, np.random.default_rng(noise), SAMPLES
-    )
+    taught = lesson(of_robot, trial.reading, trial.snr_db, np.random.default_rng(noise), SAMPLES)
     own = np.random.default_rng((trial.seed, ENTRY))
     course = Course(of_robot, taught, trial.reading, trial.snr_db, noise, own)
     begin = time.process_time()

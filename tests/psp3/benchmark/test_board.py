@@ -60,7 +60,9 @@ def test_order_and_scores_are_those_of_loops(board: Board) -> None:
         name: math.exp(sum(map(math.log, scores_by_hand(board, name))) / SEEDS)
         for name in ERRORS_OF
     }
-    assert [score.entry.name for score in board.ranked] == sorted(expected, key=expected.__getitem__)
+    assert [score.entry.name for score in board.ranked] == sorted(
+        expected, key=expected.__getitem__
+    )
     for place, score in enumerate(board.scores):
         assert score.error.value == pytest.approx(expected[score.entry.name], rel=1e-12)
         assert score.problem == ""
@@ -118,9 +120,9 @@ def test_who_raised_has_no_place_and_its_error_is_said() -> None:
 def test_trials_that_are_not_done_are_said() -> None:
     board = board_of({"ctc": ERRORS["ctc"]})
     short = Board(
-        board.entries, dict(list(board._outcomes.items())[:-1]), *map(
-            board.__getattribute__, ("robots", "conditions", "seeds", "duration", "period")
-        )
+        board.entries,
+        dict(list(board._outcomes.items())[:-1]),
+        *map(board.__getattribute__, ("robots", "conditions", "seeds", "duration", "period")),
     )
     assert short.scores[0].problem == "not all of its trials are done"
 

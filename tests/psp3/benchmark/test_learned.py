@@ -29,7 +29,7 @@ def controller_of(name: str, regressor: Any) -> LearnedComputedTorque:
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_exact_estimates_make_exact_computed_torque(name: str) -> None:
-    """Forces along the recorded way but for rounding: they come from M, C and G on one side only."""
+    """Along the recorded way, but for rounding: M, C and G are on one side only."""
     of_robot = task(name)
     learned = controller_of(name, Exact(of_robot.robot))
     exact = ComputedTorque(of_robot.robot, of_robot.kp, of_robot.kv)

@@ -22,8 +22,15 @@ def parts(reading: str) -> tuple[np.ndarray, np.ndarray]:
 
 @pytest.mark.parametrize(
     ("reading", "entries"),
-    [("outputs", "MCG"), ("variance", "MCG"), ("unit", "MCG"), ("gravity", "G")]
-    + [("mass-coriolis", "MC"), ("inputs", ""), ("measurement", "")],
+    [
+        ("outputs", "MCG"),
+        ("variance", "MCG"),
+        ("unit", "MCG"),
+        ("gravity", "G"),
+        ("mass-coriolis", "MC"),
+        ("inputs", ""),
+        ("measurement", ""),
+    ],
 )
 def test_noise_is_where_the_reading_says_and_nowhere_else(reading: str, entries: str) -> None:
     of_inputs, of_outputs = parts(reading)

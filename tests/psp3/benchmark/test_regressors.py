@@ -42,7 +42,7 @@ def test_inputs_and_outputs_have_mean_0_and_variance_1_and_inputs_stay_in_range(
     for values, deviations in ((inner.X, [1.0, 1.0]), (inner.Y, [1.0, 1.0, 0.0])):
         np.testing.assert_allclose(values.mean(axis=0), 0.0, atol=1e-9)
         np.testing.assert_allclose(values.std(axis=0), deviations, atol=1e-9)
-    wrapped.predict(X.max(axis=0, keepdims=True) + [1.0, 1e6])
+    wrapped.predict(X.max(axis=0, keepdims=True) + np.array([1.0, 1e6]))
     np.testing.assert_allclose(inner.asked[0], inner.X.max(axis=0), rtol=1e-12)
 
 

@@ -7,6 +7,7 @@ import pytest
 
 from psp3.benchmark.tasks import PATHS, ROBOTS, SMALLER, task
 from psp3.errors import UnknownName
+from psp3.fuzzy_control.numbers import unpack
 
 
 @pytest.mark.parametrize("name", ROBOTS)
@@ -39,8 +40,6 @@ def test_a_task_is_made_once_and_unknown_ones_are_refused() -> None:
 @pytest.mark.parametrize("name", ROBOTS)
 def test_outputs_of_a_record_are_the_dynamics_at_its_inputs(name: str) -> None:
     """M a + C v + G of the recorded numbers against inverse dynamics, which is another route."""
-    from psp3.fuzzy_control.numbers import unpack
-
     of_robot = task(name)
     recorded = of_robot.recorded
     chosen = recorded.sample(7)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from typing import Any
 
 import numpy as np
@@ -24,7 +25,8 @@ SHORT = 0.4
 def test_an_entry_that_is_exact_scores_like_exact_computed_torque(robot: str) -> None:
     """But for rounding of forces: errors are some tenths of a millimeter, equal to 1e-6 of that."""
     trial = Trial(robot, "outputs", 20.0, duration=SHORT)
-    exact, reference = execute(trial, entry_of("exact", Exact)), execute(trial, BASELINES[REFERENCE])
+    exact = execute(trial, entry_of("exact", Exact))
+    reference = execute(trial, BASELINES[REFERENCE])
     assert exact["error"] is None
     for path in PATHS:
         mine, other = exact["runs"][path], reference["runs"][path]
@@ -104,8 +106,6 @@ def exits(course: object) -> Any:
     ],
 )
 def test_what_an_entry_raises_is_its_outcome(make: Any, message: str) -> None:
-    import re
-
     outcome = execute(Trial("delta", duration=SHORT), Entry("bad", MODEL, make))
     assert outcome.keys() == {"error"}
     assert re.match(message, outcome["error"])
