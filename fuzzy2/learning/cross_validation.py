@@ -22,7 +22,7 @@ import numpy as np
 
 from fuzzy2.support.checks import Array
 
-RIDGES = np.logspace(-14.0, 2.0, 65)
+RIDGES = np.logspace(-10.0, 2.0, 49)
 """Ridges that are tried, as shares of the largest squared singular value of the design."""
 
 

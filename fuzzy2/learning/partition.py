@@ -158,10 +158,20 @@ def cluster_partition(
             f"{i + 1}: take fewer clusters"
         )
         raise InvalidValue("clusters", spreads[k], wanted)
+    return partition_of_centers(centers, spreads, variation * reaches, kind)
+
+
+def partition_of_centers(
+    centers: Array, spreads: Array, reaches: Array, kind: str
+) -> tuple[tuple[tuple[Term, ...], ...], Integers]:
+    """Return terms about the coordinates of centers (K, p), and a rule for each center.
+
+    Standard deviations are ``spreads`` (K, p); means are uncertain by ``reaches`` (p,).
+    """
     order = np.argsort(centers, axis=0, kind="stable")
     terms = tuple(
         _gaussian_terms(
-            centers[order[:, i], i], spreads[order[:, i], i], kind, float(variation * reaches[i])
+            centers[order[:, i], i], spreads[order[:, i], i], kind, float(reaches[i])
         )
         for i in range(len(reaches))
     )

@@ -97,11 +97,13 @@ class FuzzyComputedTorque:
         G depend on less than C does, they have a rule base of their own.
     kp, kv : float
         Gains of the servo, 10 [1/s²] and 1 [1/s] in Table 6.1.
-    n_terms : int
-        Terms of every input; two make 16 rules of four inputs. Of several rule bases, one whose grid
-        would have more than 256 rules has 64, of clusters of the samples.
+    n_terms : int, optional
+        Terms of every input, on a grid of rules. By default two where one rule base says all, as of
+        the 3-PSP, which makes 16 rules; and else no grid, nor where the grid of one of several rule
+        bases would have more than 256 rules.
     rules : int, optional
-        Rules of every base, of so many clusters of the samples, in place of a grid of terms.
+        Rules of every base where they are no grid, 32 by default: each stands about a sample, which
+        are chosen so that they cover all evenly.
     learner : str, optional
         How rules are learned, see :class:`fuzzy2.WangMendel`, or ``"least-squares"``: its ridge
         least squares, with a ridge that generalized cross-validation chooses. By default
@@ -172,7 +174,7 @@ class FuzzyComputedTorque:
         *,
         kp: float = 10.0,
         kv: float = 1.0,
-        n_terms: int = 2,
+        n_terms: int | None = None,
         rules: int | None = None,
         learner: str | None = None,
         coriolis: str = "rules",
@@ -210,10 +212,10 @@ class FuzzyComputedTorque:
         self.order = defuzzify
         self.kind, self.coriolis, self.reduction, self.outside = kind, coriolis, reduction, outside
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
-        self.n_terms, self.levels = (
-            checked_count("n_terms", n_terms),
-            checked_count("levels", levels),
-        )
+        if n_terms is None and says_all:
+            n_terms = 2
+        self.n_terms = None if n_terms is None else checked_count("n_terms", n_terms)
+        self.levels = checked_count("levels", levels)
         self.rules = None if rules is None else checked_count("rules", rules)
         self.snr_db = checked_snr(snr_db)
         by_rule = float(mean_variation_from_snr(self.snr_db))

@@ -22,6 +22,7 @@ from psp3.checks import Array, finite_rows
 from psp3.control.classical import ComputedTorque
 from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_control.numbers import output_names, pack, unpack
+from psp3.fuzzy_control.spreading import spread_evenly
 from psp3.published import DURATION
 from psp3.robots.learning_inputs import (
     LearningInputs,
@@ -193,12 +194,7 @@ class Record:
                 "trajectory", still, "one on which every input changes; " + self._remedy
             )
         points = (self.inputs - self.inputs.min(axis=0)) / span
-        chosen = [int(np.argmax(((points - 0.5) ** 2).sum(axis=1)))]
-        nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)
-        while len(chosen) < count:
-            chosen.append(int(np.argmax(nearest)))
-            np.minimum(nearest, ((points - points[chosen[-1]]) ** 2).sum(axis=1), out=nearest)
-        return np.sort(np.array(chosen))
+        return np.sort(spread_evenly(points, count))
 
 
 @dataclass(frozen=True)

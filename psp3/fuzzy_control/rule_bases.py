@@ -7,15 +7,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzy2.learning.consequents import rules_from_all
+from fuzzy2.learning.partition import Term, gaussian_terms, grades_in, partition_of_centers
 from fuzzy2.learning.wang_mendel import LEARNERS as LEARNERS_OF_RULES
 from fuzzy2.learning.wang_mendel import WangMendel
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
+from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.systems.general_type2 import GeneralType2System
-from fuzzy2.systems.system import FuzzySystem
+from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 from psp3.checks import Array, Indices
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control import christoffel_kernels, kernels
 from psp3.fuzzy_control.numbers import count_of_numbers, output_names, places_of
+from psp3.fuzzy_control.spreading import spread_evenly
 from psp3.robots.learning_inputs import LearningInputs
 
 LEARNERS = (*LEARNERS_OF_RULES, "least-squares")
@@ -31,8 +35,17 @@ MOST_GRID_RULES = 256
 the samples are the rules.
 """
 
-CLUSTERS = 64
+CLUSTERS = 32
 """How many they are then."""
+
+WIDTH_OF_CLUSTER = 1.5
+"""Standard deviation of a cluster's terms, as a share of the way to the nearest other cluster:
+wide enough for rules to blend between samples, and narrow enough for each to have a consequent that
+makes sense by itself.
+"""
+
+RIDGE = 1e-3
+"""Of the learner ``"ridge"``, that of :class:`fuzzy2.WangMendel`."""
 
 _NO_PLANES = np.empty((2, 0))
 
@@ -69,7 +82,7 @@ class RuleOptions(NamedTuple):
     """How rules are learned, see :class:`psp3.FuzzyComputedTorque`."""
 
     kind: str
-    n_terms: int
+    n_terms: int | None
     rules: int | None
     mean_variation: float
     learner: str
@@ -87,8 +100,9 @@ class _Named(np.ndarray[Any, np.dtype[np.float64]]):
 
 def terms_of_input(options: RuleOptions, inputs: int) -> tuple[int, bool]:
     """Return the number of terms of every input of a base, and whether they make a grid."""
-    if options.rules is None and options.n_terms**inputs <= options.most_grid_rules:
-        return options.n_terms, True
+    terms = options.n_terms
+    if options.rules is None and terms is not None and terms**inputs <= options.most_grid_rules:
+        return terms, True
     return options.rules or CLUSTERS, False
 
 
@@ -98,22 +112,29 @@ def learned_system(
     """Return the system of one rule base, learned from samples (N, p) and (N, m)."""
     number, on_grid = terms_of_input(options, len(names))
     by_validation = options.learner == "least-squares"
-    completion = "nearest" if options.learner == "strict" else "refuse"
-    learner = WangMendel(
-        number,
-        options.kind,
-        options.mean_variation,
-        "ridge" if by_validation else options.learner,
-        # Table look-up is published with completion; what no sample says is no model else.
-        completion,
-        **({"ridge": None} if by_validation else {}),
-        reduction=options.reduction,
-        levels=options.levels,
-        partition="grid" if on_grid else "clusters",
-    )
-    table = inputs.view(_Named)
-    table.columns = names
-    system = learner.fit(table, outputs).system_
+    if on_grid:
+        learner = WangMendel(
+            number,
+            options.kind,
+            options.mean_variation,
+            "ridge" if by_validation else options.learner,
+            # Table look-up is published with completion; what no sample says is no model else.
+            "nearest" if options.learner == "strict" else "refuse",
+            **({"ridge": None} if by_validation else {}),
+            reduction=options.reduction,
+            levels=options.levels,
+        )
+        table = inputs.view(_Named)
+        table.columns = names
+        system = learner.fit(table, outputs).system_
+    else:
+        partition = partition_by_clusters(options, inputs, number)
+        learned = rules_from_all(
+            *(principal_grades(partition, inputs), outputs, np.multiply, partition.rules),
+            "ridge" if by_validation else options.learner,
+            None if by_validation else RIDGE,
+        )
+        system = system_of(options, partition, learned.point_values(), names)
     if options.term_width != 1.0:
         system = _widened(system, options.term_width)
         uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
@@ -124,6 +145,56 @@ def learned_system(
             )
             raise InvalidValue("term_width", options.term_width, wanted)
     return system
+
+
+class Partition(NamedTuple):
+    """Terms of every input, the type-1 terms in their middles, and which of them a rule asks."""
+
+    terms: tuple[tuple[Term, ...], ...]
+    principal: tuple[tuple[Gaussian, ...], ...]
+    rules: Indices
+
+
+def partition_by_clusters(options: RuleOptions, inputs: Array, number: int) -> Partition:
+    """Return terms about samples (N, p) that cover all evenly, and a rule for each of these."""
+    if options.learner == "strict":
+        wanted = "another one where rules are clusters, of which each has a consequent"
+        raise InvalidValue("learner", options.learner, wanted)
+    least, widths = inputs.min(axis=0), np.ptp(inputs, axis=0)
+    points = (inputs - least) / widths
+    centers = points[spread_evenly(points, number)]
+    apart = np.sqrt(((centers[:, np.newaxis] - centers) ** 2).sum(axis=-1))
+    np.fill_diagonal(apart, np.inf)
+    nearest = apart.min(axis=1)
+    if not (nearest > 0.0).all() or number > len(points):
+        raise InvalidValue("rules", number, "at most as many as there are different samples")
+    # A single rule covers all.
+    nearest = np.where(np.isfinite(nearest), nearest, 1.0)
+    spreads = WIDTH_OF_CLUSTER * nearest[:, np.newaxis] * widths
+    placed = least + widths * centers
+    reaches = options.mean_variation * widths
+    terms, rules = partition_of_centers(placed, spreads, reaches, options.kind)
+    principal, _ = partition_of_centers(placed, spreads, reaches, "t1")
+    return Partition(terms, tuple(gaussian_terms(principal)), rules)
+
+
+def principal_grades(partition: Partition, inputs: Array) -> list[Array]:
+    """Return the grades (N, K) of every input in the terms' middles."""
+    return [grades_in(x, terms) for x, terms in zip(inputs.T, partition.principal, strict=True)]
+
+
+def system_of(
+    options: RuleOptions, partition: Partition, consequents: Array, names: tuple[str, ...]
+) -> FuzzySystem:
+    """Return the system of a partition with consequents (R, m)."""
+    named = {"input_names": names}
+    parts = partition.terms, partition.rules, consequents
+    if options.kind == "t1":
+        return Type1System(*parts, **named)
+    if options.kind == "it2":
+        return IntervalType2System(*parts, **named)
+    reduction = {"reduction": options.reduction, "levels": options.levels}
+    return GeneralType2System(*parts, **named, **reduction)
 
 
 def learned_systems(

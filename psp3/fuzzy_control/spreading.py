@@ -1,0 +1,24 @@
+"""Points of a set that cover it evenly, each the farthest from those before."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from psp3.checks import Array
+
+
+def spread_evenly(points: Array, count: int) -> NDArray[np.intp]:
+    """Return the numbers of points (N, p), in shares of their ranges, that cover all evenly.
+
+    The first is the one farthest from the middle of the ranges, and each next one the farthest from
+    all before, so that every prefix covers all. No other choice leaves a point less than half as
+    far from its nearest (T. F. Gonzalez, "Clustering to minimize the maximum intercluster
+    distance", Theoretical Computer Science 38, 1985).
+    """
+    chosen = [int(np.argmax(((points - 0.5) ** 2).sum(axis=1)))]
+    nearest = ((points - points[chosen[0]]) ** 2).sum(axis=1)
+    while len(chosen) < count:
+        chosen.append(int(np.argmax(nearest)))
+        np.minimum(nearest, ((points - points[chosen[-1]]) ** 2).sum(axis=1), out=nearest)
+    return np.array(chosen)
