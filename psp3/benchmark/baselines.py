@@ -33,9 +33,7 @@ REFERENCE = "ctc"
 """Name of exact computed torque, to which efforts are compared; it takes part in every board."""
 
 CLUSTERS = 8
-"""Rules of ANFIS, one for each cluster of the samples, and of fuzzy entries with so many inputs
-that a grid would have more rules than there are samples.
-"""
+"""Rules of ANFIS, one for each cluster of the samples."""
 
 EPOCHS = 20
 """Epochs of ANFIS at most."""
@@ -68,7 +66,6 @@ def _regulator(course: Course) -> Controller:
 def _fuzzy(kind: str, learner: str, course: Course) -> FuzzyComputedTorque:
     """Return the fuzzy controller, which draws the same noise on the same samples as a lesson."""
     task, noise = course.task, None
-    samples, inputs = course.lesson.inputs.shape
     if course.reading != NONE:
         noise = READINGS[course.reading].noise
     controller = FuzzyComputedTorque(
@@ -77,11 +74,12 @@ def _fuzzy(kind: str, learner: str, course: Course) -> FuzzyComputedTorque:
         kp=task.kp,
         kv=task.kv,
         learner=learner,
-        rules=CLUSTERS if 2**inputs > samples else None,
         snr_db=np.inf if noise is None else course.snr_db,
     )
     rng = np.random.default_rng(course.noise)
-    return controller.learn(task.recorded, samples, rng, noise or NOISE_OF_THE_STUDY)
+    return controller.learn(
+        task.recorded, len(course.lesson.inputs), rng, noise or NOISE_OF_THE_STUDY
+    )
 
 
 def _adaptive(course: Course) -> Controller:
