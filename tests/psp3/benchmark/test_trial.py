@@ -130,8 +130,8 @@ def test_measured_noise_is_seen_by_any_controller_the_same_in_every_run() -> Non
 
 def test_noise_of_measurement_makes_exact_computed_torque_worse() -> None:
     calm, noisy = (
-        execute(Trial("psp3", *reading, duration=SHORT), BASELINES[REFERENCE])["runs"]["trained"]
-        for reading in (("none", math.inf), ("measurement", 20.0))
+        execute(Trial("delta", *reading, duration=SHORT), BASELINES[REFERENCE])["runs"]["trained"]
+        for reading in (("none", math.inf), ("measurement", 10.0))
     )
     assert noisy["rms_tip_error"] > 1.5 * calm["rms_tip_error"]
 
