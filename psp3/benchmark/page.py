@@ -15,7 +15,7 @@ from psp3.benchmark.board import Board, Cell, Score
 from psp3.benchmark.entries import SAMPLES as SAMPLES_ONLY
 from psp3.benchmark.pictures import as_svg, condition, figure_of_cells, figure_of_times
 from psp3.benchmark.readings import NONE, READINGS
-from psp3.benchmark.tasks import PATHS, SAMPLES
+from psp3.benchmark.tasks import PATHS, ROBOTS, SAMPLES
 from psp3.plots.page import drawing, page, table
 from psp3.study.statistics import Estimate
 
@@ -118,9 +118,10 @@ def summary(board: Board) -> list[str]:
         for reading, snr_db in board.conditions
         if reading != NONE
     )
+    seeds = "seed" if board.seeds == 1 else "seeds"
     said.append(
-        f"{len(board.robots)} robots ({', '.join(board.robots)}), a trained and an untrained path "
-        f"each, without noise and with noise {conditions or '(none)'}; {board.seeds} seeds, runs "
+        f"{len(board.robots)} of {len(ROBOTS)} robots ({', '.join(board.robots)}), a trained and an untrained path "
+        f"each, without noise and with noise {conditions or '(none)'}; {board.seeds} {seeds}, runs "
         f"of {board.duration:g} s, control period {1e3 * board.period:g} ms, {SAMPLES} samples."
     )
     said += [f"Without a place: {score.entry.name}, {score.problem}" for score in _placeless(board)]
