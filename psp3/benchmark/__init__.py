@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from psp3.benchmark.board import Board as Board
     from psp3.benchmark.entries import Entry as Entry
     from psp3.benchmark.entries import load_entry as load_entry
+    from psp3.benchmark.page import write_numbers as write_numbers
     from psp3.benchmark.page import write_page as write_page
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)
