@@ -118,11 +118,12 @@ def summary(board: Board) -> list[str]:
         for reading, snr_db in board.conditions
         if reading != NONE
     )
-    seeds = "seed" if board.seeds == 1 else "seeds"
+    robots, seeds = ", ".join(board.robots), "seed" if board.seeds == 1 else "seeds"
     said.append(
-        f"{len(board.robots)} of {len(ROBOTS)} robots ({', '.join(board.robots)}), a trained and an "
-        f"untrained path each, without noise and with noise {conditions or '(none)'}; {board.seeds} {seeds}, runs "
-        f"of {board.duration:g} s, control period {1e3 * board.period:g} ms, {SAMPLES} samples."
+        f"{len(board.robots)} of {len(ROBOTS)} robots ({robots}), a trained and an untrained path "
+        f"each, without noise and with noise {conditions or '(none)'}; {board.seeds} {seeds}, "
+        f"runs of {board.duration:g} s, control period {1e3 * board.period:g} ms, {SAMPLES} "
+        "samples."
     )
     said += [f"Without a place: {score.entry.name}, {score.problem}" for score in _placeless(board)]
     return said
