@@ -13,6 +13,8 @@ from psp3.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from psp3 import trajectories as trajectories
+    from psp3.bounds.torque_intervals import ConformalIntervals as ConformalIntervals
+    from psp3.bounds.tracking_tube import TrackingTube as TrackingTube
     from psp3.control.classical import PD as PD
     from psp3.control.classical import PID as PID
     from psp3.control.classical import ComputedTorque as ComputedTorque

@@ -530,7 +530,8 @@ class UnusableEstimate(PSP3Error, ValueError):
         self.mass = mass
         super().__init__(
             f"the average mass matrix of the rules, {_numbers(mass)}, is not positive definite, "
-            "so there is nothing to fall back on; learn from more samples or less noise"
+            "so there is nothing to fall back on; learn from more samples or less noise, or of "
+            "forces from a motion with more harmonics"
         )
 
 

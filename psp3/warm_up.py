@@ -79,6 +79,7 @@ def _warm_up_core(robot: Any) -> None:
     """
     from psp3.control.classical import ComputedTorque
     from psp3.drives.drive import Drive
+    from psp3.loading import load
     from psp3.simulation.runge_kutta import RungeKutta
     from psp3.simulation.tracking import simulate
     from psp3.trajectories.paths import PointToPoint
@@ -91,6 +92,11 @@ def _warm_up_core(robot: Any) -> None:
         # The loop above is compiled with its plant. A controller in Python calls that by itself.
         plant.start(robot.reference, rest)
         plant.advance(rest, 1e-3)
+    # And of a robot whose coordinates are not its motors.
+    many = load("planar_4rrr")
+    goal = many.reference + 0.01
+    way = PointToPoint(many.reference, goal, 1.0, many)
+    simulate(many, ComputedTorque(many), way, 0.01)
 
 
 def _warm_up_fuzzy_systems() -> None:
@@ -101,6 +107,7 @@ def _warm_up_fuzzy_systems() -> None:
         GeneralType2System,
         IntervalType2System,
         centroid,
+        fine_tune,
         generalized_centroid,
     )
 
@@ -117,6 +124,7 @@ def _warm_up_fuzzy_systems() -> None:
     adaptive = AdaptiveConsequents(system)
     adaptive.update(np.zeros(1), np.ones(1))
     adaptive(np.zeros(1))
+    fine_tune(system, [[0.0], [1.0]], [0.0, 1.0], np.random.default_rng(0), most_epochs=1)
     generalized_centroid([1.0], [[0.5, 1.0]])
     centroid(np.array([0.0, 1.0]), np.array([0.2, 0.5]), np.array([0.5, 1.0]))
     united = IntervalType2System(

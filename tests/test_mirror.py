@@ -38,6 +38,8 @@ ELSEWHERE = {
     "fuzzy2/files/rule_text.py": ("fuzzy2/files/test_fll.py", THROUGH_ITS_FACE),
     "fuzzy2/files/rule_writer.py": ("fuzzy2/files/test_fll.py", THROUGH_ITS_FACE),
     "fuzzy2/files/clauses.py": ("fuzzy2/files/test_formats.py", THROUGH_ITS_FACE),
+    "fuzzy2/files/fis_engine_writer.py": ("fuzzy2/files/test_fis_engine.py", THROUGH_ITS_FACE),
+    "fuzzy2/files/functions.py": ("fuzzy2/files/test_fll.py", THROUGH_ITS_FACE),
     "fuzzy2/files/fis_lines.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
     "fuzzy2/files/fis_names.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
     "fuzzy2/files/fis_rules.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
@@ -48,6 +50,10 @@ ELSEWHERE = {
     "fuzzy2/files/fml_terms.py": ("fuzzy2/files/test_fml_reader.py", THROUGH_ITS_FACE),
     "fuzzy2/files/json_kinds.py": ("fuzzy2/files/test_json_files.py", THROUGH_ITS_FACE),
     "fuzzy2/files/source.py": ("fuzzy2/files/test_fis_reader.py", THROUGH_ITS_FACE),
+    "fuzzy2/learning/tuning_kernels.py": (
+        "fuzzy2/learning/test_tunable_system.py",
+        THROUGH_ITS_FACE,
+    ),
     "fuzzy2/learning/adaptation_kernels.py": (
         "fuzzy2/learning/test_adaptation.py",
         THROUGH_ITS_FACE,
@@ -75,7 +81,6 @@ ELSEWHERE = {
     "fuzzy2/support/viewers.py": ("fuzzy2/support/test_shown.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/construction.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/table.py": ("fuzzy2/systems/test_kernels.py", THROUGH_ITS_FACE),
-    "fuzzy2/systems/terms.py": ("fuzzy2/systems/test_system.py", THROUGH_ITS_FACE),
     "psp3/cli/app.py": ("psp3/cli/test_entry.py", OF_EVERY_COMMAND),
     "psp3/cli/commands/reproduce.py": ("psp3/thesis/test_replication.py", OF_THE_JOB),
     "psp3/cli/joint_tables.py": ("psp3/cli/commands/test_pose.py", OF_EVERY_COMMAND),

@@ -14,6 +14,7 @@ import psp3
 PUBLIC = {
     "psp3": """
         PARAMETER_SETS PD PID PSP3 AdaptiveFuzzyComputedTorque ClosedLoopRobot ComputedTorque \
+ConformalIntervals TrackingTube \
 Drive FeedForward FuzzyComputedTorque
         GravityCompensatedPD LinearQuadraticRegulator Monitor MuJoCo NaturalOrthogonalComplement \
 PSP3Error Parameters Pose Result Run
@@ -81,6 +82,10 @@ figure_in_space
         figure_of_join_and_meet figure_of_operations figure_of_response figure_of_rule_surface \
 figure_of_secondaries figure_of_sets
         figure_of_type_reduced
+    """,
+    "psp3.bounds": """
+        ConformalIntervals ErrorDynamics TrackingTube conformal_bound residual_accelerations \
+runs_needed
     """,
     # Packages that took the name of a module.
     "psp3.closure": "ASSEMBLED CLOSURE_TOLERANCE NO_MOTORS assembled flattened residual",

@@ -137,10 +137,12 @@ class Description:
 def system_of(description: Description) -> FuzzySystem:
     """Return the system that a description is of.
 
-    Output sets are cut off at the ends of the range of their output.
+    Output sets are cut off at the ends of the range of their output, but for Tsukamoto's average,
+    which asks them for points wherever they live.
     """
     outputs = description.outputs
-    terms = [_meanings(output, description.mamdani) for output in outputs]
+    anywhere = description.reduced_by == "tsukamoto"
+    terms = [_meanings(output, description.mamdani and not anywhere) for output in outputs]
     silent = np.array(
         [[number == SILENT for number in rule.said] for rule in description.rules], dtype=bool
     )
@@ -184,7 +186,7 @@ def system_of(description: Description) -> FuzzySystem:
         "term_names": [list(variable.terms) for variable in description.inputs],
         "consequent_names": names,
         "input_ranges": [variable.range for variable in description.inputs],
-        "output_ranges": [variable.range for variable in outputs],
+        "output_ranges": None if anywhere else [variable.range for variable in outputs],
         "output_terms": None if functions else terms,
     }
     rules: Any = [rule.asked for rule in description.rules]

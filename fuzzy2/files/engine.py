@@ -16,9 +16,11 @@ from typing import Any, NamedTuple, TypeAlias
 import numpy as np
 
 from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.files.functions import NUMBERS, FormulaFunction, formula_of
 from fuzzy2.sets.type1 import Singleton
+from fuzzy2.support.formula import Formula
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or, leaves, mapped
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import Formulas, Linear, OutputOf
 from fuzzy2.systems.hedges import Hedge, Scaled
 from fuzzy2.systems.operators import UNIONS
 from fuzzy2.systems.parallel import ParallelSystem
@@ -56,7 +58,7 @@ class Input:
 class Output:
     """An output.
 
-    Terms are sets, constants or linear functions by name. ``aggregation`` is None where none is
+    Terms are sets, constants or functions by name. ``aggregation`` is None where none is
     given, ``default`` is the output where no rule fires, NaN for none.
     """
 
@@ -154,6 +156,7 @@ class SystemMaker:
         self._engine, self._refused = engine, refused
         self._inputs = [one.name for one in engine.inputs]
         self._spoken: dict[str, list[_Spoken]] = {one.name: [] for one in engine.outputs}
+        self._known: dict[str, OutputOf] = {}
         self._aggregations = {one.name: one.aggregation for one in engine.outputs}
         for rule in engine.rules:
             if depth_of(rule.asked) > _DEEPEST:
@@ -187,7 +190,7 @@ class SystemMaker:
             (And, rule.conjunction, both),
             (Or, rule.disjunction, either),
         ):
-            if _has(rule.asked, kind):
+            if has_part(rule.asked, kind):
                 if name is None:
                     word = "and" if kind is And else "or"
                     raise self._refused(
@@ -231,14 +234,37 @@ class SystemMaker:
         shared: tuple[Any, ...] | None = None
         for operators, output in self._keyed():
             joint = None if shared is None else _joint(shared, operators)
-            if shared is not None and joint is None:
+            asked = self._asked_by(output)
+            if shared is not None and (joint is None or asked & {one.name for one in group}):
                 systems.append(self._made(shared, group))
-                group = []
+                self._take(systems[-1])
+                group, joint = [], None
             shared = operators if joint is None else joint
             group.append(output)
+            self._check_asked(output, asked)
         assert shared is not None
         systems.append(self._made(shared, group))
         return systems[0] if len(systems) == 1 else ParallelSystem(systems)
+
+    def _asked_by(self, output: Output) -> set[str]:
+        """Return the other outputs that the formulas of an output ask for."""
+        names = {one.name for one in self._engine.outputs}
+        said = (output.terms[one.term] for one in self._spoken[output.name])
+        formulas = (Formula(term.text) for term in said if isinstance(term, FormulaFunction))
+        return {name for one in formulas for name in one.names if name in names}
+
+    def _take(self, system: Type1System) -> None:
+        for j, name in enumerate(system.output_names):
+            self._known[name] = OutputOf(system, j)
+
+    def _check_asked(self, output: Output, asked: set[str]) -> None:
+        """Refuse formulas of outputs that come later, and of the output itself."""
+        for name in sorted(asked.difference(self._known)):
+            raise self._refused(
+                self._spoken[output.name][0].rule.place,
+                f"a formula of {output.name!r} that asks for {name!r}",
+                "a system does not remember its last outputs; those before it are known",
+            )
 
     def _keyed(self) -> list[tuple[tuple[Any, ...], Output]]:
         """Return the outputs with their operators; one of which no rule speaks takes others'."""
@@ -255,7 +281,7 @@ class SystemMaker:
     def _operators(self, output: Output) -> tuple[Any, ...]:
         """Return all that outputs of one system share: operators by name, and the kind of terms."""
         spoken = self._spoken[output.name]
-        sets = [not isinstance(output.terms[one.term], Constant | LinearFunction) for one in spoken]
+        sets = [not isinstance(output.terms[one.term], NUMBERS) for one in spoken]
         united = output.defuzzifier.reduction in UNIONS
         first = spoken[0].rule.place
         if any(sets) != all(sets):
@@ -305,10 +331,10 @@ class SystemMaker:
     def _check_grouped(self, place: int, output: Output) -> None:
         """Refuse functions, which have no places to be united at."""
         terms = {one.term: output.terms[one.term] for one in self._spoken[output.name]}
-        if any(isinstance(term, LinearFunction) for term in terms.values()):
+        if not all(isinstance(term, Constant) for term in terms.values()):
             raise self._refused(
                 place,
-                f"the aggregation of the linear functions of {output.name!r}",
+                f"the aggregation of the functions of {output.name!r}",
                 "rules that say the same add up; write none",
             )
 
@@ -379,6 +405,9 @@ class SystemMaker:
         if grouped:
             return [[None if one is None else Singleton(one.left) for one in row] for row in terms]
         width = len(self._inputs)
+        if any(isinstance(one, FormulaFunction) for row in terms for one in row):
+            texts = [[formula_of(one, self._inputs) for one in row] for row in terms]
+            return Formulas(texts, self._inputs, self._known)
         if any(isinstance(one, LinearFunction) for row in terms for one in row):
             none = (0.0,) * width
             return Linear(
@@ -397,7 +426,8 @@ class SystemMaker:
         return np.array([[0.0 if one is None else one.left for one in row] for row in terms])
 
 
-def _has(tree: Antecedent, kind: type) -> bool:
+def has_part(tree: Antecedent, kind: type) -> bool:
+    """Return whether a tree has a part of a kind in it."""
     level = [tree]
     while level:
         if any(isinstance(one, kind) for one in level):
@@ -409,7 +439,8 @@ def _has(tree: Antecedent, kind: type) -> bool:
 def _all_terms(outputs: Sequence[Output], grouped: bool) -> list[dict[str, Any]] | None:
     """Return the terms of outputs, or None where one is a function, which has no other place."""
     terms = [dict(one.terms) for one in outputs]
-    if any(isinstance(term, LinearFunction) for of in terms for term in of.values()):
+    functions = LinearFunction | FormulaFunction
+    if any(isinstance(term, functions) for of in terms for term in of.values()):
         return None
     point = Singleton if grouped else float
     return [

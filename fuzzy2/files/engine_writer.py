@@ -10,11 +10,12 @@ import numpy as np
 from fuzzy2.errors import NotExpressible
 from fuzzy2.files.description import SUM, Constant, LinearFunction
 from fuzzy2.files.engine import AnySystem, Defuzzifier, Engine, EngineRule, Input, Output
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.type1 import Singleton
 from fuzzy2.systems.antecedents import Antecedent, Is, Not, mapped, trees_of
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import Formulas, Linear
 from fuzzy2.systems.operators import AGGREGATIONS, UNIONS
 from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import FuzzySystem, Type1System
@@ -190,6 +191,17 @@ class _Part:
             return [
                 LinearFunction(row[0], tuple(row[1:])) if speaks else None
                 for row, speaks in zip(rows, spoken, strict=True)
+            ]
+        if isinstance(consequents, Formulas):
+            if consequents.names != system.input_names:
+                raise NotExpressible(
+                    f"formulas of {', '.join(consequents.names)}",
+                    self._where,
+                    f"the inputs are {', '.join(system.input_names)}",
+                )
+            return [
+                FormulaFunction(row[j]) if speaks else None
+                for row, speaks in zip(consequents.formulas, spoken, strict=True)
             ]
         ends = np.asarray(system.consequent_intervals)[:, j].tolist()
         if any(low != high for (low, high), speaks in zip(ends, spoken, strict=True) if speaks):

@@ -3,7 +3,7 @@
 Its function blocks, with the shapes of jFuzzyLogic and fuzzylite beside its points and singletons;
 upper and lower case are the same. Methods integrate exactly, as the standard has it; with
 ``dialect="jfuzzylogic"`` they sum up 1000 points as that program does. Formulas (``FUNCTION``) are
-read if they are linear.
+of the inputs, and of outputs before theirs.
 
 Where the standard leaves something open: a block that says only what AND means has the dual OR (AND
 ``MIN`` and ``ACT : MIN`` if it says nothing); ``COGS`` accumulates equal singletons before it
@@ -12,7 +12,8 @@ is the last one; an output in a condition stands for the rules that spoke of it 
 ``DEFAULT := NC`` (no change) gives NaN, for a system does not remember; AND binds tighter than OR.
 An output without ``RANGE`` has that of its terms, Gaussians up to 4 standard deviations.
 
-Refused by name are terms whose numbers are variables, ``SINGLETONS`` and other formulas.
+Refused by name are terms whose numbers are variables, ``SINGLETONS``, and ``log`` in a formula,
+which is natural in fuzzylite and decimal in jFuzzyLogic.
 """
 
 from __future__ import annotations

@@ -1,92 +1,104 @@
-"""Formulas of jFuzzyLogic (``FUNCTION``) that are linear functions of the inputs."""
+"""Formulas of the Fuzzy Control Language (``FUNCTION``): linear functions of the inputs, or not."""
 
 from __future__ import annotations
 
-import functools
 import math
+import re
 from collections.abc import Sequence
 
 import numpy as np
-from lark import Lark, Token, Tree
-from lark.exceptions import UnexpectedInput
+from lark import Token, Tree
 
 from fuzzy2.errors import InvalidValue, NotExpressible
 from fuzzy2.files.description import LinearFunction
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.support.checks import Array
+from fuzzy2.support.formula import Formula
 
-_GRAMMAR = r"""
-?sum: product | sum "+" product -> plus | sum "-" product -> minus
-?product: one | product "*" one -> times | product "/" one -> over
-?one: NUMBER -> number | NAME -> name | "(" sum ")" | "-" one -> negative
-NUMBER: /(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?/
-NAME: /[^\W\d]\w*/
-%ignore /\s+/
-"""
-_LONGEST = 10_000
+_NAME = re.compile(r"\b[^\W\d]\w*\b(?P<call>\s*\()?")
 
 
-@functools.cache
-def _parser() -> Lark:
-    return Lark(_GRAMMAR, start="sum", parser="lalr")
+def function_of(
+    text: str, inputs: Sequence[str], outputs: Sequence[str], jfuzzylogic: bool
+) -> LinearFunction | FormulaFunction:
+    """Return the function that a formula is, a linear one if it can be told.
 
-
-def linear_function(text: str, inputs: Sequence[str]) -> LinearFunction:
-    """Return the linear function that a formula is.
+    Parameters
+    ----------
+    text : str
+        The formula; upper and lower case are the same in it.
+    inputs, outputs : sequence of str
+        Names that it may ask for.
+    jfuzzylogic : bool
+        Whether ``log`` is the decimal logarithm, as in jFuzzyLogic.
 
     Raises
     ------
     NotExpressible
-        If it is none.
+        If it takes a logarithm of which the language does not say the base.
     InvalidValue
-        If it speaks of no input.
+        If it is no formula, or asks for another name.
     """
-    reason = "formulas are sums of inputs times numbers"
-    try:
-        tree = _parser().parse(text)
-    except UnexpectedInput:
-        raise NotExpressible(f"the formula {text[:60]!r}", "fuzzy2", reason) from None
-    if len(text) > _LONGEST or text.count("(") > 100:
-        raise NotExpressible("a formula this long", "fuzzy2", reason)
-    names = [name.lower() for name in inputs]
-    values = _evaluated(tree, names, text)
+    known = {name.lower(): name for name in (*inputs, *outputs)}
+
+    def named(found: re.Match[str]) -> str:
+        word = found[0].rstrip("( \t\r\n").lower()
+        if not found["call"]:
+            return known.get(word, found[0])
+        if word == "log" and not jfuzzylogic:
+            raise NotExpressible(
+                "log in a formula",
+                "fuzzy2",
+                "it is natural in fuzzylite and decimal in jFuzzyLogic; write ln or log10",
+            )
+        own = {"ln": "log", "log": "log10"} if jfuzzylogic else {"ln": "log"}
+        return f"{own.get(word, word)}("
+
+    formula = Formula(_NAME.sub(named, text))
+    for name in sorted(formula.names.difference(known.values())):
+        raise InvalidValue("a name in a formula", name, f"one of {', '.join(known.values())}")
+    values = _linear(formula.tree, list(inputs))
+    if values is None:
+        return FormulaFunction(formula.text)
     if not np.isfinite(values).all():
         raise InvalidValue("the formula", text, "finite")
     return LinearFunction(float(values[-1]), tuple(values[:-1].tolist()))
 
 
-def _evaluated(tree: Tree[Token], names: list[str], text: str) -> Array:
-    """Return the slopes and the constant, by a stack, for formulas may be long."""
-    results: dict[int, Array] = {}
+def _linear(tree: Tree[Token], inputs: list[str]) -> Array | None:
+    """Return the slopes and the constant, by a stack, for formulas may be long; None if none."""
+    results: dict[int, Array | None] = {}
     for node in tree.iter_subtrees():  # from the leaves to the root
         parts = [results[id(part)] for part in node.children if isinstance(part, Tree)]
-        results[id(node)] = _combined(node, parts, names, text)
+        known = [part for part in parts if part is not None]
+        results[id(node)] = _combined(node, known, inputs) if len(known) == len(parts) else None
     return results[id(tree)]
 
 
-def _combined(node: Tree[Token], parts: list[Array], names: list[str], text: str) -> Array:
-    value = np.zeros(len(names) + 1)
-    if node.data == "number":
-        value[-1] = float(str(node.children[0]))
-        return value
-    if node.data == "name":
-        name = str(node.children[0]).lower()
-        if name not in names:
-            raise InvalidValue("a name in a formula", str(node.children[0]), "that of an input")
-        value[names.index(name)] = 1.0
-        return value
-    if node.data == "negative":
-        return -parts[0]
-    if node.data in ("plus", "minus"):
-        return parts[0] + (parts[1] if node.data == "plus" else -parts[1])
-    first, second = parts
-    if node.data == "times" and not second[:-1].any():
-        return np.asarray(first * second[-1])
-    if node.data == "times" and not first[:-1].any():
-        return np.asarray(second * first[-1])
-    if node.data == "over" and not second[:-1].any() and second[-1] != 0.0:
-        return np.asarray(first / second[-1])
-    shown = text if len(text) < 60 else f"{text[:57]}..."
-    raise NotExpressible(f"the formula {shown!r}", "fuzzy2", "it is no linear function")
+def _combined(node: Tree[Token], parts: list[Array], inputs: list[str]) -> Array | None:
+    value = np.zeros(len(inputs) + 1)
+    match node.data:
+        case "number":
+            value[-1] = float(str(node.children[0]))
+            return value
+        case "name" if str(node.children[0]) in inputs:
+            value[inputs.index(str(node.children[0]))] = 1.0
+            return value
+        case "whole" | "power":
+            return parts[0]
+        case "negative":
+            return -parts[0]
+        case "plus":
+            return parts[0] + parts[1]
+        case "minus":
+            return parts[0] - parts[1]
+        case "times" if not parts[1][:-1].any():
+            return np.asarray(parts[0] * parts[1][-1])
+        case "times" if not parts[0][:-1].any():
+            return np.asarray(parts[1] * parts[0][-1])
+        case "over" if not parts[1][:-1].any() and parts[1][-1] != 0.0:
+            return np.asarray(parts[0] / parts[1][-1])
+    return None
 
 
 def formula(function: LinearFunction, inputs: Sequence[str]) -> str:
@@ -102,3 +114,8 @@ def formula(function: LinearFunction, inputs: Sequence[str]) -> str:
             repr(constant) if math.copysign(1.0, constant) > 0.0 else f"(0 - {-constant!r})"
         )
     return " + ".join(terms)
+
+
+def formula_text(text: str) -> str:
+    """Return a formula in the words of the language, in which the natural logarithm is ``ln``."""
+    return re.sub(r"\blog(?=\s*\()", "ln", text)

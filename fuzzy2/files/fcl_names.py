@@ -14,6 +14,7 @@ import numpy as np
 from fuzzy2.errors import InvalidValue, NotExpressible
 from fuzzy2.files.description import SUM, Constant, LinearFunction
 from fuzzy2.files.fll_names import KINDS, number, term_of, text_of
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.sets.named_shape import NamedShape
 from fuzzy2.sets.shapes import Gaussian, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid
@@ -184,7 +185,7 @@ def universe(terms: list[Any]) -> tuple[float, float] | None:
         match term:
             case Constant():
                 ends.append(term.left)
-            case LinearFunction():
+            case LinearFunction() | FormulaFunction():
                 return None
             case Gaussian():
                 ends += [term.mean - 4.0 * term.sigma, term.mean + 4.0 * term.sigma]

@@ -12,7 +12,7 @@ from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
 
 from fuzzy2.errors import Fuzzy2Error, InvalidRule, NotExpressible, UnknownName
-from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.files.description import SUM, Constant
 from fuzzy2.files.engine import (
     AnySystem,
     Defuzzifier,
@@ -22,7 +22,7 @@ from fuzzy2.files.engine import (
     Output,
     SystemMaker,
 )
-from fuzzy2.files.fcl_formula import linear_function
+from fuzzy2.files.fcl_formula import function_of
 from fuzzy2.files.fcl_names import (
     ACCUMULATIONS,
     DUALS,
@@ -34,6 +34,7 @@ from fuzzy2.files.fcl_names import (
     universe,
 )
 from fuzzy2.files.fll_names import FLL_HEDGES
+from fuzzy2.files.functions import NUMBERS
 from fuzzy2.files.rule_text import rules_of
 from fuzzy2.files.source import Source
 from fuzzy2.sets.type1 import Singleton
@@ -171,7 +172,9 @@ class FclReader(Source):
             Input(name, self._range(name, ends, "fuzzify"), self._terms(name, "fuzzify", None))
             for name, ends in inputs.items()
         )
-        terms = {name: self._terms(name, "defuzzify", list(inputs)) for name in outputs}
+        terms = {
+            name: self._terms(name, "defuzzify", (list(inputs), list(outputs))) for name in outputs
+        }
         rules = self._rules(
             {one.name: tuple(one.terms) for one in found},
             {name: tuple(own) for name, own in terms.items()},
@@ -236,7 +239,9 @@ class FclReader(Source):
         given = [self._ends(part) for part in self._of(name, kind) if part.data == "range"]
         return given[0] if given else declared
 
-    def _terms(self, name: str, kind: str, inputs: list[str] | None) -> dict[str, Any]:
+    def _terms(
+        self, name: str, kind: str, variables: tuple[list[str], list[str]] | None
+    ) -> dict[str, Any]:
         terms: dict[str, Any] = {}
         for part in self._of(name, kind):
             if part.data != "term":
@@ -244,7 +249,7 @@ class FclReader(Source):
             word, line = str(part.children[0]), self._line(part)
             # Of terms of one name the last one counts, in jFuzzyLogic and in fuzzylite 8.
             try:
-                terms[word] = self._shape(part.children[1], inputs)
+                terms[word] = self._shape(part.children[1], variables)
             except NotExpressible as error:
                 if error.where != "fuzzy2" or " line " in error.what:
                     raise
@@ -253,14 +258,16 @@ class FclReader(Source):
                 raise self.malformed(line, str(error)) from error
         return terms
 
-    def _shape(self, tree: Any, inputs: list[str] | None) -> Any:
+    def _shape(self, tree: Any, variables: tuple[list[str], list[str]] | None) -> Any:
         if isinstance(tree, Token):
-            if inputs is None:
+            if variables is None:
                 raise NotExpressible("FUNCTION of an input", "fuzzy2", "it is no set")
-            return linear_function(str(tree)[len("FUNCTION") :], inputs)
+            return function_of(
+                str(tree)[len("FUNCTION") :], *variables, self._dialect == "jfuzzylogic"
+            )
         if tree.data == "number":
             value = self._number(tree.children[0])
-            return Singleton(value) if inputs is None else Constant(value, value)
+            return Singleton(value) if variables is None else Constant(value, value)
         if tree.data == "points":
             return points_of([self._point(point) for point in tree.children])
         kind, *rest = tree.children
@@ -271,7 +278,7 @@ class FclReader(Source):
         return shape_of(
             str(kind),
             [self._number(token) for token in rest],
-            None if inputs is None else len(inputs),
+            None if variables is None else len(variables[0]),
             self._dialect == "jfuzzylogic",
         )
 
@@ -357,7 +364,7 @@ class FclReader(Source):
         given = options.get("METHOD")
         method = "COG" if given is None else str(given).upper()
         if method in METHODS:
-            if any(isinstance(one, Constant | LinearFunction) for one in said):
+            if any(isinstance(one, NUMBERS) for one in said):
                 return self._of_points(name, method, said, terms, aggregation, default)
             ends = self._range(name, declared, "defuzzify") or universe(list(terms.values()))
             if ends is None:
@@ -406,7 +413,7 @@ class FclReader(Source):
         """Return an output that is an average of points, or their sum."""
         method, declared, default = given
         ends = self._range(name, declared, "defuzzify")
-        numbers = [isinstance(one, Constant | LinearFunction) for one in said]
+        numbers = [isinstance(one, NUMBERS) for one in said]
         if any(numbers) != all(numbers):
             raise self.refused(
                 self._line(self._tree), f"numbers and sets in {name!r}", "take one kind of terms"
@@ -425,7 +432,7 @@ class FclReader(Source):
         return Output(name, ends, terms, defuzzifier, joint, default)
 
     def _default(self, token: Any, otherwise: Any = None) -> float:
-        if otherwise is not None:
+        if otherwise is not None and str(token).upper() not in ("NC", "NAN"):
             reason = "a system does not remember its last output"
             raise self.refused(token.line or 1, f"DEFAULT := {token} | {otherwise}", reason)
         if token.type == "NAME":

@@ -10,9 +10,10 @@ from collections.abc import Iterator, Sequence
 from fuzzy2.errors import NotExpressible
 from fuzzy2.files.description import LinearFunction
 from fuzzy2.files.engine import Engine, EngineRule, Input, Output
-from fuzzy2.files.fcl_formula import formula
+from fuzzy2.files.fcl_formula import formula, formula_text
 from fuzzy2.files.fcl_names import ACCUMULATIONS, METHODS, S_NORMS, T_NORMS, term_text
 from fuzzy2.files.fll_names import FLL_HEDGES, number
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.files.rule_writer import written
 
 _NAME = re.compile(r"[^\W\d]\w*")
@@ -77,11 +78,13 @@ class FclWriter:
             lines.append(f"  RANGE := ({number(left)} .. {number(right)});")
         names = [one.name for one in self._engine.inputs]
         for name, term in variable.terms.items():
-            text = (
-                f"FUNCTION {formula(term, names)}"
-                if isinstance(term, LinearFunction)
-                else term_text(term, self._where)
-            )
+            match term:
+                case LinearFunction():
+                    text = f"FUNCTION {formula(term, names)}"
+                case FormulaFunction(said):
+                    text = f"FUNCTION {formula_text(said)}"
+                case _:
+                    text = term_text(term, self._where)
             lines.append(f"  TERM {name} := {text};")
         return lines
 
@@ -96,7 +99,9 @@ class FclWriter:
     def _method(self, output: Output) -> str:
         reduction, resolution, _ = output.defuzzifier
         texts = [
-            "FUNCTION" if isinstance(one, LinearFunction) else term_text(one, self._where)
+            "FUNCTION"
+            if isinstance(one, LinearFunction | FormulaFunction)
+            else term_text(one, self._where)
             for one in output.terms.values()
         ]
         of_functions = "FUNCTION" in texts

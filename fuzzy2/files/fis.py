@@ -16,10 +16,14 @@ with its name, and is written as such a negation. The lower membership function 
 ``scale * max(0, (upper - lag) / (1 - lag))``, which is how this package reads MATLAB's
 documentation for every shape.
 
-Two dialects differ in what they mean. MATLAB's toolbox adds up 101 points for the centroid, and so
+The dialects differ in what they mean. MATLAB's toolbox adds up 101 points for the centroid, and so
 does a system that is read. Octave's takes trapezoids between them; it unites Sugeno rules that say
 the same number under the aggregation before it averages; its smallest and largest of maxima go by
-value, MATLAB's by distance from 0; it has more t-norms, and hedges. Where no rule fires a system
+value, MATLAB's by distance from 0; it has more t-norms, and hedges. fuzzylite's integrals take the
+middles of 1000 pieces; it has more terms, formulas among them, outputs of Tsukamoto and hybrid
+systems, whose outputs differ in their operators (:class:`fuzzy2.ParallelSystem`); numbers add up
+there, as in its version 6, which wrote most files. A file that says that fuzzylite wrote it, or has
+what only fuzzylite knows, is read in its meaning. Where no rule fires a system
 answers NaN, as Octave does; MATLAB answers with the middle of the range.
 """
 
@@ -27,18 +31,25 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import Any, TypeAlias
 
 from fuzzy2.files.description import description_of
+from fuzzy2.files.engine_writer import engine_of
+from fuzzy2.files.fis_engine import FUZZYLITE, FisEngineReader, is_of_fuzzylite
+from fuzzy2.files.fis_engine_writer import FisEngineWriter
 from fuzzy2.files.fis_names import DIALECTS, OPEN_TOOLBOX_SUFFIX
 from fuzzy2.files.fis_reader import FisReader
 from fuzzy2.files.fis_rules import OCTAVE
 from fuzzy2.files.fis_writer import FisWriter
 from fuzzy2.support.text_files import read_text, write_text
 from fuzzy2.systems.operators import choice
+from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import FuzzySystem
 
+AnySystem: TypeAlias = FuzzySystem | ParallelSystem
 
-def parse_fis(text: str, source: str = "text", dialect: str = "matlab") -> FuzzySystem:
+
+def parse_fis(text: str, source: str = "text", dialect: str | None = None) -> AnySystem:
     """Return the system that the text of a ``.fis`` file describes; see :func:`read_fis`.
 
     Parameters
@@ -47,12 +58,13 @@ def parse_fis(text: str, source: str = "text", dialect: str = "matlab") -> Fuzzy
         The text.
     source : str
         What error messages call it.
-    dialect : {"matlab", "octave"}
-        Whose meaning it has.
+    dialect : {"matlab", "octave", "fuzzylite"}, optional
+        Whose meaning it has. By default fuzzylite's if the file says that fuzzylite wrote it, or
+        has what only fuzzylite knows; else MATLAB's.
 
     Returns
     -------
-    Type1System or IntervalType2System
+    Type1System, IntervalType2System or ParallelSystem
         The system.
 
     Raises
@@ -62,22 +74,27 @@ def parse_fis(text: str, source: str = "text", dialect: str = "matlab") -> Fuzzy
     NotExpressible
         If it describes what a system here cannot be; it names the line.
     """
-    return FisReader(text, source, choice("dialect", dialect, DIALECTS)).system()
+    own = "fuzzylite" if is_of_fuzzylite(text) else "matlab"
+    chosen = own if dialect is None else choice("dialect", dialect, DIALECTS)
+    if chosen == "fuzzylite":
+        return FisEngineReader(text, source).system()
+    return FisReader(text, source, chosen).system()
 
 
-def read_fis(path: str | os.PathLike[str], dialect: str = "matlab") -> FuzzySystem:
+def read_fis(path: str | os.PathLike[str], dialect: str | None = None) -> AnySystem:
     """Return the system of a MATLAB ``.fis`` file, or of a ``.t2fis`` file of the IT2-FLS toolbox.
 
     Parameters
     ----------
     path : str or path-like
         The file.
-    dialect : {"matlab", "octave"}
-        Whose meaning it has.
+    dialect : {"matlab", "octave", "fuzzylite"}, optional
+        Whose meaning it has. By default fuzzylite's if the file says that fuzzylite wrote it, or
+        has what only fuzzylite knows; else MATLAB's.
 
     Returns
     -------
-    Type1System or IntervalType2System
+    Type1System, IntervalType2System or ParallelSystem
         Mamdani systems with the reducer ``"centroid"`` (``"center_of_sums"`` if the file sums), on
         101 points; Sugeno systems with ``"center_of_sets"``.
 
@@ -94,7 +111,7 @@ def read_fis(path: str | os.PathLike[str], dialect: str = "matlab") -> FuzzySyst
 
 
 def format_fis(
-    system: FuzzySystem,
+    system: AnySystem,
     name: str = "system",
     open_toolbox: bool = False,
     dialect: str = "matlab",
@@ -103,13 +120,13 @@ def format_fis(
 
     Parameters
     ----------
-    system : Type1System or IntervalType2System
-        The system.
+    system : Type1System, IntervalType2System or ParallelSystem
+        The system; the last one for fuzzylite.
     name : str
         Its name in the file.
     open_toolbox : bool
         Whether type-2 sets are written for the IT2-FLS toolbox (``.t2fis``).
-    dialect : {"matlab", "octave"}
+    dialect : {"matlab", "octave", "fuzzylite"}
         For which program it is otherwise; see the module.
 
     Returns
@@ -123,11 +140,14 @@ def format_fis(
         If the format has no way to write the system.
     """
     octave = choice("dialect", dialect, DIALECTS) == "octave"
+    whatever: Any = system
+    if dialect == "fuzzylite" and not open_toolbox:
+        return FisEngineWriter(engine_of(whatever, name, FUZZYLITE), FUZZYLITE).text()
     where = OPEN_TOOLBOX_SUFFIX if open_toolbox else OCTAVE if octave else ".fis"
-    return FisWriter(description_of(system, where), name, where).text()
+    return FisWriter(description_of(whatever, where), name, where).text()
 
 
-def write_fis(system: FuzzySystem, path: str | os.PathLike[str], dialect: str = "matlab") -> None:
+def write_fis(system: AnySystem, path: str | os.PathLike[str], dialect: str = "matlab") -> None:
     """Write a system to a MATLAB ``.fis`` file, or to a ``.t2fis`` file.
 
     The latter is the IT2-FLS toolbox's, and taken if the name ends so.
@@ -138,11 +158,11 @@ def write_fis(system: FuzzySystem, path: str | os.PathLike[str], dialect: str = 
 
     Parameters
     ----------
-    system : Type1System or IntervalType2System
-        The system.
+    system : Type1System, IntervalType2System or ParallelSystem
+        The system; the last one for fuzzylite.
     path : str or path-like
         The file; one that exists is replaced whole.
-    dialect : {"matlab", "octave"}
+    dialect : {"matlab", "octave", "fuzzylite"}
         For which program a ``.fis`` file is.
 
     Raises

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Container
 from typing import NamedTuple
 
 from fuzzy2.files.source import Source
@@ -76,6 +77,8 @@ class FisLines(Source):
         current = None
         for number, line in enumerate(re.split(r"\r\n|\r|\n", text), start=1):
             stripped = line.strip()
+            if self.dialect == "fuzzylite":
+                stripped = re.split("//|#", stripped)[0].rstrip()
             if not stripped or stripped.startswith(("%", "#", "//")):
                 continue
             if header := re.fullmatch(r"\[\s*(System|Rules|(?:Input|Output)\s*\d+)\s*\]", stripped):
@@ -102,6 +105,9 @@ class FisLines(Source):
         key = re.sub("(?i)^mf", "MF", words.get(entry[1].lower(), entry[1]))
         if key not in known and (section.name == "System" or not re.fullmatch(r"MF\d+[UL]?", key)):
             raise self.malformed(number, unknown_name("key", key, known))
+        if key in section.entries and re.fullmatch(r"MF\d+", key):
+            # MATLAB goes by their order; one of its own demos has a number twice.
+            key = f"MF{sum(one.startswith('MF') for one in section.entries) + 1}"
         if key in section.entries:
             raise self.malformed(
                 number, f"{key} is there twice, first in line {section.entries[key].number}"
@@ -155,3 +161,17 @@ class FisLines(Source):
             line = section.entries[key].number
             raise self.refused(line, f"{key}={name!r}", f"known are {', '.join(known)}")
         return known[name]
+
+
+def unlike(name: str, names: Container[str]) -> str:
+    """Return a name, with a number where it is taken: files may give one to several terms."""
+    found, count = name, 1
+    while found in names:
+        count += 1
+        found = f"{name}_{count}"
+    return found
+
+
+def quoted(name: str) -> str:
+    """Return a name in quotes, those in it twice."""
+    return "'" + name.replace("'", "''") + "'"

@@ -8,7 +8,7 @@ from typing import Any
 from fuzzy2.errors import NotExpressible
 from fuzzy2.files.description import SUM
 
-DIALECTS = ("matlab", "octave")
+DIALECTS = ("matlab", "octave", "fuzzylite")
 """Programs whose ``.fis`` files differ in what they mean."""
 
 SAMPLE_POINTS = 101

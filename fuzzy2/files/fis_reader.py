@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Container
+from collections.abc import Callable
 from typing import Any
 
-from fuzzy2.errors import Fuzzy2Error, NotExpressible
+import numpy as np
+
+from fuzzy2.errors import Fuzzy2Error, InvalidValue, NotExpressible
 from fuzzy2.files.description import (
     Constant,
+    DescribedRule,
     Description,
     LinearFunction,
     Variable,
     system_of,
 )
-from fuzzy2.files.fis_lines import QUOTED, VECTOR, FisLines, Line, Section
+from fuzzy2.files.fis_lines import QUOTED, VECTOR, FisLines, Line, Section, unlike
 from fuzzy2.files.fis_names import (
     AGGREGATIONS,
     DEFUZZIFIERS,
@@ -26,8 +29,15 @@ from fuzzy2.files.fis_names import (
     type_reduction,
 )
 from fuzzy2.files.fis_rules import FisRules
-from fuzzy2.files.fis_shapes import inside_range, open_toolbox_shape, pair_of_sets, toolbox_shape
+from fuzzy2.files.fis_shapes import (
+    Crossing,
+    inside_range,
+    open_toolbox_shape,
+    pair_of_sets,
+    toolbox_shape,
+)
 from fuzzy2.sets.interval_type2 import IntervalType2Set
+from fuzzy2.systems.antecedents import Antecedent, Is, mapped
 from fuzzy2.systems.operators import MAXIMA
 from fuzzy2.systems.system import FuzzySystem
 
@@ -58,6 +68,9 @@ class FisReader(FisLines):
         ]
         type2 = method is not None or any(isinstance(term, IntervalType2Set) for term in terms)
         rules = FisRules(self, inputs, outputs).rules(section)
+        if any(isinstance(term, Crossing) for term in terms):
+            inputs, rules = twice(inputs, rules)
+            type2, method = False, None
         try:
             return system_of(
                 Description(
@@ -75,6 +88,11 @@ class FisReader(FisLines):
             raise
         except Fuzzy2Error as error:
             raise self.malformed(section.number, str(error)) from error
+
+    @property
+    def _reduces_by_nie_tan(self) -> bool:
+        method = self._method(self.sections["System"]) or {}
+        return method.get("method") == "nie_tan" and self._kind(self.sections["System"]) == "sugeno"
 
     def _kind(self, section: Section) -> str:
         kind, line = self.string(section, "Type"), self.entry(section, "Type").number
@@ -153,7 +171,7 @@ class FisReader(FisLines):
         terms: dict[str, Any] = {}
         for number in range(1, count + 1):
             name, term = self._term(section, number, output, (ends[0], ends[1]))
-            terms[_unlike(name, terms)] = term
+            terms[unlike(name, terms)] = term
         for key, entry in section.entries.items():
             if key.startswith("MF") and int(key[2:].rstrip("UL")) not in range(1, count + 1):
                 raise self.malformed(entry.number, f"NumMFs is {count}, but there is {key}")
@@ -188,11 +206,12 @@ class FisReader(FisLines):
         common = name[:-1] if name[-1:] == "U" and other == f"{name[:-1]}L" and name[:-1] else name
         if lower_set == upper:
             return common, upper
-        return common, self._guarded(
-            below.number,
-            "the pair",
-            lambda: pair_of_sets(inside_range(lower_set, upper, ends), upper),
-        )
+        try:
+            return common, pair_of_sets(inside_range(lower_set, upper, ends), upper)
+        except InvalidValue as error:
+            if self._reduces_by_nie_tan:
+                return common, Crossing(lower_set, upper)
+            raise self.malformed(below.number, f"the pair: {error}") from error
 
     def _membership(
         self, line: Line, sugeno: bool = False
@@ -240,11 +259,15 @@ class FisReader(FisLines):
             # Files of version 1 have zeros at the end of what is short.
             if len(parameters) > inputs + 1 and not any(parameters[inputs + 1 :]):
                 parameters = parameters[: inputs + 1]
-            if len(parameters) == 2 * (inputs + 1):
+            if len(parameters) == 2 * (inputs + 1) and self._reduces_by_nie_tan:
+                # One function for each end; Nie and Tan average their middle.
+                ends = np.array(parameters).reshape(2, -1)
+                parameters = ends.mean(axis=0).tolist()
+            elif len(parameters) == 2 * (inputs + 1):
                 raise self.refused(
                     line,
-                    "a linear function with intervals",
-                    "how their ends are listed is not documented",
+                    "a linear function for each end of an interval",
+                    "the ends may cross, and only TypeRedMethod='NT' needs but their middle",
                 )
             if len(parameters) != inputs + 1:
                 raise self.malformed(
@@ -256,10 +279,34 @@ class FisReader(FisLines):
         raise self.refused(line, f"the output {kind!r}", "known are constant and linear")
 
 
-def _unlike(name: str, names: Container[str]) -> str:
-    """Return a name, with a number where it is taken: files may give one to several terms."""
-    found, count = name, 1
-    while found in names:
-        count += 1
-        found = f"{name}_{count}"
-    return found
+def twice(
+    inputs: tuple[Variable, ...], rules: tuple[DescribedRule, ...]
+) -> tuple[tuple[Variable, ...], tuple[DescribedRule, ...]]:
+    r"""Return inputs with both membership functions as terms, and each rule once for either.
+
+    Nie and Tan's average is that of a type-1 system whose rules are asked twice,
+
+    .. math:: y = \frac{\sum_r (\underline f_r + \overline f_r) c_r}
+                       {\sum_r (\underline f_r + \overline f_r)},
+
+    and takes membership functions that cross as they are.
+    """
+    doubled = []
+    for variable in inputs:
+        terms: dict[str, Any] = {}
+        for name, term in variable.terms.items():
+            terms[unlike(name, terms)] = term.upper
+            terms[unlike(f"{name} lower", terms)] = term.lower
+        doubled.append(Variable(variable.name, variable.range, terms))
+
+    def moved(tree: Antecedent, below: int) -> Antecedent:
+        def one(clause: Is) -> Is:
+            term = None if clause.term is None else 2 * int(clause.term) + below
+            return Is(clause.variable, term)
+
+        return mapped(tree, one)
+
+    both = tuple(
+        rule._replace(asked=moved(rule.asked, below)) for rule in rules for below in (0, 1)
+    )
+    return tuple(doubled), both

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 from fuzzy2.errors import InvalidValue, NotExpressible
 from fuzzy2.sets.derived import Truncated
@@ -164,6 +164,16 @@ def _discrete(parameters: list[float]) -> Type1Set:
     if len(parameters) < 4 or len(parameters) % 2:
         raise InvalidValue("the parameters", parameters, "pairs of points and grades, at least two")
     return SampledSet(parameters[::2], parameters[1::2])
+
+
+class Crossing(NamedTuple):
+    """Two membership functions of the open toolbox that cross within the range.
+
+    They bound nothing, but the toolbox multiplies and averages both all the same.
+    """
+
+    lower: Type1Set
+    upper: Type1Set
 
 
 def inside_range(lower: Type1Set, upper: Type1Set, ends: tuple[float, float]) -> Type1Set:

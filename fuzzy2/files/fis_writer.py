@@ -14,6 +14,7 @@ from fuzzy2.files.description import (
     check_names,
     known_as,
 )
+from fuzzy2.files.fis_lines import quoted
 from fuzzy2.files.fis_names import (
     AGGREGATIONS,
     DEFUZZIFIERS,
@@ -64,7 +65,7 @@ class FisWriter:
             )
         if self.open_toolbox and not described.type2:
             self._refuse("a type-1 system", "that toolbox has type-2 systems only; write .fis")
-        lines = ["[System]", f"Name={_quote(self.name)}", *self._system(), ""]
+        lines = ["[System]", f"Name={quoted(self.name)}", *self._system(), ""]
         inputs, outputs = (
             [_without_complements(variable) for variable in of]
             for of in (described.inputs, described.outputs)
@@ -141,7 +142,7 @@ class FisWriter:
 
     def _variable(self, variable: Variable, of_sets: bool) -> list[str]:
         lines = [
-            f"Name={_quote(variable.name)}",
+            f"Name={quoted(variable.name)}",
             f"Range={_vector(variable.range)}",
             f"NumMFs={len(variable.terms)}",
         ]
@@ -150,12 +151,12 @@ class FisWriter:
                 lines += self._term(f"MF{i + 1}", name, term)
             elif isinstance(term, LinearFunction):
                 lines.append(
-                    f"MF{i + 1}={_quote(name)}:'linear',{_vector((*term.slopes, term.constant))}"
+                    f"MF{i + 1}={quoted(name)}:'linear',{_vector((*term.slopes, term.constant))}"
                 )
             elif self.open_toolbox:
-                lines.append(f"MF{i + 1}={_quote(name)}:'constant',{_vector(term)}")
+                lines.append(f"MF{i + 1}={quoted(name)}:'constant',{_vector(term)}")
             elif term.left == term.right:
-                lines.append(f"MF{i + 1}={_quote(name)}:'constant',{_vector(term[:1])}")
+                lines.append(f"MF{i + 1}={quoted(name)}:'constant',{_vector(term[:1])}")
             else:
                 self._refuse(
                     f"the interval {list(term)} as a consequent",
@@ -170,17 +171,17 @@ class FisWriter:
         if self.open_toolbox:
             both = [(side, *self._shape(one)) for side, one in (("U", upper), ("L", lower))]
             return [
-                f"{key}{side}={_quote(name)}:'{kind}',{_vector((*values, height))}"
+                f"{key}{side}={quoted(name)}:'{kind}',{_vector((*values, height))}"
                 for side, kind, values, height in both
             ]
         kind, values, height = self._shape(upper)
         if height != 1.0:
             self._refuse(f"{upper!r}", "its membership functions reach 1")
         if not self.description.type2:
-            return [f"{key}={_quote(name)}:'{kind}',{_vector(values)}"]
+            return [f"{key}={quoted(name)}:'{kind}',{_vector(values)}"]
         scale, lags = self._scale_and_lags(term, lower, upper)
         return [
-            f"{key}={_quote(name)}:'{kind}',{_vector(values)},{_vector([scale])},{_vector(lags)}"
+            f"{key}={quoted(name)}:'{kind}',{_vector(values)},{_vector([scale])},{_vector(lags)}"
         ]
 
     def _scale_and_lags(
@@ -249,10 +250,6 @@ def _lag(foot: float, lower_foot: float, shoulder: float) -> float:
     return (
         0.0 if foot == lower_foot else min(max((lower_foot - foot) / (shoulder - foot), 0.0), 1.0)
     )
-
-
-def _quote(name: str) -> str:
-    return "'" + name.replace("'", "''") + "'"
 
 
 def _vector(values: Iterable[float]) -> str:

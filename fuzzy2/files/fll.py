@@ -1,19 +1,21 @@
 """Systems as files of fuzzylite (``.fll``).
 
-What is read and written is what fuzzylite 8 does: its terms but *Function*, its hedges and norms,
-the midpoint rule of its integrals (``integration="midpoint"``, 1000 points if a file gives no
-number), weighted averages and sums, Tsukamoto's terms anywhere, within the range or not. Outputs
-with operators of their own become a :class:`fuzzy2.ParallelSystem`. An output in a condition stands
-for the rules that spoke of it before.
+What is read and written is what fuzzylite 8 does: its terms, its hedges and norms, the midpoint
+rule of its integrals (``integration="midpoint"``, 1000 points if a file gives no number), weighted
+averages and sums, Tsukamoto's terms anywhere, within the range or not. Outputs with operators of
+their own become a :class:`fuzzy2.ParallelSystem`. An output in a condition stands for the rules
+that spoke of it before. A *Function* is a formula of the inputs and of outputs before it, or as a
+membership function of x.
 
 Three things that fuzzylite does are easily overlooked: a hedge in a conclusion goes on to the
 conclusions after it in the same rule; of terms with one name the last one counts; and under an
 aggregation, weighted averages first aggregate the rules that conclude the same term (version 6 adds
-them up, as both do with ``aggregation: none``).
+them up, as both do with ``aggregation: none``). With ``lock-previous`` an output without a firing
+rule is NaN, which says that there is nothing new: a system does not remember, its caller may.
 
-Refused by name are *Function*, ``lock-previous``, activations other than *General*, disabled
-variables, ``lock-range`` where it would change something, and different operators in rules of one
-output.
+Refused by name are ``lock-previous`` beside a default, activations other than *General*, disabled
+variables, ``lock-range`` where it would change something, membership functions by formula of other
+variables than x, and different operators in rules of one output.
 """
 
 from __future__ import annotations

@@ -9,6 +9,8 @@ from typing import Any
 
 from fuzzy2.errors import InvalidValue, NotExpressible
 from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.files.functions import FormulaFunction
+from fuzzy2.sets.formula_set import FormulaSet
 from fuzzy2.sets.named_shape import NamedShape
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
@@ -134,7 +136,7 @@ _TERMS: dict[str, tuple[int, Callable[..., Type1Set]]] = {
 """Terms with the number of their parameters; what makes them takes the height last."""
 
 KINDS = (*_TERMS, "Constant", "Discrete", "Linear")
-"""Terms that are read; of fuzzylite's only Function is missing."""
+"""Terms that are made of numbers; "Function" is made of a text."""
 
 
 def is_monotonic(kind: str) -> bool:
@@ -162,8 +164,9 @@ def term_of(kind: str, numbers: list[float], inputs: int | None) -> Any:
         If the parameters are not those of the term.
     """
     if kind not in KINDS:
-        reason = "it is a formula" if kind == "Function" else f"known are {', '.join(KINDS)}"
-        raise NotExpressible(f"the term {kind!r}", "fuzzy2", reason)
+        raise NotExpressible(
+            f"the term {kind!r}", "fuzzy2", f"known are {', '.join((*KINDS, 'Function'))}"
+        )
     if kind == "Constant" and inputs is not None:
         if len(numbers) != 1 or not math.isfinite(numbers[0]):
             raise InvalidValue("the value", numbers, "a finite number")
@@ -255,6 +258,10 @@ def text_of(term: Any, where: str) -> str:
         return f"Constant {number(term.left)}"
     if isinstance(term, LinearFunction):
         return _words("Linear", [*term.slopes, term.constant])
+    if isinstance(term, FormulaFunction):
+        return f"Function {term.text}"
+    if isinstance(term, FormulaSet):
+        return f"Function {term.formula}"
     name, numbers, height = _parts(term, where)
     return _words(name, [*numbers, *([] if height == 1.0 else [height])])
 

@@ -11,7 +11,7 @@ from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedCharacters, UnexpectedInput, UnexpectedToken
 
 from fuzzy2.errors import Fuzzy2Error, InvalidRule, NotExpressible
-from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.files.description import SUM, Constant
 from fuzzy2.files.engine import (
     AnySystem,
     Defuzzifier,
@@ -31,8 +31,11 @@ from fuzzy2.files.fll_names import (
     is_monotonic,
     term_of,
 )
+from fuzzy2.files.functions import NUMBERS, FormulaFunction
 from fuzzy2.files.rule_text import rules_of
 from fuzzy2.files.source import Source
+from fuzzy2.sets.formula_set import FormulaSet
+from fuzzy2.support.formula import Formula
 from fuzzy2.systems.rules import unknown_name
 
 _GRAMMAR = r"""
@@ -237,6 +240,10 @@ class FllReader(Source):
 
     def _input(self, block: _Block, linear: bool) -> Input:
         terms, ends = self._terms(block, None), self._range(block)
+        if any(map(_is_cut, terms.values())):
+            raise self.refused(
+                block.number, f"formulas of {block.name!r} that leave [0, 1]", "grades lie in it"
+            )
         if self._truth(block, "lock-range", False) and ends is not None:
             number = block.entries["lock-range"].number
             if linear:
@@ -259,12 +266,24 @@ class FllReader(Source):
                 )
             name, kind = words[0], words[1]
             # Of terms of one name fuzzylite 8 takes the last one.
-            numbers = [] if kind == "Function" else self._numbers(number, words[2:])
-            terms[name] = self._guarded(
-                number, kind, lambda kind=kind, numbers=numbers: term_of(kind, numbers, inputs)
-            )
+            terms[name] = self._term(block, number, words, inputs)
             self._kinds[block.name, name] = kind
         return terms
+
+    def _term(self, block: _Block, number: int, words: list[str], inputs: int | None) -> Any:
+        kind = words[1]
+        if kind == "Function":
+            text, ends = " ".join(words[2:]), self._range(block)
+            weighted = "defuzzifier" in block.entries and block.entries[
+                "defuzzifier"
+            ].value.startswith("Weighted")
+            if weighted:
+                return self._guarded(number, kind, lambda: FormulaFunction(Formula(text).text))
+            if ends is None:
+                raise self.refused(number, "a membership by formula", "its variable has no range")
+            return self._guarded(number, kind, lambda: FormulaSet(text, *ends))
+        numbers = self._numbers(number, words[2:])
+        return self._guarded(number, kind, lambda: term_of(kind, numbers, inputs))
 
     def _guarded(self, line: int, kind: str, make: Any) -> Any:
         """Make a term; what its class says against it is said of the line."""
@@ -313,12 +332,16 @@ class FllReader(Source):
     def _output(
         self, block: _Block, terms: dict[str, Any], rules: tuple[EngineRule, ...]
     ) -> Output:
-        for key in ("lock-previous", "lock-valid"):
-            if self._truth(block, key, False):
-                raise self.refused(
-                    block.entries[key].number, key, "a system does not remember its last output"
-                )
         ends, default = self._range(block), self._default(block)
+        for key in ("lock-previous", "lock-valid"):
+            # NaN where no rule fires says that there is nothing new; the last output is the
+            # caller's to hold.
+            if self._truth(block, key, False) and not math.isnan(default):
+                raise self.refused(
+                    block.entries[key].number,
+                    f"{key} beside a default",
+                    "a system does not remember its last output; take default: nan",
+                )
         key = "aggregation" if "aggregation" in block.entries else "accumulation"
         aggregation = self._norm(block, key, S_NORMS)
         said = [term for rule in rules for output, term in rule.said if output == block.name]
@@ -329,10 +352,11 @@ class FllReader(Source):
             if ends is None:
                 raise self.malformed(block.number, f"{words[0]} needs a range with ends")
             defuzzifier = Defuzzifier(INTEGRALS[words[0]], resolution)
-            if any(isinstance(terms[name], Constant | LinearFunction) for name in said):
+            if any(isinstance(terms[name], NUMBERS) for name in said):
                 raise self.refused(
                     number, f"{words[0]} of numbers", "WeightedAverage is what they go with"
                 )
+            self._check_grades(block, {terms[name] for name in said}, aggregation, rules)
         elif words[0] in ("WeightedAverage", "WeightedSum") and len(words) <= 2:
             defuzzifier = self._weighted(block, number, words, said, aggregation)
             self._check_values(block, defuzzifier, [terms[name] for name in set(said)])
@@ -344,6 +368,24 @@ class FllReader(Source):
         if defuzzifier.reduction == "center_of_sets" and aggregation == SUM:
             aggregation = None
         return Output(block.name, ends, terms, defuzzifier, aggregation, default)
+
+    def _check_grades(
+        self,
+        block: _Block,
+        said: set[Any],
+        aggregation: str | None,
+        rules: tuple[EngineRule, ...],
+    ) -> None:
+        """Refuse grades by formula beyond 0 and 1 where it would matter that they are cut off."""
+        implied = {
+            one.implication for one in rules if any(name == block.name for name, _ in one.said)
+        }
+        if (implied, aggregation) != ({"min"}, "max") and any(map(_is_cut, said)):
+            raise self.refused(
+                block.number,
+                f"formulas of {block.name!r} that leave [0, 1]",
+                "they are cut off there, which is the same with Minimum and Maximum only",
+            )
 
     def _resolution(self, number: int, words: list[str]) -> int:
         if not words:
@@ -376,7 +418,7 @@ class FllReader(Source):
         if kind not in ("Automatic", "TakagiSugeno", "Tsukamoto"):
             raise self.malformed(number, f"expected a type of {words[0]}, got {kind[:40]!r}")
         kinds = [self._kinds[block.name, name] for name in said]
-        of_numbers = all(one in ("Constant", "Linear") for one in kinds)
+        of_numbers = all(one in ("Constant", "Function", "Linear") for one in kinds)
         repeated = len(set(said)) < len(said) and aggregation not in (None, SUM)
         if not of_numbers:
             if (
@@ -430,3 +472,8 @@ class FllReader(Source):
                 f"lock-range of {block.name!r}",
                 "outputs are not held within their range",
             )
+
+
+def _is_cut(term: Any) -> bool:
+    """Return whether a term is a formula that leaves [0, 1]."""
+    return isinstance(term, FormulaSet) and term.is_cut

@@ -18,6 +18,7 @@ from fuzzy2.files.fll_names import (
     number,
     text_of,
 )
+from fuzzy2.files.functions import FormulaFunction
 from fuzzy2.files.rule_writer import outer_words, written
 
 _NAMES = re.compile(r"[^\s#\"()]+")
@@ -83,14 +84,15 @@ class FllWriter:
     def _defuzzifier(self, output: Output) -> str:
         reduction, resolution, integration = output.defuzzifier
         numbers = [text_of(one, self._where).split()[0] for one in output.terms.values()]
-        of_numbers = all(kind in ("Constant", "Linear") for kind in numbers)
+        formulas = any(isinstance(one, FormulaFunction) for one in output.terms.values())
+        of_numbers = formulas or all(kind in ("Constant", "Linear") for kind in numbers)
         if reduction == "weighted_sum":
             return "WeightedSum TakagiSugeno"
         if reduction == "center_of_sets" or (reduction == "centroid" and of_numbers):
             if reduction == "centroid" and any(
-                isinstance(one, LinearFunction) for one in output.terms.values()
+                isinstance(one, LinearFunction | FormulaFunction) for one in output.terms.values()
             ):
-                raise NotExpressible("united linear functions", self._where, "they have no places")
+                raise NotExpressible("united functions", self._where, "they have no places")
             return "WeightedAverage TakagiSugeno"
         if reduction == "tsukamoto":
             return self._tsukamoto(output, numbers)

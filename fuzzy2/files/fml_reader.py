@@ -183,8 +183,8 @@ class FmlReader(FmlElements):
         return low, high
 
     def _default(self, element: Element) -> float | None:
-        """Return the output where no rule fires, None if the document does not say."""
-        text = self.attribute(element, "defaultValue", "NaN").strip()
+        """Return the output where no rule fires, by the schema 0, and None for NaN."""
+        text = self.attribute(element, "defaultValue", "0").strip()
         if text.lower() == "nan":
             return None
         value = self.number(element, text)

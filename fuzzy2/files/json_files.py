@@ -40,6 +40,7 @@ from fuzzy2.files.json_kinds import (
     choice_of,
     list_of,
     malformed,
+    mapping_of,
     norm_of,
     or_none,
     pair_of,
@@ -50,6 +51,7 @@ from fuzzy2.files.json_kinds import (
 from fuzzy2.files.json_rules import RULES
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.sets.derived import Complement, Truncated
+from fuzzy2.sets.formula_set import FormulaSet
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.general_type2 import AlphaPlane, GeneralType2Set, SampledType2Set, ZSlices
 from fuzzy2.sets.interval_type2 import (
@@ -67,7 +69,7 @@ from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
 from fuzzy2.sets.vertical_slices import Staircase
 from fuzzy2.support.text_files import read_text, write_text
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import Formulas, Linear, OutputOf
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.operators import AGGREGATIONS, INTEGRATIONS, METHODS, TYPE_REDUCTIONS
@@ -108,7 +110,7 @@ _NAMES = list_of(TEXT)
 
 
 def _write_consequents(value: Any, path: str) -> Json:
-    if isinstance(value, Linear):
+    if isinstance(value, Linear | Formulas):
         return _write_object(value, path)
     return (
         _NUMBER_TABLE.write(value, path)
@@ -119,7 +121,7 @@ def _write_consequents(value: Any, path: str) -> Json:
 
 def _read_consequents(value: Json, path: str) -> Any:
     if isinstance(value, dict):
-        return _thing(Linear, "Linear").read(value, path)
+        return _thing((Linear, Formulas), "Linear or Formulas").read(value, path)
     rows = read_list(value, path)
     of_sets = any(isinstance(item, dict) for row in rows if isinstance(row, list) for item in row)
     return _SET_TABLE.read(value, path) if of_sets else _NUMBER_TABLE.read(value, path)
@@ -153,18 +155,8 @@ def _read_meaning(value: Json, path: str) -> Any:
     return _PAIR.read(value, path) if isinstance(value, list) else NUMBER.read(value, path)
 
 
-def _read_terms(value: Json, path: str) -> dict[str, Any]:
-    if not isinstance(value, dict):
-        raise malformed(path, f"expected an object of terms by name, got {shown(value)}")
-    return {name: _read_meaning(one, f"{path}.{name}") for name, one in value.items()}
-
-
-_TERMS = Kind(
-    lambda terms, path: {
-        name: _write_meaning(one, f"{path}.{name}") for name, one in terms.items()
-    },
-    _read_terms,
-)
+_TERMS = mapping_of(Kind(_write_meaning, _read_meaning), "terms")
+_OTHERS = mapping_of(_thing(OutputOf, "the output of another system"), "outputs")
 
 _SYSTEM: dict[str, Kind] = {
     "inputs": _INPUTS,
@@ -221,6 +213,7 @@ _FIELDS: dict[type, dict[str, Kind]] = {
         "parameters": list_of(ANY_NUMBER),
         "scale": NUMBER,
     },
+    FormulaSet: {"formula": TEXT, "left": NUMBER, "right": NUMBER},
     TwoSidedGaussian: {"mean": _PAIR, "sigma": _ANY_PAIR},
     SigmoidDifference: {"center": _PAIR, "slope": _PAIR},
     SigmoidProduct: {"center": _PAIR, "slope": _PAIR},
@@ -239,6 +232,8 @@ _FIELDS: dict[type, dict[str, Kind]] = {
     SingletonFuzzifier: {},
     NonSingletonFuzzifier: {"shape": _SET},
     Linear: {"coefficients": _COEFFICIENTS, "spreads": _COEFFICIENTS},
+    Formulas: {"formulas": list_of(_NAMES), "names": _NAMES, "others": _OTHERS},
+    OutputOf: {"system": _thing(FuzzySystem, "a system"), "output": INTEGER},
     Type1System: _SYSTEM,
     IntervalType2System: _SYSTEM,
     ParallelSystem: {"systems": list_of(_thing(FuzzySystem, "a system"))},

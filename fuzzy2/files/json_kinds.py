@@ -88,6 +88,20 @@ def list_of(kind: Kind) -> Kind:
     )
 
 
+def mapping_of(kind: Kind, what: str) -> Kind:
+    """Return the kind of values by name."""
+
+    def read(value: Json, path: str) -> dict[str, Any]:
+        if not isinstance(value, dict):
+            raise malformed(path, f"expected an object of {what} by name, got {shown(value)}")
+        return {name: kind.read(one, f"{path}.{name}") for name, one in value.items()}
+
+    return Kind(
+        lambda values, path: {name: kind.write(values[name], f"{path}.{name}") for name in values},
+        read,
+    )
+
+
 def pair_of(kind: Kind) -> Kind:
     """Return the kind of lists of two things of one kind."""
     listed = list_of(kind)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from fuzzy2.errors import InvalidRule
@@ -80,17 +80,32 @@ def _rules_of(
     for clause in leaves(tree):
         term = None if clause.term is None else str(clause.term)
         check(str(clause.variable), term, both, "variable")
-    passes: list[tuple[Antecedent, list[tuple[str, str]]]] = [(tree, [])]
-    for variable, words, concluded in conclusions:
-        check(variable, concluded, outputs, "output")
+    for variable, words, said in conclusions:
+        check(variable, said, outputs, "output")
         if words and weight != 1.0:
             raise InvalidRule(1, text, "hedges what it says and has a weight")
-        # A hedge goes on to what is said after it, as in fuzzylite.
+    return concluded(tree, conclusions, hedges, place, weight, operators)
+
+
+def concluded(
+    tree: Antecedent,
+    conclusions: Iterable[tuple[str, Sequence[str], str]],
+    hedges: Mapping[str, Hedge],
+    place: int,
+    weight: float,
+    operators: tuple[str | None, str | None, str | None],
+) -> list[EngineRule]:
+    """Return the rules of a condition and of what it says: variables, hedges before, and terms.
+
+    A hedge goes on to what is said after it, as in fuzzylite.
+    """
+    passes: list[tuple[Antecedent, list[tuple[str, str]]]] = [(tree, [])]
+    for variable, words, term in conclusions:
         for word in reversed(words):
             tree = Not(tree) if word == "not" else Hedged(hedges[word], tree)
         if words or any(variable == other for other, _ in passes[-1][1]):
             passes.append((tree, []))
-        passes[-1][1].append((variable, concluded))
+        passes[-1][1].append((variable, term))
     return [
         EngineRule(place, asked, tuple(said), weight, *operators) for asked, said in passes if said
     ]

@@ -44,7 +44,7 @@ def written(
         words: list[str] = []
         inner = one
         while isinstance(inner, Not | Hedged):
-            words.append("not" if isinstance(inner, Not) else _word(inner.hedge, hedges, where))
+            words.append("not" if isinstance(inner, Not) else word_of(inner.hedge, hedges, where))
             inner = inner.part
         if isinstance(inner, Is):
             term = None if inner.term is None else str(inner.term)
@@ -75,12 +75,19 @@ def outer_words(
     words: list[str] = []
     inner = tree
     while isinstance(inner, Not | Hedged):
-        words.append("not" if isinstance(inner, Not) else _word(inner.hedge, hedges, where))
+        words.append("not" if isinstance(inner, Not) else word_of(inner.hedge, hedges, where))
         inner = inner.part
     return (tree, []) if isinstance(inner, Is) else (inner, words)
 
 
-def _word(hedge: Hedge, hedges: Mapping[str, Hedge], where: str) -> str:
+def word_of(hedge: Hedge, hedges: Mapping[str, Hedge], where: str) -> str:
+    """Return the word of a format for a hedge.
+
+    Raises
+    ------
+    NotExpressible
+        If it has none.
+    """
     for word, known in hedges.items():
         if hedge.power == known.power and hedge.function is known.function:
             return word

@@ -48,7 +48,7 @@ class AdaptiveConsequents:
     Parameters
     ----------
     system : Type1System or IntervalType2System
-        What was trained: center of sets, product or minimum t-norm, Gaussian, triangular or
+        What was trained: center of sets, a t-norm that has a name, Gaussian, triangular or
         trapezoidal terms, and consequents that are numbers or intervals. It stays as it is.
     forgetting : float
         :math:`\lambda`, in (0, 1]: a sample counts half after :math:`\log 2 / (1 - \lambda)`
@@ -254,7 +254,7 @@ def _adaptable_table(system: FuzzySystem) -> Array:
     if system.table is None:
         raise NotApplicable(
             what,
-            "it needs product or minimum, singleton fuzzifiers, and Gaussian, triangular or "
+            "it needs a t-norm that has a name, singleton fuzzifiers, and Gaussian, triangular or "
             "trapezoidal terms",
         )
     return system.table

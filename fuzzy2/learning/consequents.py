@@ -26,6 +26,8 @@ COMPLETIONS = ("nearest", "average", "none", "refuse")
 LEAST_FIRING = 1e-3
 """Firing below which no sample says anything about a rule."""
 _BLOCK = 2**22  # firing strengths held in memory at once
+_FAST = 2**16  # as many of them stay in the fast memory
+_ROWS = 512  # samples of a block at least, if memory lets it be: sums over blocks cost, too
 
 
 class Learned(NamedTuple):
@@ -108,7 +110,8 @@ def rules_from_all(
     """Let every rule, given or of the grid, take its consequent from all samples.
 
     Rules that no sample fires are completed. A ``ridge`` of None is chosen by generalized
-    cross-validation, for every output by itself. ``weights`` (N,) say how often a sample counts; where
+    cross-validation, for every output by itself. ``weights`` (N,) say how often a sample counts;
+    where
     one sample speaks for a rule, they make no difference.
     """
     shape = [of_input.shape[1] for of_input in grades]
@@ -325,7 +328,7 @@ def _firing_blocks(
         len(grades[0]),
         math.prod(of_input.shape[1] for of_input in grades) if rules is None else len(rules),
     )
-    step = max(1, _BLOCK // size)
+    step = max(1, min(_BLOCK // size, max(_FAST // size, _ROWS)))
     for start in range(0, count, step):
         rows = slice(start, min(start + step, count))
         if rules is not None:

@@ -132,6 +132,8 @@ class Estimator(Shown):
             See :meth:`predict`; also if there are more inputs than one.
         """
         system = self._system()
+        if hasattr(x, "to_frame") and np.ndim(x) == 1:
+            x = x.to_frame().T  # a row of a data frame keeps its names
         rows = self._inputs(x if np.ndim(x) == 2 else np.asarray(x)[np.newaxis])
         if len(rows) != 1:
             raise InvalidValue("x", rows.shape, "one input")
@@ -174,7 +176,8 @@ class Regressor(Estimator):
         Returns
         -------
         (n,) or (n, m) ndarray
-            Outputs, of one or two dimensions as those of :meth:`fit`; NaN where no rule fires.
+            Outputs, of one or two dimensions as those of :meth:`fit`; NaN where no rule fires. An
+            array also of a data frame, as all of scikit-learn's; ``system_(X)`` is a data frame.
 
         Raises
         ------

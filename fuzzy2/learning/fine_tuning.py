@@ -130,10 +130,10 @@ def fine_tune(
     )
     parameters = best = tunable.parameters
     # in the order of the samples, so that an error names the right one
-    tunable.objective(parameters, inputs, outputs)
+    tunable.error(parameters, inputs, outputs)
     first, second = np.zeros_like(parameters), np.zeros_like(parameters)
     error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
-    smallest = tunable.objective(parameters, inputs[validation], outputs[validation])[0]
+    smallest = tunable.error(parameters, inputs[validation], outputs[validation])
     training_errors, validation_errors, best_epoch = [error], [smallest], 0
     for epoch in range(1, most_epochs + 1):
         first = _FIRST_DECAY * first + (1.0 - _FIRST_DECAY) * gradient
@@ -148,9 +148,9 @@ def fine_tune(
             # what overflows makes terms that are refused
             with np.errstate(over="ignore", invalid="ignore"):
                 error, gradient = tunable.objective(parameters, inputs[training], outputs[training])
-                validation_error = tunable.objective(
+                validation_error = tunable.error(
                     parameters, inputs[validation], outputs[validation]
-                )[0]
+                )
         except InvalidValue:  # steps so large that no rule fires at some sample any more
             break
         training_errors.append(error)

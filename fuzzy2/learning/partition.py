@@ -170,9 +170,7 @@ def partition_of_centers(
     """
     order = np.argsort(centers, axis=0, kind="stable")
     terms = tuple(
-        _gaussian_terms(
-            centers[order[:, i], i], spreads[order[:, i], i], kind, float(reaches[i])
-        )
+        _gaussian_terms(centers[order[:, i], i], spreads[order[:, i], i], kind, float(reaches[i]))
         for i in range(len(reaches))
     )
     return terms, np.asarray(np.argsort(order, axis=0), dtype=np.int64)

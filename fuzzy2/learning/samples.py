@@ -45,6 +45,8 @@ def samples_of(estimator: str, X: Any, y: Any, sample_weight: Any = None) -> Sam
     if len(kept) < len(inputs):
         inputs, outputs, weights = inputs[kept], outputs[kept], weights[kept]
     output_names = column_names(y)
+    if one_column and isinstance(getattr(y, "name", None), str):
+        output_names = [y.name]  # of a Series
     if output_names is None or len(output_names) != outputs.shape[1]:
         output_names = [f"y{j + 1}" for j in range(outputs.shape[1])]
     return Samples(

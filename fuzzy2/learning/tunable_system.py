@@ -20,15 +20,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, NotApplicable
-from fuzzy2.reduction.interval import generalized_centroid
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.fuzzifiers import Fuzzifier, SingletonFuzzifier
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
-
-_BLOCK = 2**20  # products of samples, rules and outputs held in memory at once
 
 
 class TunableSystem:
@@ -59,8 +56,8 @@ class TunableSystem:
     ) -> None:
         _check_tunable(system)
         self._given = system
-        self._input_scales = np.asarray(input_scales, dtype=float)
-        self._output_scales = np.asarray(output_scales, dtype=float)
+        self._input_scales = np.array(input_scales, dtype=float)
+        self._output_scales = np.array(output_scales, dtype=float)
         given = system.consequents
         self._linear = given if isinstance(given, Linear) else None
         self._intervals = np.asarray(
@@ -68,6 +65,7 @@ class TunableSystem:
         )
         self._has_intervals = self._linear is None and self._intervals.ndim == 3
         values: list[float] = []
+        spreads: list[int] = []
         self._starts: list[list[int]] = []
         # Pairs of parameters that must stay in order.
         self._pairs: list[tuple[int, int]] = []
@@ -76,6 +74,8 @@ class TunableSystem:
             for term in terms:
                 starts.append(len(values))
                 means, sigmas = _means(term), _sigmas(term)
+                first = starts[-1] + len(means)
+                spreads.extend(range(first, first + len(sigmas)))
                 for group, numbers in (
                     (0, [mean / scale for mean in means]),
                     (len(means), [float(np.log(s)) for s in sigmas]),
@@ -93,6 +93,8 @@ class TunableSystem:
                 (self._first_consequent + k, self._first_consequent + half + k) for k in range(half)
             )
         self.parameters: Array = np.concatenate([values, tail])
+        self._spreads = np.array(spreads)
+        self._compiled: Any = None
 
     def admissible(self, parameters: Array) -> Array:
         """Return parameters with pairs that have passed each other put on their middle."""
@@ -183,155 +185,72 @@ class TunableSystem:
         Raises
         ------
         InvalidValue
-            If no rule fires at a sample.
+            If no rule fires at a sample, or parameters are so large that terms or the error are no
+            numbers.
         """
-        terms, consequents = self._terms(parameters), self._consequents(parameters)
-        if not self._has_intervals and self._linear is None:
-            consequents = np.stack([consequents, consequents], axis=-1)
-        step = max(1, _BLOCK // (len(self._given.rules) * self._given.n_outputs))
-        error, gradient = 0.0, np.zeros_like(parameters)
-        for start in range(0, len(X), step):
-            rows = slice(start, start + step)
-            error += self._add(terms, consequents, X[rows], y[rows], gradient, start)
-        count = y.size
-        return error / count, gradient / count
+        gradient = np.zeros_like(parameters)
+        return self._mean(parameters, X, y, True, gradient), gradient / y.size
 
-    def _add(
-        self,
-        terms: list[list[Any]],
-        consequents: Any,
-        X: Array,
-        y: Array,
-        gradient: Array,
-        first_sample: int,
-    ) -> float:
-        """Add the gradient of a block's sum of squared errors, and return that sum."""
-        grades = [
-            np.stack(
-                [
-                    np.stack([term.lower(X[:, i]), term.upper(X[:, i])], axis=-1)
-                    for term in of_input
-                ],
-                axis=1,
-            )
-            for i, of_input in enumerate(terms)
-        ]
-        rules, minimum = self._given.rules, self._given.t_norm.name == "min"
-        antecedents = np.stack(
-            [
-                np.where(
-                    (rules[:, i] >= 0)[:, np.newaxis], of_input[:, np.maximum(rules[:, i], 0)], 1.0
-                )
-                for i, of_input in enumerate(grades)
-            ],
-            axis=-1,
-        )  # (n, R, 2, p)
-        firing = antecedents.min(axis=-1) if minimum else antecedents.prod(axis=-1)
-        silent = np.flatnonzero(~(firing[..., 1].max(axis=1) > 0.0))
-        if silent.size:
-            raise InvalidValue(
-                f"X[{first_sample + silent[0]}]",
-                X[silent[0]],
-                "where some rule fires, for the system to have an output",
-            )
-        # (n or 1, R, m, 2)
-        intervals = consequents.at(X) if self._linear is not None else consequents[np.newaxis]
-        # (n, m, 2)
-        reduced = generalized_centroid(
-            np.moveaxis(intervals, 2, 1), firing[:, np.newaxis], self._given.method
+    def error(self, parameters: Array, X: Array, y: Array) -> float:
+        """Return the objective alone, see :meth:`objective`."""
+        return self._mean(parameters, X, y, False, np.empty(0))
+
+    def _mean(self, parameters: Array, X: Array, y: Array, slopes: bool, gradient: Array) -> float:
+        # Numba is loaded with the first objective.
+        from fuzzy2.learning.tuning_kernels import add_squares
+
+        sigmas = np.exp(parameters[self._spreads])
+        if not (np.isfinite(parameters).all() and np.isfinite(sigmas).all() and (sigmas > 0).all()):
+            raise InvalidValue("parameters", parameters, "those of terms that there can be")
+        in_units = np.ascontiguousarray(y / self._output_scales)
+        total, silent = add_squares(
+            self._layout(), parameters, np.ascontiguousarray(X), in_units, slopes, gradient
         )
+        if silent >= 0:
+            raise InvalidValue(
+                f"X[{silent}]", X[silent], "where some rule fires, for the system to have an output"
+            )
+        if not np.isfinite(total):
+            raise InvalidValue("the squared error", total, "a number; the parameters are too large")
+        return float(total / y.size)
 
-        residual = (reduced.mean(axis=-1) - y) / self._output_scales
-        # derivative with respect to each end: 2 r / s, times 1/2
-        slope = residual / self._output_scales
-        by_firing = np.zeros_like(firing)
-        by_consequent = np.zeros_like(intervals)  # (n or 1, R, m, 2)
-        for end in (0, 1):
-            offset = intervals[..., end] - reduced[:, np.newaxis, :, end]  # (n, R, m)
-            # Upper weights draw the left end to the left and the right end to the right.
-            takes_upper = offset < 0.0 if end == 0 else offset > 0.0
-            weight = np.where(takes_upper, firing[..., 1, np.newaxis], firing[..., 0, np.newaxis])
-            total = weight.sum(axis=1, keepdims=True)
-            # One rule alone with no lower firing: its point is the end, and all of its weight is
-            # the upper one.
-            alone = total[:, 0] <= 0.0
-            if alone.any():
-                on_end = (offset == 0.0) & alone[:, np.newaxis]
-                weight = np.where(on_end, firing[..., 1, np.newaxis], weight)
-                total = weight.sum(axis=1, keepdims=True)
-            share = slope[:, np.newaxis] / total
-            moved = share * weight
-            if self._linear is None:
-                moved = moved.sum(axis=0, keepdims=True)
-            by_consequent[..., end] += moved
-            by_weight = share * offset
-            by_firing[..., 1] += np.where(takes_upper, by_weight, 0.0).sum(axis=-1)
-            by_firing[..., 0] += np.where(takes_upper, 0.0, by_weight).sum(axis=-1)
+    def _layout(self) -> Any:
+        """Return the system as the compiled objective reads it."""
+        if self._compiled is None:
+            from fuzzy2.learning.tuning_kernels import (
+                CERTAIN,
+                INTERVALS,
+                LINEAR,
+                NUMBERS,
+                UNCERTAIN_MEAN,
+                UNCERTAIN_SIGMA,
+                Layout,
+            )
 
-        for i, of_input in enumerate(terms):
-            by_grade = by_firing * _others(antecedents, i, minimum)
-            for t, term in enumerate(of_input):
-                asks = rules[:, i] == t
-                along = by_grade[:, asks].sum(axis=1)  # (n, 2)
-                start = self._starts[i][t]
-                # (n, 2, parameters of the term)
-                slopes = _grade_slopes(term, X[:, i], grades[i][:, t])
-                derivative = np.einsum("ne,nek->k", along, slopes)
-                derivative[: len(_means(term))] *= self._input_scales[i]
-                gradient[start : start + derivative.size] += derivative
-        gradient[self._first_consequent :] += self._consequent_slopes(by_consequent, X)
-        return float((residual**2).sum())
-
-    def _consequent_slopes(self, by_consequent: Array, X: Array) -> Array:
-        """Return the derivatives by the parameters of the consequents.
-
-        From those by both ends of the consequents (n or 1, R, m, 2).
-        """
-        scales = self._consequent_scales()
-        if self._linear is not None:
-            with_constant = np.concatenate([np.ones((len(X), 1)), X], axis=1)
-            slopes = np.einsum("nrm,ni->rmi", by_consequent.sum(axis=-1), with_constant)
-            return np.asarray((slopes * scales).ravel())
-        if self._has_intervals:
-            return np.asarray(np.moveaxis(by_consequent[0] * scales, -1, 0).ravel())
-        return np.asarray((by_consequent[0].sum(axis=-1) * scales).ravel())
-
-
-def _others(antecedents: Array, i: int, minimum: bool) -> Array:
-    """Return the derivative (n, R, 2) of the firing strength by the grade of input i."""
-    if minimum:
-        # Of equal grades the first is the smallest.
-        return np.asarray((antecedents.argmin(axis=-1) == i).astype(float))
-    # The product of the others: dividing the whole by the grade would fail where that underflows.
-    return np.asarray(np.delete(antecedents, i, axis=-1).prod(axis=-1))
-
-
-def _grade_slopes(term: Any, x: Array, grades: Array) -> Array:
-    """Return the derivatives (n, 2, k) of lower and upper grade (n, 2).
-
-    They are by the means and the logarithms of the sigmas.
-    """
-    means, sigmas = _means(term), _sigmas(term)
-    slopes = np.zeros((x.size, 2, len(means) + len(sigmas)))
-    for end in (0, 1):
-        if len(means) == 2:
-            below, above = x < means[0], x > means[1]
-            beyond_middle = x > 0.5 * means[0] + 0.5 * means[1]
-            which = np.where(beyond_middle, 0, 1) if end == 0 else np.where(above, 1, 0)
-            deviation = x - np.asarray(means)[which]
-            if end == 1:  # between the means the upper grade is 1 and stays so
-                deviation = np.where(below | above, deviation, 0.0)
-            for k in (0, 1):
-                slopes[:, end, k] = np.where(
-                    which == k, grades[:, end] * deviation / sigmas[0] / sigmas[0], 0.0
-                )
-            slopes[:, end, 2] = grades[:, end] * (deviation / sigmas[0]) ** 2
-        else:
-            sigma, k = (sigmas[end], end) if len(sigmas) == 2 else (sigmas[0], 0)
-            deviation = x - means[0]
-            slopes[:, end, 0] = grades[:, end] * deviation / sigma / sigma
-            slopes[:, end, 1 + k] = grades[:, end] * (deviation / sigma) ** 2
-    return slopes
+            kinds = {GaussianUncertainMean: UNCERTAIN_MEAN, GaussianUncertainSigma: UNCERTAIN_SIGMA}
+            counts = [len(terms) for terms in self._given.inputs]
+            terms = [term for of_input in self._given.inputs for term in of_input]
+            offsets = np.cumsum([0, *counts[:-1]])
+            shape = (len(self._given.rules), self._given.n_outputs, len(counts) + 1)
+            spreads, consequents = np.zeros(shape), INTERVALS if self._has_intervals else NUMBERS
+            if self._linear is not None:
+                spreads, consequents = self._linear.spreads / self._consequent_scales(), LINEAR
+            known = [kinds.get(type(term), CERTAIN) for term in terms]
+            certain = not any(known) and not self._has_intervals and not spreads.any()
+            self._compiled = Layout(
+                np.repeat(np.arange(len(counts)), counts),
+                np.array(known),
+                np.array([start for starts in self._starts for start in starts]),
+                np.log([getattr(term, "height", 1.0) for term in terms]),
+                np.where(self._given.rules >= 0, self._given.rules + offsets, -1),
+                self._input_scales,
+                spreads,
+                int(certain),
+                int(self._given.t_norm.name == "min"),
+                consequents,
+                self._first_consequent,
+            )
+        return self._compiled
 
 
 def _means(term: Any) -> tuple[float, ...]:

@@ -2,12 +2,15 @@
 
 Numba makes optimized machine code of every function by itself, with all that it calls inside, and
 of these again in each function that calls it: a chain of calls is compiled as often as it is long.
-Here a function that others call is only translated (a *part*). What is called from Python gets all
-parts that it needs, as its own, and is optimized once. The numbers are the same: the compiler may
-not reorder floating-point operations in either way.
+Here a function that others call is only translated and simplified (a *part*). What is called from
+Python gets all parts that it needs, as its own, and is optimized once. The numbers are the same:
+the compiler may not reorder floating-point operations in either way.
 
 What types the simplest operations have, sums of numbers and entries of arrays, is looked up once
-and remembered, which is a third of the time that the translation takes.
+and remembered, and how they are written down is known
+(:mod:`fuzzy2.support.plain_lowering`). Of functions that keep to what can be written in C, what
+numba looks for in vain is left out, too: closures, comprehensions, array expressions. Together that
+is two thirds of the time that the translation takes.
 
 This is built on classes of numba that are documented for its developers, not for its users. The
 tests of this file fail where a version of numba has changed them.
@@ -21,11 +24,15 @@ from typing import Any
 
 from llvmlite.binding import Linkage
 from numba._dynfunc import make_function
-from numba.core import types
+from numba.core import typed_passes, types, untyped_passes
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
+from numba.core.compiler_machinery import PassManager
 from numba.core.registry import CPUDispatcher
+from numba.core.typed_passes import NativeLowering
 from numba.core.typing.context import Context
+
+from fuzzy2.support.plain_lowering import PLAIN, PlainLowering, ScalarLowering, WideLowering
 
 
 class Kernel(CPUDispatcher):
@@ -41,7 +48,10 @@ class Kernel(CPUDispatcher):
         Options of ``numba.njit``.
     twice : bool
         Whether the compiler goes over the code a second time: only then are parts simple enough for
-        vector instructions, and calls of parts gone.
+        vector instructions, and calls of parts gone. These may then be as long as the machine's.
+    scalar : bool
+        Whether the function keeps to what can be written in C: no index is negative, and arrays of
+        numbers of different types share no memory.
     """
 
     def __init__(
@@ -51,12 +61,16 @@ class Kernel(CPUDispatcher):
         targetoptions: dict[str, Any] | None = None,
         *,
         twice: bool = False,
+        scalar: bool = False,
     ) -> None:
         # Older versions of numba want a dictionary, also where no types are given.
         kinds, options = dict(locals or {}), dict(targetoptions or {})
-        compiler = _TwiceCompiler if twice else _WholeCompiler
-        super().__init__(function, kinds, options, pipeline_class=compiler)
-        self._part = CPUDispatcher(function, kinds, options, pipeline_class=PartCompiler)
+        whole: type[Compiler] = _TwiceCompiler if twice else _WholeCompiler
+        part: type[Compiler] = PartCompiler
+        if scalar:
+            whole, part = _ScalarCompiler, _ScalarPartCompiler
+        super().__init__(function, kinds, options, pipeline_class=whole)
+        self._part = CPUDispatcher(function, kinds, options, pipeline_class=part)
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
         """Return how compiled code calls the function, for arguments of these types."""
@@ -81,11 +95,14 @@ class _Operations(Context):
 
     def resolve_function_type(self, func: Any, args: Any, kws: Any) -> Any:
         """Return the signature of a call."""
-        if kws or type(func) is not python_types.BuiltinFunctionType or not _are_plain(args):
+        operation = func.typing_key if type(func) is types.Function else func
+        if kws or type(operation) is not python_types.BuiltinFunctionType or not _are_plain(args):
             return super().resolve_function_type(func, args, kws)
-        if (func, args) not in _SIGNATURES:
-            _SIGNATURES[func, args] = super().resolve_function_type(func, args, kws)
-        return _SIGNATURES[func, args]
+        # Which whole number is written into the code makes no difference to a sum.
+        key = operation, tuple(map(types.unliteral, args)) if operation in PLAIN else args
+        if key not in _SIGNATURES:
+            _SIGNATURES[key] = super().resolve_function_type(func, args, kws)
+        return _SIGNATURES[key]
 
 
 def _are_plain(kinds: Any) -> bool:
@@ -98,15 +115,11 @@ def _are_plain(kinds: Any) -> bool:
 
 
 class _PartLibrary(JITCodeLibrary):
-    """The code of a part, neither optimized nor made machine code."""
+    """The code of a part, simplified by itself, but not made machine code."""
 
     def __init__(self, codegen: Any, name: str) -> None:
         super().__init__(codegen, name)
         self._with_parts: Any = None
-
-    def add_llvm_module(self, ll_module: Any) -> None:
-        ll_module.data_layout = self._codegen._data_layout
-        self._final_module.link_in(ll_module)
 
     def finalize(self) -> None:
         self._finalize_dynamic_globals()
@@ -165,7 +178,24 @@ def _link(module: Any, library: Any) -> None:
             left += one._linking_libraries
 
 
-class _WholeCompiler(Compiler):
+class _PlainCompiler(Compiler):
+    """Numba's compiler, with plain operations written down directly."""
+
+    lowering: type[NativeLowering] = PlainLowering
+    needless: frozenset[Any] = frozenset()
+
+    def define_pipelines(self) -> list[PassManager]:
+        """Return what is done with a function, in turn."""
+        (theirs,) = super().define_pipelines()
+        ours = PassManager(theirs.pipeline_name)
+        for one, description in theirs.passes:
+            if one not in self.needless:
+                ours.add_pass(self.lowering if one is NativeLowering else one, description)
+        ours.finalize()
+        return [ours]
+
+
+class _WholeCompiler(_PlainCompiler):
     library: type[JITCodeLibrary] = _Whole
 
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
@@ -185,10 +215,11 @@ class _WholeCompiler(Compiler):
 
 
 class _TwiceCompiler(_WholeCompiler):
+    lowering = WideLowering
     library = _Twice
 
 
-class PartCompiler(Compiler):
+class PartCompiler(_PlainCompiler):
     """Translates a function that other compiled functions call."""
 
     def __init__(self, typingctx: Any, targetctx: Any, library: Any, *more: Any) -> None:
@@ -206,3 +237,33 @@ class PartCompiler(Compiler):
         )
         self.state.targetctx.insert_user_function(nothing, result.fndesc, [result.library])
         return result._replace(entry_point=nothing)
+
+
+class _Scalar:
+    """Mixed into compilers of functions that keep to what can be written in C."""
+
+    lowering: type[NativeLowering] = ScalarLowering
+    # What looks for closures, comprehensions, array expressions and types that are branched on.
+    needless: frozenset[Any] = frozenset(
+        {
+            untyped_passes.DeadBranchPrune,
+            untyped_passes.FindLiterallyCalls,
+            untyped_passes.InlineClosureLikes,
+            untyped_passes.InlineInlinables,
+            untyped_passes.LiteralPropagationSubPipelinePass,
+            untyped_passes.LiteralUnroll,
+            untyped_passes.MakeFunctionToJitFunction,
+            untyped_passes.RewriteSemanticConstants,
+            untyped_passes.WithLifting,
+            typed_passes.InlineOverloads,
+            typed_passes.NopythonRewrites,
+        }
+    )
+
+
+class _ScalarCompiler(_Scalar, _WholeCompiler):
+    pass
+
+
+class _ScalarPartCompiler(_Scalar, PartCompiler):
+    pass

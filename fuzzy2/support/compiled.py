@@ -149,26 +149,30 @@ def scalar(function: Function) -> Function:
 
     For functions that make no arrays, and call none that do: calls cost less, and the compiler need
     not find out who holds which array. It goes over the code once; long code without loops over
-    rows gains nothing from a second time.
+    rows gains nothing from a second time. An index is what it is in C: a negative one does not
+    count from the end, but is an error that nobody notices; and entries of an array of whole
+    numbers are not read again after an array of others is written to.
 
     Parameters
     ----------
     function : callable
-        As for :func:`compiled`.
+        As for :func:`compiled`, without closures, comprehensions and operations on whole arrays.
 
     Returns
     -------
     callable
         The compiled function. A function that makes an array is refused when it is compiled.
     """
-    return _compiled(function, _nrt=False)
+    return _compiled(function, scalar=True, _nrt=False)
 
 
-def _compiled(function: Function, *, twice: bool = False, **more: Any) -> Function:
+def _compiled(
+    function: Function, *, twice: bool = False, scalar: bool = False, **more: Any
+) -> Function:
     if getattr(numba.config, "DISABLE_JIT", False):
         return function
     options = {"nopython": True, "nogil": True, "error_model": "numpy", "boundscheck": None}
-    kernel = Kernel(function, targetoptions={**options, **more}, twice=twice)
+    kernel = Kernel(function, targetoptions={**options, **more}, twice=twice, scalar=scalar)
     # "no locator available": site-packages and home are both read-only
     with contextlib.suppress(RuntimeError):
         kernel.enable_caching()

@@ -1,8 +1,10 @@
-"""Consequents of rules: numbers, sets, and linear functions of the inputs."""
+"""Consequents of rules: numbers, sets, and functions of the inputs."""
 
 from __future__ import annotations
 
-from typing import Any
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,10 +12,28 @@ from numpy.typing import ArrayLike
 from fuzzy2.errors import InvalidValue
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.formula import Formula
 from fuzzy2.systems.terms import AnySet
 
 
-class Linear:
+class FunctionsOfInputs(ABC):
+    """Consequents that are functions of the inputs, a row for each rule."""
+
+    @property
+    @abstractmethod
+    def shape(self) -> tuple[int, int]:
+        """Number of rules and of outputs."""
+
+    @abstractmethod
+    def at(self, X: Array) -> Array:
+        """Return the consequents (n, R, m, 2) at inputs (n, p)."""
+
+    @abstractmethod
+    def said(self, r: int, j: int) -> Any:
+        """Return what a rule says of an output; equal where functions are the same."""
+
+
+class Linear(FunctionsOfInputs):
     r"""Consequents of Takagi, Sugeno and Kang.
 
     :math:`z_{rj}(x) = c_{rj0} + \sum_i c_{rji} x_i`, with a spread if they are intervals.
@@ -47,12 +67,88 @@ class Linear:
                 "spreads", self.spreads, "finite, not negative, of the shape of the coefficients"
             )
 
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of rules and of outputs."""
+        return self.coefficients.shape[0], self.coefficients.shape[1]
+
+    def said(self, r: int, j: int) -> tuple[bytes, bytes]:
+        """Return the bytes of the coefficients of a rule, and of their spreads."""
+        return self.coefficients[r, j].tobytes(), self.spreads[r, j].tobytes()
+
     def at(self, X: Array) -> Array:
         """Return the consequents (n, R, m, 2) at inputs (n, p)."""
         with_constant = np.concatenate([np.ones((len(X), 1)), X], axis=1)
         middle = np.einsum("rmi,ni->nrm", self.coefficients, with_constant)
         spread = np.einsum("rmi,ni->nrm", self.spreads, np.abs(with_constant))
         return np.stack([middle - spread, middle + spread], axis=-1)
+
+
+class OutputOf(NamedTuple):
+    """Output of another system of the same inputs, by its number, which a formula asks for."""
+
+    system: Any
+    output: int
+
+    def __call__(self, X: Array) -> Array:
+        """Return the output (n,) at inputs (n, p); NaN where no rule of it fires."""
+        return np.asarray(self.system(X)[:, self.output])
+
+
+class Formulas(FunctionsOfInputs):
+    r"""Consequents that are formulas of the inputs, :math:`z_{rj}(x) = f_{rj}(x)`.
+
+    Parameters
+    ----------
+    formulas : (R, m) nested sequence of str
+        The formulas; see :mod:`fuzzy2.support.formula`.
+    names : sequence of p str
+        Names of the inputs in them, in order.
+    others : mapping of str to OutputOf, optional
+        Outputs of other systems of the same inputs by the names that formulas ask for.
+
+    Raises
+    ------
+    InvalidValue
+        If a formula is none, or asks for another name.
+    """
+
+    def __init__(
+        self,
+        formulas: Sequence[Sequence[str]],
+        names: Sequence[str],
+        others: Mapping[str, OutputOf] | None = None,
+    ) -> None:
+        self._formulas = tuple(tuple(Formula(one) for one in row) for row in formulas)
+        self.formulas = tuple(tuple(one.text for one in row) for row in self._formulas)
+        self.names, self.others = tuple(names), dict(others or {})
+        if len({len(row) for row in self.formulas}) != 1 or not self.formulas[0]:
+            raise InvalidValue("formulas", formulas, "rows with a formula for each output")
+        known = (*self.names, *self.others)
+        for one in (one for row in self._formulas for one in row):
+            for name in sorted(one.names.difference(known)):
+                raise InvalidValue("a name in a formula", name, f"one of {', '.join(known)}")
+        asked = {name for row in self._formulas for one in row for name in one.names}
+        self._asked = {name: other for name, other in self.others.items() if name in asked}
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Number of rules and of outputs."""
+        return len(self.formulas), len(self.formulas[0])
+
+    def said(self, r: int, j: int) -> str:
+        """Return the text of a formula."""
+        return self.formulas[r][j]
+
+    def at(self, X: Array) -> Array:
+        """Return the consequents (n, R, m, 2) at inputs (n, p); NaN where a formula has none."""
+        values = {name: X[:, i] for i, name in enumerate(self.names)}
+        values |= {name: other(X) for name, other in self._asked.items()}
+        found = np.empty((len(X), *self.shape))
+        for r, row in enumerate(self._formulas):
+            for j, one in enumerate(row):
+                found[:, r, j] = one.at(values)
+        return np.stack([found, found], axis=-1)
 
 
 def as_sets(consequents: Any) -> list[list[Any]] | None:

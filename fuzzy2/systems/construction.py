@@ -12,7 +12,13 @@ from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.set_operations import complement
 from fuzzy2.support.checks import Array, real, reals
 from fuzzy2.systems.antecedents import check_numbers, rows_of
-from fuzzy2.systems.consequents import Linear, as_sets, centroid_interval
+from fuzzy2.systems.consequents import (
+    Formulas,
+    FunctionsOfInputs,
+    Linear,
+    as_sets,
+    centroid_interval,
+)
 from fuzzy2.systems.fuzzifiers import Fuzzifier, NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.hedges import Hedge
 from fuzzy2.systems.rules import read_rule_base
@@ -244,14 +250,26 @@ def checked_consequents(
 
     Where sets are not ``averaged``, those without a centroid of their own have NaN for it.
     """
-    if isinstance(consequents, Linear):
-        shape = consequents.coefficients.shape
-        if shape[0] != count or shape[2] != inputs + 1:
+    if isinstance(consequents, FunctionsOfInputs):
+        shape = consequents.shape
+        if isinstance(consequents, Linear) and (
+            shape[0] != count or consequents.coefficients.shape[2] != inputs + 1
+        ):
             raise InvalidValue(
-                "consequents", shape, f"coefficients of shape ({count}, m, {inputs + 1})"
+                "consequents",
+                consequents.coefficients.shape,
+                f"coefficients of shape ({count}, m, {inputs + 1})",
             )
-        mask = _checked_silence(silent, shape[:2])
-        return Consequents(consequents, None, _read_only(np.zeros((*shape[:2], 2))), mask)
+        if isinstance(consequents, Formulas) and (
+            shape[0] != count or len(consequents.names) != inputs
+        ):
+            raise InvalidValue(
+                "consequents",
+                (shape[0], consequents.names),
+                f"formulas for {count} rules, and {inputs} names of inputs",
+            )
+        mask = _checked_silence(silent, shape)
+        return Consequents(consequents, None, _read_only(np.zeros((*shape, 2))), mask)
     sets = as_sets(consequents)
     if sets is not None:
         return _of_sets(sets, silent, count, kinds, averaged)

@@ -75,6 +75,48 @@ def _grades(row, o, x, width):
 
 
 @compiled
+def _both(norm, a, b):
+    """Combine two grades by *and*, the t-norm of a code, see ``fuzzy2.systems.table.NORMS``."""
+    least, most = min(a, b), max(a, b)
+    if norm == 0:
+        return least
+    if norm == 1:
+        return a * b
+    if norm == 2:
+        # a + b - 1 would round a tiny grade beside 1 away.
+        return least if most == 1.0 else max(a + b - 1.0, 0.0)
+    if norm == 3:
+        return 0.0 if most < 1.0 else least
+    if norm == 4:
+        return 0.0 if least <= 1.0 - most else least
+    if norm == 5:
+        united = most + least * (1.0 - most)
+        return a * b / united if united > 0.0 else 0.0
+    return a * b / (1.0 + (1.0 - a) * (1.0 - b))
+
+
+@compiled
+def _either(norm, a, b):
+    """Combine two grades by *or*, the t-conorm of a code, dual to that of ``_both``."""
+    least, most = min(a, b), max(a, b)
+    if norm == 0:
+        return most
+    if norm == 1:
+        return most + least * (1.0 - most)
+    if norm == 2:
+        return min(a + b, 1.0)
+    if norm == 3:
+        return 1.0 if least > 0.0 else most
+    if norm == 4:
+        return 1.0 if least >= 1.0 - most else most
+    if most == 1.0:
+        return 1.0
+    if norm == 5:
+        return most + least * (1.0 - most) ** 2 / (1.0 - least * most)
+    return most + least * (1.0 - most) * (1.0 + most) / (1.0 + least * most)
+
+
+@compiled
 def _fire(table, x, xo, width, grades, low, high):
     """Write lower and upper firing strength of every rule for the input that starts at ``xo``."""
     inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
@@ -90,8 +132,12 @@ def _fire(table, x, xo, width, grades, low, high):
         for _ in range(inputs):
             t = int(table[o])
             o += 1
-            if t >= 0:
-                both = min(both, grades[2 * t]) if norm == 0 else both * grades[2 * t]
+            if t < 0:
+                continue
+            if norm == 1:
+                both *= grades[2 * t]
+            else:
+                both = _both(norm, both, grades[2 * t])
         low[r] = high[r] = both
     for r in range(rules if uncertain else 0):
         lower, upper = 1.0, 1.0
@@ -100,25 +146,74 @@ def _fire(table, x, xo, width, grades, low, high):
             o += 1
             if t < 0:
                 continue
-            if norm == 0:
-                lower, upper = min(lower, grades[2 * t]), min(upper, grades[2 * t + 1])
-            else:
+            if norm == 1:
                 lower *= grades[2 * t]
                 upper *= grades[2 * t + 1]
-        low[r], high[r] = lower, upper
+            else:
+                lower = _both(norm, lower, grades[2 * t])
+                upper = _both(norm, upper, grades[2 * t + 1])
+        # Rounding, which is not the same for both ends, must not exchange them.
+        low[r], high[r] = min(lower, upper), upper
     if table[5] > 0.0:
         _supplement_firing(table, grades, low, high)
 
 
 @compiled
-def _either(norm, a, b):
-    """Combine two grades by *or*: maximum, probabilistic sum, or bounded sum."""
-    if norm == 0:
-        return max(a, b)
-    if norm == 1:
-        least, most = min(a, b), max(a, b)
-        return most + least * (1.0 - most)
-    return min(a + b, 1.0)
+def _grade_lanes(table, x, start, width, grades):
+    """Write the grades (2 T, lanes) of rows from ``start`` on, side by side.
+
+    Return whether lower and upper ones may differ.
+    """
+    inputs, terms = int(table[0]), int(table[1])
+    lanes = grades.shape[1]
+    uncertain = False
+    for t in range(terms):
+        o = HEADER + TERM * t
+        first = start * inputs + int(table[o])
+        mean, sigma, height = table[o + 2], table[o + 5], table[o + 7]
+        certain = mean == table[o + 3] and sigma == table[o + 4] and height == table[o + 6]
+        if table[o + 1] == 0.0 and certain:
+            # The Gaussian of ``_grades`` without its branches, which no processor foresees.
+            for lane in range(lanes):
+                away = (x[first + lane * inputs] - mean) / sigma
+                grade = height * math.exp(-0.5 * away * away)
+                grades[2 * t, lane] = grades[2 * t + 1, lane] = grade
+            continue
+        for lane in range(lanes):
+            lower, upper = _grades(table, o, x[first + lane * inputs], width)
+            grades[2 * t, lane], grades[2 * t + 1, lane] = lower, upper
+            uncertain = uncertain or lower != upper
+    return uncertain
+
+
+@compiled
+def _fire_lanes(table, grades, end, firing):
+    """Write the lower (0) or upper (1) firing strengths (R, lanes) of plain rules.
+
+    To the last bit those of ``_fire``.
+    """
+    inputs, rules, norm = int(table[0]), int(table[2]), int(table[4])
+    lanes = grades.shape[1]
+    o = HEADER + TERM * int(table[1])
+    for r in range(rules):
+        combined = firing[r]
+        for lane in range(lanes):
+            combined[lane] = 1.0
+        for _ in range(inputs):
+            t = int(table[o])
+            o += 1
+            if t < 0:
+                continue
+            own = grades[2 * t + end]
+            if norm == 0:
+                for lane in range(lanes):
+                    combined[lane] = min(combined[lane], own[lane])
+            elif norm == 1:
+                for lane in range(lanes):
+                    combined[lane] *= own[lane]
+            else:
+                for lane in range(lanes):
+                    combined[lane] = _both(norm, combined[lane], own[lane])
 
 
 @compiled
@@ -143,12 +238,8 @@ def _supplement_firing(table, grades, low, high):
                     upper[top] = 1.0 if code < 0 else grades[2 * code + 1]
                 elif code == -2:
                     top -= 1
-                    if norm == 0:
-                        lower[top] = min(lower[top], lower[top + 1])
-                        upper[top] = min(upper[top], upper[top + 1])
-                    else:
-                        lower[top] *= lower[top + 1]
-                        upper[top] *= upper[top + 1]
+                    lower[top] = _both(norm, lower[top], lower[top + 1])
+                    upper[top] = _both(norm, upper[top], upper[top + 1])
                 elif code == -3:
                     top -= 1
                     lower[top] = _either(conorm, lower[top], lower[top + 1])
@@ -166,32 +257,63 @@ def _supplement_firing(table, grades, low, high):
         high[r] *= table[weights + r]
 
 
-# Products of grades below this one have lost digits, or all of them, to underflow.
+# Firing strengths below this one have lost digits, or all of them, to underflow.
 VANISHED = 1e-280
 
 
 @compiled
-def _fire_in_logarithms(table, grades, low, high):
-    """Write the firing strengths of plain rules under the product, divided by the greatest.
+def _log_grades(row, o, x, width, low, high):
+    """Logarithms of the grades of ``_grades``, which are ``low`` and ``high``.
 
-    ``grades`` are as ``_fire`` left them. Return whether any rule fires.
+    Of Gaussians they are parabolas, however far x is away and though the grades themselves
+    underflow.
     """
-    inputs, terms, rules = int(table[0]), int(table[1]), int(table[2])
+    kind = int(row[o + 1])
+    if kind == 1 or (kind == 2 and width * row[o + 8] > 0.0):
+        return math.log(low), math.log(high)
+    m1, m2, s_low, s_high = row[o + 2], row[o + 3], row[o + 4], row[o + 5]
+    h_low, h_high = row[o + 6], row[o + 7]
+    if kind == 2:
+        h_low, s_low = h_high, s_high
+    t = (x - max(min(x, m2), m1)) / s_high
+    upper = math.log(h_high) - 0.5 * t * t
+    t = (x - (m2 if x < 0.5 * (m1 + m2) else m1)) / s_low
+    return min(math.log(h_low) - 0.5 * t * t, upper), upper
+
+
+@compiled
+def _fire_in_logarithms(table, x, xo, width, grades, low, high):
+    """Write the firing strengths of plain rules, divided by the greatest of them.
+
+    ``grades`` are as ``_fire`` left them for the input that starts at ``xo``. Return whether any
+    rule fires.
+    """
+    inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
     start = int(table[5])
-    if int(table[4]) != 1 or (start > 0 and table[start + 1] > 0.0):
+    if norm > 1 or (start > 0 and table[start + 1] > 0.0):
         return False
+    for t in range(terms):
+        o = HEADER + TERM * t
+        grades[2 * t], grades[2 * t + 1] = _log_grades(
+            table, o, x[xo + int(table[o])], width, grades[2 * t], grades[2 * t + 1]
+        )
     o = HEADER + TERM * terms
     greatest = -math.inf
     for r in range(rules):
         lower, upper = 0.0, 0.0
-        if start > 0:
-            lower = upper = math.log(table[start + SUPPLEMENT + r])
         for _ in range(inputs):
             t = int(table[o])
             o += 1
-            if t >= 0:
-                lower += math.log(grades[2 * t])
-                upper += math.log(grades[2 * t + 1])
+            if t < 0:
+                continue
+            if norm == 0:
+                lower, upper = min(lower, grades[2 * t]), min(upper, grades[2 * t + 1])
+            else:
+                lower += grades[2 * t]
+                upper += grades[2 * t + 1]
+        if start > 0:
+            weight = math.log(table[start + SUPPLEMENT + r])
+            lower, upper = lower + weight, upper + weight
         low[r], high[r] = lower, upper
         greatest = max(greatest, upper)
     if greatest == -math.inf:

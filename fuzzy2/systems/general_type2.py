@@ -17,7 +17,7 @@ from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier
 from fuzzy2.systems.gradients import Differentiable
 from fuzzy2.systems.operators import DIRECT_METHODS
@@ -221,10 +221,11 @@ class GeneralType2System(FuzzySystem):
         self._kernels.firing(self._table, rows.ravel(), float(self._widths[0]), out.ravel())
         return out
 
-    def _coverage(self, rows: Array) -> Array:
+    def coverage(self, X: ArrayLike) -> Array:
+        """Return the upper firing strength of the rule that fires most, (...,), for α = 1."""
         # A low plane of a Gaussian secondary reaches above 0 everywhere; the highest one, alpha =
         # 1, says where rules really fire.
-        return self._plane(self.levels - 1)._coverage(rows)
+        return self._plane(self.levels - 1).coverage(X)
 
     def embedded_outputs(
         self, x: ArrayLike, count: int = 1000, rng: np.random.Generator | None = None
@@ -290,12 +291,8 @@ class GeneralType2System(FuzzySystem):
                 self._planes.append(plane)
         return self._planes[level]
 
-    def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
-        """Return the crisp outputs, of shape (..., m).
-
-        See :class:`GeneralType2System` for how, and :meth:`FuzzySystem.__call__`.
-        """
-        X = self._given(X, named)
+    def _crisp(self, X: Any) -> Array:
+        """Return the crisp outputs (..., m); see :class:`GeneralType2System` for how."""
         if self.reduction == "gaussian":
             return self._corollary(X)[..., 0]
         if self._one_loop:
@@ -359,7 +356,7 @@ class GeneralType2System(FuzzySystem):
             raise NotApplicable(
                 name, "it needs the product t-norm, center of sets and a singleton fuzzifier"
             )
-        if isinstance(self.consequents, Linear):
+        if isinstance(self.consequents, FunctionsOfInputs):
             raise NotApplicable(
                 name, "its consequents are numbers or sets, not functions of the inputs"
             )

@@ -36,6 +36,7 @@ from fuzzy2.operations.t_norms import T_NORMS, TNorm
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.relative_firing import VANISHED, log_grades, slopes_of_logarithms
 from fuzzy2.systems.terms import domain_of, highest_point, spread
 
 TIE = 1e-13
@@ -125,6 +126,10 @@ class Differentiable(Protocol):
 
     def domain(self) -> Array:
         """Return the range of each input, (p, 2)."""
+        ...
+
+    def relative_firing(self, rows: Array) -> Array:
+        """Return firing intervals (n, R, 2) of which only the ratios count if they underflow."""
         ...
 
     def __call__(self, X: ArrayLike) -> Array:
@@ -241,6 +246,9 @@ def _of_block(system: Differentiable, rows: Array) -> Array:
     The weights of all of them are in memory.
     """
     strengths, rates = _firing(system, rows)
+    vanished = strengths[..., 1].max(axis=1) < VANISHED
+    if system.middles is None and vanished.any():
+        strengths[vanished], rates[vanished] = _relative_firing(system, rows[vanished])
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
     if system.middles is not None:
         crisp = system(rows)  # by the Gaussian corollary, which is the type-1 system in the middle
@@ -269,14 +277,7 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
     for i, terms in enumerate(system.inputs):
         if not terms:
             continue
-        x = rows[:, i]
-        ends = [_ends(system, term) for term in terms]
-        grades = np.stack(
-            [np.stack([end.membership(x) for end in pair], axis=-1) for pair in ends], axis=1
-        )
-        slopes = np.stack(
-            [np.stack([end.derivative(x) for end in pair], axis=-1) for pair in ends], axis=1
-        )
+        grades, slopes = _grades_and_slopes(system, terms, rows[:, i])
         asked = system.rules[:, i]
         # Only the rules that ask for this input: to the others it makes no difference.
         used = np.flatnonzero(asked >= 0)
@@ -289,6 +290,38 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
         strengths *= system.weights[:, np.newaxis]
         rates *= system.weights[:, np.newaxis, np.newaxis]
     return strengths, rates
+
+
+def _relative_firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
+    """Return what :func:`_firing` does, both divided by the greatest strength of a row."""
+    strengths = system.relative_firing(rows)
+    shape = (*strengths.shape, len(system.inputs))
+    # Of inputs that play no part in a rule the grade is 1.
+    logarithms, log_slopes = np.zeros(shape), np.zeros(shape)
+    for i, terms in enumerate(system.inputs):
+        used = np.flatnonzero(system.rules[:, i] >= 0)
+        if not used.size:
+            continue
+        asked = system.rules[used, i]
+        grades, slopes = _grades_and_slopes(system, terms, rows[:, i])
+        own = log_grades(terms, rows[:, i], grades)
+        logarithms[..., i][:, used] = own[:, asked]
+        own = slopes_of_logarithms(terms, rows[:, i], grades, slopes)
+        log_slopes[..., i][:, used] = own[:, asked]
+    if system.t_norm.name == "min":
+        least = logarithms.argmin(axis=-1)[..., np.newaxis] == np.arange(shape[-1])
+        log_slopes = np.where(least, log_slopes, 0.0)
+    return strengths, strengths[..., np.newaxis] * log_slopes
+
+
+def _grades_and_slopes(
+    system: Differentiable, terms: Sequence[Any], x: Array
+) -> tuple[Array, Array]:
+    """Return the grades (n, terms, 2) of an input x (n,), and their derivatives."""
+    ends = [_ends(system, term) for term in terms]
+    grades = [np.stack([end.membership(x) for end in pair], axis=-1) for pair in ends]
+    slopes = [np.stack([end.derivative(x) for end in pair], axis=-1) for pair in ends]
+    return np.stack(grades, axis=1), np.stack(slopes, axis=1)
 
 
 def _ends(system: Differentiable, term: Any) -> tuple[Any, Any]:

@@ -16,6 +16,8 @@ from fuzzy2.systems.firing_kernels import (
     VANISHED,
     _fire,
     _fire_in_logarithms,
+    _fire_lanes,
+    _grade_lanes,
     _grades,
 )
 
@@ -162,7 +164,7 @@ def _reduce_row(table, x, xo, width, grades, low, high, extra, moments, out, oo,
     """Fire the rules for the input that starts at ``xo``, and write what they say."""
     _fire(table, x, xo, width, grades, low, high)
     fires = _center_of_sets(table, low, high, extra, moments, out, oo, crisp)
-    if fires < VANISHED and _fire_in_logarithms(table, grades, low, high):
+    if fires < VANISHED and _fire_in_logarithms(table, x, xo, width, grades, low, high):
         _center_of_sets(table, low, high, extra, moments, out, oo, crisp)
 
 
@@ -208,26 +210,41 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
     extremes = ends + 2 * rules * outputs
     in_order = extremes + 2 * outputs
     orders = in_order + 2 * rules * outputs
-    grades = np.empty(2 * terms)
+    grades, one_grades = np.empty((2 * terms, LANES)), np.empty(2 * terms)
     one_low, one_high = np.empty(rules), np.empty(rules)
     low, extra = np.empty((rules, LANES)), np.empty((rules, LANES))
     mass, moment, weight = np.empty(LANES), np.empty(LANES), np.empty(LANES)
     unsettled, left = np.empty(LANES), np.empty(LANES)
     moments = np.empty(2 * outputs)
     one_extra = np.empty(rules)
+    plain = not table[5] > 0.0
     for start in range(0, rows, LANES):
-        uncertainty = 0.0
-        for lane in range(LANES):
-            _fire(table, x, (start + lane) * inputs, width, grades, one_low, one_high)
-            total, fires = 0.0, 0.0
+        uncertain = True
+        if plain:
+            uncertain = _grade_lanes(table, x, start, width, grades)
+            for end in range(2 if uncertain else 1):
+                _fire_lanes(table, grades, end, low if end == 0 else extra)
+        for lane in range(0 if plain else LANES):
+            _fire(table, x, (start + lane) * inputs, width, one_grades, one_low, one_high)
             for r in range(rules):
-                low[r, lane] = one_low[r]
-                extra[r, lane] = one_high[r] - one_low[r]
-                total += one_low[r]
-                fires = max(fires, one_high[r])
-                uncertainty = max(uncertainty, extra[r, lane])
-            mass[lane] = total
-            unsettled[lane] = 0.0 if fires > TINY else 1.0
+                low[r, lane], extra[r, lane] = one_low[r], one_high[r]
+        for lane in range(LANES):
+            mass[lane] = unsettled[lane] = 0.0
+        for r in range(rules):
+            lower, upper = low[r], extra[r] if uncertain else low[r]
+            for lane in range(LANES if uncertain else 0):
+                # As in ``_fire``: rounding must not exchange them.
+                lower[lane] = min(lower[lane], upper[lane])
+            for lane in range(LANES):
+                mass[lane] += lower[lane]
+                unsettled[lane] = max(unsettled[lane], upper[lane])
+        for lane in range(LANES):
+            # What was the greatest firing strength becomes whether it is too small.
+            unsettled[lane] = 0.0 if unsettled[lane] > TINY else 1.0
+        for r in range(rules if uncertain else 0):
+            lower, upper = low[r], extra[r]
+            for lane in range(LANES):
+                upper[lane] -= lower[lane]
         for j in range(outputs):
             for end in range(2):
                 column = j + outputs * end
@@ -238,7 +255,7 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                     weights = low[r]
                     for lane in range(LANES):
                         moment[lane] += weights[lane] * distance
-                if uncertainty > 0.0:
+                if uncertain:
                     first = in_order + rules * column
                     _nearest(
                         table[first : first + rules],
@@ -272,7 +289,7 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                     x,
                     row * inputs,
                     width,
-                    grades,
+                    one_grades,
                     one_low,
                     one_high,
                     one_extra,

@@ -1,7 +1,8 @@
-"""Inputs by name: of a mapping, of keywords, or of the columns of a data frame."""
+"""Inputs by name: of a mapping, of keywords, or of a data frame; and outputs like them."""
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -17,9 +18,9 @@ def by_name(X: Any, names: Sequence[str], named: bool) -> Any:
 
     Parameters
     ----------
-    X : mapping, data frame or array_like
-        Values by name, which broadcast, or a table whose ``columns`` have names; anything else is
-        returned as it is.
+    X : mapping, data frame, Series of pandas or array_like
+        Values by name, which broadcast, or a table whose ``columns`` have names, or a row of one;
+        anything else is returned as it is.
     names : sequence of str
         Names of the system's inputs.
     named : bool
@@ -42,12 +43,45 @@ def by_name(X: Any, names: Sequence[str], named: bool) -> Any:
             raise InvalidValue("X", list(X), f"values of inputs: {_unknown(unknown[0], names)}")
         return _stacked(X, names)
     columns = getattr(X, "columns", None)
+    if _is_of_pandas(X, "Series"):
+        # A row of a data frame, whose numbers may come in another order.
+        columns = X.index if all(isinstance(label, str) for label in X.index) else None
     if columns is None or isinstance(X, np.ndarray):
         return X
     labels = list(columns)
     if not named and len(labels) == len(names) and not set(names) <= set(labels):
         return np.stack([reals(str(label), X[label]) for label in labels], axis=-1)
     return _stacked({label: X[label] for label in labels if label in names}, names)
+
+
+def like_inputs(outputs: Array, X: Any, names: Sequence[str]) -> Any:
+    """Return outputs (n, m) as what the inputs came in, if that is of pandas.
+
+    Parameters
+    ----------
+    outputs : (n, m) or (m,) ndarray
+        Outputs.
+    X : DataFrame, Series or anything else
+        Inputs.
+    names : sequence of m str
+        Names of the outputs.
+
+    Returns
+    -------
+    DataFrame, Series or ndarray
+        A data frame with the index of the inputs, of a row a Series; of anything else the array.
+    """
+    if _is_of_pandas(X, "DataFrame"):
+        return sys.modules["pandas"].DataFrame(outputs, index=X.index, columns=list(names))
+    if _is_of_pandas(X, "Series"):
+        return sys.modules["pandas"].Series(outputs, index=list(names), name=X.name)
+    return outputs
+
+
+def _is_of_pandas(X: Any, kind: str) -> bool:
+    """Return whether X is of a class of pandas, which only who has imported it can have made."""
+    pandas = sys.modules.get("pandas")
+    return pandas is not None and isinstance(X, getattr(pandas, kind))
 
 
 def _stacked(values: Mapping[str, Any], names: Sequence[str]) -> Array:

@@ -14,7 +14,7 @@ from fuzzy2.operations.t_norms import TConorm, TNorm
 from fuzzy2.reduction.defuzzification import defuzzify_samples
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.averages import Monotonic, averaged, height_weights, weighted_sum
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.maxima import maximum
 from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, POINTS, SUM, UNIONS
 from fuzzy2.systems.terms import domain_of
@@ -44,8 +44,8 @@ class Outputs:
     ----------
     operators : Operators
         How they are reduced.
-    consequents : Linear, or anything
-        Linear functions; of others the sets or the intervals count.
+    consequents : FunctionsOfInputs, or anything
+        Functions; of others the sets or the intervals count.
     sets : list of lists of sets, or None
         Consequents that are sets, by rule and output; None for an output of which a rule says
         nothing.
@@ -117,30 +117,35 @@ class Outputs:
 
     def _of_points(self, rows: Array, strengths: Array) -> Array:
         own = self._operators
-        if isinstance(self._consequents, Linear):
-            intervals = np.moveaxis(self._consequents.at(rows), 2, 1)
-        else:
-            intervals = np.moveaxis(self._intervals, 1, 0)[np.newaxis]
         weights = strengths[:, np.newaxis]
         if self._silent is not None:
             weights = np.where(self._silent.T[np.newaxis, ..., np.newaxis], 0.0, weights)
+        beyond: Array | float = 0.0
+        if isinstance(self._consequents, FunctionsOfInputs):
+            intervals = np.moveaxis(self._consequents.at(rows), 2, 1)
+            finite = np.isfinite(intervals)
+            if not finite.all():
+                # What a function says where it has no number counts only if its rule fires.
+                said = ~finite & (weights[..., 1:] > 0.0)
+                with np.errstate(invalid="ignore"):
+                    beyond = np.where(said, intervals, 0.0).sum(axis=-2)
+                intervals = np.where(finite, intervals, 0.0)
+        else:
+            intervals = np.moveaxis(self._intervals, 1, 0)[np.newaxis]
         if self._same:
             n, _, rules, _ = weights.shape
             weights = np.array(np.broadcast_to(weights, (n, len(self._same), rules, 2)))
         for j, groups in enumerate(self._same):
             self._unite(weights[:, j], groups)
         if own.type_reduction in ("weighted_sum", "united_sum"):
-            return weighted_sum(intervals, weights)
-        return averaged(intervals, weights, own.method, own.shares)
+            return weighted_sum(intervals, weights) + beyond
+        return averaged(intervals, weights, own.method, own.shares) + beyond
 
     def _groups(self, sets: Sequence[Sequence[Any]] | None, j: int) -> list[list[int]]:
         """Return the rules that say the same of an output, of several that do."""
-        if isinstance(self._consequents, Linear):
-            linear = self._consequents
-            said: list[Any] = [
-                (linear.coefficients[r, j].tobytes(), linear.spreads[r, j].tobytes())
-                for r in range(len(self._intervals))
-            ]
+        if isinstance(self._consequents, FunctionsOfInputs):
+            functions = self._consequents
+            said: list[Any] = [functions.said(r, j) for r in range(len(self._intervals))]
         elif sets is not None:
             said = [row[j] for row in sets]
         else:

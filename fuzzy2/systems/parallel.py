@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import InvalidValue, ReadOnly
 from fuzzy2.support.checks import Array
+from fuzzy2.systems.named_inputs import like_inputs
 from fuzzy2.systems.system import FuzzySystem
 
 
@@ -71,7 +72,8 @@ class ParallelSystem:
         Returns
         -------
         (..., m) ndarray
-            Outputs of the systems in their order; NaN where no rule fires.
+            Outputs of the systems in their order; NaN where no rule fires. Of a DataFrame or Series
+            of pandas the like, see :class:`fuzzy2.FuzzySystem`.
 
         Raises
         ------
@@ -79,7 +81,9 @@ class ParallelSystem:
             If the inputs are not finite or of another shape.
         """
         given = () if X is None else (X,)
-        return np.concatenate([one(*given, **named) for one in self.systems], axis=-1)
+        values = [np.asarray(one(*given, **named)) for one in self.systems]
+        outputs: Array = like_inputs(np.concatenate(values, axis=-1), X, self.output_names)
+        return outputs
 
     def type_reduced(self, X: ArrayLike) -> Array:
         """Return the type-reduced intervals (..., m, 2) of inputs (..., p).

@@ -16,7 +16,7 @@ import numpy as np
 from fuzzy2.reduction.interval import generalized_centroid
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.averages import height_weights
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.operators import DIRECT_METHODS, SUM
 from fuzzy2.systems.terms import domain_of
@@ -68,7 +68,7 @@ def _of_output(system: Explainable, row: Array, rules: Any, firing: Array, j: in
 
 def points_of_rules(system: Explainable, row: Array, j: int) -> Array:
     """Return what the rules say of an output at an input (1, p), as intervals (R, 2)."""
-    if isinstance(system.consequents, Linear):
+    if isinstance(system.consequents, FunctionsOfInputs):
         return np.asarray(system.consequents.at(row)[0][:, j])
     return system.consequent_intervals[:, j]
 

@@ -7,10 +7,12 @@ consequents. Evaluating it takes three steps: membership grades, firing interval
 :math:`[\underline f_r, \overline f_r]` of the rules (the meet of the grades of their antecedents,
 eq. 1.79), and type reduction of the consequents weighted with them. The type-reduced set is the
 answer with its uncertainty; its middle is the crisp output. **Where no rule fires there is no
-answer: NaN, never 0**; :meth:`validate` says where that is.
+answer: NaN, never 0**; :meth:`validate` says where that is. Gaussians fire everywhere: where their
+grades underflow, firing strengths under minimum or product are carried in logarithms, and far from
+all terms the nearest rule answers.
 
-Gaussian, triangular and trapezoidal terms under minimum or product are evaluated by one compiled
-loop; any other set or t-norm works, too, at NumPy's speed.
+Gaussian, triangular and trapezoidal terms under a t-norm that has a name are evaluated by one
+compiled loop; any other set or t-norm works, too, at NumPy's speed.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ from fuzzy2.errors import (
     NotApplicable,
     ReadOnly,
 )
-from fuzzy2.operations.t_norms import BinaryFunction, TConorm, TNorm
+from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS, BinaryFunction, TConorm, TNorm
 from fuzzy2.operations.t_norms import t_conorm as conorm_named
 from fuzzy2.operations.t_norms import t_norm as norm_named
 from fuzzy2.sets.interval_type2 import IntervalType2Set
@@ -38,7 +40,7 @@ from fuzzy2.sets.type1 import Type1Set
 from fuzzy2.support.checks import Array, binary_exponent, reals
 from fuzzy2.support.shown import Shown
 from fuzzy2.systems.antecedents import strength, trees_of
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import Formulas, FunctionsOfInputs
 from fuzzy2.systems.construction import (
     check_inputs,
     checked_consequents,
@@ -58,7 +60,7 @@ from fuzzy2.systems.explanation import Explanation, explained
 from fuzzy2.systems.fuzzifiers import Fuzzifier
 from fuzzy2.systems.gradients import Differentiable, gradient
 from fuzzy2.systems.hedges import Hedge, known_hedges
-from fuzzy2.systems.named_inputs import by_name
+from fuzzy2.systems.named_inputs import by_name, like_inputs
 from fuzzy2.systems.operators import (
     CRISP_ONLY,
     DIRECT_METHODS,
@@ -73,7 +75,7 @@ from fuzzy2.systems.operators import (
 )
 from fuzzy2.systems.outputs import Operators, Outputs
 from fuzzy2.systems.pictures import html_of
-from fuzzy2.systems.relative_firing import VANISHED, relative_firing
+from fuzzy2.systems.relative_firing import VANISHED, log_grades, relative_firing
 from fuzzy2.systems.report import Report, found_in
 from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.table import Supplement, table_of
@@ -279,7 +281,7 @@ class FuzzySystem(Shown):
         return (
             self.type_reduction == "center_of_sets"
             and self.method not in DIRECT_METHODS
-            and not isinstance(self.consequents, Linear)
+            and not isinstance(self.consequents, FunctionsOfInputs)
             and not self._is_huge
         )
 
@@ -378,7 +380,8 @@ class FuzzySystem(Shown):
 
     def _compiled_table(self) -> Array | None:
         """Return the system as one array for the compiled loop, or None if that cannot do it."""
-        if self.t_norm.name not in ("min", "product") or self.fuzzifiers is not None:
+        # A function of one's own may have the name of one of ours.
+        if self.t_norm != T_NORMS.get(self.t_norm.name) or self.fuzzifiers is not None:
             return None
         rows = []
         for number, terms in enumerate(self.inputs):
@@ -393,11 +396,13 @@ class FuzzySystem(Shown):
             None if trees else self.rules,
             # Of huge ones the table serves for firing only.
             0.0 * self.consequent_intervals if self._is_huge else self.consequent_intervals,
-            self.t_norm.name == "min",
+            self.t_norm.name,
             rows,
             Supplement(
                 self.rules if trees else None,
-                self.disjunction.name,
+                self.disjunction.name
+                if self.disjunction == T_CONORMS.get(self.disjunction.name)
+                else None,
                 self.weights,
                 self.silent,
                 self._compiled_defaults(),
@@ -452,7 +457,8 @@ class FuzzySystem(Shown):
         Returns
         -------
         (..., m) ndarray
-            Outputs; NaN where no rule fires.
+            Outputs; NaN where no rule fires. Of a DataFrame of pandas a DataFrame with its index
+            and the names of the outputs, and of a row of one a Series.
 
         Raises
         ------
@@ -469,10 +475,16 @@ class FuzzySystem(Shown):
                 done = 0
             if done and not named:
                 return out
+        given = self._given(X, named)
+        outputs: Array = like_inputs(self._crisp(given), given, self.output_names)
+        return outputs
+
+    def _crisp(self, X: Any) -> Array:
+        """Return the crisp outputs (..., m) of inputs of any make and number."""
         if self._fast:
-            return self._evaluate(self._given(X, named), crisp=True)
+            return self._evaluate(X, crisp=True)
         # Half of each: the sum may be no float.
-        return np.asarray((0.5 * self.type_reduced(self._given(X, named))).sum(axis=-1))
+        return np.asarray((0.5 * self.type_reduced(X)).sum(axis=-1))
 
     def _given(self, X: Any, named: Mapping[str, ArrayLike]) -> Any:
         """Return the inputs, which come by position or by name."""
@@ -526,21 +538,21 @@ class FuzzySystem(Shown):
 
         Only where nothing but ratios of them matters.
         """
-        ratios = (
-            (
-                self.type_reduction in ("center_of_sets", "height", "modified_height")
-                or (self.type_reduction in ("centroid", "center_of_sums"))
-            )
+        ratios = self.type_reduction == "center_of_sets" or (
+            self.type_reduction in ("height", "modified_height", "centroid", "center_of_sums")
             and self.implication.name == "product"
             and self.t_conorm.name in ("max", "sum")
         )
-        if self.t_norm.name != "product" or isinstance(self.rules, tuple) or not ratios:
+        known = self.t_norm.name in ("min", "product")
+        if not known or isinstance(self.rules, tuple) or not ratios:
             return strengths
         vanished = strengths[..., 1].max(axis=1) < VANISHED
         if not vanished.any():
             return strengths
         relative = strengths.copy()
-        relative[vanished] = relative_firing(self._grades(rows[vanished]), self.rules, self.weights)
+        relative[vanished] = relative_firing(
+            self._log_grades(rows[vanished]), self.rules, self.weights, self.t_norm.name == "min"
+        )
         return relative
 
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
@@ -582,10 +594,26 @@ class FuzzySystem(Shown):
             return out
         return self._combine(self._grades(rows))
 
-    def _coverage(self, rows: Array) -> Array:
-        """Return the upper firing strength of the rule that fires most, (n,)."""
-        strongest: Array = self._firing(rows)[..., 1].max(axis=-1)
-        return strongest
+    def coverage(self, X: ArrayLike) -> Array:
+        """Return the upper firing strength of the rule that fires most.
+
+        Parameters
+        ----------
+        X : (..., p) array_like
+            Inputs.
+
+        Returns
+        -------
+        (...,) ndarray
+            Strengths, of a general type-2 system those on the plane of α = 1; 0 where no rule
+            fires, or all of them so little that no float tells.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        return np.asarray(self.firing(X)[..., 1].max(axis=-1))
 
     def _grades(self, rows: Array) -> list[Array]:
         """Lower and upper grades (n, terms, 2) of every input."""
@@ -613,12 +641,21 @@ class FuzzySystem(Shown):
             for i, terms in enumerate(self.inputs)
         ]
 
+    def _log_grades(self, rows: Array) -> list[Array]:
+        """Return the logarithms of :meth:`_grades`, where they underflow, too."""
+        grades = self._grades(rows)
+        if self.fuzzifiers is not None:
+            with np.errstate(divide="ignore"):
+                return [np.log(of_input) for of_input in grades]
+        return [
+            log_grades(terms, rows[:, i], of_input)
+            for i, (terms, of_input) in enumerate(zip(self.inputs, grades, strict=True))
+        ]
+
     def _combine(self, grades: list[Array]) -> Array:
         if isinstance(self.rules, tuple):
             fired = [strength(tree, grades, self.t_norm, self.disjunction) for tree in self.rules]
             strengths = np.stack(fired, axis=1)
-            # Rounding, which is not the same for both ends, must not exchange them.
-            np.minimum(strengths[..., 0], strengths[..., 1], out=strengths[..., 0])
         else:
             strengths = np.ones((len(grades[0]), len(self.rules), 2))
             for i, of_input in enumerate(grades):
@@ -629,6 +666,8 @@ class FuzzySystem(Shown):
                 strengths = np.where(
                     (asked >= 0)[:, np.newaxis], self.t_norm(strengths, chosen), strengths
                 )
+        # Rounding, which is not the same for both ends, must not exchange them.
+        np.minimum(strengths[..., 0], strengths[..., 1], out=strengths[..., 0])
         return strengths if self.weights is None else strengths * self.weights[:, np.newaxis]
 
     def gradient(self, X: ArrayLike) -> Array:
@@ -673,6 +712,8 @@ class FuzzySystem(Shown):
             return f"type reduction {self.type_reduction!r}"
         if isinstance(self.rules, tuple):
             return "rules with or, not or hedges"
+        if isinstance(self.consequents, Formulas):
+            return "consequents that are formulas"
         if self.silent is not None or self.default_outputs is not None:
             return "rules that leave outputs out, and default outputs"
         return f"the method {self.method!r}" if self.method in DIRECT_METHODS else None
@@ -810,7 +851,7 @@ class FuzzySystem(Shown):
             raise InvalidValue("domain", ranges, f"finite ranges of shape ({len(self.inputs)}, 2)")
         trees = self.rules if isinstance(self.rules, tuple) else trees_of(self.rules)
         return found_in(
-            lambda grid: self._coverage(grid) > threshold,
+            lambda grid: self.coverage(grid) > threshold,
             ranges,
             points,
             trees,
@@ -833,9 +874,8 @@ class FuzzySystem(Shown):
         """Return whether two rules say the same of an output."""
         if self.consequent_sets is not None:
             return bool(self.consequent_sets[a][j] == self.consequent_sets[b][j])
-        if isinstance(self.consequents, Linear):
-            both = (self.consequents.coefficients, self.consequents.spreads)
-            return all(np.array_equal(values[a, j], values[b, j]) for values in both)
+        if isinstance(self.consequents, FunctionsOfInputs):
+            return bool(self.consequents.said(a, j) == self.consequents.said(b, j))
         return np.array_equal(self.consequent_intervals[a, j], self.consequent_intervals[b, j])
 
     def embedded_outputs(
@@ -873,7 +913,7 @@ class FuzzySystem(Shown):
         strengths = self._firing(rows)[0]
         intervals = (
             self.consequents.at(rows)[0]
-            if isinstance(self.consequents, Linear)
+            if isinstance(self.consequents, FunctionsOfInputs)
             else self.consequent_intervals
         )
         yield from embedded_averages(

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.antecedents import Antecedent, depth_of, program_of
 
-CONORMS = ("max", "probabilistic", "lukasiewicz")
+NORMS = ("min", "product", "lukasiewicz", "drastic", "nilpotent", "hamacher", "einstein")
+"""T-norms that the compiled loop knows for *and*, by their codes."""
+CONORMS = ("max", "probabilistic", "lukasiewicz", "drastic", "nilpotent", "hamacher", "einstein")
 """T-conorms that the compiled loop knows for *or*, by their codes."""
 
 
@@ -22,8 +24,8 @@ class Supplement(NamedTuple):
     ----------
     trees : tuple of R antecedents, or None
         What the rules ask for, where that is more than a conjunction.
-    conorm : str
-        What *or* means.
+    conorm : str, or None
+        What *or* means; None for what has no code.
     weights : (R,) ndarray, or None
         What the firing of the rules is multiplied by.
     silent : (R, m) ndarray of bool, or None
@@ -33,7 +35,7 @@ class Supplement(NamedTuple):
     """
 
     trees: tuple[Antecedent, ...] | None
-    conorm: str
+    conorm: str | None
     weights: Array | None
     silent: NDArray[np.bool_] | None
     defaults: Array | None
@@ -43,7 +45,7 @@ def table_of(
     counts: Sequence[int],
     rules: NDArray[np.int64] | None,
     intervals: Array,
-    minimum: bool,
+    norm: str,
     rows: list[tuple[float, ...]],
     supplement: Supplement,
 ) -> Array | None:
@@ -57,8 +59,8 @@ def table_of(
         Number of the term of each input that a rule asks for, or -1; None where rules are trees.
     intervals : (R, m, 2) ndarray
         The consequents.
-    minimum : bool
-        Whether the t-norm is the minimum; else it is the product.
+    norm : str
+        Name of the t-norm, one of ``NORMS``.
     rows : list of tuples
         Number of the input and kernel row of each term.
     supplement : Supplement
@@ -88,7 +90,7 @@ def table_of(
                 len(rows),
                 count,
                 outputs,
-                0.0 if minimum else 1.0,
+                float(NORMS.index(norm)),
                 0.0,
             ],
             np.ravel(rows),
@@ -124,7 +126,7 @@ def supplement_of(
     trees, conorm, weights, silent, defaults = supplement
     steps: list[list[float]] = []
     if trees is not None:
-        if conorm not in CONORMS:
+        if conorm is None:
             return None
         for tree in trees:
             program = program_of(tree, offsets)
@@ -132,7 +134,7 @@ def supplement_of(
                 return None
             steps.append(program)
     head = [
-        float(CONORMS.index(conorm)) if trees is not None else 0.0,
+        0.0 if trees is None or conorm is None else float(CONORMS.index(conorm)),
         float(trees is not None),
         float(silent is not None or defaults is not None),
         float(max((depth_of(tree) for tree in trees), default=1)) if trees is not None else 1.0,

@@ -46,7 +46,8 @@ def range_of(terms: Sequence[Any]) -> tuple[float, float]:
 def domain_of(terms: Sequence[Any]) -> tuple[float, float]:
     """Range on which sets live.
 
-    Their supports where bounded, else their landmarks above exp(-12.5), of a Gaussian 4 sigma away.
+    Either end is that of the support if it is finite, else the outermost landmark above exp(-12.5),
+    of a Gaussian 4 sigma away.
     """
     left, right = np.inf, -np.inf
     for item in terms:
@@ -56,9 +57,10 @@ def domain_of(terms: Sequence[Any]) -> tuple[float, float]:
             points = item.landmarks
             grades = upper(points)
             inside = points[grades > np.exp(-12.5) * grades.max()]
+            # An end that is finite is one, though the grade is 0 there.
             ends = (
-                max(ends[0], float(inside.min())),
-                min(ends[1], float(inside.max())),
+                ends[0] if np.isfinite(ends[0]) else float(inside.min()),
+                ends[1] if np.isfinite(ends[1]) else float(inside.max()),
             )
         left, right = min(left, ends[0]), max(right, ends[1])
     return left, right

@@ -8,7 +8,7 @@ import numpy as np
 
 from fuzzy2.errors import InvalidValue
 from fuzzy2.systems.antecedents import Antecedent, Is, mapped, trees_of
-from fuzzy2.systems.consequents import Linear
+from fuzzy2.systems.consequents import Formulas, Linear
 from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.rules import antecedent_in_words, quoted
 
@@ -61,6 +61,8 @@ def _said(system: Explainable, r: int, j: int) -> str:
         return repr(system.consequent_sets[r][j])
     if isinstance(system.consequents, Linear):
         return _linear(system.consequents.coefficients[r, j], system.input_names)
+    if isinstance(system.consequents, Formulas):
+        return system.consequents.said(r, j)
     left, right = system.consequent_intervals[r, j]
     return f"{left:.6g}" if left == right else f"[{left:.6g}, {right:.6g}]"
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from psp3.control.controller import Controller
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
     from psp3.robots.closed_loop_robot import ClosedLoopRobot
-    from psp3.three_psp.robot import PSP3
     from psp3.trajectories.trajectory import Trajectory
 
 
@@ -54,6 +53,9 @@ MOTION_OF_THESIS, MOTION_OF_OTHERS = "helix", "sway"
 
 BANDWIDTH = 20.0
 """Of the default gains of another robot than the 3-PSP [rad/s]."""
+
+TURNS_LEARNED = 2
+"""Times that another robot than the 3-PSP sways while its controller learns."""
 
 INTEGRAL_SHARE = 0.1
 """Default integral gain of another robot, as a share of the largest that is stable."""
@@ -163,16 +165,13 @@ def _learned(
         )
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
     from psp3.trajectories.paths import Helix
+    from psp3.trajectories.sway import Sway
 
-    if not robot.has_inverse_of_tip:
-        raise usage_error(
-            f"--controller {name.value} learns the 3-PSP; for {robot.title} give pd, pd-gravity, "
-            "pid, feed-forward or ctc"
-        )
-    controller = FuzzyComputedTorque(name.value, cast("PSP3", robot), **gains).fit(
-        Helix(robot=robot)
-    )
-    return controller, {"model": "learned"}
+    controller = FuzzyComputedTorque(name.value, robot, **gains)
+    if robot.has_inverse_of_tip:
+        return controller.fit(Helix(robot=robot)), {"model": "learned"}
+    path = Sway(robot=robot)
+    return controller.fit(path, TURNS_LEARNED * path.period), {"model": "learned"}
 
 
 def _classical(
@@ -221,6 +220,17 @@ def _default_gains(robot: ClosedLoopRobot, name: ControllerName) -> dict[str, An
     return gains
 
 
+def gains_of_computed_torque(
+    robot: ClosedLoopRobot, kp: float | None, kv: float | None
+) -> dict[str, Any]:
+    """Return the gains that are given, or else those of the robot."""
+    own = {"kp": 10.0, "kv": 1.0}
+    if not robot.has_inverse_of_tip:
+        own = _default_gains(robot, ControllerName.CTC)
+    given = {"kp": kp, "kv": kv}
+    return own | {name: value for name, value in given.items() if value is not None}
+
+
 def _moved_mass(robot: ClosedLoopRobot) -> Any:
     """Return what the motors move at the reference: the mass matrix, less what others give way."""
     import numpy as np
@@ -237,8 +247,5 @@ def controller_from_file(
     """Return a trained controller and what there is to say about it."""
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 
-    if not robot.has_inverse_of_tip:
-        raise usage_error(f"--trained holds a controller of the 3-PSP, not of {robot.title}")
-
-    controller = FuzzyComputedTorque.load(path, cast("PSP3", robot))
+    controller = FuzzyComputedTorque.load(path, robot)
     return controller, {"model": str(path), "gains": {"kp": controller.kp, "kv": controller.kv}}

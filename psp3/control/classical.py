@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats, checked_not_negative, checked_positive
 from psp3.control import kernels
-from psp3.control.controller import SaysNothing, Stateless
+from psp3.control.controller import SaysNothing, Stateless, Widths, widths_of
 from psp3.dynamics.dynamics_model import DynamicsModel, ForcesOfMotions
 from psp3.errors import InvalidArray
 from psp3.trajectories.motion import Motion
@@ -96,6 +96,15 @@ def _allocated(model: Any, positions: Array, forces: Array) -> Array:
     return motors
 
 
+def _table_of(model: Any, widths: Widths) -> NamedTuple | None:
+    """Return a model as the compiled loop takes it, or None of one that it does not take."""
+    make = getattr(model, "compiled_table", None)
+    if make is None or widths_of(model) != widths:
+        return None
+    table: NamedTuple | None = make()
+    return table
+
+
 class _OfModel(SaysNothing):
     """What asks a model for forces, each closing of its loops from the pose of the one before."""
 
@@ -107,9 +116,8 @@ class _OfModel(SaysNothing):
         """Forget the pose of the last call, which changes nothing but rounding."""
         self._forces_of.forget()
 
-    def _model_table(self) -> NamedTuple | None:
-        table: NamedTuple | None = getattr(self.model, "compiled_table", lambda: None)()
-        return table
+    def _model_table(self, widths: Widths) -> NamedTuple | None:
+        return _table_of(self.model, widths)
 
 
 def feed_forward(
@@ -138,12 +146,12 @@ class FeedForward(_OfModel):
         """Return the forces of the desired motion, of shape (3,) [N]."""
         return feed_forward(self._forces_of, positions, speeds, desired)
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        model = self._model_table()
+        model = self._model_table(widths)
         if model is None or type(self) is not FeedForward:
             return None
-        return kernels.classical(kernels.FEED_FORWARD, 0.0, 0.0, model, joints)
+        return kernels.classical(kernels.FEED_FORWARD, 0.0, 0.0, model, widths)
 
 
 class PD(SaysNothing, Stateless):
@@ -190,11 +198,25 @@ class PD(SaysNothing, Stateless):
         )
         return _allocated(self.model, positions, forces)
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    @property
+    def _is_allocated(self) -> bool:
+        """Whether the model turns forces along the coordinates into those of its motors."""
+        return not getattr(self.model, "drives_coordinates", True)
+
+    def _feedback_table(self, robot: Any, widths: Widths, ki: float = 0.0) -> NamedTuple | None:
+        is_allocated = self._is_allocated
+        model = _table_of(self.model, widths) if is_allocated else robot
+        if model is None:
+            return None
+        return kernels.classical(
+            *(kernels.PD, self.kp, self.kv, model, widths, ki), is_allocated=is_allocated
+        )
+
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
         if type(self) is not PD or robot is None:
             return None
-        return kernels.classical(kernels.PD, self.kp, self.kv, robot, joints)
+        return self._feedback_table(robot, widths)
 
 
 class GravityCompensatedPD(_OfModel, PD):
@@ -223,12 +245,15 @@ class GravityCompensatedPD(_OfModel, PD):
         feedback = PD.torque(self, t, positions, speeds, desired)
         return feedback + self._forces_of(positions, rest, still)
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        model = self._model_table()
+        model = self._model_table(widths)
         if model is None or type(self) is not GravityCompensatedPD:
             return None
-        return kernels.classical(kernels.GRAVITY_COMPENSATED_PD, self.kp, self.kv, model, joints)
+        return kernels.classical(
+            *(kernels.GRAVITY_COMPENSATED_PD, self.kp, self.kv, model, widths),
+            is_allocated=self._is_allocated,
+        )
 
 
 class PID(PD):
@@ -272,16 +297,18 @@ class PID(PD):
         feedback = super().torque(t, positions, speeds, desired)
         return feedback + _allocated(self.model, positions, integral)
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
         if type(self) is not PID or robot is None:
             return None
-        return kernels.classical(kernels.PD, self.kp, self.kv, robot, joints, self.ki)
+        return self._feedback_table(robot, widths, self.ki)
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
         """Go on from where a compiled loop ended."""
-        self._integral = table.memory[kernels.INTEGRAL].copy()
-        self._last = (float(table.clock[kernels.TIME]), table.memory[kernels.LAST_ERROR].copy())
+        commanded = table.kp.shape[-1]
+        self._integral = table.memory[kernels.INTEGRAL, :commanded].copy()
+        last = table.memory[kernels.LAST_ERROR, :commanded].copy()
+        self._last = (float(table.clock[kernels.TIME]), last)
         return {}
 
 
@@ -331,9 +358,9 @@ class ComputedTorque(_OfModel):
         )
         return self._forces_of(positions, speeds, servo)
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        model = self._model_table()
+        model = self._model_table(widths)
         if model is None or type(self) is not ComputedTorque:
             return None
-        return kernels.classical(kernels.COMPUTED_TORQUE, self.kp, self.kv, model, joints)
+        return kernels.classical(kernels.COMPUTED_TORQUE, self.kp, self.kv, model, widths)

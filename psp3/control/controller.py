@@ -38,13 +38,37 @@ class SaysNothing:
         return {}
 
 
+class Widths(NamedTuple):
+    """How many numbers a controller is given, and gives."""
+
+    commanded: int
+    """Coordinates of which a motion is desired, k; they are the first ones."""
+    positions: int
+    """Positions of all coordinates, p."""
+    speeds: int
+    """Speeds of all coordinates, n."""
+    motors: int
+    """Forces, m."""
+
+    @classmethod
+    def of_motors(cls, count: int) -> Widths:
+        """Return those of a robot whose coordinates are its motors."""
+        return cls(count, count, count, count)
+
+
+def widths_of(robot: Any) -> Widths:
+    """Return what a controller of a robot is given, and gives."""
+    positions, speeds = len(robot.reference), len(robot.coordinates_v)
+    return Widths(robot.commanded, positions, speeds, len(robot.actuated))
+
+
 class CompiledController(Controller, Protocol):
     """A controller that the compiled loop takes, too."""
 
     numbers_said: int
-    """Numbers that a step writes after the n forces: what the controller says of the step."""
+    """Numbers that a step writes after the m forces: what the controller says of the step."""
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as :func:`steer` takes it, or None where it cannot be compiled.
 
         ``robot`` is a table of what is steered, or None if it has none, for a controller without a
@@ -55,7 +79,7 @@ class CompiledController(Controller, Protocol):
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
         """Be as after the last of the steps, and return what is reported of all.
 
-        The steps are what :func:`steer` wrote, (N, n + numbers_said).
+        The steps are what :func:`steer` wrote, (N, m + numbers_said).
         """
         ...
 
@@ -72,6 +96,6 @@ def steer(
 ) -> bool:
     """Write a step's numbers, the forces first; return whether these are finite.
 
-    ``desired`` are positions, speeds and accelerations (3n,).
+    ``desired`` are positions, speeds and accelerations (3k,) of the coordinates that are commanded.
     """
     raise NotImplementedError

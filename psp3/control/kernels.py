@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
-from psp3.control.controller import steer
-from psp3.dynamics.compiled_robot import write_forces
+from psp3.control.controller import Widths, steer
+from psp3.dynamics.compiled_robot import allocate, write_forces
 
 FEED_FORWARD, PD, GRAVITY_COMPENSATED_PD, COMPUTED_TORQUE = range(4)
 """What is asked of the model: the forces of the desired motion; nothing; gravity at the present
@@ -25,11 +25,13 @@ TIME, CALLED = range(2)
 class Classical(NamedTuple):
     """A classical controller.
 
-    ``kind`` see above; gains ``kp`` and ``kv`` (S, n, n), of S samples of the period
-    ``gain_period`` or for all times, ``ki`` of the integral; ``model`` the robot's table as the
-    controller knows it; ``memory`` (4, n) last error, integral of the error, feedback, and zeros;
-    ``clock`` (2,) time of the last call, and whether there was one; ``added`` (N, m) what is added
-    to the model's numbers at each sample, or (0, m): the upper triangle of M, C and G.
+    ``kind`` see above; gains ``kp`` and ``kv`` (S, k, k), of S samples of the period
+    ``gain_period`` or for all times, ``ki`` of the integral; ``is_allocated`` whether the model
+    turns the feedback, forces along the first k coordinates, into forces of the motors; ``model``
+    the robot's table as the controller knows it; ``memory`` (4, n) last error, integral of the
+    error, feedback, and zeros; ``clock`` (2,) time of the last call, and whether there was one;
+    ``added`` (N, w) what is added to the model's numbers at each sample, or (0, w): the upper
+    triangle of M, C and G.
     """
 
     kind: int
@@ -37,6 +39,7 @@ class Classical(NamedTuple):
     kv: Array
     ki: float
     gain_period: float
+    is_allocated: bool
     model: Any
     memory: Array
     clock: Array
@@ -48,10 +51,11 @@ def classical(
     kp: ArrayLike,
     kv: ArrayLike,
     model: Any,
-    joints: int,
+    widths: Widths,
     ki: float = 0.0,
     gain_period: float = 1.0,
     added: Array | None = None,
+    is_allocated: bool = False,
 ) -> Classical:
     """Return a controller that has not been called yet.
 
@@ -59,31 +63,33 @@ def classical(
     ----------
     kind : int
         One of the above.
-    kp, kv : float, (n, n) or (S, n, n) array_like
+    kp, kv : float, (k, k) or (S, k, k) array_like
         Gains.
     model : NamedTuple
         A robot's table.
-    joints : int
-        Number n of actuated joints.
-    ki, gain_period, added
+    widths : Widths
+        What it is given, and gives.
+    ki, gain_period, added, is_allocated
         See :class:`Classical`.
     """
-    unit = np.eye(joints)
+    wanted, n = widths.commanded, widths.speeds
+    unit = np.eye(wanted)
 
     def gains(gain: ArrayLike) -> Array:
         full = np.asarray(gain, dtype=np.float64)
         full = full * unit if full.ndim == 0 else full
-        return np.ascontiguousarray(full.reshape(-1, joints, joints))
+        return np.ascontiguousarray(full.reshape(-1, wanted, wanted))
 
-    none = np.empty((0, (joints * (joints + 1)) // 2 + joints * joints + joints))
+    none = np.empty((0, (n * (n + 1)) // 2 + n * n + n))
     return Classical(
         kind,
         gains(kp),
         gains(kv),
         float(ki),
         float(gain_period),
+        is_allocated,
         model,
-        np.zeros((4, joints)),
+        np.zeros((4, n)),
         np.zeros(2),
         none if added is None else added,
     )
@@ -94,7 +100,7 @@ def _write_feedback(
     controller: Classical, t: float, positions: Array, speeds: Array, desired: Array
 ) -> None:
     """Write what the servo wants: forces, or of computed torque accelerations."""
-    n, memory, clock, ki = positions.size, controller.memory, controller.clock, controller.ki
+    n, memory, clock, ki = desired.size // 3, controller.memory, controller.clock, controller.ki
     kp, kv, is_servo = controller.kp, controller.kv, controller.kind == COMPUTED_TORQUE
     sample = 0
     if kp.shape[0] > 1:
@@ -135,6 +141,32 @@ def add_force(added: Array, accelerations: Array, speeds: Array, out: Array) -> 
         out[i] += added[gravity + i]
 
 
+@compiled
+def _write_desired(desired: Array, positions: Array, speeds: Array, a: Array, v: Array) -> None:
+    """Write the desired positions and speeds; coordinates that follow are where they are."""
+    k = desired.size // 3
+    for i in range(k):
+        a[i], v[i] = desired[i], desired[k + i]
+    for i in range(k, a.size):
+        a[i] = positions[i]
+    for i in range(k, v.size):
+        v[i] = speeds[i]
+
+
+@compiled
+def _add_feedback(controller: Classical, positions: Array, feedback: Array, out: Array) -> bool:
+    """Add the feedback (k,) to the forces of the motors; return whether they can make it."""
+    if not controller.is_allocated:
+        for i in range(feedback.size):
+            out[i] += feedback[i]
+        return True
+    shared = np.empty(out.size)
+    done: bool = allocate(controller.model, positions, feedback, shared)
+    for i in range(out.size):
+        out[i] += shared[i]
+    return done
+
+
 @steer.register(Classical)
 @compiled
 def classical_step(
@@ -146,17 +178,22 @@ def classical_step(
     desired: Array,
     out: Array,
 ) -> bool:
-    """Write the forces (n,) of a classical controller; return whether they are finite."""
-    n, kind, model = positions.size, controller.kind, controller.model
-    feedback, rest = controller.memory[FEEDBACK], controller.memory[REST]
+    """Write the forces (m,) of a classical controller; return whether they are finite."""
+    k, kind, model = desired.size // 3, controller.kind, controller.model
+    feedback, rest = controller.memory[FEEDBACK, :k], controller.memory[REST]
     _write_feedback(controller, t, positions, speeds, desired)
-    if kind == PD:
-        out[:] = feedback
-    else:
+    for j in range(out.size):
+        out[j] = 0.0
+    if kind != PD:
         # One call, which may take long to compile.
-        a, v, w = positions, rest, rest
+        a, v, w = positions, rest, rest[:k]
         if kind == FEED_FORWARD:
-            a, v, w = desired[:n], desired[n : 2 * n], desired[2 * n :]
+            w = desired[2 * k :]
+            if k == speeds.size and k == positions.size:
+                a, v = desired[:k], desired[k : 2 * k]
+            else:
+                a, v = np.empty(positions.size), np.empty(speeds.size)
+                _write_desired(desired, positions, speeds, a, v)
         elif kind == COMPUTED_TORQUE:
             v, w = speeds, feedback
         if not write_forces(model, a, v, w, out):
@@ -164,10 +201,10 @@ def classical_step(
             return False
         if controller.added.shape[0] > 0:
             add_force(controller.added[sample], w, v, out)
-        if kind != COMPUTED_TORQUE:
-            for i in range(n):
-                out[i] += feedback[i]
+    if kind != COMPUTED_TORQUE and not _add_feedback(controller, positions, feedback, out):
+        out[:] = math.nan
+        return False
     total = 0.0
-    for i in range(n):
-        total += out[i]
+    for j in range(out.size):
+        total += out[j]
     return math.isfinite(total)

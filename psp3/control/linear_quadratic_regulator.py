@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, as_floats, checked_positive, one_row
 from psp3.control import kernels
-from psp3.control.controller import SaysNothing
+from psp3.control.controller import SaysNothing, Widths, widths_of
 from psp3.dynamics.dynamics_model import ForcesOfMotions
 from psp3.dynamics.linearization import LinearSystem, checked_matrices, discretize, linearize
 from psp3.errors import InvalidArray, InvalidValue, NoStabilizingSolution
@@ -269,9 +269,9 @@ class LinearQuadraticRegulator(SaysNothing):
             desired = desired._replace(positions=at, speeds=rates)
         return _forces(self.robot, self._forces_of, K, positions, speeds, desired)
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        return _table(self.robot, self.regulator.K, joints, 1.0)
+        return _table(self.robot, self.regulator.K, widths, 1.0)
 
 
 class TimeVaryingLinearQuadraticRegulator(SaysNothing):
@@ -350,11 +350,11 @@ class TimeVaryingLinearQuadraticRegulator(SaysNothing):
         K = self.regulator.K[sample]
         return _forces(self.robot, self._forces_of, K, positions, speeds, desired)
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
         # After the last period the gains of the last one stay.
         gains = self.regulator.K[: len(self.t)]
-        return _table(self.robot, gains, joints, self.period)
+        return _table(self.robot, gains, widths, self.period)
 
 
 def _forces(
@@ -391,9 +391,12 @@ def _commanded(robot: ClosedLoopRobot, system: LinearSystem, pose: Array) -> Lin
     return LinearSystem(system.A, system.B[..., :k])
 
 
-def _table(robot: ClosedLoopRobot, K: Array, joints: int, period: float) -> NamedTuple | None:
-    model = robot.compiled_table()
+def _table(robot: ClosedLoopRobot, K: Array, widths: Widths, period: float) -> NamedTuple | None:
+    # What motors do that are not the coordinates', the loop in Python asks the robot itself.
+    if not robot.drives_coordinates or widths_of(robot) != widths:
+        return None
+    model, joints = robot.compiled_table(), widths.motors
     if model is None:
         return None
     kp, kv = K[..., :joints], K[..., joints:]
-    return kernels.classical(kernels.FEED_FORWARD, kp, kv, model, joints, gain_period=period)
+    return kernels.classical(kernels.FEED_FORWARD, kp, kv, model, widths, gain_period=period)

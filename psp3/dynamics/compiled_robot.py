@@ -55,5 +55,17 @@ def advance(
 def write_forces(
     robot: Any, positions: Array, speeds: Array, accelerations: Array, out: Array
 ) -> bool:
-    """Write the motors' forces (n,) of a motion; return whether the robot can have them."""
+    """Write the motors' forces (m,) of a motion; return whether the robot can have them.
+
+    Fewer accelerations, (k,), are those of the first coordinates, and the others follow.
+    """
+    raise NotImplementedError
+
+
+@chosen_by_table
+def allocate(robot: Any, positions: Array, forces: Array, out: Array) -> bool:
+    """Write the shortest forces of the motors (m,) for forces along the first coordinates (k,).
+
+    Return whether there are any.
+    """
     raise NotImplementedError

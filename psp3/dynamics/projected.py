@@ -407,9 +407,10 @@ class ProjectedDynamics:
         return ForwardDynamicsDerivatives(-inverse @ by_positions, -inverse @ by_speeds, inverse)
 
     @functools.cached_property
-    def _solver(self) -> _ConstraintDynamics:
-        check_order(self.model)
-        return _ConstraintDynamics(self._mechanism, self.constraint_models)
+    def _solver(self) -> ConstraintSolver:
+        mechanism = self._mechanism
+        is_redundant = mechanism.rows > mechanism.dependent.size
+        return ConstraintSolver(mechanism.model, self.constraint_models, is_redundant)
 
     def constrained_accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return all joint accelerations of the tree under actuator forces.
@@ -437,44 +438,61 @@ class ProjectedDynamics:
         DisorderedJoints
             If the tree's joints are not chain by chain, for which the answer would be wrong.
         """
-        return self._solver.accelerations(q, v, forces)
+        joint_forces = np.zeros(self.model.nv)
+        joint_forces[self._mechanism.actuated] = forces
+        return self._solver.accelerations(q, v, joint_forces)
 
 
-class _ConstraintDynamics:
+class ConstraintSolver:
     """Pinocchio's ``constraintDynamics``, prepared once, with data that nothing else computes in.
 
     Shared between algorithms of Pinocchio, constraint data would make results silently wrong.
+
+    Parameters
+    ----------
+    model : pinocchio.Model
+        The tree.
+    constraint_models : pinocchio.StdVec_RigidConstraintModel
+        Its closures.
+    is_redundant : bool
+        Whether some closure equations follow from others.
+
+    Raises
+    ------
+    DisorderedJoints
+        If the tree's joints are not chain by chain, for which the answer would be wrong.
     """
 
     def __init__(
-        self, mechanism: Mechanism, constraint_models: pin.StdVec_RigidConstraintModel
+        self,
+        model: pin.Model,
+        constraint_models: pin.StdVec_RigidConstraintModel,
+        is_redundant: bool,
     ) -> None:
-        self._model, self._actuated = mechanism.model, mechanism.actuated
-        self._data, self._constraint_models = mechanism.model.createData(), constraint_models
+        check_order(model)
+        self._model, self._data = model, model.createData()
+        self._constraint_models = constraint_models
         self._constraint_data = pin.StdVec_RigidConstraintData()
         for loop in constraint_models:
             self._constraint_data.append(loop.createData())
         # Redundant closures make the constraint inertia singular; the proximal iteration then
         # converges to the same motion.
-        redundant = mechanism.rows > mechanism.dependent.size
         self._settings = pin.ProximalSettings(
-            1e-12, 1e-12, 1e-6 if redundant else 0.0, 50 if redundant else 1
+            1e-12, 1e-12, 1e-6 if is_redundant else 0.0, 50 if is_redundant else 1
         )
         pin.initConstraintDynamics(
             self._model, self._data, self._constraint_models, self._constraint_data
         )
 
-    def accelerations(self, q: Array, v: Array, forces: Array) -> Array:
-        """Return all joint accelerations."""
-        tau = np.zeros(self._model.nv)
-        tau[self._actuated] = forces
+    def accelerations(self, q: Array, v: Array, joint_forces: Array) -> Array:
+        """Return all joint accelerations, (nv,), under forces on all joints, (nv,)."""
         return np.array(
             pin.constraintDynamics(
                 self._model,
                 self._data,
                 q,
                 v,
-                tau,
+                joint_forces,
                 self._constraint_models,
                 self._constraint_data,
                 self._settings,

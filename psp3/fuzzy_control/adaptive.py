@@ -38,11 +38,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from psp3.checks import Array, checked_number, checked_positive, one_row
+from psp3.control.controller import Widths
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control import adaptive_kernels as kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import reported, step_width
 from psp3.fuzzy_control.numbers import unpack
+from psp3.fuzzy_control.records import INPUT_NAMES
 from psp3.trajectories.motion import Motion
 
 UPDATE_PERIOD = 0.02
@@ -115,9 +117,12 @@ class AdaptiveFuzzyComputedTorque:
         reach: float = 0.5,
         lag: float = 0.05,
     ) -> None:
-        wanted = 'a trained FuzzyComputedTorque of kind "t1" or "it2" with outside="clamp"'
+        wanted = (
+            'a trained FuzzyComputedTorque of the 3-PSP, of kind "t1" or "it2" with outside="clamp"'
+        )
         if (
             not isinstance(controller, FuzzyComputedTorque)
+            or controller.inputs.names != INPUT_NAMES
             or controller.kind not in ("t1", "it2")
             or controller.outside != "clamp"
         ):
@@ -193,9 +198,9 @@ class AdaptiveFuzzyComputedTorque:
 
     numbers_said = step_width(3) - 3
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not AdaptiveFuzzyComputedTorque:
+        if type(self) is not AdaptiveFuzzyComputedTorque or widths != Widths.of_motors(3):
             return None
         # The memory is this controller's own: what is learned in the loop stays.
         return kernels.Adaptive(self.settings, self.rules, self._memory)

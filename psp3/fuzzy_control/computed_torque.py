@@ -40,7 +40,8 @@ from psp3.checks import (
     finite_rows,
     one_row,
 )
-from psp3.errors import InvalidValue, NotTrained, UnknownName, UnusableEstimate
+from psp3.control.controller import Widths
+from psp3.errors import InvalidArray, InvalidValue, NotTrained, UnknownName, UnusableEstimate
 from psp3.fuzzy_control import controller_files, kernels, rule_bases
 from psp3.fuzzy_control.numbers import unpack
 from psp3.fuzzy_control.records import (
@@ -315,6 +316,76 @@ class FuzzyComputedTorque:
         self._take(systems, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
 
+    def learn_from_motion(
+        self,
+        positions: ArrayLike,
+        speeds: ArrayLike,
+        accelerations: ArrayLike,
+        forces: ArrayLike,
+        samples: int | None = None,
+        positive_definite: bool = True,
+    ) -> Self:
+        r"""Learn from a motion and the forces that made it: M, C and G need not be known.
+
+        The consequents of all rules are linear in the forces, and found by ridge least squares
+        (:mod:`psp3.fuzzy_control.force_learning`), whatever ``learner`` is.
+
+        Parameters
+        ----------
+        positions, speeds, accelerations : (N, n) array_like
+            A motion of the motors [m or rad, and per s, s²], as of
+            :func:`psp3.identification.excitation.exciting_motion` or of a Fourier series fitted to
+            what was measured. Accelerations of noisy positions are best taken from such a fit.
+        forces : (N, n) array_like
+            Forces of the motors [N or N m], measured.
+        samples : int, optional
+            How many of the N are used, spread evenly over the inputs; 2000 by default, or all if
+            there are fewer.
+        positive_definite : bool
+            Whether the M of every rule must be positive definite; then every estimate of M is.
+
+        Returns
+        -------
+        FuzzyComputedTorque
+            The controller itself.
+
+        Raises
+        ------
+        InvalidArray, InvalidValue
+            If an array is not finite numbers of that shape, or an input does not change.
+        UnusableEstimate
+            If the mass matrix that fits all forces best is not positive definite.
+        """
+        given = zip(
+            ("positions", "speeds", "accelerations", "forces"),
+            (positions, speeds, accelerations, forces),
+            strict=True,
+        )
+        arrays = [finite_rows(name, rows, self.joints) for name, rows in given]
+        for name, array in zip(("speeds", "accelerations", "forces"), arrays[1:], strict=True):
+            if array.ndim != 2 or array.shape != arrays[0].shape:
+                raise InvalidArray(name, f"{arrays[0].shape}, one row for each position", array)
+        inputs = self.inputs.of(arrays[0], arrays[1])
+        count = len(inputs)
+        # A record of which nothing but the inputs is asked.
+        whole = Record(
+            np.arange(float(count)),
+            arrays[0],
+            arrays[1],
+            inputs,
+            np.empty((count, 0)),
+            self.inputs.names,
+        )
+        chosen = whole.sample(min(count, MOST_SAMPLES) if samples is None else samples)
+        a, v, w, force = (array[chosen] for array in arrays)
+        systems = rule_bases.systems_from_motion(
+            *(self._options, self.places, self.inputs, (a, v, w), force),
+            *(self.coriolis == "mass", positive_definite),
+        )
+        x = inputs[chosen]
+        self._take(systems, np.stack([x.min(axis=0), x.max(axis=0)]))
+        return self
+
     @property
     def _options(self) -> RuleOptions:
         return RuleOptions(
@@ -383,9 +454,11 @@ class FuzzyComputedTorque:
         """Numbers that a compiled step writes after the n forces."""
         return kernels.step_width(self.joints) - self.joints
 
-    def table(self, robot: Any, joints: int) -> NamedTuple | None:
+    def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not FuzzyComputedTorque or self._controller is None:
+        if type(self) is not FuzzyComputedTorque or widths != Widths.of_motors(3):
+            return None
+        if self._controller is None:
             return None
         return self.run_table()
 
@@ -443,7 +516,7 @@ class FuzzyComputedTorque:
         if done != 1:
             # Not contiguous rows of n finite floats: lists will do, and copies of rows that are
             # read-only; the rest is refused.
-            copies = [
+            copies: Any = [
                 np.array(one_row(name, row, self.joints))
                 for name, row in zip(_ROWS, rows, strict=True)
             ]
@@ -598,7 +671,9 @@ class FuzzyComputedTorque:
             As from :meth:`torque`.
         """
         rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
-        a, v, *wanted = (one_row(name, row, self.joints) for name, row in zip(_ROWS, rows, strict=True))
+        a, v, *wanted = (
+            one_row(name, row, self.joints) for name, row in zip(_ROWS, rows, strict=True)
+        )
         M, C, G = self.estimated_numbers(a, v)
         servo = wanted[2] + self.kv * (wanted[1] - v) + self.kp * (wanted[0] - a)
         alpha_part: Any = M @ servo

@@ -144,8 +144,7 @@ def _controller_from(
         if tuple(content[what]) != tuple(names):
             raise InvalidControllerFile(
                 path,
-                f"has the {what} {', '.join(content[what])}, this version needs "
-                f"{', '.join(names)}",
+                f"has the {what} {', '.join(content[what])}, this version needs {', '.join(names)}",
             )
     ranges = np.asarray(content["ranges"], dtype=float)
     _check_systems(controller, systems, path)
@@ -207,9 +206,7 @@ def _other_robot(said: Any, robot: Any, path: str | Path) -> Any:
     return robot
 
 
-def _check_systems(
-    controller: FuzzyComputedTorque, systems: list[Any], path: str | Path
-) -> None:
+def _check_systems(controller: FuzzyComputedTorque, systems: list[Any], path: str | Path) -> None:
     names, of_numbers = controller.inputs.names, output_names(controller.joints)
     if len(systems) != len(controller.places):
         raise InvalidControllerFile(

@@ -7,6 +7,9 @@ A type-2 controller says with every torque between which ends its rules leave it
 conditions how wide that interval is, low-pass filtered, and raises an alarm when it is wider than
 all but a stated share of them. How well this detects what it is meant to detect is measured in
 :mod:`psp3.study.detection`, beside other signals that the same monitor can watch.
+
+The interval is how far the rules disagree, and holds few of the torques that are right;
+:class:`psp3.ConformalIntervals` makes intervals of it that hold a stated share.
 """
 
 from __future__ import annotations

@@ -44,9 +44,7 @@ def pack(M: Array, C: Array, G: Array) -> Array:
     """Return M (..., n, n), C (..., n, n) and G (..., n) as numbers (..., K)."""
     n = G.shape[-1]
     upper = np.triu_indices(n)
-    return np.concatenate(
-        [M[..., upper[0], upper[1]], C.reshape(*C.shape[:-2], n * n), G], axis=-1
-    )
+    return np.concatenate([M[..., upper[0], upper[1]], C.reshape(*C.shape[:-2], n * n), G], axis=-1)
 
 
 def unpack(numbers: Array) -> tuple[Array, Array, Array]:

@@ -179,20 +179,23 @@ class Record:
         return self._chosen[count].copy()
 
     @property
-    def _remedy(self) -> str:
+    def _wanted(self) -> str:
         if self.input_names == INPUT_NAMES:
-            return "choose a path that tilts the star both ways"
-        return "choose a path on which every joint moves"
+            return (
+                "one on which every difference input changes; choose a path that tilts the star "
+                "both ways"
+            )
+        return "one on which every input changes; choose a path on which every joint moves"
 
     def _spread_evenly(self, count: int) -> NDArray[np.intp]:
         span = np.ptp(self.inputs, axis=0)
         if not (span > STILL).all():
             still = ", ".join(
-                name for name, width in zip(self.input_names, span, strict=True) if not width > STILL
+                name
+                for name, width in zip(self.input_names, span, strict=True)
+                if not width > STILL
             )
-            raise InvalidValue(
-                "trajectory", still, "one on which every input changes; " + self._remedy
-            )
+            raise InvalidValue("trajectory", still, self._wanted)
         points = (self.inputs - self.inputs.min(axis=0)) / span
         return np.sort(spread_evenly(points, count))
 

@@ -8,7 +8,13 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzy2.learning.consequents import rules_from_all
-from fuzzy2.learning.partition import Term, gaussian_terms, grades_in, partition_of_centers
+from fuzzy2.learning.partition import (
+    Term,
+    gaussian_partition,
+    gaussian_terms,
+    grades_in,
+    partition_of_centers,
+)
 from fuzzy2.learning.wang_mendel import LEARNERS as LEARNERS_OF_RULES
 from fuzzy2.learning.wang_mendel import WangMendel
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
@@ -18,6 +24,7 @@ from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 from psp3.checks import Array, Indices
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control import christoffel_kernels, kernels
+from psp3.fuzzy_control.force_learning import Samples, learn_consequents
 from psp3.fuzzy_control.numbers import count_of_numbers, output_names, places_of
 from psp3.fuzzy_control.spreading import spread_evenly
 from psp3.robots.learning_inputs import LearningInputs
@@ -137,7 +144,7 @@ def learned_system(
         system = system_of(options, partition, learned.point_values(), names)
     if options.term_width != 1.0:
         system = _widened(system, options.term_width)
-        uncovered = np.isnan(np.asarray(system(inputs))[:, 0]).mean()
+        uncovered = (system.coverage(inputs) == 0.0).mean()
         if uncovered > 0.0:
             wanted = (
                 f"great enough for a rule to fire everywhere on the path; at {uncovered:.0%} "
@@ -145,6 +152,37 @@ def learned_system(
             )
             raise InvalidValue("term_width", options.term_width, wanted)
     return system
+
+
+def partition_of(options: RuleOptions, inputs: Array, names: tuple[str, ...]) -> Partition:
+    """Return the partition of one base for samples (N, p), on a grid or by clusters."""
+    number, on_grid = terms_of_input(options, len(names))
+    if not on_grid:
+        return partition_by_clusters(options, inputs, number)
+    ends = list(zip(inputs.min(axis=0), inputs.max(axis=0), strict=True))
+    terms = tuple(
+        gaussian_partition(*pair, number, options.kind, options.mean_variation) for pair in ends
+    )
+    principal = [gaussian_partition(*pair, number, "t1") for pair in ends]
+    rules = np.indices([number] * len(ends)).reshape(len(ends), -1).T
+    return Partition(terms, tuple(gaussian_terms(principal)), np.ascontiguousarray(rules))
+
+
+def basis_of(partition: Partition, inputs: Array) -> Array:
+    """Return the basis functions (N, R) of the type-1 rules of a partition."""
+    means, sigmas = _numbers_of(partition.principal, partition.rules)
+    gaps = (inputs[:, np.newaxis] - means) / sigmas
+    exponents = -0.5 * (gaps**2).sum(axis=-1)
+    firing = np.exp(exponents - exponents.max(axis=1, keepdims=True))
+    return np.asarray(firing / firing.sum(axis=1, keepdims=True))
+
+
+def slopes_of(partition: Partition, inputs: Array) -> Array:
+    """Return the slopes (N, R, p) of the basis functions along the inputs."""
+    means, sigmas = _numbers_of(partition.principal, partition.rules)
+    basis = basis_of(partition, inputs)[..., np.newaxis]
+    rates = -(inputs[:, np.newaxis] - means) / sigmas**2
+    return np.asarray(basis * (rates - (basis * rates).sum(axis=1, keepdims=True)))
 
 
 class Partition(NamedTuple):
@@ -187,13 +225,13 @@ def system_of(
     options: RuleOptions, partition: Partition, consequents: Array, names: tuple[str, ...]
 ) -> FuzzySystem:
     """Return the system of a partition with consequents (R, m)."""
-    named = {"input_names": names}
-    parts = partition.terms, partition.rules, consequents
+    named: dict[str, Any] = {"input_names": names}
+    parts: tuple[Any, ...] = partition.terms, partition.rules, consequents
     if options.kind == "t1":
         return Type1System(*parts, **named)
     if options.kind == "it2":
         return IntervalType2System(*parts, **named)
-    reduction = {"reduction": options.reduction, "levels": options.levels}
+    reduction: dict[str, Any] = {"reduction": options.reduction, "levels": options.levels}
     return GeneralType2System(*parts, **named, **reduction)
 
 
@@ -218,6 +256,57 @@ def learned_systems(
     )
 
 
+def systems_from_motion(
+    options: RuleOptions,
+    places: Sequence[Place],
+    inputs: LearningInputs,
+    motion: tuple[Array, Array, Array],
+    forces: Array,
+    has_derived_coriolis: bool,
+    positive_definite: bool,
+) -> tuple[FuzzySystem, ...]:
+    """Return the systems of all rule bases, learned from a motion (N, n) each and its forces."""
+    positions, speeds, accelerations = motion
+    n, x = positions.shape[1], inputs.of(positions, speeds)
+    asked = [np.ascontiguousarray(x[:, place.columns]) for place in places]
+    names = [tuple(inputs.names[column] for column in place.columns) for place in places]
+    partitions = [
+        partition_of(options, columns, said) for columns, said in zip(asked, names, strict=True)
+    ]
+    basis = [
+        basis_of(partition, columns) for partition, columns in zip(partitions, asked, strict=True)
+    ]
+    slopes = None
+    if has_derived_coriolis:
+        along = slopes_of(partitions[0], asked[0])
+        chosen = list(places[0].columns)
+        slopes = np.zeros((*along.shape[:2], n))
+        for sign, of_state in ((1.0, inputs.plus[chosen]), (-1.0, inputs.minus[chosen])):
+            for column, place in enumerate(of_state):
+                if 0 <= place < n:
+                    slopes[..., place] += sign * along[..., column]
+    found = learn_consequents(
+        Samples(
+            *(speeds, accelerations, forces, basis[0]),
+            *(None if has_derived_coriolis else basis[-1], slopes),
+        ),
+        positive_definite,
+    )
+    numbers = np.zeros((max(len(b[0]) for b in basis), count_of_numbers(n)))
+    of_mass, of_coriolis, of_gravity = (places_of(entries, n) for entries in "MCG")
+    numbers[: len(found.mass), of_mass] = found.mass
+    numbers[: len(found.gravity), of_gravity] = found.gravity
+    if found.coriolis is not None:
+        numbers[: len(found.coriolis), of_coriolis] = found.coriolis
+    of_numbers = output_names(n)
+    return tuple(
+        system_of(options, partition, numbers[: len(partition.rules), place.outputs], said).replace(
+            output_names=tuple(of_numbers[j] for j in place.outputs)
+        )
+        for partition, place, said in zip(partitions, places, names, strict=True)
+    )
+
+
 def fallback_of(systems: Sequence[FuzzySystem], places: Sequence[Place], joints: int) -> Array:
     """Return the averages over the rules, (K,); 0 of a C that has no rules."""
     fallback = np.zeros(count_of_numbers(joints))
@@ -228,8 +317,11 @@ def fallback_of(systems: Sequence[FuzzySystem], places: Sequence[Place], joints:
 
 def principal_terms_of(system: FuzzySystem) -> tuple[Array, Array]:
     """Return means and standard deviations (R, q) of the type-1 terms of each rule."""
-    numbers = np.array([[_mean_and_sigma(term) for term in terms] for terms in system.inputs])
-    rules = np.asarray(system.rules)
+    return _numbers_of(system.inputs, np.asarray(system.rules))
+
+
+def _numbers_of(inputs: Sequence[Sequence[Any]], rules: Indices) -> tuple[Array, Array]:
+    numbers = np.array([[_mean_and_sigma(term) for term in terms] for terms in inputs])
     chosen = numbers[np.arange(rules.shape[1]), rules]
     return chosen[..., 0], chosen[..., 1]
 
@@ -329,5 +421,3 @@ def _wider(term: Any, width: float) -> Any:
     if isinstance(term, GaussianType2Set):
         return GaussianType2Set(_wider(term.principal, width), term.sigma)
     return type(term)(term.mean, width * term.sigma)
-
-

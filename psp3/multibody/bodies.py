@@ -1,6 +1,6 @@
 """Inertias, momenta and forces of the bodies of a pose, compiled.
 
-All are about the base's origin, in base axes.
+All are about the base's origin, or about a floating base, in base axes.
 """
 
 from __future__ import annotations

@@ -92,6 +92,11 @@ ENOUGH = 0.03
 Jacobian.
 """
 
+ALL_BUT_ROUNDING = 0.5
+"""A correction that leaves a larger share of a small residual corrects rounding: also where m roots
+coincide Newton's method leaves only (1 − 1/m)^m of it, less than 1/e.
+"""
+
 GUESSED = 100.0
 """A guess counts as closed with a residual so many times larger than what is asked of a motion: a
 correction by rounding could lead past a singular pose nearby.
@@ -187,14 +192,15 @@ def newton(tree, numbers, memory, group, most, enough, sign):
     weakest = numbers[tolerances + GROUP_NUMBERS * group + WEAKEST_AT]
     for k in range(columns):
         memory[moved + column + k] = 0.0
-    before, last_step = math.inf, math.inf
+    before, last_step, is_fresh = math.inf, math.inf, False
     for _ in range(MOST_ITERATIONS):
         place(tree, numbers, memory, first, last)
         size = residual_of(tree, numbers, memory, group)
         if not size < math.inf:
             return OPEN
         # Near a singular pose rounding may be all that a step corrects.
-        is_closed = size <= enough or (size >= before and size <= largest)
+        rounding = before * (ALL_BUT_ROUNDING if is_fresh else 1.0)
+        is_closed = size <= enough or (size >= rounding and size <= largest)
         # The Jacobian of a pose before is good for a correction where it has led far.
         is_fresh = columns < MANY or most > NEARBY or size > ENOUGH * before or is_closed
         if is_fresh:

@@ -437,7 +437,7 @@ def _packed(
         len(paths),
     ]
     counts += [len(drivers), model.nq, model.nv, len(independent), len(dependent), row]
-    counts += [factor_at, driven_at, len(places)]
+    counts += [factor_at, driven_at, len(places), _floating(elements)]
     integers = [
         np.reshape(element_rows, -1),
         massive,
@@ -477,6 +477,14 @@ def _packed(
         np.array([length for k in order for length in closures[k].is_length], dtype=bool),
         _sliding(model, elements),
     )
+
+
+def _floating(elements: list[_Element]) -> int:
+    """Return the element of a floating base, or −1."""
+    for e, element in enumerate(elements):
+        if element.parent < 0 and element.kind in (FREE, PLANAR):
+            return e
+    return -1
 
 
 def _coordinates(elements: list[_Element], velocity: int) -> list[int]:
@@ -555,7 +563,7 @@ def _memory_begins(counts: list[int]) -> list[int]:
     n, nq, nv, rows = counts[INDEPENDENT], counts[COORDINATES], counts[VELOCITIES], counts[ROWS]
     positions = counts[POSITIONS]
     factors, driven, twists = counts[FACTORS], counts[DRIVEN], 6 * (elements + 1)
-    sizes = [nq, 12 * elements, 6 * nv, 24 * closures, factors, dependent, driven, groups]
+    sizes = [nq, 3, 12 * elements, 6 * nv, 24 * closures, factors, dependent, driven, groups]
     sizes += [
         factors,
         dependent,

@@ -1,9 +1,9 @@
 r"""Motion and forces of a closed pose, compiled: velocities, accelerations, RNEA, projection.
 
-All twists and wrenches are in base axes at the base's origin, so that a joint's force is the
-product of its screw with the wrench of all that it carries (recursive Newton–Euler, J. Y. S. Luh,
-M. W. Walker and R. P. C. Paul, 1980). The loops then bring the forces of dependent joints to the
-independent ones, :math:`\tau = L^T f` (thesis eq. 3.37).
+All twists and wrenches are in base axes at the base's origin, or at a floating base, so that a
+joint's force is the product of its screw with the wrench of all that it carries (recursive
+Newton–Euler, J. Y. S. Luh, M. W. Walker and R. P. C. Paul, 1980). The loops then bring the forces
+of dependent joints to the independent ones, :math:`\tau = L^T f` (thesis eq. 3.37).
 """
 
 from __future__ import annotations

@@ -37,6 +37,7 @@ from psp3.multibody.tree import (
     AT_FIELDS,
     AT_FORCES,
     AT_FREE_FALL,
+    AT_HERE,
     AT_JOINT_SPEEDS,
     AT_JOINTS,
     AT_MASSIVE,
@@ -281,7 +282,7 @@ def potential_energy(tree, numbers, memory):
         row, o = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e, tree[AT_PLACEMENTS] + 12 * e
         m = tree[AT_BODIES] + ELEMENT_NUMBERS * e
         for i in range(3):
-            center = memory[o + 9 + i]
+            center = memory[tree[AT_HERE] + i] + memory[o + 9 + i]
             for k in range(3):
                 center += memory[o + 3 * i + k] * numbers[m + CENTER_AT + k]
             energy -= numbers[m + MASS_AT] * numbers[g + i] * center

@@ -23,6 +23,7 @@ from psp3.multibody.tree import (
     AT_FACTORS,
     AT_FRAMES,
     AT_GROUPS,
+    AT_HERE,
     AT_JOINT_SPEEDS,
     AT_PATHS,
     AT_PLACEMENTS,
@@ -166,11 +167,22 @@ def _logarithm(memory, at, row):
 
 
 @scalar
+def _place_end(tree, numbers, memory, end, at, into):
+    """Write the frame of a closure, which is at ``at`` in its element, or in the base."""
+    if end >= 0:
+        compose(memory, tree[AT_PLACEMENTS] + 12 * end, numbers, at, memory, into)
+        return
+    for i in range(9):
+        memory[into + i] = numbers[at + i]
+    for i in range(9, 12):
+        memory[into + i] = numbers[at + i] - memory[tree[AT_HERE] + i - 9]
+
+
+@scalar
 def residual_of(tree, numbers, memory, group):
     """Write frames and residual of a group's closures; return the residual's largest entry."""
     configuration = tree[AT_CONFIGURATION]
     frames = tree[AT_FRAMES]
-    placements = tree[AT_PLACEMENTS]
     gaps = tree[AT_RESIDUAL]
     closures = tree[AT_CLOSURES]
     in_elements = tree[AT_CLOSURE_FRAMES]
@@ -191,12 +203,7 @@ def residual_of(tree, numbers, memory, group):
             continue
         for side in range(2):
             end = one if side == 0 else two
-            if end < 0:
-                for i in range(12):
-                    memory[f + 12 * side + i] = numbers[at + 12 * side + i]
-            else:
-                o = placements + 12 * end
-                compose(memory, o, numbers, at + 12 * side, memory, f + 12 * side)
+            _place_end(tree, numbers, memory, end, at + 12 * side, f + 12 * side)
         dx, dy, dz = (
             memory[f + 21] - memory[f + 9],
             memory[f + 22] - memory[f + 10],

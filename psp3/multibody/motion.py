@@ -48,6 +48,7 @@ from psp3.multibody.tree import (
     AT_CONFIGURATION,
     AT_FIELDS,
     AT_FREE_FALL,
+    AT_HERE,
     AT_JOINT_ACCELERATIONS,
     AT_JOINT_FORCES,
     AT_JOINT_SPEEDS,
@@ -269,6 +270,8 @@ def _write_frame(tree, memory, frames, row, out, into):
         out[o + 1] = memory[X + 1] + wz * x - wx * z
         out[o + 2] = memory[X + 2] + wx * y - wy * x
         out[o + 3], out[o + 4], out[o + 5] = wx, wy, wz
+    for i in range(3):
+        out[into + 9 + i] += memory[tree[AT_HERE] + i]
 
 
 @scalar

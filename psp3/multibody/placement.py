@@ -10,12 +10,14 @@ from psp3.multibody.tree import (
     AT_COLUMN_OF,
     AT_CONFIGURATION,
     AT_ELEMENTS,
+    AT_HERE,
     AT_MEMBERS,
     AT_PLACEMENTS,
     AT_SCREWS,
     BALL,
     ELEMENT_INTEGERS,
     ELEMENT_NUMBERS,
+    FLOATING,
     FREE,
     INDEX_Q,
     INDEX_V,
@@ -125,13 +127,22 @@ def _spin_screws(memory, o, s):
 
 
 @scalar
+def _shift(memory, q, count, o):
+    """Move a placement along its first axes by what the coordinates say."""
+    for i in range(3):
+        way = 0.0
+        for k in range(count):
+            way += memory[o + 3 * i + k] * memory[q + k]
+        memory[o + 9 + i] += way
+
+
+@scalar
 def _glide(memory, q, o, s):
-    """Move a placement in its own x-y plane and turn it there; write the three screws."""
-    x, y, c, t = memory[q], memory[q + 1], memory[q + 2], memory[q + 3]
+    """Turn a placement, that has been moved, in its own x-y plane; write the three screws."""
+    c, t = memory[q + 2], memory[q + 3]
     for i in range(3):
         k = o + 3 * i
         r0, r1 = memory[k], memory[k + 1]
-        memory[o + 9 + i] += r0 * x + r1 * y
         memory[k], memory[k + 1] = r0 * c + r1 * t, r1 * c - r0 * t
     for axis in range(2):
         for i in range(3):
@@ -145,8 +156,28 @@ def _glide(memory, q, o, s):
 
 
 @scalar
+def _find_base(tree, numbers, memory):
+    """Write where the floating base is; zeros if there is none."""
+    here, e = tree[AT_HERE], tree[FLOATING]
+    for i in range(3):
+        memory[here + i] = 0.0
+    if e >= 0:
+        row, at = tree[AT_ELEMENTS] + ELEMENT_INTEGERS * e, tree[AT_BODIES] + ELEMENT_NUMBERS * e
+        q = tree[AT_CONFIGURATION] + tree[row + INDEX_Q]
+        for i in range(3):
+            memory[here + i] = numbers[at + 9 + i]
+            for k in range(2 if tree[row + KIND] == PLANAR else 3):
+                memory[here + i] += numbers[at + 3 * i + k] * memory[q + k]
+
+
+@scalar
 def place(tree, numbers, memory, first, last):
-    """Place the members from ``first`` to ``last``, whose parents are placed before them."""
+    """Place the members from ``first`` to ``last``, whose parents are placed before them.
+
+    Positions are seen from a floating base: what is far from there loses no digits.
+    """
+    here, floating = tree[AT_HERE], tree[FLOATING]
+    _find_base(tree, numbers, memory)
     configuration = tree[AT_CONFIGURATION]
     placements = tree[AT_PLACEMENTS]
     screws = tree[AT_SCREWS]
@@ -163,26 +194,27 @@ def place(tree, numbers, memory, first, last):
         parent, kind = tree[row + PARENT], tree[row + KIND]
         q, s = configuration + tree[row + INDEX_Q], screws + 6 * tree[row + INDEX_V]
         if parent < 0:
-            for i in range(12):
+            for i in range(9):
                 memory[o + i] = numbers[at + i]
+            for i in range(3):
+                # Of the base itself exactly zero.
+                away = numbers[at + 9 + i] - memory[here + i]
+                memory[o + 9 + i] = 0.0 if e == floating else away
         else:
             compose(memory, placements + 12 * parent, numbers, at, memory, o)
         if kind <= UNBOUNDED:
             amount = math.atan2(memory[q + 1], memory[q]) if kind == UNBOUNDED else memory[q]
             _turn_by_screw(numbers, at, amount, memory, o, s)
         elif kind == PLANAR:
+            if e != floating:
+                _shift(memory, q, 2, o)
             _glide(memory, q, o, s)
         elif kind == BALL:
             _turn_by_quaternion(memory, q, o)
             _spin_screws(memory, o, s)
         else:
-            for i in range(3):
-                k = o + 3 * i
-                memory[o + 9 + i] += (
-                    memory[k] * memory[q]
-                    + memory[k + 1] * memory[q + 1]
-                    + memory[k + 2] * memory[q + 2]
-                )
+            if e != floating:
+                _shift(memory, q, 3, o)
             _turn_by_quaternion(memory, q + 3, o)
             for axis in range(3):
                 for i in range(3):

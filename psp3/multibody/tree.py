@@ -27,7 +27,7 @@ is a polynomial of another; a ball does not turn about an axis of what it carrie
 ROWS_OF_KIND = (3, 5, 6, 1, 1)
 """Equations of each kind of closure."""
 
-COUNTS = 15
+COUNTS = 16
 (
     ELEMENTS,
     BODIES,
@@ -44,10 +44,12 @@ COUNTS = 15
     FACTORS,
     DRIVEN,
     POSITIONS,
+    FLOATING,
 ) = range(COUNTS)
-"""How many there are; the last four are closure equations, entries of all groups' Jacobians by
-dependent and by independent speeds, and coordinates of the independent joints, which are more than
-their speeds where one of them is a free flyer.
+"""How many there are; the last five are closure equations, entries of all groups' Jacobians by
+dependent and by independent speeds, coordinates of the independent joints, which are more than
+their speeds where one of them is a free flyer, and, which is no count, the element of a floating
+base, or −1.
 """
 
 INTEGER_PARTS = 12
@@ -92,9 +94,10 @@ see below; of each coordinate the rest of its spring, and its lowest and highest
 acceleration of free fall (3) [m/s²].
 """
 
-MEMORY_PARTS = 42
+MEMORY_PARTS = 43
 (
     AT_CONFIGURATION,
+    AT_HERE,
     AT_PLACEMENTS,
     AT_SCREWS,
     AT_FRAMES,
@@ -142,10 +145,11 @@ MEMORY_PARTS = 42
 """Where the parts of the memory begin. What stands before ``BEFORE`` is a *pose*, with all that
 stays true of it, and can be copied as a whole:
 
-configuration; placements of the elements in the base (12: rotation, row by row, and position);
-screws of the velocities (6: linear part at the base's origin, and angular part); the two frames of
-each closure in the base (24); Jacobians of the groups by their dependent speeds, factored, column
-by column, with the weights of the reflections; by their independent speeds; and each group's
+configuration; where the floating base is (3), or zeros; placements of the elements in the base's
+axes, seen from there (12: rotation, row by row, and position), so that no digits are lost however
+far it is; screws of the velocities (6: linear part at that point, and angular part); the two frames
+of each closure, seen from there (24); Jacobians of the groups by their dependent speeds, factored,
+column by column, with the weights of the reflections; by their independent speeds; and each group's
 smallest pivot, with the sign of its determinant.
 
 Then factors, weights and configuration of the pose from which the next is looked for; independent

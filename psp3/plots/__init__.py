@@ -1,4 +1,4 @@
-"""Figures with matplotlib: of runs, controllers, studies and workspaces.
+"""Figures with matplotlib: of runs, tubes, controllers, studies and workspaces.
 
 Those of the thesis are in ``psp3.thesis.figures``.
 """
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fuzzy2.support.lazy import lazy_names
 
 if TYPE_CHECKING:
+    from psp3.plots.bounds import figure_of_tube as figure_of_tube
     from psp3.plots.control import figure_of_differences as figure_of_differences
     from psp3.plots.control import figure_of_tracking as figure_of_tracking
     from psp3.plots.joints import figure_of_joint_forces as figure_of_joint_forces

@@ -42,6 +42,7 @@ from psp3.closure.structure import (
     structure,
 )
 from psp3.description.urdf import read_robot
+from psp3.drives.drive import Drive, drive_table
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
@@ -525,10 +526,13 @@ class ClosedLoopRobot:
 
     def compiled_table(self) -> NamedTuple | None:
         """Return the robot as compiled loops take it; None of a class that changes its dynamics."""
-        import psp3.robots.stepping  # noqa: F401 # registers what loops ask of it
+        from psp3.robots.stepping import tables_of_motors
 
-        is_ours = type(self) is ClosedLoopRobot and self.drives_coordinates
-        return self._core.tables() if is_ours else None
+        if type(self) is not ClosedLoopRobot:
+            return None
+        if self.drives_coordinates:
+            return self._core.tables()
+        return tables_of_motors(self._core, self._motors)
 
     @property
     def learning_inputs(self) -> LearningInputs:
@@ -1046,6 +1050,26 @@ class ClosedLoopRobot:
         both = self._ask(COMPLEMENT, nq + nv * n, None, positions, rest, rest)
         transposed = both[..., nq:].reshape(*both.shape[:-1], n, nv)
         return np.asarray(transposed @ self.motors)
+
+    def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Array:
+        """Return drives of the motors as those of the coordinates.
+
+        Parameters
+        ----------
+        drive : Drive or sequence of Drive
+            Of all motors, or of each.
+
+        Returns
+        -------
+        (n, 3) ndarray
+            Reflected inertia, viscous and dry friction, zero where no motor is.
+
+        Raises
+        ------
+        InvalidValue
+            If a joint has a drive that is no coordinate.
+        """
+        return self._motors.driven(drive_table(drive, len(self.actuated)))
 
     def preload(self, positions: ArrayLike) -> Array:
         """Return a basis of the motors' forces that move nothing, (m, k), at one pose.

@@ -50,9 +50,7 @@ def positions_and_speeds(joints: Sequence[str]) -> LearningInputs:
     n = len(joints)
     names = (*joints, *(f"speed of {joint}" for joint in joints))
     places = np.arange(2 * n)
-    return LearningInputs(
-        names, places, np.full(2 * n, -1), tuple(range(n)), tuple(range(2 * n))
-    )
+    return LearningInputs(names, places, np.full(2 * n, -1), tuple(range(n)), tuple(range(2 * n)))
 
 
 def differences_of_three() -> LearningInputs:

@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, Indices
+from psp3.drives.drive import Drive
 from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.multibody.core import LastPose
 from psp3.robots.learning_inputs import LearningInputs
@@ -39,6 +40,8 @@ class Robot(DynamicsModel, Protocol):
     """Indices of the actuated joints in a velocity of the tree, (n,)."""
     coordinates: tuple[str, ...]
     """Names of the joints that are coordinates, those that the motors command first."""
+    coordinates_q: Indices
+    """Indices of the coordinates in a configuration, (p,)."""
     coordinates_v: Indices
     """Indices of the coordinates in a velocity of the tree, (n,)."""
     q0: Array
@@ -133,6 +136,10 @@ class Robot(DynamicsModel, Protocol):
 
     def actuation_matrix(self, positions: ArrayLike) -> Array:
         """Return what the motors' forces do along the coordinates, (..., n, m)."""
+        ...
+
+    def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Array:
+        """Return drives of the motors as those of the coordinates, a row each, (n, 3)."""
         ...
 
     def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:

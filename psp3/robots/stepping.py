@@ -12,11 +12,20 @@ from fuzzy2.support.compiled import compiled
 from psp3.checks import Array, Indices, checked_count
 from psp3.drives.drive import Drive, drive_table
 from psp3.drives.kernels import DRY, INERTIA, VISCOUS
-from psp3.dynamics.compiled_robot import advance, balance, is_state, write_forces, write_rates
+from psp3.dynamics.compiled_robot import (
+    advance,
+    allocate,
+    balance,
+    is_state,
+    write_forces,
+    write_rates,
+)
 from psp3.dynamics.driven_steps import advance_driven
+from psp3.dynamics.motor_kernels import shortest
 from psp3.dynamics.motors import Motors
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.core import Core, Tables
+from psp3.multibody.inertia import complement, factor_positive, solve_positive
 from psp3.multibody.motion import balance_of_state, forces_of_motion, reach, runge_kutta
 from psp3.multibody.tree import (
     AT_COMPLEMENT,
@@ -168,6 +177,110 @@ def _write_forces(
     return done
 
 
+@allocate.register(Tables)
+def _allocate(robot: Tables, positions: Array, forces: Array, out: Array) -> bool:
+    # They are along the motors' own coordinates.
+    for i in range(forces.size):
+        out[i] = forces[i]
+    return True
+
+
+@compiled
+def _write_actuation(robot: DrivenTables, out: Array) -> None:
+    """Write what each motor does along the first coordinates, (k, m), of a pose with its L."""
+    tree, memory, motors = robot.tree, robot.memory, robot.motors
+    nv, (k, m) = tree[VELOCITIES], out.shape
+    for i in range(k):
+        for j in range(m):
+            total = 0.0
+            for v in range(nv):
+                total += memory[tree[AT_COMPLEMENT] + nv * i + v] * motors[v, j]
+            out[i, j] = total
+
+
+@compiled
+def forces_of_all(
+    robot: DrivenTables, positions: Array, speeds: Array, accelerations: Array, out: Array
+) -> bool:
+    """Write the shortest motor forces (m,) of accelerations of all coordinates."""
+    n, (tree, numbers, memory) = speeds.size, robot[:3]
+    along, actuation = np.empty(n), np.empty((n, out.size))
+    if not forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, along):
+        return False
+    complement(tree, numbers, memory, 0.0)
+    _write_actuation(robot, actuation)
+    done: bool = shortest(actuation, along, out)
+    return done
+
+
+@compiled
+def forces_of_first(
+    robot: DrivenTables, positions: Array, speeds: Array, accelerations: Array, out: Array
+) -> bool:
+    """Write the shortest motor forces (m,) of accelerations of the first coordinates (k,).
+
+    As :func:`psp3.dynamics.motors.partly_linearizing`.
+    """
+    p, n, k, m = positions.size, speeds.size, accelerations.size, out.size
+    (tree, numbers, memory), state = robot[:3], np.empty(p + n)
+    state[:p], state[p:] = positions, speeds
+    if not balance_of_state(tree, numbers, memory, state, robot.rest):
+        return False
+    actuation, made, wanted = np.empty((n, m)), np.empty((k, m)), np.empty(k)
+    _write_actuation(robot, actuation)
+    # The room's fourth vector is what is left for accelerations, and the fifth is free.
+    mass, left, column = tree[AT_MASS], tree[AT_ROOM] + 3 * n, tree[AT_ROOM] + 4 * n
+    if not factor_positive(memory, mass, n):
+        return False
+    solve_positive(memory, mass, n, left)
+    for i in range(k):
+        wanted[i] = accelerations[i] - memory[left + i]
+    for j in range(m):
+        for i in range(n):
+            memory[column + i] = actuation[i, j]
+        solve_positive(memory, mass, n, column)
+        for i in range(k):
+            made[i, j] = memory[column + i]
+    done: bool = shortest(made, wanted, out)
+    return done
+
+
+@write_forces.register(DrivenTables)
+def _write_forces_of_motors(
+    robot: DrivenTables, positions: Array, speeds: Array, accelerations: Array, out: Array
+) -> bool:
+    if accelerations.size < speeds.size:
+        done: bool = forces_of_first(robot, positions, speeds, accelerations, out)
+    else:
+        done = forces_of_all(robot, positions, speeds, accelerations, out)
+    return done
+
+
+@compiled
+def shared_among_motors(robot: DrivenTables, positions: Array, forces: Array, out: Array) -> bool:
+    """Write the shortest motor forces (m,) for forces along the first coordinates (k,)."""
+    tree, numbers, memory = robot[:3]
+    if reach(tree, numbers, memory, positions) != CLOSED:
+        return False
+    complement(tree, numbers, memory, 0.0)
+    actuation = np.empty((forces.size, out.size))
+    _write_actuation(robot, actuation)
+    done: bool = shortest(actuation, forces, out)
+    return done
+
+
+@allocate.register(DrivenTables)
+def _allocate_to_motors(robot: DrivenTables, positions: Array, forces: Array, out: Array) -> bool:
+    done: bool = shared_among_motors(robot, positions, forces, out)
+    return done
+
+
+def tables_of_motors(core: Core, motors: Motors) -> DrivenTables:
+    """Return a robot whose coordinates are not its motors as compiled loops take it."""
+    tables, rest = core.tables(), np.zeros(len(motors.speeds))
+    return DrivenTables(*tables, motors.matrix, rest, motors.base_coordinates)
+
+
 class CoreSteps:
     """A plant: any tree with loops, compiled.
 
@@ -207,17 +320,14 @@ class CoreSteps:
         self.robot, self.state = self._tables(), np.zeros(self._positions + len(motors.speeds))
 
     def _tables(self) -> Tables | DrivenTables:
-        tables, motors = self._core.tables(), self._motors
         if not self._is_driven:
-            return tables
+            return self._core.tables()
+        tables = tables_of_motors(self._core, self._motors)
         numbers = tables.numbers.copy()
         # What can hold a joint at rest is the integrator's business.
-        for velocity in motors.speeds[self._without]:
+        for velocity in self._motors.speeds[self._without]:
             numbers[tables.tree[AT_JOINTS] + JOINT_NUMBERS * velocity + FRICTION] = 0.0
-        rest = np.zeros(len(motors.speeds))
-        return DrivenTables(
-            tables.tree, numbers, tables.memory, motors.matrix, rest, motors.base_coordinates
-        )
+        return tables._replace(numbers=numbers)
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.

@@ -14,7 +14,7 @@ from psp3.simulation.plant import NO_POSE, DrivenPlant
 
 
 class DormandPrince(DrivenPlant):
-    """Actuated coordinates, integrated with SciPy's DOP853.
+    """The robot's coordinates, integrated with SciPy's DOP853.
 
     Events of the dry friction are found on its dense output.
 
@@ -36,20 +36,20 @@ class DormandPrince(DrivenPlant):
     ) -> None:
         super().__init__(robot, drive)
         self._tolerance = checked_positive("tolerance", tolerance)
-        self._state = np.zeros(2 * self._joints)
+        self._state = np.zeros(self._positions + self._joints)
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
-        Positions [m, rad] and speeds of the actuated joints, each (n,).
+        Positions (p,) [m, rad] and speeds (n,) of the coordinates.
         """
         self._states.forget()
         self._state = np.concatenate([positions, speeds])
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds after ``duration`` [s], or None.
+        """Return positions (p,) and speeds (n,) after ``duration`` [s], or None.
 
-        Each is (n,), under constant forces.
+        Under constant forces of the motors (m,).
         """
         try:
             return self._parts(self._state) if self._advance(forces, duration) else None
@@ -57,14 +57,15 @@ class DormandPrince(DrivenPlant):
             return None
 
     def _parts(self, state: Array) -> tuple[Array, Array]:
-        return state[: self._joints], state[self._joints :]
+        """Return positions, a floating base's quaternion of unit length, and speeds."""
+        return self._normalized(state[: self._positions]), state[self._positions :]
 
     def _advance(self, forces: Array, duration: float) -> bool:
         from scipy.integrate import solve_ivp
 
         def rates(_: float, state: Array) -> Array:
             q, v = self._parts(state)
-            return np.concatenate([v, self._accelerations(q, v, forces)])
+            return np.concatenate([self._rates(q, v), self._accelerations(q, v, forces)])
 
         q, v = self._parts(self._state)
         self._choose_slip(q, v, v, forces)
@@ -99,7 +100,7 @@ class DormandPrince(DrivenPlant):
                 return float(
                     self._drives[i, self._kernels.DRY] - abs(self._friction(i, state, forces))
                 )
-            return float(slip * state[self._joints + i])
+            return float(slip * state[self._positions + i])
 
         event.joint, event.terminal, event.direction = i, True, -1.0  # type: ignore[attr-defined]
         return event

@@ -17,12 +17,12 @@ it can take; an actuated joint left its limits.
 
 
 class Wires(NamedTuple):
-    """What lies between controller and robot of n joints.
+    """What lies between controller and robot of m motors, with p positions and n speeds.
 
-    ``resolution`` (n,) of the encoders, 0 for a perfect one, and their ``last`` positions (n,);
-    ``noise`` (N, 2n) what measurement adds to positions and speeds, or (0, 2n); ``limit`` (n,)
-    largest forces, infinite for none; ``low`` and ``high`` (n,) ends of the joints; ``seen`` (2n,)
-    what the controller saw last.
+    ``resolution`` (k,) of the encoders of the first coordinates, 0 for a perfect one, and their
+    ``last`` positions (k,); ``noise`` (N, p + n) what measurement adds to positions and speeds, or
+    (0, p + n); ``limit`` (m,) largest forces, infinite for none; ``low`` and ``high`` (p,) ends of
+    the joints; ``seen`` (p + n,) what the controller saw last.
     """
 
     resolution: Array
@@ -37,8 +37,8 @@ class Wires(NamedTuple):
 class Track(NamedTuple):
     """What happens, a row a sample.
 
-    ``t`` (N,) and ``desired`` (N, 3n) are given; ``states`` (N, 2n), forces ``asked`` for and
-    ``applied`` (N, n) and what the controller ``wrote`` (N, w) are written.
+    ``t`` (N,) and ``desired`` (N, 3k) are given; ``states`` (N, p + n), forces ``asked`` for and
+    ``applied`` (N, m) and what the controller ``wrote`` (N, w) are written.
     """
 
     t: Array
@@ -66,22 +66,21 @@ def run(
 ) -> int:
     """Let a controller steer a robot from sample ``first`` up to ``end``.
 
-    ``state`` (2n,) is where the robot is, changed in place; ``steps`` of integration in a period;
-    forces come late by ``delay`` periods. Return the number of samples whose force is known, and
-    write to ``ending`` (1,) why there are no more.
+    ``state`` (p + n,) is where the robot is, changed in place; ``steps`` of integration in a
+    period; forces come late by ``delay`` periods. Return the number of samples whose force is
+    known, and write to ``ending`` (1,) why there are no more.
     """
     # Taken out of the tables once: in the loop that would cost as much as a step of PD.
     resolutions, last, noise, limit, low, high, seen = wires
     times, wanted, states, asked, applied, wrote = track
-    n, count, is_noisy = resolutions.size, times.size, noise.shape[0] > 0
-    positions, speeds, rates = seen[:n], seen[n:], state[n:]
+    p, count, is_noisy = low.size, times.size, noise.shape[0] > 0
+    positions, speeds = seen[:p], seen[p:]
     for k in range(first, end):
-        for i in range(n):
-            states[k, i], states[k, n + i] = state[i], rates[i]
-            positions[i], speeds[i] = state[i], rates[i]
+        for i in range(state.size):
+            states[k, i] = seen[i] = state[i]
             if is_noisy:
-                positions[i] += noise[k, i]
-                speeds[i] += noise[k, n + i]
+                seen[i] += noise[k, i]
+        for i in range(resolutions.size):
             resolution = resolutions[i]
             if resolution > 0.0:
                 positions[i] = resolution * math.floor(positions[i] / resolution + 0.5)
@@ -90,14 +89,14 @@ def run(
         if not steer(controller, k, times[k], positions, speeds, wanted[k], wrote[k]):
             ending[0] = NO_FORCE
             return k
-        for i in range(n):
+        for i in range(limit.size):
             asked[k, i] = min(max(wrote[k, i], -limit[i]), limit[i])
             applied[k, i] = asked[max(k - delay, 0), i]
         if k + 1 < count:
             if not advance(robot, state, applied[k], period / steps, steps, drives):
                 ending[0] = LEFT_POSES
                 return k + 1
-            for i in range(n):
+            for i in range(p):
                 if not low[i] <= state[i] <= high[i]:
                     ending[0] = BEYOND_LIMITS
                     return k + 1

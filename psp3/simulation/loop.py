@@ -68,8 +68,8 @@ def unbounded(
 class Ended(NamedTuple):
     """How a loop ended.
 
-    The number of ``samples`` whose force is known, ``why`` there are no more, the ``state`` (2n,)
-    reached, and what the controller ``returned`` last where that was no force.
+    The number of ``samples`` whose force is known, ``why`` there are no more, the ``state``
+    (p + n,) reached, and what the controller ``returned`` last where that was no force.
     """
 
     samples: int
@@ -113,7 +113,7 @@ def compiled_loop(
         What has ``robot``, a table, ``drives`` and ``steps``: what ``robot.compiled_steps`` makes.
     wiring, track
         What lies between them, and what is filled in.
-    state : (2n,) ndarray
+    state : (p + n,) ndarray
         Where the robot is at the first sample.
     first : int
         That sample; those before are filled in already.
@@ -122,14 +122,14 @@ def compiled_loop(
     every : int
         After so many it is called, too.
     """
-    n, count = len(wiring.limit), len(track.t)
-    noise = np.empty((0, 2 * n)) if wiring.noise is None else wiring.noise
+    count, joints = len(track.t), len(wiring.low)
     state, ending = np.array(state), np.array([WHOLE])
+    noise = np.empty((0, len(state))) if wiring.noise is None else wiring.noise
     wires = Wires(
-        *(wiring.resolution, np.zeros(n), noise),
-        *(wiring.limit, wiring.low, wiring.high, np.zeros(2 * n)),
+        *(wiring.resolution, np.zeros(len(wiring.resolution)), noise),
+        *(wiring.limit, wiring.low, wiring.high, np.zeros(len(state))),
     )
-    done, chunk = first, max(1, CHUNK // (n * plant.steps))
+    done, chunk = first, max(1, CHUNK // (joints * plant.steps))
     while done < count:
         end = min(done + chunk, count)
         if every is not None:

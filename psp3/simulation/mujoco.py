@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats, checked_count
@@ -37,17 +38,17 @@ class MuJoCo:
     Parameters
     ----------
     robot : ClosedLoopRobot
-        Any robot with or without loops.
+        Any robot with or without loops, floating ones too.
     steps : int
         Steps of MuJoCo in a control period.
     drive : Drive or sequence of Drive
         Friction and motors of the actuated joints, one for all or one for each.
-    limits : pair of (n,) array_like, optional
+    limits : pair of (m,) array_like, optional
         Where the actuated joints are stopped, lowest and highest positions [m or rad]; by default
         the limits of the model. The simulation ends when a nut of the 3-PSP is beyond its screw, so
         stops that it is to run into lie within the stroke. All other joints keep the limits of the
         model.
-    torque_limit : float or (n,) array_like, optional
+    torque_limit : float or (m,) array_like, optional
         Largest absolute forces of the motors [N or N m]; by default the effort limits of the model.
         The ``torque`` of a result is what the controller asked for.
 
@@ -72,34 +73,41 @@ class MuJoCo:
     ) -> None:
         self._engine = mujoco = _mujoco()
         self._robot, self._steps = robot, checked_count("steps", steps)
-        if not robot.drives_coordinates:
-            raise InvalidValue(
-                "robot of MuJoCo",
-                robot.title,
-                "one whose coordinates are those of its motors; RungeKutta takes any",
-            )
-        n = len(robot.actuated)
-        table = drive_table(drive, n)
+        m = len(robot.actuated)
+        table = drive_table(drive, m)
         self.model = model = mujoco.MjModel.from_xml_string(to_mjcf(robot))
         self.data = mujoco.MjData(model)
-        joints = [
-            mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in robot.actuated
-        ]
-        self._positions, self._speeds = model.jnt_qposadr[joints], model.jnt_dofadr[joints]
+        self._base, names = _floating_base(robot)
+        coordinates = [self._joint(name) for name in names]
+        self._positions, self._speeds = (
+            model.jnt_qposadr[coordinates],
+            model.jnt_dofadr[coordinates],
+        )
+        tendons = robot.options["tendons"] or {}
+        joints = [self._joint(name) for name in robot.actuated if name not in tendons]
+        driven = model.jnt_dofadr[joints]
+        if tendons and (limits is not None or table.any()):
+            raise InvalidValue(
+                "limits or drive of MuJoCo",
+                f"some of {robot.title}",
+                f"none, because {', '.join(tendons)} moves several joints: give these joints "
+                "ranges, armature, damping and frictionloss in the robot's file",
+            )
         if limits is not None:
-            model.jnt_range[joints], model.jnt_limited[joints] = _stops(limits, n), 1
+            model.jnt_range[joints], model.jnt_limited[joints] = _stops(limits, m), 1
             model.jnt_solref[joints], model.jnt_solimp[joints] = HARD
         if torque_limit is not None:
-            largest = _largest(torque_limit, n)
+            largest = _largest(torque_limit, m)
             model.actuator_ctrlrange[:], model.actuator_ctrllimited[:] = (
                 np.stack([-largest, largest], axis=1),
                 1,
             )
             model.jnt_actfrclimited[joints] = 0
-        model.dof_armature[self._speeds] += table[:, 0]
-        model.dof_damping[self._speeds] += table[:, 1]
-        model.dof_frictionloss[self._speeds] += table[:, 2]
-        model.dof_solref[self._speeds], model.dof_solimp[self._speeds] = HARD
+        if not tendons:
+            model.dof_armature[driven] += table[:, 0]
+            model.dof_damping[driven] += table[:, 1]
+            model.dof_frictionloss[driven] += table[:, 2]
+        model.dof_solref[driven], model.dof_solimp[driven] = HARD
         # A state that MuJoCo finds bad ends the simulation; its own answer would be to begin anew.
         model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_AUTORESET
         # What follows from inertia, and is kept in the model, knows of the motors only now.
@@ -114,17 +122,16 @@ class MuJoCo:
         return float(np.abs(self.data.efc_pos[: self.data.ne]).max(initial=0.0))
 
     def start(self, positions: Array, speeds: Array) -> None:
-        """Put the robot into a state; positions and speeds of the actuated joints, each (n,)."""
+        """Put the robot into a state; positions (p,) and speeds (n,) of the coordinates."""
         q, v = self._robot.configuration(positions), self._robot.velocity(positions, speeds)
         self._engine.mj_resetData(self.model, self.data)
         self.data.qpos[:], self.data.qvel[:] = mujoco_state(self._robot, q, v)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds of the actuated joints after ``duration`` [s].
+        """Return positions (p,) and speeds (n,) of the coordinates after ``duration`` [s].
 
-        Under constant forces; None if it went wrong.
-
-        None if MuJoCo warns of a bad state, or a loop is torn.
+        Under constant forces of the motors (m,). None if MuJoCo warns of a bad state, or a loop is
+        torn.
         """
         warnings: list[str] = []
         self.model.opt.timestep = duration / self._steps
@@ -139,7 +146,52 @@ class MuJoCo:
             self._engine.set_mju_user_warning(handler)
         if warnings or not np.isfinite(self.data.qvel).all() or self.gap > LARGEST_GAP:
             return None
-        return self.data.qpos[self._positions], self.data.qvel[self._speeds]
+        positions, speeds = self.data.qpos[self._positions], self.data.qvel[self._speeds]
+        if self._base is None:
+            return positions, speeds
+        where, how = self._state_of_base(self._base)
+        return np.concatenate([positions, where]), np.concatenate([speeds, how])
+
+    def _joint(self, name: str) -> int:
+        """Return the number of a joint of one degree of freedom, or a base, in MuJoCo."""
+        number = int(self._engine.mj_name2id(self.model, self._engine.mjtObj.mjOBJ_JOINT, name))
+        if number < 0:
+            raise InvalidValue(
+                "robot of MuJoCo",
+                f"{self._robot.title}, with the coordinate {name}",
+                "one whose coordinates and motors are at joints that MuJoCo has as one; RungeKutta "
+                "takes any",
+            )
+        return number
+
+    def _state_of_base(self, base: str) -> tuple[Array, Array]:
+        """Return place and quaternion (7,) of the floating base, and its twist in its axes (6,).
+
+        MuJoCo counts its place from the world, and its velocity in the axes of the world.
+        """
+        number = self._joint(base)
+        at, first = self.model.jnt_qposadr[number], self.model.jnt_dofadr[number]
+        position, (w, x, y, z) = self.data.qpos[at : at + 3], self.data.qpos[at + 3 : at + 7]
+        where = pin.XYZQUATToSE3(np.array([*position, x, y, z, w]))
+        speeds = self.data.qvel[first : first + 6]
+        home = self._robot.model.jointPlacements[self._robot.model.getJointId(base)]
+        twist = np.concatenate([where.rotation.T @ speeds[:3], speeds[3:]])
+        return np.asarray(pin.SE3ToXYZQUAT(home.actInv(where))), twist
+
+
+def _floating_base(robot: ClosedLoopRobot) -> tuple[str | None, tuple[str, ...]]:
+    """Return the floating base of a robot, if it has one, and its other coordinates."""
+    if len(robot.reference) == len(robot.coordinates_v):
+        return None, robot.coordinates
+    base = robot.coordinates[-1]
+    joint = robot.model.getJointId(base)
+    if robot.model.joints[joint].nq != 7 or robot.model.parents[joint] != 0:
+        raise InvalidValue(
+            "robot of MuJoCo",
+            f"{robot.title}, with the base {base}",
+            "one whose base is fixed or floats freely in the world; RungeKutta takes any",
+        )
+    return base, robot.coordinates[:-1]
 
 
 def _mujoco() -> Any:

@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 
 from psp3.checks import Array
-from psp3.drives.drive import Drive, drive_table
+from psp3.drives.drive import Drive
 from psp3.dynamics.dynamics_model import StateAfterState
 from psp3.errors import (
     ClosureFailed,
@@ -19,6 +19,7 @@ from psp3.errors import (
     UnreachablePose,
 )
 from psp3.robots.robot import Robot
+from psp3.simulation.rates import RatesOfConfiguration
 
 NO_POSE = (
     InvalidArray,
@@ -47,27 +48,22 @@ class Plant(Protocol):
 
 
 class DrivenPlant:
-    """A robot with drives in Python, in actuated coordinates.
+    """A robot with drives in Python, in its coordinates.
 
-    What is common to the ways to integrate it.
+    What is common to the ways to integrate it. Forces are those of the motors.
 
     Raises
     ------
     InvalidValue
-        If the robot's coordinates are not those of its motors.
+        If a joint has a drive that is no coordinate.
     """
 
     def __init__(self, robot: Robot, drive: Drive | Sequence[Drive]) -> None:
         from psp3.drives import kernels as drive_kernels
 
-        if not robot.drives_coordinates:
-            raise InvalidValue(
-                f"robot of {type(self).__name__}",
-                robot.title,
-                "one whose coordinates are those of its motors; RungeKutta takes any",
-            )
-        self._robot, self._kernels, self._joints = robot, drive_kernels, len(robot.actuated)
-        self._drives = drive_table(drive, self._joints)
+        self._robot, self._kernels = robot, drive_kernels
+        self._joints, self._positions = len(robot.coordinates_v), len(robot.reference)
+        self._drives = robot.drives_of_coordinates(drive)
         # The joints' own friction, too, can hold them.
         self._own_friction = np.array(robot.model.upperDryFrictionLimit[robot.coordinates_v])
         self._drives[:, drive_kernels.DRY] += self._own_friction
@@ -77,13 +73,41 @@ class DrivenPlant:
         )
         self._slip = np.ones(self._joints)
         self._states = StateAfterState(robot)
+        self._tree_rates = RatesOfConfiguration(robot.model)
+
+    def _along(self, q: Array, forces: Array) -> Array:
+        """Return what the motors' forces (m,) do along the coordinates, (n,)."""
+        if self._robot.drives_coordinates:
+            return forces
+        along: Array = self._robot.actuation_matrix(q) @ forces
+        return along
+
+    def _rates(self, q: Array, v: Array) -> Array:
+        """Return the rates of the positions (p,), which are speeds but of a floating base."""
+        if len(q) == len(v):
+            return v
+        whole, speeds = self._whole(q), np.zeros(self._robot.model.nv)
+        speeds[self._robot.coordinates_v] = v
+        return self._tree_rates(whole, speeds)[self._robot.coordinates_q]
+
+    def _normalized(self, q: Array) -> Array:
+        """Return positions whose quaternion is of unit length."""
+        if self._positions == self._joints:
+            return q
+        return self._tree_rates.normalized(self._whole(q))[self._robot.coordinates_q]
+
+    def _whole(self, q: Array) -> Array:
+        """Return a configuration with these coordinates, the others wherever they are."""
+        whole = self._robot.q0.copy()
+        whole[self._robot.coordinates_q] = q
+        return whole
 
     def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
         """Return M + J, and what is left of the forces for acceleration and dry friction."""
         inertia, viscous, _ = self._drives.T
         return (
             self._states.ask(self._robot.mass_matrix, q) + np.diag(inertia),
-            forces
+            self._along(q, forces)
             - self._states.ask(self._robot.inverse_dynamics, q, v, np.zeros_like(v))
             + self._own_friction * np.sign(v)
             - viscous * v,
@@ -93,7 +117,9 @@ class DrivenPlant:
         """Return the derivative of v while the slip of the joints is constant."""
         if self._is_driven:
             return self._joint_accelerations(*self._balance(q, v, forces))
-        accelerations: Array = self._states.ask(self._robot.forward_dynamics, q, v, forces)
+        accelerations: Array = self._states.ask(
+            self._robot.forward_dynamics, q, v, self._along(q, forces)
+        )
         return accelerations
 
     def _joint_accelerations(self, mass: Array, net: Array) -> Array:

@@ -4,14 +4,14 @@ They take forces for a while and return the state that results.
 
 Three plants integrate the same robot by independent routes, so that each checks the others:
 
-* :class:`RungeKutta`: actuated coordinates, classical Runge–Kutta steps, compiled; the one to use;
-* :class:`DormandPrince`: actuated coordinates, SciPy's DOP853 with tight tolerances; the reference
+* :class:`RungeKutta`: classical Runge–Kutta steps of the coordinates, compiled; the one to use;
+* :class:`DormandPrince`: the coordinates under SciPy's DOP853 with tight tolerances; the reference
   for integration errors;
 * :class:`ConstraintDynamics`: the whole tree under Pinocchio's ``constraintDynamics``, loops held
   by Baumgarte stabilization.
 
-The state of the first two is that of the actuated coordinates, so their loops cannot drift apart.
-All of them take any robot, and drives with friction and motor inertia, see :mod:`psp3.drives`.
+The state of the first two is that of the coordinates, so their loops cannot drift apart. They take
+any robot, floating ones too, and drives with friction and motor inertia, see :mod:`psp3.drives`.
 Integration goes from event to event of the dry friction: a joint comes to rest, or one at rest lets
 go. What happens and is undone within one step is not seen.
 """
@@ -29,7 +29,7 @@ from psp3.simulation.plant import NO_POSE, DrivenPlant
 
 
 class RungeKutta:
-    """Actuated coordinates, integrated with classical Runge–Kutta steps.
+    """The robot's coordinates, integrated with classical Runge–Kutta steps.
 
     Compiled; in closed form where the robot is a 3-PSP.
 
@@ -53,14 +53,14 @@ class RungeKutta:
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
-        Positions [m, rad] and speeds of the actuated joints, each (n,).
+        Positions (p,) [m, rad] and speeds (n,) of the coordinates.
         """
         self.compiled.start(positions, speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds after ``duration`` [s], or None.
+        """Return positions (p,) and speeds (n,) after ``duration`` [s], or None.
 
-        Each is (n,), under constant forces.
+        Under constant forces of the motors (m,).
         """
         state: tuple[Array, Array] | None = self.compiled.advance(forces, duration)
         return state
@@ -70,27 +70,27 @@ class FixedSteps(DrivenPlant):
     """Classical Runge–Kutta steps, cut where a joint comes to rest or lets go.
 
     As :func:`psp3.dynamics.driven_steps.advance_driven`, in Python. The state are q and v, of which
-    the actuated joints are those at ``_places`` and ``_rows``.
+    the coordinates are those at ``_places`` and ``_rows``.
     """
 
     def __init__(self, robot: Robot, steps: int, drive: Drive | Sequence[Drive]) -> None:
         super().__init__(robot, drive)
         self._steps = checked_count("steps", steps)
-        self._places = self._rows = np.arange(self._joints)
-        self.q, self.v = np.zeros(self._joints), np.zeros(self._joints)
+        self._places, self._rows = np.arange(self._positions), np.arange(self._joints)
+        self.q, self.v = np.zeros(self._positions), np.zeros(self._joints)
 
     def start(self, positions: Array, speeds: Array) -> None:
         """Put the robot into a state.
 
-        Positions [m, rad] and speeds of the actuated joints, each (n,).
+        Positions (p,) [m, rad] and speeds (n,) of the coordinates.
         """
         self._states.forget()
         self.q, self.v = np.array(positions), np.array(speeds)
 
     def advance(self, forces: Array, duration: float) -> tuple[Array, Array] | None:
-        """Return positions and speeds of the actuated joints after ``duration`` [s].
+        """Return positions (p,) and speeds (n,) of the coordinates after ``duration`` [s], or None.
 
-        Each (n,), under constant forces; or None.
+        Under constant forces of the motors (m,).
         """
         try:
             for _ in range(self._steps):
@@ -104,22 +104,20 @@ class FixedSteps(DrivenPlant):
         configuration = self._states.ask(self._robot.configuration, self.q)
         return bool(np.isfinite(configuration).all() and np.isfinite(self.v).all())
 
-    def _moved(self, q: Array, way: Array) -> Array:
-        """Return q after a way along the velocity."""
-        return q + way
-
     def _step(self, forces: Array, step: float) -> tuple[Array, Array]:
         """Return the state after one step with constant slip."""
-        q, v = self.q, self.v
-        a1 = self._accelerations(q, v, forces)
-        v2 = v + 0.5 * step * a1
-        a2 = self._accelerations(self._moved(q, 0.5 * step * v), v2, forces)
-        v3 = v + 0.5 * step * a2
-        a3 = self._accelerations(self._moved(q, 0.5 * step * v2), v3, forces)
-        v4 = v + step * a3
-        a4 = self._accelerations(self._moved(q, step * v3), v4, forces)
-        return self._moved(q, step / 6.0 * (v + 2.0 * (v2 + v3) + v4)), v + step / 6.0 * (
-            a1 + 2.0 * (a2 + a3) + a4
+        q, v, half, unit = self.q, self.v, 0.5 * step, self._normalized
+        r1, a1 = self._rates(q, v), self._accelerations(q, v, forces)
+        q2, v2 = unit(q + half * r1), v + half * a1
+        r2, a2 = self._rates(q2, v2), self._accelerations(q2, v2, forces)
+        q3, v3 = unit(q + half * r2), v + half * a2
+        r3, a3 = self._rates(q3, v3), self._accelerations(q3, v3, forces)
+        q4, v4 = unit(q + step * r3), v + step * a3
+        r4, a4 = self._rates(q4, v4), self._accelerations(q4, v4, forces)
+        sixth = step / 6.0
+        return (
+            unit(q + sixth * (r1 + 2.0 * (r2 + r3) + r4)),
+            v + sixth * (a1 + 2.0 * (a2 + a3) + a4),
         )
 
     def _margin(self, q: Array, v: Array, forces: Array) -> float:

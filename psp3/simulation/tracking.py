@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from psp3.checks import Array, as_floats, checked_count, checked_positive, one_row
 from psp3.collisions.motion import check_clearance
-from psp3.control.controller import Controller
+from psp3.control.controller import Controller, widths_of
 from psp3.errors import InvalidTorque, InvalidValue, SimulationDiverged
 from psp3.robots.robot import Robot
 from psp3.simulation.kernels import LEFT_POSES, NO_FORCE, WHOLE
@@ -177,21 +177,20 @@ class _Experiment:
         self._track = new_track(t, desired, said, widths)
 
     def run(self, state: Array) -> Result:
-        """Return what happens from a state (2n,) on, or raise why it ends before its time."""
+        """Return what happens from a state (p + n,) on, or raise why it ends before its time."""
         self._controller.reset()
-        is_ours = type(self._plant) is RungeKutta and self._robot.drives_coordinates
-        compiled = self._plant.compiled if is_ours else None  # type: ignore[attr-defined]
+        compiled = self._plant.compiled if type(self._plant) is RungeKutta else None
         table = None
         if compiled is not None and hasattr(self._controller, "table"):
-            table = self._controller.table(self._robot.compiled_table(), self._motors)
+            table = self._controller.table(self._robot.compiled_table(), widths_of(self._robot))
         ended = self._in_python(state) if table is None else self._compiled(table, compiled, state)
         if ended.why == WHOLE:
             return self._result(ended.samples)
         raise self._error(ended)
 
     def _compiled(self, table: Any, plant: Any, state: Array) -> Ended:
-        n, controller, track = self._motors, self._controller, self._track
-        self._plant.start(state[:n], state[n:])
+        p, controller, track = self._positions, self._controller, self._track
+        self._plant.start(state[:p], state[p:])
         every = None if self._progress is None else self._every
         ended = compiled_loop(
             table, plant, self._wiring, track, state, progress=self._tell, every=every
@@ -201,7 +200,7 @@ class _Experiment:
             # It says itself why.
             k, seen = ended.samples, np.asarray(ended.returned)
             now = Motion(*(array[k] for array in self._desired))
-            returned = controller.torque(float(track.t[k]), seen[:n].copy(), seen[n:].copy(), now)
+            returned = controller.torque(float(track.t[k]), seen[:p].copy(), seen[p:].copy(), now)
             ended = ended._replace(state=track.states[k].copy(), returned=returned)
         elif ended.why == LEFT_POSES:
             ended = ended._replace(state=track.states[ended.samples - 1].copy())

@@ -37,6 +37,7 @@ import numpy as np
 
 from fuzzy2.learning.noise import mean_variation_from_snr
 from psp3.checks import Array, checked_count, checked_not_negative, checked_positive
+from psp3.control.controller import Widths
 from psp3.control.kernels import COMPUTED_TORQUE, FEED_FORWARD, Classical, classical
 from psp3.control.linear_quadratic_regulator import LinearQuadraticRegulator
 from psp3.drives.drive import NO_DRIVE, Drive
@@ -424,10 +425,10 @@ def _classical(controller: str) -> Classical:
     model = closed_form_table(_robot().parameters.as_array())
     if controller in REGULATOR_FORCES:
         K = _regulator(controller)
-        return classical(FEED_FORWARD, K[:, :3], K[:, 3:], model, 3)
+        return classical(FEED_FORWARD, K[:, :3], K[:, 3:], model, Widths.of_motors(3))
     kp, kv = TABLE_6_1["CTC"]
     ki = INTEGRAL_GAIN if controller == "ctc-integral" else 0.0
-    return classical(COMPUTED_TORQUE, kp, kv, model, 3, ki)
+    return classical(COMPUTED_TORQUE, kp, kv, model, Widths.of_motors(3), ki)
 
 
 def _measured(samples: Array, case: Case, duration: float) -> Outcome:

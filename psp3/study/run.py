@@ -41,6 +41,7 @@ from fuzzy2.learning.partition import KINDS
 from fuzzy2.learning.wang_mendel import LEARNERS
 from psp3.checks import Array, checked_count, checked_not_negative, checked_positive
 from psp3.control import kernels
+from psp3.control.controller import Widths
 from psp3.control.kernels import classical
 from psp3.drives.drive import Drive
 from psp3.errors import InvalidValue, UnknownName
@@ -596,7 +597,7 @@ def _controller(run: Run, robot: PSP3, added: Array) -> tuple[NamedTuple, int]:
         if run.controller == "feed-forward":
             kp = kv = 0.0
         table, kind = closed_form_table(model), CLASSICAL[run.controller]
-        return classical(kind, kp, kv, table, 3, added=added), 0
+        return classical(kind, kp, kv, table, Widths.of_motors(3), added=added), 0
     if run.reading == "inputs" and run.snr_db < math.inf:
         controller = _learned_from_noisy_inputs(run.canonical())
     else:

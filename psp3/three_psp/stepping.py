@@ -14,7 +14,7 @@ from psp3.drives.drive import Drive, drive_table
 from psp3.drives.kernels import INERTIA, VISCOUS
 from psp3.dynamics import driven_steps
 from psp3.dynamics.compiled_robot import advance as advance_any
-from psp3.dynamics.compiled_robot import balance, is_state, write_forces, write_rates
+from psp3.dynamics.compiled_robot import allocate, balance, is_state, write_forces, write_rates
 from psp3.three_psp.closed_form import (
     RADIUS,
     accelerations_of_state,
@@ -145,6 +145,13 @@ def _write_forces(
 ) -> bool:
     row: int = inverse_dynamics(positions, speeds, accelerations, robot.parameters, out)
     return row < 0
+
+
+@allocate.register(ClosedForm)
+def _allocate(robot: ClosedForm, positions: Array, forces: Array, out: Array) -> bool:
+    for i in range(3):
+        out[i] = forces[i]
+    return True
 
 
 class ClosedFormSteps:

@@ -14,9 +14,8 @@ import numpy as np
 import pytest
 
 from fuzzy2 import ParallelSystem, Type1System
-from fuzzy2.errors import NotExpressible
 from fuzzy2.files.fll import format_fll, parse_fll, read_fll
-from tests.fuzzy2.files.engines import CHAIN, HYBRID, TERMS, TSUKAMOTO, inputs_of
+from tests.fuzzy2.files.engines import CHAIN, FORMULAS, HYBRID, TERMS, TSUKAMOTO, inputs_of
 
 if "fuzzylite" in os.environ.get("REQUIRED_CLIENTS", "").split():
     import fuzzylite
@@ -26,8 +25,6 @@ else:
     )
 
 EXAMPLES = sorted((Path(fuzzylite.__file__).parent / "examples").rglob("*.fll"))
-FORMULAS = ("approximation.fll", "function.fll")
-"""Examples with terms that are formulas, which are refused by name."""
 
 
 def answers(text: str, X: np.ndarray) -> np.ndarray:
@@ -44,7 +41,7 @@ def compare(system: Type1System | ParallelSystem, text: str, X: np.ndarray) -> N
     np.testing.assert_allclose(system(X), want, rtol=1e-8, atol=1e-8, equal_nan=True)
 
 
-@pytest.mark.parametrize("text", [HYBRID, CHAIN, TSUKAMOTO, TERMS], ids="hcst")
+@pytest.mark.parametrize("text", [HYBRID, CHAIN, TSUKAMOTO, TERMS, FORMULAS], ids="hcstf")
 def test_our_engines(text: str) -> None:
     system = parse_fll(text)
     compare(system, text, inputs_of(system))
@@ -53,10 +50,6 @@ def test_our_engines(text: str) -> None:
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_its_examples(path: Path) -> None:
-    if path.name in FORMULAS:
-        with pytest.raises(NotExpressible, match="'Function'"):
-            read_fll(path)
-        return
     system = read_fll(path)
     X = inputs_of(system, 50)
     compare(system, path.read_text(encoding="utf-8"), X)

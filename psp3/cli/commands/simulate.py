@@ -37,10 +37,11 @@ from psp3.cli.output import (
     show_text,
     write_csv,
 )
-from psp3.cli.robot_options import ParametersOption, RobotOptions
+from psp3.cli.robot_options import RobotOptions
 from psp3.cli.shared import (
     controller_from_file,
     controller_named,
+    gains_of_computed_torque,
     trajectory_from_options,
 )
 
@@ -59,8 +60,8 @@ def simulate(
         typer.Option(
             metavar="NAME",
             help=(
-                "Controller: pd, pd-gravity, pid, feed-forward or ctc; of the 3-PSP t1, it2 or "
-                "gt2, trained on the helix without noise."
+                "Controller: pd, pd-gravity, pid, feed-forward or ctc; or t1, it2 or gt2, trained "
+                "without noise on the helix, of another robot on its sway."
             ),
             show_default="ctc",
         ),
@@ -356,12 +357,22 @@ class RuleOptions:
         ),
     ] = "it2"
     learner: Annotated[
-        str,
+        str | None,
         typer.Option(
-            metavar="NAME", help="How rules are learned: strongest, strict, average or ridge."
+            metavar="NAME",
+            help=(
+                "How rules are learned: strongest, of the 3-PSP unless given, strict, average, "
+                "ridge or least-squares, of other robots."
+            ),
         ),
-    ] = "strongest"
-    terms: Annotated[int, typer.Option(metavar="COUNT", help="Terms of every input.")] = 2
+    ] = None
+    terms: Annotated[
+        int | None,
+        typer.Option(
+            metavar="COUNT",
+            help="Terms of every input, on a grid: of the 3-PSP 2 unless given, else none.",
+        ),
+    ] = None
     snr: Annotated[
         float,
         typer.Option(
@@ -395,54 +406,68 @@ def train(
             parser=output_file, metavar="FILE", help="JSON file to write.", show_default=False
         ),
     ],
+    robot: RobotOptions,
     rules: RuleOptions,
-    kp: Annotated[float, typer.Option(metavar="GAIN", help="Proportional gain (1/s²).")] = 10.0,
-    kv: Annotated[float, typer.Option(metavar="GAIN", help="Derivative gain (1/s).")] = 1.0,
-    parameters: ParametersOption = None,
+    kp: Annotated[
+        float | None,
+        typer.Option(
+            metavar="GAIN",
+            help="Proportional gain (1/s²); 10, of another robot of a bandwidth of 20 rad/s.",
+        ),
+    ] = None,
+    kv: Annotated[
+        float | None,
+        typer.Option(
+            metavar="GAIN", help="Derivative gain (1/s); 1, of another robot critical damping."
+        ),
+    ] = None,
     trajectory: TrajectoryText = None,
     motion: MotionOptions,
 ) -> None:
     """Train a fuzzy computed-torque controller and write it to a file.
 
-    The crisp controller tracks a motion, the helix unless given; M, C and G are recorded and
-    learned from.
+    The crisp controller tracks a motion, the helix unless given, of another robot its sway; M, C
+    and G are recorded and learned from.
     """
     import numpy as np
 
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-    from psp3.fuzzy_control.records import INPUT_NAMES, record, unpack
+    from psp3.fuzzy_control.records import record, unpack
 
-    robot = RobotOptions(parameters=parameters).load_of_thesis()
-    desired, seconds, name_of_motion = trajectory_from_options(robot, trajectory, motion)
+    which = robot.load()
+    desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
+    gains = gains_of_computed_torque(which, kp, kv)
     controller = FuzzyComputedTorque(
         rules.kind,
-        robot,
-        kp=kp,
-        kv=kv,
+        which,
+        **gains,
         n_terms=rules.terms,
         learner=rules.learner,
         snr_db=rules.snr,
         mean_variation=rules.mean_variation,
         defuzzify=rules.defuzzify,
     )
-    recorded = record(robot, desired, seconds, kp=kp, kv=kv)
+    recorded = record(which, desired, seconds, **gains)
     rng = np.random.default_rng(rules.seed)
-    controller.learn(recorded, min(209, len(recorded.t)), rng).save(file)
-    note = f"{len(controller.system_.rules)} rules, mean variation {controller.mean_variation:.3g}"
+    samples = min(controller.samples, len(recorded.t))
+    controller.learn(recorded, samples, rng).save(file)
+    numbers = " + ".join(str(len(system.rules)) for system in controller.systems_)
+    title = f"{rules.kind}, learned on {name_of_motion}"
     table = new_table(
-        f"{rules.kind}, learned on {name_of_motion}",
+        title if which.has_inverse_of_tip else f"{which.title}, {title}",
         "trained range",
         "least",
         "greatest",
         "unit",
-        note=note,
+        note=f"{numbers} rules, mean variation {controller.mean_variation:.3g}",
     )
-    for name, low, high, unit in zip(
-        INPUT_NAMES, *controller.ranges_, ("m", "m", "m/s", "m/s"), strict=True
-    ):
+    names, joints = controller.inputs.names, joint_units(which, which.actuated)
+    units = (*joints, *(f"{unit}/s" for unit in joints))
+    of_inputs = [units[place] for place in controller.inputs.plus]
+    for name, low, high, unit in zip(names, *controller.ranges_, of_inputs, strict=True):
         table.add_row(name, f"{low:.4f}", f"{high:.4f}", unit)
     errors = new_table("Estimates on the way", "", "RMS error, relative")
-    estimates = controller.estimate(recorded.heights, recorded.speeds)
+    estimates = controller.estimate(recorded.positions, recorded.speeds)
     for name, exact, estimate in zip("MCG", unpack(recorded.outputs), estimates, strict=True):
         errors.add_row(name, f"{np.sqrt(((estimate - exact) ** 2).mean() / (exact**2).mean()):.2%}")
     show(table, errors)

@@ -110,6 +110,45 @@ RuleBlock:
   rule: if x is high then ramps is a and sigmoids is a and concaves is a
 """
 
+FORMULAS = """\
+Engine: formulas
+InputVariable: a
+  range: -2 2
+  term: low Function 1/(1 + exp(3*x))
+  term: high Ramp -1 1
+InputVariable: b
+  range: 0 4
+  term: some Gaussian 2 1
+OutputVariable: wave
+  aggregation: none
+  defuzzifier: WeightedAverage
+  default: nan
+  lock-previous: true
+  term: up Function sin(2*a)*b^2
+  term: down Linear 1 -2 0.5
+  term: flat Constant -3
+OutputVariable: error
+  aggregation: none
+  defuzzifier: WeightedSum Automatic
+  term: off Function abs(wave - a) % 2
+OutputVariable: push
+  range: 0 2
+  aggregation: Maximum
+  defuzzifier: Centroid 100
+  term: weak Function (1 - x)*lt(x, 0.75)
+  term: strong Function 2*x - 2.5
+RuleBlock:
+  conjunction: AlgebraicProduct
+  disjunction: none
+  implication: Minimum
+  activation: General
+  rule: if a is low and b is some then wave is up and push is weak
+  rule: if a is high then wave is down and push is strong with 0.5
+  rule: if b is not some then wave is flat
+  rule: if a is any then error is off
+"""
+"""Formulas of the inputs, of an output, and of x; the last one is below 0 in its range."""
+
 _KINDS = """\
 Arc 0 2
 Bell 3 1 2

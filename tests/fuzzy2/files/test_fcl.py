@@ -118,6 +118,27 @@ def test_blocks_by_name() -> None:
         parse_fcl(BRAKE, block="other", dialect="iso")
 
 
+def test_formulas_of_inputs_and_of_outputs_before_theirs() -> None:
+    text = BRAKE.replace("FUNCTION speed", "FUNCTION LN(Speed + 1) * gap - HORN^2", 1)
+    system, plain = parse_fcl(text, block="brake"), parse_fcl(BRAKE, block="brake")
+    log = parse_fcl(
+        BRAKE.replace("FUNCTION speed", "FUNCTION log(speed)*gap", 1), "s", "brake", "jfuzzylogic"
+    )
+    for speed, gap in np.random.default_rng(2).uniform((21.0, 1.0), (39.0, 49.0), (20, 2)):
+        low, high = 1.0 - speed / 40.0, (speed - 20.0) / 40.0
+        far = 1.0 / (1.0 + abs((gap - 100.0) / 20.0) ** 6)
+        first, horn = low + far - low * far, plain([speed, gap])[1]
+        slow = speed * 0.5 - 2.0 * gap + 1.0
+        said = math.log(speed + 1.0) * gap - horn**2
+        expected = (first * said + high * slow) / (first + high)
+        np.testing.assert_allclose(system([speed, gap])[2], expected, rtol=1e-12)
+        expected = (first * math.log10(speed) * gap + high * slow) / (first + high)
+        np.testing.assert_allclose(log([speed, gap])[2], expected, rtol=1e-12)
+    again = parse_fcl(format_fcl(system))
+    X = np.random.default_rng(2).uniform((0.0, 1.0), (60.0, 99.0), (20, 2))
+    np.testing.assert_allclose(again(X), system(X), rtol=1e-12)
+
+
 def test_no_rule_fires() -> None:
     system = parse_fcl(BRAKE.replace("(0, 1) (40, 0)", "(0, 0) (1, 1) (2, 0)"), block="brake")
     force, horn, _ = system([10.0, -1e60])
@@ -131,8 +152,8 @@ def test_no_rule_fires() -> None:
         ("METHOD : COG;", "METHOD : CG;", 18, "METHOD : CG"),
         ("AND : PROD;", "AND : PROOD;", 31, "AND : PROOD"),
         ("(40, 0)", "(forty, 0)", 7, "'forty'"),
-        ("FUNCTION speed", "FUNCTION speed * gap", 27, "speed * gap"),
-        ("FUNCTION speed", "FUNCTION SIN(speed)", 27, "SIN(speed)"),
+        ("FUNCTION speed", "FUNCTION LOG(speed)", 27, "natural in fuzzylite"),
+        ("FUNCTION speed", "FUNCTION Force * plan", 32, "asks for 'plan'"),
         ("TERM silent := 0", "TERM silent := SINGLETONS (0, 1)", 21, "SINGLETONS"),
     ],
 )

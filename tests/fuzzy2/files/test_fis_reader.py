@@ -24,7 +24,7 @@ from fuzzy2.sets.shapes import Gaussian, Trapezoidal, Triangular
 from fuzzy2.sets.sigmoids import Sigmoid, SigmoidDifference, SigmoidProduct
 from fuzzy2.sets.smooth_shapes import Bell, PiShaped, TwoSidedGaussian
 from fuzzy2.sets.uncertain_mean import NearestMeanGaussian
-from fuzzy2.systems import IntervalType2System
+from fuzzy2.systems import IntervalType2System, Type1System
 from fuzzy2.systems.antecedents import And, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import HEDGES
 from tests.fuzzy2.files.fis_texts import OPEN_TYPE2, TIPPER, TYPE2
@@ -243,7 +243,7 @@ def test_sections_that_do_not_go_together(text: str, place: str) -> None:
     ("text", "old", "new", "line", "reason"),
     [
         (TIPPER, "DefuzzMethod='centroid'", "DefuzzMethod='mine'", 12, "known are centroid"),
-        (TIPPER, "Type='mamdani'", "Type='hybrid'", 3, "known are mamdani"),
+        (TIPPER, "Type='mamdani'", "Type='unknown'", 3, "known are mamdani"),
         (TIPPER, "AndMethod='min'", "AndMethod='mymin'", 8, "known are min, prod"),
         (TIPPER, "OrMethod='max'", "OrMethod='sum'", 9, "known are max, probor"),
         (TYPE2, "1, 1 (1) : 1", "1, -1 (1) : 1", 30, "only sets have a complement"),
@@ -254,7 +254,7 @@ def test_sections_that_do_not_go_together(text: str, place: str) -> None:
         (TIPPER, "'gaussmf',[1.5 0]", "'sigmf',[0 2]", 18, "1/2 everywhere"),
         (TYPE2, "'trimf',[-1 -0.5 0.5],[0.8]", "'trimf',[-1 -0.5 0.5],[0]", 19, "above 0"),
         (TYPE2, "'constant',[-1]", "'cubic',[-1]", 26, "known are constant and linear"),
-        (TYPE2, "'linear',[2 1]", "'linear',[2 1 1 0]", 27, "not documented"),
+        (TYPE2, "'linear',[2 1]", "'linear',[2 1 1 0]", 27, "the ends may cross"),
         (TYPE2, "'karnikmendel'", "'mine'", 13, "known are karnikmendel"),
         (OPEN_TYPE2, "'Karnik-Mendel'", "'BMM(0.9)'", 13, "known are KM"),
         (OPEN_TYPE2, "'Karnik-Mendel'", "'BMM(1e,2)'", 13, "BMM(a,b)"),
@@ -395,3 +395,37 @@ def test_hedges_of_fuzzylite_and_of_octave() -> None:
 def test_names_that_terms_share_are_told_apart() -> None:
     system = parse_fis(edits(TIPPER, ("MF2='good'", "MF2='poor'")))
     assert system.term_names[0] == ("poor", "poor_2", "excellent")
+
+
+CROSSING = edits(
+    OPEN_TYPE2,
+    ("TypeRedMethod='Karnik-Mendel'", "TypeRedMethod='NT'"),
+    ("'trapmf',[-1.8 -1 0 1 1]", "'trapmf',[-0.9 -0.5 0 0.5 1]"),
+    ("MF1='mf1':'constant',[-1 -0.9]", "MF1='mf1':'linear',[2 1 -1 0.5]"),
+)
+"""The lower set of the first term is above the upper one where it begins, and again at the end."""
+
+
+def test_sets_that_cross_are_averaged_as_they_are_by_nie_and_tan() -> None:
+    """What the toolbox computes: lower and upper firing each counts once, whichever is greater."""
+    system = parse_fis(CROSSING)
+    assert isinstance(system, Type1System)
+    crossed = 0
+    for x in np.linspace(-1.0, 1.0, 101):
+        upper = float(np.interp(x, [-0.9, -0.5, 0.0, 0.5], [0.0, 1.0, 1.0, 0.0]))
+        lower = float(0.3 * np.interp(x, [-1.6, -0.5, 0.3], [0.0, 1.0, 0.0]))
+        crossed += lower > upper
+        other = [math.exp(-((x - 1.0) ** 2) / (2.0 * sigma**2)) for sigma in (0.4, 0.2)]
+        said = 0.5 * ((2.0 * x + 1.0) + (-x + 0.5))
+        first, second = upper + lower, sum(other)
+        expected = (first * said + second * 0.5) / (first + second)
+        np.testing.assert_allclose(system([x]), [expected], rtol=1e-12)
+    assert crossed > 3
+
+
+def test_a_number_that_two_terms_share_counts_on() -> None:
+    """MATLAB reads terms one after the other, and one of its own demos repeats a number."""
+    again = parse_fis(edits(TIPPER, ("MF3='excellent'", "MF2='excellent'")))
+    assert again.term_names[0] == parse_fis(TIPPER).term_names[0]
+    X = np.random.default_rng(0).uniform(0.0, 10.0, (20, 2))
+    np.testing.assert_array_equal(again(X), parse_fis(TIPPER)(X))

@@ -19,7 +19,7 @@ import pytest
 from fuzzy2 import ParallelSystem, Type1System, from_json, to_json
 from fuzzy2.errors import Fuzzy2Error, MalformedFile, NotExpressible
 from fuzzy2.files.fll import format_fll, parse_fll, read_fll, write_fll
-from tests.fuzzy2.files.engines import CHAIN, HYBRID, TERMS, TSUKAMOTO, inputs_of
+from tests.fuzzy2.files.engines import CHAIN, FORMULAS, HYBRID, TERMS, TSUKAMOTO, inputs_of
 
 POINTS = 200
 
@@ -96,7 +96,7 @@ def test_tsukamoto_asks_beyond_the_range() -> None:
         np.testing.assert_allclose(got[:, j], expected, rtol=1e-9, atol=1e-9)
 
 
-@pytest.mark.parametrize("text", [HYBRID, CHAIN, TSUKAMOTO, TERMS], ids="hcst")
+@pytest.mark.parametrize("text", [HYBRID, CHAIN, TSUKAMOTO, TERMS, FORMULAS], ids="hcstf")
 def test_round_trips(tmp_path: Path, text: str) -> None:
     system = parse_fll(text)
     write_fll(system, tmp_path / "engine.fll")
@@ -109,7 +109,9 @@ def test_round_trips(tmp_path: Path, text: str) -> None:
 
 
 REFUSED: list[tuple[Callable[[str], str], str, str]] = [
-    (lambda t: t.replace("Constant 7", "Function heat/2"), "line 28", "'Function'"),
+    (lambda t: t.replace("Constant 7", "Function power/price"), "line 45", "asks for 'price'"),
+    (lambda t: t.replace("Triangle 0 0.25 0.5", "Function 3*x"), "line 13", "leave [0, 1]"),
+    (lambda t: t.replace("Ramp 6 2", "Function x/2"), "line 2", "leave [0, 1]"),
     (lambda t: t.replace("default: -1", "default: -1\n  lock-previous: true"), "line 27", "lock"),
     (lambda t: t.replace("activation: General", "activation: First 1", 1), "line 35", "First"),
     (lambda t: t.replace("heat\n", "heat\n  enabled: false\n", 1), "line 3", "disabled"),
@@ -133,9 +135,36 @@ def test_what_a_system_cannot_be_is_named(
     assert what in str(refused.value)
 
 
+def test_formulas_against_brute_force() -> None:
+    system = parse_fll(FORMULAS)
+    step = 2.0 / 100
+    grid = step * (np.arange(100) + 0.5)
+    weak = np.where(grid < 0.75, np.maximum(0.0, 1.0 - grid), 0.0)
+    strong = np.clip(2.0 * grid - 2.5, 0.0, 1.0)
+    for a, b in np.random.default_rng(3).uniform((-2.0, 0.0), (2.0, 4.0), (50, 2)):
+        some = math.exp(-((b - 2.0) ** 2) / 2.0)
+        high = float(np.interp(a, [-1.0, 1.0], [0.0, 1.0]))
+        first, second = some / (1.0 + math.exp(3.0 * a)), 0.5 * high
+        said = [math.sin(2.0 * a) * b**2, a - 2.0 * b + 0.5, -3.0]
+        fired = [first, second, 1.0 - some]
+        wave = float(np.dot(fired, said) / sum(fired))
+        united = np.maximum(np.minimum(first, weak), np.minimum(second, strong))
+        expected = [wave, abs(wave - a) % 2.0, (grid * united).sum() / united.sum()]
+        np.testing.assert_allclose(system([a, b]), expected, rtol=1e-11)
+
+
+def test_where_the_last_output_would_stay_there_is_nothing_new() -> None:
+    held = HYBRID.replace("default: -1", "default: nan\n  lock-previous: true")
+    held = held.replace("Ramp 4 9", "Ramp 9 10")
+    assert math.isnan(parse_fll(held)([7.0, 0.0])[1])
+
+
 MALFORMED: list[tuple[str, str, str, str]] = [
     ("range: 0 10", "range: 10 0", "line 4", "range: <low> <high>"),
     ("Ramp 6 2", "Ramp 6", "line 5", "2 numbers"),
+    ("Ramp 6 2", "Function 1 +", "line 5", "the formula"),
+    ("Constant 7", "Function open(7)", "line 28", "a function in a formula"),
+    ("Ramp 6 2", "Function wind/10", "line 5", "x alone"),
     ("Ramp 6 2", "Ramp 6 two", "line 5", "'two'"),
     ("heat is hot", "heat is hit", "line 38", "'hot'"),
     ("power is high", "pover is high", "line 37", "'power'"),

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 
 from fuzzy2.errors import MalformedFile, NotExpressible
 from fuzzy2.files.fis import parse_fis
-from fuzzy2.files.fml import parse_fml
+from fuzzy2.files.fml import format_fml, parse_fml
 from fuzzy2.sets.shapes import Gaussian, Interval, Trapezoidal, Triangular
 from fuzzy2.sets.smooth_shapes import PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton
@@ -476,3 +476,32 @@ def test_tsukamoto_and_the_maxima() -> None:
     np.testing.assert_allclose(system(x), [[fired @ points / fired.sum()]], rtol=1e-12)
     middle = parse_fml(TIPPER.replace('defuzzifier="COG"', 'defuzzifier="mom"'))
     np.testing.assert_allclose(middle([5.0, 5.0]), [15.0], atol=1e-6)
+
+
+def test_tsukamotos_points_may_lie_beyond_the_domain() -> None:
+    """As in JFML: a Gaussian has the grade w at m - sigma sqrt(-2 ln w), wherever that is."""
+    text = TIPPER.replace("mamdaniRuleBase", "tsukamotoRuleBase")
+    start, end = text.index('<fuzzyVariable name="tip"'), text.index("  </knowledgeBase>")
+    terms = "".join(
+        f'<tsukamotoTerm name="{name}"><rightGaussianShape param1="{mean}" param2="10"/>'
+        "</tsukamotoTerm>"
+        for name, mean in (("cheap", 5), ("average", 15), ("generous", 25))
+    )
+    output = (
+        '<tsukamotoVariable name="tip" domainleft="0" domainright="30" type="output">'
+        f"{terms}</tsukamotoVariable>"
+    )
+    system = parse_fml(text[:start] + output + text[end:])
+    x = np.array([[3.0, 2.5]])
+    fired = system.firing(x)[0, :, 1]
+    points = np.array([5.0, 15.0, 25.0]) - 10.0 * np.sqrt(-2.0 * np.log(fired))
+    assert points.min() < 0.0
+    np.testing.assert_allclose(system(x), [[fired @ points / fired.sum()]], rtol=1e-9)
+    np.testing.assert_allclose(parse_fml(format_fml(system))(x), system(x), rtol=1e-9)
+
+
+@pytest.mark.parametrize(("given", "expected"), [("", 0.0), (' defaultValue="NaN"', math.nan)])
+def test_a_default_that_is_not_given_is_that_of_the_schema(given: str, expected: float) -> None:
+    system = parse_fml(TIPPER.replace(' defaultValue="0.0"', given))
+    default = system.default_outputs
+    assert default is None if math.isnan(expected) else float(default[0]) == expected

@@ -16,8 +16,9 @@ import fuzzy2
 from fuzzy2.errors import MalformedFile, NotExpressible, UnknownName
 from fuzzy2.files.clauses import clauses_of_rule
 from fuzzy2.files.description import description_of, system_of
+from fuzzy2.files.fcl import format_fcl, parse_fcl
 from fuzzy2.files.fis import format_fis, parse_fis
-from fuzzy2.files.fll import parse_fll
+from fuzzy2.files.fll import format_fll, parse_fll
 from fuzzy2.files.fml import format_fml, parse_fml
 from fuzzy2.files.json_files import from_json, to_json
 from fuzzy2.systems.antecedents import And, Hedged, Is, Not, Or
@@ -116,9 +117,24 @@ def through_description(system: Any) -> Any:
     return system_of(description)
 
 
+def through_fuzzylite(system: Any) -> Any:
+    return parse_fis(format_fis(system, dialect="fuzzylite"), dialect="fuzzylite")
+
+
+def through_fll(system: Any) -> Any:
+    return parse_fll(format_fll(system))
+
+
+def through_fcl(system: Any) -> Any:
+    return parse_fcl(format_fcl(system))
+
+
 ROUTES = (
     through_fis,
     through_octave,
+    through_fuzzylite,
+    through_fll,
+    through_fcl,
     through_open_toolbox,
     through_fml,
     through_json,
@@ -197,9 +213,9 @@ def systems(draw: st.DrawFn) -> Any:
             "type_reduction": draw(st.sampled_from(kinds)),
             "implication": draw(norms),
             "t_conorm": draw(conorms),
-            "integration": draw(st.sampled_from(["sum", "trapezoidal"])),
-            "resolution": 101,
+            "integration": draw(st.sampled_from(["sum", "trapezoidal", "midpoint"])),
         }
+        options["resolution"] = 1000 if options["integration"] == "midpoint" else 101
     elif draw(st.booleans()):
         consequents = fuzzy2.Linear(rng.normal(size=(count, m, p + 1)))
     else:
@@ -224,8 +240,13 @@ def same_grid(system: Any, route: Any) -> bool:
         return True
     if route is through_fis:
         return bool(system.integration == "sum")
+    if route in (through_fuzzylite, through_fll, through_fcl):
+        # What they cannot say of it they refuse.
+        return True
     averages = system.type_reduction in ("centroid", "center_of_sums")
     if route is through_octave:
+        if system.integration == "midpoint":
+            return False
         return not averages or bool(system.integration == "trapezoidal")
     return True
 

@@ -398,7 +398,7 @@ def test_rule_bases(tmp_path: Path) -> None:
         (
             lambda d: d.update(consequents={"type": "Gaussian", "mean": 0, "sigma": 1}),
             "$.consequents.type",
-            "expected Linear, got 'Gaussian'",
+            "expected Linear or Formulas, got 'Gaussian'",
         ),
         (
             lambda d: d.update(consequents=[[{"type": "Singleton", "point": "inf"}]]),

@@ -29,6 +29,31 @@ def mackey_glass(end: int, delay: float = 17.0, step: float = 0.1) -> np.ndarray
     return x[:: round(1.0 / step)]
 
 
+def published_series(end: int, delay: int = 170, step: float = 0.1) -> np.ndarray:
+    """Return x(0), x(1), ... as the program that Jang's paper was made with prints them.
+
+    As above, but for two differences, which chaos makes another stretch of the series: the delayed
+    value stands still within a step of Runge and Kutta, and it is that of 169 steps ago, for the
+    program stores the result of a step where it looks for the value of ``delay`` steps ago. Six
+    digits are printed.
+
+    Source: R. Jang, mackeyglass.c, EECS Department, UC Berkeley, 1992, as
+    ``datasets/mackeyglass/mackeyglass.c`` of github.com/phmferreira/project_ST_OS_ELMK has it.
+    """
+    steps = round(end / step)
+    x, stored = np.zeros(steps + 1), np.zeros(delay)
+    x[0] = 1.2
+    for k in range(steps):
+        before = stored[k % delay]
+        gain = 0.2 * before / (1.0 + before**10)
+        k1 = gain - 0.1 * x[k]
+        k2 = gain - 0.1 * (x[k] + 0.5 * step * k1)
+        k3 = gain - 0.1 * (x[k] + 0.5 * step * k2)
+        k4 = gain - 0.1 * (x[k] + step * k3)
+        stored[k % delay] = x[k + 1] = x[k] + step / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4)
+    return x[:: round(1.0 / step)].round(6)
+
+
 def ndei(predicted: np.ndarray, truth: np.ndarray) -> float:
     """Return the nondimensional error index: root mean square error over standard deviation."""
     return float(np.sqrt(np.mean((predicted - truth) ** 2)) / truth.std())

@@ -405,7 +405,7 @@ def test_systems_whose_output_is_of_another_form_are_refused() -> None:
         Type1System(terms, rules, Linear([[[0.0, 1.0]], [[1.0, 1.0]]])),
         Type1System(terms, rules, sets),
         Type1System(terms, rules, sets, type_reduction="centroid"),
-        Type1System(terms, rules, numbers, "lukasiewicz"),
+        Type1System(terms, rules, numbers, lambda a, b: a * b),
         Type1System(terms, rules, numbers, fuzzifier=NonSingletonFuzzifier(Gaussian(0.0, 0.1))),
         Type1System([[Sigmoid(0.0, 1.0), Sigmoid(0.0, -1.0)]], rules, numbers),
     ]

@@ -72,17 +72,26 @@ def test_parameters_there_and_back_are_the_same_system(name: str) -> None:
     np.testing.assert_array_equal(again.rules, system.rules)
 
 
-def test_blocks_of_samples_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    """1e-12: sums are added in another order."""
-    rng = np.random.default_rng(0)
-    system = systems(rng, "product")["interval type-2"]
-    X, Y = samples(rng)
-    tunable = TunableSystem(system, [1.0, 1.0], [1.0, 1.0])
-    whole = tunable.objective(tunable.parameters, X, Y)
-    monkeypatch.setattr("fuzzy2.learning.tunable_system._BLOCK", 70)  # seven samples
-    blocks = tunable.objective(tunable.parameters, X, Y)
-    assert blocks[0] == pytest.approx(whole[0], rel=1e-12)
-    np.testing.assert_allclose(blocks[1], whole[1], rtol=1e-12, atol=1e-12)
+@pytest.mark.parametrize("t_norm", ["product", "min"])
+@pytest.mark.parametrize("name", ["type-1", "interval type-2", "interval type-2, linear"])
+def test_far_from_all_terms_the_gradient_is_that_of_the_system(name: str, t_norm: str) -> None:
+    """Where all grades are 0 as floats: central differences, as above, with the same bounds."""
+    rng = np.random.default_rng(8)
+    system = systems(rng, t_norm)[name]
+    X = np.array([[90.0, -1500.0], [-75.0, 1100.0], [60.0, 2000.0]])
+    assert not system.firing(X).any()
+    scales = np.abs(system(X)).max(axis=0)
+    Y = np.zeros((3, 2))
+    tunable = TunableSystem(system, [4.0, 60.0], scales)
+    value, gradient = tunable.objective(tunable.parameters, X, Y)
+    assert value == pytest.approx(np.mean((system(X) / scales) ** 2), rel=1e-11)
+    assert tunable.error(tunable.parameters, X, Y) == value
+    for k in range(gradient.size):
+        step = np.zeros(gradient.size)
+        step[k] = 1e-6
+        high, low = (tunable.error(tunable.parameters + s, X, Y) for s in (step, -step))
+        assert gradient[k] == pytest.approx((high - low) / 2e-6, rel=1e-4, abs=1e-6)
+    assert gradient.any()
 
 
 def test_crossed_pairs_meet_in_their_middle() -> None:

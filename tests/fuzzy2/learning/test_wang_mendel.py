@@ -577,11 +577,17 @@ def test_inputs_unlike_those_learned_from_are_refused() -> None:
         model.score(X, Y[:, :2])
 
 
-def test_where_no_rule_fires_prediction_and_score_are_nan() -> None:
-    """Forty standard deviations off, a Gaussian is exp(-800), which is zero as a float."""
+@pytest.mark.parametrize("t_norm", ["product", "min"])
+def test_far_from_all_samples_the_nearest_rule_predicts(t_norm: str) -> None:
+    """Forty standard deviations off a Gaussian is exp(-800), which is zero as a float."""
     X, Y = corners_and_more()
-    model = WangMendel().fit(X, Y)
-    far = np.full((1, 2), 1e4)
-    assert np.isnan(model.predict(far)).all()
-    assert np.isnan(model.predict_interval(far)).all()
-    assert math.isnan(model.score(np.concatenate([X, far]), np.concatenate([Y, Y[:1]])))
+    model = WangMendel(t_norm=t_norm).fit(X, Y)
+    far = X.max(axis=0) + 1e4 * np.ptp(X, axis=0)
+    assert not model.system_.firing(far).any()
+    corner = int(model.system_.rules.sum(axis=1).argmax())  # the greatest terms of both inputs
+    expected = model.system_.consequent_intervals[corner].mean(axis=-1)
+    np.testing.assert_allclose(model.predict([far])[0], expected, rtol=1e-12)
+    beyond = np.full((1, 2), 1e200)  # the square of the distance is no float
+    assert np.isnan(model.predict(beyond)).all()
+    assert np.isnan(model.predict_interval(beyond)).all()
+    assert math.isnan(model.score(np.concatenate([X, beyond]), np.concatenate([Y, Y[:1]])))

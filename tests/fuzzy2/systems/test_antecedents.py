@@ -14,11 +14,19 @@ from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or, row
 from fuzzy2.systems.hedges import HEDGES
 
 TERMS = [[fuzzy2.GaussianUncertainSigma(c, (0.6, 0.9)) for c in (-1.0, 1.0)]] * 2
-BOTH = {"product": lambda a, b: a * b, "min": min}
+BOTH = {
+    "product": lambda a, b: a * b,
+    "min": min,
+    "lukasiewicz": lambda a, b: max(a + b - 1.0, 0.0),
+    "hamacher": lambda a, b: a * b / (a + b - a * b) if a + b > 0.0 else 0.0,
+    "einstein": lambda a, b: a * b / (2.0 - (a + b - a * b)),
+}
 EITHER = {
     "max": max,
     "probabilistic": lambda a, b: a + b - a * b,
     "lukasiewicz": lambda a, b: min(a + b, 1.0),
+    "drastic": lambda a, b: 1.0 if min(a, b) > 0.0 else max(a, b),
+    "einstein": lambda a, b: (a + b) / (1.0 + a * b),
 }
 
 _leaves = st.builds(Is, st.integers(0, 1), st.none() | st.integers(0, 1))

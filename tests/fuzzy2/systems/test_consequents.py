@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 
 import fuzzy2
+from fuzzy2.errors import InvalidValue
 from fuzzy2.systems import IntervalType2System, Linear
+from fuzzy2.systems.consequents import Formulas, OutputOf
 from tests.fuzzy2.systems.by_hand import (
     GRID_RULES,
     uncertain,
@@ -68,3 +73,68 @@ def test_linear_consequents(X: Array) -> None:
         half = spreads[:, j] @ [1.0, *np.abs(x)]
         expected = fuzzy2.generalized_centroid(np.stack([middle - half, middle + half], -1), firing)
         np.testing.assert_allclose(system.type_reduced(x)[j], expected, atol=1e-12)
+
+
+def formulas_by_hand(x: float, y: float) -> tuple[float, float]:
+    """Return the outputs of the system below, worked out."""
+    low, high = max(0.0, 1.0 - x / 2.0), max(0.0, min(1.0, x / 2.0))
+    first = (low * math.sin(x * y) + high * 3.0) / (low + high)
+    return first, (high * (x - y**2)) / high
+
+
+def with_formulas() -> fuzzy2.Type1System:
+    terms = [fuzzy2.Triangular(-2.0, 0.0, 2.0), fuzzy2.Triangular(0.0, 2.0, 4.0)]
+    return fuzzy2.Type1System(
+        [terms, []],
+        [[0, -1], [1, -1]],
+        Formulas([["sin(x*y)", "1/(x - x)"], ["3", "x - y^2"]], ("x", "y")),
+        silent=[[False, True], [False, False]],
+        input_names=["x", "y"],
+        input_ranges=[(0.0, 2.0), (0.0, 2.0)],
+    )
+
+
+def test_formulas_against_numbers_by_hand() -> None:
+    """What a silent rule would say, here nothing, has no part in the output."""
+    system = with_formulas()
+    for x, y in np.random.default_rng(0).uniform(0.1, 1.9, (50, 2)):
+        np.testing.assert_allclose(system([x, y]), formulas_by_hand(x, y), rtol=1e-13)
+    again = fuzzy2.from_json(fuzzy2.to_json(system))
+    np.testing.assert_array_equal(again([0.5, 1.5]), system([0.5, 1.5]))
+    assert "sin(x*y)" in str(system.explain([0.5, 1.5]))
+    # By differences, for there is no formula for the derivatives of formulas.
+    np.testing.assert_allclose(system.gradient([0.5, 1.5])[1], [1.0, -3.0], rtol=1e-5)
+
+
+def test_a_formula_without_a_number_counts_only_if_its_rule_fires() -> None:
+    terms = [fuzzy2.Interval(0.0, 1.0), fuzzy2.Interval(2.0, 3.0)]
+    system = fuzzy2.Type1System(
+        [terms], [[0], [1]], Formulas([["log(x - 1)"], ["1/(x - 2.5)"]], ["x"]), input_names=["x"]
+    )
+    got = system([[0.5], [2.0], [2.5]])[:, 0]
+    assert math.isnan(got[0])
+    assert got[1] == -2.0
+    assert got[2] == math.inf
+
+
+def test_a_formula_may_ask_for_the_output_of_another_system() -> None:
+    first = with_formulas()
+    terms = [[fuzzy2.Interval(0.0, 4.0)], []]
+    asking = Formulas([["10*z + x"]], ("x", "y"), {"z": OutputOf(first, 1)})
+    ranges = [(0.0, 4.0), (0.0, 4.0)]
+    system = fuzzy2.Type1System(
+        terms, [[0, -1]], asking, input_names=["x", "y"], input_ranges=ranges
+    )
+    expected = 10.0 * formulas_by_hand(0.5, 1.5)[1] + 0.5
+    assert system([0.5, 1.5])[0] == pytest.approx(expected, rel=1e-14)
+    again = fuzzy2.from_json(fuzzy2.to_json(system))
+    assert again([0.5, 1.5])[0] == system([0.5, 1.5])[0]
+
+
+def test_formulas_that_do_not_fit() -> None:
+    with pytest.raises(InvalidValue, match="a name in a formula"):
+        Formulas([["x + z"]], ["x"])
+    with pytest.raises(InvalidValue, match="rows with a formula for each output"):
+        Formulas([["x"], ["x", "1"]], ["x"])
+    with pytest.raises(InvalidValue, match="formulas for 1 rules, and 1 names"):
+        fuzzy2.Type1System([[fuzzy2.Interval(0.0, 1.0)]], [[0]], Formulas([["x"]], ["x", "y"]))

@@ -9,7 +9,13 @@ import pytest
 
 import fuzzy2
 from fuzzy2.errors import InvalidValue
-from fuzzy2.systems import Type1System
+from fuzzy2.systems import (
+    FuzzySystem,
+    GeneralType2System,
+    IntervalType2System,
+    Type1System,
+)
+from fuzzy2.systems.parallel import ParallelSystem
 
 G = fuzzy2.Gaussian
 TERMS = {"a": {"low": G(0, 1), "high": G(1, 1)}, "b": {"low": G(0, 2), "high": G(3, 1)}}
@@ -81,3 +87,36 @@ def test_what_is_no_row_of_numbers_is_refused(bad: Any) -> None:
 def test_inputs_come_in_one_way() -> None:
     with pytest.raises(InvalidValue, match="left out"):
         SYSTEM([0.0, 1.0], a=1.0)
+
+
+@pytest.mark.parametrize("kind", [Type1System, IntervalType2System, GeneralType2System])
+def test_data_frames_of_pandas_give_data_frames(kind: type[FuzzySystem]) -> None:
+    """Index and names of outputs are kept, and columns found by name in whatever order."""
+    pandas = pytest.importorskip("pandas")
+    system = kind(
+        SYSTEM.inputs,
+        SYSTEM.rules,
+        np.arange(4.0).reshape(2, 2),
+        input_names=["a", "b"],
+        output_names=["p", "q"],
+    )
+    frame = pandas.DataFrame({"b": [2.0, 1.0], "a": [0.1, 0.5]}, index=["first", "last"])
+    expected = system(frame[["a", "b"]].to_numpy())
+    found = system(frame)
+    assert list(found.columns) == ["p", "q"]
+    assert list(found.index) == ["first", "last"]
+    np.testing.assert_array_equal(found.to_numpy(), expected)
+    row = system(frame.loc["last"])
+    assert (list(row.index), row.name) == (["p", "q"], "last")
+    np.testing.assert_array_equal(row.to_numpy(), expected[1])
+    both = ParallelSystem([system, system.replace(output_names=["r", "s"])])(frame)
+    assert list(both.columns) == ["p", "q", "r", "s"]
+    np.testing.assert_array_equal(both.to_numpy(), np.hstack([expected, expected]))
+
+
+def test_rows_of_pandas_are_matched_by_name_or_refused() -> None:
+    pandas = pytest.importorskip("pandas")
+    assert SYSTEM(pandas.Series([0.1, 2.0]))["y"] == SYSTEM([0.1, 2.0])[0]
+    assert SYSTEM(pandas.Series([2.0, 0.1], index=["b", "a"]))["y"] == SYSTEM([0.1, 2.0])[0]
+    with pytest.raises(InvalidValue, match="b has none"):
+        SYSTEM(pandas.Series([0.1, 2.0], index=["a", "c"]))

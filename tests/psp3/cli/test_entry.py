@@ -141,12 +141,12 @@ OF_OTHER_ROBOTS = [
     ("workspace delta --largest-tilt 3", "--largest-tilt is an option of the 3-PSP"),
     ("workspace delta --over x", "--over must be two of x, y, z"),
     ("workspace --over x", "--over of the 3-PSP must be tilt or tip, got 'x'"),
-    ("simulate delta --controller it2", "--controller it2 learns the 3-PSP; for delta give pd"),
+    ("simulate biped --controller it2", "one whose coordinates are those of its motors"),
     ("simulate delta --trajectory helix", "--trajectory helix is a motion of the 3-PSP's tip"),
     ("simulate delta --trajectory line", "--trajectory line needs --end"),
     ("simulate delta --amplitude -1", "amplitude must be finite and positive"),
     ("simulate delta --torque-limit 1,2", "--torque-limit 1,2 has 2 numbers; 3 are needed"),
-    ("simulate delta --trained here.csv", "--trained holds a controller of the 3-PSP"),
+    ("simulate delta --trained here.csv", "here.csv: "),
     ("simulate delta --model closed_form", "unknown dynamics model 'closed_form'"),
 ]
 

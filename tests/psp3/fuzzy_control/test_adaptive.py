@@ -16,6 +16,7 @@ import pytest
 
 import psp3
 from fuzzy2.learning.adaptation_kernels import settle, solve
+from psp3.control.controller import Widths
 from psp3.drives import NO_DRIVE
 from psp3.errors import InvalidArray, InvalidValue, NotTrained
 from psp3.fuzzy_control import adaptive_kernels as kernels
@@ -65,7 +66,7 @@ def adaptive_run(
     track = new_track(start + PERIOD * np.arange(len(desired)), motion, controller.numbers_said)
     noise = measured if len(measured) else None
     ended = compiled_loop(
-        controller.table(None, 3),
+        controller.table(None, Widths.of_motors(3)),
         ClosedFormSteps(plant, 1, NO_DRIVE),
         unbounded(PERIOD, np.zeros(3), noise=noise),
         track,

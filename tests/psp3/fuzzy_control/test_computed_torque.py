@@ -788,10 +788,10 @@ def test_what_counts_as_positive_definite_is_what_the_eigenvalues_say(
         return
     controller = copy.copy(trained["t1"])
     if least < 0.0:
+        system = type(controller.system_)(
+            controller.system_.inputs, controller.system_.rules, consequents
+        )
         with pytest.raises(UnusableEstimate):
-            system = type(controller.system_)(
-                controller.system_.inputs, controller.system_.rules, consequents
-            )
             controller._take((system,), controller.ranges_)
         # With an average that is usable, the rules themselves decide.
         controller = copy.copy(trained["t1"])

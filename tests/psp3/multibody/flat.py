@@ -15,6 +15,7 @@ from psp3.multibody.loops import residual_of
 from psp3.multibody.placement import place
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
+    AT_HERE,
     AT_TARGET,
     COORDINATES,
     ELEMENTS,
@@ -56,6 +57,14 @@ class Flat:
         self.part(AT_CONFIGURATION, self.count(COORDINATES))[:] = q
         members = self.count(MEMBERS)
         place(*self.all, members - self.count(ELEMENTS), members)
+
+    @property
+    def seen_from(self) -> pin.SE3:
+        """From where placements and twists are seen: where the floating base is, if there is one.
+
+        Its inverse brings what Pinocchio says of the world there.
+        """
+        return pin.SE3(np.eye(3), self.part(AT_HERE, 3).copy())
 
     def close(self, q: Array) -> None:
         """Take a closed configuration for the pose: frames and factored Jacobians of all groups."""

@@ -15,13 +15,16 @@ from tests.helpers import Array
 from tests.psp3.multibody.flat import Flat
 
 
-def inertias_in_the_base(parts: SimpleNamespace, q: Array) -> dict[int, pin.Inertia]:
-    """Return the inertia of each joint's body, moved into the base, by the joint's element."""
+def inertias_in_the_base(parts: SimpleNamespace, flat: Flat, q: Array) -> dict[int, pin.Inertia]:
+    """Return the inertia of each joint's body, moved into the base, by the joint's element.
+
+    Seen from where a floating base is.
+    """
     data = parts.model.createData()
     pin.forwardKinematics(parts.model, data, q)
     _, of_joint = flatten._elements(parts.model)
     return {
-        of_joint[joint]: data.oMi[joint].act(parts.model.inertias[joint])
+        of_joint[joint]: flat.seen_from.actInv(data.oMi[joint]).act(parts.model.inertias[joint])
         for joint in range(1, parts.model.njoints)
     }
 
@@ -33,7 +36,7 @@ def test_inertias_are_those_of_bodies_moved_into_the_base(
     flat.place(anywhere)
     weigh(*flat.all)
     rows = flat.part(AT_INERTIAS, flat.count(ELEMENTS), 10)
-    for e, inertia in inertias_in_the_base(parts, anywhere).items():
+    for e, inertia in inertias_in_the_base(parts, flat, anywhere).items():
         whole = inertia.matrix()
         assert_allclose(rows[e, 0], inertia.mass, rtol=1e-15)
         assert_allclose(rows[e, 1:4], inertia.mass * inertia.lever, rtol=0.0, atol=1e-14)
@@ -54,7 +57,7 @@ def test_momenta_and_forces_are_those_of_spatial_algebra(
     out = np.empty(len(flat.memory) + 6)
     out[:-6] = flat.memory
     at = len(flat.memory)
-    for e, inertia in inertias_in_the_base(parts, anywhere).items():
+    for e, inertia in inertias_in_the_base(parts, flat, anywhere).items():
         velocity, acceleration = pin.Motion(V[e]), pin.Motion(A[e])
         momentum(flat.tree, out, e, flat.at(AT_VELOCITIES) + 6 * e, at)
         assert_allclose(out[at:], (inertia * velocity).vector, rtol=0.0, atol=1e-13)

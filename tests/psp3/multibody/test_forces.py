@@ -97,8 +97,9 @@ def test_twists_are_pinocchios_in_the_base(
     found = flat.part(AT_VELOCITIES, count + 1, 6).copy()
     assert (found[count] == 0.0).all()
     for joint in range(1, parts.model.njoints):
-        world = pin.getVelocity(parts.model, data, joint, pin.ReferenceFrame.WORLD).vector
-        assert_allclose(found[of_joint[joint]], world, rtol=0.0, atol=1e-13)
+        world = pin.getVelocity(parts.model, data, joint, pin.ReferenceFrame.WORLD)
+        expected = flat.seen_from.actInv(world).vector
+        assert_allclose(found[of_joint[joint]], expected, rtol=0.0, atol=1e-13)
     flat.part(AT_VELOCITIES, count + 1, 6)[:] = np.nan
     carried(flat.tree, flat.memory, z, X, flat.at(AT_ACCELERATIONS))
     assert_allclose(flat.part(AT_VELOCITIES, count + 1, 6), found, rtol=0.0, atol=1e-14)
@@ -118,24 +119,29 @@ def test_how_twists_change_is_pinocchios_acceleration_without_joint_acceleration
     _, of_joint = flatten._elements(parts.model)
     rates = flat.part(AT_ACCELERATIONS, flat.count(ELEMENTS) + 1, 6)
     for joint in range(1, parts.model.njoints):
-        world = pin.getAcceleration(parts.model, data, joint, pin.ReferenceFrame.WORLD).vector
-        assert_allclose(rates[of_joint[joint]], world, rtol=0.0, atol=1e-12)
+        world = pin.getAcceleration(parts.model, data, joint, pin.ReferenceFrame.WORLD)
+        expected = flat.seen_from.actInv(world).vector
+        assert_allclose(rates[of_joint[joint]], expected, rtol=0.0, atol=1e-12)
 
 
 def test_how_twists_of_other_speeds_change_while_the_elements_move(
     parts: SimpleNamespace, flat: Flat, anywhere: Array
 ) -> None:
-    """By differences of twists along the motion; 1e-9."""
+    """By differences of twists along the motion, seen from one point; 1e-9."""
     rng = np.random.default_rng(64)
     v, other = rng.normal(size=(2, flat.nv))
     wide = flat.count(ELEMENTS) + 1
     z, X, rate = flat.at(AT_JOINT_SPEEDS), flat.at(AT_FIELDS), flat.at(AT_ACCELERATIONS)
 
+    flat.place(anywhere)
+    start = flat.seen_from
+
     def twists_at(q: Array) -> Array:
         flat.place(q)
         flat.part(AT_JOINT_SPEEDS, flat.nv)[:] = other
         twists(flat.tree, flat.memory, z, X)
-        return flat.part(AT_FIELDS, wide, 6).copy()
+        moved = start.actInv(flat.seen_from)
+        return np.array([moved.act(pin.Motion(row)) for row in flat.part(AT_FIELDS, wide, 6)])
 
     expected = derivative(lambda t: twists_at(pin.integrate(parts.model, anywhere, t * v)), 1e-2)
     flat.place(anywhere)

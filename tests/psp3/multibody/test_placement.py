@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 import pytest
-from numpy.testing import assert_allclose
+from numpy.testing import assert_allclose, assert_array_equal
 
 from psp3.multibody import flatten
 from psp3.multibody.flatten import NO_MOTORS, flattened
@@ -80,7 +81,7 @@ def test_placements_are_pinocchios(tree: tuple[pin.Model, Flat, list[int]]) -> N
         pin.forwardKinematics(model, data, q)
         ours = placements(flat)
         for joint in range(1, model.njoints):
-            expected = data.oMi[joint].homogeneous
+            expected = flat.seen_from.actInv(data.oMi[joint]).homogeneous
             assert_allclose(ours[of_joint[joint]].homogeneous, expected, rtol=0.0, atol=2e-13)
 
 
@@ -94,7 +95,8 @@ def test_screws_are_the_columns_of_pinocchios_jacobian_in_the_base(
         q = random_configuration(model, rng)
         flat.place(q)
         pin.computeJointJacobians(model, data, q)
-        expected = pin.getJointJacobian(model, data, model.njoints - 1, pin.ReferenceFrame.WORLD)
+        world = pin.getJointJacobian(model, data, model.njoints - 1, pin.ReferenceFrame.WORLD)
+        expected = flat.seen_from.inverse().action @ world
         assert_allclose(flat.part(AT_SCREWS, model.nv, 6).T, expected, rtol=0.0, atol=1e-12)
 
 
@@ -105,9 +107,25 @@ def test_placements_of_robots_with_branches(parts: SimpleNamespace, anywhere: Ar
     pin.forwardKinematics(parts.model, data, anywhere)
     ours = placements(flat)
     for joint in range(1, parts.model.njoints):
-        assert_allclose(
-            ours[of_joint[joint]].homogeneous, data.oMi[joint].homogeneous, rtol=0.0, atol=1e-14
-        )
+        expected = flat.seen_from.actInv(data.oMi[joint]).homogeneous
+        assert_allclose(ours[of_joint[joint]].homogeneous, expected, rtol=0.0, atol=1e-14)
+
+
+@pytest.mark.parametrize("kind", [pin.JointModelFreeFlyer(), pin.JointModelPlanar()])
+def test_nothing_depends_on_where_a_floating_base_is(kind: Any) -> None:
+    """Placements and screws of a base far away are those of one at home, bit for bit."""
+    model, rng = pin.Model(), np.random.default_rng(35)
+    base = model.addJoint(0, kind, placement(rng), "base")
+    model.addJoint(base, pin.JointModelRX(), placement(rng), "arm")
+    flat, q = Flat(flattened(model, [], NO_MOTORS)), random_configuration(model, rng)
+    parts = [(AT_PLACEMENTS, (2, 12)), (AT_SCREWS, (model.nv, 6))]
+    flat.place(q)
+    at_home = [flat.part(at, *shape).copy() for at, shape in parts]
+    q[: 3 if kind.nq == 7 else 2] += 1e6
+    flat.place(q)
+    assert np.linalg.norm(flat.seen_from.translation) > 1e6
+    for (at, shape), expected in zip(parts, at_home, strict=True):
+        assert_array_equal(flat.part(at, *shape), expected)
 
 
 @pytest.mark.parametrize("share", [1.0, 0.3, -0.7])

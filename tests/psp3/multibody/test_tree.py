@@ -17,8 +17,8 @@ from psp3.multibody.tree import (
     AT_VECTORS,
     COUNTS,
     ELEMENTS,
+    FLOATING,
     HEADER,
-    POSITIONS,
     ROWS_OF_KIND,
     SIZE,
 )
@@ -29,7 +29,7 @@ PLACES = {name: place for name, place in vars(tree).items() if name.startswith("
 
 def test_every_entry_of_the_header_has_one_name() -> None:
     """Counts first, then where parts begin, last the size of the memory."""
-    assert (ELEMENTS, POSITIONS) == (0, COUNTS - 1)
+    assert (ELEMENTS, FLOATING) == (0, COUNTS - 1)
     assert sorted(PLACES.values()) == list(range(COUNTS, SIZE))
     assert HEADER == SIZE + 1
 

@@ -13,6 +13,7 @@ import pytest
 import fuzzy2
 import psp3
 from psp3.control import kernels as classical_kernels
+from psp3.control.controller import Widths, widths_of
 from psp3.control.linear_quadratic_regulator import TimeVaryingLinearQuadraticRegulator
 from psp3.drives import NO_DRIVE, Drive
 from psp3.errors import SimulationDiverged
@@ -107,7 +108,7 @@ def classical(kind: int, kp: float = 10.0, kv: float = 1.0) -> classical_kernels
     model = ROBOT.compiled_table()
     if kind == classical_kernels.FEED_FORWARD:
         kp = kv = 0.0
-    return classical_kernels.classical(kind, kp, kv, model, 3)
+    return classical_kernels.classical(kind, kp, kv, model, Widths.of_motors(3))
 
 
 def python_loop(
@@ -600,7 +601,7 @@ def test_both_loops_agree(robot: Any, name: str, drive: Drive, wires: str) -> No
     (said, compiled), (said_too, python) = (
         outcome(robot, controller, motion, 0.3, plant=plant, **options) for plant in plants
     )
-    assert controller.table(robot.compiled_table(), len(robot.actuated)) is not None
+    assert controller.table(robot.compiled_table(), widths_of(robot)) is not None
     assert len(compiled.t) == len(python.t) > 20
     if not is_product:
         assert said == said_too
@@ -642,7 +643,7 @@ def test_a_class_of_a_users_own_is_asked_itself() -> None:
     twice = psp3.simulate(ROBOT, Stiffer(500.0, 50.0), HELIX, 0.1)
     expected = psp3.simulate(ROBOT, psp3.PD(1000.0, 100.0), HELIX, 0.1)
     np.testing.assert_array_equal(twice.torque, expected.torque)
-    assert Stiffer().table(ROBOT.compiled_table(), 3) is None
+    assert Stiffer().table(ROBOT.compiled_table(), widths_of(ROBOT)) is None
 
 
 def test_progress_is_told_at_every_hundredth() -> None:

@@ -1,0 +1,233 @@
+"""Measure how often runs keep a tracking tube, and torques an interval, and how wide these are.
+
+Prints the rows of the tables of ``docs/concepts/bounds.md``, all or some::
+
+    python docs/make_bounds.py
+    python docs/make_bounds.py five_bar intervals
+
+Ten minutes of one core. Everything random has a seed.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+import psp3
+from psp3.bounds import ConformalIntervals
+from psp3.bounds.torque_intervals import SCALES
+from psp3.checks import Array
+from psp3.fuzzy_control.records import record
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.trajectories.motion import Motion
+from psp3.trajectories.trajectory import Trajectory
+
+CALIBRATION, TEST, DRAWS = 60, 200, 40
+"""Runs that calibrate and that test, and how often it is drawn which do."""
+
+GAINS = (100.0, 20.0)
+"""Of the calibration runs: critically damped."""
+
+DURATION, PERIOD = 6.0, 0.004
+
+SPREAD = 0.05
+"""Standard deviation of the logarithms of masses and inertias that the controller believes."""
+
+
+class Case(NamedTuple):
+    """A robot with what is random in a run: seed and gains to a controller.
+
+    ``path`` of the calibration runs and ``other``, a faster one; ``resolution`` of the encoders.
+    """
+
+    name: str
+    robot: Any
+    controller: Callable[[int, float, float], Any]
+    path: Trajectory
+    other: Trajectory
+    resolution: float
+
+    def run(self, seed: int, gains: tuple[float, float], path: Trajectory) -> psp3.Result:
+        """Return a run from the path's own start."""
+        start = path(np.array([0.0]))
+        return psp3.simulate(
+            self.robot,
+            self.controller(seed, *gains),
+            path,
+            DURATION,
+            PERIOD,
+            initial_positions=start.positions[0],
+            initial_speeds=start.speeds[0],
+            encoder_resolution=self.resolution,
+        )
+
+
+def believed(robot: ClosedLoopRobot, rng: np.random.Generator) -> ClosedLoopRobot:
+    """Return the robot as a controller believes it: with masses and inertias that are off."""
+    model = robot.model.copy()
+    for i, body in enumerate(model.inertias):
+        if i and body.mass > 0.0:
+            mass, turn = np.exp(SPREAD * rng.standard_normal(2))
+            model.inertias[i] = pin.Inertia(body.mass * mass, body.lever, body.inertia * turn)
+    options = robot.options
+    parts = robot.constraint_models, robot.actuated, robot.q0, robot.visual_model
+    return ClosedLoopRobot(model, *parts, **options)
+
+
+def with_wrong_masses(name: str, amplitude: float, resolution: float) -> Case:
+    """Return the case of a robot whose controller believes other masses, seed by seed."""
+    robot = psp3.load(name)
+    assert isinstance(robot, ClosedLoopRobot)
+
+    def controller(seed: int, kp: float, kv: float) -> psp3.ComputedTorque:
+        model = believed(robot, np.random.default_rng(seed))
+        return psp3.ComputedTorque(model, kp, kv)
+
+    paths = [psp3.trajectories.Sway(amplitude, period, robot) for period in (2.0, 1.6)]
+    return Case(f"{name}, wrong masses", robot, controller, paths[0], paths[1], resolution)
+
+
+def learned_3psp() -> Case:
+    """Return the case of rules that the 3-PSP learned from noisy records, seed by seed."""
+    robot = psp3.load("psp3")
+    helix = psp3.trajectories.Helix(radius=0.020, period=2.0, rise=0.010, robot=robot)
+    recorded = record(robot, helix, 10.4, kp=10.0, kv=1.0)
+
+    def controller(seed: int, kp: float, kv: float) -> psp3.FuzzyComputedTorque:
+        fuzzy = psp3.FuzzyComputedTorque("it2", robot, learner="average", snr_db=20.0, kp=kp, kv=kv)
+        return fuzzy.learn(recorded, 209, np.random.default_rng(seed))
+
+    faster = psp3.trajectories.Helix(radius=0.018, period=1.6, rise=0.010, robot=robot)
+    return Case("psp3, learned at 20 dB", robot, controller, helix, faster, 0.0)
+
+
+def rows_of_tubes(case: Case) -> Iterator[str]:
+    """Yield the rows of a robot in the table of tubes.
+
+    Of all runs as calibrated some are drawn to calibrate, and the others test; runs of other gains
+    and paths test the tubes of all these draws.
+    """
+    count = CALIBRATION + TEST
+    alike = [case.run(seed, GAINS, case.path) for seed in range(count)]
+    source = np.random.default_rng(0)
+    draws = [np.arange(count)] + [source.permutation(count) for _ in range(DRAWS)]
+    tubes = [psp3.TrackingTube([alike[i] for i in draw[:CALIBRATION]], *GAINS) for draw in draws]
+    for what, gains, path in (
+        ("as calibrated", GAINS, case.path),
+        ("gains 400, 40", (400.0, 40.0), case.path),
+        ("a faster path", GAINS, case.other),
+        ("gains 100, 10", (100.0, 10.0), case.path),
+        ("gains 10, 1", (10.0, 1.0), case.path),
+    ):
+        own = [tube.with_gains(*gains) for tube in tubes]
+        if what == "as calibrated":
+            tests = [[alike[i] for i in draw[CALIBRATION:]] for draw in draws]
+        else:
+            seeds = range(count, count + TEST)
+            tests = [[case.run(seed, gains, path) for seed in seeds]] * len(draws)
+        kept = 100.0 * np.array(
+            [
+                np.mean([tube.holds(run) for run in runs])
+                for tube, runs in zip(own, tests, strict=True)
+            ]
+        )
+        widths = np.mean([tube.width for tube in own[1:]], axis=0)
+        errors = np.array(
+            [np.abs(run.desired.positions - run.positions).max(axis=0) for run in tests[0]]
+        )
+        i = int(np.argmax(widths))
+        worst, middle = errors[:, i].max(), float(np.median(errors[:, i]))
+        yield (
+            f"| {case.name} | {what} | {kept[0]:.1f} % | {kept[1:].mean():.1f} % | "
+            f"{1e3 * widths[i]:.3g} | {1e3 * worst:.3g} | {widths[i] / worst:.2f} | "
+            f"{1e3 * middle:.3g} |"
+        )
+
+
+SEEDS, CALIBRATE, ASK = 60, 300, 700
+"""Of torque intervals: seeds, and states that calibrate and that are asked."""
+
+NOISE, NEAR = 0.01, 0.1
+"""Noise on torques in shares of their root mean square, and how far states are from the path in
+shares of its amplitude; speeds five times as far.
+"""
+
+HELD = 0.9
+
+
+def torques_near(
+    fuzzy: Any, path: Trajectory, amplitude: float, count: int, rng: np.random.Generator
+) -> tuple[Array, Array]:
+    """Return noisy torques of the exact model, and the intervals, at states near a path."""
+    wanted = path(rng.uniform(1.0, 9.0, count))
+    near = NEAR * amplitude
+    positions = wanted.positions + rng.normal(0.0, near, wanted.positions.shape)
+    speeds = wanted.speeds + rng.normal(0.0, 5.0 * near, wanted.positions.shape)
+    servo = wanted.accelerations + fuzzy.kv * (wanted.speeds - speeds)
+    servo += fuzzy.kp * (wanted.positions - positions)
+    torques = fuzzy.robot.inverse_dynamics(positions, speeds, servo)
+    intervals = np.empty((*torques.shape, 2))
+    for i, (a, v) in enumerate(zip(positions, speeds, strict=True)):
+        fuzzy.torque(0.0, a, v, Motion(*(array[i] for array in wanted)))
+        intervals[i] = fuzzy.torque_interval
+    noise = NOISE * np.sqrt((torques**2).mean(axis=0))
+    return torques + noise * rng.standard_normal(torques.shape), intervals
+
+
+def row_of_intervals(
+    name: str, fuzzy: Any, path: Trajectory, other: Trajectory, amplitude: float
+) -> str:
+    """Return a row of the table of torque intervals."""
+    found: list[list[float]] = []
+    for seed in range(SEEDS):
+        rng = np.random.default_rng(seed)
+        known, same, else_where = (
+            torques_near(fuzzy, where, amplitude, count, rng)
+            for where, count in ((path, CALIBRATE), (path, ASK), (other, ASK))
+        )
+        one = []
+        for torques, given in (same, else_where):
+            one.append(float(((given[..., 0] <= torques) & (torques <= given[..., 1])).mean()))
+        one.append(float(np.diff(same[1]).mean()))
+        for scale in SCALES:
+            intervals = ConformalIntervals(*known, HELD, scale)
+            one += [float(intervals.holds(*asked).mean()) for asked in (same, else_where)]
+            one.append(float(np.diff(intervals.around(same[1])).mean()))
+        found.append(one)
+    means = np.mean(found, axis=0)
+    cells = [
+        f"{100.0 * here:.1f} / {100.0 * there:.1f} % | {width:.3g}"
+        for here, there, width in means.reshape(-1, 3)
+    ]
+    return f"| {name} | " + " | ".join(cells) + " |"
+
+
+def rows_of_intervals() -> Iterator[str]:
+    """Yield the rows of the table of torque intervals."""
+    robot = psp3.load("psp3")
+    helix, other = (
+        psp3.trajectories.Helix(radius=radius, period=period, rise=rise, robot=robot)
+        for radius, period, rise in ((0.020, 2.0, 0.010), (0.015, 1.5, 0.005))
+    )
+    for kind, variation in (("it2", 0.05), ("it2", 0.2), ("it2", 0.35), ("gt2", 0.2)):
+        fuzzy = psp3.FuzzyComputedTorque(
+            kind, robot, learner="average", mean_variation=variation
+        ).fit(helix)
+        yield row_of_intervals(f"psp3, {kind}, {variation:g}", fuzzy, helix, other, 0.02)
+
+
+CASES: dict[str, Callable[[], Case]] = {
+    "psp3": learned_3psp,
+    "five_bar": lambda: with_wrong_masses("five_bar", 0.1, 2e-5),
+    "delta": lambda: with_wrong_masses("delta", 0.1, 2e-5),
+}
+
+if __name__ == "__main__":
+    for asked in sys.argv[1:] or [*CASES, "intervals"]:
+        for row in rows_of_intervals() if asked == "intervals" else rows_of_tubes(CASES[asked]()):
+            sys.stdout.write(f"{row}\n")
+            sys.stdout.flush()

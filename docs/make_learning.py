@@ -1,0 +1,106 @@
+"""Print the tables of ``docs/how_to/learn_any_robot.md``: learned computed torque of three robots.
+
+Run by ``python docs/make_learning.py``, which takes some minutes.
+"""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable
+
+import numpy as np
+
+import psp3
+from psp3.checks import Array
+from psp3.control.classical import critically_damped_gains
+from psp3.control.controller import Controller
+from psp3.errors import SimulationStopped
+from psp3.fuzzy_control.numbers import output_names, pack
+from psp3.fuzzy_control.records import Record
+from psp3.robots.robot import Robot
+from psp3.study.statistics import ratio_of_geometric_means
+from psp3.trajectories.fourier_series import FourierSeries
+from psp3.trajectories.sway import Sway
+from psp3.trajectories.trajectory import Trajectory
+
+ROBOTS = ("five_bar", "delta", "gough_stewart")
+SEEDS = 10
+SNR = 20.0
+DURATION = 3.0
+SAMPLES = 600
+KP, KV = critically_damped_gains(20.0)
+
+
+def exciting(robot: Robot) -> FourierSeries:
+    """Return a motion of five harmonics about the reference, which repeats after 3 s."""
+    rng, sway = np.random.default_rng(1), Sway(robot=robot)
+    shares = 0.35 * sway.amplitudes / np.arange(1, 6)[:, np.newaxis]
+    sines, cosines = (rng.normal(size=shares.shape) * shares for _ in range(2))
+    return FourierSeries(sway.center, sines, cosines, DURATION, robot)
+
+
+def error_on(robot: Robot, controller: Controller, path: Trajectory) -> float:
+    """Return the root mean square of the error of a run that starts on the path with its speed."""
+    speeds = path(0.0).speeds
+    try:
+        result = psp3.simulate(robot, controller, path, DURATION, initial_speeds=speeds)
+    except SimulationStopped:
+        return float("nan")
+    return float(np.sqrt(((result.positions - result.desired.positions) ** 2).mean()))
+
+
+def motion_record(robot: Robot, motion: tuple[Array, Array, Array]) -> Record:
+    """Return exact M, C and G on a motion."""
+    inputs, (a, v, _) = robot.learning_inputs, motion
+    numbers = pack(*robot.equation_of_motion(a, v))
+    t = np.arange(len(a)) * 0.002
+    return Record(t, a, v, inputs.of(a, v), numbers, inputs.names, output_names(a.shape[1]))
+
+
+def rows_of(name: str, say: Callable[[str], None]) -> None:
+    """Say the rows of one robot."""
+    robot = psp3.load(name)
+    paths = {"trained": exciting(robot), "untrained": Sway(robot=robot)}
+    motion = paths["trained"].joints(np.arange(0.0, DURATION, 0.002))
+    recorded = motion_record(robot, motion)
+    exact = {w: error_on(robot, psp3.ComputedTorque(robot, KP, KV), p) for w, p in paths.items()}
+    noisy: dict[tuple[str, str], list[float]] = {}
+    for where, path in paths.items():
+        cells = [f"{1e6 * exact[where]:.3g}"]
+        for kind in ("t1", "it2", "gt2"):
+            clean = psp3.FuzzyComputedTorque(kind, robot, kp=KP, kv=KV)
+            cells.append(f"{1e6 * error_on(robot, clean.learn(recorded), path):.3g}")
+        for kind in ("t1", "it2", "gt2"):
+            errors = noisy.setdefault((where, kind), [])
+            for seed in range(SEEDS):
+                one = psp3.FuzzyComputedTorque(kind, robot, kp=KP, kv=KV, snr_db=SNR)
+                one.learn(recorded, SAMPLES, np.random.default_rng(seed))
+                errors.append(error_on(robot, one, path))
+            cells.append(f"{1e6 * np.median(errors):.3g}")
+        say(f"| {name} | {where} | {' | '.join(cells)} |")
+    forces = robot.inverse_dynamics(*motion)
+    size = 10.0 ** (-SNR / 20.0) * np.sqrt((forces**2).mean(axis=0))
+    for coriolis in ("rules", "mass"):
+        by_forces: dict[str, list[float]] = {where: [] for where in paths}
+        for seed in range(SEEDS):
+            measured = forces + size * np.random.default_rng(seed).normal(size=forces.shape)
+            one = psp3.FuzzyComputedTorque("t1", robot, kp=KP, kv=KV, coriolis=coriolis, rules=16)
+            one.learn_from_motion(*motion, measured, samples=SAMPLES)
+            for where, path in paths.items():
+                by_forces[where].append(error_on(robot, one, path))
+        whole = psp3.FuzzyComputedTorque("t1", robot, kp=KP, kv=KV, coriolis=coriolis, rules=16)
+        whole.learn(recorded, SAMPLES)
+        for where, path in paths.items():
+            reference = error_on(robot, whole, path)
+            ratio = ratio_of_geometric_means(by_forces[where], [reference] * SEEDS)
+            say(
+                f"| {name} | {where} | {coriolis} | {1e6 * reference:.3g} | "
+                f"{1e6 * np.exp(np.mean(np.log(by_forces[where]))):.3g} | {ratio} |"
+            )
+
+
+if __name__ == "__main__":
+    logging.basicConfig(level=logging.INFO, format="%(message)s")
+    for robot_name in sys.argv[1:] or ROBOTS:
+        rows_of(robot_name, logging.getLogger(__name__).info)

@@ -1,0 +1,147 @@
+r"""Torque intervals that hold a stated share of torques.
+
+The interval of a type-2 controller (:attr:`psp3.FuzzyComputedTorque.torque_interval`) says how far
+its rules disagree, not how far they are wrong. One number for each joint, learned from torques
+that were measured or that an exact model asks for, makes intervals of it that hold what they say.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from psp3.bounds.conformal import checked_share, conformal_bound
+from psp3.checks import Array, as_floats
+from psp3.errors import InvalidArray, InvalidValue, UnknownName
+
+SCALES = ("interval", "constant")
+"""What is stretched: the interval's own width, or one width for all states."""
+
+
+class ConformalIntervals:
+    r"""Intervals about the middles of given ones that hold a stated share of torques.
+
+    .. math:: \Big[ m - r, m + r \Big], \qquad m = \tfrac12 (\underline\tau + \overline\tau), \quad
+              r = q\, \tfrac12 (\overline\tau - \underline\tau) \text{ or } r = q
+
+    with q the conformal bound, joint by joint, of :math:`|\tau - m|` in units of the half-width or
+    by itself (:func:`psp3.bounds.conformal_bound`). A new torque of one joint is held with a
+    probability of at least ``share`` if state and torque are exchangeable with those given.
+    Samples of one run are not independent: take states at random, or whole runs that are like those
+    to come, of which many are worth more than long ones.
+
+    Parameters
+    ----------
+    torques : (N, n) array_like
+        Torques [N or N m]: measured, or those that an exact model asks for.
+    intervals : (N, n, 2) array_like
+        Intervals at the same states.
+    share : float
+        Share of the torques of each joint that are to be held, in (0, 1).
+    scale : {"interval", "constant"}
+        What q multiplies: the given half-widths, or 1, which leaves one half-width for all states.
+
+    Attributes
+    ----------
+    factor : (n,) ndarray
+        q of each joint: a factor, or a half-width [N or N m].
+
+    Raises
+    ------
+    InvalidArray
+        If arrays are not finite numbers of these shapes, or ends are not in ascending order.
+    InvalidValue
+        If there are too few torques for the share, or so many intervals have no width that no
+        factor widens them enough.
+    """
+
+    def __init__(
+        self,
+        torques: ArrayLike,
+        intervals: ArrayLike,
+        share: float = 0.9,
+        scale: str = "interval",
+    ) -> None:
+        if scale not in SCALES:
+            raise UnknownName("scale", scale, SCALES)
+        self.share, self.scale = checked_share(share), scale
+        if np.ndim(intervals) != 3:
+            raise InvalidArray("intervals", "(N, n, 2)", intervals)
+        middle, half = _middle_and_half(intervals)
+        measured = _torques(torques, middle.shape)
+        self.factor = conformal_bound(self._scores(measured, middle, half), self.share)
+        if not np.isfinite(self.factor).all():
+            raise InvalidValue(
+                "intervals",
+                f"of no width at {np.mean(half == 0.0):.0%} of the states",
+                'such as have a width; take scale="constant"',
+            )
+
+    def __repr__(self) -> str:
+        factors = ", ".join(f"{value:.3g}" for value in self.factor)
+        return (
+            f"{type(self).__name__}({100.0 * self.share:g} % of the torques, {self.scale}, "
+            f"factor=[{factors}])"
+        )
+
+    def _scores(self, torques: Array, middle: Array, half: Array) -> Array:
+        off = np.abs(torques - middle)
+        if self.scale == "constant":
+            return off
+        # An interval of no width holds its middle, and nothing else however it is stretched.
+        bare = half == 0.0
+        scores: Array = np.where(
+            bare, np.where(off > 0.0, np.inf, 0.0), off / np.where(bare, 1.0, half)
+        )
+        return scores
+
+    def around(self, intervals: ArrayLike) -> Array:
+        """Return intervals (..., n, 2) that hold what was asked for, about the given ones' middles.
+
+        Raises
+        ------
+        InvalidArray
+            If intervals are not finite numbers of that shape in ascending order.
+        """
+        middle, half = self._of_joints(intervals)
+        reach = self.factor * (half if self.scale == "interval" else np.ones_like(half))
+        return np.stack([middle - reach, middle + reach], axis=-1)
+
+    def holds(self, torques: ArrayLike, intervals: ArrayLike) -> NDArray[np.bool_]:
+        """Return which torques (..., n) are in the intervals about those given, (..., n, 2).
+
+        Raises
+        ------
+        InvalidArray
+            As from :meth:`around`, or if torques are not of that shape.
+        """
+        middle, half = self._of_joints(intervals)
+        measured = _torques(torques, middle.shape)
+        # By the scores of calibration: ends of intervals would be rounded.
+        return np.asarray(self._scores(measured, middle, half) <= self.factor)
+
+    def _of_joints(self, intervals: ArrayLike) -> tuple[Array, Array]:
+        middle, half = _middle_and_half(intervals)
+        if middle.shape[-1:] != self.factor.shape:
+            raise InvalidArray("intervals", f"(..., {len(self.factor)}, 2)", intervals)
+        return middle, half
+
+
+def _middle_and_half(intervals: ArrayLike) -> tuple[Array, Array]:
+    ends = as_floats("intervals", intervals, "(..., n, 2)")
+    if (
+        np.ndim(intervals) < 2
+        or ends.shape[-1] != 2
+        or not np.isfinite(ends).all()
+        or (ends[..., 0] > ends[..., 1]).any()
+    ):
+        raise InvalidArray("intervals", "(..., n, 2), left ends not above right ends", intervals)
+    low, high = ends[..., 0], ends[..., 1]
+    return 0.5 * (low + high), 0.5 * (high - low)
+
+
+def _torques(torques: ArrayLike, shape: tuple[int, ...]) -> Array:
+    measured = as_floats("torques", torques, str(shape))
+    if np.shape(torques) != shape or not np.isfinite(measured).all():
+        raise InvalidArray("torques", str(shape), torques)
+    return measured

@@ -1,0 +1,307 @@
+r"""A tube about the desired motion that runs under control keep.
+
+Run by run it is asked how great a disturbing acceleration must have been, beside the servo's, for
+the robot to move as it did (:func:`residual_accelerations`). A bound that a stated share of runs
+keeps (:mod:`psp3.bounds.conformal`), times the greatest error that a disturbance of one unit can
+make (:meth:`psp3.bounds.ErrorDynamics.worst_error`), is the half-width of the tube.
+"""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from psp3.bounds.conformal import checked_share, conformal_bound, scores_needed
+from psp3.bounds.error_dynamics import (
+    ErrorDynamics,
+    least_disturbance,
+    powers,
+    share_of_period,
+)
+from psp3.checks import Array, finite_rows
+from psp3.errors import InvalidValue
+from psp3.robots.robot import Robot
+from psp3.simulation.result import Result
+
+FOR_PROPORTIONS = 10
+"""One of so many runs, and at least one, says how the bounds of the coordinates compare."""
+
+LEAST_PROPORTION = 1e-3
+"""No coordinate's bound is less than this share of the greatest one's."""
+
+ROUNDING = 1e-9
+"""By this share the tube is wider, so that a run that just keeps its bounds keeps the tube."""
+
+EVEN = 1e-6
+"""Relative difference of control periods that is rounding of times."""
+
+
+def residual_accelerations(result: Result, kp: float, kv: float) -> Array:
+    r"""Return what must have disturbed a run under computed torque, period by period.
+
+    The least D for which some :math:`|d(t)| \le D` in the period, added to the servo acceleration
+    that is held, moves the robot as it was moved,
+
+    .. math:: \ddot a = \ddot a_d + k_v \dot e + k_p e + d,
+
+    see :func:`psp3.bounds.error_dynamics.least_disturbance`. Neither forces nor a model are asked
+    for: d is :math:`M^{-1} (\tau - \tau_\text{ideal})` of the robot as it is, with all that errors
+    of the learned model, noise, encoders, delay, friction and limits of force did to :math:`\tau`,
+    with what the desired acceleration and the robot's own dynamics change within a period, and with
+    nothing for holding the feedback, which :class:`psp3.bounds.ErrorDynamics` knows.
+
+    Parameters
+    ----------
+    result : Result
+        A run of N samples at even times.
+    kp, kv : float
+        Gains of its controller [1/s²], [1/s].
+
+    Returns
+    -------
+    (N - 1, k) ndarray
+        For each period and each of the k coordinates that are commanded [m/s² or rad/s²].
+
+    Raises
+    ------
+    InvalidValue
+        If the samples are fewer than two or not even, or errors do not settle with these gains.
+    """
+    loop = ErrorDynamics(kp, kv, period_of(result))
+    errors, rates = errors_of(result)
+    now = np.stack([errors, rates], axis=-1)
+    left = now[1:] - now[:-1] @ loop.step.T
+    return least_disturbance(left[..., 0], left[..., 1], loop.period)
+
+
+def period_of(result: Result) -> float:
+    """Return the control period of a run [s]; raise :class:`InvalidValue` if there is none."""
+    if len(result.t) < 2:
+        raise InvalidValue("result", f"{len(result.t)} samples", "a run of at least two samples")
+    steps = np.diff(result.t)
+    period = float(result.t[-1] - result.t[0]) / len(steps)
+    # Times far from zero have fewer digits left for their differences.
+    rounding = EVEN * abs(period) + 4.0 * float(np.spacing(np.abs(result.t).max()))
+    if not (period > 0.0 and np.abs(steps - period).max() <= rounding):
+        raise InvalidValue("result", "times", "at even and ascending times, one a control period")
+    return period
+
+
+def errors_of(result: Result) -> tuple[Array, Array]:
+    """Return errors of positions and of speeds, (N, k) each, of what motors command."""
+    wanted, k = result.desired, result.desired.positions.shape[-1]
+    return wanted.positions - result.positions[:, :k], wanted.speeds - result.speeds[:, :k]
+
+
+class TrackingTube:
+    r"""A tube about the desired motion that a stated share of runs keeps.
+
+    .. math:: |e_i(t_j)| \le \big| (F^j x_0)_e \big| + D_i
+              \sum_{l < j} \int_0^h \big| (F^l)_{ee} (h - s) + (F^l)_{e \dot e} \big|\, ds
+
+    at every control period, with F of :class:`psp3.bounds.ErrorDynamics`, the errors :math:`x_0` at
+    the start, and the bounds :math:`D_i` of the residual accelerations. Every run that keeps these
+    bounds keeps the tube. One of ten calibration runs gives their proportions, and the rest of them
+    one factor, run by run the least that bounds all its coordinates in all its periods: it is the
+    conformal bound of these. So a new run keeps the tube, all of it all the time, with a
+    probability of at least ``share`` if it is exchangeable with the calibration runs: the same
+    robot, path, gains, period and duration, and whatever is random, rules learned from noise
+    included, drawn by the same law. Of other gains and paths nothing is guaranteed; see
+    :meth:`with_gains`.
+
+    Parameters
+    ----------
+    runs : iterable of (Result or None)
+        Calibration runs, in an order that has nothing to do with what happened in them. A run that
+        did not reach its end is None and counts: it needs a share of its own among those that do
+        not keep the tube.
+    kp, kv : float
+        Gains of their controller [1/s²], [1/s].
+    share : float
+        Share of runs that are to keep the tube, in (0, 1).
+
+    Attributes
+    ----------
+    dynamics : ErrorDynamics
+        Gains and control period.
+    share : float
+        As given.
+    runs : int
+        Number of calibration runs.
+    residual : (k,) ndarray
+        Bounds :math:`D_i` of the residual acceleration of each coordinate [m/s² or rad/s²].
+    is_guaranteed : bool
+        Whether gains are those of the calibration runs.
+
+    Raises
+    ------
+    InvalidValue
+        If there are too few runs for the share, or too few of them reached their end; or they
+        differ in their control periods or coordinates.
+    """
+
+    def __init__(
+        self, runs: Iterable[Result | None], kp: float, kv: float, share: float = 0.95
+    ) -> None:
+        given, self.share = list(runs), checked_share(share)
+        self.runs, self.is_guaranteed = len(given), True
+        first = -(-self.runs // FOR_PROPORTIONS)
+        if self.runs - first < scores_needed(self.share):
+            raise InvalidValue(
+                "runs",
+                self.runs,
+                f"at least {runs_needed(self.share)} of them for a share of {self.share:g}; do "
+                "more, or ask for a smaller share",
+            )
+        whole = [run for run in given if run is not None]
+        if not any(run is not None for run in given[:first]):
+            raise InvalidValue("runs", None, "such that one of the first tenth reached its end")
+        period, width = period_of(whole[0]), whole[0].desired.positions.shape[-1]
+        self.dynamics = ErrorDynamics(kp, kv, period)
+        for run in whole[1:]:
+            self._check(run, width)
+        greatest = np.array(
+            [
+                np.full(width, math.inf)
+                if run is None
+                else residual_accelerations(run, kp, kv).max(axis=0)
+                for run in given
+            ]
+        )
+        proportions = greatest[:first][np.isfinite(greatest[:first, 0])].max(axis=0)
+        proportions = np.maximum(proportions, LEAST_PROPORTION * proportions.max())
+        factor = float(conformal_bound((greatest[first:] / proportions).max(axis=1), self.share))
+        if math.isinf(factor):
+            raise InvalidValue(
+                "runs",
+                f"{self.runs - len(whole)} of {self.runs} that did not reach their end",
+                f"fewer of these for a share of {self.share:g}",
+            )
+        self.residual: Array = factor * proportions
+
+    def __repr__(self) -> str:
+        loop = self.dynamics
+        law = "" if self.is_guaranteed else "gains of no calibration run, "
+        return (
+            f"{type(self).__name__}(kp={loop.kp:g}, kv={loop.kv:g}, period={loop.period:g} s, "
+            f"{law}{100.0 * self.share:g} % of runs by {self.runs}, "
+            f"residual={_listed(self.residual)}, width={_listed(self.width)})"
+        )
+
+    @property
+    def width(self) -> Array:
+        """Half-width of the tube of runs that start on the path, (k,) [m or rad]."""
+        widths: Array = self.residual * self.dynamics.worst_error()
+        return widths
+
+    def around(self, result: Result) -> Array:
+        """Return the half-width at every sample of a run, (N, k) [m or rad].
+
+        It begins with the error of the run's first sample, and ends at :attr:`width`.
+
+        Raises
+        ------
+        InvalidValue
+            If the run has another control period or other coordinates.
+        """
+        self._check(result, len(self.residual))
+        count, loop = len(result.t), self.dynamics
+        rows = powers(loop.step, count)[:, 0]
+        starts = np.stack([array[0] for array in errors_of(result)])
+        shares = share_of_period(rows, loop.period)[:-1]
+        grown = np.concatenate([[0.0], np.cumsum(shares)])
+        bounds: Array = np.abs(rows @ starts) + grown[:, np.newaxis] * self.residual
+        return (1.0 + ROUNDING) * bounds
+
+    def holds(self, result: Result) -> bool:
+        """Return whether a run stays within the tube at every sample, see :meth:`around`."""
+        return bool((np.abs(errors_of(result)[0]) <= self.around(result)).all())
+
+    def with_gains(self, kp: float, kv: float) -> TrackingTube:
+        """Return the tube of other gains, with the bounds of the residual acceleration as they are.
+
+        Nothing is guaranteed of it, since what a wrong model does to the force depends on what the
+        servo asks for: try it on runs with these gains.
+
+        Raises
+        ------
+        InvalidValue
+            If errors do not settle with these gains.
+        """
+        other = object.__new__(TrackingTube)
+        other.__dict__ |= self.__dict__
+        other.dynamics = ErrorDynamics(kp, kv, self.dynamics.period)
+        other.is_guaranteed = self.is_guaranteed and other.dynamics == self.dynamics
+        return other
+
+    def tip_width(self, robot: Robot, positions: ArrayLike) -> Array:
+        r"""Return how far the tip can be from a path in the tube, to first order in its width.
+
+        .. math:: \max_{\sigma_i = \pm 1} \Big\lVert \sum_i \sigma_i \tfrac12 \big(
+                  p(a + w_i u_i) - p(a - w_i u_i) \big) \Big\rVert
+
+        with the unit vectors :math:`u_i` and the half-widths w: the Jacobian of the tip p, as
+        differences over the tube, times the corner of the tube that is farthest. What is left out
+        is of the order of w² times the second derivatives of p.
+
+        Parameters
+        ----------
+        robot : Robot
+            The robot, whose coordinates are all commanded.
+        positions : (..., k) array_like
+            Desired positions along the path [m or rad].
+
+        Returns
+        -------
+        (...,) ndarray
+            [m]
+
+        Raises
+        ------
+        InvalidValue
+            If the robot has no frame ``tip``, or other coordinates.
+        UnreachablePose, ClosureFailed, JointLimitExceeded
+            If the tube leaves the poses that the robot can take.
+        """
+        width = self.width
+        k = len(width)
+        if len(robot.reference) != k:
+            raise InvalidValue("robot", robot.title, f"one of {k} coordinates, all commanded")
+        path = finite_rows("positions", positions, k)
+        ways = [0.5 * (robot.tip(path + step) - robot.tip(path - step)) for step in np.diag(width)]
+        if not np.isfinite(ways).all():
+            raise InvalidValue("robot", robot.title, "one with a frame named tip")
+        farthest = np.zeros(path.shape[:-1])
+        # Opposite corners are as far.
+        for signs in itertools.product((1.0, -1.0), repeat=k - 1):
+            corner = ways[0] + sum(sign * way for sign, way in zip(signs, ways[1:], strict=True))
+            np.maximum(farthest, np.linalg.norm(corner, axis=-1), out=farthest)
+        return farthest
+
+    def _check(self, run: Result, width: int) -> None:
+        period, own = period_of(run), self.dynamics.period
+        if abs(period - own) > EVEN * own:
+            raise InvalidValue("result", f"a period of {period:g} s", f"one of {own:g} s")
+        found = run.desired.positions.shape[-1]
+        if found != width:
+            raise InvalidValue("result", f"{found} coordinates", f"one of {width}")
+
+
+def runs_needed(share: float) -> int:
+    """Return how many runs a tube that a share of runs keeps needs at least.
+
+    See :class:`TrackingTube`.
+    """
+    scores = scores_needed(share)
+    # One of every ten more, rounded up.
+    return next(
+        count for count in itertools.count(scores) if count - -(-count // FOR_PROPORTIONS) >= scores
+    )
+
+
+def _listed(values: Array) -> str:
+    return "[" + ", ".join(f"{value:.3g}" for value in values) + "]"

@@ -1,0 +1,207 @@
+r"""Rules of M, C and G learned from forces, which are measured, where M, C and G are not.
+
+The consequents c of all rules minimize
+
+.. math:: \sum_{n, i} \frac{(\tau_{ni} - Y_{ni} c)^2}{\langle \tau_i^2 \rangle}
+          + \lambda\, \lVert D\,(c - \bar c) \rVert^2,
+
+with Y of :mod:`psp3.fuzzy_control.force_regressor`. :math:`\bar c` is what is nearest to the forces
+with the same M and C in every rule, and a G of its own: what no sample says about a rule's M and C
+is taken from all. D makes changes of M, C and G count by the forces that they make on average, and
+:math:`\lambda` is chosen by generalized cross-validation
+(:mod:`fuzzy2.learning.cross_validation`).
+
+**Positive definite M.** A fuzzy average of positive definite matrices is positive definite, of any
+type, so that M is where the M of every rule is. Then the minimum is that over consequents with
+:math:`M_r \succeq \mu I`, :math:`\mu` a share of the least eigenvalue of the one model's M: a
+convex problem, which the alternating direction method of multipliers solves (S. Boyd, N. Parikh, E.
+Chu, B. Peleato and J. Eckstein, "Distributed optimization and statistical learning via the
+alternating direction method of multipliers", Foundations and Trends in Machine Learning 3(1), 2011). Only the
+average over the rules is sure to be positive definite else, and where an estimate is not, that
+takes its place.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from fuzzy2.learning.cross_validation import ridge_by_cross_validation
+from psp3.checks import Array
+from psp3.errors import UnusableEstimate
+from psp3.fuzzy_control import force_regressor as regressor
+
+LEAST_SHARE = 0.05
+"""Least eigenvalue of a rule's M, as a share of that of the one model of all rules."""
+
+ITERATIONS = 5000
+"""Most iterations of the constrained problem; some hundred are the rule."""
+
+TOLERANCE = 1e-9
+"""Change and violation, relative to the consequents, at which the constrained problem is solved."""
+
+
+class Samples(NamedTuple):
+    """What forces are learned from, sample by sample.
+
+    ``speeds``, ``accelerations`` and ``forces`` (N, n); basis functions ``of_mass`` (N, R) of the
+    rules for M and G and ``of_coriolis`` (N, S) of those for C, or None; ``slopes`` (N, R, n) of
+    the first along the positions where C is the derivative of M, else None.
+    """
+
+    speeds: Array
+    accelerations: Array
+    forces: Array
+    of_mass: Array
+    of_coriolis: Array | None
+    slopes: Array | None
+
+
+class Consequents(NamedTuple):
+    """What rules say: upper triangles of M (R, n (n + 1) / 2), G (R, n), and C (S, n²) or None."""
+
+    mass: Array
+    gravity: Array
+    coriolis: Array | None
+
+
+def regressor_blocks(samples: Samples) -> list[Array]:
+    """Return the columns of M's, G's and C's consequents, (N, n, rules, numbers) each."""
+    n = samples.speeds.shape[1]
+    mass = regressor.mass_columns(samples.of_mass, samples.accelerations)
+    if samples.slopes is not None:
+        mass = mass + regressor.derived_coriolis_columns(samples.slopes, samples.speeds)
+    blocks = [mass, regressor.gravity_columns(samples.of_mass, n)]
+    if samples.of_coriolis is not None:
+        blocks.append(regressor.coriolis_columns(samples.of_coriolis, samples.speeds))
+    return blocks
+
+
+def learn_consequents(samples: Samples, positive_definite: bool) -> Consequents:
+    """Return the consequents that explain the forces best.
+
+    Raises
+    ------
+    UnusableEstimate
+        If M is to be positive definite, and that of the one model of all rules is not.
+    """
+    n = samples.forces.shape[1]
+    sizes = np.sqrt((samples.forces**2).mean(axis=0))
+    rows = 1.0 / np.where(sizes > 0.0, sizes, 1.0)
+    blocks = [block * rows[:, np.newaxis, np.newaxis] for block in regressor_blocks(samples)]
+    targets = (samples.forces * rows).reshape(-1, 1)
+    one, scales = _one_model(blocks, targets, n)
+    shapes = [block.shape[2:] for block in blocks]
+    prior = np.concatenate([consequents.ravel() for consequents in one])
+    weights = np.concatenate(
+        [np.tile(scale, rules) for scale, (rules, _) in zip(scales, shapes, strict=True)]
+    )
+    design = np.concatenate([block.reshape(len(targets), -1) for block in blocks], axis=1)
+    left_over = targets - (design @ prior)[:, np.newaxis]
+    scaled = design / weights
+    moved, ridges = ridge_by_cross_validation(scaled, left_over)
+    found = prior + moved[:, 0] / weights
+    if positive_definite:
+        least = LEAST_SHARE * _least_eigenvalue(one[0], n)
+        if not least > 0.0:
+            raise UnusableEstimate(_matrices(one[0][:1], n)[0])
+        problem = scaled, left_over[:, 0], float(ridges[0]), prior, weights
+        found = _within(*problem, shapes[0], n, least, found)
+    ends = np.cumsum([rules * numbers for rules, numbers in shapes])
+    parts = [
+        part.reshape(shape) for part, shape in zip(np.split(found, ends[:-1]), shapes, strict=True)
+    ]
+    return Consequents(parts[0], parts[1], parts[2] if len(parts) > 2 else None)
+
+
+def _one_model(
+    blocks: Sequence[Array], targets: Array, joints: int
+) -> tuple[list[Array], list[Array]]:
+    """Return consequents (rules, numbers) of each block with one M and C, and numbers' scales.
+
+    A change of M, C or G counts by the root mean square of the force that it makes.
+    """
+    scales, parts = [], []
+    for place, block in enumerate(blocks):
+        columns = block.sum(axis=2).reshape(len(targets), -1)
+        # Off-diagonal entries of M stand for two.
+        twice = _twice(joints) if place == 0 else np.ones(columns.shape[1])
+        scales.append((np.sqrt((columns**2).mean()) or 1.0) * twice)
+        # G changes with the pose where M and C hardly do, so that each rule has one of its own.
+        own = [columns, block.reshape(len(targets), -1)] if place == 1 else [columns]
+        both = np.concatenate(own, axis=1)
+        parts.append(both / np.resize(scales[-1], both.shape[1]))
+    found = ridge_by_cross_validation(np.concatenate(parts, axis=1), targets)[0][:, 0]
+    ends = np.cumsum([part.shape[1] for part in parts])
+    one = []
+    for part, scale, block in zip(np.split(found, ends[:-1]), scales, blocks, strict=True):
+        consequents = part.reshape(-1, len(scale)) / scale
+        if len(consequents) > 1:
+            # What all rules say of G, and by how much each differs.
+            consequents = consequents[0] + consequents[1:]
+        one.append(np.broadcast_to(consequents, block.shape[2:]))
+    return one, scales
+
+
+def _twice(joints: int) -> Array:
+    """Return √2 for the off-diagonal entries of an upper triangle, else 1."""
+    first, second = np.triu_indices(joints)
+    return np.where(first == second, 1.0, np.sqrt(2.0))
+
+
+def _within(
+    design: Array,
+    targets: Array,
+    ridge: float,
+    prior: Array,
+    weights: Array,
+    shape: tuple[int, ...],
+    joints: int,
+    least: float,
+    unconstrained: Array,
+) -> Array:
+    """Return the minimum over consequents whose M's have eigenvalues of at least ``least``."""
+    count = shape[0] * shape[1]
+    mass = unconstrained[:count].reshape(shape)
+    if np.linalg.eigvalsh(_matrices(mass, joints)).min() >= least:
+        return unconstrained
+    # In scaled changes from the one model distances of M's are those of their entries, all of them.
+    gram = design.T @ design
+    values, vectors = np.linalg.eigh(gram + ridge * np.eye(len(prior)))
+    right, penalty = design.T @ targets, float(np.sqrt(values[0] * values[-1]))
+    x = weights * (unconstrained - prior)
+    z, dual = x.copy(), np.zeros_like(x)
+    for _ in range(ITERATIONS):
+        pull = vectors.T @ (right + penalty * (z - dual))
+        x = vectors @ (pull / (values + penalty))
+        last, z = z, x + dual
+        mass = (prior + z / weights)[:count].reshape(shape)
+        projected = _raised(mass, joints, least)
+        z = z.copy()
+        z[:count] = (weights * (np.concatenate([projected.ravel(), prior[count:]]) - prior))[:count]
+        dual += x - z
+        size = TOLERANCE * max(np.linalg.norm(z), 1e-300)
+        if np.linalg.norm(x - z) <= size and np.linalg.norm(z - last) <= size:
+            break
+    return np.asarray(prior + z / weights)
+
+
+def _raised(triangles: Array, joints: int, least: float) -> Array:
+    """Return the nearest upper triangles (R, k) of matrices with eigenvalues of at least that."""
+    values, vectors = np.linalg.eigh(_matrices(triangles, joints))
+    raised = (vectors * np.maximum(values, least)[:, np.newaxis]) @ np.swapaxes(vectors, -1, -2)
+    return np.asarray(raised[:, *np.triu_indices(joints)])
+
+
+def _matrices(triangles: Array, joints: int) -> Array:
+    """Return the symmetric matrices (R, n, n) of upper triangles (R, n (n + 1) / 2)."""
+    first, second = np.triu_indices(joints)
+    out = np.empty((len(triangles), joints, joints))
+    out[:, first, second] = out[:, second, first] = triangles
+    return out
+
+
+def _least_eigenvalue(triangles: Array, joints: int) -> float:
+    return float(np.linalg.eigvalsh(_matrices(triangles, joints)).min())
