@@ -39,9 +39,7 @@ def test_controllers_of_any_robot_come_back_from_a_file(
     assert (tmp_path / "again.json").read_bytes() == path.read_bytes()
 
 
-def test_files_for_another_robot_are_refused_by_name(
-    tmp_path: Path
-) -> None:
+def test_files_for_another_robot_are_refused_by_name(tmp_path: Path) -> None:
     path = learned("five_bar").save(tmp_path / "controller.json")
     with pytest.raises(InvalidControllerFile, match=r"five_bar .* yours is delta"):
         FuzzyComputedTorque.load(path, ROBOTS["delta"])
@@ -56,5 +54,3 @@ def test_files_for_another_robot_are_refused_by_name(
     path.write_text(json.dumps(content))
     with pytest.raises(InvalidControllerFile, match="give robot="):
         FuzzyComputedTorque.load(path)
-
-
