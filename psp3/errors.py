@@ -489,6 +489,22 @@ class NotTrained(PSP3Error, RuntimeError):
         )
 
 
+class InvalidEntry(InvalidFile):
+    """A file, or what is in it, cannot take part in the benchmark."""
+
+
+class WorkersLost(PSP3Error, RuntimeError):
+    """Processes that did the runs of a benchmark ended before their time."""
+
+    def __init__(self, path: str | Path, done: int, total: int) -> None:
+        self.path, self.done, self.total = Path(path), done, total
+        super().__init__(
+            f"a process that did runs was ended from outside, or by an entry, after {done} of "
+            f"{total} trials, which are in {path}; the same benchmark goes on from there, with "
+            "workers=1 in this process, where the entry that ends it can be seen"
+        )
+
+
 class NoThreshold(PSP3Error, RuntimeError):
     """A monitor is asked for an alarm before it knows what is normal."""
 
@@ -526,11 +542,17 @@ class InvalidStudyFile(InvalidFile):
 class StudyMismatch(PSP3Error, ValueError):
     """A file holds the results of another study, or of another version of this one."""
 
-    def __init__(self, path: str | Path, what: str, found: object, expected: object) -> None:
+    def __init__(
+        self,
+        path: str | Path,
+        what: str,
+        found: object,
+        expected: object,
+        remedy: str = "give another file, this one stays as it is",
+    ) -> None:
         self.path, self.what, self.found, self.expected = Path(path), what, found, expected
         super().__init__(
-            f"{path} holds another study: its {what} is {found}, not {expected}; give another "
-            "file, this one stays as it is"
+            f"{path} holds another study: its {what} is {found}, not {expected}; {remedy}"
         )
 
 

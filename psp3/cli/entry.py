@@ -14,6 +14,7 @@ import sys
 import typer
 
 from psp3.cli.app import app
+from psp3.cli.commands.benchmark import benchmark
 from psp3.cli.commands.check import check
 from psp3.cli.commands.dynamics import dynamics
 from psp3.cli.commands.info import info
@@ -28,9 +29,9 @@ from psp3.cli.options import INTERRUPTED, USAGE
 from psp3.cli.output import error_message
 
 # In the order of the help.
-for command in (reproduce, simulate, train, study, torques, pose, dynamics, workspace, view):
+for command in (reproduce, simulate, train, study, benchmark, torques, pose, dynamics, workspace):
     app.command()(command)
-for command in (check, info):
+for command in (view, check, info):
     app.command()(command)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -157,6 +158,11 @@ EXAMPLES = [
             "worst_distance": -0.0024,
         },
         ["t = 0.62 s", "'nut1' and 'ball_lambda1' touch", "0.7 s, 2.4 mm in each other"],
+    ),
+    (
+        errors.InvalidEntry("mine.py", "must have one class"),
+        {"path": Path("mine.py"), "reason": "must have one class"},
+        ["mine.py", "must have one class"],
     ),
     (
         errors.InvalidControllerFile("some.json", "lacks 'kp'"),

@@ -25,7 +25,8 @@ import pytest
 import psp3
 from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable
 from psp3.study import Study, cluster, grid, study
-from psp3.study.run import Run, execute
+from psp3.study.execution import execute
+from psp3.study.run import Run
 from tests.processes import PROCESSES, answer_of, start, start_server
 from tests.study_helpers import QUICK, count_rows, invented
 

@@ -1,0 +1,102 @@
+"""Outcomes of trials on disk: an SQLite file with one row for each trial of each entry.
+
+A row is there whole or not at all, committed when its trial is done. Its key is what decides the
+outcome: entry, the mark of its file, the trial's fields and the version of the package. So the same
+benchmark goes on where it was stopped, and an entry whose file was changed runs anew.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import sqlite3
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict
+from pathlib import Path
+
+from psp3.benchmark.entries import Entry
+from psp3.benchmark.trial import Outcome, Trial
+from psp3.errors import InvalidStudyFile, StudyFileNotWritable
+from psp3.version import __version__
+
+APPLICATION = int.from_bytes(b"PSPB", "big")
+"""Mark of these files (SQLite's ``application_id``)."""
+
+FORMAT = 1
+"""Version of the layout; any other is refused."""
+
+PATIENCE = 30.0
+"""How long to wait for another benchmark that writes to the file [s]."""
+
+
+def key(entry: Entry, trial: Trial) -> str:
+    """Return the text that identifies a trial of an entry."""
+    fields = {name: "inf" if value == math.inf else value for name, value in asdict(trial).items()}
+    return json.dumps([__version__, entry.name, entry.mark, fields], ensure_ascii=False)
+
+
+class OutcomeFile:
+    """A file of outcomes, made when it is not there.
+
+    Parameters
+    ----------
+    path : path
+        The file.
+
+    Raises
+    ------
+    InvalidStudyFile
+        If it is there and not the file of a benchmark.
+    StudyFileNotWritable
+        If it cannot be made.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path).resolve()
+        with self._connected() as connection:
+            ((application,),) = connection.execute("PRAGMA application_id").fetchall()
+            ((version,),) = connection.execute("PRAGMA user_version").fetchall()
+            ((tables,),) = connection.execute("SELECT count(*) FROM sqlite_master").fetchall()
+            if tables == 0 and application == 0:
+                with connection:
+                    connection.execute("BEGIN IMMEDIATE")
+                    connection.execute(
+                        "CREATE TABLE IF NOT EXISTS outcomes "
+                        "(key TEXT PRIMARY KEY, outcome TEXT NOT NULL) WITHOUT ROWID"
+                    )
+                    connection.execute(f"PRAGMA application_id = {APPLICATION}")
+                    connection.execute(f"PRAGMA user_version = {FORMAT}")
+            elif (application, version) != (APPLICATION, FORMAT):
+                raise InvalidStudyFile(self.path, "is not the file of a benchmark of this version")
+
+    def outcomes(self) -> dict[str, Outcome]:
+        """Return all outcomes by key."""
+        with self._connected() as connection:
+            rows = connection.execute("SELECT key, outcome FROM outcomes").fetchall()
+        return {name: json.loads(outcome) for name, outcome in rows}
+
+    def add(self, name: str, outcome: Outcome) -> None:
+        """Commit an outcome; one with the same key is replaced."""
+        # Numbers that are not finite are none: what has no error says so with a word of its own.
+        text = json.dumps(outcome, allow_nan=False)
+        with self._connected() as connection, connection:
+            connection.execute("INSERT OR REPLACE INTO outcomes VALUES (?, ?)", (name, text))
+
+    @contextmanager
+    def _connected(self) -> Iterator[sqlite3.Connection]:
+        try:
+            connection = sqlite3.connect(self.path, isolation_level=None, timeout=PATIENCE)
+        except sqlite3.Error as error:
+            raise StudyFileNotWritable(self.path, str(error)) from error
+        try:
+            yield connection
+        except sqlite3.DatabaseError as error:
+            # Full disks and locked files are operational, what is no database is not.
+            if isinstance(error, sqlite3.OperationalError):
+                raise StudyFileNotWritable(self.path, str(error)) from error
+            raise InvalidStudyFile(
+                self.path, f"is not the file of a benchmark, or is damaged ({error})"
+            ) from error
+        finally:
+            connection.close()

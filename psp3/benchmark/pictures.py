@@ -1,0 +1,153 @@
+"""Pictures of a board: errors in every cell, and errors against the time of a step."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from fuzzy2.plots.panels import cycle_colors
+from fuzzy2.plots.style import style
+from psp3.benchmark.board import Board, Cell
+from psp3.benchmark.readings import NONE
+from psp3.benchmark.tasks import PATHS
+from psp3.plots.panels import Panels, given_panels
+
+MARKERS = "osv^DPX*"
+"""Of the conditions, in their order."""
+
+LINE = 0.24
+"""Height of the line of an entry [inch]."""
+
+
+LONGEST = 24
+"""Letters of a name that are drawn."""
+
+
+def condition(cell: Cell) -> str:
+    """Return the noise of a cell in words."""
+    return "no noise" if cell.reading == NONE else f"{cell.reading}, {cell.snr_db:g} dB"
+
+
+def figure_of_cells(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw the error of every entry in every cell, with its interval.
+
+    Parameters
+    ----------
+    board : Board
+        The scores.
+    axes : sequence of Axes, optional
+        One for each robot; those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given.
+    """
+    names = [_shown(score.entry.name) for score in board.ranked]
+    panels = given_panels(axes, len(board.robots))
+    if panels is None:
+        figure = Figure(
+            figsize=(max(8.0, 2.0 + 3.0 * len(board.robots)), 2.2 + LINE * len(names)),
+            layout="constrained",
+        )
+        panels = tuple(figure.subplots(1, len(board.robots), sharey=True, squeeze=False).flat)
+    lines = np.arange(len(names))
+    for panel, robot in zip(panels, board.robots, strict=True):
+        cells = [cell for cell in board.cells if cell.robot == robot]
+        conditions = list(dict.fromkeys(map(condition, cells)))
+        for cell in cells:
+            number = conditions.index(condition(cell))
+            color = cycle_colors()[number % len(cycle_colors())]
+            found = [score.cells[cell].error for score in board.ranked]
+            value, low, high = (
+                1e3 * np.array([getattr(one, end) for one in found])
+                for end in ("value", "low", "high")
+            )
+            reach = np.nan_to_num(np.maximum(np.stack([value - low, high - value]), 0.0))
+            panel.errorbar(
+                value,
+                lines + 0.15 * (2 * PATHS.index(cell.path) - 1),
+                xerr=reach,
+                fmt=MARKERS[number % len(MARKERS)],
+                color=color,
+                markerfacecolor=color if cell.path == PATHS[0] else "none",
+                markersize=4.5,
+                linewidth=1.0,
+                label=f"{condition(cell)}, {cell.path} path",
+            )
+        panel.set(xscale="log", title=robot, xlabel="error of the tip [mm]")
+    panels[0].set_yticks(lines, names)
+    # Names come from the files of others, and a dollar begins a formula.
+    for label in panels[0].get_yticklabels():
+        label.set_parse_math(False)
+    panels[0].set_ylim(len(names) - 0.5, -0.5)
+    if axes is None:
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside upper center", ncols=2)
+    return panels
+
+
+def figure_of_times(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
+    """Draw the error over all cells against the time of a step, an entry a point.
+
+    Parameters
+    ----------
+    board : Board
+        The scores.
+    axes : sequence of 1 Axes, optional
+        Those of a new figure by default.
+
+    Returns
+    -------
+    tuple of Axes
+        The axes.
+
+    Raises
+    ------
+    InvalidValue
+        If another number of axes is given.
+    """
+    panels = given_panels(axes, 1)
+    if panels is None:
+        panels = (Figure(figsize=(8.0, 5.0), layout="constrained").subplots(),)
+    (panel,) = panels
+    for score in board.ranked:
+        x, y = 1e6 * score.step_time, 1e3 * score.error.value
+        points = panel.plot(x, y, "o", markersize=5.0)
+        panel.annotate(
+            _shown(score.entry.name),
+            (x, y),
+            xytext=(5.0, 3.0),
+            textcoords="offset points",
+            fontsize=8.0,
+            color=points[0].get_color(),
+            parse_math=False,
+        )
+    panel.set(
+        xscale="log", yscale="log", xlabel="time of a step [µs]", ylabel="error of the tip [mm]"
+    )
+    return panels
+
+
+def _shown(name: str) -> str:
+    """Return a name, cut where it is so long that it would leave no room."""
+    return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
+
+
+def as_svg(panels: Panels) -> bytes:
+    """Return the figure of some axes as SVG, the same one every time."""
+    text = io.BytesIO()
+    drawn: Any = panels[0].get_figure(root=True)
+    with style("light"):
+        drawn.savefig(text, format="svg", metadata={"Date": None})
+    return text.getvalue()

@@ -1,0 +1,98 @@
+"""What "noise of S dB" can mean, by name: the readings of the noise of the benchmark.
+
+The power of a signal is defined in five ways, noise can be on what is recorded or on what is
+measured at run time, and which of the entries wins depends on it
+(:mod:`psp3.fuzzy_control.records` has the equation).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from psp3.benchmark.tasks import Task
+from psp3.checks import Array
+from psp3.fuzzy_control.records import RecordNoise
+
+
+class Reading(NamedTuple):
+    """A reading of noise.
+
+    ``title`` says what it is in words, ``noise`` what a ratio means on a record, None if records
+    are exact and the noise is on measured positions and speeds at run time.
+    """
+
+    title: str
+    noise: RecordNoise | None
+
+
+READINGS = {
+    "outputs": Reading("on M, C and G, against the mean square of each", RecordNoise()),
+    "variance": Reading("on M, C and G, against the variance of each", RecordNoise("variance")),
+    "unit": Reading("on M, C and G, against 1 in the unit of each (0 dBW)", RecordNoise("unit")),
+    "gravity": Reading("on G alone, against its mean square", RecordNoise(entries="gravity")),
+    "mass-coriolis": Reading(
+        "on M and C alone, against the mean square of each", RecordNoise(entries="mass-coriolis")
+    ),
+    "inputs": Reading(
+        "on the recorded inputs, against the mean square of each", RecordNoise(of_inputs=True)
+    ),
+    "measurement": Reading(
+        "on positions and speeds at run time, against the variance of each", None
+    ),
+}
+"""Readings of noise by name; the first one is the default."""
+
+NONE = "none"
+"""Name of the reading without noise."""
+
+AT_RUN_TIME = RecordNoise("variance")
+"""What a ratio means at run time. Positions are counted from anywhere, so that their mean square is
+no power of a signal."""
+
+
+class Lesson(NamedTuple):
+    """Inputs (N, p) and outputs (N, m) that an entry learns from."""
+
+    inputs: Array
+    outputs: Array
+
+
+def lesson(
+    task: Task, reading: str, snr_db: float, rng: np.random.Generator, samples: int
+) -> Lesson:
+    """Return samples of a task's record, with the noise of a reading on them.
+
+    Parameters
+    ----------
+    task : Task
+        Whose record is taken.
+    reading : str
+        One of ``READINGS``, or ``NONE``.
+    snr_db : float
+        Signal-to-noise ratio [dB].
+    rng : numpy.random.Generator
+        Source of the noise.
+    samples : int
+        Number of samples, which cover the recorded inputs evenly.
+    """
+    chosen = task.recorded.sample(samples)
+    noise = None if reading == NONE else READINGS[reading].noise
+    if noise is None or not math.isfinite(snr_db):
+        return Lesson(task.recorded.inputs[chosen], task.recorded.outputs[chosen])
+    return Lesson(*noise.added(task.recorded, chosen, snr_db, rng))
+
+
+def measured_noise(
+    task: Task, reading: str, snr_db: float, count: int, rng: np.random.Generator
+) -> Array | None:
+    """Return what measurement adds to positions and speeds, (count, 2n), or None for nothing."""
+    if reading == NONE or READINGS[reading].noise is not None or not math.isfinite(snr_db):
+        return None
+    recorded = task.recorded
+    state = np.concatenate([recorded.positions, recorded.speeds], axis=1)
+    amplitudes = 10.0 ** (-snr_db / 20.0) * AT_RUN_TIME.amplitudes(state)
+    noise: Array = amplitudes * rng.standard_normal((count, state.shape[1]))
+    return noise

@@ -1,0 +1,136 @@
+"""The command that compares learned computed torque of anybody."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from psp3.cli.options import RUNS
+from psp3.cli.output import counted_progress, show_narrow, show_text
+from psp3.cli.shared import resumable
+
+
+def benchmark(
+    entries: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[ENTRY...]",
+            help="Names of entries, files of your own (they end in .py), or all; all unless "
+            "given. Exact computed torque, ctc, always takes part.",
+            show_default=False,
+        ),
+    ] = None,
+    out: Annotated[
+        Path,
+        typer.Option(
+            file_okay=False, metavar="DIR", help="Directory to write to; made if it does not exist."
+        ),
+    ] = Path("benchmark"),
+    robot: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="Robot: psp3, delta or gough_stewart; all three unless given.",
+        ),
+    ] = None,
+    reading: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="NAME",
+            rich_help_panel=RUNS,
+            help="What noise is on, beside runs without: outputs (unless given), variance, unit, "
+            "gravity, mass-coriolis, inputs, measurement, or all.",
+        ),
+    ] = None,
+    snr: Annotated[
+        list[float] | None,
+        typer.Option(
+            metavar="DB",
+            rich_help_panel=RUNS,
+            help="Signal-to-noise ratio (dB); 20 unless given.",
+        ),
+    ] = None,
+    seeds: Annotated[
+        int,
+        typer.Option(
+            min=1, metavar="COUNT", rich_help_panel=RUNS, help="Number of seeds, from 0 on."
+        ),
+    ] = 10,
+    duration: Annotated[
+        float, typer.Option(metavar="S", rich_help_panel=RUNS, help="Length of a run (s).")
+    ] = 5.0,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            metavar="COUNT",
+            help="Processes that do the runs; one for each core unless given.",
+        ),
+    ] = None,
+) -> None:
+    """Rank learned computed torque on three robots.
+
+    Entries learn M, C and G from noisy samples, and steer on the path that was recorded and on
+    another one. Writes DIR/benchmark.html and DIR/benchmark.json and prints the board. Runs that
+    DIR/benchmark.sqlite holds are not repeated, so the same command goes on where it was stopped.
+    Options of runs can be given more than once. Files of entries are run as programs.
+    """
+    from psp3.benchmark.benchmark import ALL, NUMBERS, PAGE, Benchmark
+    from psp3.benchmark.page import (
+        SHORT_COLUMNS,
+        board_note,
+        short_rows,
+        summary,
+        write_numbers,
+        write_page,
+    )
+    from psp3.benchmark.readings import READINGS
+    from psp3.benchmark.tasks import ROBOTS
+
+    chosen = reading or [next(iter(READINGS))]
+    asked = Benchmark(
+        out,
+        entries or [ALL],
+        robot or ROBOTS,
+        tuple(READINGS) if ALL in chosen else chosen,
+        snr or [20.0],
+        seeds,
+        duration,
+    )
+    with resumable(out), _progress() as progress:
+        asked.run(workers, progress)
+    board = asked.board()
+    show_narrow("The board", list(SHORT_COLUMNS), short_rows(board), board_note(board))
+    for sentence in summary(board):
+        show_text(f"• {sentence}")
+    for path in (write_page(board, out / PAGE), write_numbers(board, out / NUMBERS)):
+        typer.echo(path)
+
+
+@contextmanager
+def _progress() -> Iterator[Callable[[int, int, float], None]]:
+    """Show trials done and the remaining time on standard error.
+
+    As a bar on a terminal, else as a line every tenth of the way.
+    """
+    tenths = -1
+    with counted_progress() as (bars, on_terminal):
+        task = None
+
+        def progress(done: int, total: int, rate: float) -> None:
+            nonlocal task, tenths
+            if task is None:
+                # Only now, so that trials of an earlier session do not count as speed.
+                task = bars.add_task("trials", total=total, completed=done)
+            bars.update(task, completed=done)
+            if not on_terminal and 10 * done // total > tenths:
+                tenths = 10 * done // total
+                remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
+                typer.echo(f"[{done}/{total}] trials{remaining}", err=True)
+
+        yield progress

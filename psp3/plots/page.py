@@ -1,0 +1,88 @@
+"""Pages of HTML that need nothing else: their style, tables and drawings, every text escaped."""
+
+from __future__ import annotations
+
+import base64
+import re
+from collections.abc import Iterable, Sequence
+from html import escape
+
+STYLE = """
+:root { color-scheme: light dark; --text: #1a1a1a; --ground: #ffffff; --line: #d9d9d9; --soft: \
+#f4f6f8; --muted: #5c5c5c;
+  --link: #0072b2; }
+@media (prefers-color-scheme: dark) {
+  :root { --text: #ececec; --ground: #14171c; --line: #333942; --soft: #1d2229; --muted: #a0a4ab; \
+--link: #56b4e9; } }
+* { box-sizing: border-box; }
+body { font: 16px/1.5 system-ui, sans-serif; color: var(--text); background: var(--ground);
+  max-width: 68rem; margin: 0 auto; padding: 1rem; overflow-wrap: break-word; }
+h1 { font-size: 1.5rem; line-height: 1.25; } h2 { font-size: 1.15rem; line-height: 1.3; \
+margin-top: 2.4rem; }
+.answer { background: var(--soft); border-left: 4px solid var(--link); padding: .6rem 1rem .6rem \
+2rem; max-width: 54rem; }
+.answer li { margin: .4rem 0; }
+.wide { overflow-x: auto; }
+table { border-collapse: collapse; font-size: .88rem; font-variant-numeric: tabular-nums; }
+th, td { text-align: left; padding: .35rem .6rem; border-bottom: 1px solid var(--line); \
+vertical-align: top; }
+th { line-height: 1.3; max-width: 9rem; } td.numbers { white-space: pre; }
+th, td { overflow-wrap: normal; } td:last-child { min-width: 7rem; }
+@media (max-width: 40rem) { th, td { padding: .3rem .4rem; }
+  :is(th, td):first-child { position: sticky; left: 0; background: var(--ground); } }
+.note { color: var(--muted); font-size: .9rem; max-width: 54rem; }
+figure { margin: 1.5rem 0; } figcaption { color: var(--muted); font-size: .9rem; max-width: 54rem; }
+img { width: 100%; min-width: 34rem; height: auto; background: #ffffff; border-radius: 4px; \
+display: block; }
+nav li { margin: .15rem 0; } nav ul { padding-left: 1.2rem; columns: 2 22rem; font-size: .9rem; }
+a { color: var(--link); }
+"""
+
+NO_BREAK = "\N{NO-BREAK SPACE}"
+
+_UNBROKEN = re.compile(r"\([^()\s]+ to [^()\s]+\)|[\d.]+ (?:%|dB|m²?|(?:to|of|at) [\d.]+)")
+"""Parts of a cell that are read as one."""
+
+
+def page(title: str, body: str) -> str:
+    """Return a page with a title and a body of HTML."""
+    return (
+        "<!doctype html><html lang='en'><head><meta charset='utf-8'><meta name='viewport' "
+        "content='width=device-width, "
+        f"initial-scale=1'><title>{escape(title)}</title><style>{STYLE}</style></head><body>"
+        f"<main><h1>{escape(title)}</h1>{body}</main></body></html>\n"
+    )
+
+
+def drawing(svg: bytes, caption: str, description: str) -> str:
+    """Return a drawing with its caption, and with words for those who cannot see it."""
+    image = base64.b64encode(svg).decode("ascii")
+    return (
+        "<figure><div class='wide'><img "
+        f"alt='{escape(f'{caption} {description}', quote=True)}' "
+        f"src='data:image/svg+xml;base64,{image}'></div><figcaption>{escape(caption)}"
+        "</figcaption></figure>"
+    )
+
+
+def table(
+    anchor: str, title: str, columns: Sequence[str], rows: Iterable[Sequence[str]], note: str
+) -> str:
+    """Return a table below its heading, to which ``anchor`` leads, and above its note."""
+    head = "".join(f"<th scope='col'>{escape(column)}</th>" for column in columns)
+    body = "".join("<tr>" + "".join(map(_cell, row)) + "</tr>" for row in rows)
+    return (
+        f"<h2 id='{anchor}'>{escape(title)}</h2><div class='wide' tabindex='0' "
+        f"role='region' aria-labelledby='{anchor}'><table><thead><tr>{head}</tr></thead>"
+        f"<tbody>{body}</tbody></table></div><p class='note'>{escape(note)}</p>"
+    )
+
+
+def _cell(text: str) -> str:
+    """Return a cell, whose words wrap, but no number leaves its unit, sign or interval.
+
+    Rows of numbers, which two spaces divide, stay as they are.
+    """
+    if "  " in text:
+        return f"<td class='numbers'>{escape(text)}</td>"
+    return f"<td>{escape(_UNBROKEN.sub(lambda found: found[0].replace(' ', NO_BREAK), text))}</td>"

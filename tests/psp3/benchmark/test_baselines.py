@@ -1,0 +1,82 @@
+"""Entries that come with the package: each runs, and each is what its name says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from fuzzy2 import WangMendel
+from psp3 import ComputedTorque, FuzzyComputedTorque
+from psp3.benchmark.baselines import BASELINES, NEED_SCIKIT_LEARN, REFERENCE
+from psp3.benchmark.entries import Course
+from psp3.benchmark.readings import READINGS, lesson
+from psp3.benchmark.tasks import ROBOTS, SAMPLES, task
+from psp3.benchmark.trial import NOISE, Trial, execute
+
+
+def course(name: str, reading: str = "outputs", snr_db: float = 20.0, seed: int = 0) -> Course:
+    of_robot, noise = task(name), (seed, NOISE)
+    taught = lesson(of_robot, reading, snr_db, np.random.default_rng(noise), SAMPLES)
+    return Course(of_robot, taught, reading, snr_db, noise, np.random.default_rng(seed))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BASELINES)
+def test_every_entry_does_a_trial_of_the_3_psp_without_losing_it(name: str) -> None:
+    """Half a second is too short to be lost without noise, whatever was learned."""
+    outcome = execute(Trial("psp3", duration=0.5), BASELINES[name])
+    assert outcome["error"] is None
+    assert not any(run["diverged"] for run in outcome["runs"].values())
+
+
+def test_the_reference_is_exact_and_the_rest_of_the_names_stand() -> None:
+    assert isinstance(BASELINES[REFERENCE].make(course("delta")), ComputedTorque)
+    assert set(NEED_SCIKIT_LEARN) < set(BASELINES)
+    assert {f"{kind}-average" for kind in ("t1", "it2", "gt2")} < set(BASELINES)
+
+
+@pytest.mark.parametrize("name", ROBOTS)
+def test_pd_has_the_stiffness_of_computed_torque_at_the_reference(name: str) -> None:
+    """A small error there makes the same force, at rest and with no wish to accelerate."""
+    given = course(name)
+    of_robot = given.task
+    rest = of_robot.robot.reference
+    still, error = np.zeros(of_robot.joints), 1e-5 * np.arange(1, of_robot.joints + 1)
+    wanted = of_robot.paths["trained"](0.0)._replace(
+        positions=rest + error, speeds=still, accelerations=still
+    )
+    forces = [
+        BASELINES[entry].make(given).torque(0.0, rest, still, wanted)
+        for entry in (REFERENCE, "pd-gravity")
+    ]
+    np.testing.assert_allclose(*forces, rtol=1e-8)
+
+
+def test_regulator_has_about_the_stiffness_of_computed_torque() -> None:
+    """Of a unit mass the gain would be kp; the period of 2 ms takes a percent of it."""
+    given = course("psp3")
+    controller: object = BASELINES["lqr"].make(given)
+    K = controller.regulator.K  # type: ignore[attr-defined]
+    mass = given.task.robot.mass_matrix(given.task.robot.reference)
+    stiffness = np.linalg.solve(mass, K[:, :3])
+    np.testing.assert_allclose(stiffness, given.task.kp * np.eye(3), atol=0.05 * given.task.kp)
+
+
+@pytest.mark.parametrize("reading", [name for name in READINGS if name != "measurement"])
+def test_fuzzy_entries_learn_from_the_very_samples_of_the_lesson(reading: str) -> None:
+    """Rules learned from the lesson by hand are the same, number by number."""
+    given = course("psp3", reading)
+    entry = BASELINES["t1-average"].make(given)
+    assert isinstance(entry, FuzzyComputedTorque)
+    by_hand = WangMendel(2, "t1", 0.0, "average", "refuse").fit(*given.lesson).system_
+    a, v = given.task.recorded.positions[::500], given.task.recorded.speeds[::500]
+    inputs = np.clip(given.task.inputs_of(a, v), *entry.ranges_)
+    expected = np.asarray(by_hand(inputs))
+    np.testing.assert_array_equal(np.asarray(entry.system_(inputs)), expected)
+
+
+def test_noise_at_run_time_teaches_nobody_wrong() -> None:
+    entry = BASELINES["t1-average"].make(course("psp3", "measurement"))
+    assert entry.snr_db == math.inf  # type: ignore[attr-defined]

@@ -1,0 +1,60 @@
+"""The file of outcomes: rows come back, other files are refused."""
+
+from __future__ import annotations
+
+import sqlite3
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from psp3.benchmark.file import OutcomeFile, key
+from psp3.benchmark.trial import Trial
+from psp3.errors import InvalidStudyFile, StudyFileNotWritable
+from tests.psp3.benchmark.made import Exact, entry_of, outcome_of
+
+OUTCOME = outcome_of({"trained": 0.1 + 0.2, "untrained": float("inf")})
+
+
+def test_outcomes_come_back_as_they_were_and_later_ones_replace_them(tmp_path: Path) -> None:
+    file = OutcomeFile(tmp_path / "some.sqlite")
+    file.add("one", {"error": "ValueError: <no>"})
+    file.add("two", OUTCOME)
+    file.add("one", OUTCOME)
+    assert OutcomeFile(tmp_path / "some.sqlite").outcomes() == {"one": OUTCOME, "two": OUTCOME}
+
+
+def test_keys_differ_by_entry_text_and_every_field_of_a_trial() -> None:
+    entry, trial = entry_of("one", Exact), Trial("psp3")
+    trials = [
+        trial,
+        replace(trial, robot="delta"),
+        replace(trial, reading="inputs", snr_db=20.0),
+        replace(trial, reading="inputs", snr_db=10.0),
+        replace(trial, seed=1),
+        replace(trial, duration=1.0),
+        replace(trial, period=0.002),
+    ]
+    entries = [entry, replace(entry, name="two"), replace(entry, mark="other")]
+    keys = {key(one, other) for one in entries for other in trials}
+    assert len(keys) == len(entries) * len(trials)
+
+
+@pytest.mark.parametrize("content", [b"no database", None])
+def test_files_of_others_are_refused_and_stay(tmp_path: Path, content: bytes | None) -> None:
+    path = tmp_path / "other.sqlite"
+    if content is None:
+        with sqlite3.connect(path) as connection:
+            connection.execute("CREATE TABLE mine (x)")
+        connection.close()
+    else:
+        path.write_bytes(content)
+    before = path.read_bytes()
+    with pytest.raises(InvalidStudyFile, match="is not the file of a benchmark"):
+        OutcomeFile(path)
+    assert path.read_bytes() == before
+
+
+def test_where_no_file_can_be_made_the_error_says_so(tmp_path: Path) -> None:
+    with pytest.raises(StudyFileNotWritable):
+        OutcomeFile(tmp_path / "absent" / "some.sqlite")
