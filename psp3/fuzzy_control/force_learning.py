@@ -16,7 +16,8 @@ type, so that M is where the M of every rule is. Then the minimum is that over c
 :math:`M_r \succeq \mu I`, :math:`\mu` a share of the least eigenvalue of the one model's M: a
 convex problem, which the alternating direction method of multipliers solves (S. Boyd, N. Parikh, E.
 Chu, B. Peleato and J. Eckstein, "Distributed optimization and statistical learning via the
-alternating direction method of multipliers", Foundations and Trends in Machine Learning 3(1), 2011). Only the
+alternating direction method of multipliers", Foundations and Trends in Machine Learning 3(1),
+2011). Only the
 average over the rules is sure to be positive definite else, and where an estimate is not, that
 takes its place.
 """

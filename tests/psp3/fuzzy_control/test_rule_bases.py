@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import warnings
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +11,7 @@ import pytest
 import fuzzy2
 import psp3
 from psp3.control.classical import critically_damped_gains
-from psp3.errors import InvalidControllerFile, InvalidValue
+from psp3.errors import InvalidValue
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.numbers import unpack
 from psp3.fuzzy_control.records import Record, record
@@ -164,40 +162,6 @@ def test_where_the_exact_model_takes_over_it_does(records: dict[str, Record]) ->
     assert not controller.covered
     exact = psp3.ComputedTorque(robot, KP, KV).torque(0.0, a, v, desired)
     np.testing.assert_allclose(torque, exact, rtol=1e-9)
-
-
-@pytest.mark.parametrize("name", ROBOTS)
-@pytest.mark.parametrize("coriolis", ["rules", "mass"])
-def test_controllers_of_any_robot_come_back_from_a_file(
-    records: dict[str, Record], name: str, coriolis: str, tmp_path: Path
-) -> None:
-    controller = learned(name, records[name], coriolis=coriolis)
-    path = controller.save(tmp_path / "controller.json")
-    for robot in (None, ROBOTS[name]):
-        again = FuzzyComputedTorque.load(path, robot)
-        for one, other in zip(again.controller, controller.controller, strict=True):
-            np.testing.assert_array_equal(one, other)
-    again.save(tmp_path / "again.json")
-    assert (tmp_path / "again.json").read_bytes() == path.read_bytes()
-
-
-def test_files_for_another_robot_are_refused_by_name(
-    records: dict[str, Record], tmp_path: Path
-) -> None:
-    path = learned("five_bar", records["five_bar"]).save(tmp_path / "controller.json")
-    with pytest.raises(InvalidControllerFile, match=r"five_bar .* yours is delta"):
-        FuzzyComputedTorque.load(path, ROBOTS["delta"])
-    with pytest.raises(InvalidControllerFile, match="yours is 3-PSP robot"):
-        FuzzyComputedTorque.load(path, psp3.load("psp3"))
-    content = json.loads(path.read_text())
-    content["robot"]["numbers_at_reference"][0] *= 1.01
-    path.write_text(json.dumps(content))
-    with pytest.raises(InvalidControllerFile, match="another mass or weight"):
-        FuzzyComputedTorque.load(path)
-    content["robot"]["name"] = "mine"
-    path.write_text(json.dumps(content))
-    with pytest.raises(InvalidControllerFile, match="give robot="):
-        FuzzyComputedTorque.load(path)
 
 
 def test_what_cannot_be_learned_is_refused_by_name(records: dict[str, Record]) -> None:
