@@ -33,7 +33,8 @@ from timing import (
 import psp3
 from psp3.control.controller import Controller
 from psp3.fuzzy_control.records import record
-from psp3.study.run import Run, execute
+from psp3.study.execution import execute
+from psp3.study.run import Run
 
 BARS = {"t1": 6.0, "it2": 8.0, "gt2, 5 α-planes": 60.0}  # [us]
 RUN_BAR = 0.12  # [s] for 10 s at 2 ms

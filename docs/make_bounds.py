@@ -91,18 +91,33 @@ def with_wrong_masses(name: str, amplitude: float, resolution: float) -> Case:
     return Case(f"{name}, wrong masses", robot, controller, paths[0], paths[1], resolution)
 
 
-def learned_3psp() -> Case:
-    """Return the case of rules that the 3-PSP learned from noisy records, seed by seed."""
-    robot = psp3.load("psp3")
-    helix = psp3.trajectories.Helix(radius=0.020, period=2.0, rise=0.010, robot=robot)
-    recorded = record(robot, helix, 10.4, kp=10.0, kv=1.0)
+def with_learned_rules(name: str, path: Trajectory, other: Trajectory) -> Case:
+    """Return the case of rules that a robot learned from noisy records, seed by seed."""
+    robot: Any = path.robot
+    recorded = record(robot, path, 10.4, kp=10.0, kv=1.0)
 
     def controller(seed: int, kp: float, kv: float) -> psp3.FuzzyComputedTorque:
         fuzzy = psp3.FuzzyComputedTorque("it2", robot, learner="average", snr_db=20.0, kp=kp, kv=kv)
         return fuzzy.learn(recorded, 209, np.random.default_rng(seed))
 
-    faster = psp3.trajectories.Helix(radius=0.018, period=1.6, rise=0.010, robot=robot)
-    return Case("psp3, learned at 20 dB", robot, controller, helix, faster, 0.0)
+    return Case(f"{name}, learned at 20 dB", robot, controller, path, other, 0.0)
+
+
+def learned_3psp() -> Case:
+    """Return the case of the 3-PSP on a helix."""
+    robot = psp3.load("psp3")
+    helix, faster = (
+        psp3.trajectories.Helix(radius=radius, period=period, rise=0.010, robot=robot)
+        for radius, period in ((0.020, 2.0), (0.018, 1.6))
+    )
+    return with_learned_rules("psp3", helix, faster)
+
+
+def learned(name: str) -> Case:
+    """Return the case of any other robot, which sways."""
+    robot = psp3.load(name)
+    paths = [psp3.trajectories.Sway(0.1, period, robot) for period in (2.0, 1.6)]
+    return with_learned_rules(name, paths[0], paths[1])
 
 
 def rows_of_tubes(case: Case) -> Iterator[str]:
@@ -218,10 +233,16 @@ def rows_of_intervals() -> Iterator[str]:
             kind, robot, learner="average", mean_variation=variation
         ).fit(helix)
         yield row_of_intervals(f"psp3, {kind}, {variation:g}", fuzzy, helix, other, 0.02)
+    for name in ("five_bar", "delta"):
+        case = learned(name)
+        smaller = psp3.trajectories.Sway(0.075, 1.5, case.robot)
+        noisy = case.controller(0, 10.0, 1.0)
+        yield row_of_intervals(f"{name}, it2, 20 dB", noisy, case.path, smaller, 0.1)
 
 
 CASES: dict[str, Callable[[], Case]] = {
     "psp3": learned_3psp,
+    "five_bar_learned": lambda: learned("five_bar"),
     "five_bar": lambda: with_wrong_masses("five_bar", 0.1, 2e-5),
     "delta": lambda: with_wrong_masses("delta", 0.1, 2e-5),
 }

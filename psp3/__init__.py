@@ -57,9 +57,9 @@ if TYPE_CHECKING:
     from psp3.simulation.result import load_result as load_result
     from psp3.simulation.tracking import simulate as simulate
     from psp3.study import statistics as statistics
+    from psp3.study.grids import grid as grid
     from psp3.study.run import Run as Run
     from psp3.study.study import Study as Study
-    from psp3.study.study import grid as grid
     from psp3.three_psp.parameters import PARAMETER_SETS as PARAMETER_SETS
     from psp3.three_psp.parameters import Parameters as Parameters
     from psp3.three_psp.robot import PSP3 as PSP3

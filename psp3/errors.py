@@ -542,11 +542,17 @@ class InvalidStudyFile(InvalidFile):
 class StudyMismatch(PSP3Error, ValueError):
     """A file holds the results of another study, or of another version of this one."""
 
-    def __init__(self, path: str | Path, what: str, found: object, expected: object) -> None:
+    def __init__(
+        self,
+        path: str | Path,
+        what: str,
+        found: object,
+        expected: object,
+        remedy: str = "give another file, this one stays as it is",
+    ) -> None:
         self.path, self.what, self.found, self.expected = Path(path), what, found, expected
         super().__init__(
-            f"{path} holds another study: its {what} is {found}, not {expected}; give another "
-            "file, this one stays as it is"
+            f"{path} holds another study: its {what} is {found}, not {expected}; {remedy}"
         )
 
 

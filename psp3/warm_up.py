@@ -41,8 +41,8 @@ def _warm_up_control(robot: Any) -> None:
     from psp3.simulation.constraint_dynamics import ConstraintDynamics
     from psp3.simulation.runge_kutta import RungeKutta
     from psp3.simulation.tracking import simulate
-    from psp3.study.mismatch import Case, run
-    from psp3.study.run import Run, execute
+    from psp3.study.execution import execute
+    from psp3.study.run import Run
     from psp3.trajectories.paths import Helix
 
     rest = np.zeros(3)
@@ -53,7 +53,7 @@ def _warm_up_control(robot: Any) -> None:
     # Learning a controller compiles its step, and a run the whole loop.
     execute(Run("it2", snr_db=20.0, duration=0.05))
     for name in ("ctc", "lqr", "adaptive-t1"):
-        run(Case(), name, duration=0.05)
+        execute(Run(name, duration=0.05))
     controller = FuzzyComputedTorque("t1", robot).fit(Helix(robot=robot), 1.0)
     AdaptiveFuzzyComputedTorque(controller).torque(0.0, rest, rest, Helix(robot=robot)(0.0))
 

@@ -9,12 +9,14 @@ import os
 import resource
 import signal
 import sqlite3
+import time
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 from psp3.errors import StudyFileNotWritable
 from psp3.study import Study, grid, study
+from psp3.study import file as study_file
 from psp3.study.file import StudyFile
 from psp3.study.run import METRICS, Run
 
@@ -27,7 +29,7 @@ SHARED = {"duration": Run().duration}
 
 
 def invented(run: Run) -> dict[str, float]:
-    """Stand in for :func:`psp3.study.run.execute` where the simulation does not matter.
+    """Stand in for :func:`psp3.study.execution.execute` where the simulation does not matter.
 
     The metrics depend on seed and name alone.
     """
@@ -50,18 +52,19 @@ def die() -> None:
 def die_within_a_transaction(path: Path) -> None:
     with StudyFile(path, SHARED).adding() as additions:
         additions.add([(Run(seed=1), invented(Run(seed=1)))])
+        additions.commit()
         # No room in the cache, so that what is not committed is in the file already.
         additions._connection.execute("PRAGMA cache_size = 1")
         additions._connection.execute("BEGIN IMMEDIATE")
-        # As the first row, but with other keys.
+        # As the first row, but with other seeds.
         columns = [
             row[1]
             for row in additions._connection.execute("PRAGMA table_info(runs)")
-            if row[1] != "key"
+            if row[1] not in ("setting", "seed")
         ]
-        for number in range(300):
+        for number in range(1000, 1300):
             additions._connection.execute(
-                f"INSERT INTO runs SELECT '{number}', {', '.join(columns)} FROM runs LIMIT 1"
+                f"INSERT INTO runs SELECT setting, {number}, {', '.join(columns)} FROM runs LIMIT 1"
             )
         die()
 
@@ -91,7 +94,8 @@ def hold_the_lock(path: Path, parent: Connection) -> None:
 
 
 def run_with_small_files(path: Path, kept: Connection) -> None:
-    resource.setrlimit(resource.RLIMIT_FSIZE, (40_000, 40_000))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (80_000, 80_000))
+    study_file.GROUP = 0.0
     study.execute = invented  # type: ignore[attr-defined]
     try:
         Study(path, grid(snr_db=20.0, seed=range(500))).run()
@@ -102,7 +106,11 @@ def run_with_small_files(path: Path, kept: Connection) -> None:
 def run_until(
     path: Path, runs: tuple[Run, ...], workers: int, rows: int, parent: Connection
 ) -> None:
-    """Do a study; from so many rows on, report each time and go on when the parent says so."""
+    """Do a study; from so many rows on, report each time and go on when the parent says so.
+
+    Every result is committed at once, so that what is reported is in the file.
+    """
+    study_file.GROUP = 0.0
 
     def hold(done: int, total: int, rate: float) -> None:
         if done >= rows:
@@ -110,3 +118,16 @@ def run_until(
             parent.recv()
 
     Study(path, runs).run(workers, progress=hold)
+
+
+def run_and_tell(path: Path, runs: int, parent: Connection) -> None:
+    """Do quick runs, and tell at what time how many of them had come back."""
+
+    def slowly(run: Run) -> dict[str, float]:
+        time.sleep(0.002)
+        return invented(run)
+
+    study.execute = slowly  # type: ignore[attr-defined]
+    Study(path, grid(snr_db=20.0, seed=range(runs))).run(
+        1, progress=lambda done, total, rate: parent.send((time.monotonic(), done))
+    )

@@ -51,7 +51,7 @@ snr_from_mean_variation t_conorm t_norm to_json union
 check_stroke finite_times tip_of
     """,
     "psp3.study.statistics": """
-        CONFIDENCE CONTROLLERS MEASURED_COVERAGE METRICS RESAMPLES Comparison Estimate Summary \
+        CONFIDENCE CONTROLLERS MEASURED_COVERAGE METRICS RESAMPLES Contrast Estimate Summary \
 compare mean median paired_difference ratio_of_geometric_means ratio_of_means share
         summarize
     """,
@@ -93,7 +93,7 @@ runs_needed
     "psp3.drives": "NO_DRIVE Drive drive_table",
     "psp3.identification": "CONFIDENCE Identified identify",
     "psp3.simulation": "Encoder Result load_result simulate",
-    "psp3.study": "Progress Study grid",
+    "psp3.study": "Grid Progress Study Table grid",
     "fuzzy2.learning": (
         "COMPLETIONS KINDS LEARNERS PARTITIONS WangMendel cluster_partition gaussian_partition "
         "term_names"

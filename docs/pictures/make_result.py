@@ -16,7 +16,8 @@ from matplotlib.figure import Figure
 import psp3
 from fuzzy2.plots.style import style
 from psp3.published import TABLE_6_3
-from psp3.study.run import Run, execute
+from psp3.study.execution import execute
+from psp3.study.run import Run
 from psp3.study.statistics import Estimate, mean
 
 SEEDS = 30

@@ -42,7 +42,7 @@ from fuzzy2.systems.operators import choice
 
 _GRAMMAR = r"""
 file: block+
-block: "FUNCTION_BLOCK"i NAME? _declaration* "END_FUNCTION_BLOCK"i
+block: "FUNCTION_BLOCK"i (NAME | BLOCK)? _declaration* "END_FUNCTION_BLOCK"i
 _declaration: inputs | outputs | fuzzify | defuzzify | rules
 inputs: "VAR_INPUT"i variable* "END_VAR"i
 outputs: "VAR_OUTPUT"i variable* "END_VAR"i
@@ -71,6 +71,7 @@ ACT.2: /ACT\b/i
 FORMULA.3: /FUNCTION\b[^;]*/i
 RULE.3: /RULE\s+[\w.]+\s*:[^;]*?(?=;|\bRULE\s+[\w.]+\s*:|\bEND_RULEBLOCK\b)/is
 NUMBER: /[+-]?((\d+(\.(?!\.)\d*)?|\.\d+)([eE][+-]?\d+)?|inf\b)/i
+BLOCK: /[^\W\d]\w*(-\w+)+/i
 NAME: /[^\W\d]\w*/i
 %ignore /\s+/
 """

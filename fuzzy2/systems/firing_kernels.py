@@ -257,6 +257,34 @@ def _supplement_firing(table, grades, low, high):
         high[r] *= table[weights + r]
 
 
+@compiled
+def _fire_block(table, x, start, width, grades, one_low, one_high, low, high):
+    """Write the firing strengths (R, lanes) of rows from ``start`` on, side by side.
+
+    To the last bit those of ``_fire``. Return whether lower and upper ones may differ; else only
+    the lower ones are written.
+    """
+    rules, lanes = low.shape
+    if table[5] > 0.0:
+        one_grades = np.empty(grades.shape[0])
+        for lane in range(lanes):
+            first = (start + lane) * int(table[0])
+            _fire(table, x, first, width, one_grades, one_low, one_high)
+            for r in range(rules):
+                low[r, lane], high[r, lane] = one_low[r], one_high[r]
+        return True
+    if not _grade_lanes(table, x, start, width, grades):
+        _fire_lanes(table, grades, 0, low)
+        return False
+    _fire_lanes(table, grades, 0, low)
+    _fire_lanes(table, grades, 1, high)
+    for r in range(rules):
+        lower, upper = low[r], high[r]
+        for lane in range(lanes):
+            lower[lane] = min(lower[lane], upper[lane])
+    return True
+
+
 # Firing strengths below this one have lost digits, or all of them, to underflow.
 VANISHED = 1e-280
 

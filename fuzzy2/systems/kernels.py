@@ -15,9 +15,8 @@ from fuzzy2.systems.firing_kernels import (
     TERM,
     VANISHED,
     _fire,
+    _fire_block,
     _fire_in_logarithms,
-    _fire_lanes,
-    _grade_lanes,
     _grades,
 )
 
@@ -217,24 +216,12 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
     unsettled, left = np.empty(LANES), np.empty(LANES)
     moments = np.empty(2 * outputs)
     one_extra = np.empty(rules)
-    plain = not table[5] > 0.0
     for start in range(0, rows, LANES):
-        uncertain = True
-        if plain:
-            uncertain = _grade_lanes(table, x, start, width, grades)
-            for end in range(2 if uncertain else 1):
-                _fire_lanes(table, grades, end, low if end == 0 else extra)
-        for lane in range(0 if plain else LANES):
-            _fire(table, x, (start + lane) * inputs, width, one_grades, one_low, one_high)
-            for r in range(rules):
-                low[r, lane], extra[r, lane] = one_low[r], one_high[r]
+        uncertain = _fire_block(table, x, start, width, grades, one_low, one_high, low, extra)
         for lane in range(LANES):
             mass[lane] = unsettled[lane] = 0.0
         for r in range(rules):
             lower, upper = low[r], extra[r] if uncertain else low[r]
-            for lane in range(LANES if uncertain else 0):
-                # As in ``_fire``: rounding must not exchange them.
-                lower[lane] = min(lower[lane], upper[lane])
             for lane in range(LANES):
                 mass[lane] += lower[lane]
                 unsettled[lane] = max(unsettled[lane], upper[lane])

@@ -51,14 +51,8 @@ def resumable(place: Path) -> Iterator[None]:
 MOTION_OF_THESIS, MOTION_OF_OTHERS = "helix", "sway"
 """What is followed unless another motion is named."""
 
-BANDWIDTH = 20.0
-"""Of the default gains of another robot than the 3-PSP [rad/s]."""
-
 TURNS_LEARNED = 2
 """Times that another robot than the 3-PSP sways while its controller learns."""
-
-INTEGRAL_SHARE = 0.1
-"""Default integral gain of another robot, as a share of the largest that is stable."""
 
 
 def trajectory_from_options(
@@ -148,7 +142,9 @@ def controller_named(
     )
     kept = only_allowed(f"--controller {name.value}", vars(gains), allowed)
     if not robot.has_inverse_of_tip:
-        kept = _default_gains(robot, name) | kept
+        from psp3.control.default_gains import default_gains
+
+        kept = default_gains(robot, name.value) | kept
     if name in (ControllerName.T1, ControllerName.IT2, ControllerName.GT2):
         controller, settings = _learned(robot, name, model, kept)
     else:
@@ -198,47 +194,17 @@ def _classical(
     return made, {"model": chosen.value}
 
 
-def _default_gains(robot: ClosedLoopRobot, name: ControllerName) -> dict[str, Any]:
-    """Return gains of a critically damped loop in the reference pose."""
-    import numpy as np
-
-    from psp3.control.classical import critically_damped_gains
-
-    if name is ControllerName.FEED_FORWARD:
-        return {}
-    if name not in (ControllerName.PD, ControllerName.PD_GRAVITY, ControllerName.PID):
-        kp, kv = critically_damped_gains(BANDWIDTH)
-        return {"kp": kp, "kv": kv}
-    mass = _moved_mass(robot)
-    kp, kv = critically_damped_gains(BANDWIDTH, mass)
-    gains = {"kp": kp, "kv": kv}
-    if name is ControllerName.PID:
-        # A mass m with these gains is stable up to ki = kp kv / m, and the least m is what counts.
-        omega = float(kv[0, 0] / (2.0 * mass[0, 0]))
-        least = float(np.linalg.eigvalsh(mass)[0])
-        gains["ki"] = INTEGRAL_SHARE * 2.0 * omega**3 * least
-    return gains
-
-
 def gains_of_computed_torque(
     robot: ClosedLoopRobot, kp: float | None, kv: float | None
 ) -> dict[str, Any]:
     """Return the gains that are given, or else those of the robot."""
+    from psp3.control.default_gains import default_gains
+
     own = {"kp": 10.0, "kv": 1.0}
     if not robot.has_inverse_of_tip:
-        own = _default_gains(robot, ControllerName.CTC)
+        own = default_gains(robot, ControllerName.CTC.value)
     given = {"kp": kp, "kv": kv}
     return own | {name: value for name, value in given.items() if value is not None}
-
-
-def _moved_mass(robot: ClosedLoopRobot) -> Any:
-    """Return what the motors move at the reference: the mass matrix, less what others give way."""
-    import numpy as np
-
-    mass, k = robot.mass_matrix(robot.reference), robot.commanded
-    if k == len(mass):
-        return mass
-    return mass[:k, :k] - mass[:k, k:] @ np.linalg.solve(mass[k:, k:], mass[k:, :k])
 
 
 def controller_from_file(

@@ -456,7 +456,7 @@ class FuzzyComputedTorque:
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not FuzzyComputedTorque or widths != Widths.of_motors(3):
+        if type(self) is not FuzzyComputedTorque or widths != Widths.of_motors(self.joints):
             return None
         if self._controller is None:
             return None

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -10,9 +9,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from psp3.checks import Array
-from psp3.errors import InvalidValue
+from psp3.errors import InvalidValue, UnknownName
 from psp3.plots.panels import Panels, given_panels
-from psp3.study.mismatch import Case, Comparison
+from psp3.study.comparison import Comparison, records_in_words
+from psp3.study.run import Run
 from psp3.study.statistics import mean
 
 
@@ -72,9 +72,9 @@ def figure_of_sweep(
 
 
 LABELS = {
-    "error": ("sum of squared errors [m²]", 1.0),
-    "settled": ("settled error [mm]", 1e3),
-    "effort": ("mean square torque [N²]", 1.0),
+    "sum_of_squared_errors": ("sum of squared errors [m²]", 1.0),
+    "settled_error": ("settled error [mm]", 1e3),
+    "effort": ("effort [N² s]", 1.0),
 }
 """What an axis says of a metric, and by what its values are multiplied."""
 
@@ -82,7 +82,7 @@ MARKERS = "osv^DPX*"
 
 
 def figure_of_mismatch(
-    found: Comparison, metric: str = "settled", axes: Sequence[Axes] | None = None
+    found: Comparison, metric: str = "settled_error", axes: Sequence[Axes] | None = None
 ) -> tuple[Axes, ...]:
     """Draw the means of a metric over the payload, with their 95 % intervals.
 
@@ -93,7 +93,7 @@ def figure_of_mismatch(
     found : Comparison
         What :func:`psp3.study.mismatch.compare` returned.
     metric : str
-        One of :data:`psp3.study.mismatch.METRICS`.
+        One of :data:`LABELS`.
     axes : sequence of Axes, optional
         Where to draw, one for each panel; a new figure by default.
 
@@ -109,7 +109,8 @@ def figure_of_mismatch(
     InvalidValue
         If there are not as many axes as panels.
     """
-    found.values(found.cases[0], found.controllers[0], metric)
+    if metric not in LABELS:
+        raise UnknownName("metric", metric, tuple(LABELS))
     kinds = list(dict.fromkeys(case.snr_db for case in found.cases))
     paths = list(dict.fromkeys(case.trajectory for case in found.cases))
     groups = [
@@ -140,7 +141,7 @@ def figure_of_mismatch(
     return panels
 
 
-def _draw(panel: Axes, found: Comparison, cases: list[Case], metric: str) -> None:
+def _draw(panel: Axes, found: Comparison, cases: list[Run], metric: str) -> None:
     scale, count = LABELS[metric][1], len(found.controllers)
     for number, name in enumerate(found.controllers):
         estimates = [mean(found.values(case, name, metric)) for case in cases]
@@ -163,7 +164,5 @@ def _draw(panel: Axes, found: Comparison, cases: list[Case], metric: str) -> Non
     panel.set_yscale("log")
     panel.set_xticks(range(len(cases)), [f"{case.payload:g}" for case in cases])
     panel.set_xlim(-0.5, len(cases) - 0.5)
-    records = (
-        "exact records" if cases[0].snr_db == math.inf else f"records of {cases[0].snr_db:g} dB"
-    )
-    panel.set_title(f"{cases[0].trajectory}, {records}", fontsize="medium")
+    title = f"{cases[0].trajectory}, {records_in_words(cases[0])}"
+    panel.set_title(title, fontsize="medium")

@@ -34,9 +34,6 @@ from psp3.closure.passive_limits import PassiveLimits
 from psp3.closure.ranges import freed
 from psp3.closure.rank import dependent_solver, null_space
 from psp3.closure.structure import (
-    EXACT,
-    LARGEST_MISMATCH,
-    TOLD_MISMATCH,
     Structure,
     closure_names,
     structure,
@@ -54,7 +51,6 @@ from psp3.errors import (
     JointLimitExceeded,
     MobilityMismatch,
     NoFiniteAnswer,
-    RoundedLoops,
     SingularConfiguration,
     UnknownName,
 )
@@ -78,42 +74,27 @@ from psp3.multibody.motion import (
 )
 from psp3.multibody.named_frames import frame_number
 from psp3.robots.construction import motor_matrix, named_closures
+from psp3.robots.implementations import DYNAMICS_MODELS as DYNAMICS_MODELS
+from psp3.robots.implementations import implementation
 from psp3.robots.learning_inputs import LearningInputs, positions_and_speeds
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
+from psp3.robots.mismatch import ClosureMismatch, allowance, refuse, warnings_of
 from psp3.robots.pickling import constraints, plain
 from psp3.robots.simple_joints import (
     SimpleTree,
     base_in_loop,
     can_spin,
-    is_round,
     parts_of_base,
     with_simple_joints,
 )
 
-DYNAMICS_MODELS = ("core", "pinocchio", "noc")
-"""Names of the implementations of the equation of motion of any robot."""
-
 FREE = ("lock", "keep", "refuse")
 """What can be done with motions that no motor commands."""
-
-ALLOWED_MISMATCH = 10.0
-"""Elsewhere in the workspace loops may stay open by so many times what was found near home."""
 
 PRELOAD_TOLERANCE = 1e-7
 """Share of the largest singular value of the actuation matrix up to which one counts as zero."""
 
 logger = logging.getLogger(__name__)
-
-
-class ClosureMismatch(NamedTuple):
-    """How far a robot's loops contradict themselves, and what that did to its home."""
-
-    length: float
-    """How far redundant closure equations stay open in position [m]."""
-    angle: float
-    """And in direction [rad]."""
-    home_moved: float
-    """How far the reference pose is from the one that was given, in any joint [m, rad]."""
 
 
 class ClosedLoopRobot:
@@ -255,7 +236,7 @@ class ClosedLoopRobot:
         flat = flattened(model, every, NO_MOTORS)
         found = structure(model, flat, home, self.motors, names)
         self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
-        _refuse(found, self.mobility, self.actuated, names, free)
+        refuse(found, self.mobility, self.actuated, names, free)
         self.model, self.without_limits = freed(model, found.home)
         model = self.model
         base: int | None = None
@@ -287,14 +268,15 @@ class ClosedLoopRobot:
         given = found.home if home is None else home
         moved = float(np.abs(pin.difference(model, given, self.q0)).max(initial=0.0))
         self.closure_mismatch = ClosureMismatch(found.length, found.angle, moved)
-        self._tell(names[found.worst] if names else "", found)
+        for told in warnings_of(self, names[found.worst] if names else "", found):
+            logger.warning("%s", told)
 
     def _settled(self, guess: Array, found: Structure) -> Core:
         """Return the core at a pose whose coordinates are those of the guess.
 
         Or where all joints are closed best, if they cannot be kept.
         """
-        mismatch, weakest = _allowance(found)
+        mismatch, weakest = allowance(found)
 
         def core(start: Array) -> Core:
             return Core(
@@ -321,42 +303,6 @@ class ClosedLoopRobot:
         """Return what closes the tree: loops, other equations, and balls held in spin."""
         spins = [one.spin for one in self.locked if one.spin is not None]
         return [*self.constraint_models, *self.equations, *spins]
-
-    def _tell(self, loop: str, found: Structure) -> None:
-        """Warn of what the file may not have meant: rounded loops, and motions that are held."""
-        if found.mismatch > TOLD_MISMATCH:
-            logger.warning(
-                "%s: redundant loops contradict each other by %.2g m and %.2g rad, most of all %r; "
-                "they are closed as well as they can be, and home was moved by %.2g (m, rad): "
-                "more digits would close them (robot.closure_mismatch)",
-                self.title,
-                found.length,
-                found.angle,
-                loop,
-                self.closure_mismatch.home_moved,
-            )
-        if self.without_limits:
-            logger.warning(
-                "%s: the reference pose has %s, so that these limits are not kept: correct them, "
-                "or give a closed pose within them (home in an SRDF or a key frame)",
-                self.title,
-                "; ".join(map(str, self.without_limits)),
-            )
-        if self.options["free"] == "keep":
-            # Nothing feels how a round rod has turned; what else is held, hinges cannot replace.
-            felt = [one for one in self.locked if one.spin and not is_round(self.model, one.spin)]
-            remedy = "its ball has damping, friction or armature, so that no hinges can replace it"
-        else:
-            felt = list(self.locked)
-            remedy = 'free="keep" makes them coordinates, free="refuse" refuses the robot'
-        if felt:
-            logger.warning(
-                "%s: no motor commands these motions, which are held where they are: %s; a body "
-                "that would turn keeps its inertia where it is, also off its axis (%s)",
-                self.title,
-                "; ".join(map(str, felt)),
-                remedy,
-            )
 
     def _create_data(self) -> None:
         """Make the memory in which Pinocchio computes."""
@@ -571,44 +517,12 @@ class ClosedLoopRobot:
         UnknownName
             If there is no implementation of that name; the error lists the known ones.
         """
-        if name == "core":
-            return self
-        unknown = self._unknown_to_the_thesis()
-        if unknown and name == "noc":
-            raise InvalidValue(
-                f"robot.dynamics({name!r}) of a robot with",
-                unknown,
-                "a tree with closures at points or frames; robot.dynamics('pinocchio') knows the "
-                "rest, too",
-            )
-        if name == "pinocchio":
-            from psp3.dynamics.projected import ProjectedDynamics
-
-            return ProjectedDynamics(self)
-        if name == "noc":
-            from psp3.dynamics.natural_orthogonal_complement import NaturalOrthogonalComplement
-
-            return NaturalOrthogonalComplement(self)
-        raise UnknownName("dynamics model", name, DYNAMICS_MODELS)
+        return implementation(self, name)
 
     @property
     def springs(self) -> Springs:
         """Stiffness and rest of joints, by name [N/m, m or N m, rad]."""
         return self.options["springs"] or {}
-
-    def _unknown_to_the_thesis(self) -> str:
-        """Say what of the robot the thesis's method has no word for; nothing if it knows all."""
-        parts = {
-            "hinges or couplings": bool(self.equations),
-            "a ball whose spin is held": any(one.spin is not None for one in self.locked),
-            "springs": bool(self.springs),
-            "a floating base": self._position_count != self._speed_count,
-            "joint damping": bool(self.model.damping.any()),
-            "dry friction": bool(self.model.upperDryFrictionLimit.any()),
-            "loops closed in the least-squares sense": self.closure_mismatch.length > EXACT
-            or self.closure_mismatch.angle > EXACT,
-        }
-        return ", ".join(part for part, is_there in parts.items() if is_there)
 
     # Closing the loops
 
@@ -1328,26 +1242,3 @@ class ClosedLoopRobot:
         """
         rest = np.zeros(self._speed_count)
         return self._ask(ENERGIES, 2, None, positions, rest, rest)[..., 1]
-
-
-def _allowance(found: Structure) -> tuple[float, float]:
-    """Return the residual that loops may keep by rounding, and the weakest pivot that counts."""
-    if found.mismatch <= EXACT:
-        return 0.0, 0.0
-    # In meters and radians at once: the kernels look at the largest.
-    return ALLOWED_MISMATCH * max(found.length, found.angle), 3.0 * found.dropped
-
-
-def _refuse(
-    found: Structure,
-    found_mobility: Any,
-    actuated: Sequence[str],
-    names: Sequence[str],
-    free: str,
-) -> None:
-    """Refuse a mechanism that does not move, or whose loops do not agree."""
-    freedoms = found_mobility.degrees_of_freedom
-    if found.mismatch > LARGEST_MISMATCH or (freedoms == 0 and found.mismatch > EXACT):
-        raise RoundedLoops(names[found.worst], found.length, found.angle, freedoms)
-    if freedoms == 0 or (free == "refuse" and found_mobility.under_actuation):
-        raise MobilityMismatch(found_mobility, actuated)

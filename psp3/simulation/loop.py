@@ -93,6 +93,18 @@ def new_track(
     return Track(t, wanted, states, asked, applied, np.empty((count, motors + numbers_said)))
 
 
+def new_wires(wiring: Wiring, width: int) -> Wires:
+    """Return a wiring as compiled loops take it, whose encoders have read nothing yet.
+
+    ``width`` is that of a state, p + n.
+    """
+    noise = np.empty((0, width)) if wiring.noise is None else wiring.noise
+    return Wires(
+        *(wiring.resolution, np.zeros(len(wiring.resolution)), noise),
+        *(wiring.limit, wiring.low, wiring.high, np.zeros(width)),
+    )
+
+
 def compiled_loop(
     controller: Any,
     plant: Any,
@@ -102,6 +114,8 @@ def compiled_loop(
     first: int = 0,
     progress: Callable[[int], None] | None = None,
     every: int | None = None,
+    last: int | None = None,
+    wires: Wires | None = None,
 ) -> Ended:
     """Let a controller steer a plant, compiled.
 
@@ -121,14 +135,14 @@ def compiled_loop(
         Called with the number of samples that are done.
     every : int
         After so many it is called, too.
+    last : int, optional
+        The sample before which the loop pauses, the state being that of this sample.
+    wires : Wires, optional
+        Those of the loop that is gone on with, which remember what encoders read last.
     """
-    count, joints = len(track.t), len(wiring.low)
+    count, joints = len(track.t) if last is None else last, len(wiring.low)
     state, ending = np.array(state), np.array([WHOLE])
-    noise = np.empty((0, len(state))) if wiring.noise is None else wiring.noise
-    wires = Wires(
-        *(wiring.resolution, np.zeros(len(wiring.resolution)), noise),
-        *(wiring.limit, wiring.low, wiring.high, np.zeros(len(state))),
-    )
+    wires = new_wires(wiring, len(state)) if wires is None else wires
     done, chunk = first, max(1, CHUNK // (joints * plant.steps))
     while done < count:
         end = min(done + chunk, count)

@@ -2,12 +2,87 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
+from numpy.typing import NDArray
 
 from psp3.checks import Array
 from psp3.errors import InvalidValue
 from psp3.published import THESIS_SAMPLING_PERIOD
 from psp3.simulation.result import Result
+
+METRICS = (
+    "sum_of_squared_errors",
+    "integral_of_squared_error",
+    "rms_error",
+    "settled_error",
+    "largest_error",
+    "rms_tip_error",
+    "largest_tip_error",
+    "effort",
+    "largest_torque",
+    "coverage",
+    "fallbacks",
+    "left_stroke",
+    "diverged",
+    "end_time",
+)
+"""Names of what :func:`measured` measures."""
+
+
+def measured(result: Result, samples: int, limits: tuple[Array, Array]) -> dict[str, float]:
+    r"""Return the figures of merit of a run of any robot, which may have ended before its time.
+
+    Parameters
+    ----------
+    result : Result
+        A simulation.
+    samples : int
+        Number of samples of a whole run.
+    limits : tuple of (p,) ndarray
+        Lowest and highest positions of the joints.
+
+    Returns
+    -------
+    dict of float
+        By name, in the order of ``METRICS``: sum of squared errors at one sample per 0.05 s and its
+        integral over time, root mean square of the error over the run and over its second half
+        (``settled_error``), and the largest error of a joint, of joints [m or rad]; root mean
+        square and largest error of the tip [m], NaN of a robot without one; effort
+        :math:`\int \lVert\tau\rVert^2 dt` and largest force of a motor [N or N m]; share of the
+        steps inside the trained range, and of those that fell back on the average over the rules;
+        1 if a joint left its limits; 1 if the run diverged, that is ended before its time or with
+        forces that are not finite; the time when it ended [s]. Errors and forces of runs that
+        diverged are NaN.
+    """
+    count = len(result.t)
+    diverged = count < samples or not count or not np.isfinite(result.torque).all()
+    values = [math.nan] * 9
+    if not diverged:
+        values = [
+            sum_of_squared_errors(result),
+            integral_of_squared_error(result),
+            rms_error(result),
+            settled_error(result),
+            largest_error(result),
+            rms_tip_error(result),
+            largest_tip_error(result),
+            effort(result),
+            float(np.abs(result.torque).max()),
+        ]
+    lower, upper = limits
+    outside = (result.positions < lower) | (result.positions > upper)
+    shares = [_share(flags, count) for flags in (result.covered, result.fell_back)]
+    if result.covered is None and count:
+        # A controller that was not trained has no range to leave, and nothing to fall back on.
+        shares = [1.0, 0.0]
+    values += [*shares, float(outside.any()), float(diverged)]
+    return dict(zip(METRICS, [*values, float(result.t[-1]) if count else 0.0], strict=True))
+
+
+def _share(flags: NDArray[np.bool_] | None, count: int) -> float:
+    return float(flags.mean()) if flags is not None and count else math.nan
 
 
 def sum_of_squared_errors(result: Result, sampling_period: float = THESIS_SAMPLING_PERIOD) -> float:
@@ -51,6 +126,28 @@ def rms_error(result: Result) -> float:
     r"""Return the root mean square of :math:`\lVert e \rVert` over the samples [m]."""
     error = _errors(result)
     return float(np.sqrt((error**2).sum(axis=-1).mean()))
+
+
+def settled_error(result: Result) -> float:
+    r"""Return the root mean square of :math:`\lVert e \rVert` over the second half [m or rad]."""
+    error = _errors(result)[len(result.t) // 2 :]
+    return float(np.sqrt((error**2).sum(axis=-1).mean()))
+
+
+def largest_error(result: Result) -> float:
+    """Return the largest error of a joint [m or rad]."""
+    return float(np.abs(_errors(result)).max())
+
+
+def effort(result: Result) -> float:
+    r"""Return :math:`\int \lVert\tau\rVert^2 dt` by the trapezoidal rule [N² s]."""
+    return float(np.trapezoid((result.torque**2).sum(axis=-1), result.t))
+
+
+def rms_tip_error(result: Result) -> float:
+    """Return the root mean square of the distance between the desired and the actual tip [m]."""
+    distance = np.linalg.norm(result.desired.tip - result.tip, axis=-1)
+    return float(np.sqrt((distance**2).mean()))
 
 
 def largest_tip_error(result: Result) -> float:

@@ -1,4 +1,4 @@
-r"""How well alarms tell that a robot has left what its rules were learned for.
+r"""A grid of runs: how well alarms tell that a robot has left what its rules were learned for.
 
 False alarms, detections and delays, measured.
 
@@ -31,49 +31,29 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from psp3.checks import Array, checked_count, checked_positive
-from psp3.drives.drive import NO_DRIVE
-from psp3.fuzzy_control import adaptive_kernels
-from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
+from psp3.errors import UnknownName
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-from psp3.fuzzy_control.kernels import step_width
 from psp3.fuzzy_control.monitor import Monitor, torque_width
-from psp3.fuzzy_control.records import Record, differences, record
-from psp3.loading import load
-from psp3.simulation.kernels import WHOLE, Track
-from psp3.simulation.loop import compiled_loop, new_track, unbounded
-from psp3.study.mismatch import MEASUREMENT_NOISE, PERIOD, UNCERTAINTY_SNR
-from psp3.study.run import mismatched
+from psp3.fuzzy_control.records import differences
+from psp3.study.controllers import robot_named, trained
+from psp3.study.execution import simulate_run
+from psp3.study.mismatch import MEASUREMENT_NOISE, uncertainty
+from psp3.study.paths import EVENT as EVENT
+from psp3.study.paths import NARROW
+from psp3.study.run import Run
 from psp3.study.statistics import Estimate, median, share
-from psp3.three_psp.robot import PSP3
-from psp3.three_psp.stepping import ClosedFormSteps
-from psp3.trajectories.paths import Helix
-from psp3.trajectories.trajectory import Trajectory
-
-TRAINED_RADIUS = 0.012
-"""Radius of the helix that the rules are learned on [m]."""
-
-RADII, PERIODS = (0.007, TRAINED_RADIUS), (2.0, 3.0)
-"""Ranges of the radius [m] and the time for a turn [s] of the runs; the rules are learned with the
-largest and the shortest.
-"""
 
 INITIAL_ERRORS = (0.003, 0.02)
 """Standard deviations of the initial errors of height [m] and speed [m/s]."""
 
-WIDE_RADIUS, FASTER = 0.022, 2.0
-"""Where the radius goes [m], and by what the speed is multiplied, when the robot leaves the
-region.
-"""
-
-DURATION, EVENT, CHANGE = 10.0, 5.0, 1.0
-"""Length of the runs, time of the event, and time that a change of speed or radius takes [s]."""
+DURATION = 10.0
+"""Length of the runs [s]."""
 
 GAINS = (100.0, 20.0)
 """Of the servo, critically damped: with the soft ones of Table 6.1 initial errors ring for longer
@@ -83,75 +63,17 @@ than these runs.
 RESIDUAL_LAG = 0.05
 """Time constant of the filter of the residual [s]."""
 
+TRAINING, HELD_OUT, FASTER, WIDER = "training", "held out", "faster", "wider"
+"""What runs are for: to learn thresholds from, to count false alarms in, and two departures from
+what the rules were learned for.
+"""
 
-class DepartingHelix(Trajectory):
-    r"""A helix whose speed and radius change smoothly from one value to another.
-
-    .. math:: x = \big(r \cos\varphi,\; r \sin\varphi,\; z_0 + \dot z t\big), \qquad
-              r = r_0 + (r_1 - r_0)\, b(t), \quad
-              \dot\varphi = \tfrac{2\pi}{T} \big(1 + (q - 1)\, b(t)\big)
-
-    with the smooth step b from 0 to 1 that has no speed and no acceleration at its ends,
-    :math:`b(s) = 10 s^3 - 15 s^4 + 6 s^5`.
-
-    Parameters
-    ----------
-    radius, period, phase : float
-        Radius [m], time for a turn [s] and azimuth [rad] at the start.
-    last_radius, speed_up : float
-        Radius at the end [m], and factor q of the speed there.
-    robot : PSP3
-        See :class:`psp3.trajectories.trajectory.Trajectory`.
-
-    Attributes
-    ----------
-    height : float
-        Level :math:`z_0`, that of the tip in the home pose [m].
-    """
-
-    def __init__(
-        self,
-        radius: float,
-        period: float,
-        phase: float,
-        last_radius: float,
-        speed_up: float,
-        robot: PSP3,
-    ) -> None:
-        super().__init__(robot, "tip")
-        self.radius, self.period, self.phase = radius, period, phase
-        self.last_radius, self.speed_up = last_radius, speed_up
-        self.height = robot.parameters.tool_length
-
-    def _path(self, t: Array) -> tuple[Array, Array, Array]:
-        s = np.clip((t - EVENT) / CHANGE, 0.0, 1.0)
-        # The step, its integral over time, and its derivatives.
-        step, rate = s**3 * (10.0 - 15.0 * s + 6.0 * s**2), 30.0 * s**2 * (1.0 - s) ** 2 / CHANGE
-        bend = 60.0 * s * (1.0 - s) * (1.0 - 2.0 * s) / CHANGE**2
-        area = CHANGE * s**4 * (2.5 - 3.0 * s + s**2) + np.maximum(t - EVENT - CHANGE, 0.0)
-        omega, gain, growth = (
-            2.0 * np.pi / self.period,
-            self.speed_up - 1.0,
-            self.last_radius - self.radius,
-        )
-        angle, turn, hurry = (
-            self.phase + omega * (t + gain * area),
-            omega * (1.0 + gain * step),
-            omega * gain * rate,
-        )
-        r, out, push = self.radius + growth * step, growth * rate, growth * bend
-        cosine, sine, zero = np.cos(angle), np.sin(angle), np.zeros_like(t)
-        along, across = push - r * turn**2, 2.0 * out * turn + r * hurry
-        return (
-            np.stack([r * cosine, r * sine, self.height + 0.01 * t], axis=-1),
-            np.stack(
-                [out * cosine - r * turn * sine, out * sine + r * turn * cosine, zero + 0.01],
-                axis=-1,
-            ),
-            np.stack(
-                [along * cosine - across * sine, along * sine + across * cosine, zero], axis=-1
-            ),
-        )
+PATHS = {
+    TRAINING: "drawn-helix",
+    HELD_OUT: "drawn-helix",
+    FASTER: "drawn-helix-faster",
+    WIDER: "drawn-helix-wider",
+}
 
 
 class Watched(NamedTuple):
@@ -285,23 +207,21 @@ def detect(
     count = checked_count("seeds", seeds, 2)
     masses = [checked_positive("payloads", payload) for payload in payloads]
     like = Monitor() if monitor is None else monitor
-    controller = trained_for_detection(kind, snr_db, learner, mean_variation)
-    events: dict[str, tuple[float, float, float]] = {
-        "faster": (0.0, FASTER, 0.0),
-        "wider": (WIDE_RADIUS, 1.0, 0.0),
-    }
-    events |= {f"{mass:g} kg": (0.0, 1.0, mass) for mass in masses}
-    kinds = {"training": (0.0, 1.0, 0.0), "held out": (0.0, 1.0, 0.0)} | events
+    events: dict[str, str | float] = {FASTER: FASTER, WIDER: WIDER}
+    events |= {f"{mass:g} kg": mass for mass in masses}
+    kinds = {TRAINING: TRAINING, HELD_OUT: HELD_OUT} | events
+    # Every run has a seed of its own.
     jobs = [
-        (number, *event, seed)
-        for number, event in enumerate(kinds.values())
+        watched_run(what, number * count + seed, kind, snr_db, learner, mean_variation)
+        for number, what in enumerate(kinds.values())
         for seed in range(count)
     ]
+    for job in jobs:
+        job.check()
+    controller = watched_controller(jobs[0])
     threads = checked_count("workers", (os.cpu_count() or 1) if workers is None else workers)
     with ThreadPoolExecutor(threads) as pool:
-        watched = list(
-            pool.map(lambda job: _signals(controller, watch_run(controller, *job)), jobs)
-        )
+        watched = list(pool.map(lambda job: _signals(controller, watch(job)), jobs))
     runs = {name: watched[i * count : (i + 1) * count] for i, name in enumerate(kinds)}
     found = []
     for signal in SIGNALS:
@@ -358,82 +278,81 @@ def _after(delay: Estimate) -> str:
     return f" after {delay.value:.2f} s" if delay.count else ""
 
 
-def trained_for_detection(
+def watched_run(
+    what: str | float = TRAINING,
+    seed: int = 0,
     kind: str = "it2",
     snr_db: float = math.inf,
     learner: str = "strongest",
     mean_variation: float | None = None,
-) -> FuzzyComputedTorque:
-    """Return the controller that is watched, learned on the helix of 12 mm; see :func:`detect`."""
-    from fuzzy2.learning.noise import mean_variation_from_snr
-
-    variation = (
-        float(mean_variation_from_snr(min(snr_db, UNCERTAINTY_SNR)))
-        if mean_variation is None
-        else mean_variation
-    )
-    kp, kv = GAINS
-    controller = FuzzyComputedTorque(
-        kind, _robot(), kp=kp, kv=kv, snr_db=snr_db, learner=learner, mean_variation=variation
-    )
-    return controller.learn(_record(), rng=np.random.default_rng(0))
-
-
-def watch_run(
-    controller: FuzzyComputedTorque,
-    stream: int = 0,
-    last_radius: float = 0.0,
-    speed_up: float = 1.0,
-    payload: float = 0.0,
-    seed: int = 0,
-) -> Watched:
-    """Do a run, and return what the controller saw of it.
+) -> Run:
+    """Return a run to be watched.
 
     Parameters
     ----------
-    controller : FuzzyComputedTorque
-        Type-1 or interval type-2, see :func:`trained_for_detection`.
-    stream, seed : int
-        Of the random numbers: path, initial errors and noise of measurement.
-    last_radius : float
-        Radius after the event [m]; 0 for that before it.
-    speed_up : float
-        Factor of the speed after the event.
-    payload : float
-        Mass that is attached by the event [kg].
+    what : str or float
+        What it is for: ``"training"``, ``"held out"``, ``"faster"`` or ``"wider"``, or the mass
+        that is attached to the star in it [kg].
+    seed : int
+        Of path, initial errors and noise of measurement.
+    kind, snr_db, learner, mean_variation
+        Of the controller, which is the same one in all runs, see :func:`detect`.
+
+    Raises
+    ------
+    UnknownName
+        If there is no such event.
     """
-    rng, robot = np.random.default_rng([stream, seed]), _robot()
-    radius, period, phase = (
-        rng.uniform(*RADII),
-        rng.uniform(*PERIODS),
-        rng.uniform(0.0, 2.0 * np.pi),
+    is_payload = not isinstance(what, str)
+    if not is_payload and what not in PATHS:
+        raise UnknownName("event", what, tuple(PATHS))
+    variation = uncertainty(snr_db) if mean_variation is None else mean_variation
+    kp, kv = GAINS
+    position_noise, speed_noise = MEASUREMENT_NOISE
+    initial_error, initial_speed_error = INITIAL_ERRORS
+    return Run(
+        kind,
+        snr_db=snr_db,
+        seed=seed,
+        trajectory=PATHS[TRAINING if is_payload else str(what)],
+        learner=learner,
+        mean_variation=variation,
+        payload=float(what) if is_payload else 0.0,
+        payload_from=EVENT,
+        duration=DURATION,
+        kp=kp,
+        kv=kv,
+        learned_on=NARROW,
+        learning_seed=0,
+        position_noise=position_noise,
+        speed_noise=speed_noise,
+        initial_error=initial_error,
+        initial_speed_error=initial_speed_error,
     )
-    path = DepartingHelix(radius, period, phase, last_radius or radius, speed_up, robot)
-    t: Array = PERIOD * np.arange(round(DURATION / PERIOD) + 1, dtype=np.float64)
-    motion = path(t)
-    state = np.concatenate([motion.heights[0], motion.speeds[0]]) + rng.standard_normal(
-        6
-    ) * np.repeat(INITIAL_ERRORS, 3)
-    noise = rng.standard_normal((len(t), 6)) * np.repeat(MEASUREMENT_NOISE, 3)
-    adaptive = AdaptiveFuzzyComputedTorque(controller)
-    table = adaptive_kernels.Adaptive(
-        adaptive.settings._replace(memory=0.0),
-        adaptive.rules,
-        adaptive_kernels.new_memory(adaptive.rules.trained),
+
+
+def watch(run: Run) -> Watched:
+    """Do a run, and return what its controller saw of it."""
+    samples = simulate_run(run)
+    result, n = samples.result, samples.result.positions.shape[1]
+    seen = np.concatenate([result.positions, result.speeds], axis=1)
+    if samples.noise is not None:
+        seen = seen + samples.noise[: len(seen)]
+    assert result.torque_interval is not None
+    return Watched(
+        result.t,
+        seen[:, :n],
+        seen[:, n:],
+        result.torque,
+        result.torque_interval,
+        result.desired.positions,
     )
-    loaded = mismatched(robot.parameters, 0.0, payload, np.random.default_rng(0))
-    wiring, middle = unbounded(PERIOD, np.zeros(3), noise=noise), round(EVENT / PERIOD)
-    track = new_track(t, motion, step_width(3) - 3)
-    before = Track(*(array[: middle + 1] for array in track))
-    plant = ClosedFormSteps(robot.parameters.as_array(), 1, NO_DRIVE)
-    ended = compiled_loop(table, plant, wiring, before, state)
-    if ended.why == WHOLE:
-        # The sample between both parts is done twice, from the same state.
-        plant = ClosedFormSteps(loaded.as_array(), 1, NO_DRIVE)
-        compiled_loop(table, plant, wiring, track, ended.state, middle)
-    seen = track.states + noise
-    interval = np.stack([track.wrote[:, 3:6], track.wrote[:, 6:9]], axis=-1)
-    return Watched(t, seen[:, :3], seen[:, 3:], track.applied, interval, motion.heights)
+
+
+def watched_controller(run: Run) -> FuzzyComputedTorque:
+    """Return the controller of a run that is watched, trained as it is there."""
+    robot = robot_named(run.robot, run.parameters)
+    return trained(run, robot, np.random.default_rng([run.learning_seed or 0, 0]))
 
 
 def _signals(controller: FuzzyComputedTorque, run: Watched) -> tuple[Array, dict[str, Array]]:
@@ -451,16 +370,3 @@ def _delay(t: Array, alarm: NDArray[np.bool_]) -> float:
 
 def _greatest(t: Array, level: Array) -> float:
     return float(level[t > EVENT].max())
-
-
-@lru_cache(maxsize=1)
-def _robot() -> PSP3:
-    return load("psp3")
-
-
-@lru_cache(maxsize=1)
-def _record() -> Record:
-    kp, kv = GAINS
-    return record(
-        _robot(), Helix(radius=TRAINED_RADIUS, period=PERIODS[0], robot=_robot()), kp=kp, kv=kv
-    )

@@ -2,40 +2,49 @@
 
 What the file promises, and how:
 
-* A row is there whole or not at all, and what was committed survives ``kill -9``, a full disk and a
-  loss of power: a plain rollback journal with full synchronization. Not a write-ahead log, whose
-  rows would live in a second file that a copy of the first forgets.
-* A row is decided by its run alone. Its key is the run's content, it holds no times or worker
-  names, and the table is stored in the order of its keys, so studies that were interrupted and
-  studies that were not end with the same table.
+* Results are committed in groups. One is on disk within :data:`GROUP`, half a second, after it came
+  back, and what is on disk survives ``kill -9``, a full disk and a loss of power: a plain rollback
+  journal with full synchronization. Not a write-ahead log, whose rows would live in a second file
+  that a copy of the first forgets. So half a second of work is lost at worst, and is done again.
+* A row is there whole or not at all, and has a checksum of its setting, seed and metrics, which is
+  verified when the row is read: a bit that fell over on the disk is an error that names the run.
+* A row is decided by its run alone. Settings, which are all fields of a run but the seed, are in a
+  table of their own, and no times or worker names are anywhere, so studies that were interrupted
+  and studies that were not end with the same rows. The view ``results`` shows both in one.
 * Numbers come back as they went in. Infinity is a number to SQLite; NaN is NULL there, and NULL is
   read as NaN, since no metric is ever absent.
 * One study writes at a time. Its lock belongs to the process and ends with it, however it ends.
   Reading is always possible.
 * A file of another program, another format, other fields, or runs of another length is refused with
-  an error that says so. A file from before the fields in :data:`ADDED` is read as if its runs had
-  their defaults, and gets their columns when it is extended.
+  an error that says so.
 """
 
 from __future__ import annotations
 
 import fcntl
 import json
+import math
 import os
 import socket
 import sqlite3
 import stat
+import time
+import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
-from dataclasses import fields
-from functools import cache
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
+from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
+from psp3.checks import Array
 from psp3.errors import InvalidStudyFile, PSP3Error, StudyFileNotWritable, StudyInUse, StudyMismatch
-from psp3.study.run import METRICS, Run
+from psp3.study.keys import SEED_BYTES, Keys, as_keys, setting_key, setting_names, setting_values
+from psp3.study.run import METRICS, Run, Value, field_types
+from psp3.study.table import Table
 
-FORMAT = 1
+FORMAT = 2
 """Version of the file's layout (SQLite's ``user_version``); any other is refused."""
 
 APPLICATION = int.from_bytes(b"PSP3", "big")
@@ -43,64 +52,34 @@ APPLICATION = int.from_bytes(b"PSP3", "big")
 databases.
 """
 
-SHARED = ("duration",)
-"""Fields that are the same in all runs of a file: errors are summed over that time, and other sums
-do not go into one table.
-"""
-
-ADDED = (("snr_reference", "noisy_entries"), ("defuzzify",))
-"""Last fields of a run, in the groups in which they were added: files that were written before lack
-one group or more. A run with their defaults is the run that it was before, and has the same key.
+GROUP = 0.5
+"""Time after which results are on disk [s]; they are committed when half of it has passed, which
+leaves the other half to the disk.
 """
 
 PATIENCE = 30.0
 """How long to wait for another program that has locked the database for a moment [s]."""
 
-Value = str | int | float | None
-Row = dict[str, Any]
+AT_A_TIME = 10_000
+"""Rows that are read from SQLite at a time, before they become columns."""
+
+_ROW = np.dtype([("seed", "<i8"), ("metrics", "<f8", (len(METRICS),))])
+"""What a checksum is of, after the setting's key."""
 
 
-@cache
-def field_types() -> dict[str, type[str] | type[int] | type[float]]:
-    """Return the type of every field of :class:`~psp3.study.run.Run`, without None."""
-    hints = get_type_hints(Run)
-    return {
-        field.name: next(iter(get_args(hints[field.name])), hints[field.name])
-        for field in fields(Run)
-    }
-
-
-def contents(run: Run) -> dict[str, Value]:
-    """Return the values of a run's fields, each in the type of its field.
-
-    So 20 and 20.0 dB are one run.
-    """
-    values = ((name, kind, getattr(run, name)) for name, kind in field_types().items())
-    # Adding zero makes 0.0 of -0.0.
-    return {
-        name: None if value is None else kind(value) + 0.0 if kind is float else kind(value)
-        for name, kind, value in values
-    }
-
-
-def key(run: Run) -> str:
-    """Return the text that identifies a run: its contents as JSON.
-
-    Without the last groups of :data:`ADDED` of which all fields are at their defaults.
-    """
-    values, defaults = contents(run), _defaults_of_added()
-    for group in reversed(ADDED):
-        if any(values[name] != defaults[name] for name in group):
-            break
-        for name in group:
-            del values[name]
-    return json.dumps(list(values.values()), ensure_ascii=False)
-
-
-@cache
-def _defaults_of_added() -> dict[str, str]:
-    added = {name for group in ADDED for name in group}
-    return {field.name: str(field.default) for field in fields(Run) if field.name in added}
+def checksums(settings: Iterable[bytes], seeds: Any, metrics: Any) -> list[int]:
+    """Return the checksum of each row, CRC-32: of the key of its setting, seed and metrics."""
+    numbers = np.array(metrics, dtype=float)
+    content = np.empty(len(numbers), dtype=_ROW)
+    # One zero and one NaN, for SQLite keeps no more of them.
+    content["seed"], content["metrics"] = seeds, numbers + 0.0
+    content["metrics"][np.isnan(numbers)] = math.nan
+    text, size, crc = content.tobytes(), _ROW.itemsize, zlib.crc32
+    ends = range(size, len(text) + 1, size)
+    return [
+        crc(text[end - size : end], crc(setting))
+        for setting, end in zip(settings, ends, strict=True)
+    ]
 
 
 class StudyFile:
@@ -113,7 +92,7 @@ class StudyFile:
     path : path
         The file.
     shared : mapping, optional
-        Values of the fields in :data:`SHARED` that the file must have.
+        Values of the fields in :data:`psp3.study.keys.SHARED` that the file must have.
 
     Raises
     ------
@@ -131,36 +110,63 @@ class StudyFile:
                 if not _is_empty(connection):
                     self._check(connection)
 
-    def rows(self) -> dict[str, Row]:
-        """Return fields and metrics of every run in the file by key, in the order of the fields.
+    def rows(self) -> Table:
+        """Return fields and metrics of every run in the file, in the order of the fields.
 
         Raises
         ------
         InvalidStudyFile, StudyMismatch
-            If there is no file or it cannot be used.
+            If there is no file, it cannot be used, or a row is not what was written.
         """
         if not self.path.exists():
             raise InvalidStudyFile(self.path, "there is no such file")
-        names = (*field_types(), *METRICS)
-        order = ", ".join(map(_quoted, field_types()))
         with self._reading() as connection:
             if _is_empty(connection):
                 raise InvalidStudyFile(self.path, "holds no results yet")
             self._check(connection)
-            absent = self._lacks(connection)
-            columns = ", ".join(
-                f"{_text(_defaults_of_added()[name])} AS {_quoted(name)}"
-                if name in absent
-                else _quoted(name)
-                for name in names
-            )
-            table = connection.execute(
-                f"SELECT key, {columns} FROM runs ORDER BY {order}"
-            ).fetchall()
-        return {
-            row[0]: {name: _read(name, value) for name, value in zip(names, row[1:], strict=True)}
-            for row in table
-        }
+            settings = self._settings(connection)
+            whole, metrics = _read_columns(connection)
+        number_of = {identity: k for k, identity in enumerate(settings)}
+        try:
+            setting = [number_of[identity] for identity in whole[:, 0].tolist()]
+        except KeyError as error:
+            raise InvalidStudyFile(
+                self.path, f"is damaged: rows have the setting {error}, which is not there"
+            ) from None
+        keys = [entry[0] for entry in settings.values()]
+        found = checksums((keys[k] for k in setting), whole[:, 1], metrics)
+        table = Table([run for _, run in settings.values()], setting, whole[:, 1], metrics)
+        wrong = np.flatnonzero(np.array(found, dtype=np.int64) != whole[:, 2])
+        if wrong.size:
+            raise self._damaged(table.run(int(wrong[0])), whole[wrong[0]], len(wrong))
+        return table.in_order()
+
+    def _settings(self, connection: sqlite3.Connection) -> dict[int, tuple[bytes, Run]]:
+        """Return key and setting by number, each verified."""
+        columns = ", ".join(map(_quoted, setting_names()))
+        found = {}
+        for identity, content, *values in connection.execute(
+            f"SELECT id, key, {columns} FROM settings"
+        ):
+            run = Run(**dict(zip(setting_names(), values, strict=True)))
+            if setting_key(setting_values(run)) != content:
+                raise InvalidStudyFile(
+                    self.path,
+                    f"is damaged: setting {identity}, {run}, is not what was written; delete its "
+                    f"runs and run the study again (DELETE FROM runs WHERE setting = {identity}; "
+                    f"DELETE FROM settings WHERE id = {identity})",
+                )
+            found[identity] = content, run
+        return found
+
+    def _damaged(self, run: Run, whole: NDArray[np.int64], count: int) -> InvalidStudyFile:
+        more = f", and {count - 1} more rows are damaged" if count > 1 else ""
+        return InvalidStudyFile(
+            self.path,
+            f"is damaged: the row of {run} does not have its checksum{more}; delete it and run the "
+            f"study again, which does that run anew (DELETE FROM runs WHERE setting = {whole[0]} "
+            f"AND seed = {whole[1]})",
+        )
 
     @contextmanager
     def adding(self) -> Iterator[Additions]:
@@ -185,11 +191,15 @@ class StudyFile:
                 else:
                     self._check(connection)
                     self._check_package(connection)
-                    self._add_columns(connection)
                 # A write that changes nothing: a disk that is full, or a directory that takes no
                 # journal, is found out now.
                 connection.execute("UPDATE meta SET value = value")
-            yield Additions(connection, self)
+            additions = Additions(connection, self)
+            try:
+                yield additions
+            finally:
+                # However it ends: what came back is kept, if it can be.
+                additions.commit()
 
     @contextmanager
     def _connected(self, mode: str) -> Iterator[sqlite3.Connection]:
@@ -262,13 +272,25 @@ class StudyFile:
     def _create(self, connection: sqlite3.Connection) -> None:
         from psp3.version import __version__
 
-        sql_types = {str: "TEXT NOT NULL", int: "INTEGER NOT NULL", float: "REAL"}
-        columns = [f"{_quoted(name)} {sql_types[kind]}" for name, kind in field_types().items()]
-        columns += [f"{_quoted(name)} REAL" for name in METRICS]
-        for table in ("runs", "meta"):
+        sql_types = {str: "TEXT", int: "INTEGER", float: "REAL"}
+        types = field_types()
+        of_setting = [f"{_quoted(name)} {sql_types[types[name]]}" for name in setting_names()]
+        of_run = [f"{_quoted(name)} REAL" for name in METRICS]
+        connection.execute("DROP VIEW IF EXISTS results")
+        for table in ("runs", "settings", "meta"):
             connection.execute(f"DROP TABLE IF EXISTS {table}")
         connection.execute(
-            f"CREATE TABLE runs (key TEXT PRIMARY KEY, {', '.join(columns)}) WITHOUT ROWID"
+            "CREATE TABLE settings (id INTEGER PRIMARY KEY, key BLOB NOT NULL UNIQUE, "
+            f"{', '.join(of_setting)})"
+        )
+        connection.execute(
+            "CREATE TABLE runs (setting INTEGER NOT NULL, seed INTEGER NOT NULL, "
+            f"{', '.join(of_run)}, checksum INTEGER NOT NULL, PRIMARY KEY (setting, seed)) "
+            "WITHOUT ROWID"
+        )
+        columns = ", ".join(map(_quoted, (*types, *METRICS)))
+        connection.execute(
+            f"CREATE VIEW results AS SELECT {columns} FROM runs JOIN settings ON setting = id"
         )
         connection.execute(
             "CREATE TABLE meta (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID"
@@ -292,30 +314,6 @@ class StudyFile:
             "metrics": list(METRICS),
         }
 
-    def _lacks(self, connection: sqlite3.Connection) -> tuple[str, ...]:
-        """Return the fields that were added after the file was written: whole groups of them."""
-        written = self._notes(connection)["fields"]
-        layout = self._layout()["fields"]
-        for first in range(len(ADDED)):
-            absent = tuple(name for group in ADDED[first:] for name in group)
-            if written == layout[: len(layout) - len(absent)]:
-                return absent
-        return ()
-
-    def _add_columns(self, connection: sqlite3.Connection) -> None:
-        """Give a file from before some fields their columns, with defaults in every row."""
-        absent = self._lacks(connection)
-        for name in absent:
-            connection.execute(
-                f"ALTER TABLE runs ADD COLUMN {_quoted(name)} TEXT NOT NULL "
-                f"DEFAULT {_text(_defaults_of_added()[name])}"
-            )
-        if absent:
-            connection.execute(
-                "UPDATE meta SET value = ? WHERE name = 'fields'",
-                (json.dumps(self._layout()["fields"]),),
-            )
-
     @staticmethod
     def _notes(connection: sqlite3.Connection) -> dict[str, Any]:
         return {
@@ -334,10 +332,17 @@ class StudyFile:
                 f"is not the file of a study, but of a program that marks its files {application}",
             )
         if version != FORMAT:
-            raise StudyMismatch(self.path, "format version", version, FORMAT)
+            raise StudyMismatch(
+                self.path,
+                "format version",
+                version,
+                FORMAT,
+                f"read it with the psp3 that wrote it, psp3.Study({self.path.name!r}).export(...), "
+                "or give another file, in which its runs are done anew; this one stays as it is",
+            )
         notes = self._notes(connection)
         for name, expected in self._layout().items():
-            if notes[name] != expected and not (name == "fields" and self._lacks(connection)):
+            if notes[name] != expected:
                 here, there = (
                     [entry for entry in one if entry not in other]
                     for one, other in ((expected, notes[name]), (notes[name], expected))
@@ -406,16 +411,30 @@ class Additions:
 
     Attributes
     ----------
-    keys : set of str
-        Keys of the runs that are in the file.
+    keys : (N,) ndarray of bytes
+        Keys of the runs that were in the file.
+    committed : int
+        Number of runs that are in it.
     """
 
     def __init__(self, connection: sqlite3.Connection, file: StudyFile) -> None:
         self._connection, self._file = connection, file
-        self.keys = {str(name) for (name,) in connection.execute("SELECT key FROM runs")}
+        self.keys, self._numbers = _read_keys(connection)
+        self.committed = len(self.keys)
+        self._waiting: list[tuple[Run, tuple[float, ...]]] = []
+        self._since = math.inf
+
+    @property
+    def waiting(self) -> int:
+        """Number of results that came back and are not committed yet."""
+        return len(self._waiting)
+
+    def due(self) -> float:
+        """Return how long results may still wait for being committed [s]; infinite without any."""
+        return max(0.0, self._since + 0.5 * GROUP - time.monotonic())
 
     def add(self, results: Iterable[tuple[Run, Mapping[str, float]]]) -> None:
-        """Commit results, all of them or none.
+        """Take results, and commit all those that wait when the first of them has waited enough.
 
         Those of runs that are in the file already change nothing.
 
@@ -424,23 +443,96 @@ class Additions:
         StudyFileNotWritable
             If the disk is full, for example; everything committed before stays.
         """
-        rows: dict[str, tuple[Value, ...]] = {}
-        for run, metrics in results:
-            rows[key(run)] = (*contents(run).values(), *(metrics[name] for name in METRICS))
-        if not rows:
+        for run, found in results:
+            self._waiting.append((run, tuple(found[name] for name in METRICS)))
+        if self._waiting and self._since == math.inf:
+            self._since = time.monotonic()
+        if self.due() == 0.0:
+            self.commit()
+
+    def commit(self) -> None:
+        """Commit what waits, all of it or nothing.
+
+        Raises
+        ------
+        StudyFileNotWritable
+            As from :meth:`add`; what waited is then lost.
+        """
+        if not self._waiting:
             return
-        # By name, for a file that was extended by fields has them at its end.
-        names = ("key", *field_types(), *METRICS)
-        columns, places = ", ".join(map(_quoted, names)), ", ".join("?" * len(names))
+        # An interrupt may come at any line. What waits is forgotten when it is committed, and what
+        # is committed twice does no harm.
+        results = list(self._waiting)
+        settings = [setting_values(run) for run, _ in results]
+        keys = [setting_key(values) for values in settings]
+        metrics = [values for _, values in results]
+        sums = checksums(keys, [run.seed for run, _ in results], metrics)
         try:
             with _transaction(self._connection):
+                numbers = self._numbered(dict(zip(keys, settings, strict=True)))
+                places = ", ".join("?" * (len(METRICS) + 3))
+                before = self._connection.total_changes
                 self._connection.executemany(
-                    f"INSERT OR IGNORE INTO runs ({columns}) VALUES ({places})",
-                    [(name, *values) for name, values in rows.items()],
+                    f"INSERT OR IGNORE INTO runs VALUES ({places})",
+                    [
+                        (numbers[name], run.seed, *values, checksum)
+                        for name, (run, values), checksum in zip(keys, results, sums, strict=True)
+                    ],
                 )
+                added = self._connection.total_changes - before
         except sqlite3.Error as error:
-            raise self._file.translated(error, len(self.keys)) from error
-        self.keys.update(rows)
+            self._forget(len(results))
+            raise self._file.translated(error, self.committed) from error
+        self.committed += added
+        self._numbers = numbers
+        self._forget(len(results))
+
+    def _forget(self, count: int) -> None:
+        del self._waiting[:count]
+        self._since = time.monotonic() if self._waiting else math.inf
+
+    def _numbered(self, settings: Mapping[bytes, tuple[Value, ...]]) -> dict[bytes, int]:
+        """Return the numbers of all settings by their keys, with new ones for those of these."""
+        new = [name for name in settings if name not in self._numbers]
+        if not new:
+            return self._numbers
+        numbers = dict(self._numbers)
+        places = ", ".join("?" * (len(setting_names()) + 2))
+        last = max(numbers.values(), default=0)
+        for number, name in enumerate(new, start=last + 1):
+            numbers[name] = number
+            self._connection.execute(
+                f"INSERT INTO settings VALUES ({places})", (number, name, *settings[name])
+            )
+        return numbers
+
+
+def _read_keys(connection: sqlite3.Connection) -> tuple[Keys, dict[bytes, int]]:
+    """Return the keys of the runs in a file, and the numbers of its settings by their keys."""
+    by_number = dict(connection.execute("SELECT id, key FROM settings"))
+    content = bytearray()
+    try:
+        for number, seed in connection.execute("SELECT setting, seed FROM runs"):
+            content += by_number[number] + seed.to_bytes(SEED_BYTES, "big")
+    except (KeyError, AttributeError, OverflowError) as error:
+        raise sqlite3.DatabaseError(f"a row has no setting or seed: {error!r}") from error
+    return as_keys(content), {name: number for number, name in by_number.items()}
+
+
+def _read_columns(connection: sqlite3.Connection) -> tuple[NDArray[np.int64], Array]:
+    """Return numbers of settings, seeds and checksums (N, 3), and metrics (N, K)."""
+    columns = ", ".join(map(_quoted, METRICS))
+    cursor = connection.execute(f"SELECT setting, seed, checksum, {columns} FROM runs")
+    whole, metrics = [np.empty((0, 3), np.int64)], [np.empty((0, len(METRICS)))]
+    while rows := cursor.fetchmany(AT_A_TIME):
+        try:
+            whole.append(np.array([row[:3] for row in rows], dtype=np.int64))
+            metrics.append(np.array([row[3:] for row in rows], dtype=float))
+        except (TypeError, ValueError, OverflowError) as error:
+            raise sqlite3.DatabaseError(f"a row holds something else than numbers: {error}") from (
+                error
+            )
+    return np.concatenate(whole), np.concatenate(metrics)
 
 
 @contextmanager
@@ -485,11 +577,3 @@ def _has_no_results(connection: sqlite3.Connection) -> bool:
 
 def _quoted(name: str) -> str:
     return '"' + name.replace('"', '""') + '"'
-
-
-def _text(value: str) -> str:
-    return "'" + value.replace("'", "''") + "'"
-
-
-def _read(name: str, value: Value) -> Value:
-    return float("nan") if value is None and name in METRICS else value

@@ -1,93 +1,78 @@
-r"""One run of the study.
+r"""One run of the study: data, and what its values may be.
 
-A controller tracks a trajectory under a noise, and its errors are measured.
-
-Everything that decides a run is a field of :class:`Run`, so a run can be repeated anywhere from its
-row in a table of results. Noise has five readings:
+A controller tracks a trajectory under a noise, and its errors are measured
+(:mod:`psp3.study.execution`). Everything that decides a run is a field of :class:`Run`, so a run
+can be repeated anywhere from its row in a table of results. Noise has five readings:
 
 =============  =====================================================================================
 reading        what a signal-to-noise ratio S means (q = 10^(−S/20) is the ratio of amplitudes)
 =============  =====================================================================================
 parameters     white noise on the recorded M, C and G from which rules are learned; the other
                controllers never see it
-inputs         white noise on the recorded differences of heights and speeds from which rules are
-               learned, M, C and G being exact; the other controllers never see it
-measurement    white noise on measured heights and speeds at run time, seen by servo and estimator
+inputs         white noise on the recorded inputs from which rules are learned (differences of
+               heights and speeds of the 3-PSP), M, C and G being exact; the other controllers never
+               see it
+measurement    white noise on measured positions and speeds at run time, seen by servo and estimator
 online         white noise on the controller's M, C and G at run time
-plant          every mass and inertia of the robot is off by a factor exp(q ε), and a payload of
-               5 kg · q abs(ε) rides on the star
+plant          every mass and inertia of the robot is off by a factor exp(q ε), and on the 3-PSP a
+               payload of 5 kg · q abs(ε) rides on the star
 =============  =====================================================================================
 
 The power of a signal is its mean square over the recorded training run, mean included, element by
 element. The thesis says neither this nor which elements are noisy, and its comparison comes out
 otherwise under other definitions: the fields ``snr_reference`` and ``noisy_entries`` choose them.
 
-Under the reading ``plant`` a run can also have a payload of its own, drives with friction and motor
-inertia, encoders that count, and a delay: fields that no signal-to-noise ratio scales.
+Besides, the plant of a run can have a payload, masses that are off, drives with friction and motor
+inertia, encoders that count, measurement with a noise of its own and a delay, and it can start
+beside the path: fields that no signal-to-noise ratio scales.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, fields, replace
-from functools import lru_cache
-from typing import NamedTuple
+from functools import cache
+from operator import attrgetter
+from typing import Any, get_args, get_type_hints
 
 import numpy as np
 
 from fuzzy2.learning.noise import mean_variation_from_snr
 from fuzzy2.learning.partition import KINDS
-from fuzzy2.learning.wang_mendel import LEARNERS
-from psp3.checks import Array, checked_count, checked_not_negative, checked_positive
-from psp3.control import kernels
-from psp3.control.controller import Widths
-from psp3.control.kernels import classical
+from psp3.checks import checked_count, checked_not_negative, checked_positive
+from psp3.description.parts import ROBOTS
 from psp3.drives.drive import Drive
-from psp3.errors import InvalidValue, UnknownName
+from psp3.errors import InvalidValue, UnknownName, UnknownRobot
 from psp3.fuzzy_control.computed_torque import (
     ORDERS,
     OUTSIDE,
     REDUCTIONS,
-    FuzzyComputedTorque,
+    SAMPLES,
     checked_snr,
 )
-from psp3.fuzzy_control.kernels import (
-    NO_MODEL,
-    Fuzzy,
-    FuzzyRun,
-    nothing_added,
-    reported,
-    step_width,
-)
-from psp3.fuzzy_control.records import ENTRIES, REFERENCES, Record, RecordNoise, record
-from psp3.loading import load
-from psp3.published import DURATION, TABLE_6_1, THESIS_SAMPLING_PERIOD
-from psp3.simulation.loop import compiled_loop, new_track, unbounded
-from psp3.simulation.metrics import (
-    integral_of_squared_error,
-    largest_tip_error,
-    sum_of_squared_errors,
-)
-from psp3.simulation.result import Result
-from psp3.three_psp.parameters import PARAMETER_SETS, Parameters
-from psp3.three_psp.robot import PSP3
-from psp3.three_psp.stepping import ClosedFormSteps, closed_form_table
-from psp3.trajectories.motion import Motion, check_stroke
-from psp3.trajectories.paths import Circle, Helix, PointToPoint
-from psp3.trajectories.recorded import Waypoints
-from psp3.trajectories.trajectory import Trajectory
+from psp3.fuzzy_control.records import ENTRIES, REFERENCES
+from psp3.fuzzy_control.rule_bases import LEARNERS
+from psp3.loading import ENDINGS
+from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
+from psp3.simulation.metrics import METRICS as METRICS
+from psp3.study.paths import DRAWN, names_of_paths
+from psp3.three_psp.parameters import PARAMETER_SETS
 
-CLASSICAL = {
-    "feed-forward": kernels.FEED_FORWARD,
-    "pd": kernels.PD,
-    "pd-gravity": kernels.GRAVITY_COMPENSATED_PD,
-    "ctc": kernels.COMPUTED_TORQUE,
-}
-CONTROLLERS = (*CLASSICAL, *KINDS)
-"""Names of the controllers: open loop, PD, PD with gravity, computed torque with the exact model,
-and with learned ones.
+CLASSICAL = ("feed-forward", "pd", "pd-gravity", "ctc", "ctc-integral", "lqr", "lqr-stiff")
+"""Names of the controllers that learn nothing: open loop, PD, PD with gravity, computed torque with
+the exact model and with an integral of the error, and the linear-quadratic regulator about as stiff
+as computed torque, and ten times as stiff.
 """
+
+ADAPTIVE = {"adaptive-t1": "t1", "adaptive-it2": "it2"}
+"""Names of those whose rules adapt, and the kinds of the rules."""
+
+FUZZY = (*KINDS, *ADAPTIVE)
+"""Names of the controllers that learn rules."""
+
+CONTROLLERS = (*CLASSICAL, *FUZZY)
+"""Names of the controllers. Another one is named by where it is, ``"module:Name"``."""
 
 READINGS = ("parameters", "measurement", "online", "plant", "inputs")
 """Names of the readings of noise."""
@@ -99,13 +84,38 @@ OF_PLANT = (
     "motor_inertia",
     "encoder_resolution",
     "delay",
+    "payload_from",
+    "mass_mismatch",
+    "position_noise",
+    "speed_noise",
+    "initial_error",
+    "initial_speed_error",
 )
-"""Fields that say how the plant differs from what controllers believe; zero but under the reading
-``"plant"``.
+"""Fields that say how the plant differs from what controllers believe: none is negative, and all
+are zero by default.
 """
 
-PAYLOAD_PER_MISMATCH = 5.0
-"""Payload at q abs(ε) = 1 [kg]."""
+DRAWN_BY_SEED = (
+    "mass_mismatch",
+    "position_noise",
+    "speed_noise",
+    "initial_error",
+    "initial_speed_error",
+)
+"""Those of which the seed draws something."""
+
+OF_LEARNING = (
+    "learner",
+    "n_terms",
+    "mean_variation",
+    "levels",
+    "reduction",
+    "outside",
+    "term_width",
+    "samples",
+    "defuzzify",
+)
+"""Fields of the controllers that learn rules."""
 
 LEAST_SNR_OF_PLANT = -20.0
 """Least signal-to-noise ratio under the reading ``"plant"`` [dB]: masses are off by factors up to
@@ -115,62 +125,25 @@ exp(±40).
 MOST_STEPS = 10_000_000
 """Control periods of the longest run."""
 
+LARGEST_INTEGER = 2**63 - 1
+"""Largest integer of a field, which is the largest one that SQLite holds."""
 
-def _square(robot: PSP3) -> Trajectory:
-    """Return a square with sides of 24 mm, a corner a second, that rises as the helix does."""
-    angles = 0.5 * np.pi * np.arange(11)
-    across = 0.012 * np.sqrt(2.0)
-    rise = robot.parameters.tool_length + 0.010 * np.arange(11)
-    return Waypoints(
-        np.arange(11.0),
-        np.stack([across * np.cos(angles), across * np.sin(angles), rise], axis=-1),
-        robot,
-    )
+Value = str | int | float | None
 
 
-TRAJECTORIES: dict[str, Callable[[PSP3], Trajectory]] = {
-    "helix": lambda robot: Helix(robot=robot),
-    "circle": lambda robot: Circle(robot=robot),
-    "line": lambda robot: PointToPoint((-0.02, 0.0, 0.07), (0.02, 0.01, 0.12), 10.0, robot),
-    "fast-helix": lambda robot: Helix(period=1.0, robot=robot),
-    "fastest-helix": lambda robot: Helix(period=0.4, robot=robot),
-    "large-helix": lambda robot: Helix(radius=0.0235, robot=robot),
-    "waypoints": _square,
-}
-"""Trajectories by name; the estimators are trained on the first."""
-
-METRICS = (
-    "sum_of_squared_errors",
-    "integral_of_squared_error",
-    "rms_error_1",
-    "rms_error_2",
-    "rms_error_3",
-    "largest_error_1",
-    "largest_error_2",
-    "largest_error_3",
-    "rms_tip_error",
-    "largest_tip_error",
-    "effort",
-    "largest_torque",
-    "coverage",
-    "fallbacks",
-    "left_stroke",
-    "diverged",
-    "end_time",
-)
-"""Names of what is measured, see :func:`execute`."""
-
-FIRST_TRAJECTORY = next(iter(TRAJECTORIES))
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class Run:
     """Everything that decides a run.
+
+    Making one checks nothing; :meth:`check` does, and :func:`psp3.study.execution.execute` before
+    it begins.
 
     Parameters
     ----------
     controller : str
-        One of ``CONTROLLERS``.
+        One of ``CONTROLLERS``, or ``"module:Name"``: what is called with the robot and returns a
+        controller, or an estimator with ``fit(X, Y)`` and ``predict(X)``, see
+        :mod:`psp3.study.entries`.
     reading : str
         One of ``READINGS``.
     snr_db : float
@@ -179,23 +152,25 @@ class Run:
         Of the noise. Runs of the same seed see the same noise, whatever the controller, and the
         same but for its amplitude at every signal-to-noise ratio: differences between controllers
         can be paired.
-    trajectory : str
-        One of ``TRAJECTORIES``.
+    trajectory : str, optional
+        A name in :mod:`psp3.study.paths`; unless given the first one of the robot, which is
+        ``"helix"`` of the 3-PSP and ``"sway"`` of any other.
     learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
-        See :class:`psp3.FuzzyComputedTorque`. The rules are learned on the first trajectory. The
-        learner that the thesis cites, table look-up, is ``"strict"``.
+        See :class:`psp3.FuzzyComputedTorque`. The learner that the thesis cites, table look-up, is
+        ``"strict"``; unless given it is ``"strongest"``, of 209 samples, for the 3-PSP, and
+        ``"least-squares"`` for any other robot.
     payload : float
-        Mass on the star, at its center, that no controller knows of [kg]; of the reading
-        ``"plant"``, as are the next six.
+        Mass that no controller knows of [kg]: at the center of the 3-PSP's star, and at the frame
+        ``tip`` of any other robot.
     coulomb_friction, viscous_friction, motor_inertia, lead
-        Drive of each screw, see :class:`psp3.drives.drive.Drive` [N], [N s/m], [kg m²], [m per
+        Drive of each motor, see :class:`psp3.drives.drive.Drive` [N], [N s/m], [kg m²], [m per
         revolution].
     encoder_resolution : float
-        Travel of a nut per count of its encoder [m], see :func:`psp3.simulate`.
+        Travel of a joint per count of its encoder [m or rad], see :func:`psp3.simulate`.
     delay : int
         Control periods by which forces come late, see :func:`psp3.simulate`.
     parameters : str
-        Name of the robot's parameter set.
+        Name of the 3-PSP's parameter set.
     duration, period : float
         Length of the run and control period [s].
     snr_reference : str
@@ -209,21 +184,41 @@ class Run:
         Whether M, C and G become crisp, ``"first"``, or the fuzzy torque, ``"last"``, see
         :class:`psp3.FuzzyComputedTorque`. Of no meaning but to ``"gt2"`` by two α-planes or more:
         other torques are the same number either way.
+    robot : str
+        What :func:`psp3.load` takes: the name of a robot, or the path of its file.
+    kp, kv : float, optional
+        Gains, of the kind that the controller takes. Unless given they are those of Table 6.1 for
+        the 3-PSP, and critically damped for any other robot
+        (:func:`psp3.control.default_gains.default_gains`).
+    learned_on : str, optional
+        The trajectory whose record the rules are learned from, and noise is set against; unless
+        given the first one of the robot.
+    learning_seed : int, optional
+        Of the noise on the record that rules are learned from; ``seed`` unless given. With one for
+        all runs they have one controller.
+    payload_from : float
+        Time from which on the robot carries the payload [s].
+    mass_mismatch : float
+        q of the reading ``"plant"``, besides another reading.
+    position_noise, speed_noise : float
+        Standard deviations of white noise on measured positions [m or rad] and speeds.
+    initial_error, initial_speed_error : float
+        Standard deviations of what positions and speeds at the start are off [m or rad, per s].
     """
 
     controller: str = "it2"
     reading: str = "parameters"
     snr_db: float = math.inf
     seed: int = 0
-    trajectory: str = FIRST_TRAJECTORY
-    learner: str = "strongest"
+    trajectory: str | None = None
+    learner: str | None = None
     n_terms: int = 2
     mean_variation: float | None = None
     levels: int = 5
     reduction: str = "alpha_planes"
     outside: str = "clamp"
     term_width: float = 1.0
-    samples: int = 209
+    samples: int | None = None
     payload: float = 0.0
     coulomb_friction: float = 0.0
     viscous_friction: float = 0.0
@@ -237,463 +232,292 @@ class Run:
     snr_reference: str = "mean-square"
     noisy_entries: str = "all"
     defuzzify: str = "first"
+    robot: str = "psp3"
+    kp: float | None = None
+    kv: float | None = None
+    learned_on: str | None = None
+    learning_seed: int | None = None
+    payload_from: float = 0.0
+    mass_mismatch: float = 0.0
+    position_noise: float = 0.0
+    speed_noise: float = 0.0
+    initial_error: float = 0.0
+    initial_speed_error: float = 0.0
 
     def __post_init__(self) -> None:
-        # Of numpy's numbers, which grids are often made of, as of any other.
-        for field in fields(self):
-            value = getattr(self, field.name)
+        # One number is one run: of numpy, which grids are often made of, as of any other, and 20 as
+        # 20.0. What is no number stays, for the check to refuse it.
+        for value in _floats_of(self):
+            if type(value) is not float and value is not None:
+                self._take_numbers()
+                return
+        for value in _others_of(self):
             if isinstance(value, np.generic):
-                object.__setattr__(self, field.name, value.item())
+                self._take_numbers()
+                return
+
+    def _take_numbers(self) -> None:
+        """Make Python's numbers of numpy's, and floats of integers where a field is one."""
+        for name in _TYPES:
+            value = getattr(self, name)
+            plain = value.item() if isinstance(value, np.generic) else value
+            if name in _FLOATS and type(plain) is int:
+                # What is no float stays, for the check to refuse it.
+                with suppress(OverflowError):
+                    plain = float(plain)
+            object.__setattr__(self, name, plain)
 
     def check(self) -> None:
-        """Raise what :func:`execute` would raise for wrong fields, before any work.
-
-        Wrong are fields that are not what they must be.
+        """Raise what is wrong with the values of the fields; nothing is loaded, moved or learned.
 
         Raises
         ------
-        UnknownName
+        UnknownName, UnknownRobot
             If a name is unknown.
         InvalidValue
-            If a number is outside of what it can be, or terms are so narrow that no rule fires on a
-            part of the path learned from.
-        StrokeExceeded
-            If the trajectory leaves the screws in the duration.
-        fuzzy2.errors.UnsupportedRule
-            If no sample fires some rule by more than 0.001.
+            If a number is outside of what it can be.
         """
-        for what, name, known in (
-            ("controller", self.controller, CONTROLLERS),
-            ("reading", self.reading, READINGS),
-            ("trajectory", self.trajectory, tuple(TRAJECTORIES)),
-            ("learner", self.learner, LEARNERS),
-            ("reduction", self.reduction, REDUCTIONS),
-            ("way outside of the trained range", self.outside, OUTSIDE),
-            ("parameter set", self.parameters, tuple(PARAMETER_SETS)),
-            ("reference of the signal-to-noise ratio", self.snr_reference, REFERENCES),
-            ("choice of noisy entries", self.noisy_entries, ENTRIES),
-            ("order of defuzzification", self.defuzzify, ORDERS),
-        ):
-            if not isinstance(name, str) or name not in known:
-                raise UnknownName(what, name, known)
+        self._check_names()
         if checked_snr(self.snr_db) < LEAST_SNR_OF_PLANT and self.reading == "plant":
             raise InvalidValue(
                 "snr_db", self.snr_db, f"at least {LEAST_SNR_OF_PLANT:g} under the reading 'plant'"
             )
-        for name, least in (
-            ("seed", 0),
-            ("n_terms", 1),
-            ("levels", 1),
-            ("samples", 2),
-            ("delay", 0),
-        ):
-            checked_count(name, getattr(self, name), least)
-        for name in ("duration", "period"):
+        for (name, least), value in zip(_LEAST, _counts_of(self), strict=True):
+            is_fine = type(value) is int and least <= value <= LARGEST_INTEGER
+            if not is_fine and checked_count(name, value, least) > LARGEST_INTEGER:
+                raise InvalidValue(name, value, "less than 2**63")
+        for name, least in (("learning_seed", 0), ("samples", 2)):
+            if getattr(self, name) is not None:
+                checked_count(name, getattr(self, name), least)
+        for name in _POSITIVE:
             checked_positive(name, getattr(self, name))
-        if not self.period <= self.duration <= MOST_STEPS * self.period:
+        for name, value in zip(_NOT_NEGATIVE, _amounts_of(self), strict=True):
+            is_fine = type(value) is float and 0.0 <= value < math.inf
+            if not is_fine and not (value is None and name in _OPTIONAL):
+                checked_not_negative(name, value)
+        _check_times(self.duration, self.period)
+        if self.motor_inertia > 0.0 or self.lead is not None:
+            self.drive  # noqa: B018 # raises what is wrong with it
+        if self.mass_mismatch > 0.0 and self.reading == "plant":
             raise InvalidValue(
-                "duration",
-                self.duration,
-                f"at least one and at most {MOST_STEPS:,} periods of {self.period} s",
+                "mass_mismatch",
+                self.mass_mismatch,
+                "0 under the reading 'plant', whose snr_db says how far masses are off",
             )
-        every = round(THESIS_SAMPLING_PERIOD / self.period)
-        if abs(every * self.period - THESIS_SAMPLING_PERIOD) > 1e-9 * THESIS_SAMPLING_PERIOD:
+
+    def _check_names(self) -> None:
+        _check_robot(self.robot, self.parameters)
+        if not _is_place(self.controller):
+            _check_name("controller", self.controller, CONTROLLERS)
+        for what, name, known in (
+            ("reading", self.reading, READINGS),
+            ("reduction", self.reduction, REDUCTIONS),
+            ("way outside of the trained range", self.outside, OUTSIDE),
+            ("reference of the signal-to-noise ratio", self.snr_reference, REFERENCES),
+            ("choice of noisy entries", self.noisy_entries, ENTRIES),
+            ("order of defuzzification", self.defuzzify, ORDERS),
+        ):
+            if type(name) is not str or name not in known:
+                _check_name(what, name, known)
+        if self.learner is not None:
+            _check_name("learner", self.learner, LEARNERS)
+        paths = names_of_paths(self.robot)
+        for path in (self.trajectory, self.learned_on):
+            if path is not None:
+                _check_name("trajectory", path, paths)
+        if self.learned_on in DRAWN:
             raise InvalidValue(
-                "period",
-                self.period,
-                f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or a whole part of it",
+                "learned_on", self.learned_on, "a trajectory that does not depend on the seed"
             )
-        if self.mean_variation is not None:
-            checked_not_negative("mean_variation", self.mean_variation)
-        checked_positive("term_width", self.term_width)
-        for name in ("payload", "encoder_resolution"):
-            checked_not_negative(name, getattr(self, name))
-        self._drive()
-        for name in OF_PLANT:
-            if getattr(self, name) > 0.0 and self.reading != "plant":
-                raise InvalidValue(name, getattr(self, name), "0, but under the reading 'plant'")
-        _desired(self.trajectory, self.parameters, self.duration, self.period)
-        if self.controller in KINDS:
-            # Terms as wide as they are learned reach every sample, whatever the kind.
-            narrow = (
-                (self.controller, self.canonical().mean_variation, self.term_width)
-                if self.term_width < 1.0
-                else ()
-            )
-            _try_to_learn(self.parameters, self.learner, self.n_terms, self.samples, *narrow)
-            if self.reading == "inputs" and self.snr_db < math.inf:
-                _learned_from_noisy_inputs(self.canonical())
 
     @property
-    def noise(self) -> RecordNoise:
-        """What the signal-to-noise ratio means on a record."""
-        return RecordNoise(self.snr_reference, self.noisy_entries, self.reading == "inputs")
-
-    def _drive(self) -> Drive:
+    def drive(self) -> Drive:
+        """Drive of each motor."""
         return Drive(self.coulomb_friction, self.viscous_friction, self.motor_inertia, self.lead)
+
+    @property
+    def learns(self) -> bool:
+        """Whether the controller learns from a record."""
+        return self.controller not in CLASSICAL
 
     def canonical(self) -> Run:
         """Return the same run with every field that cannot matter at its default.
 
-        The mean variation is the one that is used.
+        The mean variation and the trajectories are those that are used.
 
         Runs with the same canonical form have the same results, so a study does them once.
         """
-        run, default = self, Run()
+        changed = self.canonical_changes()
+        return replace(self, **changed) if changed else self  # type: ignore[arg-type]
 
-        def reset(*names: str) -> Run:
-            return replace(run, **{name: getattr(default, name) for name in names})
-
-        if run.controller in CLASSICAL:
-            run = reset(
-                "learner",
-                "n_terms",
-                "mean_variation",
-                "levels",
-                "reduction",
-                "outside",
-                "term_width",
-                "samples",
-                "defuzzify",
-            )
-        else:
-            if run.controller == "t1":
-                run = replace(run, mean_variation=0.0)
-            elif run.mean_variation is None:
-                run = replace(run, mean_variation=float(mean_variation_from_snr(run.snr_db)))
-            if run.controller != "gt2":
-                run = reset("levels", "reduction", "defuzzify")
-            elif run.reduction == "gaussian":
-                run = reset("levels", "defuzzify")
-            elif run.levels == 1:
-                # The one cut's middle, by the same sums.
-                run = reset("defuzzify")
+    def canonical_changes(self) -> dict[str, Value]:
+        """Return the fields that :meth:`canonical` changes, with their values there."""
+        changed: dict[str, Value] = {}
+        if self.trajectory is None:
+            changed["trajectory"] = names_of_paths(self.robot)[0]
+        self._drop_learning(changed)
+        if self.controller == "feed-forward":
+            changed |= {"kp": None, "kv": None}
         if self.motor_inertia == 0.0:
-            # All forces are those at the nuts.
-            run = reset("lead")
-        if run._sees_no_noise():
-            run = replace(
-                reset("snr_reference", "noisy_entries"),
-                snr_db=math.inf,
-                seed=0,
-                reading="plant" if any(getattr(run, name) for name in OF_PLANT) else "parameters",
-            )
-        if run.reading not in ("parameters", "online"):
-            run = reset("noisy_entries")
-        if run.reading == "plant":
-            run = reset("snr_reference")
-        return run
+            # All forces are those at the joints.
+            changed["lead"] = None
+        if self.payload == 0.0:
+            changed["payload_from"] = 0.0
+        reading = self.reading
+        if self._sees_no_noise():
+            reading = "parameters"
+            changed |= {"snr_db": math.inf, "reading": reading, "snr_reference": "mean-square"}
+            changed["noisy_entries"] = "all"
+        if not self.counts_seed:
+            changed["seed"] = 0
+        if reading not in ("parameters", "online"):
+            changed["noisy_entries"] = "all"
+        if reading == "plant":
+            changed["snr_reference"] = "mean-square"
+        # What noise at run time is set against is the record, too.
+        is_recorded = self.learns or reading in ("measurement", "online")
+        known = names_of_paths(self.robot)[0] if self.learned_on is None else self.learned_on
+        changed["learned_on"] = known if is_recorded else None
+        if self._sees_no_noise() or not self._is_noise_of_records:
+            changed["learning_seed"] = None
+        return {name: value for name, value in changed.items() if getattr(self, name) != value}
+
+    @property
+    def counts_seed(self) -> bool:
+        """Whether runs of other seeds have other results."""
+        is_drawn_once = self._is_noise_of_records and self.learning_seed is not None
+        return (
+            not (self._sees_no_noise() or is_drawn_once)
+            or any(getattr(self, name) for name in DRAWN_BY_SEED)
+            or self.trajectory in DRAWN
+        )
+
+    @property
+    def _is_noise_of_records(self) -> bool:
+        return self.reading in ("parameters", "inputs")
+
+    def _drop_learning(self, changed: dict[str, Value]) -> None:
+        """Note what does not matter to a controller of what learning rules takes."""
+        if self.controller in CLASSICAL or _is_place(self.controller):
+            kept = ("samples",) if _is_place(self.controller) else ()
+            changed.update((name, DEFAULTS[name]) for name in OF_LEARNING if name not in kept)
+            return
+        is_ours = self.robot == "psp3"
+        if self.learner is None:
+            changed["learner"] = "strongest" if is_ours else "least-squares"
+        if self.samples is None and is_ours:
+            changed["samples"] = SAMPLES
+        if self.controller in ("t1", "adaptive-t1"):
+            changed["mean_variation"] = 0.0
+        elif self.mean_variation is None:
+            changed["mean_variation"] = _variation(self.snr_db)
+        if self.controller != "gt2":
+            dropped: tuple[str, ...] = ("levels", "reduction", "defuzzify")
+        elif self.reduction == "gaussian":
+            dropped = ("levels", "defuzzify")
+        elif self.levels == 1:
+            # The one cut's middle, by the same sums.
+            dropped = ("defuzzify",)
+        else:
+            dropped = ()
+        changed.update((name, DEFAULTS[name]) for name in dropped)
 
     def _sees_no_noise(self) -> bool:
-        blind = {
-            "parameters": tuple(CLASSICAL),
-            "inputs": tuple(CLASSICAL),
-            "measurement": ("feed-forward",),
+        if self.snr_db == math.inf:
+            return True
+        if self.reading in ("parameters", "inputs"):
+            return self.controller in CLASSICAL
+        if self.reading == "measurement":
+            return self.controller == "feed-forward"
+        if self.reading == "online":
             # Of the exact model, PD with gravity takes G alone.
-            "online": ("pd", "pd-gravity") if self.noisy_entries == "mass-coriolis" else ("pd",),
-        }.get(self.reading, ())
-        return self.controller in blind or self.snr_db == math.inf
+            is_without_gravity = self.noisy_entries == "mass-coriolis"
+            return self.controller == "pd" or (
+                self.controller == "pd-gravity" and is_without_gravity
+            )
+        return False
 
     def __str__(self) -> str:
         default = Run()
         changed = [
-            f"{field.name}={getattr(self, field.name)!r}"
-            for field in fields(self)
-            if self._differs(default, field.name)
+            f"{name}={value!r}"
+            for name, value in contents(self).items()
+            if name == "controller" or bool(value != getattr(default, name))
         ]
         return f"Run({', '.join(changed)})"
 
-    def _differs(self, default: Run, name: str) -> bool:
-        return name == "controller" or bool(getattr(self, name) != getattr(default, name))
 
-
-def execute(run: Run) -> dict[str, float]:
-    r"""Do a run and return its metrics.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-
-    Returns
-    -------
-    dict
-        By name, in the order of ``METRICS``: sum of squared errors at one sample per 0.05 s [m²]
-        and its integral [m² s]; root mean square and largest error of each screw, and of the tip
-        [m]; effort :math:`\int \lVert\tau\rVert^2 dt` [N² s] and largest torque [N]; share of the
-        steps inside the trained range, and of those that fell back on the average over the rules; 1
-        if a nut left the stroke of its screw (the run goes on, as in the thesis there is no end to
-        a screw); 1 if the run diverged, that is ended before its time, because the robot left the
-        poses it can take; the time when it ended [s]. Errors of runs that diverged are NaN.
-
-    Raises
-    ------
-    InvalidValue, UnknownName
-        As from :meth:`Run.check`.
-    StrokeExceeded
-        If the trajectory leaves the screws in the duration.
-    fuzzy2.errors.InvalidValue, fuzzy2.errors.UnsupportedRule, UnusableEstimate
-        If the rules cannot be learned.
-    """
-    return measure(simulate_run(run), run)
-
-
-@dataclass(frozen=True)
-class Samples:
-    """What :func:`simulate_run` returns.
-
-    A result, which may end before its time, and what the controller said of itself.
-
-    Parameters
-    ----------
-    result : Result
-        Samples of the run, with the flags of the controller.
-    steps : int
-        Number of samples of a whole run.
-    """
-
-    result: Result
-    steps: int
-
-
-def simulate_run(run: Run) -> Samples:
-    """Simulate a run.
-
-    The loop is compiled and holds no interpreter lock, so threads run side by side.
-
-    Parameters
-    ----------
-    run : Run
-        The run.
-
-    Returns
-    -------
-    Samples
-
-    Raises
-    ------
-    InvalidValue, UnknownName, StrokeExceeded, UnusableEstimate
-        As from :func:`execute`.
-    fuzzy2.errors.InvalidValue, fuzzy2.errors.UnsupportedRule
-        As from :func:`execute`.
-    """
-    run.check()
-    robot = _robot(run.parameters)
-    t, desired = _desired(run.trajectory, run.parameters, run.duration, run.period)
-    plant, measured, added = robot.parameters.as_array(), None, nothing_added(18)
-    # One stream for each use of noise (that of rules is 0), so that runs of one seed can be paired
-    # whatever else they draw.
-    noise = np.random.default_rng([run.seed, 1])
-    ratio = 10.0 ** (-run.snr_db / 20.0)
-    noisy = run.snr_db < math.inf
-    if run.reading == "measurement" and noisy:
-        recorded = _record(run.parameters)
-        state = np.concatenate([recorded.heights, recorded.speeds], axis=1)
-        measured = ratio * run.noise.amplitudes(state) * noise.standard_normal((len(t), 6))
-    elif run.reading == "online" and noisy:
-        amplitudes = run.noise.output_amplitudes(_record(run.parameters))
-        added = ratio * amplitudes * noise.standard_normal((len(t), 18))
-    elif run.reading == "plant":
-        plant = mismatched(robot.parameters, ratio, run.payload, noise).as_array()
-    wiring = unbounded(run.period, np.full(3, run.encoder_resolution), run.delay, measured)
-    controller, said = _controller(run, robot, added)
-    track = new_track(t, desired, said)
-    steps = ClosedFormSteps(plant, 1, run._drive())
-    state = np.concatenate([desired.heights[0], np.zeros(3)])
-    done = compiled_loop(controller, steps, wiring, track, state).samples
-    heights, speeds = (track.states[:done, i : i + 3].copy() for i in (0, 3))
-    flags = (
-        reported(track.wrote[:done])
-        if said
-        else {"covered": np.ones(done, bool), "fell_back": np.zeros(done, bool)}
-    )
-    result = Result(
-        t[:done],
-        heights,
-        speeds,
-        Motion(*(array[:done] for array in desired)),
-        track.applied[:done].copy(),
-        _tips(robot, heights),
-        covered=flags["covered"],
-        fell_back=flags["fell_back"],
-    )
-    return Samples(result, len(t))
-
-
-def measure(samples: Samples, run: Run) -> dict[str, float]:
-    """Return the metrics of a simulated run by name, see :func:`execute`."""
-    result = samples.result
-    finite = bool(np.isfinite(result.torque).all()) if len(result.t) else False
-    diverged = len(result.t) < samples.steps or not finite
-    error = result.desired.heights - result.heights
-    tip_error = np.linalg.norm(result.desired.tip - result.tip, axis=1)
-    lower, upper = _robot(run.parameters).stroke
-    values = (
-        (
-            sum_of_squared_errors(result),
-            integral_of_squared_error(result),
-            *np.sqrt((error**2).mean(axis=0)),
-            *np.abs(error).max(axis=0),
-            np.sqrt((tip_error**2).mean()),
-            largest_tip_error(result),
-            np.trapezoid((result.torque**2).sum(axis=1), result.t),
-            np.abs(result.torque).max(),
-        )
-        if not diverged
-        else (math.nan,) * 12
-    )
-    assert result.covered is not None
-    assert result.fell_back is not None
-    outside = bool(((result.heights < lower) | (result.heights > upper)).any())
-    shares = (
-        (result.covered.mean(), result.fell_back.mean()) if len(result.t) else (math.nan, math.nan)
-    )
-    values += (*shares, outside, diverged, result.t[-1] if len(result.t) else 0.0)
-    return dict(zip(METRICS, map(float, values), strict=True))
-
-
-def mismatched(
-    parameters: Parameters, ratio: float, payload: float, rng: np.random.Generator
-) -> Parameters:
-    """Return parameters that are off by a ratio, with a payload on the star.
-
-    Parameters
-    ----------
-    parameters : Parameters
-        What the controller believes.
-    ratio : float
-        q of the table in :mod:`psp3.study.run`; 0 changes nothing.
-    payload : float
-        Mass on the star besides the random one [kg].
-    rng : numpy.random.Generator
-        Source of random numbers.
-
-    Returns
-    -------
-    changed : Parameters
-        Masses and inertias times exp(q ε), the star's mass plus both payloads.
-    """
-    names = ("nut_mass", "ball_mass", "ball_axial_inertia", "ball_transverse_inertia", "star_mass")
-    factors = np.exp(ratio * rng.standard_normal(len(names) + 3)).tolist()
-    changed = {
-        name: getattr(parameters, name) * factor
-        for name, factor in zip(names, factors, strict=False)
+@cache
+def field_types() -> dict[str, type[str] | type[int] | type[float]]:
+    """Return the type of every field of :class:`Run`, without None."""
+    hints = get_type_hints(Run)
+    return {
+        field.name: next(iter(get_args(hints[field.name])), hints[field.name])
+        for field in fields(Run)
     }
-    inertia = tuple(
-        moment * factor
-        for moment, factor in zip(parameters.star_inertia, factors[len(names) :], strict=True)
-    )
-    changed["star_mass"] += payload + PAYLOAD_PER_MISMATCH * ratio * abs(
-        float(rng.standard_normal())
-    )
-    return replace(parameters, star_inertia=inertia, **changed)
 
 
-def _controller(run: Run, robot: PSP3, added: Array) -> tuple[NamedTuple, int]:
-    """Return the controller of a run as loops take it, and how many numbers it says of a step."""
-    model = robot.parameters.as_array()
-    if run.controller in CLASSICAL:
-        kp, kv = TABLE_6_1["PD" if run.controller.startswith("pd") else "CTC"]
-        if run.controller == "feed-forward":
-            kp = kv = 0.0
-        table, kind = closed_form_table(model), CLASSICAL[run.controller]
-        return classical(kind, kp, kv, table, Widths.of_motors(3), added=added), 0
-    if run.reading == "inputs" and run.snr_db < math.inf:
-        controller = _learned_from_noisy_inputs(run.canonical())
-    else:
-        controller = trained(run, robot, np.random.default_rng([run.seed, 0])).controller
-    exact = NO_MODEL if run.outside == "clamp" else closed_form_table(model)
-    return FuzzyRun(controller, exact, added), step_width(3) - 3
+def contents(run: Run) -> dict[str, Any]:
+    """Return the values of a run's fields by name, each in the type of its field."""
+    return dict(zip(field_types(), values_of(run), strict=True))
 
 
-def trained(run: Run, robot: PSP3, rng: np.random.Generator) -> FuzzyComputedTorque:
-    """Return the trained controller of a run of a fuzzy one.
+_TYPES = {field.name: str(field.type).split(" | ")[0] for field in fields(Run)}
+DEFAULTS: dict[str, Value] = {field.name: field.default for field in fields(Run)}  # type: ignore[misc]
+_OPTIONAL = tuple(name for name, value in DEFAULTS.items() if value is None)
+_FLOATS = tuple(name for name, kind in _TYPES.items() if kind == "float")
+_OTHERS = tuple(name for name in _TYPES if name not in _FLOATS)
+_LEAST = (("seed", 0), ("n_terms", 1), ("levels", 1), ("delay", 0))
+_POSITIVE = ("duration", "period", "term_width")
+_NOT_NEGATIVE = (
+    "mean_variation",
+    "kp",
+    "kv",
+    *(name for name in OF_PLANT if _TYPES[name] == "float"),
+)
 
-    ``rng`` is the source of the noise on what is recorded.
-    """
-    variation = (
-        float(mean_variation_from_snr(run.snr_db))
-        if run.mean_variation is None
-        else run.mean_variation
-    )
-    controller = FuzzyComputedTorque(
-        run.controller,
-        robot,
-        kp=TABLE_6_1["CTC"][0],
-        kv=TABLE_6_1["CTC"][1],
-        n_terms=run.n_terms,
-        learner=run.learner,
-        snr_db=run.snr_db if run.reading in ("parameters", "inputs") else math.inf,
-        mean_variation=variation,
-        levels=run.levels,
-        reduction=run.reduction,
-        outside=run.outside,
-        term_width=run.term_width,
-        defuzzify=run.defuzzify,
-    )
-    return controller.learn(_record(run.parameters), run.samples, rng, run.noise)
+values_of = attrgetter(*_TYPES)
+"""Returns the values of a run's fields as a tuple, in their order."""
+
+_floats_of, _others_of = attrgetter(*_FLOATS), attrgetter(*_OTHERS)
+_counts_of = attrgetter(*(name for name, _ in _LEAST))
+_amounts_of = attrgetter(*_NOT_NEGATIVE)
 
 
-def _tips(robot: PSP3, heights: Array) -> Array:
-    return robot.forward_kinematics(heights).tip
+@cache
+def _variation(snr_db: float) -> float:
+    return float(mean_variation_from_snr(snr_db))
 
 
-# Robots, desired motions and records are the same for all runs of a study, and cost more than a
-# run.
+def _is_place(controller: object) -> bool:
+    """Tell whether this names a controller by where it is."""
+    if type(controller) is not str or ":" not in controller:
+        return False
+    module, _, name = controller.partition(":")
+    return name.isidentifier() and all(part.isidentifier() for part in module.split("."))
 
 
-@lru_cache(maxsize=8)
-def _robot(parameters: str) -> PSP3:
-    return load("psp3", parameters=parameters)
+def _check_name(what: str, name: object, known: tuple[str, ...]) -> None:
+    if not isinstance(name, str) or name not in known:
+        raise UnknownName(what, name, known)
 
 
-@lru_cache(maxsize=32)
-def _desired(
-    trajectory: str, parameters: str, duration: float, period: float
-) -> tuple[Array, Motion]:
-    robot = _robot(parameters)
-    t = period * np.arange(int(duration / period * (1.0 + 1e-12) + 1e-9) + 1, dtype=np.float64)
-    motion = TRAJECTORIES[trajectory](robot)(t)
-    check_stroke(robot, t, motion)
-    for array in (t, *motion):
-        # Results of all runs hold them.
-        array.setflags(write=False)
-    return t, motion
+def _check_robot(robot: object, parameters: object) -> None:
+    if not isinstance(robot, str) or not (robot in ROBOTS or robot.lower().endswith(ENDINGS)):
+        raise UnknownRobot(robot, ROBOTS)
+    known = tuple(PARAMETER_SETS) if robot == "psp3" else ("default",)
+    _check_name("parameter set", parameters, known)
 
 
-@lru_cache(maxsize=64)
-def _try_to_learn(
-    parameters: str,
-    learner: str,
-    n_terms: int,
-    samples: int,
-    kind: str = "t1",
-    mean_variation: float | None = 0.0,
-    width: float = 1.0,
-) -> None:
-    """Raise what learning raises.
-
-    Which rules have samples depends on inputs alone, and those are the same under all noise but
-    that of the reading ``"inputs"``, for which see :func:`_learned_from_noisy_inputs`.
-    """
-    controller = FuzzyComputedTorque(
-        kind,
-        _robot(parameters),
-        learner=learner,
-        n_terms=n_terms,
-        mean_variation=mean_variation,
-        term_width=width,
-    )
-    controller.learn(_record(parameters), samples)
-
-
-@lru_cache(maxsize=8)
-def _learned_from_noisy_inputs(run: Run) -> Fuzzy:
-    """Return the controller that learned from noisy inputs; the check of a run needs it, too."""
-    return trained(run, _robot(run.parameters), np.random.default_rng([run.seed, 0])).controller
-
-
-@lru_cache(maxsize=8)
-def _record(parameters: str) -> Record:
-    robot = _robot(parameters)
-    return record(robot, TRAJECTORIES[FIRST_TRAJECTORY](robot))
+def _check_times(duration: float, period: float) -> None:
+    if not period <= duration <= MOST_STEPS * period:
+        raise InvalidValue(
+            "duration", duration, f"at least one and at most {MOST_STEPS:,} periods of {period} s"
+        )
+    every = round(THESIS_SAMPLING_PERIOD / period)
+    if abs(every * period - THESIS_SAMPLING_PERIOD) > 1e-9 * THESIS_SAMPLING_PERIOD:
+        raise InvalidValue(
+            "period",
+            period,
+            f"{THESIS_SAMPLING_PERIOD} s, at which errors are summed, or a whole part of it",
+        )

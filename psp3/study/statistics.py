@@ -15,16 +15,15 @@ beside every summary, and the count of an estimate says how many runs it stands 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, as_floats
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
-from psp3.study.file import field_types
 from psp3.study.intervals import CONFIDENCE as CONFIDENCE
 from psp3.study.intervals import MEASURED_COVERAGE as MEASURED_COVERAGE
 from psp3.study.intervals import RESAMPLES as RESAMPLES
@@ -34,7 +33,9 @@ from psp3.study.intervals import (
     percentiles_of_medians,
     student_of_logarithms,
 )
-from psp3.study.run import CONTROLLERS, METRICS, Run
+from psp3.study.run import CONTROLLERS as CONTROLLERS
+from psp3.study.run import METRICS, Run
+from psp3.study.table import Table
 
 
 @dataclass(frozen=True)
@@ -89,7 +90,7 @@ class Summary:
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Contrast:
     """How a controller compares with another one, seed by seed.
 
     Parameters
@@ -283,7 +284,7 @@ def share(events: ArrayLike) -> Estimate:
 
 
 def summarize(
-    rows: Iterable[Mapping[str, Any]],
+    rows: Table | Iterable[Mapping[str, Any]],
     metric: str = "sum_of_squared_errors",
     rng: np.random.Generator | None = None,
 ) -> list[Summary]:
@@ -291,7 +292,7 @@ def summarize(
 
     Parameters
     ----------
-    rows : iterable of mapping
+    rows : Table or iterable of mapping
         Results, see :meth:`psp3.Study.rows`.
     metric : str
         One of :data:`psp3.study.run.METRICS`.
@@ -308,36 +309,32 @@ def summarize(
     UnknownName
         If there is no such metric.
     """
-    _check_metric(metric)
-    groups: dict[Run, list[Mapping[str, Any]]] = {}
-    for row in rows:
-        groups.setdefault(replace(_run(row), seed=0), []).append(row)
-    summaries = []
-    for setting, members in groups.items():
-        values = [_value(row, metric) for row in members]
-        summaries.append(
-            Summary(
-                setting,
-                mean(values, rng),
-                median(values, rng),
-                share([row["diverged"] for row in members]),
-            )
+    check_metric(metric)
+    table = Table.of(rows)
+    values, diverged = table.values(metric), table.column("diverged")
+    return [
+        Summary(
+            setting,
+            mean(values[places], rng),
+            median(values[places], rng),
+            share(diverged[places]),
         )
-    return summaries
+        for setting, places in table.groups()
+    ]
 
 
 def compare(
-    rows: Sequence[Mapping[str, Any]],
+    rows: Table | Iterable[Mapping[str, Any]],
     controller: str,
     baseline: str,
     metric: str = "sum_of_squared_errors",
     rng: np.random.Generator | None = None,
-) -> list[Comparison]:
+) -> list[Contrast]:
     """Compare a controller with another one under the same settings, seed by seed.
 
     Parameters
     ----------
-    rows : sequence of mapping
+    rows : Table or iterable of mapping
         Results of both, see :meth:`psp3.Study.rows`.
     controller, baseline : str
         Names of the controllers. Settings that mean nothing to the baseline, as the mean variation
@@ -349,7 +346,7 @@ def compare(
 
     Returns
     -------
-    list of Comparison
+    list of Contrast
         One for every setting of the controller that the baseline has too.
 
     Raises
@@ -359,37 +356,34 @@ def compare(
     InvalidValue
         If both are the same controller.
     """
-    _check_metric(metric)
+    check_metric(metric)
+    table = Table.of(rows)
+    known = dict.fromkeys((*CONTROLLERS, *(run.controller for run in table.settings)))
     for name in (controller, baseline):
-        if name not in CONTROLLERS:
-            raise UnknownName("controller", name, CONTROLLERS)
+        if name not in known:
+            raise UnknownName("controller", name, tuple(known))
     if controller == baseline:
         raise InvalidValue(
             "baseline", baseline, "another controller than the one that is compared with it"
         )
-    by_run = {_run(row): row for row in rows}
-    pairs: dict[Run, list[tuple[float, float]]] = {}
-    for run, row in by_run.items():
-        partner = (
-            by_run.get(replace(run, controller=baseline).canonical())
-            if run.controller == controller
-            else None
-        )
-        if partner is not None:
-            pairs.setdefault(replace(run, seed=0), []).append(
-                (_value(row, metric), _value(partner, metric))
-            )
+    values = table.values(metric)
+    groups = dict(table.groups())
     comparisons = []
-    for setting, values in pairs.items():
-        first, second = np.array(values).T
+    for setting, places in groups.items():
+        if setting.controller != controller:
+            continue
+        pairs = _partners(table, setting, places, baseline, groups)
+        if not len(pairs):
+            continue
+        first, second = values[pairs[:, 0]], values[pairs[:, 1]]
         positive = not ((first <= 0.0) | (second <= 0.0)).any()
         comparisons.append(
-            Comparison(
+            Contrast(
                 setting,
                 baseline,
                 paired_difference(first, second, rng),
                 ratio_of_means(first, second, rng),
-                len(values),
+                len(pairs),
                 ratio_of_geometric_means(first, second)
                 if positive
                 else _nothing("ratio of geometric means"),
@@ -398,18 +392,37 @@ def compare(
     return comparisons
 
 
-def _check_metric(metric: str) -> None:
+def _partners(
+    table: Table,
+    setting: Run,
+    places: NDArray[np.intp],
+    baseline: str,
+    groups: Mapping[Run, NDArray[np.intp]],
+) -> NDArray[np.intp]:
+    """Return the rows of a setting with those of the baseline of the same seeds, (M, 2)."""
+    other = replace(setting, controller=baseline)
+    partner = other.canonical()
+    there = groups.get(replace(partner, seed=0))
+    if there is None:
+        return np.empty((0, 2), dtype=np.intp)
+    if not other.counts_seed:
+        # The baseline is the same for all seeds, and is done once.
+        alone = there[table.seeds[there] == 0]
+        return (
+            np.stack(np.broadcast_arrays(places, alone), axis=1)
+            if len(alone)
+            else (np.empty((0, 2), dtype=np.intp))
+        )
+    place_of = dict(zip(table.seeds[there].tolist(), there.tolist(), strict=True))
+    seeds = zip(places.tolist(), table.seeds[places].tolist(), strict=True)
+    pairs = [(place, place_of[seed]) for place, seed in seeds if seed in place_of]
+    return np.array(pairs, dtype=np.intp).reshape(-1, 2)
+
+
+def check_metric(metric: str) -> None:
+    """Raise :class:`UnknownName` if there is no such metric."""
     if metric not in METRICS:
         raise UnknownName("metric", metric, METRICS)
-
-
-def _run(row: Mapping[str, Any]) -> Run:
-    return Run(**{name: row[name] for name in field_types()})
-
-
-def _value(row: Mapping[str, Any], metric: str) -> float:
-    # What a run measured before it diverged, such as its effort, is that of a shorter run.
-    return float("nan") if row["diverged"] else float(row[metric])
 
 
 def _finite(**named: ArrayLike) -> list[Array]:

@@ -35,21 +35,16 @@ from concurrent.futures import (
 )
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
-
-import numpy as np
 
 from fuzzy2.support.text_files import written_whole
-from psp3.errors import (
-    InvalidValue,
-    RunsFailed,
-    SchedulerUnavailable,
-    StudyInterrupted,
-    UnknownName,
-)
+from psp3.checks import checked_count
+from psp3.errors import InvalidValue, RunsFailed, SchedulerUnavailable, StudyInterrupted
 from psp3.study import cluster
-from psp3.study.file import SHARED, Additions, Row, StudyFile, Value, contents, field_types, key
-from psp3.study.run import METRICS, Run, execute
+from psp3.study.execution import execute
+from psp3.study.file import Additions, StudyFile
+from psp3.study.keys import Runs
+from psp3.study.run import METRICS, Run, Value, contents, field_types
+from psp3.study.table import Table
 
 MOST_FAILURES = 10
 """After so many failed runs a study hands out no more: something is wrong with all of them."""
@@ -62,65 +57,7 @@ written.
 LOOK_UP = 5.0
 """How long to wait for a result before looking whether there still is anybody who works [s]."""
 
-LARGEST_INTEGER = 2**63 - 1
-"""Largest integer that SQLite holds."""
-
 Progress = Callable[[int, int, float], None]
-
-
-def grid(**values: Value | Iterable[Value]) -> tuple[Run, ...]:
-    """Return the runs of every combination of values of fields.
-
-    Seeds vary slowest, so a study that was stopped holds whole comparisons, of fewer seeds.
-
-    Parameters
-    ----------
-    **values
-        For each field of :class:`~psp3.study.run.Run` that is not to keep its default a value or
-        several: ``grid(controller=["t1", "it2"], snr_db=20, seed=range(30))``.
-
-    Returns
-    -------
-    tuple of Run
-        Their number is the product of the numbers of values; :class:`Study` does those that differ
-        in nothing that matters once.
-
-    Raises
-    ------
-    UnknownName
-        If a run has no such field.
-    InvalidValue
-        If a field is given no value at all, or one that is not of its type.
-    """
-    types = field_types()
-    choices: dict[str, list[Value]] = {}
-    for name in sorted(values, key=lambda name: name != "seed"):
-        if name not in types:
-            raise UnknownName("field of a run", name, list(types))
-        given = values[name]
-        several = (
-            list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
-        )
-        if not several:
-            raise InvalidValue(name, several, "at least one value")
-        choices[name] = [_of_type(name, types[name], value) for value in several]
-    combinations = itertools.product(*choices.values())
-    return tuple(
-        Run(**dict(zip(choices, combination, strict=True)))  # type: ignore[arg-type]
-        for combination in combinations
-    )
-
-
-def _of_type(name: str, kind: type[str] | type[int] | type[float], value: Any) -> Value:
-    """Return a value in the type of its field; numbers of numpy become Python's."""
-    plain = value.item() if isinstance(value, np.generic) else value
-    if plain is None and getattr(Run(), name) is None:
-        return None
-    if kind is float and isinstance(plain, int) and not isinstance(plain, bool):
-        return float(plain)
-    if not isinstance(plain, kind) or isinstance(plain, bool):
-        raise InvalidValue(name, plain, {str: "a text", int: "an integer", float: "a number"}[kind])
-    return plain
 
 
 class Study:
@@ -138,8 +75,8 @@ class Study:
     ----------
     path : Path
         The file.
-    runs : tuple of Run or None
-        The runs, None if they are those of the file.
+    runs : sequence of Run or None
+        The runs, each once and in canonical form; None if they are those of the file.
 
     Raises
     ------
@@ -150,11 +87,8 @@ class Study:
     """
 
     def __init__(self, path: str | Path, runs: Iterable[Run] | None = None) -> None:
-        self.runs = None if runs is None else _checked(runs)
-        shared = (
-            None if self.runs is None else {name: contents(self.runs[0])[name] for name in SHARED}
-        )
-        self._file = StudyFile(path, shared)
+        self.runs = None if runs is None else Runs(runs)
+        self._file = StudyFile(path, None if self.runs is None else self.runs.shared)
         self.path = self._file.path
 
     def run(
@@ -163,7 +97,7 @@ class Study:
         scheduler: str | None = None,
         progress: Progress | None = None,
     ) -> int:
-        """Do the runs that are not yet in the file; each is committed when it is done.
+        """Do the runs that are not yet in the file; each is on disk half a second after it is done.
 
         Parameters
         ----------
@@ -208,10 +142,11 @@ class Study:
                 "given to the study that is to do them; without them it only reads its file",
             )
         with self._file.adding() as additions:
-            missing = [run for run in self.runs if key(run) not in additions.keys]
-            session = _Session(additions, missing, len(self.runs), progress)
+            places = self.runs.missing(additions.keys)
+            missing = map(self.runs.__getitem__, places)
+            session = _Session(additions, missing, len(self.runs), len(places), progress)
             session.report()
-            if not missing:
+            if not len(places):
                 return 0
             try:
                 with (
@@ -238,10 +173,10 @@ class Study:
             raise RunsFailed(self.path, failures, not_started) from next(
                 iter(session.failures.values())
             )
-        return len(missing)
+        return len(places)
 
-    def rows(self, **selection: Value | Iterable[Value]) -> list[Row]:
-        """Return results as records, in the order of their fields.
+    def rows(self, **selection: Value | Iterable[Value]) -> Table:
+        """Return results in the order of their fields, as a sequence of rows and as columns.
 
         Parameters
         ----------
@@ -251,8 +186,9 @@ class Study:
 
         Returns
         -------
-        list of dict
-            Fields and metrics of every run of this study that is done.
+        Table
+            Fields and metrics of every run of this study that is done: ``table[0]`` is a
+            dictionary, ``table.column("rms_error")`` an array.
 
         Raises
         ------
@@ -261,23 +197,10 @@ class Study:
         InvalidStudyFile, StudyMismatch
             If there is no file, or it cannot be used.
         """
-        names = field_types()
-        wanted: dict[str, set[Value]] = {}
-        for name, given in selection.items():
-            if name not in names:
-                raise UnknownName("field of a run", name, list(names))
-            wanted[name] = (
-                set(given)
-                if isinstance(given, Iterable) and not isinstance(given, str)
-                else {given}
-            )
         rows = self._file.rows()
-        ours = rows.keys() if self.runs is None else {key(run) for run in self.runs}
-        return [
-            row
-            for name, row in rows.items()
-            if name in ours and all(row[field] in values for field, values in wanted.items())
-        ]
+        if self.runs is not None:
+            rows = self.runs.rows_of(rows)
+        return rows.select(**selection)
 
     def export(self, path: str | Path, **selection: Value | Iterable[Value]) -> Path:
         """Write results to a CSV file, all at once, and return its path.
@@ -312,27 +235,30 @@ class Study:
         return path
 
 
-def _checked(runs: Iterable[Run]) -> tuple[Run, ...]:
-    """Return runs without repetitions, or raise the error that one of them deserves."""
-    unique: dict[str, Run] = {}
-    shared: dict[str, Value] = {}
-    for run in runs:
-        run.check()
-        for name, value in contents(run).items():
-            if isinstance(value, int) and value > LARGEST_INTEGER:
-                raise InvalidValue(name, value, "less than 2**63")
-            if name in SHARED and shared.setdefault(name, value) != value:
-                raise InvalidValue(
-                    name,
-                    value,
-                    "the same in all runs of a study, as errors are summed over it; others have "
-                    f"{shared[name]}",
-                )
-        one = run.canonical()
-        unique.setdefault(key(one), one)
-    if not unique:
-        raise InvalidValue("runs", [], "at least one run")
-    return tuple(unique.values())
+def results_of(runs: Iterable[Run], workers: int | None = None) -> Table:
+    """Do runs on threads and return their results, without a file.
+
+    Parameters
+    ----------
+    runs : iterable of Run
+        The runs; those that differ in nothing that matters are done once.
+    workers : int, optional
+        Number of threads; all cores of this process unless given. The result does not depend on it.
+
+    Raises
+    ------
+    InvalidValue
+        If ``workers`` is not a positive integer.
+    PSP3Error
+        What is wrong with a run, before any work; what goes wrong with one, at once.
+    """
+    wanted = Runs(runs)
+    count = len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
+    with ThreadPoolExecutor(count, thread_name_prefix="psp3-study") as pool:
+        found = list(pool.map(execute, wanted))
+    return Table.of(
+        {**contents(run), **metrics} for run, metrics in zip(wanted, found, strict=True)
+    ).in_order()
 
 
 @contextmanager
@@ -346,20 +272,26 @@ class _Session:
     """One call of :meth:`Study.run`: what is to be done, under way, done, and failed."""
 
     def __init__(
-        self, additions: Additions, missing: list[Run], total: int, progress: Progress | None
+        self,
+        additions: Additions,
+        missing: Iterator[Run],
+        total: int,
+        wanted: int,
+        progress: Progress | None,
     ) -> None:
         self.total = total
         self.failures: dict[Run, BaseException] = {}
         self._additions, self._progress = additions, progress
-        self._waiting = iter(missing)
+        self._waiting = missing
         self._under_way: dict[Future[Mapping[str, float]], Run] = {}
-        self._there_before, self._in_file_before = total - len(missing), len(additions.keys)
+        self._there_before, self._in_file_before = total - wanted, additions.committed
         self._start = time.monotonic()
 
     @property
     def done(self) -> int:
-        """Number of runs of the study that are in the file."""
-        return self._there_before + len(self._additions.keys) - self._in_file_before
+        """Number of runs of the study that are in the file, or will be in half a second."""
+        now = self._additions.committed + self._additions.waiting - self._in_file_before
+        return self._there_before + now
 
     def report(self) -> None:
         if self._progress is not None:
@@ -383,9 +315,10 @@ class _Session:
                     return
                 # Not without end: with bad luck dask tells nobody that it has lost its scheduler,
                 # and count_workers finds it out.
-                finished = wait(self._under_way, LOOK_UP, FIRST_COMPLETED).done
+                patience = min(LOOK_UP, self._additions.due())
+                finished = wait(self._under_way, patience, FIRST_COMPLETED).done
+                self._keep(finished)
                 if finished:
-                    self._keep(finished)
                     self.report()
         except KeyboardInterrupt:
             # What has begun here cannot be stopped, but is soon done, and is kept.
@@ -400,7 +333,7 @@ class _Session:
             del self._under_way[future]
 
     def _keep(self, finished: Iterable[Future[Mapping[str, float]]]) -> None:
-        """Commit results, all those that have come at once in one transaction."""
+        """Keep results: they are committed with those that come soon after them."""
         results, lost = [], False
         for future in finished:
             run = self._under_way[future]

@@ -11,11 +11,12 @@ import numpy as np
 
 from psp3.checks import Array
 from psp3.study import statistics
-from psp3.study.file import Row, field_types
+from psp3.study.grids import grid
 from psp3.study.intervals import coverage_in_words
-from psp3.study.run import TRAJECTORIES, Run
+from psp3.study.paths import TRAJECTORIES
+from psp3.study.run import Run
 from psp3.study.statistics import Estimate
-from psp3.study.study import grid
+from psp3.study.table import Row, Table
 from psp3.thesis.findings import with_interval
 
 LABELS = {
@@ -186,12 +187,17 @@ class Outcomes:
 
     Parameters
     ----------
-    rows : iterable of Row
+    rows : Table or iterable of Row
         From :meth:`psp3.Study.rows`.
     """
 
-    def __init__(self, rows: Iterable[Row]) -> None:
-        self._rows = {Run(**{name: row[name] for name in field_types()}): row for row in rows}
+    def __init__(self, rows: Table | Iterable[Row]) -> None:
+        self._table = Table.of(rows)
+        self._places = {
+            (setting, seed): place
+            for setting, places in self._table.groups()
+            for place, seed in zip(places.tolist(), self._table.seeds[places].tolist(), strict=True)
+        }
 
     def values(self, run: Run, seeds: int, metric: str = ERROR) -> Array:
         """Return a metric of a run for each seed.
@@ -200,9 +206,12 @@ class Outcomes:
         """
         if run.canonical().snr_db == math.inf:
             seeds = 1
-        return np.array(
-            [self._rows[replace(run, seed=seed).canonical()][metric] for seed in range(seeds)]
-        )
+        places = []
+        for seed in range(seeds):
+            one = replace(run, seed=seed).canonical()
+            places.append(self._places[replace(one, seed=0), one.seed])
+        found: Array = self._table.column(metric)[places]
+        return found
 
     def mean(self, run: Run, seeds: int, metric: str = ERROR) -> Estimate:
         """Return the mean over the seeds that did not diverge."""

@@ -24,8 +24,9 @@ from psp3.fuzzy_control.records import record
 from psp3.loading import load
 from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
 from psp3.study import latency, study
+from psp3.study.execution import simulate_run
 from psp3.study.intervals import MEASURED_COVERAGE, MEASURED_COVERAGE_OF_TEN
-from psp3.study.run import Run, simulate_run
+from psp3.study.run import Run
 from psp3.thesis import beyond, chapter_5, chapter_6, definitions, figure_64
 from psp3.thesis.findings import Reproduction
 from psp3.thesis.plan import NOISY, Outcomes, Plan, Series, decibels

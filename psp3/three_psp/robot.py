@@ -21,7 +21,7 @@ from psp3.checks import Array, applied_to_rows, as_floats, finite_rows, together
 from psp3.dynamics.dynamics_model import DynamicsModel
 from psp3.errors import InvalidArray, InvalidValue, UnknownName, UnreachablePose, UnreachableTip
 from psp3.multibody.core import LastPose
-from psp3.robots import closed_loop_robot
+from psp3.robots import implementations
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.robots.learning_inputs import LearningInputs, differences_of_three
 from psp3.three_psp.geometry import arm_lengths, heights_of_tilt, tip_reach
@@ -30,7 +30,7 @@ from psp3.three_psp.parameters import Parameters
 if TYPE_CHECKING:
     import pinocchio as pin
 
-DYNAMICS_MODELS = ("closed_form", *closed_loop_robot.DYNAMICS_MODELS)
+DYNAMICS_MODELS = ("closed_form", *implementations.DYNAMICS_MODELS)
 """Names of the four implementations of the equation of motion."""
 
 SCREW_IN_NUT = np.array([0.0, -0.055, 0.0])

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from psp3 import published
-from psp3.study.file import Row
 from psp3.study.run import Run
+from psp3.study.table import Row
 from psp3.thesis.findings import REPRODUCED, SAME_ORDER, Reproduction
 from psp3.thesis.plan import NOISY, Outcomes, decibels
 from tests.cross import test_built_robots, test_mujoco_robots, test_pinocchio

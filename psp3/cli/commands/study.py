@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -15,6 +15,9 @@ from psp3.cli.option_groups import single_options
 from psp3.cli.options import OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
 from psp3.cli.output import cell_text, counted_progress, show_narrow
 from psp3.cli.shared import resumable
+
+if TYPE_CHECKING:
+    from psp3.study.table import Table
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,8 +30,9 @@ class RunOptions:
             metavar="NAME",
             rich_help_panel=RUNS,
             help=(
-                "Controller: feed-forward, pd, pd-gravity, ctc, t1, it2 or gt2; pd, ctc, t1 and "
-                "it2 unless given."
+                "Controller: feed-forward, pd, pd-gravity, ctc, ctc-integral, lqr, lqr-stiff, t1, "
+                "it2, gt2, adaptive-t1 or adaptive-it2, or your own by where it is, MODULE:NAME; "
+                "pd, ctc, t1 and it2 unless given."
             ),
         ),
     ] = None
@@ -76,7 +80,8 @@ class RunOptions:
             metavar="NAME",
             rich_help_panel=RUNS,
             help="Path: helix (unless given), which is the one learned from, circle, line, "
-            "fast-helix, fastest-helix, large-helix or waypoints.",
+            "fast-helix, fastest-helix, large-helix or waypoints; of another robot than the 3-PSP "
+            "sway (unless given), fast-sway, small-sway or hold.",
         ),
     ] = None
     learner: Annotated[
@@ -120,7 +125,7 @@ class RunOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class PlantOptions:
-    """How the plant of ``--reading plant`` differs from what the controllers know."""
+    """How the plant differs from what the controllers know."""
 
     payload: Annotated[
         list[float] | None,
@@ -181,6 +186,15 @@ def study(
             show_default=False,
         ),
     ],
+    robot: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[ROBOT]...",
+            help="Robots of the package (psp3 info lists them) or their files; the 3-PSP unless "
+            "given.",
+            show_default=False,
+        ),
+    ] = None,
     runs: RunOptions,
     plant: PlantOptions,
     duration: Annotated[
@@ -222,11 +236,17 @@ def study(
     """
     if workers is not None and scheduler is not None:
         raise usage_error("--workers does not apply to --scheduler, which has its own")
+    from psp3.description.parts import ROBOTS
+
+    if str(file) in ROBOTS:
+        raise usage_error(f"FILE comes first, and then robots: psp3 study {file}.sqlite {file}")
     if csv is not None and csv.resolve() == file.resolve():
         raise usage_error("--csv would overwrite FILE; give it another name")
-    from psp3.study.study import Study, grid
+    from psp3.study.grids import grid
+    from psp3.study.study import Study
 
     given = {
+        "robot": robot,
         "reading": runs.reading,
         "trajectory": runs.trajectory,
         "learner": runs.learner,
@@ -278,7 +298,7 @@ def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
 
 
 def _study_tables(
-    rows: list[dict[str, Any]], show_mean_variation: bool
+    rows: Table, show_mean_variation: bool
 ) -> Iterator[tuple[str, list[str], list[list[str]], str]]:
     """Title, headings, rows and note of the tables of a study.
 
@@ -288,6 +308,7 @@ def _study_tables(
     from psp3.study.statistics import Estimate, compare, summarize
 
     headings = {
+        "robot": "robot",
         "controller": "controller",
         "reading": "reading",
         "snr_db": "SNR (dB)",
@@ -316,9 +337,11 @@ def _study_tables(
         names.remove("mean_variation")
     fixed = [
         f"{headings[name]} {cell_text(getattr(summaries[0].run, name))}"
-        for name in ("reading", "trajectory")
-        if name not in names
+        for name in ("robot", "reading", "trajectory")
+        if name not in names and not (name == "robot" and summaries[0].run.robot == "psp3")
     ]
+    are_lengths = all(summary.run.robot == "psp3" for summary in summaries)
+    unit = "m²" if are_lengths else "m² or rad²"
 
     def settings(run: Any) -> list[str]:
         return [cell_text(getattr(run, name)) for name in names]
@@ -330,7 +353,7 @@ def _study_tables(
         return f"{value}{unit} ({low} to {high})" if estimate.count > 1 else f"{value}{unit}"
 
     seeds = max(summary.diverged.count for summary in summaries)
-    title = ", ".join(["Sum of squared errors, one sample per 0.05 s (m²)", *fixed])
+    title = ", ".join([f"Sum of squared errors, one sample per 0.05 s ({unit})", *fixed])
     cells = [
         [
             *settings(summary.run),
@@ -371,7 +394,7 @@ def _study_tables(
             "Type-2 beside type-1",
             [
                 *shown,
-                "difference (m²)",
+                f"difference ({unit})",
                 "ratio of means",
                 "of geometric means",
                 "seeds",

@@ -139,6 +139,14 @@ def test_formulas_of_inputs_and_of_outputs_before_theirs() -> None:
     np.testing.assert_allclose(again(X), system(X), rtol=1e-12)
 
 
+def test_a_block_may_have_hyphens_in_its_name() -> None:
+    """JFML exports its systems so."""
+    text = BRAKE.replace("Function_Block brake", "FUNCTION_BLOCK brake-MAMDANI-2")
+    X = np.random.default_rng(2).uniform((0.0, 1.0), (60.0, 99.0), (20, 2))
+    expected = parse_fcl(BRAKE, block="brake")(X)
+    np.testing.assert_array_equal(parse_fcl(text, block="Brake-Mamdani-2")(X), expected)
+
+
 def test_no_rule_fires() -> None:
     system = parse_fcl(BRAKE.replace("(0, 1) (40, 0)", "(0, 0) (1, 1) (2, 0)"), block="brake")
     force, horn, _ = system([10.0, -1e60])

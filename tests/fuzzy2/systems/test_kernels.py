@@ -92,6 +92,15 @@ def test_many_rows_give_what_each_row_gives(norm: str, crisp: bool) -> None:
         np.testing.assert_array_equal(evaluate(X), np.array([evaluate(x) for x in X]))
 
 
+def test_many_rows_of_rules_with_weights_give_what_each_row_gives(consequents: Array) -> None:
+    """To the last bit; they are not fired side by side."""
+    weights = np.random.default_rng(2).uniform(0.1, 1.0, len(consequents))
+    system = IntervalType2System(uncertain(), GRID_RULES, consequents, weights=weights)
+    X = np.random.default_rng(6).uniform(-2.0, 2.0, (MANY, 3))
+    expected = np.array([system.type_reduced(x) for x in X])
+    np.testing.assert_array_equal(system.type_reduced(X), expected)
+
+
 def test_compiled_norms_are_those_of_their_names() -> None:
     """To a few ulps, at grades where formulas divide 0 by 0, round or change their branch."""
     assert tuple(T_NORMS) == NORMS

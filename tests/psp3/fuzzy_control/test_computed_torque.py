@@ -39,7 +39,8 @@ from psp3.errors import (
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import OUTPUT_NAMES, Record, pack, record, unpack
-from psp3.study.run import Run, execute
+from psp3.study.execution import execute
+from psp3.study.run import Run
 from psp3.three_psp.parameters import Parameters
 from psp3.trajectories import Circle, Helix, Hold, Line, Motion
 
@@ -1250,7 +1251,7 @@ def swap(content: dict[str, Any], what: str) -> dict[str, Any]:
         (lambda c: {**c, "ranges": [[-math.inf] * 4, [math.inf] * 4]}, "ranges"),
         (lambda c: {**c, "robot": {**c["robot"], "wheels": 4}}, "wheels"),
         (
-            lambda c: {**c, "system": {**c["system"], "t_norm": "lukasiewicz"}},
+            lambda c: {**c, "system": {**c["system"], "method": "nie_tan"}},
             "compiled loop cannot",
         ),
         (

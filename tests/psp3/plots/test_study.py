@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,10 +12,16 @@ from matplotlib.figure import Figure
 from psp3 import plots
 from psp3.errors import InvalidValue, UnknownName
 from psp3.plots.study import figure_of_mismatch
-from psp3.study.mismatch import Case, Comparison, Outcome
+from psp3.study.comparison import Comparison
+from psp3.study.run import METRICS, Run, contents
 from psp3.study.statistics import mean
+from psp3.study.table import Table
 
 NAMES = ("ctc", "t1")
+
+
+def case(payload: float, path: str, snr: float) -> Run:
+    return Run("t1", payload=payload, trajectory=path, snr_db=snr, mass_mismatch=0.05)
 
 
 def comparison() -> Comparison:
@@ -22,23 +29,21 @@ def comparison() -> Comparison:
 
     A run in eight diverged.
     """
-    cases = tuple(
-        Case(payload, path, snr)
+    cases = [
+        case(payload, path, snr)
         for payload in (0.0, 2.0)
         for path in ("helix", "line")
         for snr in (math.inf, 20.0)
-    )
+    ]
     rng = np.random.default_rng(0)
-    lost = Outcome(math.nan, math.nan, math.nan, True)
-    return Comparison(
-        cases,
-        NAMES,
-        {
-            (case, name): (*(Outcome(*rng.uniform(0.01, 0.1, 3), False) for _ in range(7)), lost)
-            for case in cases
-            for name in NAMES
-        },
-    )
+    rows = {}
+    for one in cases:
+        for name in NAMES:
+            for seed in range(8):
+                run = replace(one, controller=name, seed=seed).canonical()
+                metrics = dict(zip(METRICS, rng.uniform(0.01, 0.1, len(METRICS)), strict=True))
+                rows[run] = {**contents(run), **metrics, "diverged": float(seed == 7)}
+    return Comparison(cases, NAMES, 8, Table.of(rows.values()))
 
 
 def test_panels_show_the_means_with_their_intervals() -> None:
@@ -61,7 +66,7 @@ def test_panels_show_the_means_with_their_intervals() -> None:
         for name, bar in zip(NAMES, panel.containers, strict=True):
             assert bar.get_label() == name
             estimates = [
-                mean(found.values(Case(payload, path, snr), name, "settled"))
+                mean(found.values(case(payload, path, snr), name, "settled_error"))
                 for payload in (0.0, 2.0)
             ]
             np.testing.assert_allclose(
@@ -78,7 +83,7 @@ def test_other_metrics_and_given_axes() -> None:
     axes = Figure().subplots(4)
     panels = figure_of_mismatch(comparison(), "effort", axes)
     assert list(panels) == list(axes)
-    assert panels[0].get_ylabel() == "mean square torque [N²]"
+    assert panels[0].get_ylabel() == "effort [N² s]"
     with pytest.raises(InvalidValue, match="4 axes"):
         figure_of_mismatch(comparison(), axes=axes[:3])
     with pytest.raises(UnknownName, match="settled"):

@@ -21,54 +21,28 @@ from psp3.simulation import simulate
 from psp3.study import detection
 from psp3.study.detection import (
     EVENT,
-    PERIOD,
     SIGNALS,
-    DepartingHelix,
     Detection,
     Watched,
     detect,
     markdown,
-    trained_for_detection,
-    watch_run,
+    watch,
+    watched_controller,
+    watched_run,
 )
+from psp3.study.paths import DepartingHelix
 from psp3.study.statistics import Estimate
 from psp3.trajectories import Motion
-from tests.helpers import derivative
 
 
 @cache
 def controller() -> FuzzyComputedTorque:
-    return trained_for_detection()
+    return watched_controller(watched_run())
 
 
 @cache
 def found() -> dict[str, Detection]:
     return {one.signal: one for one in detect(4, payloads=(2.0,))}
-
-
-def test_the_path_is_smooth_and_goes_where_it_is_said_to_go() -> None:
-    """Speeds and accelerations by differences of eighth order.
-
-    1e-9 of numbers of order 1, with steps that resolve a second.
-    """
-    path = DepartingHelix(0.01, 2.5, 0.4, 0.022, 2.0, psp3.load("psp3"))
-    for t in (1.0, EVENT + 0.1, EVENT + 0.5, EVENT + 0.93, EVENT + 3.0):
-        point, velocity, acceleration = path._path(np.array(t))
-        np.testing.assert_allclose(
-            velocity, derivative(lambda s, t=t: path._path(np.array(t + s))[0], 2e-3), atol=1e-9
-        )
-        np.testing.assert_allclose(
-            acceleration, derivative(lambda s, t=t: path._path(np.array(t + s))[1], 2e-3), atol=1e-8
-        )
-        if t <= EVENT:
-            assert np.hypot(*point[:2]) == pytest.approx(0.01)
-            assert np.hypot(*velocity[:2]) == pytest.approx(0.01 * 2.0 * np.pi / 2.5)
-        if t > EVENT + 1.0:
-            assert np.hypot(*point[:2]) == pytest.approx(0.022)
-            assert np.hypot(*velocity[:2]) == pytest.approx(0.022 * 4.0 * np.pi / 2.5)
-    before, after = (path._path(np.array(EVENT + end * 1e-9)) for end in (-1.0, 1.0))
-    for one, other in zip(before, after, strict=True):
-        np.testing.assert_allclose(one, other, atol=1e-7)
 
 
 class Recorder:
@@ -92,16 +66,14 @@ class Recorder:
         return self.wanted.torque_interval
 
 
-def test_a_watched_run_is_the_simulation_before_and_after_the_event(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_watched_run_is_the_simulation_before_and_after_the_event() -> None:
     """Without noise of measurement.
 
     The payload rides on the star from the event on: 1e-9 m and N for sums in another order.
     """
-    monkeypatch.setattr(detection, "MEASUREMENT_NOISE", (0.0, 0.0))
-    run = watch_run(controller(), 5, payload=2.0, seed=3)
-    rng, robot = np.random.default_rng([5, 3]), psp3.load("psp3")
+    quiet = dataclasses.replace(watched_run(2.0, seed=3), position_noise=0.0, speed_noise=0.0)
+    run = watch(quiet)
+    rng, robot = np.random.default_rng([3, 3]), psp3.load("psp3")
     radius, period, phase = (
         rng.uniform(0.007, 0.012),
         rng.uniform(2.0, 3.0),
@@ -131,7 +103,7 @@ def test_a_watched_run_is_the_simulation_before_and_after_the_event(
             robot.parameters, star_mass=robot.parameters.star_mass + 2.0
         ),
     )
-    k = round(EVENT / PERIOD)
+    k = round(EVENT / 0.002)
     after = simulate(
         loaded,
         controller(),
@@ -151,7 +123,7 @@ def test_signals_are_what_they_are_said_to_be() -> None:
 
     Within 1 N: the rules explain the robot without payload to 0.5 N.
     """
-    run = watch_run(controller(), 6, last_radius=0.022, payload=2.0)
+    run = watch(dataclasses.replace(watched_run("wider", 6), payload=2.0))
     signals = {name: signal(controller(), run) for name, signal in SIGNALS.items()}
     low, high = controller().ranges_
     for k in range(0, len(run.t), 250):
@@ -263,7 +235,6 @@ def test_a_false_alarm_that_goes_on_is_no_detection() -> None:
     [
         ({"seeds": 1}, InvalidValue),
         ({"payloads": (0.0,)}, InvalidValue),
-        ({"kind": "gt2"}, InvalidValue),
         ({"kind": "t3"}, UnknownName),
         ({"learner": "none"}, UnknownName),
         ({"snr_db": math.nan}, ValueError),

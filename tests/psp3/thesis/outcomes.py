@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import asdict
 
-from psp3.study.file import Row
 from psp3.study.run import METRICS
+from psp3.study.table import Row
 from psp3.thesis.plan import Plan
 
 PLAN = Plan(seeds=6, sweep_seeds=6, terms=(2, 3))

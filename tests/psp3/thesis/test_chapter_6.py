@@ -14,8 +14,9 @@ import pytest
 
 from psp3 import published
 from psp3.loading import load
+from psp3.study.execution import simulate_run
 from psp3.study.latency import Latency
-from psp3.study.run import Run, simulate_run
+from psp3.study.run import Run
 from psp3.thesis import beyond, chapter_6, figure_64
 from psp3.thesis.findings import Reproduction
 from psp3.thesis.plan import Outcomes

@@ -19,7 +19,7 @@ from psp3 import plots
 from psp3.errors import InvalidValue, UnknownName
 from psp3.fuzzy_control import records
 from psp3.fuzzy_control.records import Record
-from psp3.study import run as runs
+from psp3.study import execution as runs
 from psp3.thesis import figures
 from tests.fuzzy2.plots.drawn import curve
 from tests.legible import check_texts, labels_of

@@ -23,7 +23,8 @@ import psp3
 from psp3 import published
 from psp3.cli import entry as cli
 from psp3.errors import InvalidValue, StudyMismatch
-from psp3.study.run import Run, execute
+from psp3.study.execution import execute
+from psp3.study.run import Run
 from psp3.thesis import replication as module
 from psp3.thesis.findings import Reproduction, Table
 from psp3.thesis.plan import Plan

@@ -155,7 +155,7 @@ def test_csv_holds_every_run(study: Run) -> None:
         ("--learner rote", "unknown learner 'rote'"),
         ("--terms 0", "n_terms must be"),
         ("--mean-variation -1", "mean_variation must be"),
-        ("--payload 2", "payload must be 0, but under the reading 'plant'"),
+        ("--payload -2", "payload must be finite and not negative"),
         ("--duration 0", "duration must be finite and positive"),
         ("--workers 0", "--workers"),
         ("--workers 2 --scheduler tcp://127.0.0.1:8786", "--workers does not apply to --scheduler"),
@@ -252,3 +252,20 @@ def test_interrupt_leaves_a_valid_file_and_says_how_to_go_on(study: Run, tmp_pat
     ]
     status, _, err = study(*arguments[2:], "--duration", 2, "--seeds", kept + 1)
     assert (status, err.splitlines()[-1].split()[0]) == (0, f"[{kept + 1}/{kept + 1}]")
+
+
+def test_other_robots_are_named_after_the_file(study: Run) -> None:
+    arguments = ("--controller", "ctc", "--controller", "pd", "--duration", "0.1", "--seeds", "1")
+    status, out, _ = study("five_bar", "delta", *arguments, "--csv", "rows.csv")
+    assert status == 0
+    assert {row["robot"] for row in Study("study.sqlite").rows()} == {"five_bar", "delta"}
+    assert "m² or rad²" in " ".join(out.split())
+    with Path("rows.csv").open(encoding="utf-8") as file:
+        assert {row["robot"] for row in csv.DictReader(file)} == {"five_bar", "delta"}
+
+
+def test_a_robot_in_place_of_the_file_is_refused(study: Run) -> None:
+    status, _, err = study(*SMALL, file="delta")
+    assert status == 2
+    assert "psp3 study delta.sqlite delta" in " ".join(err.split())
+    assert not Path("delta").exists()

@@ -1,0 +1,109 @@
+"""Estimators of other packages as controllers: computed torque with what they predict."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from psp3.checks import Array
+from psp3.control.controller import SaysNothing, Stateless
+from psp3.errors import InvalidValue
+from psp3.fuzzy_control.numbers import unpack
+from psp3.fuzzy_control.records import Record, RecordNoise, learning_inputs
+from psp3.robots.robot import Robot
+from psp3.trajectories.motion import Motion
+
+SAMPLES = 209
+"""Samples that an estimator learns from, unless told otherwise."""
+
+
+class EstimatedComputedTorque(SaysNothing, Stateless):
+    r"""Computed torque with M, C and G as an estimator predicts them.
+
+    .. math:: \tau = \hat M (\ddot a_d + k_v \dot e + k_p e) + \hat C \dot a + \hat G
+
+    An estimator has ``fit(X, Y)`` and ``predict(X)``, as those of scikit-learn have: X (N, p) are
+    the inputs of the robot's dynamics (:attr:`psp3.fuzzy_control.records.Record.inputs`), scaled to
+    mean 0 and deviation 1, and Y (N, K) the upper triangle of M, then C and G, scaled likewise.
+    Outside of the trained range the nearest inputs in it are taken, and the average of what was
+    learned takes the place of an M that is not positive definite, as of the fuzzy controllers.
+
+    Parameters
+    ----------
+    estimator : object
+        The estimator.
+    robot : Robot
+        The robot, of which nothing is asked but what its dynamics depend on.
+    kp, kv : float
+        Gains of the servo [1/s², 1/s].
+
+    Raises
+    ------
+    InvalidValue
+        If it is no estimator, or the robot's coordinates are not its motors.
+    """
+
+    def __init__(self, estimator: Any, robot: Robot, kp: float, kv: float) -> None:
+        if not is_estimator(estimator):
+            raise InvalidValue("estimator", estimator, "what has fit(X, Y) and predict(X)")
+        self.estimator, self.kp, self.kv = estimator, kp, kv
+        self._inputs = learning_inputs(robot)
+        self.covered = self.fell_back = False
+
+    def learn(
+        self,
+        recorded: Record,
+        samples: int | None,
+        snr_db: float,
+        rng: np.random.Generator,
+        noise: RecordNoise,
+    ) -> EstimatedComputedTorque:
+        """Learn from samples of a record with noise on them; return the controller itself."""
+        chosen = recorded.sample(SAMPLES if samples is None else samples)
+        X, Y = recorded.inputs[chosen], recorded.outputs[chosen]
+        if np.isfinite(snr_db):
+            X, Y = noise.added(recorded, chosen, snr_db, rng)
+        self._range = X.min(axis=0), X.max(axis=0)
+        self._of_inputs, self._of_outputs = _scale(X), _scale(Y)
+        self.estimator.fit(
+            *(
+                (values - middle) / spread
+                for values, (middle, spread) in ((X, self._of_inputs), (Y, self._of_outputs))
+            )
+        )
+        return self
+
+    def estimate(self, positions: Array, speeds: Array) -> tuple[Array, Array, Array]:
+        """Return M (n, n), C (n, n) and G (n,) at a state."""
+        x = self._inputs.of(positions, speeds)
+        nearest = np.clip(x, *self._range)
+        self.covered = bool((nearest == x).all())
+        (middle, spread), (mean, deviation) = self._of_inputs, self._of_outputs
+        predicted = np.asarray(self.estimator.predict(((nearest - middle) / spread)[np.newaxis]))
+        numbers = predicted.reshape(-1) * deviation + mean
+        M, C, G = unpack(numbers)
+        self.fell_back = not (np.isfinite(numbers).all() and np.linalg.eigvalsh(M)[0] > 0.0)
+        return unpack(mean) if self.fell_back else (M, C, G)
+
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the forces (n,) [N or N m]."""
+        M, C, G = self.estimate(positions, speeds)
+        servo = (
+            desired.accelerations
+            + self.kv * (desired.speeds - speeds)
+            + self.kp * (desired.positions - positions)
+        )
+        forces: Array = M @ servo + C @ speeds + G
+        return forces
+
+
+def is_estimator(value: object) -> bool:
+    """Tell whether something has what estimators have."""
+    return all(callable(getattr(value, name, None)) for name in ("fit", "predict"))
+
+
+def _scale(values: Array) -> tuple[Array, Array]:
+    """Return mean and deviation of each column; 1 for one that does not change."""
+    spread = values.std(axis=0)
+    return values.mean(axis=0), np.where(spread > 0.0, spread, 1.0)

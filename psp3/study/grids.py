@@ -1,0 +1,118 @@
+"""Grids: every combination of values of a run's fields, made one at a time."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, overload
+
+import numpy as np
+
+from psp3.errors import InvalidValue, UnknownName
+from psp3.study.run import DEFAULTS, Run, Value, field_types
+
+
+class Grid(Sequence[Run]):
+    """The runs of every combination of values; :func:`grid` makes it.
+
+    A run is made when it is asked for, so that a million of them take no memory.
+
+    Parameters
+    ----------
+    choices : dict of list
+        The values of each field; those of the last vary fastest.
+    """
+
+    def __init__(self, choices: dict[str, list[Value]]) -> None:
+        self.choices = choices
+
+    def __len__(self) -> int:
+        return math.prod(len(values) for values in self.choices.values())
+
+    def __iter__(self) -> Iterator[Run]:
+        names = tuple(self.choices)
+        for combination in itertools.product(*self.choices.values()):
+            yield Run(**dict(zip(names, combination, strict=True)))  # type: ignore[arg-type]
+
+    @overload
+    def __getitem__(self, index: int) -> Run: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> tuple[Run, ...]: ...
+
+    def __getitem__(self, index: int | slice) -> Run | tuple[Run, ...]:
+        if isinstance(index, slice):
+            return tuple(self[k] for k in range(*index.indices(len(self))))
+        place = index + len(self) if index < 0 else index
+        if not 0 <= place < len(self):
+            raise IndexError(index)
+        chosen: dict[str, Any] = {}
+        for name, values in reversed(self.choices.items()):
+            place, k = divmod(place, len(values))
+            chosen[name] = values[k]
+        return Run(**chosen)
+
+    def __add__(self, other: Iterable[Run]) -> tuple[Run, ...]:
+        return (*self, *other)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Sequence) or isinstance(other, str):
+            return NotImplemented
+        return len(self) == len(other) and all(map(Run.__eq__, self, other))
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return f"{type(self).__name__}({self.choices!r})"
+
+
+def grid(**values: Value | Iterable[Value]) -> Grid:
+    """Return the runs of every combination of values of fields.
+
+    Seeds vary slowest, so a study that was stopped holds whole comparisons, of fewer seeds.
+
+    Parameters
+    ----------
+    **values
+        For each field of :class:`~psp3.study.run.Run` that is not to keep its default a value or
+        several: ``grid(controller=["t1", "it2"], snr_db=20, seed=range(30))``.
+
+    Returns
+    -------
+    Grid
+        A sequence of runs, whose number is the product of the numbers of values;
+        :class:`psp3.Study` does those that differ in nothing that matters once.
+
+    Raises
+    ------
+    UnknownName
+        If a run has no such field.
+    InvalidValue
+        If a field is given no value at all, or one that is not of its type.
+    """
+    types = field_types()
+    choices: dict[str, list[Value]] = {}
+    for name in sorted(values, key=lambda name: name != "seed"):
+        if name not in types:
+            raise UnknownName("field of a run", name, list(types))
+        given = values[name]
+        several = (
+            list(given) if isinstance(given, Iterable) and not isinstance(given, str) else [given]
+        )
+        if not several:
+            raise InvalidValue(name, several, "at least one value")
+        choices[name] = [_of_type(name, types[name], value) for value in several]
+    return Grid(choices)
+
+
+def _of_type(name: str, kind: type[str] | type[int] | type[float], value: Any) -> Value:
+    """Return a value in the type of its field; numbers of numpy become Python's."""
+    plain = value.item() if isinstance(value, np.generic) else value
+    if plain is None and DEFAULTS[name] is None:
+        return None
+    if kind is float and isinstance(plain, int) and not isinstance(plain, bool):
+        return float(plain)
+    if not isinstance(plain, kind) or isinstance(plain, bool):
+        raise InvalidValue(name, plain, {str: "a text", int: "an integer", float: "a number"}[kind])
+    return plain

@@ -1,0 +1,156 @@
+"""Results of many runs as columns: what is different, and numbers, of 0.1 kB a row."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from psp3.checks import Array
+from psp3.errors import UnknownName
+from psp3.study.run import METRICS, Run, Value, contents, field_types
+
+Row = dict[str, Any]
+
+
+class Table(Sequence[Row]):
+    """Fields and metrics of many runs, in the order of their settings and seeds.
+
+    A row is a dictionary that is made when it is asked for; :meth:`column` gives all of a column at
+    once.
+
+    Parameters
+    ----------
+    settings : sequence of Run
+        The different settings: runs with seed 0.
+    setting : (N,) array_like of int
+        Which of them each row has.
+    seeds : (N,) array_like of int
+        Seed of each row.
+    metrics : (N, K) array_like
+        Metrics of each row, in the order of :data:`psp3.simulation.metrics.METRICS`.
+    """
+
+    def __init__(self, settings: Sequence[Run], setting: Any, seeds: Any, metrics: Any) -> None:
+        self.settings = tuple(settings)
+        self.setting = np.asarray(setting, dtype=np.int32)
+        self.seeds = np.asarray(seeds, dtype=np.int64)
+        self.metrics = np.asarray(metrics, dtype=float).reshape(len(self.seeds), len(METRICS))
+
+    @classmethod
+    def of(cls, rows: Table | Iterable[Mapping[str, Any]]) -> Table:
+        """Return rows, each with the fields and metrics of a run by name, as a table."""
+        if isinstance(rows, Table):
+            return rows
+        places: dict[Run, int] = {}
+        setting, seeds, metrics = [], [], []
+        for row in rows:
+            run = Run(**{name: row[name] for name in field_types() if name in row})
+            setting.append(places.setdefault(replace(run, seed=0), len(places)))
+            seeds.append(run.seed)
+            metrics.append([row[name] for name in METRICS])
+        return cls(tuple(places), setting, seeds, metrics)
+
+    def in_order(self) -> Table:
+        """Return the same rows in the order of their settings' fields and their seeds."""
+        # What does not differ need not be compared, and would take most of the memory.
+        names = [
+            name for name in field_types() if len({getattr(run, name) for run in self.settings}) > 1
+        ]
+        order = sorted(range(len(self.settings)), key=lambda k: _sortable(self.settings[k], names))
+        rank = np.empty(len(order), dtype=np.int32)
+        rank[order] = np.arange(len(order), dtype=np.int32)
+        setting = rank[self.setting]
+        rows = np.lexsort((self.seeds, setting))
+        settings = [self.settings[k] for k in order]
+        return Table(settings, setting[rows], self.seeds[rows], self.metrics[rows])
+
+    def __len__(self) -> int:
+        return len(self.seeds)
+
+    @overload
+    def __getitem__(self, index: int) -> Row: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Table: ...
+
+    def __getitem__(self, index: int | slice) -> Row | Table:
+        if isinstance(index, slice):
+            return self.taken(np.arange(len(self))[index])
+        values = dict(zip(METRICS, self.metrics[index].tolist(), strict=True))
+        return {**contents(self.run(index)), **values}
+
+    def run(self, index: int) -> Run:
+        """Return the run of a row."""
+        setting: Run = self.settings[int(self.setting[index])]
+        return replace(setting, seed=int(self.seeds[index]))
+
+    def column(self, name: str) -> NDArray[Any]:
+        """Return a field or a metric of all rows, (N,).
+
+        Raises
+        ------
+        UnknownName
+            If there is no such column.
+        """
+        if name in METRICS:
+            return np.asarray(self.metrics[:, METRICS.index(name)])
+        if name == "seed":
+            return self.seeds
+        if name not in field_types():
+            raise UnknownName("column", name, (*field_types(), *METRICS))
+        values = np.empty(len(self.settings), dtype=object)
+        values[:] = [getattr(run, name) for run in self.settings]
+        return np.asarray(values[self.setting])
+
+    def select(self, **selection: Value | Iterable[Value]) -> Table:
+        """Return the rows whose fields have the value, or one of the values, that are wanted.
+
+        Raises
+        ------
+        UnknownName
+            If a run has no such field.
+        """
+        keep = np.ones(len(self), dtype=bool)
+        for name, given in selection.items():
+            if name not in field_types():
+                raise UnknownName("field of a run", name, list(field_types()))
+            several = isinstance(given, Iterable) and not isinstance(given, str)
+            wanted: set[Any] = set(given) if several else {given}  # type: ignore[arg-type]
+            if name == "seed":
+                keep &= np.isin(self.seeds, [seed for seed in wanted if type(seed) is int])
+            else:
+                fits = np.array([getattr(run, name) in wanted for run in self.settings], bool)
+                keep &= fits[self.setting]
+        return self.taken(np.flatnonzero(keep))
+
+    def groups(self) -> list[tuple[Run, NDArray[np.intp]]]:
+        """Return the settings that have rows with the places of these, in the order of the rows."""
+        if not len(self):
+            return []
+        order = np.argsort(self.setting, kind="stable")
+        numbers, first = np.unique(self.setting[order], return_index=True)
+        parts = np.split(order, first[1:])
+        found = sorted(zip(numbers, parts, strict=True), key=lambda pair: int(pair[1][0]))
+        return [(self.settings[number], part) for number, part in found]
+
+    def values(self, metric: str) -> Array:
+        """Return a metric of all rows, (N,); NaN of those that diverged.
+
+        What a run measured before it diverged, such as its effort, is that of a shorter run.
+        """
+        if metric == "diverged":
+            return self.column(metric)
+        return np.where(self.column("diverged") > 0.0, np.nan, self.column(metric))
+
+    def taken(self, rows: NDArray[np.intp]) -> Table:
+        """Return the rows at these places."""
+        return Table(self.settings, self.setting[rows], self.seeds[rows], self.metrics[rows])
+
+
+def _sortable(run: Run, names: Sequence[str]) -> tuple[tuple[bool, Any], ...]:
+    """Return values of a run so that they can be ordered: what is not given comes first."""
+    return tuple((getattr(run, name) is not None, getattr(run, name)) for name in names)

@@ -1,0 +1,45 @@
+"""What is allowed, refused and told of a robot that is made of its parts."""
+
+from __future__ import annotations
+
+import logging
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import psp3
+from psp3.errors import MobilityMismatch
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.mismatch import ALLOWED_MISMATCH
+
+
+def out_of_plane(by: float) -> ClosedLoopRobot:
+    """Return the five-bar, one end of whose loop is off its plane, across which nothing moves."""
+    exact = psp3.load("five_bar")
+    loop = pin.RigidConstraintModel(exact.constraint_models[0])
+    loop.joint1_placement = loop.joint1_placement * pin.SE3(np.eye(3), np.array([0.0, by, 0.0]))
+    return ClosedLoopRobot(exact.model, [loop], exact.actuated, exact.q0)
+
+
+def test_rounded_loops_are_told_and_may_stay_open_by_what_they_contradict(
+    caplog: pytest.LogCaptureFixture,
+) -> None:
+    """By 1e-5 m at home, which is told; elsewhere by no more than ten times that."""
+    with caplog.at_level(logging.WARNING):
+        robot = out_of_plane(1e-5)
+    (told,) = caplog.messages
+    assert told.startswith("five_bar: redundant loops contradict each other by 1e-05 m and 0 rad")
+    assert robot.closure_mismatch.length == pytest.approx(1e-5, rel=1e-6)
+    data, (loop,) = robot.model.createData(), robot.constraint_models
+    for q in robot.configuration(robot.reference + np.array([[0.1, -0.1], [0.2, 0.1]])):
+        pin.forwardKinematics(robot.model, data, q)
+        gap = (data.oMi[loop.joint1_id] * loop.joint1_placement).actInv(
+            data.oMi[loop.joint2_id] * loop.joint2_placement
+        )
+        assert np.abs(gap.translation).max() <= ALLOWED_MISMATCH * 1e-5
+
+
+def test_free_motions_are_refused_where_that_is_asked_for() -> None:
+    with pytest.raises(MobilityMismatch):
+        psp3.load("gripper", free="refuse")
