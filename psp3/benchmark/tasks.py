@@ -39,6 +39,9 @@ SMALLER = 0.8
 SAMPLES = 209
 """Samples of the record that an entry learns from: as many as the thesis took."""
 
+MOST_POINTS = 400
+"""Points of a path that its extent is taken of."""
+
 STIFF = (100.0, 20.0)
 """Gains of the servo of other robots than the 3-PSP [1/s²], [1/s]: critically damped."""
 
@@ -119,8 +122,10 @@ class Task:
         No run is scored worse: whoever loses the robot is off by the whole path.
         """
         _, motion = self.desired(path, duration, period)
-        every = max(1, len(motion.tip) // 400)
-        return float(pdist(motion.tip[::every]).max())
+        # Both ends, and enough between them: all pairs of thousands of points are too many.
+        count = min(len(motion.tip), MOST_POINTS)
+        some = np.linspace(0, len(motion.tip) - 1, count).round().astype(int)
+        return float(pdist(motion.tip[some]).max())
 
 
 @lru_cache(maxsize=len(ROBOTS))
