@@ -418,7 +418,16 @@ class FuzzyComputedTorque:
         self.reset()
         row = np.array(self.robot.reference)
         rows = (row, 0.0 * row, row, 0.0 * row, 0.0 * row)
-        only_for(kernels.control_step, self._packed, self._model, *rows, self._step.copy())
+        if self.outside == "clamp":
+            only_for(kernels.clamped_step, self._packed, *rows, self._step.copy())
+        else:
+            only_for(kernels.control_step, self._packed, self._model, *rows, self._step.copy())
+
+    def _stepped(self, rows: tuple[Array, Array, Array, Array, Array], step: Array) -> int:
+        """Write a step, and return what kernels return of it."""
+        if self.outside == "clamp":
+            return kernels.clamped_step(self._packed, *rows, step)
+        return kernels.control_step(self._packed, self._model, *rows, step)
 
     @property
     def system_(self) -> FuzzySystem:
@@ -510,19 +519,19 @@ class FuzzyComputedTorque:
         step = np.empty(3 * self.joints + 2)
         rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
         try:
-            done = kernels.control_step(self._packed, self._model, *rows, step)
+            done = self._stepped(rows, step)
         except TypeError:
             done = -1
         if done != 1:
             # Not contiguous rows of n finite floats: lists will do, and copies of rows that are
             # read-only; the rest is refused.
-            a, v, a_d, v_d, acc_d = (
+            copies: Any = tuple(
                 np.array(one_row(name, row, self.joints))
                 for name, row in zip(_ROWS, rows, strict=True)
             )
-            done = kernels.control_step(self._packed, self._model, a, v, a_d, v_d, acc_d, step)
+            done = self._stepped(copies, step)
             if done != 1 and self.outside == "crisp":
-                self.robot.mass_matrix(a)
+                self.robot.mass_matrix(copies[0])
         self._step = step
         torque: Array = step[: self.joints]
         return torque

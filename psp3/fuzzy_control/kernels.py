@@ -482,6 +482,30 @@ def control_step(
     return 1 if fuzzy_torque(unpacked, model, positions, speeds, desired, np.empty(0), out) else 0
 
 
+@compiled
+def clamped_step(
+    controller: Array,
+    positions: Array,
+    speeds: Array,
+    desired_positions: Array,
+    desired_speeds: Array,
+    desired_accelerations: Array,
+    out: Array,
+) -> int:
+    """Do as ``control_step`` without a model; to hand over a table takes as long as five rows."""
+    done: int = control_step(
+        controller,
+        NO_MODEL,
+        positions,
+        speeds,
+        desired_positions,
+        desired_speeds,
+        desired_accelerations,
+        out,
+    )
+    return done
+
+
 @steer.register(FuzzyRun)
 @compiled
 def run_step(

@@ -13,7 +13,7 @@ import psp3
 from psp3.control.classical import critically_damped_gains
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-from psp3.fuzzy_control.numbers import unpack
+from psp3.fuzzy_control.numbers import pack, unpack
 from psp3.fuzzy_control.records import Record, record
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.trajectories.fourier_series import FourierSeries
@@ -147,7 +147,16 @@ def test_a_grid_of_up_to_256_rules_and_clusters_beyond(records: dict[str, Record
     recorded = records["five_bar"]
     grid = learned("five_bar", recorded, "t1", n_terms=2)
     assert [len(system.rules) for system in grid.systems_] == [4, 16]
-    mixed = learned("five_bar", recorded, "t1", n_terms=5)
+    # A sway passes by the corners of a finer grid, of which samples everywhere say something.
+    with pytest.raises(fuzzy2.errors.UnsupportedRule):
+        learned("five_bar", recorded, "t1", n_terms=5)
+    robot, rng = ROBOTS["five_bar"], np.random.default_rng(4)
+    a, v = robot.reference + rng.uniform(-0.3, 0.3, (600, 2)), rng.uniform(-1.0, 1.0, (600, 2))
+    everywhere = Record(
+        *(np.arange(600.0), a, v, np.hstack([a, v]), pack(*robot.equation_of_motion(a, v))),
+        *(recorded.input_names, recorded.output_names),
+    )
+    mixed = learned("five_bar", everywhere, "t1", n_terms=5)
     assert [len(system.rules) for system in mixed.systems_] == [25, 32]
     assert [len(s.rules) for s in learned("five_bar", recorded, rules=9).systems_] == [9, 9]
 
