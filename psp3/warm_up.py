@@ -93,10 +93,27 @@ def _warm_up_core(robot: Any) -> None:
         plant.start(robot.reference, rest)
         plant.advance(rest, 1e-3)
     # And of a robot whose coordinates are not its motors.
+    _warm_up_learning(robot)
     many = load("planar_4rrr")
     goal = many.reference + 0.01
     way = PointToPoint(many.reference, goal, 1.0, many)
     simulate(many, ComputedTorque(many), way, 0.01)
+
+
+def _warm_up_learning(robot: Any) -> None:
+    """Compile learned controllers of any robot: their steps and loops, and C as M's derivative."""
+    from psp3.control.default_gains import default_gains
+    from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
+    from psp3.fuzzy_control.records import record
+    from psp3.simulation.tracking import simulate
+    from psp3.trajectories.sway import Sway
+
+    gains, sway = default_gains(robot, "ctc"), Sway(robot=robot)
+    recorded = record(robot, sway, sway.period, **gains)
+    controller = FuzzyComputedTorque("t1", robot, rules=4, coriolis="mass", **gains)
+    simulate(robot, controller.learn(recorded, 100), sway, 0.01)
+    # Estimates call from Python what is a part of a step.
+    controller.estimate(robot.reference, np.zeros(len(robot.actuated)))
 
 
 def _warm_up_fuzzy_systems() -> None:
