@@ -52,6 +52,10 @@ class RunColumns(Sequence[Run]):
         """Return the runs of all parts, one part after the other; equal values are one object."""
         columns: dict[str, Column] = {}
         for name in field_types():
+            firsts = [part.columns[name][:2] for part in parts]
+            if parts and all(len(first) == 1 and first == firsts[0] for first in firsts):
+                columns[name] = firsts[0]
+                continue
             known: dict[Value, Value] = {}
             columns[name] = [
                 known.setdefault(value, value) for part in parts for value in part.column(name)
@@ -88,7 +92,7 @@ class RunColumns(Sequence[Run]):
             itertools.repeat(column[0], self._count) if len(column) == 1 else column
             for column in self.columns.values()
         )
-        return itertools.starmap(Run, zip(*columns, strict=True))  # type: ignore[arg-type]
+        return itertools.starmap(Run, zip(*columns, strict=True))
 
     @overload
     def __getitem__(self, index: int) -> Run: ...

@@ -132,8 +132,8 @@ class Runs(Sequence[Run]):
         self._source = runs if isinstance(runs, Sequence) else tuple(runs)
         self.shared: dict[str, Any] = {}
         content = bytearray()
-        is_grid = isinstance(self._source, Grid)
-        for block in self._source.blocks() if is_grid else blocks_of(self._source):
+        source = self._source
+        for block in source.blocks() if isinstance(source, Grid) else blocks_of(source):
             content += b"".join(self._keys_of(block))
         if not content:
             raise InvalidValue("runs", [], "at least one run")
@@ -157,9 +157,8 @@ class Runs(Sequence[Run]):
             if not first.counts_seed:
                 changed["seed"] = (0,)
             runs = runs.changed(changed)
-            for place, setting, seed in zip(
-                places, setting_keys(runs), runs.column("seed"), strict=True
-            ):
+            seeds: Any = runs.column("seed")
+            for place, setting, seed in zip(places, setting_keys(runs), seeds, strict=True):
                 keys[place] = setting + seed.to_bytes(SEED_BYTES, "big")
         return keys
 
