@@ -26,7 +26,7 @@ def test_two_processes_at_the_same_time(place: int, tmp_path: Path) -> None:
     """The other one keeps its code before or after each write of the first one."""
     first, other = files(tmp_path), files(tmp_path)
     # What both see before either has written.
-    other._load_index = lambda: {}
+    other._load_index = dict
     done = itertools.count()
 
     def between(write: Any) -> Any:
