@@ -142,6 +142,31 @@ def test_a_trained_controller_goes_to_a_file_and_back(psp3_command: Run, tmp_pat
     )
 
 
+def test_a_controller_is_trained_on_measured_forces(psp3_command: Run) -> None:
+    """The forces of a run of exact computed torque, in the file that ``simulate`` writes.
+
+    The same controller as from Python. What its forces miss on the way, 1 % at most, is what they
+    change within a control period, for which each is held.
+    """
+    robot = psp3.load("five_bar")
+    run = ("--trajectory", "sway", "--initial-speed", "path", "--duration", 2, "--csv", "run.csv")
+    assert psp3_command("simulate", "five_bar", *run).status == 0
+    answer = psp3_command("train", "t1.json", "five_bar", "--kind", "t1", "--record", "run.csv")
+    assert answer.status == 0, answer.err
+    measured = psp3.trajectories.measured_motion("run.csv", robot)
+    gains = psp3.control.default_gains.default_gains(robot, "ctc")
+    expected = psp3.FuzzyComputedTorque("t1", robot, **gains).learn_from_motion(*measured[1:])
+    found = psp3.FuzzyComputedTorque.load("t1.json", robot)
+    for ours, theirs in zip(found.systems_, expected.systems_, strict=True):
+        np.testing.assert_array_equal(ours.consequents, theirs.consequents)
+    shares = [
+        float(row.split()[-1].rstrip("%"))
+        for row in words(answer.out.replace("│", " ")).splitlines()
+        if row.split() and row.split()[0] in robot.actuated and row.strip().endswith("%")
+    ]
+    assert all(share < 1.0 for share in shares)
+
+
 def test_the_order_of_defuzzification_is_trained(psp3_command: Run) -> None:
     options = ("--kind", "gt2", "--snr", 20)
     for order in ("first", "last"):
@@ -207,6 +232,11 @@ def test_fuzzy_controllers_learn_where_they_are_asked_for(psp3_command: Run) -> 
         (("train", "a.json", "--snr", "nan"), "snr_db"),
         (("train", "a.json", "--trajectory", "hold"), "every difference input changes"),
         (("train", "missing/a.json"), "no directory"),
+        (("train", "a.json", "five_bar", "--record", "none.csv"), "none.csv: cannot be read"),
+        (
+            ("train", "a.json", "--record", "none.csv", "--radius", "0.01"),
+            "--radius does not apply to --record",
+        ),
         (
             ("simulate", "--trained", "missing.json"),
             "missing.json: cannot be read (No such file or directory)",
