@@ -516,13 +516,13 @@ class FuzzyComputedTorque:
         if done != 1:
             # Not contiguous rows of n finite floats: lists will do, and copies of rows that are
             # read-only; the rest is refused.
-            copies: Any = [
+            a, v, a_d, v_d, acc_d = (
                 np.array(one_row(name, row, self.joints))
                 for name, row in zip(_ROWS, rows, strict=True)
-            ]
-            done = kernels.control_step(self._packed, self._model, *copies, step)
+            )
+            done = kernels.control_step(self._packed, self._model, a, v, a_d, v_d, acc_d, step)
             if done != 1 and self.outside == "crisp":
-                self.robot.mass_matrix(copies[0])
+                self.robot.mass_matrix(a)
         self._step = step
         torque: Array = step[: self.joints]
         return torque

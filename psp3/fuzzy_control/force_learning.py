@@ -183,7 +183,7 @@ def _within(
         z = z.copy()
         z[:count] = (weights * (np.concatenate([projected.ravel(), prior[count:]]) - prior))[:count]
         dual += x - z
-        size = TOLERANCE * max(np.linalg.norm(z), 1e-300)
+        size = TOLERANCE * max(float(np.linalg.norm(z)), 1e-300)
         if np.linalg.norm(x - z) <= size and np.linalg.norm(z - last) <= size:
             break
     return np.asarray(prior + z / weights)
