@@ -374,6 +374,16 @@ class RuleOptions:
             help="Terms of every input, on a grid: of the 3-PSP 2 unless given, else none.",
         ),
     ] = None
+    coriolis: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help=(
+                "Where C comes from: rules of its own, or mass, the derivative of M (not of the "
+                "3-PSP)."
+            ),
+        ),
+    ] = "rules"
     snr: Annotated[
         float,
         typer.Option(
@@ -458,6 +468,7 @@ def train(
         **gains,
         n_terms=rules.terms,
         learner=rules.learner,
+        coriolis=rules.coriolis,
         snr_db=rules.snr,
         mean_variation=rules.mean_variation,
         defuzzify=rules.defuzzify,

@@ -116,9 +116,7 @@ def test_a_record_of_positions_and_forces_tells_speeds_and_accelerations(
     robot = psp3.load(name)
     n = len(robot.actuated)
     motors = [f"a{k + 1}" for k in range(n)] if numbered else list(robot.actuated)
-    of_forces = (
-        [f"force{k + 1}" for k in range(n)] if numbered else [f"force_{m}" for m in motors]
-    )
+    of_forces = [f"force{k + 1}" for k in range(n)] if numbered else [f"force_{m}" for m in motors]
     file = tmp_path / "record.csv"
     v, w, forces = motion_file(file, robot, ",".join(["t", *of_forces, *motors]))
     found = trajectories.measured_motion(file, robot)
