@@ -54,7 +54,7 @@ from psp3.fuzzy_control.records import (
 )
 from psp3.fuzzy_control.rule_bases import CORIOLIS, LEARNERS, Place, RuleOptions
 from psp3.loading import load
-from psp3.published import DURATION
+from psp3.published import DURATION, TABLE_6_1_TERMS
 from psp3.robots.robot import Robot
 from psp3.trajectories.motion import Motion
 from psp3.trajectories.trajectory import Trajectory
@@ -215,7 +215,7 @@ class FuzzyComputedTorque:
         self.kind, self.coriolis, self.reduction, self.outside = kind, coriolis, reduction, outside
         self.kp, self.kv = checked_not_negative("kp", kp), checked_not_negative("kv", kv)
         if n_terms is None and says_all:
-            n_terms = 2
+            n_terms = TABLE_6_1_TERMS
         self.n_terms = None if n_terms is None else checked_count("n_terms", n_terms)
         self.levels = checked_count("levels", levels)
         self.rules = None if rules is None else checked_count("rules", rules)

@@ -28,7 +28,7 @@ takes its place.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -129,16 +129,19 @@ def _reduced(samples: Samples) -> tuple[Array, Array, list[tuple[int, int]]]:
     """
     sizes = np.sqrt((samples.forces**2).mean(axis=0))
     sizes = np.where(sizes > 0.0, sizes, 1.0)
-    factor, shapes = None, []
+    factor: Array | None = None
+    shapes: list[tuple[int, int]] = []
     for start in range(0, len(samples.forces), BLOCK):
-        some = Samples(*(a if a is None else a[start : start + BLOCK] for a in samples))
+        parts: Any = (a if a is None else a[start : start + BLOCK] for a in samples)
+        some = Samples(*parts)
         blocks, measured = regressor_blocks(some), (some.forces / sizes).ravel()
-        shapes = [block.shape[2:] for block in blocks]
+        shapes = [(block.shape[2], block.shape[3]) for block in blocks]
         columns = [block / sizes[:, np.newaxis, np.newaxis] for block in blocks]
         rows = np.concatenate(
             [*(c.reshape(measured.size, -1) for c in columns), measured[:, np.newaxis]], axis=1
         )
-        factor = np.linalg.qr(rows if factor is None else np.concatenate([factor, rows]), mode="r")
+        rows = rows if factor is None else np.concatenate([factor, rows])
+        factor = np.asarray(np.linalg.qr(rows, mode="r"))
     assert factor is not None
     return factor[:, :-1], factor[:, -1:], shapes
 

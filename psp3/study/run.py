@@ -54,7 +54,7 @@ from psp3.fuzzy_control.computed_torque import (
 from psp3.fuzzy_control.records import ENTRIES, REFERENCES
 from psp3.fuzzy_control.rule_bases import LEARNERS
 from psp3.loading import ENDINGS
-from psp3.published import DURATION, THESIS_SAMPLING_PERIOD
+from psp3.published import DURATION, TABLE_6_1_TERMS, THESIS_SAMPLING_PERIOD
 from psp3.simulation.metrics import METRICS as METRICS
 from psp3.study.paths import DRAWN, names_of_paths
 from psp3.three_psp.parameters import PARAMETER_SETS
@@ -160,8 +160,8 @@ class Run:
         ``"helix"`` of the 3-PSP and ``"sway"`` of any other.
     learner, n_terms, mean_variation, levels, reduction, outside, term_width, samples
         See :class:`psp3.FuzzyComputedTorque`. The learner that the thesis cites, table look-up, is
-        ``"strict"``; unless given it is ``"strongest"``, of 209 samples, for the 3-PSP, and
-        ``"least-squares"`` for any other robot.
+        ``"strict"``; unless given it is ``"strongest"``, of 209 samples and two terms of every
+        input, for the 3-PSP, and ``"least-squares"``, without a grid, for any other robot.
     payload : float
         Mass that no controller knows of [kg]: at the center of the 3-PSP's star, and at the frame
         ``tip`` of any other robot.
@@ -215,7 +215,7 @@ class Run:
     seed: int = 0
     trajectory: str | None = None
     learner: str | None = None
-    n_terms: int = 2
+    n_terms: int | None = None
     mean_variation: float | None = None
     levels: int = 5
     reduction: str = "alpha_planes"
@@ -289,7 +289,7 @@ class Run:
             is_fine = type(value) is int and least <= value <= LARGEST_INTEGER
             if not is_fine and checked_count(name, value, least) > LARGEST_INTEGER:
                 raise InvalidValue(name, value, "less than 2**63")
-        for name, least in (("learning_seed", 0), ("samples", 2)):
+        for name, least in (("learning_seed", 0), ("n_terms", 1), ("samples", 2)):
             value = getattr(self, name)
             if value is not None and checked_count(name, value, least) > LARGEST_INTEGER:
                 raise InvalidValue(name, value, "less than 2**63")
@@ -418,6 +418,8 @@ class Run:
             changed["learner"] = "strongest" if is_ours else "least-squares"
         if self.samples is None and is_ours:
             changed["samples"] = SAMPLES
+        if self.n_terms is None and is_ours:
+            changed["n_terms"] = TABLE_6_1_TERMS
         if self.controller in TYPE_1:
             changed["mean_variation"] = 0.0
         elif self.variation_follows_noise:
@@ -478,7 +480,7 @@ DEFAULTS: dict[str, Value] = {field.name: field.default for field in fields(Run)
 _OPTIONAL = tuple(name for name, value in DEFAULTS.items() if value is None)
 _FLOATS = tuple(name for name, kind in _TYPES.items() if kind == "float")
 _OTHERS = tuple(name for name in _TYPES if name not in _FLOATS)
-_LEAST = (("seed", 0), ("n_terms", 1), ("levels", 1), ("delay", 0))
+_LEAST = (("seed", 0), ("levels", 1), ("delay", 0))
 _POSITIVE = ("duration", "period", "term_width")
 _NOT_NEGATIVE = (
     "mean_variation",

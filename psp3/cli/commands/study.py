@@ -98,7 +98,8 @@ class RunOptions:
         typer.Option(
             metavar="COUNT",
             rich_help_panel=RUNS,
-            help="Terms of each input of t1, it2 and gt2; 2 unless given.",
+            help="Terms of each input of t1, it2 and gt2, on a grid: of the 3-PSP 2 unless "
+            "given, else none.",
         ),
     ] = None
     mean_variation: Annotated[

@@ -30,7 +30,7 @@ from psp3.fuzzy_control.records import ENTRIES, REFERENCES, record
 from psp3.simulation import metrics
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.study import execution
-from psp3.study.controllers import trained
+from psp3.study.controllers import controller_of, robot_named, trained
 from psp3.study.execution import execute, mismatched, mismatched_robot, simulate_run
 from psp3.study.paths import TRAJECTORIES
 from psp3.study.run import CLASSICAL, METRICS, READINGS, Run
@@ -754,3 +754,23 @@ def test_initial_errors_and_noise_are_what_they_are_said_to_be() -> None:
         -1000.0 * error[:3] + 100.0 * (start.speeds - error[3:]),
         rtol=1e-9,
     )
+
+
+def test_rules_of_another_robot_are_those_of_its_controller_by_default() -> None:
+    """About samples, and no grid, whose corners its sway does not pass by."""
+    run = Run("t1", robot="five_bar")
+    controller: Any = controller_of(run, robot_named("five_bar"))
+    assert [len(system.rules) for system in controller.systems_] == [32, 32]
+    grid: Any = controller_of(replace(run, n_terms=2), robot_named("five_bar"))
+    assert [len(system.rules) for system in grid.systems_] == [4, 16]
+    # Of the 3-PSP what is not given is what is published.
+    assert Run("t1").canonical() == Run("t1", n_terms=2).canonical()
+
+
+def test_learned_computed_torque_tracks_another_robots_sway_nearly_as_the_exact_one() -> None:
+    """By default, without noise, within thrice its error."""
+    errors = [
+        execute(Run(name, robot="five_bar", duration=2.0))["rms_error"]
+        for name in ("ctc", "t1", "it2")
+    ]
+    assert max(errors) <= 3.0 * errors[0]
