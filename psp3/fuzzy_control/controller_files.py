@@ -137,6 +137,10 @@ def _controller_from(
         defuzzify=content.get("defuzzify", "first"),
         **options,
     )
+    # Null where a controller has chosen by itself: no file that was saved leaves that open.
+    for option in ("learner", "n_terms"):
+        if getattr(controller, option) != content[option]:
+            raise InvalidControllerFile(path, f"has {content[option]!r} as {option}")
     for what, names in (
         ("inputs", controller.inputs.names),
         ("outputs", output_names(controller.joints)),

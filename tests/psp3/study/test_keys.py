@@ -50,7 +50,9 @@ def test_key_is_the_one_that_files_have() -> None:
     run = Run(snr_db=20.0, seed=258, mean_variation=0.25)
     values = tuple(value for name, value in asdict(run).items() if name != "seed")
     text = repr(values)
-    assert text.startswith("('it2', 'parameters', 20.0, None, None, 2, 0.25, 5, 'alpha_planes', ")
+    assert text.startswith(
+        "('it2', 'parameters', 20.0, None, None, None, 0.25, 5, 'alpha_planes', "
+    )
     assert key(run) == blake2b(text.encode(), digest_size=16).digest() + bytes(
         [0, 0, 0, 0, 0, 0, 1, 2]
     )

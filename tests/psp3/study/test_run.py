@@ -189,7 +189,7 @@ def test_what_cannot_matter_is_dropped_and_nothing_else() -> None:
         """Tell whether a run becomes another, with the names that are used for what is left out."""
         return run.canonical() == replace(other, trajectory="helix", **used)
 
-    rules = {"learner": "strongest", "samples": 209, "learned_on": "helix"}
+    rules = {"learner": "strongest", "n_terms": 2, "samples": 209, "learned_on": "helix"}
     assert same(Run("pd", **noisy), Run("pd"))
     assert same(Run("pd", "online", **noisy), Run("pd"))
     assert same(Run("feed-forward", "measurement", **noisy, kp=1.0), Run("feed-forward"))
