@@ -22,6 +22,7 @@ What the file promises, and how:
 from __future__ import annotations
 
 import fcntl
+import itertools
 import json
 import math
 import os
@@ -32,6 +33,7 @@ import time
 import zlib
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager, suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -45,6 +47,7 @@ from psp3.study.keys import (
     SEED_BYTES,
     Keys,
     as_keys,
+    is_seed,
     setting_key,
     setting_keys,
     setting_names,
@@ -131,13 +134,15 @@ class StudyFile:
                 raise InvalidStudyFile(self.path, "holds no results yet")
             self._check(connection)
             identities, keys, settings = self._settings(connection)
-            whole, metrics = _read_columns(connection)
+            whole, metrics = self._columns(connection, identities, settings)
         number_of = {identity: k for k, identity in enumerate(identities)}
         try:
             setting = [number_of[identity] for identity in whole[:, 0].tolist()]
         except KeyError as error:
             raise InvalidStudyFile(
-                self.path, f"is damaged: rows have the setting {error}, which is not there"
+                self.path,
+                f"is damaged: rows have the setting {error}, which is not there; delete them "
+                f"and run the study again (DELETE FROM runs WHERE setting = {error})",
             ) from None
         found = checksums(map(keys.__getitem__, setting), whole[:, 1], metrics)
         table = Table(settings, setting, whole[:, 1], metrics)
@@ -168,12 +173,39 @@ class StudyFile:
             blocks.append(block)
         return identities, keys, RunColumns.joined(blocks)
 
+    def _columns(
+        self, connection: sqlite3.Connection, identities: list[int], settings: RunColumns
+    ) -> tuple[NDArray[np.int64], Array]:
+        """Return numbers of settings, seeds and checksums (N, 3), and metrics (N, K)."""
+        columns = ", ".join(map(_quoted, METRICS))
+        cursor = connection.execute(f"SELECT setting, seed, checksum, {columns} FROM runs")
+        whole, metrics = [np.empty((0, 3), np.int64)], [np.empty((0, len(METRICS)))]
+        while rows := cursor.fetchmany(AT_A_TIME):
+            if not _are_numbers(itertools.chain.from_iterable(rows)):
+                row = next(row for row in rows if not _are_numbers(row))
+                raise self._no_numbers(row, dict(zip(identities, settings, strict=True)))
+            whole.append(np.array([row[:3] for row in rows], dtype=np.int64))
+            metrics.append(np.array([row[3:] for row in rows], dtype=float))
+        return np.concatenate(whole), np.concatenate(metrics)
+
     def _wrong_setting(self, identity: int, run: Run) -> InvalidStudyFile:
         return InvalidStudyFile(
             self.path,
             f"is damaged: setting {identity}, {run}, is not what was written; delete its "
             f"runs and run the study again (DELETE FROM runs WHERE setting = {identity}; "
             f"DELETE FROM settings WHERE id = {identity})",
+        )
+
+    def _no_numbers(self, row: tuple[Any, ...], settings: Mapping[int, Run]) -> InvalidStudyFile:
+        setting, seed = row[:2]
+        name = f"setting {setting} and seed {seed}"
+        if setting in settings and is_seed(seed):
+            name = str(replace(settings[setting], seed=seed))
+        return InvalidStudyFile(
+            self.path,
+            f"is damaged: the row of {name} holds something else than numbers; delete it and run "
+            f"the study again, which does that run anew (DELETE FROM runs WHERE setting = "
+            f"{setting!r} AND seed = {seed!r})",
         )
 
     def _damaged(self, run: Run, whole: NDArray[np.int64], count: int) -> InvalidStudyFile:
@@ -536,20 +568,8 @@ def _read_keys(connection: sqlite3.Connection) -> tuple[Keys, dict[bytes, int]]:
     return as_keys(content), {name: number for number, name in by_number.items()}
 
 
-def _read_columns(connection: sqlite3.Connection) -> tuple[NDArray[np.int64], Array]:
-    """Return numbers of settings, seeds and checksums (N, 3), and metrics (N, K)."""
-    columns = ", ".join(map(_quoted, METRICS))
-    cursor = connection.execute(f"SELECT setting, seed, checksum, {columns} FROM runs")
-    whole, metrics = [np.empty((0, 3), np.int64)], [np.empty((0, len(METRICS)))]
-    while rows := cursor.fetchmany(AT_A_TIME):
-        try:
-            whole.append(np.array([row[:3] for row in rows], dtype=np.int64))
-            metrics.append(np.array([row[3:] for row in rows], dtype=float))
-        except (TypeError, ValueError, OverflowError) as error:
-            raise sqlite3.DatabaseError(f"a row holds something else than numbers: {error}") from (
-                error
-            )
-    return np.concatenate(whole), np.concatenate(metrics)
+def _are_numbers(values: Iterable[object]) -> bool:
+    return set(map(type, values)) <= {int, float, type(None)}
 
 
 @contextmanager

@@ -308,16 +308,53 @@ def test_setting_that_is_not_what_was_written_is_named(path: Path) -> None:
     assert len(fill(path).rows()) == len(RUNS), "numbers of settings are not given twice"
 
 
-def test_row_without_its_setting_and_what_is_no_number(path: Path) -> None:
+@pytest.mark.parametrize("bit", [0, 23, 51, 52, 62, 63])
+def test_bit_that_fell_over_on_the_disk_is_named(path: Path, bit: int) -> None:
+    """In the file itself, in a number that it holds once, most significant byte first."""
+    run, number = Run("ctc", "plant", 20.0, seed=5), 0.1234567890123
+    with StudyFile(path, SHARED).adding() as additions:
+        additions.add([(run, {**invented(run), "rms_error": number})])
+    content = bytearray(path.read_bytes())
+    packed = struct.pack(">d", number)
+    assert content.count(packed) == 1
+    content[content.index(packed) + 7 - bit // 8] ^= 1 << bit % 8
+    path.write_bytes(content)
+    with pytest.raises(InvalidStudyFile, match="does not have its checksum") as refusal:
+        StudyFile(path).rows()
+    assert str(run) in str(refusal.value)
+
+
+@pytest.mark.parametrize("value", ["'much'", "x'3132'", "x''"])
+@pytest.mark.parametrize("column", ["rms_error", "checksum"])
+def test_row_of_what_is_no_number_is_named(path: Path, column: str, value: str) -> None:
     fill(path)
-    change(path, "UPDATE runs SET rms_error = 'much' WHERE seed = 1 AND setting = 2")
-    with pytest.raises(InvalidStudyFile, match="something else than numbers"):
+    change(path, f"UPDATE runs SET {column} = {value} WHERE seed = 1 AND setting = 2")
+    with pytest.raises(InvalidStudyFile, match="something else than numbers") as refusal:
         StudyFile(path).rows()
-    change(path, "UPDATE runs SET rms_error = 1.0, setting = 99 WHERE seed = 1 AND setting = 2")
-    with pytest.raises(InvalidStudyFile, match="setting 99, which is not there"):
+    assert "the row of Run(controller='t1'" in str(refusal.value)
+    assert "seed=1)" in str(refusal.value)
+    change(path, str(refusal.value).split("(")[-1].rstrip(")"))
+    assert len(StudyFile(path).rows()) == len(RUNS) - 1
+
+
+def test_row_whose_seed_is_no_number_is_named(path: Path) -> None:
+    fill(path)
+    change(path, "UPDATE runs SET seed = 'one' WHERE seed = 1 AND setting = 2")
+    with pytest.raises(InvalidStudyFile, match="row of setting 2 and seed one") as refusal:
         StudyFile(path).rows()
+    change(path, str(refusal.value).split("(")[-1].rstrip(")"))
+    assert len(StudyFile(path).rows()) == len(RUNS) - 1
+
+
+def test_row_without_its_setting_is_named(path: Path) -> None:
+    fill(path)
+    change(path, "UPDATE runs SET setting = 99 WHERE seed = 1 AND setting = 2")
     with pytest.raises(InvalidStudyFile, match="has no setting"):
         fill(path)
+    with pytest.raises(InvalidStudyFile, match="setting 99, which is not there") as refusal:
+        StudyFile(path).rows()
+    change(path, str(refusal.value).split("(")[-1].rstrip(")"))
+    assert len(StudyFile(path).rows()) == len(RUNS) - 1
 
 
 # What does not belong is refused
