@@ -49,6 +49,7 @@ from psp3.fuzzy_control.records import (
     Record,
     RecordNoise,
     learning_inputs,
+    ranges_of_moving,
     record,
 )
 from psp3.fuzzy_control.rule_bases import CORIOLIS, LEARNERS, Place, RuleOptions
@@ -322,7 +323,6 @@ class FuzzyComputedTorque:
         speeds: ArrayLike,
         accelerations: ArrayLike,
         forces: ArrayLike,
-        samples: int | None = None,
         positive_definite: bool = True,
     ) -> Self:
         r"""Learn from a motion and the forces that made it: M, C and G need not be known.
@@ -334,13 +334,11 @@ class FuzzyComputedTorque:
         ----------
         positions, speeds, accelerations : (N, n) array_like
             A motion of the motors [m or rad, and per s, s²], as of
-            :func:`psp3.identification.excitation.exciting_motion` or of a Fourier series fitted to
-            what was measured. Accelerations of noisy positions are best taken from such a fit.
+            :func:`psp3.identification.excitation.exciting_motion`, of a Fourier series fitted to
+            what was measured, or of :func:`psp3.trajectories.measured_motion`. All N samples are
+            learned from: noise averages out over them.
         forces : (N, n) array_like
             Forces of the motors [N or N m], measured.
-        samples : int, optional
-            How many of the N are used, spread evenly over the inputs; 2000 by default, or all if
-            there are fewer.
         positive_definite : bool
             Whether the M of every rule must be positive definite; then every estimate of M is.
 
@@ -366,24 +364,13 @@ class FuzzyComputedTorque:
             if array.ndim != 2 or array.shape != arrays[0].shape:
                 raise InvalidArray(name, f"{arrays[0].shape}, one row for each position", array)
         inputs = self.inputs.of(arrays[0], arrays[1])
-        count = len(inputs)
-        # A record of which nothing but the inputs is asked.
-        whole = Record(
-            np.arange(float(count)),
-            arrays[0],
-            arrays[1],
-            inputs,
-            np.empty((count, 0)),
-            self.inputs.names,
-        )
-        chosen = whole.sample(min(count, MOST_SAMPLES) if samples is None else samples)
-        a, v, w, force = (array[chosen] for array in arrays)
+        ranges_of_moving(inputs, self.inputs.names)
+        a, v, w, force = arrays
         systems = rule_bases.systems_from_motion(
             *(self._options, self.places, self.inputs, (a, v, w), force),
             *(self.coriolis == "mass", positive_definite),
         )
-        x = inputs[chosen]
-        self._take(systems, np.stack([x.min(axis=0), x.max(axis=0)]))
+        self._take(systems, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
 
     @property
