@@ -15,7 +15,7 @@ from typing import Any
 from numba.core.caching import IndexDataCacheFile
 
 
-class CodeFiles(IndexDataCacheFile):  # type: ignore[misc]
+class CodeFiles(IndexDataCacheFile):
     """The files of one function's code, and their index."""
 
     @classmethod
@@ -35,9 +35,10 @@ class CodeFiles(IndexDataCacheFile):  # type: ignore[misc]
         data : object
             The code.
         """
-        what = self._dump((self._source_stamp, key))
-        base = self._index_name.removesuffix(".nbi")
+        files: Any = self  # numba's own functions have no types
+        what = files._dump((files._source_stamp, key))
+        base = files._index_name.removesuffix(".nbi")
         name = f"{base}.{hashlib.sha256(what).hexdigest()[:20]}.nbc"
-        self._save_data(name, data)
+        files._save_data(name, data)
         # Read as late as possible: of two processes one may lose its entry, and compiles again.
-        self._save_index({**self._load_index(), key: name})
+        files._save_index({**files._load_index(), key: name})

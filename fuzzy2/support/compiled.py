@@ -179,7 +179,7 @@ def _compiled(
     if getattr(numba.config, "DISABLE_JIT", False):
         return function
     options = {"nopython": True, "nogil": True, "error_model": "numpy", "boundscheck": None}
-    kernel = Kernel(function, targetoptions={**options, **more}, twice=twice, scalar=scalar)
+    kernel: Any = Kernel(function, targetoptions={**options, **more}, twice=twice, scalar=scalar)
     # "no locator available": site-packages and home are both read-only
     with contextlib.suppress(RuntimeError):
         kernel.enable_caching()
