@@ -139,9 +139,8 @@ def rows_of_forces(
             ]
             means = [1e6 * np.exp(np.mean(np.log(e))) for e in (of_numbers, of_forces)]
             cells = [f"{1e6 * reference:.3g}", *(f"{mean:.3g}" for mean in means)]
-            say(
-                f"| {name} | {len(seeds)} | {where} | {coriolis} | {' | '.join([*cells, *map(str, ratios)])} |"
-            )
+            cells += map(str, ratios)
+            say(f"| {name} | {len(seeds)} | {where} | {coriolis} | {' | '.join(cells)} |")
         share = 10.0 ** (-SNR / 20.0) * np.sqrt(np.mean(np.square(missed)))
         known = len(base_parameters(all_parameters(robot)).columns)
         least = 10.0 ** (-SNR / 20.0) * np.sqrt(known / forces.size)

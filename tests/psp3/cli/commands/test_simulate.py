@@ -159,8 +159,11 @@ def test_a_controller_is_trained_on_measured_forces(psp3_command: Run) -> None:
     path = FourierSeries(sway.center, sines, cosines, 3.0, robot)
     t = np.arange(0.0, 3.01, 0.01)
     np.savetxt(
-        *("path.csv", np.column_stack([t, path.joints(t)[0]])),
-        **{"delimiter": ",", "header": ",".join(("t", *robot.actuated)), "comments": ""},
+        "path.csv",
+        np.column_stack([t, path.joints(t)[0]]),
+        delimiter=",",
+        header=",".join(("t", *robot.actuated)),
+        comments="",
         fmt="%.17g",
     )
     run = ("--trajectory", "csv:path.csv", "--initial-speed", "path", "--csv", "run.csv")
