@@ -18,6 +18,7 @@ from typing import Any, Protocol, TypeVar, cast
 import numba
 from numba.extending import overload
 
+from fuzzy2.support.code_files import CodeFiles
 from fuzzy2.support.compile_unit import Kernel, PartCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -182,4 +183,5 @@ def _compiled(
     # "no locator available": site-packages and home are both read-only
     with contextlib.suppress(RuntimeError):
         kernel.enable_caching()
+        kernel._cache._cache_file = CodeFiles.instead_of(kernel._cache._cache_file)
     return cast("Function", kernel)
