@@ -20,9 +20,10 @@ from psp3.cli.commands.dynamics import dynamics
 from psp3.cli.commands.info import info
 from psp3.cli.commands.pose import pose
 from psp3.cli.commands.reproduce import reproduce
-from psp3.cli.commands.simulate import simulate, train
+from psp3.cli.commands.simulate import simulate
 from psp3.cli.commands.study import study
 from psp3.cli.commands.torques import torques
+from psp3.cli.commands.train import train
 from psp3.cli.commands.view import view
 from psp3.cli.commands.workspace import workspace
 from psp3.cli.options import INTERRUPTED, USAGE

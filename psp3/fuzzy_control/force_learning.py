@@ -122,7 +122,7 @@ def learn_consequents(samples: Samples, positive_definite: bool) -> Consequents:
     return Consequents(parts[0], parts[1], parts[2] if len(parts) > 2 else None)
 
 
-def _reduced(samples: Samples) -> tuple[Array, Array, list[tuple[int, int]]]:
+def _reduced(samples: Samples) -> tuple[Array, Array, list[tuple[int, ...]]]:
     """Return Y and forces, of mean square 1, as a triangular factor, and the shapes of Y's blocks.
 
     Each block of columns has rules and numbers.
@@ -130,18 +130,20 @@ def _reduced(samples: Samples) -> tuple[Array, Array, list[tuple[int, int]]]:
     sizes = np.sqrt((samples.forces**2).mean(axis=0))
     sizes = np.where(sizes > 0.0, sizes, 1.0)
     factor: Array | None = None
-    shapes: list[tuple[int, int]] = []
+    shapes: list[tuple[int, ...]] = []
     for start in range(0, len(samples.forces), BLOCK):
-        parts: Any = (a if a is None else a[start : start + BLOCK] for a in samples)
-        some = Samples(*parts)
-        blocks, measured = regressor_blocks(some), (some.forces / sizes).ravel()
-        shapes = [(block.shape[2], block.shape[3]) for block in blocks]
-        columns = [block / sizes[:, np.newaxis, np.newaxis] for block in blocks]
+        block = slice(start, start + BLOCK)
+        some = samples._replace(
+            **{name: a[block] for name, a in samples._asdict().items() if a is not None}
+        )
+        parts, measured = regressor_blocks(some), (some.forces / sizes).ravel()
+        shapes = [part.shape[2:] for part in parts]
+        columns = [part / sizes[:, np.newaxis, np.newaxis] for part in parts]
         rows = np.concatenate(
             [*(c.reshape(measured.size, -1) for c in columns), measured[:, np.newaxis]], axis=1
         )
-        rows = rows if factor is None else np.concatenate([factor, rows])
-        factor = np.asarray(np.linalg.qr(rows, mode="r"))
+        grown = rows if factor is None else np.concatenate([factor, rows])
+        factor = np.asarray(np.linalg.qr(grown, mode="r"))
     assert factor is not None
     return factor[:, :-1], factor[:, -1:], shapes
 

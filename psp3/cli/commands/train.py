@@ -1,0 +1,207 @@
+"""The command that trains a controller."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from psp3.cli.joint_tables import joint_units
+from psp3.cli.option_groups import MotionOptions, single_options
+from psp3.cli.options import TrajectoryText, only_allowed, output_file
+from psp3.cli.output import new_table, show
+from psp3.cli.robot_options import RobotOptions
+from psp3.cli.shared import gains_of_computed_torque, trajectory_from_options
+
+if TYPE_CHECKING:
+    from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
+
+
+@dataclass(frozen=True, kw_only=True)
+class RuleOptions:
+    """What is learned, and from what noise."""
+
+    kind: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME", help="it2 (interval type-2), t1 (type-1) or gt2 (general type-2)."
+        ),
+    ] = "it2"
+    learner: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            help=(
+                "How rules are learned: strongest, of the 3-PSP unless given, strict, average, "
+                "ridge or least-squares, of other robots."
+            ),
+        ),
+    ] = None
+    terms: Annotated[
+        int | None,
+        typer.Option(
+            metavar="COUNT",
+            help="Terms of every input, on a grid: of the 3-PSP 2 unless given, else none.",
+        ),
+    ] = None
+    coriolis: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help=(
+                "Where C comes from: rules of its own, or mass, the derivative of M (not of the "
+                "3-PSP)."
+            ),
+        ),
+    ] = "rules"
+    snr: Annotated[
+        float,
+        typer.Option(
+            metavar="DB",
+            help="Signal-to-noise ratio of the recorded M, C and G (dB); inf adds no noise.",
+        ),
+    ] = math.inf
+    mean_variation: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SHARE",
+            help="Mean variation as a share of each input's range; it follows --snr unless given.",
+        ),
+    ] = None
+    defuzzify: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help="What gt2 makes crisp: first M, C and G, or last the torque, as the thesis.",
+        ),
+    ] = "first"
+    seed: Annotated[int, typer.Option(min=0, metavar="NUMBER", help="Of the noise.")] = 0
+
+
+@single_options
+def train(
+    *,
+    file: Annotated[
+        Path,
+        typer.Argument(
+            parser=output_file, metavar="FILE", help="JSON file to write.", show_default=False
+        ),
+    ],
+    robot: RobotOptions,
+    rules: RuleOptions,
+    kp: Annotated[
+        float | None,
+        typer.Option(
+            metavar="GAIN",
+            help="Proportional gain (1/s²); 10, of another robot of a bandwidth of 20 rad/s.",
+        ),
+    ] = None,
+    kv: Annotated[
+        float | None,
+        typer.Option(
+            metavar="GAIN", help="Derivative gain (1/s); 1, of another robot critical damping."
+        ),
+    ] = None,
+    trajectory: TrajectoryText = None,
+    motion: MotionOptions,
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--record",
+            metavar="FILE",
+            help=(
+                "Learn from measured forces in place of M, C and G: a CSV file with the columns t, "
+                "of each motor its name, and force_ and its name (or a1,… and force1,…, as "
+                "simulate --csv writes)."
+            ),
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
+    """Train a fuzzy computed-torque controller and write it to a file.
+
+    The crisp controller tracks a motion, the helix unless given, of another robot its sway; M, C
+    and G are recorded and learned from. With --record they are learned from a motion of the robot
+    itself and the forces that its motors had.
+    """
+    from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
+
+    which = robot.load()
+    if measured is not None:
+        refused = vars(motion) | {"trajectory": trajectory, "learner": rules.learner}
+        refused |= {"snr": rules.snr if math.isfinite(rules.snr) else None}
+        only_allowed("--record", refused, ())
+    gains = gains_of_computed_torque(which, kp, kv)
+    controller = FuzzyComputedTorque(
+        rules.kind,
+        which,
+        **gains,
+        n_terms=rules.terms,
+        learner=rules.learner,
+        coriolis=rules.coriolis,
+        snr_db=rules.snr,
+        mean_variation=rules.mean_variation,
+        defuzzify=rules.defuzzify,
+    )
+    if measured is None:
+        source, errors = _learned_by_simulation(controller, trajectory, motion, rules.seed)
+    else:
+        source, errors = _learned_from_record(controller, measured)
+    controller.save(file)
+    numbers = " + ".join(str(len(system.rules)) for system in controller.systems_)
+    title = f"{rules.kind}, learned on {source}"
+    table = new_table(
+        title if which.has_inverse_of_tip else f"{which.title}, {title}",
+        "trained range",
+        "least",
+        "greatest",
+        "unit",
+        note=f"{numbers} rules, mean variation {controller.mean_variation:.3g}",
+    )
+    names, joints = controller.inputs.names, joint_units(which, which.actuated)
+    units = (*joints, *(f"{unit}/s" for unit in joints))
+    of_inputs = [units[place] for place in controller.inputs.plus]
+    for name, low, high, unit in zip(names, *controller.ranges_, of_inputs, strict=True):
+        table.add_row(name, f"{low:.4f}", f"{high:.4f}", unit)
+    show(table, errors)
+    typer.echo(file)
+
+
+def _learned_by_simulation(
+    controller: FuzzyComputedTorque, trajectory: str | None, motion: MotionOptions, seed: int
+) -> tuple[str, Any]:
+    """Learn M, C and G where the exact controller goes; return the motion's name and a table."""
+    import numpy as np
+
+    from psp3.fuzzy_control.records import record, unpack
+
+    which = controller.robot
+    desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
+    recorded = record(which, desired, seconds, kp=controller.kp, kv=controller.kv)
+    samples = min(controller.samples, len(recorded.t))
+    controller.learn(recorded, samples, np.random.default_rng(seed))
+    errors = new_table("Estimates on the way", "", "RMS error, relative")
+    estimates = controller.estimate(recorded.positions, recorded.speeds)
+    for name, exact, estimate in zip("MCG", unpack(recorded.outputs), estimates, strict=True):
+        errors.add_row(name, f"{np.sqrt(((estimate - exact) ** 2).mean() / (exact**2).mean()):.2%}")
+    return name_of_motion, errors
+
+
+def _learned_from_record(controller: FuzzyComputedTorque, path: Path) -> tuple[str, Any]:
+    """Learn from measured forces; return the file's name and a table of what they miss."""
+    import numpy as np
+
+    from psp3.trajectories.recorded import measured_motion
+
+    _, a, v, w, forces = measured_motion(path, controller.robot)
+    controller.learn_from_motion(a, v, w, forces)
+    M, C, G = controller.estimate(a, v)
+    said = np.einsum("nij,nj->ni", M, w) + np.einsum("nij,nj->ni", C, v) + G
+    missed = np.sqrt(((said - forces) ** 2).mean(axis=0) / (forces**2).mean(axis=0))
+    errors = new_table("Forces on the way", "motor", "RMS error, relative")
+    for name, share in zip(controller.robot.actuated, missed, strict=True):
+        errors.add_row(name, f"{share:.2%}")
+    return path.name, errors
