@@ -196,7 +196,7 @@ class Partition(NamedTuple):
 def partition_by_clusters(options: RuleOptions, inputs: Array, number: int) -> Partition:
     """Return terms about samples (N, p) that cover all evenly, and a rule for each of these."""
     if options.learner == "strict":
-        wanted = "another one where rules are clusters, of which each has a consequent"
+        wanted = "another one than table look-up, which needs a grid: give n_terms, too"
         raise InvalidValue("learner", options.learner, wanted)
     least, widths = inputs.min(axis=0), np.ptp(inputs, axis=0)
     points = (inputs - least) / widths
