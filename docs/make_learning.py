@@ -15,9 +15,11 @@ import psp3
 from psp3.checks import Array
 from psp3.control.classical import critically_damped_gains
 from psp3.control.controller import Controller
-from psp3.errors import SimulationStopped
+from psp3.errors import SimulationStopped, UnusableEstimate
 from psp3.fuzzy_control.numbers import output_names, pack
 from psp3.fuzzy_control.records import Record
+from psp3.identification.base_parameters import base_parameters
+from psp3.identification.unknowns import all_parameters
 from psp3.robots.robot import Robot
 from psp3.study.statistics import ratio_of_geometric_means
 from psp3.trajectories.fourier_series import FourierSeries
@@ -29,12 +31,16 @@ SEEDS = 10
 SNR = 20.0
 DURATION = 3.0
 SAMPLES = 600
+RULES = 16
+MOTIONS = ((1,), (1, 11, 12, 13))
+"""Seeds of the motions that forces are measured on: one of 3 s, and four."""
+
 KP, KV = critically_damped_gains(20.0)
 
 
-def exciting(robot: Robot) -> FourierSeries:
+def exciting(robot: Robot, seed: int = 1) -> FourierSeries:
     """Return a motion of five harmonics about the reference, which repeats after 3 s."""
-    rng, sway = np.random.default_rng(1), Sway(robot=robot)
+    rng, sway = np.random.default_rng(seed), Sway(robot=robot)
     shares = 0.35 * sway.amplitudes / np.arange(1, 6)[:, np.newaxis]
     sines, cosines = (rng.normal(size=shares.shape) * shares for _ in range(2))
     return FourierSeries(sway.center, sines, cosines, DURATION, robot)
@@ -79,25 +85,70 @@ def rows_of(name: str, say: Callable[[str], None]) -> None:
                 errors.append(error_on(robot, one, path))
             cells.append(f"{1e6 * np.median(errors):.3g}")
         say(f"| {name} | {where} | {' | '.join(cells)} |")
-    forces = robot.inverse_dynamics(*motion)
+    for seeds in MOTIONS:
+        rows_of_forces(name, robot, paths, seeds, say)
+
+
+def rows_of_forces(
+    name: str,
+    robot: Robot,
+    paths: dict[str, Trajectory],
+    seeds: tuple[int, ...],
+    say: Callable[[str], None],
+) -> None:
+    """Say the rows of learning from forces on motions: all with noise of the same ratio."""
+    t = np.arange(0.0, DURATION, 0.002 if len(seeds) == 1 else 0.004)
+    several = zip(*(exciting(robot, seed).joints(t) for seed in seeds), strict=True)
+    a, v, w = (np.concatenate(parts) for parts in several)
+    motion = a, v, w
+    recorded, forces = motion_record(robot, motion), robot.inverse_dynamics(*motion)
     size = 10.0 ** (-SNR / 20.0) * np.sqrt((forces**2).mean(axis=0))
     for coriolis in ("rules", "mass"):
-        by_forces: dict[str, list[float]] = {where: [] for where in paths}
+        options = {"kp": KP, "kv": KV, "coriolis": coriolis, "rules": RULES}
+        try:
+            psp3.FuzzyComputedTorque("t1", robot, **options).learn_from_motion(*motion, forces)
+        except UnusableEstimate:
+            say(f"| {name} | {len(seeds)} | {coriolis} | refused |")
+            continue
+        exact = psp3.FuzzyComputedTorque("t1", robot, **options).learn(recorded, len(forces))
+        errors: dict[tuple[str, str], list[float]] = {}
+        missed = []
         for seed in range(SEEDS):
             measured = forces + size * np.random.default_rng(seed).normal(size=forces.shape)
-            one = psp3.FuzzyComputedTorque("t1", robot, kp=KP, kv=KV, coriolis=coriolis, rules=16)
-            one.learn_from_motion(*motion, measured, samples=SAMPLES)
-            for where, path in paths.items():
-                by_forces[where].append(error_on(robot, one, path))
-        whole = psp3.FuzzyComputedTorque("t1", robot, kp=KP, kv=KV, coriolis=coriolis, rules=16)
-        whole.learn(recorded, SAMPLES)
+            learned = {
+                "forces": psp3.FuzzyComputedTorque("t1", robot, **options).learn_from_motion(
+                    *motion, measured
+                ),
+                "M, C and G": psp3.FuzzyComputedTorque("t1", robot, snr_db=SNR, **options).learn(
+                    recorded, len(forces), np.random.default_rng(seed)
+                ),
+            }
+            for source, controller in learned.items():
+                for where, path in paths.items():
+                    found = errors.setdefault((source, where), [])
+                    found.append(error_on(robot, controller, path))
+            M, C, G = learned["forces"].estimate(a, v)
+            said = np.einsum("sij,sj->si", M, w) + np.einsum("sij,sj->si", C, v) + G
+            missed.append(np.sqrt((((said - forces) / size) ** 2).mean()))
         for where, path in paths.items():
-            reference = error_on(robot, whole, path)
-            ratio = ratio_of_geometric_means(by_forces[where], [reference] * SEEDS)
+            reference = error_on(robot, exact, path)
+            of_forces, of_numbers = (errors[s, where] for s in ("forces", "M, C and G"))
+            ratios = [
+                ratio_of_geometric_means(of_forces, other)
+                for other in ([reference] * SEEDS, of_numbers)
+            ]
+            means = [1e6 * np.exp(np.mean(np.log(e))) for e in (of_numbers, of_forces)]
+            cells = [f"{1e6 * reference:.3g}", *(f"{mean:.3g}" for mean in means)]
             say(
-                f"| {name} | {where} | {coriolis} | {1e6 * reference:.3g} | "
-                f"{1e6 * np.exp(np.mean(np.log(by_forces[where]))):.3g} | {ratio} |"
+                f"| {name} | {len(seeds)} | {where} | {coriolis} | {' | '.join([*cells, *map(str, ratios)])} |"
             )
+        share = 10.0 ** (-SNR / 20.0) * np.sqrt(np.mean(np.square(missed)))
+        known = len(base_parameters(all_parameters(robot)).columns)
+        least = 10.0 ** (-SNR / 20.0) * np.sqrt(known / forces.size)
+        say(
+            f"{name}, {len(seeds)}, C from {coriolis}: misses {share:.2%} of the forces, "
+            f"{known} base parameters {least:.2%}"
+        )
 
 
 if __name__ == "__main__":

@@ -47,8 +47,8 @@ snr_from_mean_variation t_conorm t_norm to_json union
         wu_mendel_bounds
     """,
     "psp3.trajectories": """
-        SPACES Circle FromCSV Helix Hold Line Motion PointToPoint Sway Trajectory Waypoints \
-check_stroke finite_times tip_of
+        SPACES Circle FromCSV Helix Hold Line MeasuredMotion Motion PointToPoint Sway Trajectory \
+Waypoints check_stroke finite_times measured_motion tip_of
     """,
     "psp3.study.statistics": """
         CONFIDENCE CONTROLLERS MEASURED_COVERAGE METRICS RESAMPLES Contrast Estimate Summary \

@@ -56,7 +56,9 @@ def parse_fcl(
     NotExpressible
         If it describes what a system here cannot be; it names the line.
     UnknownName
-        If there is no such block, or there are several and none is named.
+        If there is no such block.
+    InvalidValue
+        If there are several blocks and none is named; it names them.
     """
     return FclReader(text, source, block, dialect).system()
 
@@ -87,7 +89,9 @@ def read_fcl(
     NotExpressible
         If it describes what a system here cannot be; it names the line.
     UnknownName
-        If there is no such block, or there are several and none is named.
+        If there is no such block.
+    InvalidValue
+        If there are several blocks and none is named; it names them.
     OSError
         If it cannot be read.
     """

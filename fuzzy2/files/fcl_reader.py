@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 from lark import Lark, Token, Tree
 from lark.exceptions import UnexpectedInput
 
-from fuzzy2.errors import Fuzzy2Error, InvalidRule, NotExpressible, UnknownName
+from fuzzy2.errors import Fuzzy2Error, InvalidRule, InvalidValue, NotExpressible, UnknownName
 from fuzzy2.files.description import SUM, Constant
 from fuzzy2.files.engine import (
     AnySystem,
@@ -58,7 +58,7 @@ number: NUMBER
 named: NAME (NUMBER | NAME | point)*
 _number: NUMBER | NAME
 option: (METHOD | ACCU | LOCK) ":" NAME ";"
-default: "DEFAULT"i ":=" (NUMBER | NAME) ("|" NAME)? ";"
+default: "DEFAULT"i (":=" | "=") (NUMBER | NAME) ("|" NAME)? ";"?
 rules: "RULEBLOCK"i NAME? (operator | RULE ";"?)* "END_RULEBLOCK"i
 operator: (AND | OR | ACT | ACCU) ":" NAME ";"
 
@@ -135,7 +135,9 @@ class FclReader(Source):
         names = [self._name_of(block) for block in blocks]
         if name is None and len(blocks) == 1:
             return blocks[0]
-        if name is None or name.lower() not in [one.lower() for one in names]:
+        if name is None:
+            raise InvalidValue("block", name, f"the name of one of {', '.join(names)}")
+        if name.lower() not in [one.lower() for one in names]:
             raise UnknownName("function block", name, names)
         return blocks[[one.lower() for one in names].index(name.lower())]
 

@@ -22,8 +22,8 @@ the same number under the aggregation before it averages; its smallest and large
 value, MATLAB's by distance from 0; it has more t-norms, and hedges. fuzzylite's integrals take the
 middles of 1000 pieces; it has more terms, formulas among them, outputs of Tsukamoto and hybrid
 systems, whose outputs differ in their operators (:class:`fuzzy2.ParallelSystem`); numbers add up
-there, as in its version 6, which wrote most files. A file that says that fuzzylite wrote it, or has
-what only fuzzylite knows, is read in its meaning. Where no rule fires a system
+there, as in its version 6, which wrote most files. A file that says that it is of Octave's toolkit
+or of fuzzylite, or has what only they know, is read in their meaning. Where no rule fires a system
 answers NaN, as Octave does; MATLAB answers with the middle of the range.
 """
 
@@ -37,7 +37,7 @@ from fuzzy2.files.description import description_of
 from fuzzy2.files.engine_writer import engine_of
 from fuzzy2.files.fis_engine import FUZZYLITE, FisEngineReader, is_of_fuzzylite
 from fuzzy2.files.fis_engine_writer import FisEngineWriter
-from fuzzy2.files.fis_names import DIALECTS, OPEN_TOOLBOX_SUFFIX
+from fuzzy2.files.fis_names import DIALECTS, OPEN_TOOLBOX_SUFFIX, is_of_octave
 from fuzzy2.files.fis_reader import FisReader
 from fuzzy2.files.fis_rules import OCTAVE
 from fuzzy2.files.fis_writer import FisWriter
@@ -59,8 +59,8 @@ def parse_fis(text: str, source: str = "text", dialect: str | None = None) -> An
     source : str
         What error messages call it.
     dialect : {"matlab", "octave", "fuzzylite"}, optional
-        Whose meaning it has. By default fuzzylite's if the file says that fuzzylite wrote it, or
-        has what only fuzzylite knows; else MATLAB's.
+        Whose meaning it has. By default fuzzylite's or Octave's if the file says that it is of
+        theirs, or has what only they know; else MATLAB's.
 
     Returns
     -------
@@ -74,7 +74,7 @@ def parse_fis(text: str, source: str = "text", dialect: str | None = None) -> An
     NotExpressible
         If it describes what a system here cannot be; it names the line.
     """
-    own = "fuzzylite" if is_of_fuzzylite(text) else "matlab"
+    own = "fuzzylite" if is_of_fuzzylite(text) else "octave" if is_of_octave(text) else "matlab"
     chosen = own if dialect is None else choice("dialect", dialect, DIALECTS)
     if chosen == "fuzzylite":
         return FisEngineReader(text, source).system()
@@ -89,8 +89,8 @@ def read_fis(path: str | os.PathLike[str], dialect: str | None = None) -> AnySys
     path : str or path-like
         The file.
     dialect : {"matlab", "octave", "fuzzylite"}, optional
-        Whose meaning it has. By default fuzzylite's if the file says that fuzzylite wrote it, or
-        has what only fuzzylite knows; else MATLAB's.
+        Whose meaning it has. By default fuzzylite's or Octave's if the file says that it is of
+        theirs, or has what only they know; else MATLAB's.
 
     Returns
     -------

@@ -57,6 +57,7 @@ DEFUZZIFIERS = {
     },
     ("mamdani", "octave"): {
         "centroid": "centroid",
+        "centroid_integral": "centroid",
         "mom": "mean_of_maxima",
         "som": "smallest_of_maxima",
         "lom": "largest_of_maxima",
@@ -68,8 +69,25 @@ DEFUZZIFIERS = {
 }
 """Defuzzifiers by kind of system and dialect; the first one is the default.
 
-Octave's bisector returns the number of a point instead of the point, and is left out.
+Octave's bisector returns the number of a point instead of the point, and is left out. Its centroid
+integrates by trapezoids up to version 0.6.1; the next one calls that ``centroid_integral``.
 """
+
+_OCTAVE = re.compile(
+    r"^\s*(?:[#%].*\bfuzzy-logic-toolkit\b"
+    r"|(?:And|Or|Imp|Agg|Defuzz)Method\s*=\s*'(?:centroid_integral|algebraic_(?:product|sum)"
+    r"|bounded_(?:difference|sum)|(?:drastic|einstein|hamacher)_(?:product|sum))')",
+    re.MULTILINE,
+)
+
+
+def is_of_octave(text: str) -> bool:
+    """Return whether a file says that it is of Octave's toolkit, or has what MATLAB's has not.
+
+    fuzzylite has the names of its norms, too; whether a file is of fuzzylite is asked first.
+    """
+    return _OCTAVE.search(text) is not None
+
 
 REDUCERS = {"karnikmendel": "km", "ekm": "ekm", "iasc": "iasc", "eiasc": "eiasc"}
 

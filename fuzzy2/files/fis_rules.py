@@ -152,7 +152,7 @@ class FisRules:
             if hundredths:
                 power = self._power(line, word, hundredths, variable)
                 if no or power is None or not (sugeno and self._lines.dialect == "octave"):
-                    reason = "only Sugeno's outputs have one, in the octave dialect"
+                    reason = "only Sugeno's outputs have one, in Octave's files (dialect='octave')"
                     raise self._lines.refused(line, f"the hedge of the output {word}", reason)
                 hedged[j] = 1.0 / power
             if number == 0:

@@ -22,6 +22,7 @@ from fuzzy2.files.fis_names import (
     OPEN_TOOLBOX_REDUCERS,
     OPEN_TOOLBOX_SUFFIX,
     REDUCERS,
+    SAMPLE_POINTS,
     T_CONORMS,
     T_NORMS,
 )
@@ -34,7 +35,7 @@ from fuzzy2.sets.lagged import Lagged
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.sets.smooth_shapes import PiShaped
 from fuzzy2.sets.type1 import Type1Set
-from fuzzy2.systems.operators import DIRECT_METHODS
+from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, UNIONS
 
 _SEPARATE = ("center_of_sets", "weighted_sum")
 """Averages and sums over the rules, whether or not they say the same."""
@@ -54,6 +55,33 @@ class FisWriter:
 
     def _refuse(self, what: str, reason: str) -> NoReturn:
         raise NotExpressible(what, self.where, reason)
+
+    def _check_integration(self) -> None:
+        """Refuse what integrates otherwise than the program that reads the file."""
+        described = self.description
+        reduction = described.reduced_by
+        if not described.mamdani or reduction not in UNIONS:
+            return
+        # Trapezoids have the points of the sum, which is all that matters to maxima.
+        known = ("sum", "trapezoidal") if reduction in MAXIMA else ("sum",)
+        if self.where == OCTAVE and reduction not in MAXIMA:
+            known = ("trapezoidal",)
+        if described.integration not in known or described.resolution != SAMPLE_POINTS:
+            points = "" if described.integration == "exact" else f" over {described.resolution}"
+            self._refuse(
+                f"integration={described.integration!r}{points}",
+                f"the program that reads it takes {SAMPLE_POINTS} points; make it theirs with "
+                f'replace(integration="{known[0]}", resolution={SAMPLE_POINTS})',
+            )
+
+    def _check_defaults(self) -> None:
+        for output in self.description.outputs:
+            if output.default is not None:
+                self._refuse(
+                    f"the default {output.default:g} of the output {output.name!r}",
+                    "it has no word for what is answered where no rule fires; take "
+                    "replace(default_outputs=None)",
+                )
 
     def text(self) -> str:
         """Return the text of the file."""
@@ -77,6 +105,8 @@ class FisWriter:
         lines.append("[Rules]")
         asked, said = ([numbers for _, numbers in of] for of in (inputs, outputs))
         lines += [rule_line(rule, asked, said, self.where) for rule in described.rules]
+        self._check_integration()
+        self._check_defaults()
         return "\n".join(lines) + "\n"
 
     def _system(self) -> list[str]:

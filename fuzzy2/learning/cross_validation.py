@@ -26,7 +26,9 @@ RIDGES = np.logspace(-10.0, 2.0, 49)
 """Ridges that are tried, as shares of the largest squared singular value of the design."""
 
 
-def ridge_by_cross_validation(design: Array, targets: Array) -> tuple[Array, Array]:
+def ridge_by_cross_validation(
+    design: Array, targets: Array, count: int | None = None
+) -> tuple[Array, Array]:
     r"""Return the coefficients of ridge least squares, and the ridges.
 
     Parameters
@@ -35,6 +37,9 @@ def ridge_by_cross_validation(design: Array, targets: Array) -> tuple[Array, Arr
         :math:`\Phi`.
     targets : (N, m) ndarray
         What is to be said, a column for each target.
+    count : int, optional
+        N, where design and targets are those of a triangular factor of longer ones, which have the
+        same coefficients; their own length by default.
 
     Returns
     -------
@@ -51,7 +56,7 @@ def ridge_by_cross_validation(design: Array, targets: Array) -> tuple[Array, Arr
     tried = RIDGES * (squares[0] if squares.size and squares[0] > 0.0 else 1.0)
     left_over = tried[:, np.newaxis] / (squares + tried[:, np.newaxis])
     missed = left_over**2 @ along**2 + beyond
-    freedom = len(targets) - squares.size + left_over.sum(axis=1)
+    freedom = (len(targets) if count is None else count) - squares.size + left_over.sum(axis=1)
     chosen = np.argmin(missed / freedom[:, np.newaxis] ** 2, axis=0)
     ridges = tried[chosen]
     coefficients = right.T @ (sizes[:, np.newaxis] * along / (squares[:, np.newaxis] + ridges))

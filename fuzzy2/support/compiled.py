@@ -18,6 +18,7 @@ from typing import Any, Protocol, TypeVar, cast
 import numba
 from numba.extending import overload
 
+from fuzzy2.support.code_files import CodeFiles
 from fuzzy2.support.compile_unit import Kernel, PartCompiler
 
 Function = TypeVar("Function", bound=Callable[..., Any])
@@ -26,9 +27,9 @@ _COMPILING = threading.Lock()
 
 
 def only_for(function: Function, *arguments: Any) -> Function:
-    """Compile a compiled function for arguments of these types, and for no others.
+    """Compile a compiled function for arguments of these types, and for those asked for before.
 
-    Others are a TypeError, and never compiled for.
+    All others are a TypeError, and never compiled for.
 
     Parameters
     ----------
@@ -45,9 +46,15 @@ def only_for(function: Function, *arguments: Any) -> Function:
     """
     # One thread at a time: another's compilation must not be switched off before it is done.
     with _COMPILING:
-        function(*arguments)
         # Not there where numba is told not to compile at all.
-        getattr(function, "disable_compile", lambda: None)()
+        disable_compile = getattr(function, "disable_compile", lambda _: None)
+        try:
+            function(*arguments)
+        except TypeError:
+            # Closed to these until now.
+            disable_compile(False)
+            function(*arguments)
+        disable_compile(True)
     return function
 
 
@@ -176,4 +183,5 @@ def _compiled(
     # "no locator available": site-packages and home are both read-only
     with contextlib.suppress(RuntimeError):
         kernel.enable_caching()
+        kernel._cache._cache_file = CodeFiles.instead_of(kernel._cache._cache_file)
     return cast("Function", kernel)

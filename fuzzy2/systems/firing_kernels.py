@@ -10,7 +10,7 @@ from fuzzy2.support.compiled import compiled
 
 # Inference. A system is one array of floats, so that a call hands over one table and not seven
 # arrays. It starts with (inputs p, terms T, rules R, outputs m, t-norm code, where the supplement
-# begins or 0 where there is none), then follow
+# begins or 0 where there is none, how exponents are added, see ``_fire_by_exponents``), then follow
 #   terms T rows of 10: index of the input, then what kernel_row() gives rules R rows of p: index of
 #   the term, or -1 where the input plays no part ends R rows of 2 m: left ends of the consequents,
 #   above the least of their output, then right ends, below the greatest least, greatest m numbers
@@ -20,7 +20,7 @@ from fuzzy2.support.compiled import compiled
 #   (t-conorm code, whether rules are trees, whether a rule is silent or an output has a default,
 #   deepest stack), R weights, R rows of m: whether a rule is silent, m defaults or NaN, R + 1
 #   places where the steps of the rules begin, and the steps of ``fuzzy2.systems.antecedents``
-HEADER = 6
+HEADER = 7
 TERM = 10
 SUPPLEMENT = 4
 
@@ -119,6 +119,9 @@ def _either(norm, a, b):
 @compiled
 def _fire(table, x, xo, width, grades, low, high):
     """Write lower and upper firing strength of every rule for the input that starts at ``xo``."""
+    if table[6] > 0.0:
+        _fire_by_exponents(table, x, xo, low, high)
+        return
     inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
     uncertain = False
     for t in range(terms):
@@ -156,6 +159,82 @@ def _fire(table, x, xo, width, grades, low, high):
         low[r], high[r] = min(lower, upper), upper
     if table[5] > 0.0:
         _supplement_firing(table, grades, low, high)
+
+
+@compiled
+def _away(value, m1, m2, sigma):
+    """Squared distance from a Gaussian's least or greatest mean, 0 between them."""
+    away = (value - max(min(value, m2), m1)) / sigma
+    return away * away
+
+
+@compiled
+def _farther(value, m1, m2, sigma):
+    """Squared distance from the farther mean."""
+    away = (value - (m2 if value < 0.5 * (m1 + m2) else m1)) / sigma
+    return away * away
+
+
+@compiled
+def _fire_by_exponents(table, x, xo, low, high):
+    """Do as ``_fire`` for plain rules of Gaussians that are multiplied.
+
+    Exponents of a product add up: one exponential for each end of a rule, in place of one for each
+    term, which is less where rules hardly share terms. ``table[6]`` is 1 where all terms are
+    type-1, whose ends are the same, and else 2.
+    """
+    inputs, rules, certain = int(table[0]), int(table[2]), table[6] == 1.0
+    o = HEADER + TERM * int(table[1])
+    for r in range(rules):
+        nearer, farther, least, greatest = 0.0, 0.0, 1.0, 1.0
+        for _ in range(inputs):
+            t = HEADER + TERM * int(table[o])
+            o += 1
+            if t < HEADER:
+                continue
+            value, m1, m2 = x[xo + int(table[t])], table[t + 2], table[t + 3]
+            nearer += _away(value, m1, m2, table[t + 5])
+            greatest *= table[t + 7]
+            if not certain:
+                farther += _farther(value, m1, m2, table[t + 4])
+                least *= table[t + 6]
+        low[r] = high[r] = greatest * math.exp(-0.5 * nearer)
+        if not certain:
+            low[r] = min(least * math.exp(-0.5 * farther), high[r])
+
+
+@compiled
+def _fire_lanes_by_exponents(table, x, start, low, high):
+    """Do as ``_fire_by_exponents``, to the last bit, for rows from ``start`` on, side by side."""
+    inputs, rules, certain = int(table[0]), int(table[2]), table[6] == 1.0
+    lanes = low.shape[1]
+    o = HEADER + TERM * int(table[1])
+    for r in range(rules):
+        nearer, farther, least, greatest = high[r], low[r], 1.0, 1.0
+        for lane in range(lanes):
+            nearer[lane] = farther[lane] = 0.0
+        for _ in range(inputs):
+            t = HEADER + TERM * int(table[o])
+            o += 1
+            if t < HEADER:
+                continue
+            first, m1, m2 = start * inputs + int(table[t]), table[t + 2], table[t + 3]
+            sigma = table[t + 5]
+            greatest *= table[t + 7]
+            for lane in range(lanes):
+                nearer[lane] += _away(x[first + lane * inputs], m1, m2, sigma)
+            if not certain:
+                sigma = table[t + 4]
+                least *= table[t + 6]
+                for lane in range(lanes):
+                    farther[lane] += _farther(x[first + lane * inputs], m1, m2, sigma)
+        for lane in range(lanes):
+            nearer[lane] = greatest * math.exp(-0.5 * nearer[lane])
+        for lane in range(lanes):
+            if certain:
+                farther[lane] = nearer[lane]
+            else:
+                farther[lane] = min(least * math.exp(-0.5 * farther[lane]), nearer[lane])
 
 
 @compiled
@@ -273,6 +352,9 @@ def _fire_block(table, x, start, width, grades, one_low, one_high, low, high):
             for r in range(rules):
                 low[r, lane], high[r, lane] = one_low[r], one_high[r]
         return True
+    if table[6] > 0.0:
+        _fire_lanes_by_exponents(table, x, start, low, high)
+        return table[6] > 1.0
     if not _grade_lanes(table, x, start, width, grades):
         _fire_lanes(table, grades, 0, low)
         return False

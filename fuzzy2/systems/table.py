@@ -92,6 +92,7 @@ def table_of(
                 outputs,
                 float(NORMS.index(norm)),
                 0.0,
+                0.0,
             ],
             np.ravel(rows),
             antecedents.ravel(),
@@ -105,12 +106,27 @@ def table_of(
         ]
     ).astype(float)
     if all(part is None for part in (supplement.trees, *supplement[2:])):
+        # Rules that share most of their terms, as on a grid, have more ends than there are terms.
+        if norm == "product" and len(rows) > count:
+            table[6] = exponents_of(rows)
         return table
     more = supplement_of(supplement, count, outputs, offsets.tolist(), table.size)
     if more is None:
         return None
     table[5] = table.size
     return np.concatenate([table, more])
+
+
+def exponents_of(rows: list[tuple[float, ...]]) -> float:
+    """Return how exponents of terms are added, as kernels read it.
+
+    0 if a term is no Gaussian, 1 if all are, and type-1, else 2.
+    """
+    _, kinds, low_mean, high_mean, low_sigma, high_sigma, low, high, *_ = np.transpose(rows)
+    if (kinds != 0.0).any():
+        return 0.0
+    alike = (low_mean == high_mean) & (low_sigma == high_sigma) & (low == high)
+    return 1.0 if alike.all() else 2.0
 
 
 def supplement_of(

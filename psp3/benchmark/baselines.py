@@ -63,9 +63,7 @@ def _regulator(course: Course) -> Controller:
     of_speeds = max(task.kv**2 - 2.0 * task.kp, 0.0)
     weights = np.repeat([task.kp**2, of_speeds], task.joints)
     R = inverse.T @ inverse
-    return LinearQuadraticRegulator(
-        task.robot, np.diag(weights), 0.5 * (R + R.T), course.period
-    )
+    return LinearQuadraticRegulator(task.robot, np.diag(weights), 0.5 * (R + R.T), course.period)
 
 
 def _fuzzy(kind: str, learner: str, course: Course) -> FuzzyComputedTorque:

@@ -70,9 +70,9 @@ class OutcomeFile:
             elif (application, version) != (APPLICATION, FORMAT):
                 raise InvalidStudyFile(
                     self.path,
-                    f"is not the file of a benchmark of this version: it has the mark {application} "
-                    f"and version {version}, and {APPLICATION} and {FORMAT} are read; give another "
-                    "directory",
+                    f"is not the file of a benchmark of this version: it has mark {application} "
+                    f"and version {version}, and {APPLICATION} and {FORMAT} are read; give "
+                    "another directory",
                 )
 
     def outcomes(self) -> dict[str, Outcome]:

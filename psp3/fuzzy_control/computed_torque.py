@@ -49,6 +49,7 @@ from psp3.fuzzy_control.records import (
     Record,
     RecordNoise,
     learning_inputs,
+    ranges_of_moving,
     record,
 )
 from psp3.fuzzy_control.rule_bases import CORIOLIS, LEARNERS, Place, RuleOptions
@@ -322,7 +323,6 @@ class FuzzyComputedTorque:
         speeds: ArrayLike,
         accelerations: ArrayLike,
         forces: ArrayLike,
-        samples: int | None = None,
         positive_definite: bool = True,
     ) -> Self:
         r"""Learn from a motion and the forces that made it: M, C and G need not be known.
@@ -334,13 +334,11 @@ class FuzzyComputedTorque:
         ----------
         positions, speeds, accelerations : (N, n) array_like
             A motion of the motors [m or rad, and per s, s²], as of
-            :func:`psp3.identification.excitation.exciting_motion` or of a Fourier series fitted to
-            what was measured. Accelerations of noisy positions are best taken from such a fit.
+            :func:`psp3.identification.excitation.exciting_motion`, of a Fourier series fitted to
+            what was measured, or of :func:`psp3.trajectories.measured_motion`. All N samples are
+            learned from: noise averages out over them.
         forces : (N, n) array_like
             Forces of the motors [N or N m], measured.
-        samples : int, optional
-            How many of the N are used, spread evenly over the inputs; 2000 by default, or all if
-            there are fewer.
         positive_definite : bool
             Whether the M of every rule must be positive definite; then every estimate of M is.
 
@@ -366,24 +364,13 @@ class FuzzyComputedTorque:
             if array.ndim != 2 or array.shape != arrays[0].shape:
                 raise InvalidArray(name, f"{arrays[0].shape}, one row for each position", array)
         inputs = self.inputs.of(arrays[0], arrays[1])
-        count = len(inputs)
-        # A record of which nothing but the inputs is asked.
-        whole = Record(
-            np.arange(float(count)),
-            arrays[0],
-            arrays[1],
-            inputs,
-            np.empty((count, 0)),
-            self.inputs.names,
-        )
-        chosen = whole.sample(min(count, MOST_SAMPLES) if samples is None else samples)
-        a, v, w, force = (array[chosen] for array in arrays)
+        ranges_of_moving(inputs, self.inputs.names)
+        a, v, w, force = arrays
         systems = rule_bases.systems_from_motion(
             *(self._options, self.places, self.inputs, (a, v, w), force),
             *(self.coriolis == "mass", positive_definite),
         )
-        x = inputs[chosen]
-        self._take(systems, np.stack([x.min(axis=0), x.max(axis=0)]))
+        self._take(systems, np.stack([inputs.min(axis=0), inputs.max(axis=0)]))
         return self
 
     @property
@@ -516,13 +503,13 @@ class FuzzyComputedTorque:
         if done != 1:
             # Not contiguous rows of n finite floats: lists will do, and copies of rows that are
             # read-only; the rest is refused.
-            copies: Any = [
+            a, v, a_d, v_d, acc_d = (
                 np.array(one_row(name, row, self.joints))
                 for name, row in zip(_ROWS, rows, strict=True)
-            ]
-            done = kernels.control_step(self._packed, self._model, *copies, step)
+            )
+            done = kernels.control_step(self._packed, self._model, a, v, a_d, v_d, acc_d, step)
             if done != 1 and self.outside == "crisp":
-                self.robot.mass_matrix(copies[0])
+                self.robot.mass_matrix(a)
         self._step = step
         torque: Array = step[: self.joints]
         return torque

@@ -11,6 +11,9 @@ is taken from all. D makes changes of M, C and G count by the forces that they m
 :math:`\lambda` is chosen by generalized cross-validation
 (:mod:`fuzzy2.learning.cross_validation`).
 
+Of a long motion Y and the forces are reduced to a triangular factor, block of samples after block,
+which has the same minimum: all samples count, and none has to be kept.
+
 **Positive definite M.** A fuzzy average of positive definite matrices is positive definite, of any
 type, so that M is where the M of every rule is. Then the minimum is that over consequents with
 :math:`M_r \succeq \mu I`, :math:`\mu` a share of the least eigenvalue of the one model's M: a
@@ -33,6 +36,9 @@ from fuzzy2.learning.cross_validation import ridge_by_cross_validation
 from psp3.checks import Array
 from psp3.errors import UnusableEstimate
 from psp3.fuzzy_control import force_regressor as regressor
+
+BLOCK = 1024
+"""Samples that are added to the triangular factor at a time."""
 
 LEAST_SHARE = 0.05
 """Least eigenvalue of a rule's M, as a share of that of the one model of all rules."""
@@ -88,21 +94,21 @@ def learn_consequents(samples: Samples, positive_definite: bool) -> Consequents:
     UnusableEstimate
         If M is to be positive definite, and that of the one model of all rules is not.
     """
-    n = samples.forces.shape[1]
-    sizes = np.sqrt((samples.forces**2).mean(axis=0))
-    rows = 1.0 / np.where(sizes > 0.0, sizes, 1.0)
-    blocks = [block * rows[:, np.newaxis, np.newaxis] for block in regressor_blocks(samples)]
-    targets = (samples.forces * rows).reshape(-1, 1)
-    one, scales = _one_model(blocks, targets, n)
-    shapes = [block.shape[2:] for block in blocks]
+    count, n = samples.forces.size, samples.forces.shape[1]
+    design, targets, shapes = _reduced(samples)
+    ends = np.cumsum([rules * numbers for rules, numbers in shapes])
+    blocks = [
+        block.reshape(len(design), *shape)
+        for block, shape in zip(np.split(design, ends[:-1], axis=1), shapes, strict=True)
+    ]
+    one, scales = _one_model(blocks, targets, count, n)
     prior = np.concatenate([consequents.ravel() for consequents in one])
     weights = np.concatenate(
         [np.tile(scale, rules) for scale, (rules, _) in zip(scales, shapes, strict=True)]
     )
-    design = np.concatenate([block.reshape(len(targets), -1) for block in blocks], axis=1)
     left_over = targets - (design @ prior)[:, np.newaxis]
     scaled = design / weights
-    moved, ridges = ridge_by_cross_validation(scaled, left_over)
+    moved, ridges = ridge_by_cross_validation(scaled, left_over, count)
     found = prior + moved[:, 0] / weights
     if positive_definite:
         least = LEAST_SHARE * _least_eigenvalue(one[0], n)
@@ -110,15 +116,35 @@ def learn_consequents(samples: Samples, positive_definite: bool) -> Consequents:
             raise UnusableEstimate(_matrices(one[0][:1], n)[0])
         problem = scaled, left_over[:, 0], float(ridges[0]), prior, weights
         found = _within(*problem, shapes[0], n, least, found)
-    ends = np.cumsum([rules * numbers for rules, numbers in shapes])
     parts = [
         part.reshape(shape) for part, shape in zip(np.split(found, ends[:-1]), shapes, strict=True)
     ]
     return Consequents(parts[0], parts[1], parts[2] if len(parts) > 2 else None)
 
 
+def _reduced(samples: Samples) -> tuple[Array, Array, list[tuple[int, int]]]:
+    """Return Y and forces, of mean square 1, as a triangular factor, and the shapes of Y's blocks.
+
+    Each block of columns has rules and numbers.
+    """
+    sizes = np.sqrt((samples.forces**2).mean(axis=0))
+    sizes = np.where(sizes > 0.0, sizes, 1.0)
+    factor, shapes = None, []
+    for start in range(0, len(samples.forces), BLOCK):
+        some = Samples(*(a if a is None else a[start : start + BLOCK] for a in samples))
+        blocks, measured = regressor_blocks(some), (some.forces / sizes).ravel()
+        shapes = [block.shape[2:] for block in blocks]
+        columns = [block / sizes[:, np.newaxis, np.newaxis] for block in blocks]
+        rows = np.concatenate(
+            [*(c.reshape(measured.size, -1) for c in columns), measured[:, np.newaxis]], axis=1
+        )
+        factor = np.linalg.qr(rows if factor is None else np.concatenate([factor, rows]), mode="r")
+    assert factor is not None
+    return factor[:, :-1], factor[:, -1:], shapes
+
+
 def _one_model(
-    blocks: Sequence[Array], targets: Array, joints: int
+    blocks: Sequence[Array], targets: Array, count: int, joints: int
 ) -> tuple[list[Array], list[Array]]:
     """Return consequents (rules, numbers) of each block with one M and C, and numbers' scales.
 
@@ -126,15 +152,15 @@ def _one_model(
     """
     scales, parts = [], []
     for place, block in enumerate(blocks):
-        columns = block.sum(axis=2).reshape(len(targets), -1)
+        columns = block.sum(axis=1)
         # Off-diagonal entries of M stand for two.
         twice = _twice(joints) if place == 0 else np.ones(columns.shape[1])
-        scales.append((np.sqrt((columns**2).mean()) or 1.0) * twice)
+        scales.append((np.sqrt((columns**2).sum() / (count * columns.shape[1])) or 1.0) * twice)
         # G changes with the pose where M and C hardly do, so that each rule has one of its own.
         own = [columns, block.reshape(len(targets), -1)] if place == 1 else [columns]
         both = np.concatenate(own, axis=1)
         parts.append(both / np.resize(scales[-1], both.shape[1]))
-    found = ridge_by_cross_validation(np.concatenate(parts, axis=1), targets)[0][:, 0]
+    found = ridge_by_cross_validation(np.concatenate(parts, axis=1), targets, count)[0][:, 0]
     ends = np.cumsum([part.shape[1] for part in parts])
     one = []
     for part, scale, block in zip(np.split(found, ends[:-1]), scales, blocks, strict=True):
@@ -142,7 +168,7 @@ def _one_model(
         if len(consequents) > 1:
             # What all rules say of G, and by how much each differs.
             consequents = consequents[0] + consequents[1:]
-        one.append(np.broadcast_to(consequents, block.shape[2:]))
+        one.append(np.broadcast_to(consequents, block.shape[1:]))
     return one, scales
 
 
@@ -183,7 +209,7 @@ def _within(
         z = z.copy()
         z[:count] = (weights * (np.concatenate([projected.ravel(), prior[count:]]) - prior))[:count]
         dual += x - z
-        size = TOLERANCE * max(np.linalg.norm(z), 1e-300)
+        size = TOLERANCE * max(float(np.linalg.norm(z)), 1e-300)
         if np.linalg.norm(x - z) <= size and np.linalg.norm(z - last) <= size:
             break
     return np.asarray(prior + z / weights)

@@ -13,6 +13,7 @@ and of these alone. What the inputs of a robot are it says itself, ``robot.learn
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -178,26 +179,25 @@ class Record:
             self._chosen[count] = self._spread_evenly(count)
         return self._chosen[count].copy()
 
-    @property
-    def _wanted(self) -> str:
-        if self.input_names == INPUT_NAMES:
-            return (
+    def _spread_evenly(self, count: int) -> NDArray[np.intp]:
+        span = ranges_of_moving(self.inputs, self.input_names)
+        points = (self.inputs - self.inputs.min(axis=0)) / span
+        return np.sort(spread_evenly(points, count))
+
+
+def ranges_of_moving(inputs: Array, names: Sequence[str]) -> Array:
+    """Return the ranges (p,) of inputs (N, p), or raise :class:`InvalidValue` if one is still."""
+    span: Array = np.ptp(inputs, axis=0)
+    if not (span > STILL).all():
+        still = ", ".join(name for name, width in zip(names, span, strict=True) if width <= STILL)
+        wanted = "one on which every input changes; choose a path on which every joint moves"
+        if tuple(names) == INPUT_NAMES:
+            wanted = (
                 "one on which every difference input changes; choose a path that tilts the star "
                 "both ways"
             )
-        return "one on which every input changes; choose a path on which every joint moves"
-
-    def _spread_evenly(self, count: int) -> NDArray[np.intp]:
-        span = np.ptp(self.inputs, axis=0)
-        if not (span > STILL).all():
-            still = ", ".join(
-                name
-                for name, width in zip(self.input_names, span, strict=True)
-                if not width > STILL
-            )
-            raise InvalidValue("trajectory", still, self._wanted)
-        points = (self.inputs - self.inputs.min(axis=0)) / span
-        return np.sort(spread_evenly(points, count))
+        raise InvalidValue("trajectory", still, wanted)
+    return span
 
 
 @dataclass(frozen=True)

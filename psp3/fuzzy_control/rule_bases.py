@@ -127,7 +127,7 @@ def learned_system(
             "ridge" if by_validation else options.learner,
             # Table look-up is published with completion; what no sample says is no model else.
             "nearest" if options.learner == "strict" else "refuse",
-            **({"ridge": None} if by_validation else {}),
+            None if by_validation else RIDGE,
             reduction=options.reduction,
             levels=options.levels,
         )
@@ -229,13 +229,11 @@ def system_of(
 ) -> FuzzySystem:
     """Return the system of a partition with consequents (R, m)."""
     named: dict[str, Any] = {"input_names": names}
-    parts: tuple[Any, ...] = partition.terms, partition.rules, consequents
-    if options.kind == "t1":
-        return Type1System(*parts, **named)
-    if options.kind == "it2":
-        return IntervalType2System(*parts, **named)
-    reduction: dict[str, Any] = {"reduction": options.reduction, "levels": options.levels}
-    return GeneralType2System(*parts, **named, **reduction)
+    if options.kind == "gt2":
+        named |= {"reduction": options.reduction, "levels": options.levels}
+    kind: Any = {"t1": Type1System, "it2": IntervalType2System, "gt2": GeneralType2System}
+    system: FuzzySystem = kind[options.kind](partition.terms, partition.rules, consequents, **named)
+    return system
 
 
 def learned_systems(

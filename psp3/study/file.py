@@ -40,7 +40,16 @@ from numpy.typing import NDArray
 
 from psp3.checks import Array
 from psp3.errors import InvalidStudyFile, PSP3Error, StudyFileNotWritable, StudyInUse, StudyMismatch
-from psp3.study.keys import SEED_BYTES, Keys, as_keys, setting_key, setting_names, setting_values
+from psp3.study.columns import AT_A_TIME, RunColumns
+from psp3.study.keys import (
+    SEED_BYTES,
+    Keys,
+    as_keys,
+    setting_key,
+    setting_keys,
+    setting_names,
+    setting_values,
+)
 from psp3.study.run import METRICS, Run, Value, field_types
 from psp3.study.table import Table
 
@@ -59,9 +68,6 @@ leaves the other half to the disk.
 
 PATIENCE = 30.0
 """How long to wait for another program that has locked the database for a moment [s]."""
-
-AT_A_TIME = 10_000
-"""Rows that are read from SQLite at a time, before they become columns."""
 
 _ROW = np.dtype([("seed", "<i8"), ("metrics", "<f8", (len(METRICS),))])
 """What a checksum is of, after the setting's key."""
@@ -124,40 +130,51 @@ class StudyFile:
             if _is_empty(connection):
                 raise InvalidStudyFile(self.path, "holds no results yet")
             self._check(connection)
-            settings = self._settings(connection)
+            identities, keys, settings = self._settings(connection)
             whole, metrics = _read_columns(connection)
-        number_of = {identity: k for k, identity in enumerate(settings)}
+        number_of = {identity: k for k, identity in enumerate(identities)}
         try:
             setting = [number_of[identity] for identity in whole[:, 0].tolist()]
         except KeyError as error:
             raise InvalidStudyFile(
                 self.path, f"is damaged: rows have the setting {error}, which is not there"
             ) from None
-        keys = [entry[0] for entry in settings.values()]
-        found = checksums((keys[k] for k in setting), whole[:, 1], metrics)
-        table = Table([run for _, run in settings.values()], setting, whole[:, 1], metrics)
+        found = checksums(map(keys.__getitem__, setting), whole[:, 1], metrics)
+        table = Table(settings, setting, whole[:, 1], metrics)
         wrong = np.flatnonzero(np.array(found, dtype=np.int64) != whole[:, 2])
         if wrong.size:
             raise self._damaged(table.run(int(wrong[0])), whole[wrong[0]], len(wrong))
         return table.in_order()
 
-    def _settings(self, connection: sqlite3.Connection) -> dict[int, tuple[bytes, Run]]:
-        """Return key and setting by number, each verified."""
-        columns = ", ".join(map(_quoted, setting_names()))
-        found = {}
-        for identity, content, *values in connection.execute(
-            f"SELECT id, key, {columns} FROM settings"
-        ):
-            run = Run(**dict(zip(setting_names(), values, strict=True)))
-            if setting_key(setting_values(run)) != content:
-                raise InvalidStudyFile(
-                    self.path,
-                    f"is damaged: setting {identity}, {run}, is not what was written; delete its "
-                    f"runs and run the study again (DELETE FROM runs WHERE setting = {identity}; "
-                    f"DELETE FROM settings WHERE id = {identity})",
-                )
-            found[identity] = content, run
-        return found
+    def _settings(
+        self, connection: sqlite3.Connection
+    ) -> tuple[list[int], list[bytes], RunColumns]:
+        """Return numbers, keys and values of the settings, each verified."""
+        names = ", ".join(map(_quoted, setting_names()))
+        cursor = connection.execute(f"SELECT id, key, {names} FROM settings")
+        identities: list[int] = []
+        keys: list[bytes] = []
+        blocks: list[RunColumns] = []
+        while rows := cursor.fetchmany(AT_A_TIME):
+            own, theirs, *columns = zip(*rows, strict=True)
+            block = RunColumns(dict(zip(setting_names(), columns, strict=True)), len(rows))
+            for identity, key, expected, place in zip(
+                own, theirs, setting_keys(block), range(len(rows)), strict=True
+            ):
+                if key != expected:
+                    raise self._wrong_setting(identity, block[place])
+            identities += own
+            keys += theirs
+            blocks.append(block)
+        return identities, keys, RunColumns.joined(blocks)
+
+    def _wrong_setting(self, identity: int, run: Run) -> InvalidStudyFile:
+        return InvalidStudyFile(
+            self.path,
+            f"is damaged: setting {identity}, {run}, is not what was written; delete its "
+            f"runs and run the study again (DELETE FROM runs WHERE setting = {identity}; "
+            f"DELETE FROM settings WHERE id = {identity})",
+        )
 
     def _damaged(self, run: Run, whole: NDArray[np.int64], count: int) -> InvalidStudyFile:
         more = f", and {count - 1} more rows are damaged" if count > 1 else ""

@@ -10,6 +10,7 @@ from typing import Any, overload
 import numpy as np
 
 from psp3.errors import InvalidValue, UnknownName
+from psp3.study.columns import AT_A_TIME, RunColumns
 from psp3.study.run import DEFAULTS, Run, Value, field_types
 
 
@@ -52,6 +53,13 @@ class Grid(Sequence[Run]):
             place, k = divmod(place, len(values))
             chosen[name] = values[k]
         return Run(**chosen)
+
+    def blocks(self) -> Iterator[RunColumns]:
+        """Return the runs as columns, some at a time; none of them is made."""
+        combinations = itertools.product(*self.choices.values())
+        while rows := list(itertools.islice(combinations, AT_A_TIME)):
+            columns = zip(*rows, strict=True) if self.choices else ()
+            yield RunColumns(dict(zip(self.choices, columns, strict=True)), len(rows))
 
     def __add__(self, other: Iterable[Run]) -> tuple[Run, ...]:
         return (*self, *other)

@@ -6,6 +6,8 @@ keys take 24 MB, and the runs themselves are made when they are wanted.
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Iterable, Iterator, Sequence
 from hashlib import blake2b
 from typing import Any, overload
@@ -14,7 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from psp3.errors import InvalidValue
-from psp3.study.run import LARGEST_INTEGER, Run, Value, field_types, values_of
+from psp3.study.columns import Column, RunColumns, blocks_of
+from psp3.study.grids import Grid
+from psp3.study.run import (
+    AMOUNTS,
+    LARGEST_INTEGER,
+    LEAST_SNR_OF_PLANT,
+    Run,
+    Value,
+    field_types,
+    values_of,
+    variation_of,
+)
 from psp3.study.table import Table
 
 SHARED = ("duration",)
@@ -29,13 +42,9 @@ KEYS = np.dtype(f"S{SETTING_BYTES + SEED_BYTES}")
 does not tell from none, make no two of them equal.
 """
 
-REMEMBERED = 50_000
-"""Settings whose key is kept while a study is made; in a grid with seeds they come again."""
-
 Keys = NDArray[np.bytes_]
 
-_PLACES = {name: place for place, name in enumerate(field_types())}
-_SEED = _PLACES["seed"]
+_SEED = list(field_types()).index("seed")
 _NAMES = tuple(name for name in field_types() if name != "seed")
 
 
@@ -60,6 +69,26 @@ def setting_key(values: tuple[Value, ...]) -> bytes:
         # Equal numbers are one setting.
         text = repr(tuple(v + 0.0 if type(v) is float else v for v in values))
     return blake2b(text.encode(), digest_size=SETTING_BYTES).digest()
+
+
+def setting_keys(runs: RunColumns) -> list[bytes]:
+    """Return the keys of the settings of many runs: what all have in common is written once."""
+    words, columns = [], []
+    for name in _NAMES:
+        column = runs.columns[name]
+        if len(column) == 1:
+            words.append(_word(column[0]).replace("%", "%%"))
+        else:
+            known = {value: _word(value) for value in set(column)}
+            words.append("%s")
+            columns.append(map(known.__getitem__, column))
+    frame = f"({', '.join(words)})"
+    texts = zip(*columns, strict=True) if columns else itertools.repeat((), len(runs))
+    return [blake2b((frame % text).encode(), digest_size=SETTING_BYTES).digest() for text in texts]
+
+
+def _word(value: Value) -> str:
+    return repr(value + 0.0) if type(value) is float else repr(value)
 
 
 def key(run: Run) -> bytes:
@@ -103,23 +132,9 @@ class Runs(Sequence[Run]):
         self._source = runs if isinstance(runs, Sequence) else tuple(runs)
         self.shared: dict[str, Any] = {}
         content = bytearray()
-        # A setting's values lead to its key and whether the seed counts.
-        known: dict[tuple[Value, ...], tuple[bytes, bool]] = {}
-        for run in self._source:
-            values = setting_values(run)
-            try:
-                found = known.get(values) if is_seed(run.seed) else None
-            except TypeError:
-                # What cannot be hashed is no value of a field, as the check says.
-                found = None
-            if found is None:
-                found = self._looked_at(run)
-                if len(known) >= REMEMBERED:
-                    known.clear()
-                known[values] = found
-            setting, counts = found
-            content += setting
-            content += (run.seed if counts else 0).to_bytes(SEED_BYTES, "big")
+        source = self._source
+        for block in source.blocks() if isinstance(source, Grid) else blocks_of(source):
+            content += b"".join(self._keys_of(block))
         if not content:
             raise InvalidValue("runs", [], "at least one run")
         keys, first = np.unique(as_keys(content), return_index=True)
@@ -127,8 +142,27 @@ class Runs(Sequence[Run]):
         self.keys: Keys = keys[order]
         self._places = first[order].astype(np.int64)
 
-    def _looked_at(self, run: Run) -> tuple[bytes, bool]:
-        """Return a setting's key, and whether its runs differ by their seeds, after a check."""
+    def _keys_of(self, block: RunColumns) -> list[bytes]:
+        """Return the keys of the canonical forms of runs, after a check."""
+        keys = [b""] * len(block)
+        for places in _alike(block):
+            runs = block if len(places) == len(block) else block.taken(places)
+            first = runs[0]
+            self._check(first)
+            changed: dict[str, Column] = {
+                name: (value,) for name, value in first.canonical_changes().items()
+            }
+            if first.variation_follows_noise:
+                changed["mean_variation"] = [variation_of(v) for v in runs.columns["snr_db"]]
+            if not first.counts_seed:
+                changed["seed"] = (0,)
+            runs = runs.changed(changed)
+            seeds: Any = runs.column("seed")
+            for place, setting, seed in zip(places, setting_keys(runs), seeds, strict=True):
+                keys[place] = setting + seed.to_bytes(SEED_BYTES, "big")
+        return keys
+
+    def _check(self, run: Run) -> None:
         run.check()
         for name in SHARED:
             value = getattr(run, name)
@@ -139,11 +173,6 @@ class Runs(Sequence[Run]):
                     "the same in all runs of a study, as errors are summed over it; others have "
                     f"{self.shared[name]}",
                 )
-        values = list(values_of(run))
-        for name, value in run.canonical_changes().items():
-            values[_PLACES[name]] = value
-        del values[_SEED]
-        return setting_key(tuple(values)), run.counts_seed
 
     def __len__(self) -> int:
         return len(self._places)
@@ -164,7 +193,7 @@ class Runs(Sequence[Run]):
 
     def rows_of(self, table: Table) -> Table:
         """Return the rows of a table whose runs are among these."""
-        settings = [setting_key(setting_values(run)) for run in table.settings]
+        settings = setting_keys(table.settings)
         content = bytearray()
         for number, seed in zip(table.setting.tolist(), table.seeds.tolist(), strict=True):
             content += settings[number] + seed.to_bytes(SEED_BYTES, "big")
@@ -174,3 +203,43 @@ class Runs(Sequence[Run]):
         """Return the places of the runs that are not among these keys, in order."""
         there = np.isin(self.keys, keys)
         return np.flatnonzero(~there)
+
+
+def _alike(runs: RunColumns) -> list[Sequence[int]]:
+    """Return the places of runs that are right or wrong, and brought to one form, for one reason.
+
+    The check and the canonical form of a run ask of its amounts, its signal-to-noise ratio and its
+    seeds only whether they are what they can be, and zero, infinite or not given.
+    """
+    classes = [_classes(name, runs.columns[name]) for name in runs.differing]
+    if not classes:
+        return [range(len(runs))]
+    found: dict[tuple[object, ...], list[int]] = {}
+    try:
+        for place, one in enumerate(zip(*classes, strict=True)):
+            found.setdefault(one, []).append(place)
+    except TypeError:
+        # What cannot be hashed is no value of a field, as the check says.
+        for run in runs:
+            run.check()
+        raise
+    return list(found.values())
+
+
+def _classes(name: str, column: Column) -> Sequence[object]:
+    if name in AMOUNTS:
+        return [_USUAL if type(v) is float and 0.0 < v < math.inf else (type(v), v) for v in column]
+    if name == "snr_db":
+        least = LEAST_SNR_OF_PLANT
+        return [
+            _USUAL if type(v) is float and least <= v < math.inf else (type(v), v) for v in column
+        ]
+    if name in ("seed", "learning_seed"):
+        return [_USUAL if is_seed(v) else (type(v), v) for v in column]
+    if set(map(type, column)) <= {field_types()[name], type(None)}:
+        return column
+    # True is 1, and 1.0 is, too, but they are not as right.
+    return list(zip(map(type, column), column, strict=True))
+
+
+_USUAL = "usual"

@@ -32,7 +32,7 @@ from __future__ import annotations
 import math
 from contextlib import suppress
 from dataclasses import dataclass, fields, replace
-from functools import cache
+from functools import cache, lru_cache
 from operator import attrgetter
 from typing import Any, get_args, get_type_hints
 
@@ -70,6 +70,9 @@ ADAPTIVE = {"adaptive-t1": "t1", "adaptive-it2": "it2"}
 
 FUZZY = (*KINDS, *ADAPTIVE)
 """Names of the controllers that learn rules."""
+
+TYPE_1 = ("t1", "adaptive-t1")
+"""Those whose rules are of type 1, and have no mean variation."""
 
 CONTROLLERS = (*CLASSICAL, *FUZZY)
 """Names of the controllers. Another one is named by where it is, ``"module:Name"``."""
@@ -287,8 +290,9 @@ class Run:
             if not is_fine and checked_count(name, value, least) > LARGEST_INTEGER:
                 raise InvalidValue(name, value, "less than 2**63")
         for name, least in (("learning_seed", 0), ("samples", 2)):
-            if getattr(self, name) is not None:
-                checked_count(name, getattr(self, name), least)
+            value = getattr(self, name)
+            if value is not None and checked_count(name, value, least) > LARGEST_INTEGER:
+                raise InvalidValue(name, value, "less than 2**63")
         for name in _POSITIVE:
             checked_positive(name, getattr(self, name))
         for name, value in zip(_NOT_NEGATIVE, _amounts_of(self), strict=True):
@@ -383,6 +387,13 @@ class Run:
         return {name: value for name, value in changed.items() if getattr(self, name) != value}
 
     @property
+    def variation_follows_noise(self) -> bool:
+        """Whether the mean variation is the one for the signal-to-noise ratio."""
+        return self.mean_variation is None and (
+            self.controller in FUZZY and self.controller not in TYPE_1
+        )
+
+    @property
     def counts_seed(self) -> bool:
         """Whether runs of other seeds have other results."""
         is_drawn_once = self._is_noise_of_records and self.learning_seed is not None
@@ -407,10 +418,10 @@ class Run:
             changed["learner"] = "strongest" if is_ours else "least-squares"
         if self.samples is None and is_ours:
             changed["samples"] = SAMPLES
-        if self.controller in ("t1", "adaptive-t1"):
+        if self.controller in TYPE_1:
             changed["mean_variation"] = 0.0
-        elif self.mean_variation is None:
-            changed["mean_variation"] = _variation(self.snr_db)
+        elif self.variation_follows_noise:
+            changed["mean_variation"] = variation_of(self.snr_db)
         if self.controller != "gt2":
             dropped: tuple[str, ...] = ("levels", "reduction", "defuzzify")
         elif self.reduction == "gaussian":
@@ -476,6 +487,11 @@ _NOT_NEGATIVE = (
     *(name for name in OF_PLANT if _TYPES[name] == "float"),
 )
 
+AMOUNTS = tuple(name for name in _NOT_NEGATIVE if name != "motor_inertia")
+"""Fields whose values, of which none is negative, matter alone: a check compares them with no other
+field, and the canonical form asks only whether they are given and zero.
+"""
+
 values_of = attrgetter(*_TYPES)
 """Returns the values of a run's fields as a tuple, in their order."""
 
@@ -484,8 +500,9 @@ _counts_of = attrgetter(*(name for name, _ in _LEAST))
 _amounts_of = attrgetter(*_NOT_NEGATIVE)
 
 
-@cache
-def _variation(snr_db: float) -> float:
+@lru_cache(maxsize=10_000)
+def variation_of(snr_db: float) -> float:
+    """Return the mean variation for a signal-to-noise ratio [dB]."""
     return float(mean_variation_from_snr(snr_db))
 
 

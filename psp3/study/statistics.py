@@ -358,7 +358,7 @@ def compare(
     """
     check_metric(metric)
     table = Table.of(rows)
-    known = dict.fromkeys((*CONTROLLERS, *(run.controller for run in table.settings)))
+    known = dict.fromkeys((*CONTROLLERS, *table.settings.column("controller")))
     for name in (controller, baseline):
         if name not in known:
             raise UnknownName("controller", name, tuple(known))

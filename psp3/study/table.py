@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from psp3.checks import Array
 from psp3.errors import UnknownName
+from psp3.study.columns import RunColumns
 from psp3.study.run import METRICS, Run, Value, contents, field_types
 
 Row = dict[str, Any]
@@ -25,7 +26,7 @@ class Table(Sequence[Row]):
     Parameters
     ----------
     settings : sequence of Run
-        The different settings: runs with seed 0.
+        The different settings: runs with seed 0. They are kept as columns.
     setting : (N,) array_like of int
         Which of them each row has.
     seeds : (N,) array_like of int
@@ -35,7 +36,7 @@ class Table(Sequence[Row]):
     """
 
     def __init__(self, settings: Sequence[Run], setting: Any, seeds: Any, metrics: Any) -> None:
-        self.settings = tuple(settings)
+        self.settings = RunColumns.of(settings)
         self.setting = np.asarray(setting, dtype=np.int32)
         self.seeds = np.asarray(seeds, dtype=np.int64)
         self.metrics = np.asarray(metrics, dtype=float).reshape(len(self.seeds), len(METRICS))
@@ -56,16 +57,18 @@ class Table(Sequence[Row]):
 
     def in_order(self) -> Table:
         """Return the same rows in the order of their settings' fields and their seeds."""
-        # What does not differ need not be compared, and would take most of the memory.
-        names = [
-            name for name in field_types() if len({getattr(run, name) for run in self.settings}) > 1
+        # What does not differ need not be compared.
+        columns = [
+            [(value is not None, value) for value in column] if None in column else column
+            for column in map(self.settings.columns.__getitem__, self.settings.differing)
         ]
-        order = sorted(range(len(self.settings)), key=lambda k: _sortable(self.settings[k], names))
+        compared = list(zip(*columns, strict=True)) if columns else [()] * len(self.settings)
+        order = sorted(range(len(self.settings)), key=compared.__getitem__)
         rank = np.empty(len(order), dtype=np.int32)
         rank[order] = np.arange(len(order), dtype=np.int32)
         setting = rank[self.setting]
         rows = np.lexsort((self.seeds, setting))
-        settings = [self.settings[k] for k in order]
+        settings = self.settings.taken(order) if order else self.settings
         return Table(settings, setting[rows], self.seeds[rows], self.metrics[rows])
 
     def __len__(self) -> int:
@@ -103,7 +106,7 @@ class Table(Sequence[Row]):
         if name not in field_types():
             raise UnknownName("column", name, (*field_types(), *METRICS))
         values = np.empty(len(self.settings), dtype=object)
-        values[:] = [getattr(run, name) for run in self.settings]
+        values[:] = self.settings.column(name)
         return np.asarray(values[self.setting])
 
     def select(self, **selection: Value | Iterable[Value]) -> Table:
@@ -123,7 +126,7 @@ class Table(Sequence[Row]):
             if name == "seed":
                 keep &= np.isin(self.seeds, [seed for seed in wanted if type(seed) is int])
             else:
-                fits = np.array([getattr(run, name) in wanted for run in self.settings], bool)
+                fits = np.array([value in wanted for value in self.settings.column(name)], bool)
                 keep &= fits[self.setting]
         return self.taken(np.flatnonzero(keep))
 
@@ -149,8 +152,3 @@ class Table(Sequence[Row]):
     def taken(self, rows: NDArray[np.intp]) -> Table:
         """Return the rows at these places."""
         return Table(self.settings, self.setting[rows], self.seeds[rows], self.metrics[rows])
-
-
-def _sortable(run: Run, names: Sequence[str]) -> tuple[tuple[bool, Any], ...]:
-    """Return values of a run so that they can be ordered: what is not given comes first."""
-    return tuple((getattr(run, name) is not None, getattr(run, name)) for name in names)

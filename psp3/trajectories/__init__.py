@@ -17,7 +17,9 @@ if TYPE_CHECKING:
     from psp3.trajectories.paths import Line as Line
     from psp3.trajectories.paths import PointToPoint as PointToPoint
     from psp3.trajectories.recorded import FromCSV as FromCSV
+    from psp3.trajectories.recorded import MeasuredMotion as MeasuredMotion
     from psp3.trajectories.recorded import Waypoints as Waypoints
+    from psp3.trajectories.recorded import measured_motion as measured_motion
     from psp3.trajectories.sway import Sway as Sway
     from psp3.trajectories.trajectory import SPACES as SPACES
     from psp3.trajectories.trajectory import Trajectory as Trajectory

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +13,7 @@ from psp3.checks import Array, finite_rows
 from psp3.errors import InvalidArray, InvalidTrajectoryFile, InvalidValue
 from psp3.robots.robot import Robot
 from psp3.trajectories.motion import finite_times
+from psp3.trajectories.smoothing import LEAST_MEASUREMENTS, smoothed_motion
 from psp3.trajectories.trajectory import Trajectory
 
 
@@ -103,6 +105,59 @@ class FromCSV(Trajectory):
 
     def _path(self, t: Array) -> tuple[Array, Array, Array]:
         return _spline_motion(self._spline, t)
+
+
+class MeasuredMotion(NamedTuple):
+    """What was measured, sample by sample: times (N,), and the rest (N, n), motor by motor.
+
+    ``t`` [s], ``positions`` [m or rad], ``speeds``, ``accelerations`` [per s, per s²] and
+    ``forces`` [N or N m].
+    """
+
+    t: Array
+    positions: Array
+    speeds: Array
+    accelerations: Array
+    forces: Array
+
+
+def measured_motion(path: str | Path, robot: Robot) -> MeasuredMotion:
+    """Return the motion and the forces that a CSV file has recorded.
+
+    The first line names the columns: ``t``, the motors and their forces, ``t,A,B,force_A,force_B``
+    of motors A and B, or ``t,a1,a2,force1,force2`` as ``psp3 simulate --csv`` and ``psp3 torques
+    --csv`` write; seconds, meters, radians, N and N m, other columns are ignored. Positions, speeds
+    and accelerations are those of the smooth curve through the measured positions that
+    cross-validation chooses (:mod:`psp3.trajectories.smoothing`); forces are as measured.
+
+    Parameters
+    ----------
+    path : path
+        The file, with at least twelve rows of strictly increasing times.
+    robot : Robot
+        Whose motion it is.
+
+    Returns
+    -------
+    MeasuredMotion
+        ``.t .positions .speeds .accelerations .forces``.
+
+    Raises
+    ------
+    InvalidTrajectoryFile
+        If the file is missing, lacks the columns, or has a row that is not as many finite numbers;
+        the error names the line.
+    """
+    names, numbers = robot.actuated, range(1, len(robot.actuated) + 1)
+    own = "t", *names, *(f"force_{name}" for name in names)
+    numbered = "t", *(f"a{k}" for k in numbers), *(f"force{k}" for k in numbers)
+    _, table = _read_table(Path(path), {"names": own, "numbers": numbered})
+    try:
+        t, rows = _knots(table[:, 0], table[:, 1:], 2 * len(names), minimum=LEAST_MEASUREMENTS)
+    except (InvalidArray, InvalidValue) as error:
+        raise InvalidTrajectoryFile(path, str(error)) from error
+    positions, forces = np.split(rows, 2, axis=1)
+    return MeasuredMotion(t, *smoothed_motion(t, positions)(t), forces)
 
 
 def _knots(times: ArrayLike, points: ArrayLike, width: int, minimum: int) -> tuple[Array, Array]:

@@ -46,6 +46,7 @@ from psp3.cli.shared import (
 )
 
 if TYPE_CHECKING:
+    from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
     from psp3.robots.closed_loop_robot import ClosedLoopRobot
     from psp3.simulation.result import Result
     from psp3.trajectories.trajectory import Trajectory
@@ -373,6 +374,16 @@ class RuleOptions:
             help="Terms of every input, on a grid: of the 3-PSP 2 unless given, else none.",
         ),
     ] = None
+    coriolis: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME",
+            help=(
+                "Where C comes from: rules of its own, or mass, the derivative of M (not of the "
+                "3-PSP)."
+            ),
+        ),
+    ] = "rules"
     snr: Annotated[
         float,
         typer.Option(
@@ -423,19 +434,33 @@ def train(
     ] = None,
     trajectory: TrajectoryText = None,
     motion: MotionOptions,
+    measured: Annotated[
+        Path | None,
+        typer.Option(
+            "--record",
+            metavar="FILE",
+            help=(
+                "Learn from measured forces in place of M, C and G: a CSV file with the columns t, "
+                "of each motor its name, and force_ and its name (or a1,… and force1,…, as "
+                "simulate --csv writes)."
+            ),
+            show_default=False,
+        ),
+    ] = None,
 ) -> None:
     """Train a fuzzy computed-torque controller and write it to a file.
 
     The crisp controller tracks a motion, the helix unless given, of another robot its sway; M, C
-    and G are recorded and learned from.
+    and G are recorded and learned from. With --record they are learned from a motion of the robot
+    itself and the forces that its motors had.
     """
-    import numpy as np
-
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-    from psp3.fuzzy_control.records import record, unpack
 
     which = robot.load()
-    desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
+    if measured is not None:
+        refused = vars(motion) | {"trajectory": trajectory, "learner": rules.learner}
+        refused |= {"snr": rules.snr if math.isfinite(rules.snr) else None}
+        only_allowed("--record", refused, ())
     gains = gains_of_computed_torque(which, kp, kv)
     controller = FuzzyComputedTorque(
         rules.kind,
@@ -443,16 +468,18 @@ def train(
         **gains,
         n_terms=rules.terms,
         learner=rules.learner,
+        coriolis=rules.coriolis,
         snr_db=rules.snr,
         mean_variation=rules.mean_variation,
         defuzzify=rules.defuzzify,
     )
-    recorded = record(which, desired, seconds, **gains)
-    rng = np.random.default_rng(rules.seed)
-    samples = min(controller.samples, len(recorded.t))
-    controller.learn(recorded, samples, rng).save(file)
+    if measured is None:
+        source, errors = _learned_by_simulation(controller, trajectory, motion, rules.seed)
+    else:
+        source, errors = _learned_from_record(controller, measured)
+    controller.save(file)
     numbers = " + ".join(str(len(system.rules)) for system in controller.systems_)
-    title = f"{rules.kind}, learned on {name_of_motion}"
+    title = f"{rules.kind}, learned on {source}"
     table = new_table(
         title if which.has_inverse_of_tip else f"{which.title}, {title}",
         "trained range",
@@ -466,9 +493,42 @@ def train(
     of_inputs = [units[place] for place in controller.inputs.plus]
     for name, low, high, unit in zip(names, *controller.ranges_, of_inputs, strict=True):
         table.add_row(name, f"{low:.4f}", f"{high:.4f}", unit)
+    show(table, errors)
+    typer.echo(file)
+
+
+def _learned_by_simulation(
+    controller: FuzzyComputedTorque, trajectory: str | None, motion: MotionOptions, seed: int
+) -> tuple[str, Any]:
+    """Learn M, C and G where the exact controller goes; return the motion's name and a table."""
+    import numpy as np
+
+    from psp3.fuzzy_control.records import record, unpack
+
+    which = controller.robot
+    desired, seconds, name_of_motion = trajectory_from_options(which, trajectory, motion)
+    recorded = record(which, desired, seconds, kp=controller.kp, kv=controller.kv)
+    samples = min(controller.samples, len(recorded.t))
+    controller.learn(recorded, samples, np.random.default_rng(seed))
     errors = new_table("Estimates on the way", "", "RMS error, relative")
     estimates = controller.estimate(recorded.positions, recorded.speeds)
     for name, exact, estimate in zip("MCG", unpack(recorded.outputs), estimates, strict=True):
         errors.add_row(name, f"{np.sqrt(((estimate - exact) ** 2).mean() / (exact**2).mean()):.2%}")
-    show(table, errors)
-    typer.echo(file)
+    return name_of_motion, errors
+
+
+def _learned_from_record(controller: FuzzyComputedTorque, path: Path) -> tuple[str, Any]:
+    """Learn from measured forces; return the file's name and a table of what they miss."""
+    import numpy as np
+
+    from psp3.trajectories.recorded import measured_motion
+
+    _, a, v, w, forces = measured_motion(path, controller.robot)
+    controller.learn_from_motion(a, v, w, forces)
+    M, C, G = controller.estimate(a, v)
+    said = np.einsum("nij,nj->ni", M, w) + np.einsum("nij,nj->ni", C, v) + G
+    missed = np.sqrt(((said - forces) ** 2).mean(axis=0) / (forces**2).mean(axis=0))
+    errors = new_table("Forces on the way", "motor", "RMS error, relative")
+    for name, share in zip(controller.robot.actuated, missed, strict=True):
+        errors.add_row(name, f"{share:.2%}")
+    return path.name, errors

@@ -17,7 +17,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzy2 import Linear, ParallelSystem, Trapezoidal, Triangular, Type1System, from_json, to_json
-from fuzzy2.errors import Fuzzy2Error, MalformedFile, NotExpressible, UnknownName
+from fuzzy2.errors import (
+    Fuzzy2Error,
+    InvalidValue,
+    MalformedFile,
+    NotExpressible,
+    UnknownName,
+)
 from fuzzy2.files.fcl import format_fcl, parse_fcl, read_fcl, write_fcl
 from fuzzy2.files.fll import format_fll, parse_fll
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
@@ -110,10 +116,11 @@ def test_a_block_against_brute_force(dialect: str) -> None:
 
 def test_blocks_by_name() -> None:
     assert parse_fcl(BRAKE, block="OTHER")([0.3]) == pytest.approx([1.0], abs=1e-9)
-    for name in (None, "third"):
-        with pytest.raises(UnknownName) as error:
-            parse_fcl(BRAKE, block=name)
-        assert error.value.known == ("brake", "other")
+    with pytest.raises(UnknownName) as error:
+        parse_fcl(BRAKE, block="third")
+    assert error.value.known == ("brake", "other")
+    with pytest.raises(InvalidValue, match="block must be the name of one of brake, other"):
+        parse_fcl(BRAKE)
     with pytest.raises(UnknownName, match="dialect"):
         parse_fcl(BRAKE, block="other", dialect="iso")
 
@@ -137,6 +144,15 @@ def test_formulas_of_inputs_and_of_outputs_before_theirs() -> None:
     again = parse_fcl(format_fcl(system))
     X = np.random.default_rng(2).uniform((0.0, 1.0), (60.0, 99.0), (20, 2))
     np.testing.assert_allclose(again(X), system(X), rtol=1e-12)
+
+
+@pytest.mark.parametrize("default", ["DEFAULT = 0;", "DEFAULT = 0"])
+def test_a_default_may_be_spelled_as_jfuzzylogic_forgives(default: str) -> None:
+    """Its parser goes on after a wrong sign and a missing semicolon."""
+    system = parse_fcl(BRAKE.replace("DEFAULT := 0;", default, 1), block="brake")
+    assert system.systems[0].default_outputs.tolist() == [0.0]
+    X = np.random.default_rng(0).uniform([0, 0], [60, 100], (50, 2))
+    np.testing.assert_array_equal(system(X), parse_fcl(BRAKE, block="brake")(X))
 
 
 def test_a_block_may_have_hyphens_in_its_name() -> None:
@@ -179,7 +195,7 @@ def test_what_a_system_cannot_be_is_named(old: str, new: str, place: int, said: 
         ("THEN plan IS slow", "THEN plane IS slow", 36, "plane"),
         ("TRAPE 10 20 30 30", "TRAPE 10 20 30", 17, "4 numbers"),
         ("(20, 0) (60, 1)", "(60, 0) (20, 1)", 8, "ascending"),
-        ("DEFAULT := 0;", "DEFAULT = 0;", 18, "DEFAULT"),
+        ("DEFAULT := 0;", "DEFAULT : 0;", 18, "DEFAULT"),
         ("END_RULEBLOCK", "", 38, "FUNCTION_BLOCK"),
     ],
 )

@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 
 from fuzzy2.errors import MalformedFile, NotExpressible
 from fuzzy2.files.fis import parse_fis
+from fuzzy2.files.fis_names import is_of_octave
 from fuzzy2.sets.interval_type2 import (
     GaussianUncertainSigma,
     IntervalType2Set,
@@ -39,6 +40,42 @@ def test_the_tipper_gives_what_matlab_documents() -> None:
     tips = parse_fis(TIPPER)([[2.0, 1.0], [7.0, 8.0]])
     np.testing.assert_allclose(tips, [[7.0169], [20.3414]], atol=5e-5)
     np.testing.assert_allclose(tips, [[7.016879143126786], [20.34136630526103]], rtol=1e-12)
+
+
+def test_what_says_that_a_file_is_of_octave() -> None:
+    """Its name in a comment, or a norm or defuzzifier that MATLAB has not."""
+    assert not is_of_octave(TIPPER)
+    assert not is_of_octave("% made with the Fuzzy Logic Toolbox\n" + TIPPER)
+    for text in (
+        "## This file is part of the fuzzy-logic-toolkit.\n" + TIPPER,
+        TIPPER.replace("AndMethod='min'", "AndMethod = 'hamacher_product'"),
+        TIPPER.replace("AggMethod='max'", "AggMethod='bounded_sum'"),
+        TIPPER.replace("DefuzzMethod='centroid'", "DefuzzMethod='centroid_integral'"),
+    ):
+        assert is_of_octave(text)
+        system = parse_fis(text)
+        assert (system.integration, system.resolution) == ("trapezoidal", 101)
+        assert parse_fis(text.replace("_integral", ""), dialect="matlab").integration == "sum"
+    by_fuzzylite = "# by fuzzylite\n" + TIPPER.replace("='min'", "='einstein_product'")
+    assert parse_fis(by_fuzzylite).integration == "midpoint"
+
+
+def test_the_integral_of_octave_is_of_trapezoids() -> None:
+    """Its ``trapz (x, x.*y) / trapz (x, y)`` on 101 points of [0, 30], written out."""
+    text = TIPPER.replace("DefuzzMethod='centroid'", "DefuzzMethod='centroid_integral'")
+    text = text.replace("3 2, 3 (1) : 2", "3 2, -3 (1) : 2")
+    system, y = parse_fis(text), np.linspace(0.0, 30.0, 101)
+    cheap, average, generous = (
+        np.maximum(1.0 - abs(y - peak) / 5.0, 0.0) for peak in (5.0, 15.0, 25.0)
+    )
+    for service, food in np.random.default_rng(4).uniform(0.0, 10.0, size=(100, 2)):
+        poor, good, excellent = np.exp(-0.5 * ((service - np.array([0, 5, 10])) / 1.5) ** 2)
+        rancid, delicious = np.clip([(3.0 - food) / 2.0, (food - 7.0) / 2.0], 0.0, 1.0)
+        united = np.minimum(max(poor, rancid), cheap)
+        united = np.maximum(united, np.minimum(good, average))
+        united = np.maximum(united, np.minimum(max(excellent, delicious), 1.0 - generous))
+        expected = np.trapezoid(y * united, y) / np.trapezoid(united, y)
+        np.testing.assert_allclose(system([service, food]), [expected], rtol=1e-12)
 
 
 def test_the_tipper_has_its_names_and_sets() -> None:
@@ -248,7 +285,7 @@ def test_sections_that_do_not_go_together(text: str, place: str) -> None:
         (TIPPER, "OrMethod='max'", "OrMethod='sum'", 9, "known are max, probor"),
         (TYPE2, "1, 1 (1) : 1", "1, -1 (1) : 1", 30, "only sets have a complement"),
         (TIPPER, "1 1, 1 (1) : 2", "1.01 1, 1 (1) : 2", 39, "it is no power"),
-        (TIPPER, "1 1, 1 (1) : 2", "1 1, 1.2 (1) : 2", 39, "in the octave dialect"),
+        (TIPPER, "1 1, 1 (1) : 2", "1 1, 1.2 (1) : 2", 39, "dialect='octave'"),
         (TIPPER, "'gaussmf',[1.5 0]", "'pimf',[1 5 4 8]", 18, "must not be left of the first one"),
         (TIPPER, "'gaussmf',[1.5 0]", "'mymf',[1.5 2]", 18, "known are trimf"),
         (TIPPER, "'gaussmf',[1.5 0]", "'sigmf',[0 2]", 18, "1/2 everywhere"),

@@ -142,3 +142,34 @@ def test_what_the_open_toolbox_cannot_say_is_refused(system: Any, said: str) -> 
     with pytest.raises(NotExpressible, match=r"cannot be expressed in \.t2fis") as caught:
         format_fis(system, open_toolbox=True)
     assert said in str(caught.value)
+
+
+def test_what_the_program_would_integrate_otherwise_is_refused() -> None:
+    """The error names what to take, and what is taken so comes back equal."""
+    system = Type1System(
+        [[Triangular(-2, -1, 1), Triangular(-1, 1, 2)]],
+        [[0], [1]],
+        [Triangular(0, 1, 2), Triangular(1, 2, 3)],
+        type_reduction="centroid",
+        output_ranges=[(0, 3)],
+        default_outputs=[0.5],
+    )
+    X = np.linspace(-1.5, 1.5, 20)[:, np.newaxis]
+    for dialect, integration, points in (
+        ("matlab", "sum", 101),
+        ("octave", "trapezoidal", 101),
+        ("fuzzylite", "midpoint", 1000),
+    ):
+        for other in ("exact", "sum", "trapezoidal", "midpoint", "left"):
+            own = system.replace(integration=other, resolution=points, default_outputs=None)
+            if other != integration:
+                with pytest.raises(NotExpressible, match=rf"integrat.*{integration}"):
+                    format_fis(own, dialect=dialect)
+                continue
+            read = parse_fis(format_fis(own, dialect=dialect), dialect=dialect)
+            np.testing.assert_allclose(read(X), own(X), rtol=1e-12)
+            with pytest.raises(NotExpressible, match=f"resolution={points}"):
+                format_fis(own.replace(resolution=77), dialect=dialect)
+    own = system.replace(integration="sum", resolution=101)
+    with pytest.raises(NotExpressible, match=r"the default 0.5 .* replace\(default_outputs=None"):
+        format_fis(own)

@@ -30,3 +30,15 @@ def test_the_ridge_has_the_least_score_and_the_coefficients_are_those_of_it() ->
     # Without noise next to nothing is shrunk; the more noise, the more.
     np.testing.assert_allclose(ridges[0], RIDGES[0] * largest, rtol=1e-12)
     assert ridges[1] <= ridges[2]
+
+
+def test_a_triangular_factor_says_the_same_as_the_design_it_is_of() -> None:
+    """With the number of samples, which it does not show; to rounding."""
+    rng = np.random.default_rng(1)
+    design = rng.normal(size=(90, 6)) * np.logspace(0, -2, 6)
+    target = design @ rng.normal(size=(6, 1)) + rng.normal(size=(90, 1))
+    factor = np.linalg.qr(np.concatenate([design, target], axis=1), mode="r")
+    whole = ridge_by_cross_validation(design, target)
+    found = ridge_by_cross_validation(factor[:, :-1], factor[:, -1:], 90)
+    for ours, theirs in zip(found, whole, strict=True):
+        np.testing.assert_allclose(ours, theirs, rtol=1e-9)

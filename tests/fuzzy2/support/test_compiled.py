@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from fuzzy2.support.compiled import chosen_by_table, compiled
+from fuzzy2.support.compiled import chosen_by_table, compiled, only_for
 
 
 class Line(NamedTuple):
@@ -76,3 +76,19 @@ def test_a_table_of_no_body_is_refused() -> None:
         total(Unknown(np.ones(1)), 2)
     with pytest.raises(KeyError):
         value(Unknown(np.ones(1)), 2.0)
+
+
+def test_a_function_is_opened_for_types_one_after_the_other_and_closed_to_all_others() -> None:
+    @compiled
+    def twice(x: Any) -> Any:
+        return x + x
+
+    one, whole = np.ones(1), np.ones(1, dtype=np.int64)
+    assert only_for(twice, one) is twice
+    with pytest.raises(TypeError, match="No matching definition"):
+        twice(whole)
+    for _ in range(2):
+        only_for(twice, whole)
+        assert twice(whole)[0] == twice(one)[0] == 2
+        with pytest.raises(TypeError, match="No matching definition"):
+            twice("a")

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -90,6 +92,61 @@ def test_many_rows_give_what_each_row_gives(norm: str, crisp: bool) -> None:
         evaluate = system if crisp else system.type_reduced
         assert not system.firing(X)[..., 1].any(axis=1).all()
         np.testing.assert_array_equal(evaluate(X), np.array([evaluate(x) for x in X]))
+
+
+def own_terms(kind: str, generator: np.random.Generator) -> list[list[Any]]:
+    """Return six terms of each of three inputs, for rules that share none."""
+    means, sigmas = generator.normal(size=(3, 6)), generator.uniform(0.4, 1.2, (3, 6))
+    pairs = [list(zip(*rows, strict=True)) for rows in zip(means, sigmas, strict=True)]
+    return [
+        [
+            fuzzy2.Gaussian(mean=m, sigma=s)
+            if kind == "type-1" or (kind == "both" and s > 0.8)
+            else fuzzy2.GaussianUncertainSigma(mean=m, sigma=(s, 1.5 * s))
+            if kind == "sigma"
+            else fuzzy2.GaussianUncertainMean(mean=(m, m + 0.2), sigma=s)
+            for m, s in row
+        ]
+        for row in pairs
+    ]
+
+
+@pytest.mark.parametrize("kind", ["type-1", "mean", "sigma", "both"])
+def test_rules_of_their_own_terms_fire_as_products_of_grades(kind: str) -> None:
+    """The compiled loop adds exponents, the sets multiply grades: 1e-14 of a firing strength.
+
+    Some rules leave inputs out, and far rows underflow; there, an exponential's error is that of
+    its exponent. Many rows give to the last bit what each row gives.
+    """
+    generator = np.random.default_rng(8)
+    terms, z = own_terms(kind, generator), generator.normal(size=(6, 4))
+    rules = np.tile(np.arange(6)[:, np.newaxis], 3)
+    rules[1, 0] = rules[4, 2] = -1
+    X = np.concatenate(
+        [generator.uniform(-2.0, 2.0, (MANY, 3)), generator.uniform(-60.0, 60.0, (MANY, 3))]
+    )
+    fast, slow = (IntervalType2System(terms, rules, z) for _ in range(2))
+    assert fast._table is not None
+    assert fast._table[6] == (1.0 if kind == "type-1" else 2.0)
+    slow._table, slow._fast = None, False
+    np.testing.assert_allclose(fast.firing(X), slow.firing(X), rtol=1e-14 * 60**2, atol=1e-300)
+    near = X[:MANY]
+    np.testing.assert_allclose(fast.firing(near), slow.firing(near), rtol=1e-14)
+    np.testing.assert_allclose(fast.type_reduced(near), slow.type_reduced(near), atol=1e-13)
+    for evaluate in (fast, fast.type_reduced):
+        np.testing.assert_array_equal(evaluate(X), np.array([evaluate(x) for x in X]))
+
+
+def test_grades_are_multiplied_where_rules_share_terms_or_a_term_is_no_gaussian() -> None:
+    z = np.random.default_rng(9).normal(size=(6, 1))
+    shared = Type1System(gaussian(), GRID_RULES, np.ones((len(GRID_RULES), 1)))
+    terms = own_terms("type-1", np.random.default_rng(8))
+    rules = np.tile(np.arange(6)[:, np.newaxis], 3)
+    least = Type1System(terms, rules, z, t_norm="min")
+    terms[1][2] = fuzzy2.Triangular(-1.0, 0.0, 1.0)
+    for system in (shared, least, Type1System(terms, rules, z)):
+        assert system.table is not None
+        assert system.table[6] == 0.0
 
 
 def test_many_rows_of_rules_with_weights_give_what_each_row_gives(consequents: Array) -> None:

@@ -146,9 +146,9 @@ def test_a_derived_c_makes_m_dot_less_twice_c_skew(records: dict[str, Record]) -
 
 def test_a_grid_of_up_to_256_rules_and_clusters_beyond(records: dict[str, Record]) -> None:
     recorded = records["five_bar"]
-    grid = learned("five_bar", recorded, "t1", n_terms=2, learner="average")
+    grid = learned("five_bar", recorded, "t1", n_terms=2)
     assert [len(system.rules) for system in grid.systems_] == [4, 16]
-    mixed = learned("five_bar", recorded, "t1", n_terms=5, learner="average", rules=None)
+    mixed = learned("five_bar", recorded, "t1", n_terms=5)
     assert [len(system.rules) for system in mixed.systems_] == [25, 32]
     assert [len(s.rules) for s in learned("five_bar", recorded, rules=9).systems_] == [9, 9]
 
@@ -181,13 +181,14 @@ def test_what_cannot_be_learned_is_refused_by_name(records: dict[str, Record]) -
 
 
 def test_records_of_any_robot_hold_its_m_c_and_g(records: dict[str, Record]) -> None:
+    """Of some rows to rounding: the loops are closed from other rows than in the whole record."""
     recorded, robot = records["delta"], ROBOTS["delta"]
     for found, expected in zip(
         unpack(recorded.outputs[::200]),
         robot.equation_of_motion(recorded.positions[::200], recorded.speeds[::200]),
         strict=True,
     ):
-        np.testing.assert_array_equal(found, expected)
+        np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
 
 
 @pytest.mark.parametrize("number", [4, 10**6])

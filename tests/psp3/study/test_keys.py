@@ -13,8 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from psp3.errors import InvalidValue, UnknownName
-from psp3.study import grid, keys
-from psp3.study.keys import Runs, as_keys, key, setting_key, setting_values
+from psp3.study import columns, grid, grids
+from psp3.study.columns import RunColumns
+from psp3.study.keys import Runs, as_keys, key, setting_key, setting_keys, setting_values
 from psp3.study.run import METRICS, Run, contents
 from psp3.study.table import Table
 
@@ -80,9 +81,9 @@ def test_runs_are_there_once_and_in_canonical_form() -> None:
     assert runs.missing(as_keys(b"")).tolist() == [0, 1, 2]
 
 
-def test_keys_are_those_of_canonical_runs_whatever_is_remembered(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+@pytest.mark.parametrize("at_a_time", [10_000, 7, 1])
+def test_keys_are_those_of_canonical_runs(at_a_time: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One run at a time has no columns, so they make no difference."""
     runs = grid(
         controller=("pd", "t1", "gt2", "ctc-integral", "adaptive-it2"),
         reading=("parameters", "measurement", "online", "plant", "inputs"),
@@ -92,9 +93,76 @@ def test_keys_are_those_of_canonical_runs_whatever_is_remembered(
         seed=range(2),
     )
     expected = dict.fromkeys(key(run.canonical()) for run in runs)
+    monkeypatch.setattr(columns, "AT_A_TIME", at_a_time)
+    monkeypatch.setattr(grids, "AT_A_TIME", at_a_time)
     assert Runs(runs).keys.tobytes() == b"".join(expected)
-    monkeypatch.setattr(keys, "REMEMBERED", 3)
-    assert Runs(runs).keys.tobytes() == b"".join(expected)
+    assert Runs(list(runs)).keys.tobytes() == b"".join(expected)
+
+
+VALUES: dict[str, list[Any]] = {
+    "controller": ["pd", "feed-forward", "t1", "gt2", "it2", "adaptive-t1", "adaptive-it2", "a:B"],
+    "reading": ["parameters", "measurement", "online", "plant", "inputs"],
+    "snr_db": [math.inf, 20.0, 9.5, -20.0],
+    "seed": [0, 1, 2**63 - 1],
+    "trajectory": [None, "helix", "drawn-helix"],
+    "mean_variation": [None, 0.0, -0.0, 0.3, 0.4],
+    "levels": [1, 5],
+    "reduction": ["alpha_planes", "gaussian"],
+    "payload": [0.0, -0.0, 1.5, 2.5],
+    "payload_from": [0.0, 3.0],
+    "motor_inertia": [0.0, 1e-5],
+    "lead": [0.01, 0.02],
+    "kp": [None, 0.0, 100.0],
+    "noisy_entries": ["all", "mass-coriolis"],
+    "learned_on": [None, "circle"],
+    "learning_seed": [None, 0, 5],
+    "position_noise": [0.0, 1e-5, 2e-5],
+    "initial_error": [0.0, 1e-3],
+}
+
+
+CHOICES = st.fixed_dictionaries(
+    {}, optional={name: st.sampled_from(values) for name, values in VALUES.items()}
+)
+
+
+@given(st.lists(CHOICES, min_size=1, max_size=30))
+def test_keys_in_columns_are_those_of_each_run(fields: list[dict[str, Any]]) -> None:
+    runs = [Run(**{"lead": 0.02, **values}) for values in fields]
+    expected = dict.fromkeys(key(run.canonical()) for run in runs)
+    found = Runs(runs)
+    assert found.keys.tobytes() == b"".join(expected)
+    assert [key(run) for run in found] == list(expected)
+    settings = RunColumns.of(runs)
+    assert setting_keys(settings) == [key(run)[:16] for run in runs]
+
+
+WRONG: dict[str, list[Any]] = {
+    "payload": [-1.0, math.nan, math.inf, True, "1", None],
+    "snr_db": [math.nan, -math.inf, "20", None, True],
+    "kv": [-1.0, math.inf, False, "1"],
+    "seed": [-1, 2**63, 1.0, True, None],
+    "learning_seed": [-1, 2**63, 1.0, True],
+    "samples": [1, 2**63, 209.0, True],
+    "levels": [0, 5.0, True, "5"],
+    "n_terms": [0, 2.0, True],
+    "delay": [0.0, False, -1],
+    "duration": [0.0, True, 5.0],
+    "period": [0.0, 0.003, True],
+    "controller": ["none", None, 1],
+}
+
+
+@pytest.mark.parametrize(("name", "value"), [(k, v) for k, values in WRONG.items() for v in values])
+def test_what_is_wrong_is_found_among_many_that_are_right(name: str, value: Any) -> None:
+    """Also where it is equal to what is right, as True is to 1."""
+    right = [Run(payload=1.0, kv=1.0, learning_seed=1, samples=209, seed=k) for k in range(5)]
+    with pytest.raises((InvalidValue, UnknownName)) as alone:
+        Runs([right[0], replace(right[0], **{name: value})])
+    with pytest.raises(type(alone.value)) as among:
+        Runs([*right, replace(right[0], **{name: value}), *right])
+    assert str(among.value) == str(alone.value)
+    assert name in str(alone.value)
 
 
 @pytest.mark.parametrize("wrong", [{"n_terms": [2]}, {"controller": ["it2"]}, {"seed": [1]}])

@@ -1,0 +1,74 @@
+r"""Speeds and accelerations from measured positions: the quintic spline through their noise.
+
+Of N measurements y of a coordinate the spline s of p coefficients minimizes the sum of squares, and
+p minimizes what leaving out one measurement after the other would miss (generalized
+cross-validation),
+
+.. math:: V(p) = \frac{N \sum_i (y_i - s(t_i))^2}{(N - p)^2}.
+
+The second derivative of a quintic spline is a cubic one, so that accelerations are smooth, too.
+
+Source: P. Craven and G. Wahba, "Smoothing noisy data with spline functions", Numerische Mathematik
+31, 1979, for the criterion; P. H. C. Eilers and B. D. Marx, "Flexible smoothing with B-splines and
+penalties", Statistical Science 11(2), 1996, for its use with few coefficients.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from psp3.checks import Array
+
+DEGREE = 5
+"""Of the spline."""
+
+LEAST_MEASUREMENTS = 2 * (DEGREE + 1)
+"""Measurements that tell a polynomial of that degree from noise."""
+
+TRIED = 24
+"""Numbers of pieces that are tried, from one piece to a coefficient for every other measurement."""
+
+
+def smoothed_motion(t: Array, positions: Array) -> Callable[[Array], tuple[Array, Array, Array]]:
+    """Return what says positions, speeds and accelerations (M, n) at times (M,).
+
+    Parameters
+    ----------
+    t : (N,) ndarray
+        Increasing times of the measurements, at least :data:`LEAST_MEASUREMENTS` [s].
+    positions : (N, n) ndarray
+        Measured positions [m or rad], whose errors are taken to be independent.
+    """
+    from scipy.interpolate import make_lsq_spline
+
+    count, n = positions.shape
+    # Lengths and times near 1, so that a spline of degree 5 keeps its digits.
+    start, length = t[0], t[-1] - t[0]
+    knots_at = (t - start) / length
+    best, chosen = np.full(n, np.inf), [None] * n
+    for pieces in np.unique(np.geomspace(1, count // 2 - DEGREE, TRIED).round().astype(int)):
+        # As many measurements in every piece, so that all coefficients are determined.
+        inner = np.interp(
+            np.arange(1, pieces) * (count - 1) / pieces, np.arange(float(count)), knots_at
+        )
+        knots = np.concatenate([np.zeros(DEGREE + 1), inner, np.ones(DEGREE + 1)])
+        spline = make_lsq_spline(knots_at, positions, knots, DEGREE)
+        missed = ((positions - spline(knots_at)) ** 2).sum(axis=0)
+        score = missed / (count - pieces - DEGREE) ** 2
+        for joint in np.flatnonzero(score < best):
+            best[joint], chosen[joint] = score[joint], spline
+
+    def motion(times: Array) -> tuple[Array, Array, Array]:
+        at = (times - start) / length
+        value, rate, curvature = (
+            np.stack(
+                [spline(at, order)[:, j] / length**order for j, spline in enumerate(chosen)],  # type: ignore[misc]
+                axis=-1,
+            )
+            for order in range(3)
+        )
+        return value, rate, curvature
+
+    return motion
