@@ -484,8 +484,8 @@ class NotTrained(PSP3Error, RuntimeError):
     def __init__(self, name: str) -> None:
         self.name = name
         super().__init__(
-            f"this {name} has learned nothing yet; call fit(trajectory) or learn(record), or "
-            "load a trained one"
+            f"this {name} has learned nothing yet; call fit(trajectory), learn(record) or "
+            "learn_from_motion(...), or load a trained one"
         )
 
 

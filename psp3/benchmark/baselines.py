@@ -2,7 +2,8 @@
 
 All have the same servo: gains of computed torque are those of the task, feedback of PD is theirs
 times the mass matrix of the reference pose, and the regulator's weights are chosen for the same
-stiffness. What they know of the robot, the board says.
+stiffness and, where a regulator can have it, the same damping. What they know of the robot, the
+board says.
 
 The fuzzy ones are told the signal-to-noise ratio, from which the footprint of type-2 follows
 (:func:`fuzzy2.mean_variation_from_snr`), as in the thesis. Nobody else is.
@@ -51,16 +52,18 @@ def _pd_with_gravity(course: Course) -> Controller:
 
 
 def _regulator(course: Course) -> Controller:
-    r"""Return the regulator that weighs accelerations against positions.
+    r"""Return the regulator that weighs accelerations against positions and speeds.
 
-    With :math:`R = M^{-2}` and :math:`Q = k_p^2` of the positions a unit mass would get the gains
-    :math:`k_p` and :math:`\sqrt{2 k_p}`.
+    With :math:`R = M^{-2}` and :math:`Q` of :math:`k_p^2` and :math:`k_v^2 - 2 k_p` a unit mass
+    would get the gains :math:`k_p` and :math:`k_v`. No regulator has a damping ratio below
+    :math:`1 / \sqrt 2`, which is that of no weight on speeds: servos with less get that.
     """
     task: Any = course.task
     inverse = np.linalg.inv(task.robot.mass_matrix(task.robot.reference))
-    weights = np.repeat([task.kp**2, 0.0], task.joints)
+    of_speeds = max(task.kv**2 - 2.0 * task.kp, 0.0)
+    weights = np.repeat([task.kp**2, of_speeds], task.joints)
     R = inverse.T @ inverse
-    return LinearQuadraticRegulator(task.robot, np.diag(weights), 0.5 * (R + R.T))
+    return LinearQuadraticRegulator(task.robot, np.diag(weights), 0.5 * (R + R.T), course.period)
 
 
 def _fuzzy(kind: str, learner: str, course: Course) -> FuzzyComputedTorque:

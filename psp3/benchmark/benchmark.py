@@ -98,6 +98,13 @@ class Benchmark:
         self.duration, self.period = duration, period
         if not self.robots:
             raise InvalidValue("robots", robots, f"at least one of {', '.join(ROBOTS)}")
+        for reading in self.readings:
+            if reading not in READINGS:
+                raise UnknownName("reading of noise", reading, tuple(READINGS))
+        for level in self.levels:
+            if not math.isfinite(level):
+                wanted = "finite ratios [dB]; runs without noise are always done, too"
+                raise InvalidValue("levels", level, wanted)
         for trial in self.trials(seeds=1):
             trial.check()
 
@@ -114,7 +121,7 @@ class Benchmark:
         before = self._sources.setdefault(entry.name, source)
         if before != source:
             raise InvalidValue(
-                "entries", entry.name, f"each of another name; {before} and {source} have one"
+                "entries", entry.name, f"of different names; {before} and {source} have the same"
             )
         self.entries[entry.name] = entry
 

@@ -75,6 +75,9 @@ class Score:
         Ratio of that to the one of the best entry, and to that of exact computed torque.
     diverged : float
         Share of all runs.
+    replaced : float
+        Share of estimates that were not finite or had no positive definite M, and were replaced by
+        the average of the samples, over runs that did not diverge.
     step_time, training_time : float
         Medians over the trials [s].
     effort : float
@@ -90,6 +93,7 @@ class Score:
     to_best: Estimate
     to_reference: Estimate
     diverged: float
+    replaced: float
     step_time: float
     training_time: float
     effort: float
@@ -217,6 +221,10 @@ class Board:
             cell: self._per_seed(name, cell, lambda run: float(run["diverged"]))
             for cell in self.cells
         }
+        replaced = [
+            self._per_seed(name, cell, lambda run: run.get("fallbacks", math.nan))
+            for cell in self.cells
+        ]
         efforts = [self._efforts(name, cell) for cell in self.cells]
         of_trials = [
             outcome
@@ -231,6 +239,7 @@ class Board:
             self.ratio(name, best),
             self.ratio(name, REFERENCE),
             _mean(np.concatenate(list(lost.values()))),
+            _mean(np.concatenate(replaced)),
             _median([outcome["step_time"] for outcome in of_trials]),
             _median([outcome["training_time"] for outcome in of_trials]),
             float(np.exp(_mean(np.log(np.concatenate(efforts))))),
@@ -299,6 +308,7 @@ class Board:
             "to_best": _as_numbers(score.to_best),
             "to_reference": _as_numbers(score.to_reference),
             "diverged": score.diverged,
+            "replaced": score.replaced,
             "step_time": score.step_time,
             "training_time": score.training_time,
             "effort": score.effort,

@@ -43,7 +43,8 @@ class Course(NamedTuple):
     """What an entry is given for one robot and one draw of the noise.
 
     The ``task``, the ``lesson`` with its noise, the ``reading`` and the ratio ``snr_db`` that it
-    was made with and the seed ``noise`` of it, and ``rng`` for what the entry draws itself.
+    was made with and the seed ``noise`` of it, ``rng`` for what the entry draws itself, and the
+    control ``period`` [s].
     """
 
     task: Task
@@ -52,6 +53,7 @@ class Course(NamedTuple):
     snr_db: float
     noise: tuple[int, int]
     rng: np.random.Generator
+    period: float
 
 
 @dataclass(frozen=True)

@@ -68,7 +68,12 @@ class OutcomeFile:
                     connection.execute(f"PRAGMA application_id = {APPLICATION}")
                     connection.execute(f"PRAGMA user_version = {FORMAT}")
             elif (application, version) != (APPLICATION, FORMAT):
-                raise InvalidStudyFile(self.path, "is not the file of a benchmark of this version")
+                raise InvalidStudyFile(
+                    self.path,
+                    f"is not the file of a benchmark of this version: it has mark {application} "
+                    f"and version {version}, and {APPLICATION} and {FORMAT} are read; give "
+                    "another directory",
+                )
 
     def outcomes(self) -> dict[str, Outcome]:
         """Return all outcomes by key."""

@@ -125,6 +125,16 @@ def summary(board: Board) -> list[str]:
         f"runs of {board.duration:g} s, control period {1e3 * board.period:g} ms, {SAMPLES} "
         "samples."
     )
+    replaced = ", ".join(
+        f"{score.entry.name} {_short(100.0 * score.replaced)} %"
+        for score in board.ranked
+        if score.replaced > 0.0
+    )
+    if replaced:
+        said.append(
+            "Estimates that were not finite or had no positive definite M, for which the average "
+            f"of the samples stood in: {replaced}."
+        )
     said += [f"Without a place: {score.entry.name}, {score.problem}" for score in _placeless(board)]
     return said
 

@@ -145,7 +145,7 @@ def _done(trial: Trial, entry: Entry, of_robot: Task) -> Outcome:
     noise = (trial.seed, NOISE)
     taught = lesson(of_robot, trial.reading, trial.snr_db, np.random.default_rng(noise), SAMPLES)
     own = np.random.default_rng((trial.seed, ENTRY))
-    course = Course(of_robot, taught, trial.reading, trial.snr_db, noise, own)
+    course = Course(of_robot, taught, trial.reading, trial.snr_db, noise, own, trial.period)
     begin = time.process_time()
     controller = entry.make(course)
     training_time = time.process_time() - begin

@@ -141,7 +141,7 @@ class TrackingTube:
     ------
     InvalidValue
         If there are too few runs for the share, or too few of them reached their end; or they
-        differ in their control periods or coordinates.
+        differ in their control periods, durations or coordinates.
     """
 
     def __init__(
@@ -164,6 +164,12 @@ class TrackingTube:
         self.dynamics = ErrorDynamics(kp, kv, period)
         for run in whole[1:]:
             self._check(run, width)
+            if len(run.t) != len(whole[0].t):
+                raise InvalidValue(
+                    "runs",
+                    f"{len(run.t)} and {len(whole[0].t)} samples",
+                    "of one duration; give None for a run that did not reach its end",
+                )
         greatest = np.array(
             [
                 np.full(width, math.inf)
@@ -288,7 +294,7 @@ class TrackingTube:
             raise InvalidValue("result", f"a period of {period:g} s", f"one of {own:g} s")
         found = run.desired.positions.shape[-1]
         if found != width:
-            raise InvalidValue("result", f"{found} coordinates", f"one of {width}")
+            raise InvalidValue("result", f"{found} coordinates", f"one of a robot with {width}")
 
 
 def runs_needed(share: float) -> int:

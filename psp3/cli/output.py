@@ -243,7 +243,9 @@ def counted_progress() -> Iterator[tuple[Progress, bool]]:
 
 
 def cell_text(value: Any) -> str:
-    """Return a number as it stands in a table."""
+    """Return a number as it stands in a table, and a dash for None."""
+    if value is None:
+        return "–"
     if not isinstance(value, float):
         return str(value)
     return "∞" if value == math.inf else "–" if math.isnan(value) else f"{value:.3g}"

@@ -196,16 +196,19 @@ class Partition(NamedTuple):
 def partition_by_clusters(options: RuleOptions, inputs: Array, number: int) -> Partition:
     """Return terms about samples (N, p) that cover all evenly, and a rule for each of these."""
     if options.learner == "strict":
-        wanted = "another one where rules are clusters, of which each has a consequent"
+        wanted = "another one than table look-up, which needs a grid: give n_terms, too"
         raise InvalidValue("learner", options.learner, wanted)
     least, widths = inputs.min(axis=0), np.ptp(inputs, axis=0)
     points = (inputs - least) / widths
+    # Before there are distances of all to all, for which the memory may not do.
+    different = len(np.unique(points, axis=0))
+    if number > different:
+        wanted = f"at most {different}, the number of different samples"
+        raise InvalidValue("rules", number, wanted)
     centers = points[spread_evenly(points, number)]
     apart = np.sqrt(((centers[:, np.newaxis] - centers) ** 2).sum(axis=-1))
     np.fill_diagonal(apart, np.inf)
     nearest = apart.min(axis=1)
-    if not (nearest > 0.0).all() or number > len(points):
-        raise InvalidValue("rules", number, "at most as many as there are different samples")
     # A single rule covers all.
     nearest = np.where(np.isfinite(nearest), nearest, 1.0)
     spreads = WIDTH_OF_CLUSTER * nearest[:, np.newaxis] * widths

@@ -219,8 +219,8 @@ def _of_place(run: Run, robot: Any) -> Any:
         raise InvalidValue(
             "controller",
             run.controller,
-            f"the module and name of something that can be imported here ({error}); on a cluster "
-            "every worker needs it",
+            f"the module and name of something that can be imported here ({error}); a file is, if "
+            "its directory is in PYTHONPATH, and on a cluster every worker needs it",
         ) from error
     if isinstance(maker, type) and is_estimator(maker):
         # An estimator knows nothing of robots.

@@ -35,8 +35,8 @@ class RuleOptions:
         typer.Option(
             metavar="NAME",
             help=(
-                "How rules are learned: strongest, of the 3-PSP unless given, strict, average, "
-                "ridge or least-squares, of other robots."
+                "How rules are learned: strongest (unless given, for the 3-PSP), strict, average, "
+                "ridge or least-squares (unless given, for other robots)."
             ),
         ),
     ] = None

@@ -48,7 +48,7 @@ def entry_of(name: str, kind: Any) -> Entry:
     return Entry(name, SAMPLES, make)
 
 
-def run_of(error: float) -> dict[str, Any]:
+def run_of(error: float, fallbacks: float = 0.0) -> dict[str, Any]:
     """Return a run with an error of the tip [m], one that diverged for an infinite one."""
     if not np.isfinite(error):
         return {"diverged": True, "end_time": 0.1}
@@ -59,25 +59,29 @@ def run_of(error: float) -> dict[str, Any]:
         "largest_tip_error": 2.0 * error,
         "rms_error": error,
         "effort": 3.0,
-        "fallbacks": 0.0,
+        "fallbacks": fallbacks,
     }
 
 
-def outcome_of(errors: Mapping[str, float]) -> Outcome:
+def outcome_of(errors: Mapping[str, float], fallbacks: float = 0.0) -> Outcome:
     """Return the outcome of a trial with these errors on the two paths [m]."""
     return {
         "error": None,
         "training_time": 0.5,
         "step_time": 2e-5,
-        "runs": {path: run_of(error) for path, error in errors.items()},
+        "runs": {path: run_of(error, fallbacks) for path, error in errors.items()},
     }
 
 
-def board_of(errors: Mapping[str, Array], problem: tuple[str, str] | None = None) -> Board:
+def board_of(
+    errors: Mapping[str, Array],
+    problem: tuple[str, str] | None = None,
+    fallbacks: Mapping[str, float] | None = None,
+) -> Board:
     """Return a board of the 3-PSP.
 
     ``errors`` holds for each entry errors [m] by condition, seed and path; ``problem`` is an entry
-    and what it raised in the first trial.
+    and what it raised in the first trial; ``fallbacks`` are shares of estimates by entry.
     """
     seeds = next(iter(errors.values())).shape[1]
     outcomes: dict[tuple[str, Trial], Outcome] = {}
@@ -86,7 +90,7 @@ def board_of(errors: Mapping[str, Array], problem: tuple[str, str] | None = None
             for seed in range(seeds):
                 trial = Trial("psp3", reading, snr_db, seed, DURATION, PERIOD)
                 by_path = dict(zip(PATHS, values[number, seed].tolist(), strict=True))
-                outcomes[name, trial] = outcome_of(by_path)
+                outcomes[name, trial] = outcome_of(by_path, (fallbacks or {}).get(name, 0.0))
     if problem is not None:
         first = Trial("psp3", *CONDITIONS[0], 0, DURATION, PERIOD)
         outcomes[problem[0], first] = {"error": problem[1]}

@@ -15,11 +15,13 @@ from psp3.benchmark.readings import READINGS, lesson
 from psp3.benchmark.tasks import ROBOTS, SAMPLES, task
 from psp3.benchmark.trial import NOISE, Trial, execute
 
+PERIOD = 0.004
+
 
 def course(name: str, reading: str = "outputs", snr_db: float = 20.0, seed: int = 0) -> Course:
     of_robot, noise = task(name), (seed, NOISE)
     taught = lesson(of_robot, reading, snr_db, np.random.default_rng(noise), SAMPLES)
-    return Course(of_robot, taught, reading, snr_db, noise, np.random.default_rng(seed))
+    return Course(of_robot, taught, reading, snr_db, noise, np.random.default_rng(seed), PERIOD)
 
 
 @pytest.mark.slow
@@ -54,14 +56,24 @@ def test_pd_has_the_stiffness_of_computed_torque_at_the_reference(name: str) -> 
     np.testing.assert_allclose(*forces, rtol=1e-8)
 
 
-def test_regulator_has_about_the_stiffness_of_computed_torque() -> None:
-    """Of a unit mass the gain would be kp; the period of 2 ms takes a percent of it."""
-    given = course("psp3")
+@pytest.mark.parametrize(
+    ("name", "of_gravity"), [("psp3", 0.05), ("delta", 0.16), ("gough_stewart", 0.13)]
+)
+def test_regulator_has_about_the_servo_of_computed_torque(name: str, of_gravity: float) -> None:
+    """A unit mass would get kp and kv, but no damping ratio below 0.7.
+
+    A period of 4 ms takes some percent of them. Gravity is a spring of its own, of up to 15 % of kp
+    where it changes with the pose, and the regulator knows it.
+    """
+    given = course(name)
+    n, kp, kv = given.task.joints, given.task.kp, given.task.kv
     controller: object = BASELINES["lqr"].make(given)
     K = controller.regulator.K  # type: ignore[attr-defined]
     mass = given.task.robot.mass_matrix(given.task.robot.reference)
-    stiffness = np.linalg.solve(mass, K[:, :3])
-    np.testing.assert_allclose(stiffness, given.task.kp * np.eye(3), atol=0.05 * given.task.kp)
+    stiffness, damping = np.hsplit(np.linalg.solve(mass, K), 2)
+    np.testing.assert_allclose(stiffness, kp * np.eye(n), atol=of_gravity * kp)
+    expected = max(kv, np.sqrt(2.0 * kp))
+    np.testing.assert_allclose(damping, expected * np.eye(n), atol=0.05 * expected)
 
 
 @pytest.mark.parametrize("reading", [name for name in READINGS if name != "measurement"])

@@ -138,6 +138,13 @@ def test_wrong_arguments_are_refused_before_any_work(
         Benchmark(tmp_path, **arguments)
 
 
+def test_to_ask_for_no_noise_says_that_it_is_always_done(tmp_path: Path) -> None:
+    with pytest.raises(UnknownName, match="known are outputs,"):
+        Benchmark(tmp_path, readings=["none"])
+    with pytest.raises(InvalidValue, match="runs without noise are always done, too, got inf"):
+        Benchmark(tmp_path, levels=[math.inf])
+
+
 def test_without_scikit_learn_what_needs_it_is_refused_and_the_rest_is_not(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -47,7 +47,9 @@ def file_of(directory: Path, text: str, name: str = "mine.py") -> Path:
 def course() -> Course:
     of_robot = task("psp3")
     rng = np.random.default_rng(0)
-    return Course(of_robot, lesson(of_robot, NONE, np.inf, rng, 20), NONE, np.inf, (0, 0), rng)
+    return Course(
+        of_robot, lesson(of_robot, NONE, np.inf, rng, 20), NONE, np.inf, (0, 0), rng, 0.004
+    )
 
 
 @pytest.mark.parametrize(

@@ -55,6 +55,16 @@ def test_files_of_others_are_refused_and_stay(tmp_path: Path, content: bytes | N
     assert path.read_bytes() == before
 
 
+def test_another_version_is_refused_with_what_it_is_and_what_to_do(tmp_path: Path) -> None:
+    path = tmp_path / "some.sqlite"
+    OutcomeFile(path)
+    with sqlite3.connect(path) as connection:
+        connection.execute("PRAGMA user_version = 99")
+    connection.close()
+    with pytest.raises(InvalidStudyFile, match=r"version 99, .* another directory"):
+        OutcomeFile(path)
+
+
 def test_where_no_file_can_be_made_the_error_says_so(tmp_path: Path) -> None:
     with pytest.raises(StudyFileNotWritable):
         OutcomeFile(tmp_path / "absent" / "some.sqlite")

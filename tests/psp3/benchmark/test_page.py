@@ -113,6 +113,19 @@ def test_sentences_say_who_is_first_who_is_not_worse_and_who_has_no_place(board:
     assert said[-1] == f"Without a place: raises, psp3: ValueError: {HOSTILE}"
 
 
+def test_estimates_that_the_average_stood_in_for_are_said_and_only_these() -> None:
+    lost = {"ctc": np.full((2, 4, 2), 1e-4), "lost": np.full((2, 4, 2), 1e-3)}
+    board = board_of(lost, fallbacks={"lost": 0.25})
+    (said,) = [sentence for sentence in summary(board) if "the average" in sentence]
+    assert said.endswith("of the samples stood in: lost 25.0 %.")
+    entries = {one["name"]: one["replaced"] for one in board.as_numbers()["entries"]}
+    assert entries == {"ctc": 0.0, "lost": 0.25}
+
+
+def test_without_such_estimates_nothing_is_said_of_them(board: Board) -> None:
+    assert not [sentence for sentence in summary(board) if "the average" in sentence]
+
+
 def test_numbers_are_written_as_strict_json(board: Board, tmp_path: Path) -> None:
     path = write_numbers(board, tmp_path / "benchmark.json")
     found = json.loads(path.read_text("utf-8"), parse_constant=pytest.fail)

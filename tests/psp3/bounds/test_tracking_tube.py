@@ -183,6 +183,9 @@ def test_runs_of_other_periods_or_coordinates_are_refused() -> None:
             psp3.TrackingTube([run] * RUNS + [wrong], KP, KV, share=0.9)
         with pytest.raises(InvalidValue, match=match):
             tube.holds(wrong)
+    longer = disturbed(np.zeros((len(run.t) + 4, 1, 1)), period=PERIOD)
+    with pytest.raises(InvalidValue, match="of one duration; give None"):
+        psp3.TrackingTube([run] * RUNS + [longer], KP, KV, share=0.9)
     uneven = run.t.copy()
     uneven[3] += 1e-4
     one = Motion(*(array[:1] for array in run.desired))

@@ -11,6 +11,7 @@ from psp3.cli.output import (
     _parts,
     _room_of,
     _widened,
+    cell_text,
     error_message,
     show_narrow,
 )
@@ -18,6 +19,16 @@ from psp3.errors import InvalidRobotFile
 
 WORDS = ["strongest", "sample", "(0.000254", "to", "37260)", "reproduced", "-10.1", "20"]
 CELL = st.lists(st.sampled_from(WORDS), min_size=1, max_size=6).map(" ".join)
+
+
+def test_what_is_not_there_is_a_dash_and_what_is_infinite_a_sign() -> None:
+    assert [cell_text(value) for value in (None, float("nan"), float("inf"), 20.0, "t1")] == [
+        "–",
+        "–",
+        "∞",
+        "20",
+        "t1",
+    ]
 
 
 def test_a_table_that_is_too_wide_is_divided_between_columns(

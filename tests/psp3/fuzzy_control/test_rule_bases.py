@@ -15,6 +15,7 @@ from psp3.errors import InvalidValue
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.numbers import pack, unpack
 from psp3.fuzzy_control.records import Record, record
+from psp3.fuzzy_control.rule_bases import RuleOptions, partition_by_clusters
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.trajectories.fourier_series import FourierSeries
 from psp3.trajectories.motion import Motion
@@ -197,3 +198,14 @@ def test_records_of_any_robot_hold_its_m_c_and_g(records: dict[str, Record]) -> 
         strict=True,
     ):
         np.testing.assert_allclose(found, expected, rtol=1e-12, atol=1e-14)
+
+
+@pytest.mark.parametrize("number", [4, 10**6])
+def test_no_more_rules_than_different_samples_and_no_memory_for_them(number: int) -> None:
+    """A million clusters would have distances of terabytes."""
+    samples = np.array([[0.0, 1.0], [1.0, 0.0], [0.5, 0.5], [0.5, 0.5]])
+    options = RuleOptions("t1", None, None, 0.0, "average", "karnik_mendel", 5, 1.0, 256)
+    with pytest.raises(InvalidValue, match="at most 3, the number of different samples"):
+        partition_by_clusters(options, samples, number)
+    with pytest.raises(InvalidValue, match="needs a grid: give n_terms"):
+        partition_by_clusters(options._replace(learner="strict"), samples, 2)

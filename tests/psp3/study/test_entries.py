@@ -126,7 +126,7 @@ def test_an_entry_is_named_by_where_it_is() -> None:
 @pytest.mark.parametrize(
     ("place", "words"),
     [
-        ("no_such_module:Name", "can be imported here"),
+        ("no_such_module:Name", r"can be imported here .* PYTHONPATH"),
         ("psp3:NoSuchName", "can be imported here"),
         ("psp3.version:package_version", "can be imported here"),
     ],
