@@ -751,7 +751,8 @@ class FuzzyComputedTorque:
             for another robot or other parameters of it, or for other inputs or outputs or in
             another order.
         """
-        return controller_files.load(cls, path, robot)
+        read: FuzzyComputedTorque = controller_files.load(cls, path, robot)
+        return read
 
 
 def checked_snr(snr_db: object) -> float:

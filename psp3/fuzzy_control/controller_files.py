@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -22,9 +22,6 @@ from psp3.loading import load as load_robot
 from psp3.three_psp.parameters import Parameters
 from psp3.three_psp.robot import PSP3
 
-if TYPE_CHECKING:
-    from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-
 FORMAT = "psp3-fuzzy-computed-torque-1"
 """Written into every controller file of the 3-PSP; a file with another mark is refused."""
 
@@ -37,7 +34,7 @@ SAME_DYNAMICS = 1e-6
 _SYSTEMS = dict(zip(KINDS, (Type1System, IntervalType2System, GeneralType2System), strict=True))
 
 
-def save(controller: FuzzyComputedTorque, path: str | Path) -> Path:
+def save(controller: Any, path: str | Path) -> Path:
     """Write a trained controller as JSON, and return the path."""
     robot = controller.robot
     is_ours = isinstance(robot, PSP3)
@@ -81,9 +78,7 @@ def identity(robot: Any) -> dict[str, Any]:
     }
 
 
-def load(
-    kind_of_controller: type[FuzzyComputedTorque], path: str | Path, robot: Any
-) -> FuzzyComputedTorque:
+def load(kind_of_controller: type[Any], path: str | Path, robot: Any) -> Any:
     """Read a controller, see :meth:`psp3.FuzzyComputedTorque.load`."""
     try:
         return _controller_from(kind_of_controller, json.loads(read_text(path)), robot, path)
@@ -98,8 +93,8 @@ def load(
 
 
 def _controller_from(
-    kind_of_controller: type[FuzzyComputedTorque], content: Any, robot: Any, path: str | Path
-) -> FuzzyComputedTorque:
+    kind_of_controller: type[Any], content: Any, robot: Any, path: str | Path
+) -> Any:
     known = (FORMAT, FORMAT_OF_ANY)
     if not isinstance(content, dict) or content.get("format") not in known:
         found = content.get("format") if isinstance(content, dict) else type(content).__name__
@@ -210,7 +205,7 @@ def _other_robot(said: Any, robot: Any, path: str | Path) -> Any:
     return robot
 
 
-def _check_systems(controller: FuzzyComputedTorque, systems: list[Any], path: str | Path) -> None:
+def _check_systems(controller: Any, systems: list[Any], path: str | Path) -> None:
     names, of_numbers = controller.inputs.names, output_names(controller.joints)
     if len(systems) != len(controller.places):
         raise InvalidControllerFile(

@@ -49,7 +49,7 @@ ONE_AT_A_TIME = threading.RLock()
 class WithIntegral(ComputedTorque):
     r"""Computed torque with an integral of the error, for the compiled loop.
 
-    .. math:: \tau = M \big(\ddot a_d + k_v \dot e + k_p e + k_i \textstyle\int e\, dt\big) + C
+    .. math:: \tau = M \big(\ddot a_d + k_v \dot e + k_p e + k_i \int e\, dt\big) + C
               \dot a + G
     """
 

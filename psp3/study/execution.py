@@ -8,7 +8,6 @@ whatever else they draw.
 from __future__ import annotations
 
 import math
-from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import Any
@@ -34,7 +33,6 @@ from psp3.study.controllers import (
 from psp3.study.paths import DRAWN, names_of_paths, path_named
 from psp3.study.run import Run
 from psp3.three_psp.parameters import Parameters
-from psp3.three_psp.robot import PSP3
 from psp3.three_psp.stepping import ClosedFormSteps
 from psp3.trajectories.motion import Motion, check_stroke, completed
 
@@ -166,7 +164,7 @@ def plants_of(run: Run, robot: Any) -> tuple[tuple[Any, int | None], ...]:
     for payload, end in masses:
         rng = np.random.default_rng([run.seed, stream])
         drive = run.drive
-        if isinstance(robot, PSP3):
+        if run.robot == "psp3":
             parameters = mismatched(robot.parameters, ratio, payload, rng)
             plants.append((ClosedFormSteps(parameters.as_array(), 1, drive), end))
         else:
@@ -393,7 +391,7 @@ def _finite(returned: object) -> Array | None:
 def _tips(robot: Any, positions: Array) -> Array:
     """Return the tip at the positions reached; NaN where the loops do not close."""
     try:
-        with nullcontext() if isinstance(robot, PSP3) else ONE_AT_A_TIME:
+        with ONE_AT_A_TIME:
             found: Array = robot.tip(positions)
         return found
     except NO_POSE:
