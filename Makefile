@@ -25,8 +25,8 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check --co
 # The longest files come first, see tests/conftest.py.
 DISTRIBUTED := --numprocesses=logical --dist=loadfile --no-loadscope-reorder
 
-# Every module with compiled functions, and the decorator that compiles them.
-KERNELS := $(shell grep -rl --include='*.py' -e 'import compiled' -e '^def compiled' psp3 fuzzy2)
+# Every module with compiled functions, and what compiles them.
+KERNELS := $(shell grep -rl --include='*.py' 'support\.compiled' psp3 fuzzy2) $(wildcard fuzzy2/support/*.py)
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
@@ -102,7 +102,7 @@ $(VENV)/.dev: $(VENV)/.test
 	@$(INSTALL) --editable '.[dev]'
 	@touch $@
 
-# Numba does not notice when a function that a cached one calls has changed in another module, so the cache goes as a whole.
+# Code of before is not used (fuzzy2/support/code_files.py), but would stay on the disk.
 $(VENV)/.compiled: $(VENV)/.run $(KERNELS)
 	@echo "Compiling the numerical kernels"
 	@find psp3 fuzzy2 \( -name '*.nbi' -o -name '*.nbc' \) -delete

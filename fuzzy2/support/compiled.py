@@ -3,8 +3,7 @@
 Cached on disk where that is possible, without the interpreter lock.
 
 Both packages compile with this one decorator. Numba does not notice when a function in *another*
-module changed. The control loops of ``psp3`` call kernels of other modules, so whoever changes a
-kernel clears the cache: ``make`` does, by deleting every ``*.nbi`` and ``*.nbc``.
+module changed, though kernels call those of other modules: ``fuzzy2.support.code_files`` does.
 """
 
 from __future__ import annotations
@@ -183,5 +182,6 @@ def _compiled(
     # "no locator available": site-packages and home are both read-only
     with contextlib.suppress(RuntimeError):
         kernel.enable_caching()
-        kernel._cache._cache_file = CodeFiles.instead_of(kernel._cache._cache_file)
+        files = kernel._cache._cache_file
+        kernel._cache._cache_file = CodeFiles.instead_of(files, function.__module__)
     return cast("Function", kernel)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import itertools
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +17,7 @@ from fuzzy2.support.compiled import compiled
 
 def files(folder: Path, stamp: int = 1) -> Any:
     plain = IndexDataCacheFile(str(folder), "kernels.function-7.py311", (stamp, 5))
-    return CodeFiles.instead_of(plain)
+    return CodeFiles.instead_of(plain, __name__)
 
 
 STEPS = ("_save_data", "_save_index")
@@ -71,3 +73,39 @@ def test_another_source_has_other_files(tmp_path: Path) -> None:
 def test_compiled_functions_have_such_files() -> None:
     function: Any = compiled(lambda x: x + 1)
     assert isinstance(function._cache._cache_file, CodeFiles)
+
+
+CALLED = """
+from fuzzy2.support.compiled import compiled
+
+@compiled
+def inner(x):
+    return x + {added}
+"""
+
+CALLING = """
+from called_kernels.inner import inner
+from fuzzy2.support.compiled import compiled
+
+@compiled
+def outer(x):
+    return 2.0 * inner(x)
+"""
+
+
+def test_code_is_forgotten_when_a_function_that_it_calls_has_changed(tmp_path: Path) -> None:
+    """In a file that has not changed itself, as after ``git pull``."""
+    package = tmp_path / "called_kernels"
+    package.mkdir()
+    (package / "__init__.py").write_text("", encoding="utf-8")
+    (package / "outer.py").write_text(CALLING, encoding="utf-8")
+    ask = "from called_kernels.outer import outer; print(outer(1.0), *outer.stats.cache_hits)"
+    answers = []
+    for added in (1.0, 1.0, 5.0):
+        (package / "inner.py").write_text(CALLED.format(added=added), encoding="utf-8")
+        command = [sys.executable, "-c", ask]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True)
+        answers.append(done.stdout.split())
+    assert [answer[0] for answer in answers] == ["4.0", "4.0", "12.0"]
+    # The second time it came from the disk: that is what must not happen the third time.
+    assert [len(answer) - 1 for answer in answers] == [0, 1, 0]
