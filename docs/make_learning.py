@@ -20,7 +20,7 @@ from psp3.fuzzy_control.numbers import output_names, pack
 from psp3.fuzzy_control.records import Record
 from psp3.identification.base_parameters import base_parameters
 from psp3.identification.unknowns import all_parameters
-from psp3.robots.robot import Robot
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.study.statistics import ratio_of_geometric_means
 from psp3.trajectories.fourier_series import FourierSeries
 from psp3.trajectories.sway import Sway
@@ -38,7 +38,7 @@ MOTIONS = ((1,), (1, 11, 12, 13))
 KP, KV = critically_damped_gains(20.0)
 
 
-def exciting(robot: Robot, seed: int = 1) -> FourierSeries:
+def exciting(robot: ClosedLoopRobot, seed: int = 1) -> FourierSeries:
     """Return a motion of five harmonics about the reference, which repeats after 3 s."""
     rng, sway = np.random.default_rng(seed), Sway(robot=robot)
     shares = 0.35 * sway.amplitudes / np.arange(1, 6)[:, np.newaxis]
@@ -46,7 +46,7 @@ def exciting(robot: Robot, seed: int = 1) -> FourierSeries:
     return FourierSeries(sway.center, sines, cosines, DURATION, robot)
 
 
-def error_on(robot: Robot, controller: Controller, path: Trajectory) -> float:
+def error_on(robot: ClosedLoopRobot, controller: Controller, path: Trajectory) -> float:
     """Return the root mean square of the error of a run that starts on the path with its speed."""
     speeds = path(0.0).speeds
     try:
@@ -56,19 +56,19 @@ def error_on(robot: Robot, controller: Controller, path: Trajectory) -> float:
     return float(np.sqrt(((result.positions - result.desired.positions) ** 2).mean()))
 
 
-def motion_record(robot: Robot, motion: tuple[Array, Array, Array]) -> Record:
+def motion_record(robot: ClosedLoopRobot, motion: tuple[Array, Array, Array]) -> Record:
     """Return exact M, C and G on a motion."""
     inputs, (a, v, _) = robot.learning_inputs, motion
     numbers = pack(*robot.equation_of_motion(a, v))
-    t = np.arange(len(a)) * 0.002
+    t = np.asarray(0.002 * np.arange(len(a)), dtype=np.float64)
     return Record(t, a, v, inputs.of(a, v), numbers, inputs.names, output_names(a.shape[1]))
 
 
 def rows_of(name: str, say: Callable[[str], None]) -> None:
     """Say the rows of one robot."""
     robot = psp3.load(name)
-    paths = {"trained": exciting(robot), "untrained": Sway(robot=robot)}
-    motion = paths["trained"].joints(np.arange(0.0, DURATION, 0.002))
+    paths: dict[str, Trajectory] = {"trained": exciting(robot), "untrained": Sway(robot=robot)}
+    motion = exciting(robot).joints(np.arange(0.0, DURATION, 0.002))
     recorded = motion_record(robot, motion)
     exact = {w: error_on(robot, psp3.ComputedTorque(robot, KP, KV), p) for w, p in paths.items()}
     noisy: dict[tuple[str, str], list[float]] = {}
@@ -91,7 +91,7 @@ def rows_of(name: str, say: Callable[[str], None]) -> None:
 
 def rows_of_forces(
     name: str,
-    robot: Robot,
+    robot: ClosedLoopRobot,
     paths: dict[str, Trajectory],
     seeds: tuple[int, ...],
     say: Callable[[str], None],
