@@ -86,3 +86,66 @@ TSK = """\
   </tskRuleBase>
 </fuzzySystem>
 """
+
+
+def _variable(name: str, end: int, terms: str, rest: str) -> str:
+    return (
+        f'<fuzzyVariable name="{name}" domainleft="0.0" domainright="{end}.0" {rest}>{terms}'
+        "</fuzzyVariable>"
+    )
+
+
+def _term(name: str, shape: str, *parameters: float) -> str:
+    given = " ".join(f'param{i}="{value}"' for i, value in enumerate(parameters, start=1))
+    return f'<fuzzyTerm name="{name}"><{shape}Shape {given}/></fuzzyTerm>'
+
+
+def _rule(number: int, said: str, *asked: tuple[str, str, str]) -> str:
+    clauses = "".join(
+        f"<clause{modifier}><variable>{variable}</variable><term>{term}</term></clause>"
+        for variable, term, modifier in asked
+    )
+    return (
+        f'<rule name="rule{number}" connector="or" orMethod="MAX" weight="1.0"><antecedent>'
+        f"{clauses}</antecedent><consequent><then><clause><variable>tip</variable>"
+        f"<term>{said}</term></clause></then></consequent></rule>"
+    )
+
+
+_CHEAP = "".join(
+    f'<point x="{x}" y="{y}"/>' for x, y in ((0, 1.0), (1, 1.0), (2, 0.6), (3, 0.4), (4, 0.0))
+)
+
+TIPPER_WITH_POLYNOMIAL = (
+    '<fuzzySystem xmlns="http://www.ieee1855.org" name="tipper - MAMDANI"><knowledgeBase>'
+    + _variable(
+        "food",
+        10,
+        _term("rancid", "triangular", 0.0, 2.0, 5.5) + _term("delicious", "rightLinear", 5.5, 10.0),
+        'type="input"',
+    )
+    + _variable(
+        "service",
+        10,
+        _term("poor", "leftGaussian", 0.0, 2.0)
+        + _term("good", "gaussian", 5.0, 4.0)
+        + _term("excellent", "rightGaussian", 10.0, 2.0),
+        'type="input"',
+    )
+    + _variable(
+        "tip",
+        20,
+        '<fuzzyTerm name="cheap"><pointSetShape interpolationMethod="lagrange">'
+        + _CHEAP
+        + "</pointSetShape></fuzzyTerm>"
+        + _term("average", "triangular", 5.0, 10.0, 15.0)
+        + _term("generous", "triangular", 10.0, 15.0, 20.0),
+        'type="output" accumulation="MAX" defuzzifier="COG" defaultValue="0.0"',
+    )
+    + '</knowledgeBase><mamdaniRuleBase name="rules" activationMethod="MIN">'
+    + _rule(1, "cheap", ("food", "rancid", ""), ("service", "poor", ' modifier="very"'))
+    + _rule(2, "average", ("service", "good", ""))
+    + _rule(3, "generous", ("service", "excellent", ""), ("food", "delicious", ""))
+    + "</mamdaniRuleBase></fuzzySystem>"
+)
+"""The system of JFML's example TipperMamdani2."""

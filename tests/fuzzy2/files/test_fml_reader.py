@@ -20,7 +20,7 @@ from fuzzy2.sets.smooth_shapes import PiShaped, TwoSidedGaussian
 from fuzzy2.sets.type1 import SampledSet, Singleton
 from fuzzy2.systems.antecedents import leaves
 from tests.fuzzy2.files.fis_texts import TIPPER as TIPPER_FIS
-from tests.fuzzy2.files.fml_texts import TIPPER, TSK
+from tests.fuzzy2.files.fml_texts import TIPPER, TIPPER_WITH_POLYNOMIAL, TSK
 
 
 def test_the_tipper_is_that_of_matlab_but_for_the_grid() -> None:
@@ -456,6 +456,52 @@ def test_points_of_a_polynomial() -> None:
     x = np.linspace(0.0, 10.0, 51)
     expected = np.clip(1.0 - ((x - 3.0) / 2.0) ** 2, 0.0, 1.0)
     np.testing.assert_allclose(system.inputs[0][0](x), expected, atol=1e-12)
+
+
+def test_jfml_forgets_the_polynomial_and_counts_parameters_again() -> None:
+    """What JFML 1.3 answers to its TipperMamdani2, and why it is not the same here.
+
+    JFML makes the shape anew when it has read a document, without the method of interpolation, so
+    that points are always joined by lines; and it sums, in single precision, over 2000 points and
+    once more over the parameters of the output's shapes. Done so with the sets and the firing
+    here, its numbers come out.
+    """
+    inputs = np.float32(
+        [
+            [4.065103530883789, 9.099589347839355],
+            [0.7863003611564636, 6.526145935058594],
+            [4.045518398284912, 1.9851304292678833],
+            [7.2965545654296875, 1.7565561532974243],
+            [8.8993558883667, 8.223738670349121],
+        ]
+    ).astype(float)
+    of_jfml = [11.04887, 9.49553, 8.047848, 9.977379, 12.526456]
+    lines = parse_fml(TIPPER_WITH_POLYNOMIAL.replace("lagrange", "linear"))
+    x, points = np.float32(0.0), set(np.float32([0, 1, 2, 3, 4, 5, 10, 15, 20]))
+    while x < 20.0:
+        points.add(x)
+        x += np.float32(20.0) / np.float32(2000.0)
+    x = np.array(sorted(points))
+    cheap, average, generous = (meaning for (meaning,) in lines.consequent_sets)
+    for row, answer in zip(inputs, of_jfml, strict=True):
+        united = np.zeros_like(x)
+        for meaning, fired in zip((cheap, average, generous), lines.firing(row), strict=True):
+            united = np.maximum(united, np.minimum(meaning(x), fired[1])).astype(np.float32)
+        moment, area = np.cumsum(x * united)[-1], np.cumsum(united)[-1]
+        assert moment.dtype == np.float32
+        np.testing.assert_allclose(moment / area, answer, rtol=2e-6)
+    # Where the polynomial fires, it is what costs the most; the last input does not ask for it.
+    system = parse_fml(TIPPER_WITH_POLYNOMIAL)
+    away = np.abs(system(inputs)[:, 0] - of_jfml)
+    assert (away[:-1] > 0.03).all()
+    assert away[-1] < 1e-4
+    fine = np.linspace(0.0, 20.0, system.resolution)
+    lagrange = np.polynomial.Polynomial.fit([0, 1, 2, 3, 4], [1.0, 1.0, 0.6, 0.4, 0.0], 4)
+    grades = [np.clip(lagrange(fine), 0.0, 1.0), average(fine), generous(fine)]
+    for row, answer in zip(inputs, system(inputs)[:, 0], strict=True):
+        clipped = [np.minimum(g, f[1]) for g, f in zip(grades, system.firing(row), strict=True)]
+        united = np.max(clipped, axis=0)
+        np.testing.assert_allclose(united @ fine / united.sum(), answer, rtol=1e-9)
 
 
 def test_tsukamoto_and_the_maxima() -> None:
