@@ -96,6 +96,7 @@ if TYPE_CHECKING:
     from fuzzy2.sets.type1 import SampledSet as SampledSet
     from fuzzy2.sets.type1 import Singleton as Singleton
     from fuzzy2.sets.type1 import Type1Set as Type1Set
+    from fuzzy2.systems.anya import AnYaSystem as AnYaSystem
     from fuzzy2.systems.consequents import Linear as Linear
     from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier as NonSingletonFuzzifier
     from fuzzy2.systems.fuzzifiers import SingletonFuzzifier as SingletonFuzzifier

@@ -25,7 +25,7 @@ load_result simulate statistics to_mjcf
         trajectories with_payload
     """,
     "fuzzy2": """
-        ANFIS FuzzyClassifier automf lagged subtractive_clustering view
+        ANFIS AnYaSystem FuzzyClassifier automf lagged subtractive_clustering view
         AdaptiveConsequents ApproximationWarning Bell Clusters Complement FineTuning FunctionalSet \
 FunctionalType2Set Fuzzy2Error NamedShape ParallelSystem
         FuzzyNumber FuzzySystem Gaussian GaussianNumber GaussianType2Set GaussianUncertainMean \

@@ -1,6 +1,7 @@
 """Systems in the Fuzzy Markup Language of IEEE Std 1855-2016 (FML).
 
-Type-1 systems of Mamdani, of Takagi, Sugeno and Kang, and of Tsukamoto.
+Type-1 systems of Mamdani, of Takagi, Sugeno and Kang, and of Tsukamoto; and AnYa rule bases, whose
+rules ask for clouds of data and say sets (:class:`fuzzy2.AnYaSystem`).
 
 The shapes that have a class here are read and written: triangles, trapezoids, shoulders (right and
 left linear), Gaussians, rectangles, singletons, linearly interpolated points, Gaussian shoulders,
@@ -13,7 +14,8 @@ Rules have weights, *and* or *or*, modifiers, an *else*, and may be silent about
 JFML departs from the standard the standard is followed: JFML's ``plus``, ``somewhat``,
 ``more_or_less`` and ``seldom`` divide whole numbers. Refused with their line are the modifiers
 ``above``, ``below``, ``norm`` and ``slightly``, custom shapes and operators, cubic and spline
-interpolation, several rule bases, operators that differ among outputs or rules, and AnYa.
+interpolation, several rule bases, operators that differ among outputs or rules, and functions or
+Tsukamoto's sets as consequents of AnYa.
 
 Words are read in any case. ``defaultValue`` is the output where no rule fires, and NaN, which is
 written, stands for none. The center of gravity, an integral in the standard, is summed up over
@@ -30,6 +32,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+from typing import TypeAlias
 from xml.etree import ElementTree
 
 from fuzzy2.files.description import description_of
@@ -37,10 +40,14 @@ from fuzzy2.files.fml_names import OWN_INSTRUCTION
 from fuzzy2.files.fml_reader import FmlReader
 from fuzzy2.files.fml_writer import document_of
 from fuzzy2.support.text_files import read_text, write_text
+from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.system import FuzzySystem
 
+AnySystem: TypeAlias = FuzzySystem | AnYaSystem
+"""What an FML document describes."""
 
-def parse_fml(text: str, source: str = "text") -> FuzzySystem:
+
+def parse_fml(text: str, source: str = "text") -> AnySystem:
     """Return the system that an FML document describes; see :func:`read_fml`.
 
     Parameters
@@ -52,7 +59,7 @@ def parse_fml(text: str, source: str = "text") -> FuzzySystem:
 
     Returns
     -------
-    Type1System
+    Type1System or AnYaSystem
         The system.
 
     Raises
@@ -65,7 +72,7 @@ def parse_fml(text: str, source: str = "text") -> FuzzySystem:
     return FmlReader(source).system(text)
 
 
-def read_fml(path: str | os.PathLike[str]) -> FuzzySystem:
+def read_fml(path: str | os.PathLike[str]) -> AnySystem:
     """Return the system of an FML file.
 
     Parameters
@@ -75,9 +82,9 @@ def read_fml(path: str | os.PathLike[str]) -> FuzzySystem:
 
     Returns
     -------
-    Type1System
+    Type1System or AnYaSystem
         A Mamdani system with the reducer ``"centroid"``, or a Takagi-Sugeno-Kang system with
-        ``"center_of_sets"``.
+        ``"center_of_sets"``; of clouds of data an :class:`fuzzy2.AnYaSystem`.
 
     Raises
     ------
@@ -91,12 +98,12 @@ def read_fml(path: str | os.PathLike[str]) -> FuzzySystem:
     return parse_fml(read_text(path), str(path))
 
 
-def format_fml(system: FuzzySystem, name: str = "system") -> str:
+def format_fml(system: AnySystem, name: str = "system") -> str:
     """Return a system as an FML document; see :func:`write_fml`.
 
     Parameters
     ----------
-    system : Type1System
+    system : Type1System or AnYaSystem
         The system.
     name : str
         Its name in the document.
@@ -111,8 +118,10 @@ def format_fml(system: FuzzySystem, name: str = "system") -> str:
     NotExpressible
         If FML has no way to write the system.
     """
-    description = description_of(system, "FML")
-    root = document_of(description, name if name.isprintable() else "system")
+    clouds = system if isinstance(system, AnYaSystem) else None
+    described = system.consequents if isinstance(system, AnYaSystem) else system
+    description = description_of(described, "FML")
+    root = document_of(description, name if name.isprintable() else "system", clouds)
     ElementTree.indent(root)
     lines = ['<?xml version="1.0" encoding="UTF-8"?>']
     if description.mamdani:
@@ -121,12 +130,12 @@ def format_fml(system: FuzzySystem, name: str = "system") -> str:
     return "\n".join([*lines, ElementTree.tostring(root, encoding="unicode"), ""])
 
 
-def write_fml(system: FuzzySystem, path: str | os.PathLike[str]) -> None:
+def write_fml(system: AnySystem, path: str | os.PathLike[str]) -> None:
     """Write a system to an FML file.
 
     Parameters
     ----------
-    system : Type1System
+    system : Type1System or AnYaSystem
         The system.
     path : str or path-like
         The file; one that exists is replaced whole.

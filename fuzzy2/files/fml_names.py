@@ -38,7 +38,15 @@ T_CONORMS = {
     "NILMAX": "nilpotent",
 }
 
-RULE_BASES = {"mamdaniRuleBase": "mamdani", "tskRuleBase": "tsk", "tsukamotoRuleBase": "tsukamoto"}
+RULE_BASES = {
+    "mamdaniRuleBase": "mamdani",
+    "tskRuleBase": "tsk",
+    "tsukamotoRuleBase": "tsukamoto",
+    "anYaRuleBase": "anya",
+}
+
+FIRING = Trapezoidal(0.0, 1.0, math.inf, math.inf)
+"""Term of a firing that is an input: its grade is the firing."""
 
 DEFUZZIFIERS = {
     "COG": "centroid",

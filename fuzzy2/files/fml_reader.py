@@ -9,20 +9,33 @@ from typing import Any
 from fuzzy2.errors import Fuzzy2Error, MalformedFile, NotExpressible
 from fuzzy2.files.description import Description, LinearFunction, Variable, system_of
 from fuzzy2.files.fml_elements import Element, FmlElements
-from fuzzy2.files.fml_names import DEFUZZIFIERS, RULE_BASES, SAMPLE_POINTS, T_CONORMS, T_NORMS
+from fuzzy2.files.fml_names import (
+    DEFUZZIFIERS,
+    FIRING,
+    RULE_BASES,
+    SAMPLE_POINTS,
+    T_CONORMS,
+    T_NORMS,
+)
 from fuzzy2.files.fml_rules import FmlRules
 from fuzzy2.files.fml_terms import FmlTerms
 from fuzzy2.sets.type1 import Singleton
+from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.operators import INTEGRATIONS
 from fuzzy2.systems.system import FuzzySystem
 
-_OUTPUTS = {"mamdani": "fuzzyVariable", "tsk": "tskVariable", "tsukamoto": "tsukamotoVariable"}
+_OUTPUTS = {
+    "mamdani": "fuzzyVariable",
+    "tsk": "tskVariable",
+    "tsukamoto": "tsukamotoVariable",
+    "anya": "fuzzyVariable",
+}
 
 
 class FmlReader(FmlElements):
     """One document, read into elements and then into a description."""
 
-    def system(self, text: str) -> FuzzySystem:
+    def system(self, text: str) -> FuzzySystem | AnYaSystem:
         """Return the system that the document describes."""
         root = self.root(text)
         base, rule_base = self._bases(root)
@@ -49,8 +62,15 @@ class FmlReader(FmlElements):
                 rules.aggregate(element)
         found = rules.rules()
         t_norm, disjunction = rules.operators()
+        clouds = [self._cloud(one) for one in elements if one.name == "anYaDataCloud"]
+        names = [variable.name for variable in inputs]
+        if kind == "anya":
+            inputs = tuple(
+                Variable(f"rule{i + 1}", (0.0, 1.0), {"fires": FIRING})
+                for i in range(len(rules.clouds))
+            )
         try:
-            return system_of(
+            system = system_of(
                 Description(
                     inputs,
                     outputs,
@@ -61,6 +81,7 @@ class FmlReader(FmlElements):
                     **operators,
                 )
             )
+            return AnYaSystem(clouds, rules.clouds, system, names) if kind == "anya" else system
         except (MalformedFile, NotExpressible):
             raise
         except Fuzzy2Error as error:
@@ -70,20 +91,13 @@ class FmlReader(FmlElements):
         """Return the knowledge base and the rule base, one of each."""
         if root.name != "fuzzySystem":
             raise self.malformed(root.line, f"expected <fuzzySystem>, got <{root.name}>")
-        parts = self.children(root, "knowledgeBase", *RULE_BASES, "anYaRuleBase")
+        parts = self.children(root, "knowledgeBase", *RULE_BASES)
         bases = [part for part in parts if part.name == "knowledgeBase"]
         rule_bases = [part for part in parts if part.name != "knowledgeBase"]
         if len(bases) != 1:
             raise self.malformed(root.line, f"expected one <knowledgeBase>, got {len(bases)}")
         if not rule_bases:
             raise self.malformed(root.line, "there is no rule base")
-        for other in rule_bases:
-            if other.name not in RULE_BASES:
-                raise self.refused(
-                    other.line,
-                    f"<{other.name}>",
-                    "rule bases are of Mamdani or TSK, or of Tsukamoto",
-                )
         if len(rule_bases) > 1:
             raise self.refused(rule_bases[1].line, "a second rule base", "a system has one")
         return bases[0], rule_bases[0]
@@ -132,14 +146,16 @@ class FmlReader(FmlElements):
 
     def _variable(self, element: Element, kind: str) -> tuple[Variable, bool]:
         """Return a variable, and whether it is an output."""
-        if element.name == "anYaDataCloud":
+        if element.name == "anYaDataCloud" and kind != "anya":
             raise self.refused(
-                element.line, f"<{element.name}>", "variables are fuzzy, or outputs of TSK"
+                element.line, f"<{element.name}>", "only an <anYaRuleBase> asks for clouds"
             )
         name = self.attribute(element, "name")
+        if element.name == "anYaDataCloud":
+            return Variable(name, (0.0, 1.0), {}), False
         if element.name in ("tskVariable", "tsukamotoVariable"):
             if element.name != _OUTPUTS[kind]:
-                base = "Mamdani" if kind == "mamdani" else kind
+                base = {"mamdani": "Mamdani", "anya": "AnYa"}.get(kind, kind)
                 raise self.malformed(element.line, f"a {base} rule base has no <{element.name}>")
             combination = self.attribute(element, "combination", "WA")
             if combination.upper() != "WA":
@@ -161,7 +177,11 @@ class FmlReader(FmlElements):
         role = self.attribute(element, "type", "input").lower()
         if role not in ("input", "output"):
             raise self.malformed(element.line, f"expected the type input or output, got {role!r}")
-        if role == "output" and kind != "mamdani":
+        if role == "input" and kind == "anya":
+            raise self.malformed(
+                element.line, "an input of an AnYa rule base is an <anYaDataCloud>"
+            )
+        if role == "output" and kind not in ("mamdani", "anya"):
             base = "TSK" if kind == "tsk" else "Tsukamoto"
             raise self.malformed(
                 element.line, f"an output of a {base} rule base is a <{_OUTPUTS[kind]}>"
@@ -170,6 +190,13 @@ class FmlReader(FmlElements):
         terms = FmlTerms(self).sets(element, "fuzzyTerm", ends)
         default = self._default(element) if role == "output" else None
         return Variable(name, ends, terms, default), role == "output"
+
+    def _cloud(self, element: Element) -> list[float]:
+        """Return the data of a cloud."""
+        data = [self.number(one, one.text.strip()) for one in self.children(element, "datum")]
+        if not data:
+            raise self.malformed(element.line, "expected at least one <datum>")
+        return data
 
     def _ends(self, element: Element) -> tuple[float, float]:
         low, high = (

@@ -20,6 +20,7 @@ Names = dict[str, list[str]]
 
 _WORDS = {
     "tskRuleBase": ("tskRule", "tskConsequent", "tskThen", "tskElse", "tskClause"),
+    "anYaRuleBase": ("anYaRule", "consequent", "then", "else", "clause"),
 }
 _MAMDANI = ("rule", "consequent", "then", "else", "clause")
 
@@ -43,6 +44,8 @@ class FmlRules:
         self._aggregated: dict[str, dict[str, Antecedent]] = {}
         self._both: dict[str, int] = {}
         self._either: dict[str, int] = {}
+        self.clouds: list[int] = []
+        """For each rule of an AnYa rule base the number of its cloud."""
 
     def operators(self) -> tuple[str, str]:
         """Return what *and* and *or* mean; the rules, which must agree on them, are read first."""
@@ -105,13 +108,21 @@ class FmlRules:
 
     def _rule(self, rule: Element, names: tuple[str, ...]) -> list[DescribedRule]:
         elements, (_, consequent, then, otherwise, clause) = self._elements, names
-        parts = {part.name: part for part in elements.children(rule, "antecedent", consequent)}
+        condition = "anYaAntecedent" if rule.name == "anYaRule" else "antecedent"
+        for part in rule.children:
+            if rule.name == "anYaRule" and part.name == "tskConsequent":
+                raise elements.refused(
+                    part.line, "<tskConsequent> of <anYaRule>", "its consequents are sets"
+                )
+        parts = {part.name: part for part in elements.children(rule, condition, consequent)}
         if len(parts) != 2 or len(rule.children) != 2:
-            raise elements.malformed(rule.line, f"expected one <antecedent> and one <{consequent}>")
+            raise elements.malformed(
+                rule.line, f"expected one <{condition}> and one <{consequent}>"
+            )
         weight = elements.number(rule, elements.attribute(rule, "weight", "1.0"))
         if not 0.0 <= weight <= 1.0:
             raise elements.malformed(rule.line, f"expected a weight from 0 to 1, got {weight:g}")
-        asked = self._asked(rule, parts["antecedent"])
+        asked = self._asked(rule, parts[condition])
         found: list[DescribedRule] = []
         for branch in elements.children(parts[consequent], then, otherwise):
             said = self._said(branch, clause)
@@ -130,6 +141,11 @@ class FmlRules:
 
     def _asked(self, rule: Element, antecedent: Element) -> Antecedent:
         elements = self._elements
+        if antecedent.name == "anYaAntecedent":
+            names = [variable.name for variable in self._inputs]
+            cloud = elements.named(elements.only(antecedent, "dataCloudName"), names, "data cloud")
+            self.clouds.append(names.index(cloud))
+            return Is(len(self.clouds) - 1, 0)
         parts = tuple(self._clause(child) for child in elements.children(antecedent, "clause"))
         if not parts:
             raise elements.malformed(rule.line, "the rule asks for nothing")

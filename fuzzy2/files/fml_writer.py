@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import NoReturn
 from xml.etree import ElementTree
 
@@ -17,6 +18,7 @@ from fuzzy2.files.description import (
     check_names,
     known_as,
 )
+from fuzzy2.files.fml_clouds import check_clouds, write_cloud_rules, write_clouds
 from fuzzy2.files.fml_names import (
     DEFUZZIFIERS,
     MODIFIERS,
@@ -28,11 +30,14 @@ from fuzzy2.files.fml_names import (
 )
 from fuzzy2.sets.derived import Complement
 from fuzzy2.sets.type1 import SampledSet, Type1Set
+from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.hedges import Hedge
 
 
-def document_of(description: Description, name: str) -> ElementTree.Element:
-    """Return the document of a description."""
+def document_of(
+    description: Description, name: str, clouds: AnYaSystem | None = None
+) -> ElementTree.Element:
+    """Return the document of a description, which may be that of the consequents of clouds."""
     if description.type2:
         _refuse("an interval type-2 system", "the standard has type-1 sets only; use JSON or .fis")
     if description.aggregation == SUM and description.mamdani:
@@ -41,14 +46,17 @@ def document_of(description: Description, name: str) -> ElementTree.Element:
     kind = "tsukamoto" if reduction == "tsukamoto" else "mamdani" if description.mamdani else "tsk"
     if kind == "tsk" and reduction != "center_of_sets":
         _refuse(f"the type reduction {reduction!r}", "it has weighted averages only")
-    check_names(description, "FML")
-    names = [variable.name for variable in (*description.inputs, *description.outputs)]
+    inputs = _inputs(description, clouds)
+    check_names(replace(description, inputs=inputs), "FML")
+    names = [variable.name for variable in (*inputs, *description.outputs)]
     if len(set(names)) < len(names):
         _refuse("an input and an output of one name", "variables are known by their names")
     root = ElementTree.Element("fuzzySystem", {"xmlns": NAMESPACE, "name": name})
     base = ElementTree.SubElement(root, "knowledgeBase")
-    for variable in description.inputs:
+    for variable in inputs if clouds is None else ():
         _write_sets(base, variable, ("fuzzyVariable", "fuzzyTerm"), {"type": "input"})
+    if clouds is not None:
+        write_clouds(base, clouds)
     for variable in description.outputs:
         default = {"defaultValue": _number(variable.default, "NaN")}
         if kind == "mamdani":
@@ -63,8 +71,19 @@ def document_of(description: Description, name: str) -> ElementTree.Element:
             _write_sets(base, variable, ("tsukamotoVariable", "tsukamotoTerm"), words)
         else:
             _write_functions(base, variable, default)
-    _write_rules(root, description, kind)
+    if clouds is None:
+        _write_rules(root, description, kind)
+    else:
+        write_cloud_rules(root, description, clouds)
     return root
+
+
+def _inputs(description: Description, clouds: AnYaSystem | None) -> tuple[Variable, ...]:
+    """Return the inputs of the document; those of clouds have no terms."""
+    if clouds is None:
+        return description.inputs
+    check_clouds(description, clouds)
+    return tuple(Variable(name, (0.0, 1.0), {}) for name in clouds.input_names)
 
 
 def _defuzzifier(reduction: str) -> str:

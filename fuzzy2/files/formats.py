@@ -15,6 +15,7 @@ from fuzzy2.files.fis import read_fis, write_fis
 from fuzzy2.files.fll import read_fll, write_fll
 from fuzzy2.files.fml import read_fml, write_fml
 from fuzzy2.support.text_files import read_text
+from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import FuzzySystem
 
@@ -122,7 +123,7 @@ def save(thing: Any, path: str | os.PathLike[str], **options: Any) -> None:
     found = _by_suffix(path) if suffix else FORMATS[0]
     if found is None:
         raise UnknownName("suffix of a file", suffix, SUFFIXES)
-    if not isinstance(thing, FuzzySystem | ParallelSystem) and found is not FORMATS[0]:
+    if not isinstance(thing, FuzzySystem | ParallelSystem | AnYaSystem) and found is not FORMATS[0]:
         raise NotExpressible(type(thing).__name__, suffix, "only systems can; use JSON")
     found.write(thing, path, **options)
 

@@ -69,6 +69,7 @@ from fuzzy2.sets.type1 import SampledSet, Singleton, Type1Set
 from fuzzy2.sets.uncertain_mean import FarthestMeanGaussian, NearestMeanGaussian
 from fuzzy2.sets.vertical_slices import Staircase
 from fuzzy2.support.text_files import read_text, write_text
+from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.consequents import Formulas, Linear, OutputOf
 from fuzzy2.systems.fuzzifiers import NonSingletonFuzzifier, SingletonFuzzifier
 from fuzzy2.systems.general_type2 import GeneralType2System
@@ -237,6 +238,12 @@ _FIELDS: dict[type, dict[str, Kind]] = {
     Type1System: _SYSTEM,
     IntervalType2System: _SYSTEM,
     ParallelSystem: {"systems": list_of(_thing(FuzzySystem, "a system"))},
+    AnYaSystem: {
+        "clouds": list_of(Kind(_write_numbers, _NUMBERS.read)),
+        "asked": list_of(INTEGER),
+        "consequents": _thing(FuzzySystem, "a system"),
+        "input_names": _NAMES,
+    },
     GeneralType2System: {
         **_SYSTEM,
         "reduction": choice_of(("alpha_planes", "gaussian"), "reduction"),

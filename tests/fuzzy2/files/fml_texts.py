@@ -149,3 +149,38 @@ TIPPER_WITH_POLYNOMIAL = (
     + "</mamdaniRuleBase></fuzzySystem>"
 )
 """The system of JFML's example TipperMamdani2."""
+
+
+def _cloud_rule(number: int, cloud: str, said: str) -> str:
+    return (
+        f'<anYaRule name="rule{number}"><anYaAntecedent><dataCloudName>{cloud}</dataCloudName>'
+        "</anYaAntecedent><consequent><then><clause><variable>tip</variable>"
+        f"<term>{said}</term></clause></then></consequent></anYaRule>"
+    )
+
+
+def _cloud(name: str, *data: float) -> str:
+    inside = "".join(f"<datum>{value}</datum>" for value in data)
+    return f'<anYaDataCloud name="{name}">{inside}</anYaDataCloud>'
+
+
+TIPPER_OF_CLOUDS = (
+    '<fuzzySystem xmlns="http://www.ieee1855.org" name="tipper - AnYa"><knowledgeBase>'
+    + _cloud("food", 1.0, 1.7, 4.0, 3.2)
+    + _cloud("service", 6.0, 5.7, 7.0, 4.6)
+    + _cloud("quality", 8.0, 7.7, 10.0, 8.6)
+    + _variable(
+        "tip",
+        20,
+        _term("cheap", "triangular", 0.0, 5.0, 10.0)
+        + _term("average", "triangular", 5.0, 10.0, 15.0)
+        + _term("generous", "triangular", 10.0, 15.0, 20.0),
+        'type="output" accumulation="MAX" defuzzifier="COG" defaultValue="0.0"',
+    )
+    + '</knowledgeBase><anYaRuleBase name="rules">'
+    + _cloud_rule(1, "food", "cheap")
+    + _cloud_rule(2, "service", "average")
+    + _cloud_rule(3, "quality", "generous")
+    + "</anYaRuleBase></fuzzySystem>"
+)
+"""The system of JFML's example TipperAnYa."""

@@ -333,15 +333,9 @@ def test_documents_that_are_none(text: str, place: str, said: str) -> None:
         ),
         (
             TIPPER,
-            "  <mamdaniRuleBase",
-            "<anYaRuleBase/>\n  <mamdaniRuleBase",
-            "rule bases are of Mamdani or TSK",
-        ),
-        (
-            TIPPER,
             "    <fuzzyVariable",
             "<anYaDataCloud/>\n    <fuzzyVariable",
-            "variables are fuzzy, or outputs of TSK",
+            "only an <anYaRuleBase> asks for clouds",
         ),
         (TSK, 'combination="WA"', 'combination="custom_x"', "the weighted average"),
     ],

@@ -1,0 +1,84 @@
+"""Clouds of data and the rules that ask for them, written into an FML document."""
+
+from __future__ import annotations
+
+from xml.etree import ElementTree
+
+from fuzzy2.errors import NotExpressible
+from fuzzy2.files.description import SILENT, DescribedRule, Description, known_as
+from fuzzy2.files.fml_names import FIRING, T_NORMS
+from fuzzy2.systems.antecedents import Is, Not
+from fuzzy2.systems.anya import AnYaSystem
+
+
+def check_clouds(description: Description, clouds: AnYaSystem) -> None:
+    """Refuse consequents that an AnYa rule base does not have.
+
+    Raises
+    ------
+    NotExpressible
+        If they are no united sets, or rules ask for more than one firing or its complement.
+    """
+    if not description.mamdani or description.reduced_by == "tsukamoto":
+        reason = "its clouds have united sets for consequents; use JSON"
+        raise NotExpressible(f"the type reduction {description.reduced_by!r}", "FML", reason)
+    branches = [_branches(description, i) for i in range(len(clouds.asked))]
+    count = sum(len(then) + len(otherwise) for then, otherwise in branches)
+    if count < len(description.rules) or any(
+        list(firing.terms.values()) != [FIRING] for firing in description.inputs
+    ):
+        reason = "its rules of clouds ask for the firing itself; use JSON"
+        raise NotExpressible("a rule that asks for more than a firing", "FML", reason)
+    for then, otherwise in branches:
+        if len(then) != 1 or len(otherwise) > 1:
+            raise NotExpressible(
+                f"{len(then)} rules for a firing and {len(otherwise)} against it",
+                "FML",
+                "its rules of clouds have one then and at most one else; use JSON",
+            )
+        if otherwise and {then[0].weight, otherwise[0].weight} != {1.0}:
+            reason = "its else fires by 1 - w f; use JSON"
+            raise NotExpressible("else of a rule of clouds with a weight", "FML", reason)
+
+
+def _branches(
+    description: Description, firing: int
+) -> tuple[list[DescribedRule], list[DescribedRule]]:
+    """Return the rules that ask for a firing, and those that ask for its complement."""
+    asked = Is(firing, 0)
+    return (
+        [rule for rule in description.rules if rule.asked == asked],
+        [rule for rule in description.rules if rule.asked == Not(asked)],
+    )
+
+
+def write_clouds(base: ElementTree.Element, clouds: AnYaSystem) -> None:
+    """Write the data."""
+    for name, data in zip(clouds.input_names, clouds.clouds, strict=True):
+        cloud = ElementTree.SubElement(base, "anYaDataCloud", {"name": name})
+        for value in data:
+            ElementTree.SubElement(cloud, "datum").text = repr(float(value))
+
+
+def write_cloud_rules(
+    root: ElementTree.Element, description: Description, clouds: AnYaSystem
+) -> None:
+    """Write for each firing a rule, with *then* and perhaps *else*."""
+    implied = known_as(description.implied_by, T_NORMS, "implication", "FML")
+    words = {"name": "rules", "activationMethod": implied}
+    base = ElementTree.SubElement(root, "anYaRuleBase", words)
+    for i, cloud in enumerate(clouds.asked):
+        then, otherwise = _branches(description, i)
+        weight = {} if then[0].weight == 1.0 else {"weight": repr(float(then[0].weight))}
+        rule = ElementTree.SubElement(base, "anYaRule", {"name": f"rule{i + 1}", **weight})
+        antecedent = ElementTree.SubElement(rule, "anYaAntecedent")
+        ElementTree.SubElement(antecedent, "dataCloudName").text = clouds.input_names[cloud]
+        consequent = ElementTree.SubElement(rule, "consequent")
+        for word, rules in (("then", then), ("else", otherwise)):
+            for one in rules:
+                branch = ElementTree.SubElement(consequent, word)
+                for variable, term in zip(description.outputs, one.said, strict=True):
+                    if term != SILENT:
+                        clause = ElementTree.SubElement(branch, "clause")
+                        ElementTree.SubElement(clause, "variable").text = variable.name
+                        ElementTree.SubElement(clause, "term").text = list(variable.terms)[term]
