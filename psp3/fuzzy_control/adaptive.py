@@ -57,7 +57,7 @@ LEAST_SHARE_OF_MASS = 0.25
 difference is positive definite).
 """
 
-_ROWS = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")
+_ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired accelerations")
 
 
 class AdaptiveFuzzyComputedTorque:

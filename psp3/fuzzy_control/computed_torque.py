@@ -81,7 +81,7 @@ MOST_SAMPLES = 2000
 
 FuzzyNumbers = IntervalNumber | GaussianNumber
 
-_ROWS = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")
+_ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired accelerations")
 
 
 class FuzzyComputedTorque:

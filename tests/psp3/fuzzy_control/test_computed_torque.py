@@ -943,7 +943,7 @@ def test_other_rows_are_refused_by_name(
     rows: list[Any] = [np.zeros(3) for _ in range(5)]
     rows[place] = bad
     desired = Motion(rows[2], rows[3], rows[4], np.zeros(3))
-    name = ("heights", "speeds", "desired heights", "desired speeds", "desired accelerations")[
+    name = ("positions", "speeds", "desired positions", "desired speeds", "desired accelerations")[
         place
     ]
     for call in (

@@ -253,3 +253,12 @@ def test_names_of_another_robot_are_its_own() -> None:
     assert one.samples is None
     Run("ctc", robot="of mine/crane.urdf").check()
     Run("some.module:Name", robot="delta").check()
+
+
+@pytest.mark.parametrize("controller", ["adaptive-t1", "adaptive-it2"])
+def test_adaptive_controllers_of_another_robot_are_refused_before_anything_is_learned(
+    controller: str,
+) -> None:
+    Run(controller).check()
+    with pytest.raises(InvalidValue, match="t1, it2 or gt2"):
+        Run(controller, robot="delta").check()
