@@ -98,10 +98,12 @@ class _Operations(Context):
         operation = func.typing_key if type(func) is types.Function else func
         if kws or type(operation) is not python_types.BuiltinFunctionType or not _are_plain(args):
             return super().resolve_function_type(func, args, kws)
-        # Which whole number is written into the code makes no difference to a sum.
-        key = operation, tuple(map(types.unliteral, args)) if operation in PLAIN else args
+        # Which whole number is written into the code makes no difference to a sum. Asked for two
+        # written numbers, as a counter is one until more is known of it, numba would compare these.
+        kinds = tuple(map(types.unliteral, args)) if operation in PLAIN else args
+        key = operation, kinds
         if key not in _SIGNATURES:
-            _SIGNATURES[key] = super().resolve_function_type(func, args, kws)
+            _SIGNATURES[key] = super().resolve_function_type(func, kinds, kws)
         return _SIGNATURES[key]
 
 

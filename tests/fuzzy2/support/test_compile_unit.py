@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 from numba.core.errors import NumbaError
 
+from fuzzy2.support import compile_unit
 from fuzzy2.support.compile_unit import Kernel, _PartLibrary
 from fuzzy2.support.compiled import compiled, inlined, scalar
 
@@ -95,6 +96,27 @@ def test_a_part_is_translated_once_and_never_made_machine_code() -> None:
     assert not inner.overloads
     assert inner(0.5, 1) == 1.125
     assert len(inner.overloads) == 1
+
+
+def none_above(values):  # type: ignore[no-untyped-def]
+    count = 0
+    for i in range(values.size):
+        if values[i] > 0.0:
+            count += 1
+    return count == 0
+
+
+def test_a_counter_is_no_written_number_for_good(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where this comparison is the first one that is compiled in the process.
+
+    Numba first takes the counter for the number 0, and compares that with 0 once and for all; of
+    centroids whose kernel was compiled first that made NaN.
+    """
+    monkeypatch.setattr(compile_unit, "_SIGNATURES", {})
+    options = {"nopython": True, "error_model": "numpy"}
+    for values in (np.array([1.0, -2.0]), np.array([-1.0])):
+        kernel = Kernel(none_above, targetoptions=options)
+        assert kernel(values) == none_above(values)
 
 
 def test_parts_raise() -> None:
