@@ -27,6 +27,7 @@ COMMANDS = (
     "simulate",
     "train",
     "study",
+    "benchmark",
     "torques",
     "pose",
     "dynamics",
