@@ -101,6 +101,14 @@ class NotExpressible(Fuzzy2Error, ValueError):
         super().__init__(f"{what} cannot be expressed in {where}: {reason}")
 
 
+class NotExportable(Fuzzy2Error, ValueError):
+    """Something has no form in C."""
+
+    def __init__(self, what: str, why: str, remedy: str) -> None:
+        self.what, self.why, self.remedy = what, why, remedy
+        super().__init__(f"{what} cannot be written in C: {why}; give {remedy}")
+
+
 class TooManyEmbeddedSets(Fuzzy2Error, ValueError):
     """An enumeration of embedded sets would not end in reasonable time."""
 

@@ -1,0 +1,294 @@
+"""One self-contained .c and .h file made of translated kernels.
+
+The functions that users call take plain arrays and numbers; what they remember between two calls is
+a struct of the caller's. The same description of the functions serves whoever writes programs,
+tests or models around the code.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fuzzy2.export.numbers import Precision
+from fuzzy2.export.translator import Program
+from fuzzy2.export.values import BOOL, INT, NOTHING, REAL, Row, Scalar, Value, value_of
+
+
+@dataclass(frozen=True)
+class Known:
+    """An argument of a kernel that is written down in the code: a number, a table, a NamedTuple.
+
+    Parameters
+    ----------
+    name : str
+        What its tables are called.
+    thing : object
+        It.
+    """
+
+    name: str
+    thing: Any
+
+
+@dataclass(frozen=True)
+class Argument:
+    """An argument of a function in C.
+
+    Parameters
+    ----------
+    name : str
+        Its name.
+    about : str
+        What it is, with its unit.
+    size : int, optional
+        Numbers of an array; None for one number.
+    role : {"in", "out", "state"}
+        Whether it is read or written, or part of the struct that is remembered between two calls.
+    """
+
+    name: str
+    about: str
+    size: int | None = None
+    role: str = "in"
+
+
+@dataclass(frozen=True)
+class CFunction:
+    """A function in C that users call.
+
+    Parameters
+    ----------
+    name : str
+        Its name, with the prefix.
+    does : str
+        What it does, a sentence.
+    arguments : tuple of Argument
+        In the order of the kernel that it calls.
+    result : str
+        What it returns; empty where it returns nothing.
+    kernel : callable
+        The kernel; with ``known`` the same function in Python.
+    known : tuple
+        Arguments of the kernel in order: the things that are known, and None for each of
+        ``arguments``.
+    """
+
+    name: str
+    does: str
+    arguments: tuple[Argument, ...]
+    result: str
+    kernel: Callable[..., Any]
+    known: tuple[Any, ...]
+
+    @property
+    def visible(self) -> tuple[Argument, ...]:
+        """The arguments that are no part of the struct."""
+        return tuple(argument for argument in self.arguments if argument.role != "state")
+
+    @property
+    def has_state(self) -> bool:
+        """Whether it takes the struct."""
+        return any(argument.role == "state" for argument in self.arguments)
+
+    def in_python(self, *arguments: Any) -> Any:
+        """Call the kernel with its arguments, those of the struct included, as arrays."""
+        given = iter(arguments)
+        return self.kernel(*(next(given) if k is None else k for k in self.known))
+
+
+@dataclass(frozen=True)
+class CCode:
+    """A .c and a .h file, and what is in them.
+
+    Parameters
+    ----------
+    name : str
+        The prefix of all names, and the name of the files.
+    precision : Precision
+        Of all numbers.
+    header, source : str
+        The files.
+    functions : tuple of CFunction
+        What users call.
+    """
+
+    name: str
+    precision: Precision
+    header: str
+    source: str
+    functions: tuple[CFunction, ...]
+
+    def write(self, folder: str | Path) -> tuple[Path, Path]:
+        """Write ``name.h`` and ``name.c`` into a folder, and return their paths."""
+        from fuzzy2.support.text_files import write_text
+
+        where = Path(folder)
+        paths = where / f"{self.name}.h", where / f"{self.name}.c"
+        for path, text in zip(paths, (self.header, self.source), strict=True):
+            write_text(text, path)
+        return paths
+
+
+class CWriter:
+    """Collects functions, and writes them as C.
+
+    Parameters
+    ----------
+    name : str
+        The prefix of all names: an identifier of C.
+    precision : {"double", "single"}
+        Of all numbers.
+    about : sequence of str
+        Paragraphs for the header: what the code is, units, the order of joints, where it is from.
+    unrolled : iterable of str
+        See :class:`fuzzy2.export.translator.Program`.
+    """
+
+    def __init__(
+        self, name: str, precision: str, about: list[str], unrolled: tuple[str, ...] = ()
+    ) -> None:
+        self.name, self.about = name, about
+        self.precision = Precision(precision)
+        self.program = Program(name, self.precision, frozenset(unrolled))
+        self.functions: list[CFunction] = []
+        self.bodies: list[str] = []
+
+    def add(
+        self,
+        name: str,
+        does: str,
+        kernel: Callable[..., Any],
+        arguments: list[Known | Argument],
+        result: str = "",
+    ) -> CFunction:
+        """Add a function.
+
+        Parameters
+        ----------
+        name : str
+            Its name, without the prefix.
+        does : str
+            What it does, a sentence.
+        kernel : callable
+            The kernel that it calls.
+        arguments : list of Known or Argument
+            Of the kernel, in order.
+        result : str
+            What it returns; empty for nothing.
+        """
+        values = [self._value(argument) for argument in arguments]
+        said = self.program.call(kernel, values)
+        known = tuple(a.thing if isinstance(a, Known) else None for a in arguments)
+        asked = tuple(a for a in arguments if isinstance(a, Argument))
+        function = CFunction(f"{self.name}_{name}", does, asked, result, kernel, known)
+        code = f"return {said.code};" if said.type != NOTHING else f"{said.code};"
+        self.functions.append(function)
+        self.bodies.append(f"{self._head(function, said.type)}\n{{\n    {code}\n}}\n")
+        return function
+
+    def _value(self, argument: Known | Argument) -> Value:
+        if isinstance(argument, Known):
+            return value_of(argument.name, argument.thing)
+        if argument.size is None:
+            return Value(REAL, argument.name)
+        kind = Row(REAL, argument.role == "in", (argument.size,))
+        place = f"state->{argument.name}" if argument.role == "state" else argument.name
+        return Value(kind, f"({self.program.c_type(kind)}){{{place}, {argument.size}}}")
+
+    def _head(self, function: CFunction, result: Any) -> str:
+        item = self.precision.type
+        parts = [f"{self.name}_state *state"] if function.has_state else []
+        for argument in function.visible:
+            if argument.size is None:
+                parts.append(f"{item} {argument.name}")
+            elif argument.role == "in":
+                parts.append(f"const {item} {argument.name}[{argument.size}]")
+            else:
+                parts.append(f"{item} {argument.name}[{argument.size}]")
+        kind = {INT: "int", BOOL: "int", REAL: item, NOTHING: "void"}[result]
+        assert isinstance(result, Scalar)
+        return f"{kind} {function.name}({', '.join(parts) or 'void'})"
+
+    def code(self) -> CCode:
+        """Return the files."""
+        from fuzzy2 import __version__
+
+        heads = [body.split("\n")[0] for body in self.bodies]
+        kernels = self._kernels("\n".join(self.bodies))
+        words = set(re.findall(r"\w+", kernels + "\n".join(self.bodies)))
+        parts = [
+            f'#include "{self.name}.h"\n\n#include <math.h>',
+            self._extremes(words),
+            self.program.types(),
+            self.program.constants(),
+            kernels,
+            "\n".join(self.bodies),
+        ]
+        source = "\n\n".join(part for part in parts if part)
+        digest = hashlib.sha256(source.encode()).hexdigest()[:16]
+        about = [*self.about, f"Written by fuzzy2 {__version__}; {digest} is its hash."]
+        return CCode(
+            self.name,
+            self.precision,
+            self._header(about, heads),
+            f"/* {self.name}.c: see {self.name}.h. Hash {digest}. */\n{source}",
+            tuple(self.functions),
+        )
+
+    def _header(self, about: list[str], heads: list[str]) -> str:
+        guard = f"{self.name.upper()}_H"
+        lines = ["/*", *(f" * {line}" for part in about for line in [*part.split("\n"), ""]), " */"]
+        lines = [line.rstrip() for line in lines]
+        text = [*lines, f"#ifndef {guard}", f"#define {guard}", ""]
+        states = {
+            argument.name: argument
+            for function in self.functions
+            for argument in function.arguments
+            if argument.role == "state"
+        }
+        if states:
+            text.append("/* What is remembered between two calls. */")
+            text.append("typedef struct {")
+            for state in states.values():
+                text.append(
+                    f"    {self.precision.type} {state.name}[{state.size}]; /* {state.about} */"
+                )
+            text += [f"}} {self.name}_state;", ""]
+        for function, head in zip(self.functions, heads, strict=True):
+            text.append(f"/* {function.does}")
+            for argument in function.visible:
+                text.append(f" * {argument.name}: {argument.about}")
+            if function.result:
+                text.append(f" * returns: {function.result}")
+            text += [" */", f"{head};", ""]
+        return "\n".join([*text, "#endif"]) + "\n"
+
+    def _extremes(self, words: set[str]) -> str:
+        """Return the functions min and max that are used: NaN and zeros go through Python's way."""
+        texts = []
+        for name, sign in (("min", "<"), ("max", ">")):
+            for kind, item in (("real", self.precision.type), ("int", "int")):
+                function = f"{self.name}_{name}_{kind}"
+                if function in words:
+                    texts.append(
+                        f"static {item} {function}({item} a, {item} b)\n"
+                        f"{{\n    return b {sign} a ? b : a;\n}}"
+                    )
+        return "\n\n".join(texts)
+
+    def _kernels(self, functions: str) -> str:
+        """Return the kernels that are called."""
+        order = self.program.order
+        texts = {instance.name: instance.text for instance in order}
+        wanted: set[str] = set()
+        waiting = [functions]
+        while waiting:
+            for word in set(re.findall(r"\w+", waiting.pop())) & texts.keys() - wanted:
+                wanted.add(word)
+                waiting.append(texts[word])
+        return "\n".join(instance.text for instance in order if instance.name in wanted)

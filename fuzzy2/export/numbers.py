@@ -1,0 +1,59 @@
+"""How numbers are written in C, in double or single precision."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+from fuzzy2.export.values import BOOL, INT, REAL, Scalar, Value
+
+GREATEST_SINGLE, LEAST_SINGLE = 3.4028234663852886e38, 1.1754943508222875e-38
+
+
+@dataclass(frozen=True)
+class Precision:
+    """Double or single precision.
+
+    Parameters
+    ----------
+    name : {"double", "single"}
+        Which.
+    """
+
+    name: str
+
+    @property
+    def type(self) -> str:
+        """The type of a number in C."""
+        return "double" if self.name == "double" else "float"
+
+    def function(self, name: str) -> str:
+        """Return the name of a function of ``math.h``."""
+        return name if self.name == "double" else name + "f"
+
+    def literal(self, number: float) -> str:
+        """Return a number as C reads it back to the last bit."""
+        if math.isnan(number):
+            return "NAN"
+        if self.name == "single":
+            # Smaller and larger ones are no numbers of single precision.
+            if 0.0 < abs(number) < LEAST_SINGLE:
+                number = math.copysign(LEAST_SINGLE, number)
+            if abs(number) > GREATEST_SINGLE:
+                number = math.copysign(math.inf, number)
+        if math.isinf(number):
+            return "INFINITY" if number > 0.0 else "-INFINITY"
+        text = repr(float(number))
+        if "e" not in text and "." not in text:
+            text += ".0"
+        return text if self.name == "double" else text + "f"
+
+    def number(self, number: Any, kind: Scalar) -> Value:
+        """Return a number that is known."""
+        if kind == BOOL:
+            return Value(BOOL, "1" if number else "0", bool(number))
+        if kind == INT:
+            return Value(INT, str(int(number)), int(number))
+        text = self.literal(float(number))
+        return Value(REAL, f"({text})" if text.startswith("-") else text, float(number))

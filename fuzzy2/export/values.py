@@ -1,0 +1,126 @@
+"""Values of translated kernels: their type, their C code and what is known of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.support.checks import Array
+
+
+@dataclass(frozen=True)
+class Scalar:
+    """A number: ``real``, ``int`` or ``bool``."""
+
+    name: str
+
+
+REAL, INT, BOOL, NOTHING = Scalar("real"), Scalar("int"), Scalar("bool"), Scalar("void")
+
+
+@dataclass(frozen=True)
+class Row:
+    """A part of an array of one or two dimensions: where it begins, and its sizes.
+
+    ``item`` is REAL or INT; ``constant`` where nobody may write to it; ``shape`` has None for each
+    size that is known only when the code runs.
+    """
+
+    item: Scalar
+    constant: bool
+    shape: tuple[int | None, ...]
+
+
+@dataclass(frozen=True)
+class Record:
+    """Several values with names: a NamedTuple, or a tuple, whose names are ``f0``, ``f1``, …"""
+
+    name: str
+    fields: tuple[tuple[str, Any], ...]
+
+    def __getitem__(self, name: str) -> Any:
+        """Return the type of a field."""
+        return dict(self.fields)[name]
+
+
+Type = Scalar | Row | Record
+
+
+@dataclass(frozen=True)
+class Table:
+    """Numbers that are known when the code is written, from a place on: an array of C.
+
+    ``numbers`` is flat; two tables are the same where they are the same array.
+    """
+
+    name: str
+    numbers: Array = field(compare=False)
+    start: int = 0
+
+
+@dataclass(frozen=True)
+class Value:
+    """What an expression stands for.
+
+    ``known`` is a number, a :class:`Table`, a dict of the values of a record, or None.
+    """
+
+    type: Type
+    code: str
+    known: Any = None
+
+    @property
+    def is_known(self) -> bool:
+        """Whether nothing of it has to be handed over when the code runs."""
+        if isinstance(self.type, Record):
+            return isinstance(self.known, dict) and all(v.is_known for v in self.known.values())
+        if isinstance(self.type, Row):
+            return self.known is not None and None not in self.type.shape
+        return self.known is not None
+
+    @property
+    def key(self) -> Any:
+        """What functions are told apart by that are translated for this value."""
+        if isinstance(self.known, dict):
+            return self.type, tuple((name, value.key) for name, value in self.known.items())
+        if isinstance(self.known, float) and self.known != self.known:
+            return self.type, "nan"
+        return self.type, type(self.known).__name__, self.known
+
+
+def joined(one: Type, other: Type) -> Type:
+    """Return the type of a variable that has values of both."""
+    if one == other:
+        return one
+    if isinstance(one, Scalar) and isinstance(other, Scalar):
+        order = [BOOL, INT, REAL]
+        return max(one, other, key=order.index)
+    if isinstance(one, Row) and isinstance(other, Row) and one.item == other.item:
+        same = tuple(a if a == b else None for a, b in zip(one.shape, other.shape, strict=True))
+        return Row(one.item, one.constant or other.constant, same)
+    if isinstance(one, Record) and isinstance(other, Record) and one.name == other.name:
+        pairs = zip(one.fields, other.fields, strict=True)
+        return Record(one.name, tuple((a[0], joined(a[1], b[1])) for a, b in pairs))
+    raise TypeError(one, other)
+
+
+def value_of(code: str, thing: Any) -> Value:
+    """Return what is known of a Python object that a kernel takes.
+
+    Tables of NamedTuples are named after their fields, below ``code``.
+    """
+    if isinstance(thing, bool | np.bool_):
+        return Value(BOOL, "1" if thing else "0", bool(thing))
+    if isinstance(thing, int | np.integer):
+        return Value(INT, str(int(thing)), int(thing))
+    if isinstance(thing, float | np.floating):
+        return Value(REAL, code, float(thing))
+    if isinstance(thing, np.ndarray):
+        item = INT if np.issubdtype(thing.dtype, np.integer) else REAL
+        flat = np.ascontiguousarray(thing).ravel()
+        return Value(Row(item, True, thing.shape), code, Table(code, flat))
+    fields = {name: value_of(f"{code}_{name}", getattr(thing, name)) for name in thing._fields}
+    kind = Record(type(thing).__name__, tuple((name, v.type) for name, v in fields.items()))
+    return Value(kind, code, fields)
