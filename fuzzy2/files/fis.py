@@ -23,9 +23,9 @@ value, MATLAB's by distance from 0; it has more t-norms, and hedges. fuzzylite's
 middles of 100 pieces in version 6, of 200 in version 5 and of 1000 in version 7, and a file those
 of the version that wrote it; it has more terms, formulas among them, outputs of Tsukamoto and
 hybrid systems, whose outputs differ in their operators (:class:`fuzzy2.ParallelSystem`); numbers
-add up there, as in its version 6, which wrote most files. A file that says that it is of Octave's toolkit
-or of fuzzylite, or has what only they know, is read in their meaning. Where no rule fires a system
-answers NaN, as Octave does; MATLAB answers with the middle of the range.
+add up there, as in its version 6, which wrote most files. A file that says that it is of Octave's
+toolkit or of fuzzylite, or has what only they know, is read in their meaning. Where no rule fires a
+system answers NaN, as Octave does; MATLAB answers with the middle of the range.
 """
 
 from __future__ import annotations
