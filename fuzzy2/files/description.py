@@ -43,10 +43,15 @@ class Constant(NamedTuple):
 
 
 class LinearFunction(NamedTuple):
-    """Consequent that is a linear function of the inputs."""
+    """Consequent that is a linear function of the inputs.
+
+    ``spreads``, if there are any, are half-widths of the constant and of the slopes, as those of
+    :class:`fuzzy2.systems.consequents.Linear`.
+    """
 
     constant: float
     slopes: tuple[float, ...]
+    spreads: tuple[float, ...] = ()
 
 
 class DescribedRule(NamedTuple):
@@ -296,13 +301,13 @@ def _columns(system: FuzzySystem, where: str) -> list[tuple[tuple[float, float] 
         return [_whole([row[j] for row in of_sets], ends) for j, ends in enumerate(ranges)]
     values: list[list[Any]]
     if isinstance(consequents, Linear):
-        if consequents.spreads.any():
-            raise NotExpressible(
-                "linear consequents with spreads", where, "its linear functions are crisp"
-            )
-        functions = np.moveaxis(consequents.coefficients, 1, 0).tolist()
+        both = np.stack([consequents.coefficients, consequents.spreads])
         values = [
-            [LinearFunction(row[0], tuple(row[1:])) for row in column] for column in functions
+            [
+                LinearFunction(row[0], tuple(row[1:]), tuple(spreads) if any(spreads) else ())
+                for row, spreads in zip(*column, strict=True)
+            ]
+            for column in np.moveaxis(both, 2, 0).tolist()
         ]
     else:
         intervals = np.moveaxis(system.consequent_intervals, 1, 0).astype(float).tolist()
@@ -388,22 +393,22 @@ def _numbers(said: list[list[Any]], inputs: int) -> Linear | Array:
     """
     rows = [[Constant(0.0, 0.0) if term is None else term for term in row] for row in said]
     if any(isinstance(term, LinearFunction) for row in rows for term in row):
-        none = (0.0,) * inputs
-        functions = [
-            [
-                (*term, 0.0)
-                if isinstance(term, LinearFunction)
-                else (0.5 * term.left + 0.5 * term.right, none, 0.5 * (term.right - term.left))
-                for term in row
-            ]
-            for row in rows
-        ]
-        coefficients = [[(constant, *slopes) for constant, slopes, _ in row] for row in functions]
+        functions = [[_as_function(term, inputs) for term in row] for row in rows]
         return Linear(
-            coefficients, [[(spread, *none) for _, _, spread in row] for row in functions]
+            [[(one.constant, *one.slopes) for one in row] for row in functions],
+            [[one.spreads for one in row] for row in functions],
         )
     intervals = np.array(rows)
     return intervals[..., 0] if (intervals[..., 0] == intervals[..., 1]).all() else intervals
+
+
+def _as_function(term: Constant | LinearFunction, inputs: int) -> LinearFunction:
+    """Return a consequent as a function with spreads."""
+    none = (0.0,) * inputs
+    if isinstance(term, LinearFunction):
+        return term if term.spreads else term._replace(spreads=(0.0, *none))
+    middle = 0.5 * term.left + 0.5 * term.right
+    return LinearFunction(middle, none, (0.5 * (term.right - term.left), *none))
 
 
 def _limits(values: Any) -> tuple[float, float]:
@@ -480,6 +485,20 @@ def _whole(
         else:
             sets.append(whole(term))
     return _limits(ends), sets
+
+
+def check_crisp(term: LinearFunction, where: str) -> None:
+    """Refuse a function with spreads.
+
+    Raises
+    ------
+    NotExpressible
+        If it has some.
+    """
+    if term.spreads:
+        raise NotExpressible(
+            "linear consequents with spreads", where, "its linear functions are crisp; use JSON"
+        )
 
 
 def check_names(description: Description, where: str) -> None:

@@ -324,7 +324,7 @@ class SystemMaker:
             raise self._refused(
                 place,
                 f"rules of {output!r} with different operators ({', '.join(known)})",
-                f"an output has one {what}",
+                f"an output has one {what}; let the blocks of its rules have the same",
             )
         return known[0] if known else None
 

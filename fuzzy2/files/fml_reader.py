@@ -149,7 +149,7 @@ class FmlReader(FmlElements):
             raise self.refused(
                 list(found.values())[1].line,
                 f"another {attribute}",
-                "a system has one for all outputs",
+                "a system has one for all outputs; take the same, or a document for each",
             )
         return next(iter(found))
 

@@ -56,7 +56,7 @@ class FmlRules:
                 raise self._elements.refused(
                     max(used.values()),
                     f"another {attribute} than that of other rules",
-                    "a system has one t-norm and one t-conorm",
+                    "a system has one t-norm and one t-conorm; take the same for all rules",
                 )
             found.append(next(iter(used), own))
         return found[0], found[1]

@@ -15,6 +15,7 @@ from fuzzy2.files.description import (
     Description,
     LinearFunction,
     Variable,
+    check_crisp,
     check_names,
     known_as,
 )
@@ -150,6 +151,8 @@ def _write_functions(
     for name, term in variable.terms.items():
         if isinstance(term, Constant) and term.left != term.right:
             _refuse(f"the interval {list(term)} as a consequent", "its constants are crisp")
+        if isinstance(term, LinearFunction):
+            check_crisp(term, "FML")
         order, values = (
             ("1", (term.constant, *term.slopes))
             if isinstance(term, LinearFunction)
