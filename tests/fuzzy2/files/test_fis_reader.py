@@ -28,7 +28,7 @@ from fuzzy2.sets.uncertain_mean import NearestMeanGaussian
 from fuzzy2.systems import IntervalType2System, Type1System
 from fuzzy2.systems.antecedents import And, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import HEDGES
-from tests.fuzzy2.files.fis_texts import OPEN_TYPE2, TIPPER, TYPE2
+from tests.fuzzy2.files.fis_texts import CROSSING, OPEN_TYPE2, TIPPER, TYPE2
 from tests.fuzzy2.files.toolbox import Toolbox
 
 
@@ -432,15 +432,6 @@ def test_hedges_of_fuzzylite_and_of_octave() -> None:
 def test_names_that_terms_share_are_told_apart() -> None:
     system = parse_fis(edits(TIPPER, ("MF2='good'", "MF2='poor'")))
     assert system.term_names[0] == ("poor", "poor_2", "excellent")
-
-
-CROSSING = edits(
-    OPEN_TYPE2,
-    ("TypeRedMethod='Karnik-Mendel'", "TypeRedMethod='NT'"),
-    ("'trapmf',[-1.8 -1 0 1 1]", "'trapmf',[-0.9 -0.5 0 0.5 1]"),
-    ("MF1='mf1':'constant',[-1 -0.9]", "MF1='mf1':'linear',[2 1 -1 0.5]"),
-)
-"""The lower set of the first term is above the upper one where it begins, and again at the end."""
 
 
 def test_sets_that_cross_are_averaged_as_they_are_by_nie_and_tan() -> None:
