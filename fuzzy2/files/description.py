@@ -167,7 +167,7 @@ def system_of(description: Description) -> FuzzySystem:
     ]
     consequents: Any = said
     if not description.mamdani:
-        consequents = _numbers(said, len(description.inputs))
+        consequents = numbers_of(said, len(description.inputs))
     reduction, t_conorm = description.reduced_by, description.aggregation
     if reduction == "centroid" and t_conorm == SUM:
         reduction, t_conorm = "center_of_sums", "max"
@@ -241,7 +241,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         raise NotExpressible(
             f"the fuzzifier {system.fuzzifier!r}", where, "its inputs are numbers; use JSON"
         )
-    _check_operators(system, where)
+    check_operators(system, where)
     inputs = tuple(
         Variable(name, ends or _limits(domain_of(terms)), dict(zip(names, terms, strict=True)))
         for name, ends, names, terms in zip(
@@ -259,7 +259,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
             "numbers for consequents"
         )
         raise NotExpressible(f"type reduction {system.type_reduction!r}", where, reason)
-    columns = _columns(system, where)
+    columns = _columns(system)
     outputs, said = [], []
     for j, column in enumerate(columns):
         variable, numbers = _output(system, j, column, where)
@@ -291,32 +291,33 @@ def description_of(system: FuzzySystem, where: str) -> Description:
     )
 
 
-def _columns(system: FuzzySystem, where: str) -> list[tuple[tuple[float, float] | None, list[Any]]]:
+def _columns(system: FuzzySystem) -> list[tuple[tuple[float, float] | None, list[Any]]]:
     """Return the range of each output and what each rule says of it, None where it is silent."""
-    rules, consequents = range(len(system.rules)), system.consequents
     ranges = system.output_ranges or (None,) * system.n_outputs
-    silent = system.silent
     if system.consequent_sets is not None:
         of_sets = system.consequent_sets
         return [_whole([row[j] for row in of_sets], ends) for j, ends in enumerate(ranges)]
-    values: list[list[Any]]
+    return [(ends, list(said_numbers(system, j))) for j, ends in enumerate(ranges)]
+
+
+def said_numbers(system: FuzzySystem, j: int) -> list[Constant | LinearFunction | None]:
+    """Return what each rule says of an output of numbers or functions, None where it is silent."""
+    consequents, silent = system.consequents, system.silent
+    said: list[Constant | LinearFunction]
     if isinstance(consequents, Linear):
-        both = np.stack([consequents.coefficients, consequents.spreads])
-        values = [
-            [
-                LinearFunction(row[0], tuple(row[1:]), tuple(spreads) if any(spreads) else ())
-                for row, spreads in zip(*column, strict=True)
-            ]
-            for column in np.moveaxis(both, 2, 0).tolist()
+        both = zip(
+            consequents.coefficients[:, j].tolist(),
+            consequents.spreads[:, j].tolist(),
+            strict=True,
+        )
+        said = [
+            LinearFunction(row[0], tuple(row[1:]), tuple(spreads) if any(spreads) else ())
+            for row, spreads in both
         ]
     else:
-        intervals = np.moveaxis(system.consequent_intervals, 1, 0).astype(float).tolist()
-        values = [[Constant(*row) for row in column] for column in intervals]
-    columns: list[tuple[tuple[float, float] | None, list[Any]]] = []
-    for j, (ends, column) in enumerate(zip(ranges, values, strict=True)):
-        said = [None if silent is not None and silent[r, j] else column[r] for r in rules]
-        columns.append((ends, said))
-    return columns
+        intervals = np.asarray(system.consequent_intervals)[:, j].astype(float)
+        said = [Constant(*ends) for ends in intervals.tolist()]
+    return [None if silent is not None and silent[r, j] else one for r, one in enumerate(said)]
 
 
 def _output(
@@ -359,7 +360,7 @@ def _described(meaning: Any, ends: tuple[float, float] | None) -> Any:
     return Constant(left, right)
 
 
-def _check_operators(system: FuzzySystem, where: str) -> None:
+def check_operators(system: FuzzySystem, where: str) -> None:
     """Refuse operators without a name."""
     norms: tuple[tuple[str, Any, Mapping[str, Any]], ...] = (
         ("t-norm", system.t_norm, T_NORMS),
@@ -386,7 +387,7 @@ def known_as(name: str, known: Mapping[str, str], what: str, where: str) -> str:
     return word
 
 
-def _numbers(said: list[list[Any]], inputs: int) -> Linear | Array:
+def numbers_of(said: list[list[Any]], inputs: int) -> Linear | Array:
     """Return the consequents of a Takagi-Sugeno-Kang system, by rule and output.
 
     In the simplest form that holds them; 0 where a rule is silent.

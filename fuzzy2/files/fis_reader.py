@@ -318,7 +318,7 @@ def twice(
         terms: dict[str, Any] = {}
         for name, term in variable.terms.items():
             terms[unlike(name, terms)] = term.upper
-            terms[unlike(f"{name} lower", terms)] = term.lower
+            terms[unlike(f"{name}_lower", terms)] = term.lower
         doubled.append(Variable(variable.name, variable.range, terms))
 
     def moved(tree: Antecedent, below: int) -> Antecedent:

@@ -18,6 +18,7 @@ from tests.fuzzy2.files.fml_texts import (
     TIPPER_WITH_POLYNOMIAL,
     TSK,
 )
+from tests.fuzzy2.files.test_fml_clouds import NUMBERS, POINTS
 from tests.fuzzy2.files.test_formats import systems
 
 TSUKAMOTO = (
@@ -48,8 +49,8 @@ def difference(text: str) -> float:
 
 @pytest.mark.parametrize(
     "text",
-    [TIPPER, TSK, TIPPER_WITH_POLYNOMIAL, TIPPER_OF_CLOUDS, TSUKAMOTO],
-    ids=["mamdani", "tsk", "polynomial", "anya", "tsukamoto"],
+    [TIPPER, TSK, TIPPER_WITH_POLYNOMIAL, TIPPER_OF_CLOUDS, TSUKAMOTO, NUMBERS, POINTS],
+    ids=["mamdani", "tsk", "polynomial", "anya", "tsukamoto", "anya-tsk", "anya-tsukamoto"],
 )
 def test_documents(text: str) -> None:
     assert difference(text) <= 1e-9
