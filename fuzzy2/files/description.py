@@ -9,15 +9,15 @@ Both ways between such a description and a system, for every format. Consequents
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fuzzy2.errors import NotExpressible
+from fuzzy2.files.operator_words import check_operators
 from fuzzy2.operations.set_operations import complement
-from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Singleton, Type1Set
@@ -358,33 +358,6 @@ def _described(meaning: Any, ends: tuple[float, float] | None) -> Any:
         return meaning if ends is None else _whole([meaning], ends)[1][0]
     left, right = np.broadcast_to(np.asarray(meaning, dtype=float), 2).tolist()
     return Constant(left, right)
-
-
-def check_operators(system: FuzzySystem, where: str) -> None:
-    """Refuse operators without a name."""
-    norms: tuple[tuple[str, Any, Mapping[str, Any]], ...] = (
-        ("t-norm", system.t_norm, T_NORMS),
-        ("implication", system.implication, T_NORMS),
-        ("t-conorm", system.t_conorm, AGGREGATIONS),
-        ("disjunction", system.disjunction, T_CONORMS),
-    )
-    for kind, norm, known in norms:
-        if known.get(norm.name) is not norm:
-            raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
-
-
-def known_as(name: str, known: Mapping[str, str], what: str, where: str) -> str:
-    """Return the word of a format for one of our names, the first one in its table.
-
-    Raises
-    ------
-    NotExpressible
-        If it has none.
-    """
-    word = next((theirs for theirs, ours in known.items() if ours == name), None)
-    if word is None:
-        raise NotExpressible(f"the {what} {name!r}", where, f"it has {', '.join(known)} only")
-    return word
 
 
 def numbers_of(said: list[list[Any]], inputs: int) -> Linear | Array:

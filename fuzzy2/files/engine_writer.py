@@ -14,11 +14,11 @@ from fuzzy2.files.description import (
     Constant,
     LinearFunction,
     check_crisp,
-    check_operators,
     said_numbers,
 )
 from fuzzy2.files.engine import AnySystem, Defuzzifier, Engine, EngineRule, Input, Output
 from fuzzy2.files.functions import FormulaFunction
+from fuzzy2.files.operator_words import check_operators
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.type1 import Singleton
 from fuzzy2.systems.antecedents import Antecedent, Is, Not, mapped, trees_of

@@ -8,7 +8,6 @@ from typing import NoReturn
 
 from fuzzy2.errors import NotExpressible
 from fuzzy2.files.clauses import clauses_of_rule
-from fuzzy2.files.description import known_as
 from fuzzy2.files.engine import Engine, EngineRule, Input, Output, has_part
 from fuzzy2.files.fis_engine import (
     HEDGES,
@@ -21,6 +20,7 @@ from fuzzy2.files.fis_lines import quoted
 from fuzzy2.files.fis_names import AGGREGATIONS, T_CONORMS, T_NORMS
 from fuzzy2.files.fll_names import FLL_HEDGES, is_monotonic, text_of
 from fuzzy2.files.functions import NUMBERS
+from fuzzy2.files.operator_words import known_as
 from fuzzy2.files.rule_writer import outer_words, word_of
 from fuzzy2.systems.antecedents import And, Antecedent, Is, Or, mapped
 from fuzzy2.systems.hedges import Hedge

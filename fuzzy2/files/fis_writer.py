@@ -13,7 +13,6 @@ from fuzzy2.files.description import (
     Variable,
     check_crisp,
     check_names,
-    known_as,
 )
 from fuzzy2.files.fis_lines import quoted
 from fuzzy2.files.fis_names import (
@@ -29,6 +28,7 @@ from fuzzy2.files.fis_names import (
 )
 from fuzzy2.files.fis_rules import OCTAVE, rule_line
 from fuzzy2.files.fis_shapes import corners_of, named_shape
+from fuzzy2.files.operator_words import known_as
 from fuzzy2.operations.set_operations import complement
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.interval_type2 import IntervalType2Set

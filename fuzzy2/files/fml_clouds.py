@@ -10,9 +10,9 @@ from fuzzy2.files.description import (
     DescribedRule,
     Description,
     LinearFunction,
-    known_as,
 )
 from fuzzy2.files.fml_names import FIRING, T_NORMS
+from fuzzy2.files.operator_words import known_as
 from fuzzy2.systems.antecedents import Is, Not
 from fuzzy2.systems.anya import AnYaSystem
 

@@ -17,7 +17,6 @@ from fuzzy2.files.description import (
     Variable,
     check_crisp,
     check_names,
-    known_as,
 )
 from fuzzy2.files.fml_clouds import check_clouds, write_cloud_rules, write_clouds
 from fuzzy2.files.fml_names import (
@@ -29,6 +28,7 @@ from fuzzy2.files.fml_names import (
     T_NORMS,
     named_shape,
 )
+from fuzzy2.files.operator_words import known_as
 from fuzzy2.sets.derived import Complement
 from fuzzy2.sets.type1 import SampledSet, Type1Set
 from fuzzy2.systems.anya import AnYaSystem
