@@ -1,0 +1,119 @@
+"""A folder around C code: a program, a test with right values, a Makefile and a README.
+
+All of it is made from the description of the functions, :class:`fuzzy2.export.c_code.CFunction`,
+and is the same for whatever they compute. Right values are what the kernels answer in Python.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.export import project_calls
+from fuzzy2.export.c_code import CCode
+from fuzzy2.export.project_cases import CASES, Cases, drawn
+from fuzzy2.export.project_readme import readme
+from fuzzy2.export.systems import export_c
+from fuzzy2.support.checks import Array
+from fuzzy2.support.text_files import write_text
+
+RESERVED = ("calls", "cases", "main", "runner", "test")
+"""Names of files in the folder that are not the code's."""
+
+TEMPLATES = Path(__file__).parent / "templates"
+
+CPUS = {
+    "double": "-mcpu=cortex-m7 -mfpu=fpv5-d16",
+    "single": "-mcpu=cortex-m4 -mfpu=fpv4-sp-d16",
+}
+"""Options of the compiler for a Cortex-M that computes in this precision."""
+
+
+def write_project(code: CCode, folder: str | Path, inputs: Mapping[str, Array]) -> list[Path]:
+    """Write code with a program, a test, a Makefile and a README, and return all files.
+
+    Parameters
+    ----------
+    code : CCode
+        The code, which is written, too.
+    folder : path
+        Where; it is made if it is not there.
+    inputs : mapping of str to ndarray (CASES, n)
+        What the cases of the test have for each argument that is read, by its name, see
+        :func:`fuzzy2.export.project_cases.drawn`. Of an array that is wider than the argument the
+        first columns are taken.
+
+    Raises
+    ------
+    InvalidValue
+        If the code has the name of a file that is not the code's, or an argument has no inputs.
+    """
+    if code.name in RESERVED:
+        wanted = f"none of {', '.join(RESERVED)}, which are names of files around the code"
+        raise InvalidValue("name", code.name, wanted)
+    where = Path(folder)
+    cases = Cases(code, inputs)
+    texts = {
+        "calls.h": project_calls.header(code),
+        "calls.c": project_calls.source(code),
+        "cases.h": cases.header(),
+        "cases.c": cases.source(),
+        "README.md": readme(code),
+    }
+    for name in ("main.c", "test.c", "Makefile"):
+        text = (TEMPLATES / name).read_text(encoding="utf-8")
+        texts[name] = text.replace("@NAME@", code.name).replace("@CPU@", CPUS[code.precision.name])
+    where.mkdir(parents=True, exist_ok=True)
+    for name, text in texts.items():
+        write_text(text, where / name)
+    return [*code.write(where), *(where / name for name in texts)]
+
+
+def export_project(
+    system: Any,
+    folder: str | Path,
+    *,
+    precision: Literal["double", "single"] = "double",
+    name: str = "system",
+) -> CCode:
+    """Write a fuzzy system in C with a program, a test, a Makefile and a README.
+
+    Parameters
+    ----------
+    system, precision, name
+        See :func:`fuzzy2.export_c`.
+    folder : path
+        Where; it is made if it is not there.
+
+    Raises
+    ------
+    NotExportable
+        If there is no C for the system.
+    """
+    Path(folder).mkdir(parents=True, exist_ok=True)
+    code = export_c(system, folder, precision=precision, name=name)
+    write_project(code, folder, {"x": inputs_of(system)})
+    return code
+
+
+def inputs_of(system: Any) -> Array:
+    """Return inputs of a fuzzy system for a test, most of them within its ranges.
+
+    Parameters
+    ----------
+    system : fuzzy system
+
+    Returns
+    -------
+    ndarray (CASES, inputs)
+    """
+    one = system.systems[0] if hasattr(system, "systems") else system
+    ranges = np.asarray(one.domain() if one.input_ranges is None else one.input_ranges, float)
+    return drawn(*ranges.T)
+
+
+__all__ = ["CASES", "drawn", "export_project", "inputs_of", "write_project"]

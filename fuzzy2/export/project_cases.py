@@ -1,0 +1,216 @@
+"""Cases of a test: what functions in C are called with, and what the same ones write in Python."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.errors import InvalidValue
+from fuzzy2.export.c_code import Argument, CCode
+from fuzzy2.export.numbers import Precision
+from fuzzy2.export.project_calls import Call, calls_of, size_of
+from fuzzy2.support.checks import Array
+
+CASES = 200
+"""Each calls every function once."""
+
+CASES_A_RUN = 20
+"""What is remembered begins anew after so many cases. At the end of a run come numbers that are
+none, since what is remembered may be spoilt by them.
+"""
+
+TOLERANCES = {"double": 1e-12, "single": 1e-3}
+"""By how much answers may differ, of the larger of the number and the usual size of its array: in
+double precision by what another C library rounds otherwise, in single precision by its roundings.
+"""
+
+
+def drawn(low: Any, high: Any, seed: int = 0) -> Array:
+    """Return inputs of all cases, most of them within a range.
+
+    One in five is from three times the range, and at the end of every second run one of its numbers
+    is NaN or infinite.
+
+    Parameters
+    ----------
+    low, high : array_like (n,)
+        The range.
+    seed : int
+        Of the draw.
+
+    Returns
+    -------
+    ndarray (CASES, n)
+    """
+    low, high = np.atleast_1d(np.asarray(low, float)), np.atleast_1d(np.asarray(high, float))
+    rng = np.random.default_rng(seed)
+    inputs = rng.uniform(low, high, (CASES, low.size))
+    outside = np.arange(3, CASES, 5)
+    inputs[outside] += (inputs[outside] - (low + high) / 2.0) * 2.0
+    spoilt = np.arange(CASES_A_RUN - 1, CASES, 2 * CASES_A_RUN)
+    places = rng.integers(low.size, size=spoilt.size)
+    inputs[spoilt, places] = np.resize([np.nan, np.inf, -np.inf], spoilt.size)
+    return inputs
+
+
+class Cases:
+    """The calls of a test in order, with what is read and what Python writes.
+
+    Parameters
+    ----------
+    code : CCode
+        The code.
+    inputs : mapping of str to ndarray (CASES, n)
+        What the cases have for each argument that is read, by its name. Of an array that is wider
+        than the argument the first columns are taken.
+
+    Raises
+    ------
+    InvalidValue
+        If an argument has no inputs.
+    """
+
+    def __init__(self, code: CCode, inputs: Mapping[str, Array]) -> None:
+        self.code, self.calls = code, calls_of(code)
+        self.inputs = self._checked(inputs)
+        self.states = {
+            argument.name: np.zeros(size_of(argument), dtype=int if is_whole(argument) else float)
+            for call in self.calls
+            for argument in call.function.arguments
+            if argument.role == "state"
+        }
+        self.done = [self._answer(k, case) for k, case in self._order()]
+
+    def _checked(self, inputs: Mapping[str, Array]) -> dict[str, Array]:
+        """Return inputs as the numbers that C reads."""
+        item = np.float64 if self.code.precision.name == "double" else np.float32
+        kept = {}
+        for argument in (one for call in self.calls for one in call.read):
+            given = np.asarray(inputs.get(argument.name, np.empty((0, 0))), dtype=float)
+            if given.ndim != 2 or len(given) != CASES or given.shape[1] < size_of(argument):
+                wanted = f"cases of shape ({CASES}, {size_of(argument)}) for {argument.name!r}"
+                raise InvalidValue("inputs", given, wanted)
+            with np.errstate(over="ignore"):
+                kept[argument.name] = given.astype(item).astype(float)
+        return kept
+
+    def _order(self) -> Iterator[tuple[int, int]]:
+        """Yield number of the function and case of every call."""
+        for case in range(CASES):
+            for k, call in enumerate(self.calls):
+                if not call.begins or case % CASES_A_RUN == 0:
+                    yield k, case
+
+    def _answer(self, k: int, case: int) -> tuple[int, Array, Array]:
+        """Return number of the function, what it reads, and what it writes in Python."""
+        call, arguments = self.calls[k], []
+        for argument in call.function.arguments:
+            if argument.role == "state":
+                arguments.append(self.states[argument.name])
+            elif argument.role == "out":
+                arguments.append(np.zeros(size_of(argument)))
+            elif argument.size is None:
+                arguments.append(float(self.inputs[argument.name][case, 0]))
+            else:
+                arguments.append(self.inputs[argument.name][case, : argument.size].copy())
+        roles = [argument.role for argument in call.function.arguments]
+        with np.errstate(all="ignore"):
+            returned = call.function.in_python(*arguments)
+        by_role = {
+            role: [np.atleast_1d(a) for a, r in zip(arguments, roles, strict=True) if r == role]
+            for role in ("in", "out")
+        }
+        first = [np.array([float(returned)])] if call.function.result else []
+        empty = np.empty(0)
+        return (
+            k,
+            np.concatenate([empty, *by_role["in"]]),
+            np.concatenate([empty, *first, *by_role["out"]]),
+        )
+
+    def scales(self, k: int) -> Array:
+        """Return the usual size of each number that a function writes: that of its array."""
+        call = self.calls[k]
+        rows = np.array([written for number, _, written in self.done if number == k])
+        sizes = [1] * bool(call.function.result) + [size_of(a) for a in call.written]
+        scales, start = [], 0
+        for size in sizes:
+            part = np.abs(rows[:, start : start + size]).max(axis=1)
+            part = part[np.isfinite(part) & (part > 0.0)]
+            scales += [float(np.median(part)) if part.size else 1.0] * size
+            start += size
+        return np.array(scales)
+
+    def header(self) -> str:
+        """Return ``cases.h``."""
+        tolerance = TOLERANCES[self.code.precision.name]
+        return f"""\
+/* What test.c calls, and what the same functions wrote in Python. */
+#ifndef CASES_H
+#define CASES_H
+
+#define CASES_TOLERANCE {tolerance}
+
+enum {{ CASES = {CASES}, CASES_CALLS = {len(self.done)} }};
+
+/* The number of the function of each call. */
+extern const unsigned char cases_functions[CASES_CALLS];
+
+/* Call by call the numbers that are read, and those that Python wrote. */
+extern const double cases_numbers[];
+
+/* Of each function the usual sizes of the numbers that it writes. */
+extern const double *const cases_scales[];
+
+#endif
+"""
+
+    def source(self) -> str:
+        """Return ``cases.c``."""
+        order = _wrapped(", ".join(str(k) for k, _, _ in self.done))
+        numbers = "\n".join(
+            _wrapped(_listed(np.concatenate(both)) + ",") for _, *both in self.done if both[1].size
+        )
+        scales = [self.scales(k) for k in range(len(self.calls))]
+        tables = "\n".join(
+            f"static const double scales_{k}[{len(row)}] = {{\n{_wrapped(_listed(row))}\n}};"
+            for k, row in enumerate(scales)
+            if row.size
+        )
+        names = ", ".join(f"scales_{k}" if row.size else "NULL" for k, row in enumerate(scales))
+        return f"""\
+/* cases.c: see cases.h. */
+#include "cases.h"
+
+#include <math.h>
+#include <stddef.h>
+
+const unsigned char cases_functions[CASES_CALLS] = {{
+{order}
+}};
+
+const double cases_numbers[] = {{
+{numbers}
+}};
+
+{tables}
+
+const double *const cases_scales[] = {{{names}}};
+"""
+
+
+def is_whole(argument: Argument) -> bool:
+    """Whether the numbers of an argument are whole ones."""
+    return bool(getattr(argument, "is_whole", False))
+
+
+def _listed(row: Array) -> str:
+    exact = Precision("double")
+    return ", ".join(exact.literal(number) for number in row.tolist())
+
+
+def _wrapped(text: str) -> str:
+    return textwrap.fill(text, 100, initial_indent="    ", subsequent_indent="    ")

@@ -1,0 +1,85 @@
+"""The README of a folder with C code."""
+
+from __future__ import annotations
+
+from fuzzy2.export.c_code import Argument, CCode
+from fuzzy2.export.project_calls import Call, calls_of, short_name, size_of
+from fuzzy2.export.project_cases import CASES, TOLERANCES
+
+HEADINGS = "| function | reads | writes |\n|---|---|---|"
+
+
+def readme(code: CCode) -> str:
+    """Return the README: what the files are, how to use them, what the functions take."""
+    rows = "\n".join(_row(code, call) for call in calls_of(code))
+    first = next((call for call in calls_of(code) if call.reads), calls_of(code)[0])
+    tolerance = TOLERANCES[code.precision.name]
+    return f"""\
+# {code.name}
+
+C99 in {code.precision.name} precision. `{code.name}.c` and `{code.name}.h` are all that a program
+needs: they ask for no memory and for nothing but `math.h`, and no loop is without a bound. What
+they were made from, units, orders and codes are in `{code.name}.h`.
+
+| command | what it does |
+|---|---|
+| `make` | the program `main`: it reads lines of numbers and answers each with a line |
+| `make test` | calls all functions in {CASES} cases and compares with what Python answered |
+| `make arm` | size and stack on a Cortex-M; `CPU="-mcpu=..."` names another |
+
+## Functions
+
+{HEADINGS}
+{rows}
+
+Numbers stand in this order in the lines that `main` reads and writes; what a function returns comes
+first. `./main NAME`, or the name at the beginning of a line, chooses a function:
+
+    echo {" ".join(["0"] * first.reads)} | ./main {short_name(code, first.function)}
+
+## In a program
+
+```c
+{_use(code, first)}
+```
+{_state(code)}
+Compile with `-ffp-contract=off` for Python's numbers to the last bit, where the C library rounds
+as Python's does; the test lets answers differ by {tolerance:g} of their usual size. Never use
+`-ffast-math`: NaN says what has no answer.
+"""
+
+
+def _row(code: CCode, call: Call) -> str:
+    written = [f"returns {call.function.result}"] if call.function.result else []
+    written += [_said(argument) for argument in call.written]
+    read = [_said(argument) for argument in call.read]
+    name = f"`{short_name(code, call.function)}`: {call.function.does}"
+    return f"| {name} | {'<br>'.join(read)} | {'<br>'.join(written)} |".replace("\n", " ")
+
+
+def _said(argument: Argument) -> str:
+    count = "" if argument.size is None else f"[{argument.size}]"
+    return f"`{argument.name}{count}`: {argument.about}"
+
+
+def _use(code: CCode, call: Call) -> str:
+    item, function = code.precision.type, call.function
+    lines = [f'#include "{code.name}.h"', ""]
+    begins = [one.function.name for one in calls_of(code) if one.begins]
+    if function.has_state:
+        lines.append(f"static {code.name}_state state;")
+    names = ["&state"] if function.has_state else []
+    for argument in function.visible:
+        size = "" if argument.size is None else f"[{size_of(argument)}]"
+        lines.append(f"{item} {argument.name}{size};")
+        names.append(argument.name)
+    lines += ["", *(f"{name}(&state); /* once */" for name in begins)]
+    return "\n".join([*lines, f"{function.name}({', '.join(names)});"])
+
+
+def _state(code: CCode) -> str:
+    if not any(call.function.has_state for call in calls_of(code)):
+        return "\nFunctions remember nothing, and may be called from anywhere at any time.\n"
+    return f"""
+What is remembered between two calls is in `{code.name}_state`: one for each robot and each thread.
+"""

@@ -1,0 +1,1 @@
+"""C code on Cortex-M processors that QEMU emulates: startup, linker script, measurement."""
