@@ -97,10 +97,9 @@ def slopes_of_positions(places, columns, ranges, x, slopes, out):
 
 
 @compiled
-def write_christoffel(data: Array, places: Array, x: Array, speeds: Array, numbers: Array) -> None:
-    """Write C (n, n) to its places in the numbers, at inputs x (p,) and speeds (n,)."""
-    rules, inputs, n = int(data[0]), int(data[1]), speeds.size
-    entries = n * (n + 1) // 2
+def slopes_at(data: Array, places: Array, x: Array, along: Array) -> None:
+    """Write the slopes (R, n) of M's basis functions along the positions, at inputs x (p,)."""
+    rules, inputs = int(data[0]), int(data[1])
     o = DERIVED
     columns = data[o : o + inputs]
     o += inputs
@@ -109,16 +108,19 @@ def write_christoffel(data: Array, places: Array, x: Array, speeds: Array, numbe
     means = data[o : o + rules * inputs].reshape(rules, inputs)
     o += rules * inputs
     precisions = data[o : o + rules * inputs].reshape(rules, inputs)
-    o += rules * inputs
-    mass = data[o:].reshape(rules, entries)
-    asked, phi = np.empty(inputs), np.empty(rules)
-    slopes, along = np.empty((rules, inputs)), np.empty((rules, n))
+    asked, phi, slopes = np.empty(inputs), np.empty(rules), np.empty((rules, inputs))
     for i in range(inputs):
         asked[i] = x[int(columns[i])]
     write_basis(means, precisions, asked, phi, slopes)
     slopes_of_positions(places, columns, ranges, asked, slopes, along)
+
+
+@compiled
+def write_coriolis(along: Array, mass: Array, speeds: Array, numbers: Array) -> None:
+    """Write C (n, n) of M's consequents (R, n (n + 1) / 2) to its places in the numbers."""
+    n, entries = speeds.size, mass.shape[1]
     rates = np.zeros((n, entries))
-    for r in range(rules):
+    for r in range(mass.shape[0]):
         row = mass[r]
         for k in range(n):
             slope = along[r, k]
@@ -138,3 +140,13 @@ def write_christoffel(data: Array, places: Array, x: Array, speeds: Array, numbe
                     - rates[i, e * (2 * n - 1 - e) // 2 + f]
                 )
             numbers[entries + n * i + j] = 0.5 * total
+
+
+@compiled
+def write_christoffel(data: Array, places: Array, x: Array, speeds: Array, numbers: Array) -> None:
+    """Write C (n, n) to its places in the numbers, at inputs x (p,) and speeds (n,)."""
+    rules, inputs, n = int(data[0]), int(data[1]), speeds.size
+    mass = data[DERIVED + 3 * inputs + 2 * rules * inputs :].reshape(rules, n * (n + 1) // 2)
+    along = np.empty((rules, n))
+    slopes_at(data, places, x, along)
+    write_coriolis(along, mass, speeds, numbers)

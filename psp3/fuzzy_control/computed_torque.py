@@ -16,6 +16,7 @@ thesis's: the centroid (eq. 1.68) of the fuzzy torque. Either way it is one comp
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -409,6 +410,18 @@ class FuzzyComputedTorque:
             only_for(kernels.clamped_step, self._packed, *rows, self._step.copy())
         else:
             only_for(kernels.control_step, self._packed, self._model, *rows, self._step.copy())
+
+    def with_systems(self, systems: Sequence[FuzzySystem]) -> Self:
+        """Return a controller with other consequents in the systems of its rule bases.
+
+        Raises
+        ------
+        UnusableEstimate
+            If the average mass matrix is not positive definite.
+        """
+        other = copy.copy(self)
+        other._take(systems, self.ranges_)
+        return other
 
     def _stepped(self, rows: tuple[Array, Array, Array, Array, Array], step: Array) -> int:
         """Write a step, and return what kernels return of it."""
