@@ -112,6 +112,10 @@ ELSEWHERE = {
         "psp3/fuzzy_control/test_adaptive.py",
         THROUGH_ITS_FACE,
     ),
+    "psp3/fuzzy_control/slotine_li_kernels.py": (
+        "psp3/fuzzy_control/test_slotine_li.py",
+        THROUGH_ITS_FACE,
+    ),
     "psp3/fuzzy_control/kernels.py": (
         "psp3/simulation/test_loop.py",
         "compiled loops that call them are compared with the loop in Python bit for bit",

@@ -19,7 +19,7 @@ import numpy as np
 from fuzzy2.learning.anfis import ANFIS
 from fuzzy2.learning.partition import KINDS
 from psp3.benchmark import regressors
-from psp3.benchmark.entries import BOTH, MODEL, SAMPLES, Course, Entry, of_regressor
+from psp3.benchmark.entries import MODEL, SAMPLES, Course, Entry, of_regressor
 from psp3.benchmark.readings import NONE, READINGS
 from psp3.benchmark.regressors import Standardized
 from psp3.control.classical import ComputedTorque, GravityCompensatedPD
@@ -112,7 +112,7 @@ BASELINES: dict[str, Entry] = {
             for learner in LEARNERS
         ),
         _regressing("anfis", _anfis, True),
-        Entry("adaptive", BOTH, _adaptive),
+        Entry("adaptive", SAMPLES, _adaptive),
         _regressing("gaussian-process", regressors.gaussian_process, False),
         _regressing("neural-network", regressors.neural_network, True),
         _regressing("ridge", regressors.ridge, False),

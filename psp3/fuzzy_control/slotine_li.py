@@ -74,10 +74,12 @@ def poles_of_servo(kp: float, kv: float) -> Poles:
     """
     if not kp > 0.0:
         raise InvalidValue("kp", kp, "positive: rules adapt until the positions are right")
-    mean = max(0.5 * kv, math.sqrt(kp))
-    apart = math.sqrt(max(mean**2 - kp, 0.0))
+    apart = 0.25 * kv**2 - kp
+    if not apart > 0.0:
+        return Poles(math.sqrt(kp), math.sqrt(kp))
+    decay = 0.5 * kv + math.sqrt(apart)
     # Their product is kp, which the difference of two great numbers would lose.
-    return Poles(kp / (mean + apart), mean + apart)
+    return Poles(kp / decay, decay)
 
 
 class Sizes(NamedTuple):
