@@ -17,7 +17,7 @@ from fuzzy2.learning.adaptation_kernels import basis
 from fuzzy2.support.compiled import compiled
 from psp3.checks import Array
 from psp3.control.controller import steer
-from psp3.fuzzy_control.christoffel_kernels import slopes_at, write_coriolis
+from psp3.fuzzy_control.christoffel_kernels import christoffel_room, slopes_at, write_coriolis
 from psp3.fuzzy_control.kernels import BASE, Fuzzy, apply_model, width_of_force, write_inputs
 
 TIME, CALLED = range(2)
@@ -248,9 +248,10 @@ def slotine_li_step(
             count_of_rules = int(controller.bases[4])
             along = np.empty((count_of_rules, n))
             mass = np.empty((count_of_rules, n * (n + 1) // 2))
-            slopes_at(controller.derived, controller.inputs, x, along)
+            room = np.empty(christoffel_room(controller.derived, n))
+            slopes_at(controller.derived, controller.inputs, x, room, along)
             _write_mass(memory, mass)
-            write_coriolis(along, mass, speeds, middle)
+            write_coriolis(along, mass, speeds, room, middle)
             _add_derived_gradient(along, sliding, speeds, v, memory.gradient)
     else:
         memory.gradient[:] = 0.0
