@@ -94,6 +94,10 @@ ELSEWHERE = {
         "a protocol; controllers of one's own are simulated there",
     ),
     "psp3/control/kernels.py": ("psp3/simulation/test_loop.py", THROUGH_ITS_FACE),
+    "psp3/control/linear_quadratic_kernels.py": (
+        "cross/test_simulated_structures.py",
+        THROUGH_ITS_FACE,
+    ),
     "psp3/description/mjcf_document.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_expansion.py": ("cross/test_mjcf_expansion.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_words.py": ("cross/test_mutated_mjcf.py", THROUGH_ITS_FACE),

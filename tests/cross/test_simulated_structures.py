@@ -408,6 +408,39 @@ def test_both_loops_agree_where_coordinates_are_not_motors(name: str, tmp_path: 
             np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11)
 
 
+@pytest.mark.parametrize(
+    "name", ["one motor and a spring", "tendon", "three motors", "planar_4rrr"]
+)
+@pytest.mark.parametrize("kind", ["of one pose", "along the path"])
+def test_both_loops_agree_under_regulators(name: str, kind: str, tmp_path: Path) -> None:
+    """As above, from an error in the start; those along a path command all coordinates."""
+    robot = STRUCTURES[name](tmp_path)
+    k, n = robot.commanded, len(robot.coordinates_v)
+    path = PointToPoint(robot.reference[:k], robot.reference[:k] + 0.05, 0.1, robot)
+    # In the order of Q and R; an error of 0.1 in a position counts like a force of 10.
+    weights = np.diag([100.0] * n + [1.0] * n), 0.01 * np.eye(k)
+    controller: psp3.LinearQuadraticRegulator | psp3.TimeVaryingLinearQuadraticRegulator
+    if kind == "of one pose":
+        controller = psp3.LinearQuadraticRegulator(robot, *weights)
+    elif k == n:
+        controller = psp3.TimeVaryingLinearQuadraticRegulator(robot, path, 0.05, *weights)
+    else:
+        with pytest.raises(InvalidValue, match="command all coordinates"):
+            psp3.TimeVaryingLinearQuadraticRegulator(robot, path, 0.05, *weights)
+        return
+    assert controller.table(robot.compiled_table(), widths_of(robot)) is not None
+    options = {"delay": 1, "encoder_resolution": 1e-5, "torque_limit": 50.0}
+    start = robot.reference + 0.01
+    compiled, python = (
+        psp3.simulate(robot, controller, path, 0.1, plant=one, initial_positions=start, **options)
+        for one in (RungeKutta(robot), InPython(robot))
+    )
+    assert np.abs(compiled.torque).max() > 0.1
+    for field in ("positions", "speeds", "torque"):
+        one, other = getattr(compiled, field), getattr(python, field)
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11)
+
+
 def test_a_compiled_loop_says_what_motors_cannot_do(tmp_path: Path) -> None:
     """The motor at m1 exerts no force along p1, which is to be commanded."""
     robot = loaded(tmp_path, five_bar("m1", spring=SPRING), free="keep", coordinates=["p1", "m1"])
