@@ -26,20 +26,30 @@ from psp3.multibody.motion import (
 )
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
+    AT_DEPENDENT_V,
+    AT_DRIVERS,
     AT_ELEMENTS,
     AT_FREE_FALL,
+    AT_GROUPS,
+    AT_INDEPENDENT_V,
     AT_REPORT,
     AT_SIGNS,
     AT_TOLERANCES,
     ELEMENT_INTEGERS,
     ELEMENTS,
+    FIRST_DRIVER,
     FREEDOMS,
+    GROUP_COLUMN,
+    GROUP_COLUMNS,
+    GROUP_DRIVERS,
+    GROUP_INTEGERS,
     GROUP_NUMBERS,
     GROUPS,
     INDEPENDENT,
     INDEX_V,
     MISMATCH_AT,
     SIZE,
+    VELOCITIES,
     WEAKEST_AT,
 )
 
@@ -194,6 +204,19 @@ class Core:
             first, count = rows[:, INDEX_V], rows[:, FREEDOMS]
             carrier = int(np.flatnonzero((first <= last) & (last < first + count))[0])
         return np.concatenate([[carrier], placement.rotation.reshape(-1), placement.translation])
+
+    def only_drivers(self) -> Indices:
+        """Return the independent speed that each joint velocity follows alone, or −1, (nv,)."""
+        tree = self.tree
+        found = np.full(int(tree[VELOCITIES]), -1)
+        found[tree[int(tree[AT_INDEPENDENT_V]) :][: self.joints]] = np.arange(self.joints)
+        for group in range(int(tree[GROUPS])):
+            row = tree[int(tree[AT_GROUPS]) + GROUP_INTEGERS * group :]
+            if row[GROUP_DRIVERS] == 1:
+                first, count = int(row[GROUP_COLUMN]), int(row[GROUP_COLUMNS])
+                dependent = tree[int(tree[AT_DEPENDENT_V]) + first :][:count]
+                found[dependent] = tree[int(tree[AT_DRIVERS]) + int(row[FIRST_DRIVER])]
+        return found
 
     def last_pose(self) -> LastPose:
         """Return memory for a caller who asks about one pose after the other."""

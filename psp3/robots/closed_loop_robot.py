@@ -43,7 +43,7 @@ from psp3.drives.drive import Drive, drive_table
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
-from psp3.dynamics.motors import Motors, forces_of_motors, least_norm
+from psp3.dynamics.motors import Driven, Motors, forces_of_motors, least_norm
 from psp3.errors import (
     ClosureFailed,
     DependentCoordinates,
@@ -931,7 +931,8 @@ class ClosedLoopRobot:
         last = self.model.joints[self.model.getJointId(self.coordinates[-1])]
         base = last.nq if last.nq > last.nv > 1 else 0
         matrix = np.ascontiguousarray(self.motors)
-        return Motors(self.actuated, matrix, self.coordinates_v, base, self.model)
+        followed = self._core.only_drivers()
+        return Motors(self.actuated, matrix, self.coordinates_v, base, self.model, followed)
 
     @functools.cached_property
     def drives_coordinates(self) -> bool:
@@ -965,8 +966,8 @@ class ClosedLoopRobot:
         transposed = both[..., nq:].reshape(*both.shape[:-1], n, nv)
         return np.asarray(transposed @ self.motors)
 
-    def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Array:
-        """Return drives of the motors as those of the coordinates.
+    def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Driven:
+        """Return drives of the motors, and the joints' dry friction, as the coordinates feel them.
 
         Parameters
         ----------
@@ -975,13 +976,13 @@ class ClosedLoopRobot:
 
         Returns
         -------
-        (n, 3) ndarray
-            Reflected inertia, viscous and dry friction, zero where no motor is.
+        Driven
+            Those at coordinates, and those elsewhere.
 
         Raises
         ------
         InvalidValue
-            If a joint has a drive that is no coordinate.
+            If it is neither a drive nor one for each motor.
         """
         return self._motors.driven(drive_table(drive, len(self.actuated)))
 
