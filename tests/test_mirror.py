@@ -123,6 +123,7 @@ ELSEWHERE = {
     "psp3/kinematics/border.py": ("psp3/kinematics/test_workspace.py", THROUGH_ITS_FACE),
     "psp3/plots/panels.py": ("psp3/thesis/test_figures.py", THROUGH_ITS_FACE),
     "psp3/published.py": ("psp3/thesis/test_replication.py", NAMES_ONLY),
+    "psp3/robots/assembly.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/robots/dynamics_model.py": (
         "psp3/dynamics/test_dynamics_model.py",
         "the first path of the names of a module that moved",
