@@ -90,7 +90,7 @@ def assembled(
     flat = flattened(model, every, NO_MOTORS)
     found = structure(model, flat, tree.home, motors, names)
     mobility = mobility_of(model, flat, found, motors, actuated)
-    refuse(found, mobility, actuated, names, free)
+    refuse(found, mobility, actuated, names)
     model, without_limits = freed(model, found.home)
     tree = tree._replace(model=model)
     base: int | None = None
@@ -110,6 +110,7 @@ def assembled(
         kept = kept if base is None else [*kept, *parts_of_base(model, base)]
         simple = with_simple_joints(tree._replace(home=found.home), spins, base)
         return assembled(simple, actuated, options, kept)
-    if not chosen.names:
+    # A floating base is kept whatever becomes of other motions.
+    if not chosen.names or (free == "refuse" and chosen.locked):
         raise MobilityMismatch(mobility, actuated)
     return Assembly(tree, motors, names, found, mobility, chosen, without_limits)
