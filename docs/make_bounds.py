@@ -113,7 +113,8 @@ def with_learned_rules(
         fuzzy = psp3.FuzzyComputedTorque(kind, robot, learner=learner, snr_db=20.0, kp=kp, kv=kv)
         return fuzzy.learn(recorded, rng=np.random.default_rng(seed))
 
-    return Case(f"{name}, learned at 20 dB", robot, controller, path, other, 0.0)
+    how = "averages" if learner == "average" else "learned"
+    return Case(f"{name}, {how} at 20 dB", robot, controller, path, other, 0.0)
 
 
 def learned_3psp() -> Case:
@@ -130,11 +131,11 @@ AMPLITUDES = {"five_bar": 0.1, "delta": 0.1, "gough_stewart": 0.05}
 """How far other robots sway [rad or m]."""
 
 
-def learned(name: str) -> Case:
-    """Return the case of any other robot, which sways."""
+def learned(name: str, learner: str | None = None) -> Case:
+    """Return the case of any other robot, which sways; by default with least squares."""
     robot = psp3.load(name)
     paths = [psp3.trajectories.Sway(AMPLITUDES[name], period, robot) for period in (2.0, 1.6)]
-    return with_learned_rules(name, paths[0], paths[1])
+    return with_learned_rules(name, paths[0], paths[1], learner)
 
 
 KINDS = (
@@ -157,15 +158,25 @@ def rows_of_tubes(case: Case) -> Iterator[str]:
     alike = [case.run(seed, GAINS, case.path) for seed in range(count)]
     source = np.random.default_rng(0)
     draws = [np.arange(count)] + [source.permutation(count) for _ in range(DRAWS)]
-    tubes = [psp3.TrackingTube([alike[i] for i in draw[:CALIBRATION]], *GAINS) for draw in draws]
+    tubes, chosen = [], []
+    for draw in draws:
+        try:
+            tubes.append(psp3.TrackingTube([alike[i] for i in draw[:CALIBRATION]], *GAINS))
+        except psp3.errors.InvalidValue:
+            # Too many of the runs did not reach their end.
+            continue
+        chosen.append(draw)
+    name = case.name
+    if len(tubes) < len(draws):
+        name = f"{name} ({len(tubes)} of {len(draws)} draws)"
     for what, gains, elsewhere in KINDS:
         own = [tube.with_gains(*gains) for tube in tubes]
         if what == "as calibrated":
-            tests = [[alike[i] for i in draw[CALIBRATION:]] for draw in draws]
+            tests = [[alike[i] for i in draw[CALIBRATION:]] for draw in chosen]
         else:
             path = case.other if elsewhere else case.path
             seeds = range(count, count + TEST)
-            tests = [[case.run(seed, gains, path) for seed in seeds]] * len(draws)
+            tests = [[case.run(seed, gains, path) for seed in seeds]] * len(tubes)
         kept = 100.0 * np.array(
             [
                 np.mean([run is not None and tube.holds(run) for run in runs])
@@ -175,7 +186,7 @@ def rows_of_tubes(case: Case) -> Iterator[str]:
         widths = np.mean([tube.width for tube in own[1:]], axis=0)
         i = int(np.argmax(widths))
         yield (
-            f"| {case.name} | {what} | {kept[0]:.1f} % | {kept[1:].mean():.1f} % | "
+            f"| {name} | {what} | {kept[0]:.1f} % | {kept[1:].mean():.1f} % | "
             f"{1e3 * widths[i]:.3g} | {_errors(tests[0], i, widths[i])} |"
         )
 
@@ -307,6 +318,7 @@ CASES: dict[str, Callable[[], Case]] = {
     "delta": lambda: with_wrong_masses("delta", 0.1, 2e-5),
     "delta_learned": lambda: learned("delta"),
     "gough_stewart_learned": lambda: learned("gough_stewart"),
+    "gough_stewart_averages": lambda: learned("gough_stewart", "average"),
 }
 
 if __name__ == "__main__":
