@@ -2,10 +2,11 @@
 
 Prints the rows of the tables of ``docs/concepts/bounds.md``, all or some::
 
-    python docs/make_bounds.py
-    python docs/make_bounds.py five_bar_learned intervals
+    OMP_NUM_THREADS=1 python docs/make_bounds.py
+    OMP_NUM_THREADS=1 python docs/make_bounds.py five_bar_learned intervals
 
-A quarter of an hour of one core. Everything random has a seed.
+A quarter of an hour of one core; least squares this small take ten times as long on more threads.
+Everything random has a seed.
 """
 
 from __future__ import annotations
@@ -57,9 +58,7 @@ class Case(NamedTuple):
         """Return a controller with the thesis's gains."""
         return self.controller(seed, 10.0, 1.0)
 
-    def run(
-        self, seed: int, gains: tuple[float, float], path: Trajectory
-    ) -> psp3.Result | None:
+    def run(self, seed: int, gains: tuple[float, float], path: Trajectory) -> psp3.Result | None:
         """Return a run from the path's own start, or None if it did not reach its end."""
         start = path(np.array([0.0]))
         try:
