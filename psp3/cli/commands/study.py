@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,7 +13,7 @@ import typer
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
 from psp3.cli.output import cell_text, counted_progress, show_narrow
-from psp3.cli.shared import resumable
+from psp3.cli.shared import refuse_workers_of_scheduler, resumable
 
 if TYPE_CHECKING:
     from psp3.study.table import Table
@@ -235,8 +234,7 @@ def study(
     are not repeated, so the same command resumes a study that was stopped, and one with more seeds
     extends it.
     """
-    if workers is not None and scheduler is not None:
-        raise usage_error("--workers does not apply to --scheduler, which has its own")
+    refuse_workers_of_scheduler(workers, scheduler)
     from psp3.description.parts import ROBOTS
 
     if str(file) in ROBOTS:
@@ -263,7 +261,7 @@ def study(
     }
     values = {name: choice for name, choice in given.items() if choice}
     outcome = Study(file, grid(**values, seed=range(runs.seeds), duration=duration))
-    with resumable(file), _study_progress() as progress:
+    with resumable(file), counted_progress("runs") as progress:
         outcome.run(workers, scheduler, progress)
     rows = outcome.rows()
     for title, headings, cells, note in _study_tables(rows, runs.mean_variation is not None):
@@ -271,31 +269,6 @@ def study(
     if csv is not None:
         outcome.export(csv)
         typer.echo(csv)
-
-
-@contextmanager
-def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
-    """Show runs done, rate and remaining time on standard error.
-
-    As a bar on a terminal, else as a line every tenth of the way.
-    """
-    tenths = -1
-    with counted_progress() as (bars, on_terminal):
-        task = None
-
-        def progress(done: int, total: int, rate: float) -> None:
-            nonlocal task, tenths
-            text = f"{rate:.1f} runs/s" if rate else ""
-            if task is None:
-                # Only now, so that runs of an earlier session do not count as speed.
-                task = bars.add_task(text, total=total, completed=done)
-            bars.update(task, completed=done, description=text)
-            if not on_terminal and 10 * done // total > tenths:
-                tenths = 10 * done // total
-                remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
-                typer.echo(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)
-
-        yield progress
 
 
 def _study_tables(
