@@ -282,6 +282,8 @@ OPTIONS = {
     'free="keep"': "--free keep",
     'free="lock"': "--free lock",
     'free="refuse"': "--free refuse",
+    'learner="strict"': "--learner strict",
+    "n_terms": "--terms",
 }
 """What remedies are called in Python, and on the command line."""
 

@@ -16,6 +16,7 @@ from psp3.cli.output import cell_text, counted_progress, show_narrow
 from psp3.cli.shared import refuse_workers_of_scheduler, resumable
 
 if TYPE_CHECKING:
+    from psp3.study.run import Run, Value
     from psp3.study.table import Table
 
 
@@ -271,6 +272,28 @@ def study(
         typer.echo(csv)
 
 
+OF_NOISE = ("reading", "snr_reference", "noisy_entries")
+"""Fields of no meaning to runs without noise."""
+
+
+def _setting(run: Run, name: str) -> Value:
+    """Return the value of a field as a table shows it."""
+    value: Value = None if name in OF_NOISE and math.isinf(run.snr_db) else getattr(run, name)
+    return value
+
+
+def _fixed_settings(found: dict[str, Value], headings: dict[str, str]) -> list[str]:
+    """Return what all runs have in common, but for what nobody asked for."""
+    from psp3.study.run import DEFAULTS
+
+    fixed = ["no noise"] if found.get("reading", "") is None else []
+    return fixed + [
+        f"{headings[name]} {cell_text(value)}"
+        for name, value in found.items()
+        if value is not None and (name == "reading" or value != DEFAULTS[name])
+    ]
+
+
 def _study_tables(
     rows: Table, show_mean_variation: bool
 ) -> Iterator[tuple[str, list[str], list[list[str]], str]]:
@@ -302,23 +325,20 @@ def _study_tables(
         "delay": "delay (periods)",
     }
     summaries = summarize(rows)
-    names = [
-        name
-        for name in headings
-        if name == "controller" or len({getattr(summary.run, name) for summary in summaries}) > 1
-    ]
-    if not show_mean_variation and "mean_variation" in names:
-        names.remove("mean_variation")
-    fixed = [
-        f"{headings[name]} {cell_text(getattr(summaries[0].run, name))}"
-        for name in ("robot", "reading", "trajectory")
-        if name not in names and not (name == "robot" and summaries[0].run.robot == "psp3")
-    ]
+    found = {name: {_setting(summary.run, name) for summary in summaries} for name in headings}
+    if not show_mean_variation:
+        del found["mean_variation"]
+    for name in OF_NOISE:
+        if len(found[name]) > 1:
+            found[name].discard(None)
+    names = [name for name, values in found.items() if name == "controller" or len(values) > 1]
+    common = {name: next(iter(values)) for name, values in found.items() if name not in names}
+    fixed = _fixed_settings(common, headings)
     are_lengths = all(summary.run.robot == "psp3" for summary in summaries)
     unit = "m²" if are_lengths else "m² or rad²"
 
     def settings(run: Any) -> list[str]:
-        return [cell_text(getattr(run, name)) for name in names]
+        return [cell_text(_setting(run, name)) for name in names]
 
     def number(estimate: Estimate, factor: float = 1.0, unit: str = "") -> str:
         value, low, high = (
