@@ -149,7 +149,7 @@ def test_workers_of_several_threads_or_other_sources_are_refused(
 ) -> None:
     asked = Benchmark(tmp_path, ["lqr"], **QUICK)
     with cluster_of(1, 3, False) as started:
-        with pytest.raises(SchedulerUnavailable, match="has 3 threads.*--nthreads 1 --nworkers 3"):
+        with pytest.raises(SchedulerUnavailable, match=r"has 3 threads.*--nthreads 1 --nworkers 3"):
             asked.run(scheduler=started.scheduler_address)
         here = iter(["mine", "theirs"])
         monkeypatch.setattr(benchmark, "stamp", lambda: next(here))
