@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, scalar
 
 KM, EKM, IASC, EIASC, SCAN = range(5)
 
 
-@compiled
+@scalar
 def _moments(z, before, after, below, above):
     """Write F and H of every point.
 
@@ -49,7 +49,7 @@ def _moments(z, before, after, below, above):
         above[k] = moment
 
 
-@compiled
+@scalar
 def _average(z, before, after, k):
     """Average of the points, measured from the first one.
 
@@ -65,7 +65,7 @@ def _average(z, before, after, k):
     return numerator / denominator
 
 
-@compiled
+@scalar
 def _switch_of(z, average):
     """Return how many points do not lie above the average, at least 1 and at most n − 1."""
     k = 1
@@ -74,7 +74,7 @@ def _switch_of(z, average):
     return k
 
 
-@compiled
+@scalar
 def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed)
     z, before, after, left, method, below, above
 ):
