@@ -93,11 +93,12 @@ def _anfis(rng: np.random.Generator) -> Standardized:
     return Standardized(ANFIS(CLUSTERS, partition="clusters", most_epochs=EPOCHS, rng=rng))
 
 
-def _regressing(name: str, make: Any, draws: bool) -> Entry:
-    def controller(course: Course) -> Controller:
-        return of_regressor(make(course.rng), course, name)
+def _of_made(make: Any, name: str, course: Course) -> Controller:
+    return of_regressor(make(course.rng), course, name)
 
-    return Entry(name, SAMPLES, controller, draws)
+
+def _regressing(name: str, make: Any, draws: bool) -> Entry:
+    return Entry(name, SAMPLES, partial(_of_made, make, name), draws)
 
 
 BASELINES: dict[str, Entry] = {

@@ -77,6 +77,16 @@ def scores_needed(share: float) -> int:
     return math.ceil(part / (1 - part))
 
 
+def check_count(name: str, count: int, share: float) -> None:
+    """Raise :class:`InvalidValue` that names what is given if it is too few for a share."""
+    if rank_of_bound(count, share) > count:
+        wanted = (
+            f"at least {scores_needed(share)} of them for a share of {share:g}; give more, or ask "
+            "for a smaller share"
+        )
+        raise InvalidValue(name, count, wanted)
+
+
 def conformal_bound(scores: ArrayLike, share: float) -> Array:
     r"""Return a bound that a new score keeps with a probability of at least ``share``.
 
@@ -106,13 +116,6 @@ def conformal_bound(scores: ArrayLike, share: float) -> Array:
     rows = as_floats("scores", scores, "(n, ...)")
     if np.ndim(scores) == 0 or np.isnan(rows).any():
         raise InvalidArray("scores", "(n, ...), without NaN", scores)
-    rank = rank_of_bound(len(rows), share)
-    if rank > len(rows):
-        raise InvalidValue(
-            "scores",
-            len(rows),
-            f"at least {scores_needed(share)} of them for a share of {share:g}; give more, or ask "
-            "for a smaller share",
-        )
-    bound: Array = np.sort(rows, axis=0)[rank - 1]
+    check_count("scores", len(rows), share)
+    bound: Array = np.sort(rows, axis=0)[rank_of_bound(len(rows), share) - 1]
     return bound

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.bounds.conformal import checked_share, conformal_bound
+from psp3.bounds.conformal import check_count, checked_share, conformal_bound
 from psp3.checks import Array, as_floats
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
@@ -70,6 +70,7 @@ class ConformalIntervals:
             raise InvalidArray("intervals", "(N, n, 2)", intervals)
         middle, half = _middle_and_half(intervals)
         measured = _torques(torques, middle.shape)
+        check_count("torques", len(measured), self.share)
         self.factor = conformal_bound(self._scores(measured, middle, half), self.share)
         if not np.isfinite(self.factor).all():
             raise InvalidValue(

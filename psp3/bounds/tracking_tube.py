@@ -81,6 +81,8 @@ def residual_accelerations(result: Result, kp: float, kv: float) -> Array:
 
 def period_of(result: Result) -> float:
     """Return the control period of a run [s]; raise :class:`InvalidValue` if there is none."""
+    if not isinstance(result, Result):
+        raise InvalidValue("result", result, "a run as psp3.simulate returns it")
     if len(result.t) < 2:
         raise InvalidValue("result", f"{len(result.t)} samples", "a run of at least two samples")
     steps = np.diff(result.t)
@@ -165,6 +167,9 @@ class TrackingTube:
     def __init__(
         self, runs: Iterable[Result | None], kp: float, kv: float, share: float = 0.95
     ) -> None:
+        if not hasattr(runs, "__iter__"):
+            wanted = "a list of runs, each as psp3.simulate returns it"
+            raise InvalidValue("runs", type(runs).__name__, wanted)
         given, self.share = list(runs), checked_share(share)
         self.runs, self.is_guaranteed = len(given), True
         first = -(-self.runs // FOR_PROPORTIONS)
@@ -243,7 +248,8 @@ class TrackingTube:
 
     def holds(self, result: Result) -> bool:
         """Return whether a run stays within the tube at every sample, see :meth:`around`."""
-        return bool((np.abs(errors_of(result)[0]) <= self.around(result)).all())
+        bounds = self.around(result)
+        return bool((np.abs(errors_of(result)[0]) <= bounds).all())
 
     def with_gains(self, kp: float, kv: float) -> TrackingTube:
         """Return the tube of other gains, with the bounds of the residual acceleration as they are.
@@ -293,6 +299,8 @@ class TrackingTube:
         """
         width = self.width
         k = len(width)
+        if not hasattr(robot, "reference"):
+            raise InvalidValue("robot", robot, "a robot, as psp3.load returns it")
         if len(robot.reference) != k:
             raise InvalidValue("robot", robot.title, f"one of {k} coordinates, all commanded")
         path = finite_rows("positions", positions, k)

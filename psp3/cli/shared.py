@@ -48,6 +48,12 @@ def resumable(place: Path) -> Iterator[None]:
         raise typer.Exit(INTERRUPTED) from None
 
 
+def refuse_workers_of_scheduler(workers: int | None, scheduler: str | None) -> None:
+    """Raise a usage error where the workers of a scheduler would be counted."""
+    if workers is not None and scheduler is not None:
+        raise usage_error("--workers does not apply to --scheduler, which has its own")
+
+
 MOTION_OF_THESIS, MOTION_OF_OTHERS = "helix", "sway"
 """What is followed unless another motion is named."""
 

@@ -361,11 +361,13 @@ class FuzzyComputedTorque:
             strict=True,
         )
         arrays = [finite_rows(name, rows, self.joints) for name, rows in given]
+        if arrays[0].ndim != 2 or len(arrays[0]) < 2:
+            raise InvalidArray("positions", f"(N, {self.joints}), N at least 2", positions)
         for name, array in zip(("speeds", "accelerations", "forces"), arrays[1:], strict=True):
-            if array.ndim != 2 or array.shape != arrays[0].shape:
+            if array.shape != arrays[0].shape:
                 raise InvalidArray(name, f"{arrays[0].shape}, one row for each position", array)
         inputs = self.inputs.of(arrays[0], arrays[1])
-        ranges_of_moving(inputs, self.inputs.names)
+        ranges_of_moving(inputs, self.inputs.names, "positions and speeds")
         a, v, w, force = arrays
         systems = rule_bases.systems_from_motion(
             *(self._options, self.places, self.inputs, (a, v, w), force),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -249,6 +250,26 @@ def test_runs_of_other_periods_or_coordinates_are_refused() -> None:
     for wrong, match in ((replace(run, t=uneven), "even"), (short, "two samples")):
         with pytest.raises(InvalidValue, match=match):
             residual_accelerations(wrong, KP, KV)
+
+
+@pytest.mark.parametrize("wrong", [3, "run", object()])
+def test_what_is_no_run_is_refused(wrong: Any) -> None:
+    run = constant(np.array([1.0]))
+    tube = tube_of(np.array([1.0]))
+    for call in (
+        lambda: psp3.TrackingTube([run] * RUNS + [wrong], KP, KV, share=0.9),
+        lambda: tube.holds(wrong),
+        lambda: tube.around(wrong),
+        lambda: residual_accelerations(wrong, KP, KV),
+    ):
+        with pytest.raises(InvalidValue, match="result must be a run as psp3"):
+            call()
+    with pytest.raises(InvalidValue, match="result must be a run"):
+        tube.holds(None)  # type: ignore[arg-type]
+    with pytest.raises(InvalidValue, match="robot must be a robot"):
+        tube.tip_width(wrong, [0.0])
+    with pytest.raises(InvalidValue, match=r"runs must be a list of runs, .* got 'Result'"):
+        psp3.TrackingTube(run, KP, KV)  # type: ignore[arg-type]
 
 
 def test_other_gains_keep_the_residual_and_lose_the_guarantee() -> None:
