@@ -160,7 +160,8 @@ def _reduce_row(table, x, xo, width, grades, low, high, extra, moments, out, oo,
     """Fire the rules for the input that starts at ``xo``, and write what they say."""
     _fire(table, x, xo, width, grades, low, high)
     _center_of_sets(table, low, high, extra, moments, out, oo, crisp)
-    if lost(table, low, high):
+    # Mostly the first rule is enough to say no.
+    if (low[0] < VANISHED or table[5] > 0.0) and lost(table, low, high):
         log_fire(table, x, xo, width, grades, low, high)
         center_in_logarithms(table, low, high, out, oo, crisp)
 
