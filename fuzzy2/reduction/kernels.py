@@ -23,12 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.support.checks import Array
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, scalar
 
 KM, EKM, IASC, EIASC, SCAN = range(5)
 
 
-@compiled
+@scalar
 def _moments(z, before, after, below, above):
     """Write F and H of every point.
 
@@ -49,7 +49,7 @@ def _moments(z, before, after, below, above):
         above[k] = moment
 
 
-@compiled
+@scalar
 def _average(z, before, after, k):
     """Average of the points, measured from the first one.
 
@@ -65,7 +65,7 @@ def _average(z, before, after, k):
     return numerator / denominator
 
 
-@compiled
+@scalar
 def _switch_of(z, average):
     """Return how many points do not lie above the average, at least 1 and at most n − 1."""
     k = 1
@@ -74,7 +74,7 @@ def _switch_of(z, average):
     return k
 
 
-@compiled
+@scalar
 def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed)
     z, before, after, left, method, below, above
 ):
@@ -136,14 +136,14 @@ def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed
     return z[0] + _average(z, before, after, k)
 
 
-@compiled
+@scalar
 def _log_sum(a, b):
     """Logarithm of the sum of two numbers, of which the logarithms are given."""
     least, most = min(a, b), max(a, b)
     return most if least == -math.inf else most + math.log1p(math.exp(least - most))
 
 
-@compiled
+@scalar
 def end_in_logarithms(z, before, after, below, above):
     """Do as ``end_of_interval`` with logarithms of weights, which no ratio of them leaves.
 

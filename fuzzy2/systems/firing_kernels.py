@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, scalar
 
 # Inference. A system is one array of floats, so that a call hands over one table and not seven
 # arrays. It starts with (inputs p, terms T, rules R, outputs m, t-norm code, where the supplement
@@ -25,7 +25,7 @@ TERM = 10
 SUPPLEMENT = 4
 
 
-@compiled
+@scalar
 def _grades(row, o, x, width):
     """Lower and upper grade of x in the term whose table row starts at o.
 
@@ -74,7 +74,7 @@ def _grades(row, o, x, width):
     return h_low * math.exp(-0.5 * t * t), upper
 
 
-@compiled
+@scalar
 def _both(norm, a, b):
     """Combine two grades by *and*, the t-norm of a code, see ``fuzzy2.systems.table.NORMS``."""
     least, most = min(a, b), max(a, b)
@@ -95,7 +95,7 @@ def _both(norm, a, b):
     return a * b / (1.0 + (1.0 - a) * (1.0 - b))
 
 
-@compiled
+@scalar
 def _either(norm, a, b):
     """Combine two grades by *or*, the t-conorm of a code, dual to that of ``_both``."""
     least, most = min(a, b), max(a, b)
@@ -116,9 +116,12 @@ def _either(norm, a, b):
     return most + least * (1.0 - most) * (1.0 + most) / (1.0 + least * most)
 
 
-@compiled
-def _fire(table, x, xo, width, grades, low, high):
-    """Write lower and upper firing strength of every rule for the input that starts at ``xo``."""
+@scalar
+def _fire(table, x, xo, width, grades, low, high, stack):
+    """Write lower and upper firing strength of every rule for the input that starts at ``xo``.
+
+    ``stack`` is room for two numbers of each place of the deepest stack of rules that are trees.
+    """
     if table[6] > 0.0:
         _fire_by_exponents(table, x, xo, low, high)
         return
@@ -158,24 +161,24 @@ def _fire(table, x, xo, width, grades, low, high):
         # Rounding, which is not the same for both ends, must not exchange them.
         low[r], high[r] = min(lower, upper), upper
     if table[5] > 0.0:
-        _supplement_firing(table, grades, low, high)
+        _supplement_firing(table, grades, low, high, stack)
 
 
-@compiled
+@scalar
 def _away(value, m1, m2, sigma):
     """Squared distance from a Gaussian's least or greatest mean, 0 between them."""
     away = (value - max(min(value, m2), m1)) / sigma
     return away * away
 
 
-@compiled
+@scalar
 def _farther(value, m1, m2, sigma):
     """Squared distance from the farther mean."""
     away = (value - (m2 if value < 0.5 * (m1 + m2) else m1)) / sigma
     return away * away
 
 
-@compiled
+@scalar
 def _fire_by_exponents(table, x, xo, low, high):
     """Do as ``_fire`` for plain rules of Gaussians that are multiplied.
 
@@ -295,8 +298,8 @@ def _fire_lanes(table, grades, end, firing):
                     combined[lane] = _both(norm, combined[lane], own[lane])
 
 
-@compiled
-def _supplement_firing(table, grades, low, high):
+@scalar
+def _supplement_firing(table, grades, low, high, stack):
     """Fire the rules that are trees, and multiply the firing by the weights of the rules."""
     rules, outputs, norm = int(table[2]), int(table[3]), int(table[4])
     start = int(table[5])
@@ -304,7 +307,7 @@ def _supplement_firing(table, grades, low, high):
     weights = start + SUPPLEMENT
     places = weights + rules + rules * outputs + outputs
     if trees:
-        lower, upper = np.empty(deepest), np.empty(deepest)
+        lower, upper = stack[:deepest], stack[deepest : 2 * deepest]
         for r in range(rules):
             top = -1
             step, end = int(table[places + r]), int(table[places + r + 1])
@@ -348,9 +351,10 @@ def _fire_block(table, x, start, width, grades, one_low, one_high, low, high):
     rules, lanes = low.shape
     if table[5] > 0.0:
         one_grades = np.empty(grades.shape[0])
+        stack = np.empty(2 * int(table[int(table[5]) + 3]))
         for lane in range(lanes):
             first = (start + lane) * int(table[0])
-            _fire(table, x, first, width, one_grades, one_low, one_high)
+            _fire(table, x, first, width, one_grades, one_low, one_high, stack)
             for r in range(rules):
                 low[r, lane], high[r, lane] = one_low[r], one_high[r]
         return True

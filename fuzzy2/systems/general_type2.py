@@ -400,9 +400,10 @@ class GeneralType2System(FuzzySystem):
         if self._table is not None:
             out = np.empty((*shape, self.n_outputs, 2))
             product = self.grade_t_norm == "product"
+            middles, spreads = self._middles.ravel(), self._spreads.ravel()
             if (
                 self._kernels.evaluate_corollary(
-                    self._table, rows.ravel(), self._middles, self._spreads, product, out.ravel()
+                    self._table, rows.ravel(), middles, spreads, product, out.ravel()
                 )
                 >= 0
             ):

@@ -8,7 +8,7 @@ import numpy as np
 
 from fuzzy2.reduction.kernels import EIASC, end_of_interval
 from fuzzy2.support.checks import Array
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, scalar
 from fuzzy2.systems.firing_kernels import (
     HEADER,
     SUPPLEMENT,
@@ -28,13 +28,44 @@ CLOSE = 1e-12
 TINY = 1e-200
 
 
-@compiled
-def _exact_end(table, z, order, rules, low, high):
+@scalar
+def work_size(table: Array) -> int:
+    """Return how much room one row takes: grades and firing strengths, and what a search needs."""
+    size = 2 * int(table[1]) + 10 * int(table[2]) + 2 * int(table[3])
+    return size + (2 * int(table[int(table[5]) + 3]) if table[5] > 0.0 else 0)
+
+
+@scalar
+def _rooms(table, work):
+    """Return the parts of ``work`` (``work_size``,).
+
+    For functions that own no memory themselves: others would give these parts back.
+
+    Grades (2 T,), lower and upper firing strengths (R,), their differences (R,), moments (2 m,),
+    seven numbers a rule for searches, and the stack.
+    """
+    grades, rules = 2 * int(table[1]), int(table[2])
+    moments = grades + 3 * rules
+    search = moments + 2 * int(table[3])
+    return (
+        work[:grades],
+        work[grades : grades + rules],
+        work[grades + rules : grades + 2 * rules],
+        work[grades + 2 * rules : moments],
+        work[moments:search],
+        work[search : search + 7 * rules],
+        work[search + 7 * rules :],
+    )
+
+
+@scalar
+def _exact_end(table, z, order, rules, low, high, room):
     """One end by the search of ``_end``, for firing strengths of very different size.
 
     The fast search hands over to it.
     """
-    points, before, after = np.empty(rules), np.empty(rules), np.empty(rules)
+    points, before, after = room[:rules], room[rules : 2 * rules], room[2 * rules : 3 * rules]
+    below, above = room[3 * rules : 4 * rules], room[4 * rules : 5 * rules]
     largest = 0.0
     for r in range(rules):
         largest = max(largest, high[r])
@@ -45,13 +76,11 @@ def _exact_end(table, z, order, rules, low, high):
             points[count] = table[z + i]
             before[count], after[count] = high[r] / largest, low[r] / largest
             count += 1
-    return end_of_interval(
-        points[:count], before[:count], after[:count], True, EIASC, np.empty(rules), np.empty(rules)
-    )
+    return end_of_interval(points[:count], before[:count], after[:count], True, EIASC, below, above)
 
 
-@compiled
-def _center_of_spoken(table, low, high, out, oo, crisp):
+@scalar
+def _center_of_spoken(table, low, high, room, out, oo, crisp):
     """Do as ``_center_of_sets`` where rules leave outputs out, or outputs have defaults."""
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     extremes = HEADER + TERM * terms + rules * inputs + 2 * rules * outputs
@@ -59,7 +88,7 @@ def _center_of_spoken(table, low, high, out, oo, crisp):
     orders = in_order + 2 * rules * outputs
     silent = int(table[5]) + SUPPLEMENT + rules
     defaults = silent + rules * outputs
-    lower, upper = np.empty(rules), np.empty(rules)
+    lower, upper = room[5 * rules : 6 * rules], room[6 * rules :]
     for j in range(outputs):
         spoken = 0.0
         for r in range(rules):
@@ -71,11 +100,11 @@ def _center_of_spoken(table, low, high, out, oo, crisp):
         if spoken > 0.0:
             z = rules * j
             least = table[extremes + j] + _exact_end(
-                table, in_order + z, orders + z, rules, lower, upper
+                table, in_order + z, orders + z, rules, lower, upper, room
             )
             z = rules * (j + outputs)
             greatest = table[extremes + outputs + j] - _exact_end(
-                table, in_order + z, orders + z, rules, lower, upper
+                table, in_order + z, orders + z, rules, lower, upper, room
             )
         if crisp:
             out[oo + j] = 0.5 * (least + greatest)
@@ -83,16 +112,16 @@ def _center_of_spoken(table, low, high, out, oo, crisp):
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
 
 
-@compiled
+@scalar
 def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loop, for speed)
-    table, low, high, extra, moments, out, oo, crisp
+    table, low, high, extra, moments, room, out, oo, crisp
 ):
     """Write the type-reduced interval, or its middle, of every output.
 
     NaN where no rule fires.
     """
     if table[5] > 0.0 and table[int(table[5]) + 2] > 0.0:
-        _center_of_spoken(table, low, high, out, oo, crisp)
+        _center_of_spoken(table, low, high, room, out, oo, crisp)
         return
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     ends = HEADER + TERM * terms + rules * inputs
@@ -143,7 +172,10 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
                 moment += extra[r] * distance
                 weight += extra[r]
                 i += 1
-            nearest = moment / weight if settled else _exact_end(table, z, order, rules, low, high)
+            if settled:
+                nearest = moment / weight
+            else:
+                nearest = _exact_end(table, z, order, rules, low, high, room)
             if end == 0:
                 least = table[extremes + j] + nearest
             else:
@@ -155,15 +187,21 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
 
 
-@compiled
-def _reduce_row(table, x, xo, width, grades, low, high, extra, moments, out, oo, crisp):
-    """Fire the rules for the input that starts at ``xo``, and write what they say."""
-    _fire(table, x, xo, width, grades, low, high)
-    _center_of_sets(table, low, high, extra, moments, out, oo, crisp)
+@scalar
+def evaluate_in(
+    table: Array, x: Array, xo: int, width: float, crisp: bool, work: Array, out: Array, oo: int
+) -> None:
+    """Do as ``evaluate`` for the finite row that starts at ``xo``; outputs go to ``oo`` and on.
+
+    ``work`` (``work_size``,) is room for it.
+    """
+    grades, low, high, extra, moments, room, stack = _rooms(table, work)
+    _fire(table, x, xo, width, grades, low, high, stack)
+    _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
     # Mostly the first rule is enough to say no.
     if (low[0] < VANISHED or table[5] > 0.0) and lost(table, low, high):
-        log_fire(table, x, xo, width, grades, low, high)
-        center_in_logarithms(table, low, high, out, oo, crisp)
+        log_fire(table, x, xo, width, grades, low, high, stack)
+        center_in_logarithms(table, low, high, room, out, oo, crisp)
 
 
 # Rows that are carried together where there are many: enough to hide the loops' own cost, few
@@ -208,13 +246,12 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
     extremes = ends + 2 * rules * outputs
     in_order = extremes + 2 * outputs
     orders = in_order + 2 * rules * outputs
-    grades, one_grades = np.empty((2 * terms, LANES)), np.empty(2 * terms)
+    grades = np.empty((2 * terms, LANES))
     one_low, one_high = np.empty(rules), np.empty(rules)
     low, extra = np.empty((rules, LANES)), np.empty((rules, LANES))
     mass, moment, weight = np.empty(LANES), np.empty(LANES), np.empty(LANES)
     unsettled, left = np.empty(LANES), np.empty(LANES)
-    moments = np.empty(2 * outputs)
-    one_extra = np.empty(rules)
+    work = np.empty(work_size(table))
     for start in range(0, rows, LANES):
         uncertain = _fire_block(table, x, start, width, grades, one_low, one_high, low, extra)
         for lane in range(LANES):
@@ -271,20 +308,8 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
         for lane in range(LANES):
             if unsettled[lane] > 0.0:
                 row = start + lane
-                _reduce_row(
-                    table,
-                    x,
-                    row * inputs,
-                    width,
-                    one_grades,
-                    one_low,
-                    one_high,
-                    one_extra,
-                    moments,
-                    out,
-                    row * (outputs if crisp else 2 * outputs),
-                    crisp,
-                )
+                per_row = outputs if crisp else 2 * outputs
+                evaluate_in(table, x, row * inputs, width, crisp, work, out, row * per_row)
 
 
 @compiled
@@ -293,11 +318,8 @@ def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> i
 
     Return -1 or the first row not finite.
     """
-    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    grades = np.empty(2 * terms)
-    low, high = np.empty(rules), np.empty(rules)
-    moments = np.empty(2 * outputs)
-    extra = np.empty(rules)
+    inputs, outputs = int(table[0]), int(table[3])
+    work = np.empty(work_size(table))
     per_row = outputs if crisp else 2 * outputs
     for i in range(x.size):
         if not math.isfinite(x[i]):
@@ -309,20 +331,7 @@ def evaluate(table: Array, x: Array, width: float, crisp: bool, out: Array) -> i
     if in_blocks > 0:
         _evaluate_blocks(table, x, width, crisp, out, in_blocks)
     for row in range(in_blocks, rows):
-        _reduce_row(
-            table,
-            x,
-            row * inputs,
-            width,
-            grades,
-            low,
-            high,
-            extra,
-            moments,
-            out,
-            row * per_row,
-            crisp,
-        )
+        evaluate_in(table, x, row * inputs, width, crisp, work, out, row * per_row)
     return -1
 
 
@@ -345,11 +354,8 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
 
     Return as ``evaluate``.
     """
-    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    grades = np.empty(2 * terms)
-    low, high = np.empty(rules), np.empty(rules)
-    moments, middles = np.empty(2 * outputs), np.empty(outputs)
-    extra = np.empty(rules)
+    inputs, outputs = int(table[0]), int(table[3])
+    work, middles = np.empty(work_size(table)), np.empty(outputs)
     total = 0.0
     for plane in range(alphas.size):
         total += alphas[plane]
@@ -360,20 +366,7 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
         for j in range(outputs):
             out[row * outputs + j] = 0.0
         for plane in range(widths.size):
-            _reduce_row(
-                table,
-                x,
-                row * inputs,
-                widths[plane],
-                grades,
-                low,
-                high,
-                extra,
-                moments,
-                middles,
-                0,
-                True,
-            )
+            evaluate_in(table, x, row * inputs, widths[plane], True, work, middles, 0)
             for j in range(outputs):
                 out[row * outputs + j] += alphas[plane] * middles[j]
         for j in range(outputs):
@@ -387,31 +380,68 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
 
     Half-widths are ``widths``. Return as ``evaluate``.
     """
-    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    grades = np.empty(2 * terms)
-    low, high = np.empty(rules), np.empty(rules)
-    moments = np.empty(2 * outputs)
-    extra = np.empty(rules)
+    inputs, outputs = int(table[0]), int(table[3])
+    work = np.empty(work_size(table))
     for row in range(x.size // inputs):
         for i in range(inputs):
             if not math.isfinite(x[row * inputs + i]):
                 return row
         for plane in range(widths.size):
-            _reduce_row(
-                table,
-                x,
-                row * inputs,
-                widths[plane],
-                grades,
-                low,
-                high,
-                extra,
-                moments,
-                out,
-                2 * outputs * (row * widths.size + plane),
-                False,
-            )
+            place = 2 * outputs * (row * widths.size + plane)
+            evaluate_in(table, x, row * inputs, widths[plane], False, work, out, place)
     return -1
+
+
+@scalar
+def corollary_in(
+    table: Array,
+    x: Array,
+    xo: int,
+    middles: Array,
+    spreads: Array,
+    product_grades: bool,
+    work: Array,
+    out: Array,
+    oo: int,
+) -> None:
+    """Do as ``evaluate_corollary`` for the finite row at ``xo``; outputs go to ``oo`` and on.
+
+    ``work`` is as of ``evaluate_in``.
+    """
+    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
+    grades, mean, sigma = _rooms(table, work)[:3]
+    for t in range(terms):
+        o = HEADER + TERM * t
+        grades[2 * t], _ = _grades(table, o, x[xo + int(table[o])], 0.0)
+        grades[2 * t + 1] = table[o + 8] if int(table[o + 1]) == 2 else 0.0
+    o = HEADER + TERM * terms
+    total = 0.0
+    for r in range(rules):
+        m, variance = 1.0, 0.0
+        for _ in range(inputs):
+            t = int(table[o])
+            o += 1
+            if t >= 0:
+                g, s = grades[2 * t], grades[2 * t + 1]
+                variance = variance * g * g + m * m * s * s
+                m *= g
+        mean[r], sigma[r] = m, math.sqrt(variance)
+        total += m
+    for j in range(outputs):
+        if not total > 0.0:
+            out[oo + 2 * j] = out[oo + 2 * j + 1] = math.nan
+            continue
+        moment = 0.0
+        for r in range(rules):
+            moment += mean[r] * (middles[r * outputs + j] - middles[j])
+        center = middles[j] + moment / total
+        spread = 0.0
+        for r in range(rules):
+            q = r * outputs + j
+            one, two = mean[r] * spreads[q], (middles[q] - center) * sigma[r]
+            spread += one * one + two * two if product_grades else one + abs(two)
+        out[oo + 2 * j] = center
+        out[oo + 2 * j + 1] = (math.sqrt(spread) if product_grades else spread) / total
 
 
 @compiled
@@ -422,49 +452,27 @@ def evaluate_corollary(
 
     Return as ``evaluate``.
 
-    ``middles`` and ``spreads`` (R, m) are means and standard deviations of the consequents; firing
+    ``middles`` and ``spreads`` (R m,) are means and standard deviations of the consequents; firing
     strengths are Gaussian numbers with the moments of eq. 1.30.
     """
-    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    grades = np.empty(2 * terms)
-    mean, sigma = np.empty(rules), np.empty(rules)
+    inputs, outputs = int(table[0]), int(table[3])
+    work = np.empty(work_size(table))
     for row in range(x.size // inputs):
         for i in range(inputs):
             if not math.isfinite(x[row * inputs + i]):
                 return row
-        for t in range(terms):
-            o = HEADER + TERM * t
-            grades[2 * t], _ = _grades(table, o, x[row * inputs + int(table[o])], 0.0)
-            grades[2 * t + 1] = table[o + 8] if int(table[o + 1]) == 2 else 0.0
-        o = HEADER + TERM * terms
-        total = 0.0
-        for r in range(rules):
-            m, variance = 1.0, 0.0
-            for _ in range(inputs):
-                t = int(table[o])
-                o += 1
-                if t >= 0:
-                    g, s = grades[2 * t], grades[2 * t + 1]
-                    variance = variance * g * g + m * m * s * s
-                    m *= g
-            mean[r], sigma[r] = m, math.sqrt(variance)
-            total += m
-        for j in range(outputs):
-            q = 2 * (row * outputs + j)
-            if not total > 0.0:
-                out[q] = out[q + 1] = math.nan
-                continue
-            moment = 0.0
-            for r in range(rules):
-                moment += mean[r] * (middles[r, j] - middles[0, j])
-            center = middles[0, j] + moment / total
-            spread = 0.0
-            for r in range(rules):
-                one, two = mean[r] * spreads[r, j], (middles[r, j] - center) * sigma[r]
-                spread += one * one + two * two if product_grades else one + abs(two)
-            out[q] = center
-            out[q + 1] = (math.sqrt(spread) if product_grades else spread) / total
+        place = 2 * outputs * row
+        corollary_in(table, x, row * inputs, middles, spreads, product_grades, work, out, place)
     return -1
+
+
+@scalar
+def _firing_in(table, x, xo, width, work, out, oo):
+    """Do as ``firing`` for the finite row at ``xo``."""
+    grades, low, high, _, _, _, stack = _rooms(table, work)
+    _fire(table, x, xo, width, grades, low, high, stack)
+    for r in range(low.size):
+        out[oo + 2 * r], out[oo + 2 * r + 1] = low[r], high[r]
 
 
 @compiled
@@ -473,28 +481,30 @@ def firing(table: Array, x: Array, width: float, out: Array) -> int:
 
     Return -1 or the first row that is not finite.
     """
-    inputs, terms, rules = int(table[0]), int(table[1]), int(table[2])
-    grades = np.empty(2 * terms)
-    low, high = np.empty(rules), np.empty(rules)
+    inputs, rules = int(table[0]), int(table[2])
+    work = np.empty(work_size(table))
     for row in range(x.size // inputs):
         for i in range(inputs):
             if not math.isfinite(x[row * inputs + i]):
                 return row
-        _fire(table, x, row * inputs, width, grades, low, high)
-        for r in range(rules):
-            out[2 * (row * rules + r)], out[2 * (row * rules + r) + 1] = low[r], high[r]
+        _firing_in(table, x, row * inputs, width, work, out, 2 * row * rules)
     return -1
+
+
+@scalar
+def _reduce_in(table, strengths, so, crisp, work, out, oo):
+    """Do as ``reduce_firing`` for the row at ``so``."""
+    _, low, high, extra, moments, room, _ = _rooms(table, work)
+    for r in range(low.size):
+        low[r], high[r] = strengths[so + 2 * r], strengths[so + 2 * r + 1]
+    _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
 
 
 @compiled
 def reduce_firing(table: Array, strengths: Array, crisp: bool, out: Array) -> None:
     """Write outputs for firing intervals (rows, R, 2) that were computed elsewhere."""
     rules, outputs = int(table[2]), int(table[3])
-    low, high = np.empty(rules), np.empty(rules)
-    moments = np.empty(2 * outputs)
-    extra = np.empty(rules)
+    work = np.empty(work_size(table))
     per_row = outputs if crisp else 2 * outputs
     for row in range(strengths.size // (2 * rules)):
-        for r in range(rules):
-            low[r], high[r] = strengths[2 * (row * rules + r)], strengths[2 * (row * rules + r) + 1]
-        _center_of_sets(table, low, high, extra, moments, out, row * per_row, crisp)
+        _reduce_in(table, strengths, 2 * row * rules, crisp, work, out, row * per_row)

@@ -8,15 +8,13 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from fuzzy2.reduction.kernels import _log_sum, end_in_logarithms
 from fuzzy2.support.checks import Array
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, scalar
 from fuzzy2.systems.firing_kernels import HEADER, SUPPLEMENT, TERM, VANISHED
 
 
-@compiled
+@scalar
 def lost(table, low, high):
     """Return whether an end may hang on firing strengths that floats do not hold.
 
@@ -40,7 +38,7 @@ def lost(table, low, high):
     return False
 
 
-@compiled
+@scalar
 def _log_grades(row, o, x, width, low, high):
     """Logarithms of the grades of ``_grades``, which are ``low`` and ``high``.
 
@@ -60,13 +58,13 @@ def _log_grades(row, o, x, width, low, high):
     return min(math.log(h_low) - 0.5 * t * t, upper), upper
 
 
-@compiled
+@scalar
 def log_not(a):
     """Logarithm of the complement of a grade."""
     return math.log(-math.expm1(a)) if a > -0.5 else math.log1p(-math.exp(a))
 
 
-@compiled
+@scalar
 def log_both(norm, a, b):
     """Do as ``_both`` with logarithms of grades.
 
@@ -91,7 +89,7 @@ def log_both(norm, a, b):
     return a + b - math.log1p(math.expm1(a) * math.expm1(b))
 
 
-@compiled
+@scalar
 def log_either(norm, a, b):
     """Do as ``_either`` with logarithms of grades."""
     least, most = min(a, b), max(a, b)
@@ -120,11 +118,11 @@ def combine_logarithms(norm: int, either: bool, a: Array, b: Array, out: Array) 
         out[i] = log_either(norm, a[i], b[i]) if either else log_both(norm, a[i], b[i])
 
 
-@compiled
-def log_fire(table, x, xo, width, grades, low, high):
+@scalar
+def log_fire(table, x, xo, width, grades, low, high, stack):
     """Write the logarithms of what ``_fire`` writes.
 
-    ``grades`` are as it left them for the input that starts at ``xo``.
+    ``grades`` are as it left them for the input that starts at ``xo``, and ``stack`` is as there.
     """
     inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
     start = int(table[5])
@@ -134,7 +132,7 @@ def log_fire(table, x, xo, width, grades, low, high):
             table, o, x[xo + int(table[o])], width, grades[2 * t], grades[2 * t + 1]
         )
     if start > 0 and table[start + 1] > 0.0:
-        _log_fire_trees(table, grades, low, high)
+        _log_fire_trees(table, grades, low, high, stack)
     else:
         o = HEADER + TERM * terms
         for r in range(rules):
@@ -152,14 +150,14 @@ def log_fire(table, x, xo, width, grades, low, high):
         low[r], high[r] = low[r] + weight, high[r] + weight
 
 
-@compiled
-def _log_fire_trees(table, grades, low, high):
+@scalar
+def _log_fire_trees(table, grades, low, high, stack):
     """Write the logarithms of the firing strengths of rules that are trees, without weights."""
     rules, outputs, norm = int(table[2]), int(table[3]), int(table[4])
     start = int(table[5])
     conorm, deepest = int(table[start]), int(table[start + 3])
     places = start + SUPPLEMENT + rules + rules * outputs + outputs
-    lower, upper = np.empty(deepest), np.empty(deepest)
+    lower, upper = stack[:deepest], stack[deepest : 2 * deepest]
     for r in range(rules):
         top = -1
         step, end = int(table[places + r]), int(table[places + r + 1])
@@ -188,9 +186,9 @@ def _log_fire_trees(table, grades, low, high):
         low[r], high[r] = min(lower[0], upper[0]), upper[0]
 
 
-@compiled
-def center_in_logarithms(table, low, high, out, oo, crisp):
-    """Do as ``_center_of_sets`` with logarithms of firing strengths."""
+@scalar
+def center_in_logarithms(table, low, high, room, out, oo, crisp):
+    """Do as ``_center_of_sets`` with logarithms of firing strengths, in ``room`` of 5 R."""
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     extremes = HEADER + TERM * terms + rules * inputs + 2 * rules * outputs
     in_order = extremes + 2 * outputs
@@ -198,8 +196,8 @@ def center_in_logarithms(table, low, high, out, oo, crisp):
     spoken = table[5] > 0.0 and table[int(table[5]) + 2] > 0.0
     silent = int(table[5]) + SUPPLEMENT + rules
     defaults = silent + rules * outputs
-    points, before, after = np.empty(rules), np.empty(rules), np.empty(rules)
-    below, above = np.empty(rules), np.empty(rules)
+    points, before, after = room[:rules], room[rules : 2 * rules], room[2 * rules : 3 * rules]
+    below, above = room[3 * rules : 4 * rules], room[4 * rules : 5 * rules]
     for j in range(outputs):
         least = greatest = table[defaults + j] if spoken else math.nan
         for end in range(2):

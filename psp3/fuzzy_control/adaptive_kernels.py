@@ -265,7 +265,7 @@ def adaptive_step(
         _estimate(phi, rules.trained, trained, other)
         for j in range(OUTPUTS):
             least[j] = middle[j] - settings.least_share * trained[j]
-        fell_back = not is_positive_definite(least, 3)
+        fell_back = not is_positive_definite(least, 3, np.empty(6))
         if fell_back:
             # Their order is another one than that of the adapted consequents, and so are their
             # switch points.

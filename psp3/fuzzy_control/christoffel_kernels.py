@@ -25,7 +25,7 @@ import math
 
 import numpy as np
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import scalar
 from psp3.checks import Array
 
 DERIVED = 2
@@ -50,7 +50,7 @@ def derived(columns: Array, ranges: Array, means: Array, sigmas: Array, mass: Ar
     return np.concatenate([[*means.shape], *(np.ravel(part) for part in parts)]).astype(np.float64)
 
 
-@compiled
+@scalar
 def write_basis(means, precisions, x, phi, slopes):
     """Write basis functions (R,) of type-1 rules at x (q,), and their slopes (R, q)."""
     rules, inputs = means.shape
@@ -77,7 +77,7 @@ def write_basis(means, precisions, x, phi, slopes):
             slopes[r, i] = phi[r] * (slopes[r, i] - mean)
 
 
-@compiled
+@scalar
 def slopes_of_positions(places, columns, ranges, x, slopes, out):
     """Write the slopes (R, n) along the positions from those (R, q) along the inputs x (q,).
 
@@ -85,7 +85,9 @@ def slopes_of_positions(places, columns, ranges, x, slopes, out):
     ``psp3.fuzzy_control.kernels.Fuzzy``.
     """
     n = out.shape[1]
-    out[:] = 0.0
+    for r in range(out.shape[0]):
+        for k in range(n):
+            out[r, k] = 0.0
     for i in range(columns.size):
         if not ranges[0, i] < x[i] < ranges[1, i]:
             continue
@@ -96,9 +98,21 @@ def slopes_of_positions(places, columns, ranges, x, slopes, out):
                     out[r, place] += slopes[r, i] if side == 0 else -slopes[r, i]
 
 
-@compiled
-def write_christoffel(data: Array, places: Array, x: Array, speeds: Array, numbers: Array) -> None:
-    """Write C (n, n) to its places in the numbers, at inputs x (p,) and speeds (n,)."""
+@scalar
+def christoffel_room(data: Array, n: int) -> int:
+    """Return how much room :func:`write_christoffel` takes for n joints."""
+    rules, inputs = int(data[0]), int(data[1])
+    return inputs + rules * (1 + inputs + n) + n * (n * (n + 1) // 2)
+
+
+@scalar
+def write_christoffel(
+    data: Array, places: Array, x: Array, speeds: Array, room: Array, numbers: Array
+) -> None:
+    """Write C (n, n) to its places in the numbers, at inputs x (p,) and speeds (n,).
+
+    ``room`` (:func:`christoffel_room`,) is memory for it.
+    """
     rules, inputs, n = int(data[0]), int(data[1]), speeds.size
     entries = n * (n + 1) // 2
     o = DERIVED
@@ -111,13 +125,18 @@ def write_christoffel(data: Array, places: Array, x: Array, speeds: Array, numbe
     precisions = data[o : o + rules * inputs].reshape(rules, inputs)
     o += rules * inputs
     mass = data[o:].reshape(rules, entries)
-    asked, phi = np.empty(inputs), np.empty(rules)
-    slopes, along = np.empty((rules, inputs)), np.empty((rules, n))
+    asked, o = room[:inputs], inputs
+    phi, o = room[o : o + rules], o + rules
+    slopes, o = room[o : o + rules * inputs].reshape(rules, inputs), o + rules * inputs
+    along, o = room[o : o + rules * n].reshape(rules, n), o + rules * n
+    rates = room[o : o + n * entries].reshape(n, entries)
     for i in range(inputs):
         asked[i] = x[int(columns[i])]
     write_basis(means, precisions, asked, phi, slopes)
     slopes_of_positions(places, columns, ranges, asked, slopes, along)
-    rates = np.zeros((n, entries))
+    for k in range(n):
+        for entry in range(entries):
+            rates[k, entry] = 0.0
     for r in range(rules):
         row = mass[r]
         for k in range(n):

@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fuzzy2.support.compiled import compiled
-from fuzzy2.systems.kernels import evaluate, evaluate_corollary, evaluate_planes
+from fuzzy2.support.compiled import compiled, scalar
+from fuzzy2.systems.kernels import corollary_in, evaluate_in, work_size
 from psp3.checks import Array
 from psp3.control.controller import steer
 from psp3.control.kernels import add_force
 from psp3.dynamics.compiled_robot import write_forces
-from psp3.fuzzy_control.christoffel_kernels import write_christoffel
+from psp3.fuzzy_control.christoffel_kernels import christoffel_room, write_christoffel
 
 INTERVAL, PLANES, COROLLARY, CENTROID = range(4)
 """Fuzzy controllers by what their estimates are: intervals, α-planes whose middles are weighted
@@ -162,30 +162,32 @@ class FuzzyRun(NamedTuple):
     added: Array
 
 
-@compiled
-def is_positive_definite(m, n):
+@scalar
+def is_positive_definite(m, n, room):
     """Whether M (n, n), given by its upper triangle, is positive definite.
 
-    By the pivots of elimination; none is positive where a number is not finite.
+    By the pivots of elimination, in ``room`` for as many numbers as M has; none is positive where a
+    number is not finite.
     """
-    work = np.empty((n, n))
-    place = 0
-    for i in range(n):
-        for j in range(i, n):
-            work[i, j] = m[place]
-            place += 1
+    for place in range(n * (n + 1) // 2):
+        room[place] = m[place]
+    row = 0
     for k in range(n):
-        pivot = work[k, k]
+        pivot = room[row]
         if not 0.0 < pivot < math.inf:
             return False
+        below = row + n - k
+        place = below
         for i in range(k + 1, n):
-            factor = work[k, i] / pivot
+            factor = room[row + i - k] / pivot
             for j in range(i, n):
-                work[i, j] -= factor * work[k, j]
+                room[place] -= factor * room[row + j - k]
+                place += 1
+        row = below
     return True
 
 
-@compiled
+@scalar
 def write_inputs(places, ranges, clamp, positions, speeds, x):
     """Write the inputs, put into the trained ranges where they are to be clamped.
 
@@ -206,81 +208,128 @@ def write_inputs(places, ranges, clamp, positions, speeds, x):
     return covered
 
 
-@compiled
-def _estimate_of_base(controller, o, x, numbers, crisp, middle, spread):
+class Estimate(NamedTuple):
+    """What the rules say of K numbers, in a step.
+
+    ``crisp`` (K,) values, ``middle`` (K,) and half-widths ``spread`` (K,), or means and standard
+    deviations; ``numbers`` as they are estimated: ends of the intervals, plane by plane, or means
+    and standard deviations; ``said`` and ``asked`` are what one rule base says, and of what;
+    ``room`` is what else a rule base needs.
+    """
+
+    crisp: Array
+    middle: Array
+    spread: Array
+    numbers: Array
+    said: Array
+    asked: Array
+    room: Array
+
+
+@scalar
+def _step_room(controller, n):
+    """Return how much memory a step takes, in which nothing is made anew."""
+    count, inputs = controller.fallback.size, controller.inputs.shape[1]
+    planes = max(controller.planes.shape[1], 1)
+    bases, o, most = controller.bases, 1, n * (n + 1) // 2
+    for _ in range(int(bases[0])):
+        table = controller.system[int(bases[o]) :]
+        most = max(most, work_size(table))
+        o += BASE + int(bases[o + 4]) + int(bases[o + 5])
+    if controller.derived.size > 0:
+        most = max(most, christoffel_room(controller.derived, n))
+    if controller.kind == CENTROID:
+        most = max(most, 2 * count + 2 * n * planes)
+    return n + 2 * inputs + (4 * planes + 3) * count + most
+
+
+@scalar
+def _new_estimate(controller, work):
+    """Return an estimate whose arrays are parts of ``work``."""
+    count, inputs = controller.fallback.size, controller.inputs.shape[1]
+    numbers = 3 * count
+    said = numbers + max(controller.planes.shape[1], 1) * 2 * count
+    asked = 2 * said - numbers
+    return Estimate(
+        work[:count],
+        work[count : 2 * count],
+        work[2 * count : numbers],
+        work[numbers:said],
+        work[said:asked],
+        work[asked : asked + inputs],
+        work[asked + inputs :],
+    )
+
+
+@scalar
+def _estimate_of_base(controller, o, x, estimate):
     """Do as ``_estimate`` for the rule base whose numbers begin at ``o``."""
+    crisp, middle, spread, numbers, said, asked, room = estimate
     kind, planes, bases = controller.kind, controller.planes.shape[1], controller.bases
     start, first, rules = int(bases[o]), int(bases[o + 2]), int(bases[o + 3])
     inputs, outputs, count = int(bases[o + 4]), int(bases[o + 5]), crisp.size
     table = controller.system[start : start + int(bases[o + 1])]
-    columns = bases[o + BASE : o + BASE + inputs]
-    places = bases[o + BASE + inputs : o + BASE + inputs + outputs]
-    asked = np.empty(inputs)
+    places = o + BASE + inputs
     for i in range(inputs):
-        asked[i] = x[int(columns[i])]
-    said = np.empty(max(planes, 1) * 2 * outputs)
+        asked[i] = x[int(bases[o + BASE + i])]
     if kind == COROLLARY:
         size = rules * outputs
-        middles = controller.moments[first : first + size].reshape(rules, outputs)
-        spreads = controller.moments[first + size : first + 2 * size].reshape(rules, outputs)
-        product = controller.product > 0
-        evaluate_corollary(table, asked, middles, spreads, product, said)
+        middles = controller.moments[first : first + size]
+        spreads = controller.moments[first + size : first + 2 * size]
+        corollary_in(table, asked, 0, middles, spreads, controller.product > 0, room, said, 0)
         for k in range(outputs):
-            j = int(places[k])
+            j = int(bases[places + k])
             crisp[j] = middle[j] = numbers[2 * j] = said[2 * k]
             spread[j] = numbers[2 * j + 1] = said[2 * k + 1]
         return
     if kind == INTERVAL:
-        evaluate(table, asked, 0.0, False, said)
-    else:
-        evaluate_planes(table, asked, controller.planes[1], said)
-    # What is shown of a general type-2 estimate is its lowest plane, the first.
+        evaluate_in(table, asked, 0, 0.0, False, room, said, 0)
+    for plane in range(planes):
+        width = controller.planes[1, plane]
+        evaluate_in(table, asked, 0, width, False, room, said, 2 * outputs * plane)
+    total = 0.0
+    for plane in range(planes):
+        total += controller.planes[0, plane]
     for k in range(outputs):
-        j = int(places[k])
-        middle[j], spread[j] = (
-            0.5 * (said[2 * k] + said[2 * k + 1]),
-            0.5 * (said[2 * k + 1] - said[2 * k]),
-        )
-        crisp[j] = middle[j]
-        for plane in range(max(planes, 1)):
-            numbers[2 * (plane * count + j)] = said[2 * (plane * outputs + k)]
-            numbers[2 * (plane * count + j) + 1] = said[2 * (plane * outputs + k) + 1]
-    if kind != INTERVAL:
-        total = 0.0
+        j = int(bases[places + k])
+        # What is shown of a general type-2 estimate is its lowest plane, the first.
+        left, right = said[2 * k], said[2 * k + 1]
+        crisp[j] = middle[j] = 0.5 * (left + right)
+        spread[j] = 0.5 * (right - left)
+        numbers[2 * j], numbers[2 * j + 1] = left, right
+        if kind == INTERVAL:
+            continue
+        moment = 0.0
         for plane in range(planes):
-            total += controller.planes[0, plane]
-        for k in range(outputs):
-            moment = 0.0
-            for plane in range(planes):
-                q = 2 * (plane * outputs + k)
-                moment += controller.planes[0, plane] * (0.5 * (said[q] + said[q + 1]))
-            crisp[int(places[k])] = moment / total
+            left = said[2 * (plane * outputs + k)]
+            right = said[2 * (plane * outputs + k) + 1]
+            numbers[2 * (plane * count + j)], numbers[2 * (plane * count + j) + 1] = left, right
+            moment += controller.planes[0, plane] * (0.5 * (left + right))
+        crisp[j] = moment / total
 
 
-@compiled
-def _estimate(controller, x, speeds, numbers, crisp, middle, spread):
-    """Write M, C and G estimated at the inputs.
-
-    Crisp values, middles and half-widths, or means and standard deviations. ``numbers`` gets them
-    as they are estimated: ends of the intervals, plane by plane, or means and standard deviations.
-    """
+@scalar
+def _estimate(controller, x, speeds, estimate):
+    """Write M, C and G estimated at the inputs."""
     bases, o = controller.bases, 1
     for _ in range(int(bases[0])):
-        _estimate_of_base(controller, o, x, numbers, crisp, middle, spread)
+        _estimate_of_base(controller, o, x, estimate)
         o += BASE + int(bases[o + 4]) + int(bases[o + 5])
     if controller.derived.size > 0:
+        crisp, numbers = estimate.crisp, estimate.numbers
         n = speeds.size
         first = n * (n + 1) // 2
-        write_christoffel(controller.derived, controller.inputs, x, speeds, crisp)
+        room = estimate.room
+        write_christoffel(controller.derived, controller.inputs, x, speeds, room, crisp)
         for j in range(first, first + n * n):
-            middle[j] = crisp[j]
+            estimate.middle[j] = crisp[j]
             mean = controller.kind == COROLLARY
             for plane in range(max(controller.planes.shape[1], 1)):
                 q = 2 * (plane * crisp.size + j)
                 numbers[q], numbers[q + 1] = crisp[j], 0.0 if mean else crisp[j]
 
 
-@compiled
+@scalar
 def apply_model(m, servo, speeds, out, o):
     """Write the force M servo + C speeds + G of the numbers of n joints."""
     n = servo.size
@@ -298,7 +347,7 @@ def apply_model(m, servo, speeds, out, o):
         out[o + i] = force + (other + m[gravity + i])
 
 
-@compiled
+@scalar
 def width_of_force(spread, servo, speeds, i, squares):
     """Spread of entry i of M servo + C speeds + G.
 
@@ -318,8 +367,8 @@ def width_of_force(spread, servo, speeds, i, squares):
     return math.sqrt(width) if squares else width
 
 
-@compiled
-def _centroid_of_force(controller, ends, added, servo, speeds, out):
+@scalar
+def _centroid_of_force(controller, ends, added, servo, speeds, room, out):
     """Write the centroid (eq. 1.68) of the fuzzy force M servo + C speeds + G.
 
     ``ends`` are those of M, C and G, plane by plane. On every plane the force is an interval
@@ -327,8 +376,8 @@ def _centroid_of_force(controller, ends, added, servo, speeds, out):
     below the lowest plane they are those of the lowest: ``fuzzy2.reduction.general.cut_centroid``.
     """
     planes, n, count = controller.planes.shape[1], servo.size, controller.fallback.size
-    middle, spread = np.empty(count), np.empty(count)
-    centers, widths = np.empty(n * planes), np.empty(n * planes)
+    middle, spread, ready = room[:count], room[count : 2 * count], 2 * count
+    centers, widths = room[ready : ready + n * planes], room[ready + n * planes :]
     for plane in range(planes):
         for j in range(count):
             o = 2 * (plane * count + j)
@@ -349,7 +398,7 @@ def _centroid_of_force(controller, ends, added, servo, speeds, out):
         out[i] = origin + moment / area if area > 0.0 else origin
 
 
-@compiled
+@scalar
 def write_servo(controller, positions, speeds, desired, servo):
     """Write the acceleration that the servo asks for.
 
@@ -364,9 +413,10 @@ def write_servo(controller, positions, speeds, desired, servo):
         )
 
 
-@compiled
-def _usable(controller, x, speeds, added, numbers, crisp, middle, spread):
-    """Write what the rules estimate, as ``_estimate``; return whether it can be used."""
+@scalar
+def _usable(controller, x, speeds, added, estimate):
+    """Write what the rules estimate; return whether it can be used."""
+    crisp, middle, spread = estimate.crisp, estimate.middle, estimate.spread
     total, count = 0.0, crisp.size
     for i in range(x.size):
         total += x[i]
@@ -374,13 +424,15 @@ def _usable(controller, x, speeds, added, numbers, crisp, middle, spread):
         total += speeds[i]
     if not math.isfinite(total):
         return False
-    _estimate(controller, x, speeds, numbers, crisp, middle, spread)
+    for j in range(count):
+        spread[j] = 0.0
+    _estimate(controller, x, speeds, estimate)
     for j in range(added.size):
         crisp[j] += added[j]
         middle[j] += added[j]
     for j in range(count):
         total += crisp[j] + spread[j]
-    return math.isfinite(total) and is_positive_definite(crisp, speeds.size)
+    return math.isfinite(total) and is_positive_definite(crisp, speeds.size, estimate.room)
 
 
 @compiled
@@ -393,6 +445,45 @@ def _exact_torque(model, positions, speeds, servo, added, out):
         add_force(added, servo, speeds, out[:n])
     for i in range(n):
         out[n + i] = out[2 * n + i] = out[i]
+
+
+@scalar
+def _learned_step(controller, positions, speeds, desired, added, work, out):
+    """Write a step of the estimated forces, but where the exact ones take over.
+
+    Return whether the torque is finite, 1 or 0, or -1 where the exact forces take over: only what
+    the servo asks for is written then, the first n numbers of ``work``.
+    """
+    n, inputs = positions.size, controller.inputs.shape[1]
+    servo, x = work[:n], work[n : n + inputs]
+    estimate = _new_estimate(controller, work[n + inputs :])
+    crisp, middle, spread = estimate.crisp, estimate.middle, estimate.spread
+    count, corollary = crisp.size, controller.kind == COROLLARY
+    clamp = controller.outside == CLAMP
+    covered = write_inputs(controller.inputs, controller.ranges, clamp, positions, speeds, x)
+    write_servo(controller, positions, speeds, desired, servo)
+    out[3 * n] = 1.0 if covered else 0.0
+    if not (covered or clamp):
+        return -1
+    usable = _usable(controller, x, speeds, added, estimate)
+    out[3 * n + 1] = 0.0 if usable else 1.0
+    if not usable:
+        for j in range(count):
+            crisp[j] = middle[j] = controller.fallback[j]
+            spread[j] = 0.0
+    apply_model(crisp, servo, speeds, out, 0)
+    if controller.kind == CENTROID and usable:
+        _centroid_of_force(controller, estimate.numbers, added, servo, speeds, estimate.room, out)
+    apply_model(middle, servo, speeds, out, n)
+    total = 0.0
+    for i in range(n):
+        width = width_of_force(spread, servo, speeds, i, corollary and controller.product > 0)
+        if corollary:
+            out[2 * n + i] = width
+        else:
+            out[n + i], out[2 * n + i] = out[n + i] - width, out[n + i] + width
+        total += out[i]
+    return 1 if math.isfinite(total) else 0
 
 
 @compiled
@@ -412,38 +503,16 @@ def fuzzy_torque(
     ``desired`` holds positions, speeds and accelerations; ``added`` is empty, or the numbers that
     are added to the estimates.
     """
-    n, count = positions.size, controller.fallback.size
-    x, servo = np.empty(controller.inputs.shape[1]), np.empty(n)
-    clamp, corollary = controller.outside == CLAMP, controller.kind == COROLLARY
-    covered = write_inputs(controller.inputs, controller.ranges, clamp, positions, speeds, x)
-    write_servo(controller, positions, speeds, desired, servo)
-    out[3 * n], out[3 * n + 1] = 1.0 if covered else 0.0, 0.0
-    if not (covered or clamp):
-        _exact_torque(model, positions, speeds, servo, added, out)
-        if corollary:
+    work = np.empty(_step_room(controller, positions.size))
+    done: int = _learned_step(controller, positions, speeds, desired, added, work, out)
+    if done < 0:
+        n = positions.size
+        _exact_torque(model, positions, speeds, work[:n], added, out)
+        out[3 * n + 1] = 0.0
+        if controller.kind == COROLLARY:
             out[2 * n : 3 * n] = 0.0
         return math.isfinite(out[:n].sum())
-    crisp, middle, spread = np.empty(count), np.empty(count), np.zeros(count)
-    numbers = np.empty(max(controller.planes.shape[1], 1) * 2 * count)
-    usable = _usable(controller, x, speeds, added, numbers, crisp, middle, spread)
-    if not usable:
-        out[3 * n + 1] = 1.0
-        for j in range(count):
-            crisp[j] = middle[j] = controller.fallback[j]
-            spread[j] = 0.0
-    apply_model(crisp, servo, speeds, out, 0)
-    if controller.kind == CENTROID and usable:
-        _centroid_of_force(controller, numbers, added, servo, speeds, out)
-    apply_model(middle, servo, speeds, out, n)
-    total = 0.0
-    for i in range(n):
-        width = width_of_force(spread, servo, speeds, i, corollary and controller.product > 0)
-        if corollary:
-            out[2 * n + i] = width
-        else:
-            out[n + i], out[2 * n + i] = out[n + i] - width, out[n + i] + width
-        total += out[i]
-    return math.isfinite(total)
+    return done == 1
 
 
 @compiled

@@ -397,9 +397,9 @@ def write_derived_coriolis(
 ) -> None:
     """Write the C that M's derivative gives to its places in the numbers (K,)."""
     asked, rates = (np.array(row, dtype=np.float64) for row in (inputs, speeds))
-    christoffel_kernels.write_christoffel(
-        controller.derived, controller.inputs, asked, rates, numbers
-    )
+    data = controller.derived
+    room = np.empty(christoffel_kernels.christoffel_room(data, rates.size))
+    christoffel_kernels.write_christoffel(data, controller.inputs, asked, rates, room, numbers)
 
 
 def _widened(system: FuzzySystem, width: float) -> FuzzySystem:

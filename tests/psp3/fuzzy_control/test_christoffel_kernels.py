@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from psp3.fuzzy_control.christoffel_kernels import derived, write_christoffel
+from psp3.fuzzy_control.christoffel_kernels import christoffel_room, derived, write_christoffel
 
 
 @pytest.mark.parametrize("joints", [1, 2, 3])
@@ -28,7 +28,8 @@ def test_c_is_made_of_christoffel_symbols_and_m_dot_less_twice_c_is_skew(joints:
 
     a, v = rng.normal(size=(2, joints))
     numbers = np.zeros(entries + joints**2 + joints)
-    write_christoffel(data, places, a, v, numbers)
+    room = np.empty(christoffel_room(data, joints))
+    write_christoffel(data, places, a, v, room, numbers)
     C = numbers[entries : entries + joints**2].reshape(joints, joints)
     rates = np.array([(matrix(a + h * e) - matrix(a - h * e)) / (2 * h) for e in np.eye(joints)])
     expected = 0.5 * (
