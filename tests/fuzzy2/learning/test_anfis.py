@@ -38,7 +38,7 @@ def test_mackey_glass_with_16_rules(seed: int) -> None:
     """A test error of 0.011, and of type-2 1.2 times that with a footprint of 5 % of the range.
 
     Hybrid learning that has converged is known to give 0.0103 on this series, which is noise-free.
-    With seed 6 an interval system that learns from the type-1 system alone has 1.23 times its error.
+    With seed 6 learning from the type-1 system alone rested at 1.23 times its error.
     """
     X, y = benchmark()
     assert X.shape == (1000, 4)
