@@ -25,6 +25,7 @@ ELSEWHERE = {
         "test_public_names.py",
         "each is raised, and its message read, by the tests of what raises it",
     ),
+    "fuzzy2/files/operator_words.py": ("fuzzy2/files/test_fis_writer.py", THROUGH_ITS_FACE),
     "fuzzy2/files/description.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
     "fuzzy2/files/engine.py": ("fuzzy2/files/test_fll.py", THROUGH_ITS_FACE),
     "fuzzy2/files/engine_writer.py": ("fuzzy2/files/test_fll.py", THROUGH_ITS_FACE),
@@ -98,6 +99,10 @@ ELSEWHERE = {
         "a protocol; controllers of one's own are simulated there",
     ),
     "psp3/control/kernels.py": ("psp3/simulation/test_loop.py", THROUGH_ITS_FACE),
+    "psp3/control/linear_quadratic_kernels.py": (
+        "cross/test_simulated_structures.py",
+        THROUGH_ITS_FACE,
+    ),
     "psp3/description/mjcf_document.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_expansion.py": ("cross/test_mjcf_expansion.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_words.py": ("cross/test_mutated_mjcf.py", THROUGH_ITS_FACE),
@@ -123,6 +128,7 @@ ELSEWHERE = {
     "psp3/kinematics/border.py": ("psp3/kinematics/test_workspace.py", THROUGH_ITS_FACE),
     "psp3/plots/panels.py": ("psp3/thesis/test_figures.py", THROUGH_ITS_FACE),
     "psp3/published.py": ("psp3/thesis/test_replication.py", NAMES_ONLY),
+    "psp3/robots/assembly.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/robots/dynamics_model.py": (
         "psp3/dynamics/test_dynamics_model.py",
         "the first path of the names of a module that moved",

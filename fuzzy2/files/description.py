@@ -9,15 +9,15 @@ Both ways between such a description and a system, for every format. Consequents
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from fuzzy2.errors import NotExpressible
+from fuzzy2.files.operator_words import check_operators
 from fuzzy2.operations.set_operations import complement
-from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.sets.derived import Truncated
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Singleton, Type1Set
@@ -43,10 +43,15 @@ class Constant(NamedTuple):
 
 
 class LinearFunction(NamedTuple):
-    """Consequent that is a linear function of the inputs."""
+    """Consequent that is a linear function of the inputs.
+
+    ``spreads``, if there are any, are half-widths of the constant and of the slopes, as those of
+    :class:`fuzzy2.systems.consequents.Linear`.
+    """
 
     constant: float
     slopes: tuple[float, ...]
+    spreads: tuple[float, ...] = ()
 
 
 class DescribedRule(NamedTuple):
@@ -162,7 +167,7 @@ def system_of(description: Description) -> FuzzySystem:
     ]
     consequents: Any = said
     if not description.mamdani:
-        consequents = _numbers(said, len(description.inputs))
+        consequents = numbers_of(said, len(description.inputs))
     reduction, t_conorm = description.reduced_by, description.aggregation
     if reduction == "centroid" and t_conorm == SUM:
         reduction, t_conorm = "center_of_sums", "max"
@@ -236,7 +241,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
         raise NotExpressible(
             f"the fuzzifier {system.fuzzifier!r}", where, "its inputs are numbers; use JSON"
         )
-    _check_operators(system, where)
+    check_operators(system, where)
     inputs = tuple(
         Variable(name, ends or _limits(domain_of(terms)), dict(zip(names, terms, strict=True)))
         for name, ends, names, terms in zip(
@@ -254,7 +259,7 @@ def description_of(system: FuzzySystem, where: str) -> Description:
             "numbers for consequents"
         )
         raise NotExpressible(f"type reduction {system.type_reduction!r}", where, reason)
-    columns = _columns(system, where)
+    columns = _columns(system)
     outputs, said = [], []
     for j, column in enumerate(columns):
         variable, numbers = _output(system, j, column, where)
@@ -286,32 +291,33 @@ def description_of(system: FuzzySystem, where: str) -> Description:
     )
 
 
-def _columns(system: FuzzySystem, where: str) -> list[tuple[tuple[float, float] | None, list[Any]]]:
+def _columns(system: FuzzySystem) -> list[tuple[tuple[float, float] | None, list[Any]]]:
     """Return the range of each output and what each rule says of it, None where it is silent."""
-    rules, consequents = range(len(system.rules)), system.consequents
     ranges = system.output_ranges or (None,) * system.n_outputs
-    silent = system.silent
     if system.consequent_sets is not None:
         of_sets = system.consequent_sets
         return [_whole([row[j] for row in of_sets], ends) for j, ends in enumerate(ranges)]
-    values: list[list[Any]]
+    return [(ends, list(said_numbers(system, j))) for j, ends in enumerate(ranges)]
+
+
+def said_numbers(system: FuzzySystem, j: int) -> list[Constant | LinearFunction | None]:
+    """Return what each rule says of an output of numbers or functions, None where it is silent."""
+    consequents, silent = system.consequents, system.silent
+    said: list[Constant | LinearFunction]
     if isinstance(consequents, Linear):
-        if consequents.spreads.any():
-            raise NotExpressible(
-                "linear consequents with spreads", where, "its linear functions are crisp"
-            )
-        functions = np.moveaxis(consequents.coefficients, 1, 0).tolist()
-        values = [
-            [LinearFunction(row[0], tuple(row[1:])) for row in column] for column in functions
+        both = zip(
+            consequents.coefficients[:, j].tolist(),
+            consequents.spreads[:, j].tolist(),
+            strict=True,
+        )
+        said = [
+            LinearFunction(row[0], tuple(row[1:]), tuple(spreads) if any(spreads) else ())
+            for row, spreads in both
         ]
     else:
-        intervals = np.moveaxis(system.consequent_intervals, 1, 0).astype(float).tolist()
-        values = [[Constant(*row) for row in column] for column in intervals]
-    columns: list[tuple[tuple[float, float] | None, list[Any]]] = []
-    for j, (ends, column) in enumerate(zip(ranges, values, strict=True)):
-        said = [None if silent is not None and silent[r, j] else column[r] for r in rules]
-        columns.append((ends, said))
-    return columns
+        intervals = np.asarray(system.consequent_intervals)[:, j].astype(float)
+        said = [Constant(*ends) for ends in intervals.tolist()]
+    return [None if silent is not None and silent[r, j] else one for r, one in enumerate(said)]
 
 
 def _output(
@@ -354,56 +360,29 @@ def _described(meaning: Any, ends: tuple[float, float] | None) -> Any:
     return Constant(left, right)
 
 
-def _check_operators(system: FuzzySystem, where: str) -> None:
-    """Refuse operators without a name."""
-    norms: tuple[tuple[str, Any, Mapping[str, Any]], ...] = (
-        ("t-norm", system.t_norm, T_NORMS),
-        ("implication", system.implication, T_NORMS),
-        ("t-conorm", system.t_conorm, AGGREGATIONS),
-        ("disjunction", system.disjunction, T_CONORMS),
-    )
-    for kind, norm, known in norms:
-        if known.get(norm.name) is not norm:
-            raise NotExpressible(f"the {kind} {norm.name!r}", where, "it is a Python function")
-
-
-def known_as(name: str, known: Mapping[str, str], what: str, where: str) -> str:
-    """Return the word of a format for one of our names, the first one in its table.
-
-    Raises
-    ------
-    NotExpressible
-        If it has none.
-    """
-    word = next((theirs for theirs, ours in known.items() if ours == name), None)
-    if word is None:
-        raise NotExpressible(f"the {what} {name!r}", where, f"it has {', '.join(known)} only")
-    return word
-
-
-def _numbers(said: list[list[Any]], inputs: int) -> Linear | Array:
+def numbers_of(said: list[list[Any]], inputs: int) -> Linear | Array:
     """Return the consequents of a Takagi-Sugeno-Kang system, by rule and output.
 
     In the simplest form that holds them; 0 where a rule is silent.
     """
     rows = [[Constant(0.0, 0.0) if term is None else term for term in row] for row in said]
     if any(isinstance(term, LinearFunction) for row in rows for term in row):
-        none = (0.0,) * inputs
-        functions = [
-            [
-                (*term, 0.0)
-                if isinstance(term, LinearFunction)
-                else (0.5 * term.left + 0.5 * term.right, none, 0.5 * (term.right - term.left))
-                for term in row
-            ]
-            for row in rows
-        ]
-        coefficients = [[(constant, *slopes) for constant, slopes, _ in row] for row in functions]
+        functions = [[_as_function(term, inputs) for term in row] for row in rows]
         return Linear(
-            coefficients, [[(spread, *none) for _, _, spread in row] for row in functions]
+            [[(one.constant, *one.slopes) for one in row] for row in functions],
+            [[one.spreads for one in row] for row in functions],
         )
     intervals = np.array(rows)
     return intervals[..., 0] if (intervals[..., 0] == intervals[..., 1]).all() else intervals
+
+
+def _as_function(term: Constant | LinearFunction, inputs: int) -> LinearFunction:
+    """Return a consequent as a function with spreads."""
+    none = (0.0,) * inputs
+    if isinstance(term, LinearFunction):
+        return term if term.spreads else term._replace(spreads=(0.0, *none))
+    middle = 0.5 * term.left + 0.5 * term.right
+    return LinearFunction(middle, none, (0.5 * (term.right - term.left), *none))
 
 
 def _limits(values: Any) -> tuple[float, float]:
@@ -480,6 +459,20 @@ def _whole(
         else:
             sets.append(whole(term))
     return _limits(ends), sets
+
+
+def check_crisp(term: LinearFunction, where: str) -> None:
+    """Refuse a function with spreads.
+
+    Raises
+    ------
+    NotExpressible
+        If it has some.
+    """
+    if term.spreads:
+        raise NotExpressible(
+            "linear consequents with spreads", where, "its linear functions are crisp; use JSON"
+        )
 
 
 def check_names(description: Description, where: str) -> None:

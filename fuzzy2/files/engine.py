@@ -1,7 +1,9 @@
 """What files of fuzzylite and of IEC 61131-7 say of a system: every output has its own operators.
 
-An :class:`Engine` stands between the text and the system, both ways. Outputs that follow each other
-with the same operators become one system; where there are more than one, they become a
+An :class:`Engine` stands between the text and the system, both ways: it adds to what
+:mod:`fuzzy2.files.description` has operators for each output and each block of rules, outputs in
+conditions, formulas, and names instead of numbers. Outputs that follow each other with the same
+operators become one system; where there are more than one, they become a
 :class:`fuzzy2.ParallelSystem`.
 """
 
@@ -15,12 +17,12 @@ from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
-from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.files.description import SUM, Constant, LinearFunction, numbers_of
 from fuzzy2.files.functions import NUMBERS, FormulaFunction, formula_of
 from fuzzy2.sets.type1 import Singleton
 from fuzzy2.support.formula import Formula
 from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or, leaves, mapped
-from fuzzy2.systems.consequents import Formulas, Linear, OutputOf
+from fuzzy2.systems.consequents import Formulas, OutputOf
 from fuzzy2.systems.hedges import Hedge, Scaled
 from fuzzy2.systems.operators import UNIONS
 from fuzzy2.systems.parallel import ParallelSystem
@@ -324,7 +326,7 @@ class SystemMaker:
             raise self._refused(
                 place,
                 f"rules of {output!r} with different operators ({', '.join(known)})",
-                f"an output has one {what}",
+                f"an output has one {what}; let the blocks of its rules have the same",
             )
         return known[0] if known else None
 
@@ -404,26 +406,10 @@ class SystemMaker:
             return terms
         if grouped:
             return [[None if one is None else Singleton(one.left) for one in row] for row in terms]
-        width = len(self._inputs)
         if any(isinstance(one, FormulaFunction) for row in terms for one in row):
             texts = [[formula_of(one, self._inputs) for one in row] for row in terms]
             return Formulas(texts, self._inputs, self._known)
-        if any(isinstance(one, LinearFunction) for row in terms for one in row):
-            none = (0.0,) * width
-            return Linear(
-                [
-                    [
-                        (0.0, *none)
-                        if one is None
-                        else (one.constant, *one.slopes)
-                        if isinstance(one, LinearFunction)
-                        else (one.left, *none)
-                        for one in row
-                    ]
-                    for row in terms
-                ]
-            )
-        return np.array([[0.0 if one is None else one.left for one in row] for row in terms])
+        return numbers_of(terms, len(self._inputs))
 
 
 def has_part(tree: Antecedent, kind: type) -> bool:

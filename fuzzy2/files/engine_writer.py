@@ -3,20 +3,27 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from fuzzy2.errors import NotExpressible
-from fuzzy2.files.description import SUM, Constant, LinearFunction
+from fuzzy2.files.description import (
+    SUM,
+    Constant,
+    LinearFunction,
+    check_crisp,
+    said_numbers,
+)
 from fuzzy2.files.engine import AnySystem, Defuzzifier, Engine, EngineRule, Input, Output
 from fuzzy2.files.functions import FormulaFunction
-from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
+from fuzzy2.files.operator_words import check_operators
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.type1 import Singleton
 from fuzzy2.systems.antecedents import Antecedent, Is, Not, mapped, trees_of
-from fuzzy2.systems.consequents import Formulas, Linear
-from fuzzy2.systems.operators import AGGREGATIONS, UNIONS
+from fuzzy2.systems.consequents import Formulas
+from fuzzy2.systems.operators import UNIONS
 from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import FuzzySystem, Type1System
 from fuzzy2.systems.terms import domain_of
@@ -70,14 +77,7 @@ def _checked(system: FuzzySystem, where: str) -> Type1System:
         raise NotExpressible(f"the fuzzifier {system.fuzzifier!r}", where, "use JSON")
     if system.type_reduction not in _REDUCTIONS:
         raise NotExpressible(f"type reduction {system.type_reduction!r}", where, "use JSON")
-    for what, norm, known in (
-        ("t-norm", system.t_norm, T_NORMS),
-        ("implication", system.implication, T_NORMS),
-        ("disjunction", system.disjunction, T_CONORMS),
-        ("aggregation", system.t_conorm, AGGREGATIONS),
-    ):
-        if known.get(norm.name) is not norm:
-            raise NotExpressible(f"the {what} {norm.name!r}", where, "it is a Python function")
+    check_operators(system, where)
     return system
 
 
@@ -166,7 +166,7 @@ class _Part:
             words.append(word)
         return terms, words
 
-    def _column(self, j: int) -> list[Any]:
+    def _column(self, j: int) -> Sequence[Any]:
         system = self._system
         silent = system.silent
         spoken = [silent is None or not silent[r, j] for r in range(len(system.rules))]
@@ -182,16 +182,6 @@ class _Part:
                 self._plain(row[j], j) if speaks else None
                 for row, speaks in zip(system.consequent_sets, spoken, strict=True)
             ]
-        if isinstance(consequents, Linear):
-            if consequents.spreads.any():
-                raise NotExpressible(
-                    "linear consequents with spreads", self._where, "its functions are crisp"
-                )
-            rows = consequents.coefficients[:, j].tolist()
-            return [
-                LinearFunction(row[0], tuple(row[1:])) if speaks else None
-                for row, speaks in zip(rows, spoken, strict=True)
-            ]
         if isinstance(consequents, Formulas):
             if consequents.names != system.input_names:
                 raise NotExpressible(
@@ -203,13 +193,15 @@ class _Part:
                 FormulaFunction(row[j]) if speaks else None
                 for row, speaks in zip(consequents.formulas, spoken, strict=True)
             ]
-        ends = np.asarray(system.consequent_intervals)[:, j].tolist()
-        if any(low != high for (low, high), speaks in zip(ends, spoken, strict=True) if speaks):
-            raise NotExpressible("consequents that are intervals", self._where, "it has numbers")
-        return [
-            Constant(low, high) if speaks else None
-            for (low, high), speaks in zip(ends, spoken, strict=True)
-        ]
+        column = said_numbers(system, j)
+        for one in column:
+            if isinstance(one, LinearFunction):
+                check_crisp(one, self._where)
+            elif one is not None and one.left != one.right:
+                raise NotExpressible(
+                    "consequents that are intervals", self._where, "it has numbers"
+                )
+        return column
 
     def _plain(self, term: Any, j: int) -> Any:
         """Return a term without the cut at the ends of the range, which is cut there anyway."""

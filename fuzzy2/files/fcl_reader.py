@@ -350,7 +350,8 @@ class FclReader(Source):
             elif part.data == "default":
                 default = self._default(*part.children)
         if "LOCK" in options:
-            raise self.refused(options["LOCK"].line or 1, "LOCK", "a system does not remember")
+            reason = "a system does not remember; leave it out, or take DEFAULT := NC, which is NaN"
+            raise self.refused(options["LOCK"].line or 1, "LOCK", reason)
         speaking = [
             (rule, own, term) for rule, own in rules for output, term in rule.said if output == name
         ]
@@ -358,11 +359,12 @@ class FclReader(Source):
         if not speaking:
             return Output(name, None, terms, Defuzzifier("centroid"), "max", default)
         accumulations = {own.accumulation for _, own, _ in speaking}
-        if len(accumulations) > 1:
-            raise self.refused(line, f"the output {name!r}", "its rules accumulate differently")
-        aggregation = accumulations.pop()
         if "ACCU" in options:
-            aggregation = self._choice("ACCU", options["ACCU"], ACCUMULATIONS)
+            accumulations = {self._choice("ACCU", options["ACCU"], ACCUMULATIONS)}
+        if len(accumulations) > 1:
+            reason = "its rules accumulate differently; say ACCU in its DEFUZZIFY"
+            raise self.refused(line, f"the output {name!r}", reason)
+        aggregation = accumulations.pop()
         said = [terms[term] for _, _, term in speaking]
         given = options.get("METHOD")
         method = "COG" if given is None else str(given).upper()
@@ -436,7 +438,10 @@ class FclReader(Source):
 
     def _default(self, token: Any, otherwise: Any = None) -> float:
         if otherwise is not None and str(token).upper() not in ("NC", "NAN"):
-            reason = "a system does not remember its last output"
+            reason = (
+                "a system does not remember its last output; take the number alone, or NC, which "
+                "is NaN: there is nothing new"
+            )
             raise self.refused(token.line or 1, f"DEFAULT := {token} | {otherwise}", reason)
         if token.type == "NAME":
             if str(token).upper() not in ("NC", "NAN"):

@@ -20,11 +20,12 @@ The dialects differ in what they mean. MATLAB's toolbox adds up 101 points for t
 does a system that is read. Octave's takes trapezoids between them; it unites Sugeno rules that say
 the same number under the aggregation before it averages; its smallest and largest of maxima go by
 value, MATLAB's by distance from 0; it has more t-norms, and hedges. fuzzylite's integrals take the
-middles of 1000 pieces; it has more terms, formulas among them, outputs of Tsukamoto and hybrid
-systems, whose outputs differ in their operators (:class:`fuzzy2.ParallelSystem`); numbers add up
-there, as in its version 6, which wrote most files. A file that says that it is of Octave's toolkit
-or of fuzzylite, or has what only they know, is read in their meaning. Where no rule fires a system
-answers NaN, as Octave does; MATLAB answers with the middle of the range.
+middles of 100 pieces in version 6, of 200 in version 5 and of 1000 in version 7, and a file those
+of the version that wrote it; it has more terms, formulas among them, outputs of Tsukamoto and
+hybrid systems, whose outputs differ in their operators (:class:`fuzzy2.ParallelSystem`); numbers
+add up there, as in its version 6, which wrote most files. A file that says that it is of Octave's
+toolkit or of fuzzylite, or has what only they know, is read in their meaning. Where no rule fires a
+system answers NaN, as Octave does; MATLAB answers with the middle of the range.
 """
 
 from __future__ import annotations
@@ -96,7 +97,7 @@ def read_fis(path: str | os.PathLike[str], dialect: str | None = None) -> AnySys
     -------
     Type1System, IntervalType2System or ParallelSystem
         Mamdani systems with the reducer ``"centroid"`` (``"center_of_sums"`` if the file sums), on
-        101 points; Sugeno systems with ``"center_of_sets"``.
+        101 points but for fuzzylite's; Sugeno systems with ``"center_of_sets"``.
 
     Raises
     ------

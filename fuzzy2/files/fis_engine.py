@@ -24,7 +24,7 @@ from fuzzy2.files.engine import (
 )
 from fuzzy2.files.fis_lines import NUMBER, QUOTED, FisLines, Line, Section, unlike
 from fuzzy2.files.fis_names import AGGREGATIONS, T_CONORMS, T_NORMS
-from fuzzy2.files.fll_names import FLL_HEDGES, INTEGRALS, RESOLUTION, is_monotonic, term_of
+from fuzzy2.files.fll_names import FLL_HEDGES, INTEGRALS, is_monotonic, term_of
 from fuzzy2.files.functions import NUMBERS, FormulaFunction
 from fuzzy2.files.rule_text import concluded
 from fuzzy2.sets.formula_set import FormulaSet
@@ -58,6 +58,9 @@ KINDS = {
 }
 """fuzzylite's terms, and where their parameters stand in the file."""
 
+RESOLUTIONS = {5: 200, 6: 100, 7: 1000}
+"""Pieces over which a version of fuzzylite integrates, which its files do not say."""
+
 _TYPES = ("mamdani", "larsen", "sugeno", "tsukamoto", "hybrid")
 WEIGHTED_WORDS = {"wtaver": "center_of_sets", "wtsum": "weighted_sum"}
 INTEGRAL_WORDS = {
@@ -79,6 +82,25 @@ _WORDS = re.compile(
 )
 
 
+_VERSIONS = (
+    re.compile(r"^\s*#.*\bfuzzylite\s+(\d+)\.", re.MULTILINE),
+    re.compile(r"^\s*Version\s*=\s*([4-9])\.", re.MULTILINE),
+)
+_OF_VERSION_5 = re.compile(r"^\s*(?:Enabled|Lock\w+)\s*=", re.MULTILINE)
+
+
+def version_of(text: str) -> int:
+    """Return the version of fuzzylite that integrates as a file's own did, 5, 6 or 7.
+
+    Version 6 says itself, in a comment and behind ``Version=``; 5 does not, but has keys of its
+    own. What says nothing has the meaning of 6, the last one released that reads such files.
+    """
+    found = next((one[1] for known in _VERSIONS if (one := known.search(text))), None)
+    if found is None:
+        return 5 if _OF_VERSION_5.search(text) else 6
+    return min(max(int(found), 5), 7)
+
+
 def is_of_fuzzylite(text: str) -> bool:
     """Return whether a file says that fuzzylite wrote it, or has what only fuzzylite knows."""
     return _WORDS.search(text) is not None
@@ -89,6 +111,7 @@ class FisEngineReader(FisLines):
 
     def __init__(self, text: str, source: str) -> None:
         super().__init__(text, source, "fuzzylite")
+        self._resolution = RESOLUTIONS[version_of(text)]
         self._kinds: dict[tuple[str, str], str] = {}
 
     def system(self) -> AnySystem:
@@ -232,7 +255,7 @@ class FisEngineReader(FisLines):
             raise self.refused(line, f"{method} of numbers", "wtaver is what they go with")
         if method not in WEIGHTED_WORDS:
             aggregation = self.choice(system, "AggMethod", AGGREGATIONS, "max")
-            defuzzifier = Defuzzifier(INTEGRAL_WORDS[method], RESOLUTION)
+            defuzzifier = Defuzzifier(INTEGRAL_WORDS[method], self._resolution)
             return self._made(section, name, terms, defuzzifier, aggregation)
         kinds = sorted({self._kinds[name, term] for term in said})
         if method == "wtsum" or not all(is_monotonic(KINDS[one][0]) for one in kinds):
@@ -255,7 +278,7 @@ class FisEngineReader(FisLines):
             raise self.refused(
                 section.entries["LockPrevious"].number,
                 "LockPrevious beside a default",
-                "a system does not remember its last output",
+                "a system does not remember its last output; take Default=nan",
             )
         held = self._value(section, "LockRange", 0.0) and defuzzifier.resolution is None
         if held and ends is not None:

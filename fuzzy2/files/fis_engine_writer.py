@@ -8,13 +8,19 @@ from typing import NoReturn
 
 from fuzzy2.errors import NotExpressible
 from fuzzy2.files.clauses import clauses_of_rule
-from fuzzy2.files.description import known_as
 from fuzzy2.files.engine import Engine, EngineRule, Input, Output, has_part
-from fuzzy2.files.fis_engine import HEDGES, INTEGRAL_WORDS, KINDS, WEIGHTED_WORDS
+from fuzzy2.files.fis_engine import (
+    HEDGES,
+    INTEGRAL_WORDS,
+    KINDS,
+    RESOLUTIONS,
+    WEIGHTED_WORDS,
+)
 from fuzzy2.files.fis_lines import quoted
 from fuzzy2.files.fis_names import AGGREGATIONS, T_CONORMS, T_NORMS
-from fuzzy2.files.fll_names import FLL_HEDGES, RESOLUTION, is_monotonic, text_of
+from fuzzy2.files.fll_names import FLL_HEDGES, is_monotonic, text_of
 from fuzzy2.files.functions import NUMBERS
+from fuzzy2.files.operator_words import known_as
 from fuzzy2.files.rule_writer import outer_words, word_of
 from fuzzy2.systems.antecedents import And, Antecedent, Is, Or, mapped
 from fuzzy2.systems.hedges import Hedge
@@ -51,7 +57,16 @@ class FisEngineWriter:
 
     def _system(self) -> list[str]:
         kinds = {self._kind(output) for output in self._engine.outputs}
-        return [f"Type='{kinds.pop() if len(kinds) == 1 else 'hybrid'}'", "Version=7.0"]
+        kind = kinds.pop() if len(kinds) == 1 else "hybrid"
+        return [f"Type='{kind}'", f"Version={self._version()}.0"]
+
+    def _version(self) -> int:
+        """Return the version of fuzzylite that takes the points of the outputs that integrate."""
+        pieces = {one.defuzzifier.resolution for one in self._engine.outputs} - {None}
+        if len(pieces) > 1:
+            counts = " and ".join(map(str, sorted(one for one in pieces if one is not None)))
+            self._refuse(f"outputs integrated over {counts} points", "take the same for all")
+        return next((version for version, own in RESOLUTIONS.items() if pieces == {own}), 6)
 
     def _kind(self, output: Output) -> str:
         if output.defuzzifier.reduction in WEIGHTED_WORDS.values():
@@ -105,11 +120,12 @@ class FisEngineWriter:
             return "wtaver"
         if any(numbers):
             self._refuse(f"the union of numbers of {output.name!r}", "numbers add up there")
-        if resolution != RESOLUTION or integration != "midpoint":
+        if resolution not in RESOLUTIONS.values() or integration != "midpoint":
+            versions = ", ".join(f"{own} in version {one}" for one, own in RESOLUTIONS.items())
             self._refuse(
                 f"how {output.name!r} is integrated",
-                f'fuzzylite sums over {RESOLUTION} points; take replace(integration="midpoint", '
-                f"resolution={RESOLUTION})",
+                'take replace(integration="midpoint", resolution=100): fuzzylite takes the '
+                f"middles of as many pieces ({versions})",
             )
         return known_as(reduction, INTEGRAL_WORDS, "type reduction", self._where)
 

@@ -37,6 +37,7 @@ from fuzzy2.files.fis_shapes import (
     toolbox_shape,
 )
 from fuzzy2.sets.interval_type2 import IntervalType2Set
+from fuzzy2.support.checks import Array
 from fuzzy2.systems.antecedents import Antecedent, Is, mapped
 from fuzzy2.systems.operators import MAXIMA
 from fuzzy2.systems.system import FuzzySystem
@@ -57,7 +58,7 @@ class FisReader(FisLines):
             for i in range(self.count(section, "NumInputs"))
         )
         outputs = tuple(
-            self._variable(f"Output{i + 1}", section, (kind != "sugeno", len(inputs)))
+            self._variable(f"Output{i + 1}", section, (kind != "sugeno", inputs))
             for i in range(self.count(section, "NumOutputs"))
         )
         method = self._method(section)
@@ -150,10 +151,12 @@ class FisReader(FisLines):
                     raise self.refused(line, error.what, error.reason) from error
         return None
 
-    def _variable(self, header: str, system: Section, output: tuple[bool, int] | None) -> Variable:
+    def _variable(
+        self, header: str, system: Section, output: tuple[bool, tuple[Variable, ...]] | None
+    ) -> Variable:
         """Return a variable.
 
-        Of an output it matters whether its terms are sets, and how many inputs there are.
+        Of an output it matters whether its terms are sets, and which inputs there are.
         """
         if header not in self.sections:
             raise self.malformed(system.number, f"there is no section [{header}]")
@@ -181,7 +184,7 @@ class FisReader(FisLines):
         self,
         section: Section,
         number: int,
-        output: tuple[bool, int] | None,
+        output: tuple[bool, tuple[Variable, ...]] | None,
         ends: tuple[float, float],
     ) -> tuple[str, Any]:
         if f"MF{number}U" not in section.entries:
@@ -243,10 +246,11 @@ class FisReader(FisLines):
             raise self.malformed(line, f"{kind}: {error}") from error
 
     def _constant(
-        self, line: int, kind: str, parameters: list[float], inputs: int
+        self, line: int, kind: str, parameters: list[float], variables: tuple[Variable, ...]
     ) -> Constant | LinearFunction:
         if not all(map(math.isfinite, parameters)):
             raise self.malformed(line, f"expected finite numbers, got {parameters}")
+        inputs = len(variables)
         if kind == "constant":
             if len(parameters) > 2 and not any(parameters[1:]):
                 parameters = parameters[:1]
@@ -256,19 +260,12 @@ class FisReader(FisLines):
                 )
             return Constant(parameters[0], parameters[-1])
         if kind == "linear":
+            two_ends = self._method(self.sections["System"]) is not None
             # Files of version 1 have zeros at the end of what is short.
-            if len(parameters) > inputs + 1 and not any(parameters[inputs + 1 :]):
+            if len(parameters) > inputs + 1 and not any(parameters[inputs + 1 :]) and not two_ends:
                 parameters = parameters[: inputs + 1]
-            if len(parameters) == 2 * (inputs + 1) and self._reduces_by_nie_tan:
-                # One function for each end; Nie and Tan average their middle.
-                ends = np.array(parameters).reshape(2, -1)
-                parameters = ends.mean(axis=0).tolist()
-            elif len(parameters) == 2 * (inputs + 1):
-                raise self.refused(
-                    line,
-                    "a linear function for each end of an interval",
-                    "the ends may cross, and only TypeRedMethod='NT' needs but their middle",
-                )
+            if len(parameters) == 2 * (inputs + 1) and two_ends:
+                return self._between(line, np.array(parameters).reshape(2, -1), variables)
             if len(parameters) != inputs + 1:
                 raise self.malformed(
                     line,
@@ -277,6 +274,31 @@ class FisReader(FisLines):
                 )
             return LinearFunction(parameters[-1], tuple(parameters[:-1]))
         raise self.refused(line, f"the output {kind!r}", "known are constant and linear")
+
+    def _between(self, line: int, ends: Array, variables: tuple[Variable, ...]) -> LinearFunction:
+        """Return a function whose values are intervals between two others."""
+        middle, half = ends.mean(axis=0), 0.5 * (ends[1] - ends[0])
+        slopes, constant = tuple(middle[:-1].tolist()), float(middle[-1])
+        if self._reduces_by_nie_tan:
+            # It averages the middles, whether the ends cross or not.
+            return LinearFunction(constant, slopes)
+        # Right of 0 the greater slope is that of the upper end, left of 0 the smaller one.
+        signs = [
+            1.0 if low >= 0.0 else -1.0 if high <= 0.0 else math.nan
+            for low, high in (variable.range for variable in variables)
+        ]
+        spreads = [
+            float(half[-1]),
+            *(s * h if h else 0.0 for s, h in zip(signs, half[:-1].tolist(), strict=True)),
+        ]
+        if not all(spread >= 0.0 for spread in spreads):
+            raise self.refused(
+                line,
+                "a linear function for each end of an interval, which cross",
+                "the second one must be above within the ranges of the inputs, and slopes differ "
+                "for inputs on one side of 0 only; take TypeRedMethod='NT', or equal slopes",
+            )
+        return LinearFunction(constant, slopes, tuple(spreads) if any(spreads) else ())
 
 
 def twice(
@@ -296,7 +318,7 @@ def twice(
         terms: dict[str, Any] = {}
         for name, term in variable.terms.items():
             terms[unlike(name, terms)] = term.upper
-            terms[unlike(f"{name} lower", terms)] = term.lower
+            terms[unlike(f"{name}_lower", terms)] = term.lower
         doubled.append(Variable(variable.name, variable.range, terms))
 
     def moved(tree: Antecedent, below: int) -> Antecedent:

@@ -11,8 +11,8 @@ from fuzzy2.files.description import (
     Description,
     LinearFunction,
     Variable,
+    check_crisp,
     check_names,
-    known_as,
 )
 from fuzzy2.files.fis_lines import quoted
 from fuzzy2.files.fis_names import (
@@ -28,6 +28,7 @@ from fuzzy2.files.fis_names import (
 )
 from fuzzy2.files.fis_rules import OCTAVE, rule_line
 from fuzzy2.files.fis_shapes import corners_of, named_shape
+from fuzzy2.files.operator_words import known_as
 from fuzzy2.operations.set_operations import complement
 from fuzzy2.sets.derived import Complement, Truncated
 from fuzzy2.sets.interval_type2 import IntervalType2Set
@@ -180,9 +181,7 @@ class FisWriter:
             if of_sets:
                 lines += self._term(f"MF{i + 1}", name, term)
             elif isinstance(term, LinearFunction):
-                lines.append(
-                    f"MF{i + 1}={quoted(name)}:'linear',{_vector((*term.slopes, term.constant))}"
-                )
+                lines.append(f"MF{i + 1}={quoted(name)}:'linear',{_vector(self._linear(term))}")
             elif self.open_toolbox:
                 lines.append(f"MF{i + 1}={quoted(name)}:'constant',{_vector(term)}")
             elif term.left == term.right:
@@ -193,6 +192,26 @@ class FisWriter:
                     "its constants are crisp; write .t2fis",
                 )
         return lines
+
+    def _linear(self, term: LinearFunction) -> tuple[float, ...]:
+        """Return the slopes and the constant, of either end if they are intervals."""
+        middle = (*term.slopes, term.constant)
+        if not term.spreads or not self.open_toolbox:
+            check_crisp(term, self.where)
+            return middle
+        ranges = [variable.range for variable in self.description.inputs]
+        if any(low < 0.0 < high and term.spreads[i + 1] for i, (low, high) in enumerate(ranges)):
+            reason = "its ends cross at 0; let the input keep to one side, or the slope be a number"
+            self._refuse("the interval of a slope of an input on both sides of 0", reason)
+        spreads = [
+            spread if low >= 0.0 else -spread
+            for spread, (low, _) in zip(term.spreads[1:], ranges, strict=True)
+        ]
+        half = (*spreads, term.spreads[0])
+        return (
+            *(one - own for one, own in zip(middle, half, strict=True)),
+            *(one + own for one, own in zip(middle, half, strict=True)),
+        )
 
     def _term(self, key: str, name: str, term: Any) -> list[str]:
         lower, upper = (

@@ -14,8 +14,8 @@ Rules have weights, *and* or *or*, modifiers, an *else*, and may be silent about
 JFML departs from the standard the standard is followed: JFML's ``plus``, ``somewhat``,
 ``more_or_less`` and ``seldom`` divide whole numbers. Refused with their line are the modifiers
 ``above``, ``below``, ``norm`` and ``slightly``, custom shapes and operators, cubic and spline
-interpolation, several rule bases, operators that differ among outputs or rules, and functions or
-Tsukamoto's sets as consequents of AnYa.
+interpolation, several rule bases, operators that differ among outputs or rules, and of AnYa
+functions of the inputs as consequents, and outputs of several kinds.
 
 Words are read in any case. ``defaultValue`` is the output where no rule fires, and NaN, which is
 written, stands for none. The center of gravity, an integral in the standard, is summed up over

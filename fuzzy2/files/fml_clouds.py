@@ -5,8 +5,14 @@ from __future__ import annotations
 from xml.etree import ElementTree
 
 from fuzzy2.errors import NotExpressible
-from fuzzy2.files.description import SILENT, DescribedRule, Description, known_as
+from fuzzy2.files.description import (
+    SILENT,
+    DescribedRule,
+    Description,
+    LinearFunction,
+)
 from fuzzy2.files.fml_names import FIRING, T_NORMS
+from fuzzy2.files.operator_words import known_as
 from fuzzy2.systems.antecedents import Is, Not
 from fuzzy2.systems.anya import AnYaSystem
 
@@ -17,11 +23,15 @@ def check_clouds(description: Description, clouds: AnYaSystem) -> None:
     Raises
     ------
     NotExpressible
-        If they are no united sets, or rules ask for more than one firing or its complement.
+        If they are functions, or rules ask for more than one firing or its complement.
     """
-    if not description.mamdani or description.reduced_by == "tsukamoto":
-        reason = "its clouds have united sets for consequents; use JSON"
-        raise NotExpressible(f"the type reduction {description.reduced_by!r}", "FML", reason)
+    if any(
+        isinstance(term, LinearFunction)
+        for output in description.outputs
+        for term in output.terms.values()
+    ):
+        reason = "its clouds have numbers or sets for consequents; use JSON"
+        raise NotExpressible("functions of firings", "FML", reason)
     branches = [_branches(description, i) for i in range(len(clouds.asked))]
     count = sum(len(then) + len(otherwise) for then, otherwise in branches)
     if count < len(description.rules) or any(
@@ -67,18 +77,21 @@ def write_cloud_rules(
     implied = known_as(description.implied_by, T_NORMS, "implication", "FML")
     words = {"name": "rules", "activationMethod": implied}
     base = ElementTree.SubElement(root, "anYaRuleBase", words)
+    names = ("consequent", "then", "else", "clause")
+    if not description.mamdani:
+        names = ("tskConsequent", "tskThen", "tskElse", "tskClause")
     for i, cloud in enumerate(clouds.asked):
         then, otherwise = _branches(description, i)
         weight = {} if then[0].weight == 1.0 else {"weight": repr(float(then[0].weight))}
         rule = ElementTree.SubElement(base, "anYaRule", {"name": f"rule{i + 1}", **weight})
         antecedent = ElementTree.SubElement(rule, "anYaAntecedent")
         ElementTree.SubElement(antecedent, "dataCloudName").text = clouds.input_names[cloud]
-        consequent = ElementTree.SubElement(rule, "consequent")
-        for word, rules in (("then", then), ("else", otherwise)):
+        consequent = ElementTree.SubElement(rule, names[0])
+        for word, rules in ((names[1], then), (names[2], otherwise)):
             for one in rules:
                 branch = ElementTree.SubElement(consequent, word)
                 for variable, term in zip(description.outputs, one.said, strict=True):
                     if term != SILENT:
-                        clause = ElementTree.SubElement(branch, "clause")
+                        clause = ElementTree.SubElement(branch, names[3])
                         ElementTree.SubElement(clause, "variable").text = variable.name
                         ElementTree.SubElement(clause, "term").text = list(variable.terms)[term]

@@ -24,12 +24,7 @@ from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.operators import INTEGRATIONS
 from fuzzy2.systems.system import FuzzySystem
 
-_OUTPUTS = {
-    "mamdani": "fuzzyVariable",
-    "tsk": "tskVariable",
-    "tsukamoto": "tsukamotoVariable",
-    "anya": "fuzzyVariable",
-}
+_OUTPUTS = {"mamdani": "fuzzyVariable", "tsk": "tskVariable", "tsukamoto": "tsukamotoVariable"}
 
 
 class FmlReader(FmlElements):
@@ -39,9 +34,10 @@ class FmlReader(FmlElements):
         """Return the system that the document describes."""
         root = self.root(text)
         base, rule_base = self._bases(root)
-        kind = RULE_BASES[rule_base.name]
+        of_clouds = RULE_BASES[rule_base.name] == "anya"
+        kind = self._said_by(base) if of_clouds else RULE_BASES[rule_base.name]
         elements = [one for one in base.children if one.name != "aggregatedFuzzyVariable"]
-        variables = [(element, *self._variable(element, kind)) for element in elements]
+        variables = [(element, *self._variable(element, kind, of_clouds)) for element in elements]
         inputs = tuple(variable for _, variable, is_output in variables if not is_output)
         outputs = tuple(variable for _, variable, is_output in variables if is_output)
         names = [variable.name for _, variable, _ in variables]
@@ -53,7 +49,7 @@ class FmlReader(FmlElements):
         if not inputs or not outputs:
             raise self.malformed(base.line, "a system needs at least one input and one output")
         for element, variable, is_output in variables:
-            self._check_functions(element, variable, is_output, len(inputs))
+            self._check_functions(element, variable, is_output, None if of_clouds else len(inputs))
         of_outputs = [element for element, _, is_output in variables if is_output]
         operators = self._operators(rule_base, kind, of_outputs, outputs)
         rules = FmlRules(self, rule_base, inputs, outputs)
@@ -64,7 +60,7 @@ class FmlReader(FmlElements):
         t_norm, disjunction = rules.operators()
         clouds = [self._cloud(one) for one in elements if one.name == "anYaDataCloud"]
         names = [variable.name for variable in inputs]
-        if kind == "anya":
+        if of_clouds:
             inputs = tuple(
                 Variable(f"rule{i + 1}", (0.0, 1.0), {"fires": FIRING})
                 for i in range(len(rules.clouds))
@@ -81,7 +77,7 @@ class FmlReader(FmlElements):
                     **operators,
                 )
             )
-            return AnYaSystem(clouds, rules.clouds, system, names) if kind == "anya" else system
+            return AnYaSystem(clouds, rules.clouds, system, names) if of_clouds else system
         except (MalformedFile, NotExpressible):
             raise
         except Fuzzy2Error as error:
@@ -101,6 +97,19 @@ class FmlReader(FmlElements):
         if len(rule_bases) > 1:
             raise self.refused(rule_bases[1].line, "a second rule base", "a system has one")
         return bases[0], rule_bases[0]
+
+    def _said_by(self, base: Element) -> str:
+        """Return what kind of rule base has consequents as those of clouds."""
+        found = {
+            kind: variable.line
+            for kind, name in _OUTPUTS.items()
+            for variable in base.children
+            if variable.name == name
+        }
+        if len(found) > 1:
+            reason = "rules of clouds say sets, numbers or sets of Tsukamoto; take one of them"
+            raise self.refused(max(found.values()), "outputs of several kinds", reason)
+        return next(iter(found), "mamdani")
 
     def _operators(
         self, rule_base: Element, kind: str, elements: list[Element], outputs: tuple[Variable, ...]
@@ -140,13 +149,13 @@ class FmlReader(FmlElements):
             raise self.refused(
                 list(found.values())[1].line,
                 f"another {attribute}",
-                "a system has one for all outputs",
+                "a system has one for all outputs; take the same, or a document for each",
             )
         return next(iter(found))
 
-    def _variable(self, element: Element, kind: str) -> tuple[Variable, bool]:
+    def _variable(self, element: Element, kind: str, of_clouds: bool) -> tuple[Variable, bool]:
         """Return a variable, and whether it is an output."""
-        if element.name == "anYaDataCloud" and kind != "anya":
+        if element.name == "anYaDataCloud" and not of_clouds:
             raise self.refused(
                 element.line, f"<{element.name}>", "only an <anYaRuleBase> asks for clouds"
             )
@@ -155,7 +164,7 @@ class FmlReader(FmlElements):
             return Variable(name, (0.0, 1.0), {}), False
         if element.name in ("tskVariable", "tsukamotoVariable"):
             if element.name != _OUTPUTS[kind]:
-                base = {"mamdani": "Mamdani", "anya": "AnYa"}.get(kind, kind)
+                base = "Mamdani" if kind == "mamdani" else kind
                 raise self.malformed(element.line, f"a {base} rule base has no <{element.name}>")
             combination = self.attribute(element, "combination", "WA")
             if combination.upper() != "WA":
@@ -177,11 +186,11 @@ class FmlReader(FmlElements):
         role = self.attribute(element, "type", "input").lower()
         if role not in ("input", "output"):
             raise self.malformed(element.line, f"expected the type input or output, got {role!r}")
-        if role == "input" and kind == "anya":
+        if role == "input" and of_clouds:
             raise self.malformed(
                 element.line, "an input of an AnYa rule base is an <anYaDataCloud>"
             )
-        if role == "output" and kind not in ("mamdani", "anya"):
+        if role == "output" and kind != "mamdani":
             base = "TSK" if kind == "tsk" else "Tsukamoto"
             raise self.malformed(
                 element.line, f"an output of a {base} rule base is a <{_OUTPUTS[kind]}>"
@@ -218,9 +227,13 @@ class FmlReader(FmlElements):
         return value if math.isfinite(value) else None
 
     def _check_functions(
-        self, element: Element, variable: Variable, is_output: bool, inputs: int
+        self, element: Element, variable: Variable, is_output: bool, inputs: int | None
     ) -> None:
+        """Refuse functions of another number of inputs, and of those of clouds, None."""
         for term in variable.terms.values() if is_output else ():
+            if isinstance(term, LinearFunction) and inputs is None:
+                reason = "rules of clouds say numbers or sets; take order 0"
+                raise self.refused(element.line, f"functions of {variable.name!r}", reason)
             if isinstance(term, LinearFunction) and len(term.slopes) != inputs:
                 reason = (
                     f"expected the constant and a slope for each of the {inputs} inputs, got "

@@ -18,10 +18,7 @@ from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
 Names = dict[str, list[str]]
 """Names of the terms of variables."""
 
-_WORDS = {
-    "tskRuleBase": ("tskRule", "tskConsequent", "tskThen", "tskElse", "tskClause"),
-    "anYaRuleBase": ("anYaRule", "consequent", "then", "else", "clause"),
-}
+_TSK = ("tskRule", "tskConsequent", "tskThen", "tskElse", "tskClause")
 _MAMDANI = ("rule", "consequent", "then", "else", "clause")
 
 
@@ -59,7 +56,7 @@ class FmlRules:
                 raise self._elements.refused(
                     max(used.values()),
                     f"another {attribute} than that of other rules",
-                    "a system has one t-norm and one t-conorm",
+                    "a system has one t-norm and one t-conorm; take the same for all rules",
                 )
             found.append(next(iter(used), own))
         return found[0], found[1]
@@ -98,7 +95,10 @@ class FmlRules:
     def rules(self) -> tuple[DescribedRule, ...]:
         """Return the rules; one with *else* makes two."""
         base, elements = self._base, self._elements
-        names = _WORDS.get(base.name, _MAMDANI)
+        names = _TSK if base.name == "tskRuleBase" else _MAMDANI
+        if base.name == "anYaRuleBase":
+            numbers = any(isinstance(term, Constant) for term in self._outputs[0].terms.values())
+            names = ("anYaRule", *(_TSK if numbers else _MAMDANI)[1:])
         rules: list[DescribedRule] = []
         for rule in elements.children(base, names[0]):
             rules += self._rule(rule, names)
@@ -109,11 +109,6 @@ class FmlRules:
     def _rule(self, rule: Element, names: tuple[str, ...]) -> list[DescribedRule]:
         elements, (_, consequent, then, otherwise, clause) = self._elements, names
         condition = "anYaAntecedent" if rule.name == "anYaRule" else "antecedent"
-        for part in rule.children:
-            if rule.name == "anYaRule" and part.name == "tskConsequent":
-                raise elements.refused(
-                    part.line, "<tskConsequent> of <anYaRule>", "its consequents are sets"
-                )
         parts = {part.name: part for part in elements.children(rule, condition, consequent)}
         if len(parts) != 2 or len(rule.children) != 2:
             raise elements.malformed(

@@ -15,8 +15,8 @@ from fuzzy2.files.description import (
     Description,
     LinearFunction,
     Variable,
+    check_crisp,
     check_names,
-    known_as,
 )
 from fuzzy2.files.fml_clouds import check_clouds, write_cloud_rules, write_clouds
 from fuzzy2.files.fml_names import (
@@ -28,6 +28,7 @@ from fuzzy2.files.fml_names import (
     T_NORMS,
     named_shape,
 )
+from fuzzy2.files.operator_words import known_as
 from fuzzy2.sets.derived import Complement
 from fuzzy2.sets.type1 import SampledSet, Type1Set
 from fuzzy2.systems.anya import AnYaSystem
@@ -150,6 +151,8 @@ def _write_functions(
     for name, term in variable.terms.items():
         if isinstance(term, Constant) and term.left != term.right:
             _refuse(f"the interval {list(term)} as a consequent", "its constants are crisp")
+        if isinstance(term, LinearFunction):
+            check_crisp(term, "FML")
         order, values = (
             ("1", (term.constant, *term.slopes))
             if isinstance(term, LinearFunction)

@@ -28,7 +28,8 @@ class ConformalIntervals:
     by itself (:func:`psp3.bounds.conformal_bound`). A new torque of one joint is held with a
     probability of at least ``share`` if state and torque are exchangeable with those given.
     Samples of one run are not independent: take states at random, or whole runs that are like those
-    to come, of which many are worth more than long ones.
+    to come, of which many are worth more than long ones. Where a controller fell back on its
+    average (:attr:`psp3.FuzzyComputedTorque.fell_back`), its interval has no width to stretch.
 
     Parameters
     ----------
@@ -74,7 +75,8 @@ class ConformalIntervals:
             raise InvalidValue(
                 "intervals",
                 f"of no width at {np.mean(half == 0.0):.0%} of the states",
-                'such as have a width; take scale="constant"',
+                "such as have a width, which a controller that fell back has not; take "
+                'scale="constant"',
             )
 
     def __repr__(self) -> str:

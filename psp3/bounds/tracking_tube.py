@@ -69,7 +69,8 @@ def residual_accelerations(result: Result, kp: float, kv: float) -> Array:
     Raises
     ------
     InvalidValue
-        If the samples are fewer than two or not even, or errors do not settle with these gains.
+        If the samples are fewer than two, not even or not finite, or errors do not settle with
+        these gains.
     """
     loop = ErrorDynamics(kp, kv, period_of(result))
     errors, rates = errors_of(result)
@@ -92,9 +93,21 @@ def period_of(result: Result) -> float:
 
 
 def errors_of(result: Result) -> tuple[Array, Array]:
-    """Return errors of positions and of speeds, (N, k) each, of what motors command."""
+    """Return errors of positions and of speeds, (N, k) each, of what motors command.
+
+    Raise :class:`InvalidValue` if one is not finite.
+    """
     wanted, k = result.desired, result.desired.positions.shape[-1]
-    return wanted.positions - result.positions[:, :k], wanted.speeds - result.speeds[:, :k]
+    errors = wanted.positions - result.positions[:, :k], wanted.speeds - result.speeds[:, :k]
+    for what, of in zip(("positions", "speeds"), errors, strict=True):
+        if not np.isfinite(of).all():
+            raise InvalidValue(
+                "result",
+                f"{what} that are not finite",
+                "a run with all its samples; of one that did not reach its end there is no tube, "
+                "and calibration takes None for it",
+            )
+    return errors
 
 
 class TrackingTube:
@@ -141,7 +154,12 @@ class TrackingTube:
     ------
     InvalidValue
         If there are too few runs for the share, or too few of them reached their end; or they
-        differ in their control periods, durations or coordinates.
+        differ in their control periods, durations or coordinates, or are not finite.
+
+    Notes
+    -----
+    A result says neither of which robot it is nor under which gains it was made: that runs are
+    those of one robot, and gains theirs, is up to the caller.
     """
 
     def __init__(
@@ -212,7 +230,7 @@ class TrackingTube:
         Raises
         ------
         InvalidValue
-            If the run has another control period or other coordinates.
+            If the run has another control period or other coordinates, or is not finite.
         """
         self._check(result, len(self.residual))
         count, loop = len(result.t), self.dynamics
@@ -302,11 +320,8 @@ def runs_needed(share: float) -> int:
 
     See :class:`TrackingTube`.
     """
-    scores = scores_needed(share)
-    # One of every ten more, rounded up.
-    return next(
-        count for count in itertools.count(scores) if count - -(-count // FOR_PROPORTIONS) >= scores
-    )
+    # What is left of n without one in ten, rounded up, is 9 n / 10, rounded down.
+    return -(-FOR_PROPORTIONS * scores_needed(share) // (FOR_PROPORTIONS - 1))
 
 
 def _listed(values: Array) -> str:

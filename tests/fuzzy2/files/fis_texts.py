@@ -122,3 +122,11 @@ MF2='mf2':'constant',[0.5]
 1, 1 (1) : 1
 2, 2 (1) : 1
 """
+
+
+CROSSING = (
+    OPEN_TYPE2.replace("TypeRedMethod='Karnik-Mendel'", "TypeRedMethod='NT'")
+    .replace("'trapmf',[-1.8 -1 0 1 1]", "'trapmf',[-0.9 -0.5 0 0.5 1]")
+    .replace("MF1='mf1':'constant',[-1 -0.9]", "MF1='mf1':'linear',[2 1 -1 0.5]")
+)
+"""The lower set of the first term is above the upper one where it begins, and again at the end."""

@@ -179,6 +179,22 @@ def test_no_rule_fires() -> None:
         ("FUNCTION speed", "FUNCTION LOG(speed)", 27, "natural in fuzzylite"),
         ("FUNCTION speed", "FUNCTION Force * plan", 32, "asks for 'plan'"),
         ("TERM silent := 0", "TERM silent := SINGLETONS (0, 1)", 21, "SINGLETONS"),
+        ("METHOD : COG;", "LOCK : PREVIOUS; METHOD : COG;", 18, "take DEFAULT := NC"),
+        ("DEFAULT := 0;", "DEFAULT := 0 | NC;", 18, "take the number alone, or NC"),
+        (
+            "END_RULEBLOCK",
+            "END_RULEBLOCK RULEBLOCK b AND : MIN; RULE 1 : IF speed IS low AND gap IS near THEN "
+            "force IS weak; END_RULEBLOCK",
+            3,
+            "say ACCU in its DEFUZZIFY",
+        ),
+        (
+            "END_RULEBLOCK",
+            "END_RULEBLOCK RULEBLOCK b AND : MIN; ACCU : MAX; RULE 1 : IF speed IS low AND gap IS "
+            "near THEN force IS weak; END_RULEBLOCK",
+            32,
+            "let the blocks of its rules have the same",
+        ),
     ],
 )
 def test_what_a_system_cannot_be_is_named(old: str, new: str, place: int, said: str) -> None:
@@ -204,6 +220,18 @@ def test_what_is_wrong_is_said_with_its_line(old: str, new: str, place: int, sai
     with pytest.raises(MalformedFile, match=said) as error:
         parse_fcl(BRAKE.replace(old, new, 1), block="brake")
     assert error.value.place == f"line {place}"
+
+
+def test_an_output_says_how_rules_of_two_blocks_accumulate() -> None:
+    """ACCU of DEFUZZIFY counts, whatever the blocks say."""
+    one = BRAKE
+    for method, word in (("COG", "BSUM"), ("COGS", "MAX"), ("COGF", "NSUM")):
+        one = one.replace(f"METHOD : {method};", f"METHOD : {method}; ACCU : {word};", 1)
+    rule = one.index("  RULE 2")
+    second = "END_RULEBLOCK RULEBLOCK second AND : PROD; ACT : MIN;\n"
+    both = parse_fcl(one[:rule] + second + one[rule:], block="brake")
+    X = np.random.default_rng(0).uniform([0, 0], [60, 100], (20, 2))
+    np.testing.assert_array_equal(both(X), parse_fcl(one, block="brake")(X))
 
 
 def test_round_trips(tmp_path: Path) -> None:

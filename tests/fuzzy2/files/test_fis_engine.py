@@ -78,8 +78,8 @@ MF1='none':'constant',[0.000]
 """
 
 
-def mixed_by_hand(heat: float, wind: float) -> list[float]:
-    """Return the outputs of the system above."""
+def mixed_by_hand(heat: float, wind: float, pieces: int) -> list[float]:
+    """Return the outputs of the system above, integrated over so many pieces."""
     cold = 1.0 if heat <= 2.0 else 3.0 / (3.0 + heat - 2.0)
     mild = 0.5 * (1.0 + math.cos(2.0 * math.pi / 6.0 * (heat - 5.0))) if 2.0 < heat < 8.0 else 0.0
     hot = math.exp(-abs(10.0 / 4.0 * (heat - 9.0)))
@@ -92,7 +92,7 @@ def mixed_by_hand(heat: float, wind: float) -> list[float]:
     first, second = cold * (1.0 - windy**2), seldom + calm - seldom * calm
     extreme = 2.0 * second**2 if second <= 0.5 else 1.0 - 2.0 * (1.0 - second) ** 2
     not_extreme = 1.0 - extreme
-    grid = (np.arange(1000) + 0.5) / 1000.0
+    grid = (np.arange(pieces) + 0.5) / pieces
     low = np.maximum(0.0, 1.0 - np.abs(grid - 0.25) / 0.25)
     high = np.where(grid >= 0.6, 1.0, 0.0)
     united = np.maximum(np.minimum(first, high), np.minimum(not_extreme, low))
@@ -103,12 +103,30 @@ def mixed_by_hand(heat: float, wind: float) -> list[float]:
     return [float((grid * united).sum() / united.sum()), price, math.nan]
 
 
-def test_a_hybrid_system_with_fuzzylites_terms_against_brute_force(tmp_path: Path) -> None:
-    (tmp_path / "mixed.fis").write_text(MIXED, encoding="utf-8")
+NOT_SAID = MIXED.replace("fuzzylite 6.0", "something").replace("Version=6.0\n", "")
+
+
+@pytest.mark.parametrize(
+    ("text", "pieces"),
+    [
+        (MIXED, 100),
+        (MIXED.replace("fuzzylite 6.0", "fuzzylite 7.0"), 1000),
+        (NOT_SAID, 100),
+        (NOT_SAID.replace("NumRules", "Version=7.0\nNumRules"), 1000),
+        (NOT_SAID.replace("NumRules", "Version=2.0\nNumRules"), 100),
+        (NOT_SAID.replace("Name='heat'", "Name='heat'\nEnabled=1"), 200),
+    ],
+    ids=["6", "7", "silent", "version", "matlab", "5"],
+)
+def test_a_hybrid_system_with_fuzzylites_terms_against_brute_force(
+    tmp_path: Path, text: str, pieces: int
+) -> None:
+    """Pieces of the integral are those of the version that wrote the file."""
+    (tmp_path / "mixed.fis").write_text(text, encoding="utf-8")
     system = fuzzy2.load(tmp_path / "mixed.fis")
     assert isinstance(system, ParallelSystem)
     X = inputs_of(system)
-    expected = [mixed_by_hand(heat, wind) for heat, wind in X.tolist()]
+    expected = [mixed_by_hand(heat, wind, pieces) for heat, wind in X.tolist()]
     np.testing.assert_allclose(system(X), expected, rtol=1e-12)
 
 
@@ -121,10 +139,10 @@ def test_what_says_that_a_file_is_of_fuzzylite() -> None:
 
 
 def test_a_file_of_matlab_means_another_sum_in_fuzzylite() -> None:
-    """MATLAB adds up 101 points with both ends, fuzzylite the middles of 1000 pieces."""
+    """MATLAB adds up 101 points with both ends, fuzzylite 6 the middles of 100 pieces."""
     matlab, own = parse_fis(TIPPER), parse_fis(TIPPER, dialect="fuzzylite")
     assert (matlab.integration, matlab.resolution) == ("sum", 101)
-    assert (own.integration, own.resolution) == ("midpoint", 1000)
+    assert (own.integration, own.resolution) == ("midpoint", 100)
     np.testing.assert_allclose(own([4.0, 7.0]), matlab([4.0, 7.0]), atol=0.05)
 
 
@@ -250,13 +268,6 @@ def test_what_is_wrong_is_said(old: str, new: str, said: str) -> None:
     assert said in caught.value.reason
 
 
-def thousands(text: str) -> str:
-    """Return an engine of FLL whose integrals take as many points as those of FIS."""
-    return text.replace("Centroid 200", "Centroid 1000").replace(
-        "Centroid 100\n", "Centroid 1000\n"
-    )
-
-
 @pytest.mark.parametrize(
     ("text", "read"),
     [(MIXED, parse_fis), (FALLING, parse_fis), (ASKING, parse_fis), (TSUKAMOTO, parse_fll)],
@@ -284,15 +295,23 @@ def test_what_a_file_has_one_word_for_is_refused() -> None:
     with pytest.raises(NotExpressible, match='"very not" before a term'):
         format_fis(parse_fll(HYBRID), dialect="fuzzylite")
     turned = HYBRID.replace("very not", "not very")
-    with pytest.raises(NotExpressible, match="resolution=1000"):
-        format_fis(parse_fll(turned), dialect="fuzzylite")
-    formulas = parse_fll(thousands(FORMULAS))
+    with pytest.raises(NotExpressible, match=r"resolution=100\).*200 in version 5, 100 in"):
+        format_fis(parse_fll(turned.replace("200", "300")), dialect="fuzzylite")
+    twice = CHAIN.replace("if first is somewhat low", "if light is bright").replace("200", "100", 1)
+    with pytest.raises(NotExpressible, match="outputs integrated over 100 and 200 points"):
+        format_fis(parse_fll(twice), dialect="fuzzylite")
     with pytest.raises(NotExpressible, match="a file has one word"):
-        format_fis(formulas, dialect="fuzzylite")
-    hybrid = parse_fll(thousands(turned))
-    again = parse_fis(format_fis(hybrid, dialect="fuzzylite"))
+        format_fis(parse_fll(FORMULAS), dialect="fuzzylite")
+
+
+@pytest.mark.parametrize(("pieces", "version"), [(200, 5), (100, 6), (1000, 7)])
+def test_the_version_that_is_written_says_the_points(pieces: int, version: int) -> None:
+    text = HYBRID.replace("very not", "not very").replace("Centroid 200", f"Centroid {pieces}")
+    hybrid = parse_fll(text)
+    written = format_fis(hybrid, dialect="fuzzylite")
+    assert f"Version={version}.0\n" in written
     X = inputs_of(hybrid)
-    np.testing.assert_allclose(again(X), hybrid(X), rtol=1e-12)
+    np.testing.assert_allclose(parse_fis(written)(X), hybrid(X), rtol=1e-12)
 
 
 def test_a_hybrid_system_is_saved_in_every_format_that_has_it(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fuzzy2.errors import MalformedFile, NotExpressible
-from fuzzy2.files.fis import parse_fis
+from fuzzy2.files.fis import format_fis, parse_fis
 from fuzzy2.files.fis_names import is_of_octave
 from fuzzy2.sets.interval_type2 import (
     GaussianUncertainSigma,
@@ -28,7 +28,7 @@ from fuzzy2.sets.uncertain_mean import NearestMeanGaussian
 from fuzzy2.systems import IntervalType2System, Type1System
 from fuzzy2.systems.antecedents import And, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import HEDGES
-from tests.fuzzy2.files.fis_texts import OPEN_TYPE2, TIPPER, TYPE2
+from tests.fuzzy2.files.fis_texts import CROSSING, OPEN_TYPE2, TIPPER, TYPE2
 from tests.fuzzy2.files.toolbox import Toolbox
 
 
@@ -291,7 +291,7 @@ def test_sections_that_do_not_go_together(text: str, place: str) -> None:
         (TIPPER, "'gaussmf',[1.5 0]", "'sigmf',[0 2]", 18, "1/2 everywhere"),
         (TYPE2, "'trimf',[-1 -0.5 0.5],[0.8]", "'trimf',[-1 -0.5 0.5],[0]", 19, "above 0"),
         (TYPE2, "'constant',[-1]", "'cubic',[-1]", 26, "known are constant and linear"),
-        (TYPE2, "'linear',[2 1]", "'linear',[2 1 1 0]", 27, "the ends may cross"),
+        (TYPE2, "'linear',[2 1]", "'linear',[2 1 1 0]", 27, "must be above"),
         (TYPE2, "'karnikmendel'", "'mine'", 13, "known are karnikmendel"),
         (OPEN_TYPE2, "'Karnik-Mendel'", "'BMM(0.9)'", 13, "known are KM"),
         (OPEN_TYPE2, "'Karnik-Mendel'", "'BMM(1e,2)'", 13, "BMM(a,b)"),
@@ -434,15 +434,6 @@ def test_names_that_terms_share_are_told_apart() -> None:
     assert system.term_names[0] == ("poor", "poor_2", "excellent")
 
 
-CROSSING = edits(
-    OPEN_TYPE2,
-    ("TypeRedMethod='Karnik-Mendel'", "TypeRedMethod='NT'"),
-    ("'trapmf',[-1.8 -1 0 1 1]", "'trapmf',[-0.9 -0.5 0 0.5 1]"),
-    ("MF1='mf1':'constant',[-1 -0.9]", "MF1='mf1':'linear',[2 1 -1 0.5]"),
-)
-"""The lower set of the first term is above the upper one where it begins, and again at the end."""
-
-
 def test_sets_that_cross_are_averaged_as_they_are_by_nie_and_tan() -> None:
     """What the toolbox computes: lower and upper firing each counts once, whichever is greater."""
     system = parse_fis(CROSSING)
@@ -458,6 +449,51 @@ def test_sets_that_cross_are_averaged_as_they_are_by_nie_and_tan() -> None:
         expected = (first * said + second * 0.5) / (first + second)
         np.testing.assert_allclose(system([x]), [expected], rtol=1e-12)
     assert crossed > 3
+
+
+@pytest.mark.parametrize("low", [0.0, -2.0])
+@pytest.mark.parametrize("method", ["Karnik-Mendel", "WM", "BMM(0.3,0.6)"])
+def test_a_linear_function_for_each_end(low: float, method: str) -> None:
+    """Against both ends as intervals of numbers at each input, and there and back."""
+    slope = (1.0, 2.0) if low == 0.0 else (2.0, 1.0)
+    others = ("Karnik-Mendel", method), ("Range=[-1 1]", f"Range=[{low} {low + 2.0}]")
+    old = "'constant',[-1 -0.9]"
+    X = np.linspace(low, low + 2.0, 31)[:, np.newaxis]
+    expected = [
+        parse_fis(
+            edits(
+                OPEN_TYPE2,
+                *others,
+                (old, f"'constant',[{slope[0] * x - 1.0!r} {slope[1] * x!r}]"),
+            )
+        )([x])
+        for x in X[:, 0].tolist()
+    ]
+    text = edits(OPEN_TYPE2, *others, (old, f"'linear',[{slope[0]} -1 {slope[1]} 0]"))
+    system = parse_fis(text)
+    np.testing.assert_allclose(system(X), expected, rtol=1e-12, atol=1e-12)
+    again = format_fis(system, open_toolbox=True)
+    np.testing.assert_allclose(parse_fis(again)(X), expected, rtol=1e-12, atol=1e-12)
+
+
+def test_an_end_of_zeros_is_an_end() -> None:
+    text = edits(OPEN_TYPE2, ("'constant',[-1 -0.9]", "'linear',[0 -1 0 0]"))
+    constants = edits(OPEN_TYPE2, ("'constant',[-1 -0.9]", "'constant',[-1 0]"))
+    np.testing.assert_allclose(parse_fis(text)([0.3]), parse_fis(constants)([0.3]), rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "low"), [("1 0 2 1", -1.0), ("1 0 1 -1", -1.0), ("2 0 1 1", 0.0)]
+)
+def test_linear_ends_that_cross_are_refused(parameters: str, low: float) -> None:
+    text = edits(
+        OPEN_TYPE2,
+        ("Range=[-1 1]", f"Range=[{low} 1]"),
+        ("'constant',[-1 -0.9]", f"'linear',[{parameters}]"),
+    )
+    with pytest.raises(NotExpressible, match=r"line 30: a linear function for each end.*'NT'"):
+        parse_fis(text)
+    parse_fis(edits(text, ("'Karnik-Mendel'", "'NT'")))
 
 
 def test_a_number_that_two_terms_share_counts_on() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from fuzzy2 import AnYaSystem, Gaussian, Trapezoidal, Type1System, load, save
+from fuzzy2 import AnYaSystem, Gaussian, Linear, Trapezoidal, Type1System, load, save
 from fuzzy2.errors import MalformedFile, NotExpressible
 from fuzzy2.files.fml import format_fml, parse_fml
 from fuzzy2.systems.antecedents import Is, Not
@@ -86,11 +86,6 @@ CLOUDS = ((0, [1.0, 1.7, 4.0, 3.2]), (0, [1.0, 1.7, 4.0, 3.2]), (2, [8.0, 7.7, 1
         ("<dataCloudName>food</dataCloudName>", "", "expected one <dataCloudName>"),
         (' type="output"', ' type="input"', "an input of an AnYa rule base is an <anYaDataCloud>"),
         ('name="food"', 'name="service"', "is given to two variables"),
-        (
-            "<fuzzyVariable",
-            '<tsukamotoVariable name="z"/><fuzzyVariable',
-            "a AnYa rule base has no <tsukamotoVariable>",
-        ),
     ],
 )
 def test_what_is_malformed(old: str, new: str, said: str) -> None:
@@ -102,10 +97,62 @@ def test_what_is_malformed(old: str, new: str, said: str) -> None:
         parse_fml(empty)
 
 
-def test_functions_and_weighted_else_are_refused() -> None:
-    functions = TIPPER_OF_CLOUDS.replace("</anYaAntecedent>", "</anYaAntecedent><tskConsequent/>")
-    with pytest.raises(NotExpressible, match="its consequents are sets"):
+_OUTPUT = TIPPER_OF_CLOUDS[
+    TIPPER_OF_CLOUDS.index("<fuzzyVariable") : TIPPER_OF_CLOUDS.index("</knowledgeBase>")
+]
+NUMBERS = TIPPER_OF_CLOUDS.replace(
+    _OUTPUT,
+    '<tskVariable name="tip" type="output" combination="WA">'
+    + "".join(
+        f'<tskTerm name="{name}" order="0"><tskValue>{value}</tskValue></tskTerm>'
+        for name, value in (("cheap", 5.0), ("average", 10.0), ("generous", 15.0))
+    )
+    + "</tskVariable>",
+)
+for _word, _other in (
+    ("consequent", "tskConsequent"),
+    ("then", "tskThen"),
+    ("clause", "tskClause"),
+):
+    NUMBERS = re.sub(rf"(</?){_word}>", rf"\g<1>{_other}>", NUMBERS)
+POINTS = TIPPER_OF_CLOUDS.replace(
+    _OUTPUT,
+    '<tsukamotoVariable name="tip" type="output" combination="WA" domainleft="0" domainright="20">'
+    + "".join(
+        f'<tsukamotoTerm name="{name}"><{kind} param1="{low}" param2="{high}"/></tsukamotoTerm>'
+        for name, kind, low, high in (
+            ("cheap", "leftLinearShape", 0.0, 10.0),
+            ("average", "rightLinearShape", 5.0, 15.0),
+            ("generous", "rightLinearShape", 10.0, 20.0),
+        )
+    )
+    + "</tsukamotoVariable>",
+)
+
+
+def test_numbers_and_sets_of_tsukamoto_are_averaged_by_the_densities(tmp_path: Path) -> None:
+    numbers: Any = parse_fml(NUMBERS)
+    points: Any = parse_fml(POINTS)
+    fired = parse_fml(TIPPER_OF_CLOUDS).relative_densities(INPUTS)
+    np.testing.assert_allclose(numbers(INPUTS)[:, 0], fired @ [5.0, 10.0, 15.0], rtol=1e-13)
+    at = np.array([10.0, 5.0, 10.0]) + np.array([-10.0, 10.0, 10.0]) * fired
+    np.testing.assert_allclose(points(INPUTS)[:, 0], (fired * at).sum(axis=1), rtol=1e-9)
+    for system in (numbers, points):
+        for suffix in (".json", ".fml"):
+            save(system, tmp_path / f"tipper{suffix}")
+            again = load(tmp_path / f"tipper{suffix}")
+            np.testing.assert_allclose(again(INPUTS), system(INPUTS), rtol=1e-12)
+
+
+def test_functions_several_kinds_and_weighted_else_are_refused() -> None:
+    functions = NUMBERS.replace(
+        'order="0"><tskValue>5.0<', 'order="1"><tskValue>1.0</tskValue><tskValue>5.0<', 1
+    )
+    with pytest.raises(NotExpressible, match=r"functions of 'tip'.*take order 0"):
         parse_fml(functions)
+    other = '<tskVariable name="z" combination="WA"/></knowledgeBase>'
+    with pytest.raises(NotExpressible, match=r"outputs of several kinds.*take one of them"):
+        parse_fml(TIPPER_OF_CLOUDS.replace("</knowledgeBase>", other))
     with pytest.raises(NotExpressible, match="with a weight"):
         parse_fml(CHANGED.replace('"rule3"', '"rule3" weight="0.5"'))
 
@@ -116,14 +163,15 @@ FIRST, SAID = Is(0, 0), [[Gaussian(0.0, 1.0)]]
 
 def of(rules: Any, said: Any = SAID, firing: Any = FIRING, **options: Any) -> AnYaSystem:
     chosen = {"type_reduction": "centroid", **options}
-    consequents = Type1System([[firing]], rules, said * len(rules), **chosen)
+    said = said if isinstance(said, Linear) else said * len(rules)
+    consequents = Type1System([[firing]], rules, said, **chosen)
     return AnYaSystem([[1.0, 2.0]], [0], consequents, ["x"])
 
 
 @pytest.mark.parametrize(
     ("system", "said"),
     [
-        (of([FIRST], [[1.0]], type_reduction="center_of_sets"), "united sets for consequents"),
+        (of([FIRST], Linear([[[1.0, 2.0]]]), type_reduction="center_of_sets"), "functions of fir"),
         (of([FIRST], firing=Gaussian(0.0, 1.0)), "ask for the firing itself"),
         (of([FIRST, Not(Not(FIRST))]), "ask for the firing itself"),
         (of([FIRST, FIRST]), "2 rules for a firing and 0 against it"),

@@ -23,8 +23,9 @@ from fuzzy2.files.fml import format_fml, parse_fml
 from fuzzy2.files.json_files import from_json, to_json
 from fuzzy2.systems.antecedents import And, Hedged, Is, Not, Or
 from fuzzy2.systems.hedges import HEDGES
+from tests import examples
 from tests.fuzzy2.files.engines import TSUKAMOTO, inputs_of
-from tests.fuzzy2.files.fis_texts import OPEN_TYPE2, TIPPER, TYPE2
+from tests.fuzzy2.files.fis_texts import CROSSING, OPEN_TYPE2, TIPPER, TYPE2
 from tests.fuzzy2.files.fml_texts import TIPPER as TIPPER_FML
 
 X = np.random.default_rng(0).uniform(0.0, 10.0, size=(40, 2))
@@ -144,8 +145,11 @@ ROUTES = (
 
 sevenths = st.integers(-20, 20).map(lambda k: k / 7.0)
 widths = st.integers(1, 20).map(lambda k: k / 7.0)
+straight_terms = st.builds(
+    lambda a, b, c: fuzzy2.Triangular(a, a + b, a + b + c), sevenths, widths, widths
+)
 type1_terms = st.one_of(
-    st.builds(lambda a, b, c: fuzzy2.Triangular(a, a + b, a + b + c), sevenths, widths, widths),
+    straight_terms,
     st.builds(fuzzy2.Gaussian, sevenths, widths),
     st.builds(lambda a, b: fuzzy2.PiShaped(a, a + b, np.inf, np.inf), sevenths, widths),
     st.builds(
@@ -264,6 +268,98 @@ def test_every_format_through_every_other_gives_equal_outputs(system: Any) -> No
                 atol=1e-9,
                 err_msg=f"{first.__name__}, {second.__name__}",
             )
+
+
+_TYPE_1 = (through_fis, through_octave, through_fuzzylite, through_fll, through_fcl, through_fml)
+_ALL = (through_json, through_description)
+FAMILIES: dict[str, tuple[Any, ...]] = {
+    "numbers": (*_TYPE_1, *_ALL),
+    "functions": (*_TYPE_1, *_ALL),
+    "sum": (through_fis, through_fml, *_ALL),
+    "trapezoidal": (through_octave, through_fml, *_ALL),
+    "midpoint": (through_fuzzylite, through_fll, through_fml, *_ALL),
+    "exact": (through_fcl, through_fml, *_ALL),
+    "type-2": (through_fis, through_open_toolbox, *_ALL),
+    "intervals": (through_open_toolbox, *_ALL),
+}
+"""What formats share: systems of numbers, sets by how they are integrated, sets of type 2."""
+
+
+@st.composite
+def shared(draw: st.DrawFn, family: str) -> Any:
+    """Draw a system that every format of a family has words for."""
+    p, count, rng = draw(st.integers(1, 3)), draw(st.integers(1, 5)), draw(st.randoms())
+    numbers = np.random.default_rng(rng.randrange(10**6))
+    type2 = family in ("type-2", "intervals")
+    terms = type2_terms if type2 else type1_terms
+    inputs = [draw(st.lists(terms, min_size=1, max_size=3)) for _ in range(p)]
+    asked = []
+    for _ in range(count):
+        chosen = rng.sample(range(p), rng.randint(1, p))
+        parts: list[Any] = [Is(i, rng.randrange(len(inputs[i]))) for i in chosen]
+        parts = [Not(part) if rng.random() < 0.3 else part for part in parts]
+        joint = rng.choice([And, Or])(tuple(parts))
+        asked.append(parts[0] if len(parts) == 1 else joint)
+    options: dict[str, Any] = {
+        "t_norm": draw(st.sampled_from(["min", "product"])),
+        "disjunction": draw(st.sampled_from(["max", "probabilistic"])),
+        "weights": numbers.choice([1.0, 0.5, 0.25], count),
+        "input_ranges": [(0.0, 4.0)] * p,
+        "output_ranges": [(-4.0, 4.0)],
+    }
+    consequents: Any = numbers.permutation(12)[:count, np.newaxis] / 2.0 - 3.0
+    if family == "functions" or (type2 and rng.random() < 0.5):
+        functions = numbers.normal(size=(count, 1, p + 1))
+        spreads = np.abs(numbers.normal(size=(count, 1, p + 1))) * (family == "intervals")
+        consequents = fuzzy2.Linear(functions, spreads)
+    elif family == "intervals":
+        widths = numbers.uniform(0.0, 1.0, (count, 1, 1))
+        consequents = np.concatenate([consequents[..., np.newaxis] - widths] * 2, axis=-1)
+        consequents[..., 1] += 2.0 * widths[..., 0]
+    elif not type2 and family != "numbers":
+        # Quadrature of curved sets is not exact to 1e-9, and begins elsewhere in other orders.
+        of_sets = straight_terms if family == "exact" else type1_terms
+        pool = draw(st.lists(of_sets, min_size=1, max_size=3))
+        consequents = [
+            [fuzzy2.sets.derived.Truncated(pool[numbers.integers(len(pool))], -4.0, 4.0)]
+            for _ in range(count)
+        ]
+        options |= {
+            "type_reduction": "centroid",
+            "implication": draw(st.sampled_from(["min", "product"])),
+            "t_conorm": "max"
+            if family == "exact"
+            else draw(st.sampled_from(["max", "probabilistic"])),
+            "integration": family,
+            "resolution": 100 if family == "midpoint" else 101,
+        }
+    kind = fuzzy2.IntervalType2System if type2 else fuzzy2.Type1System
+    return kind(inputs, asked, consequents, **options)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("family", FAMILIES)
+@given(data=st.data())
+@settings(max_examples=examples(6), deadline=None)
+def test_all_pairs_of_formats_that_share_a_system(family: str, data: st.DataObject) -> None:
+    """To 1e-9, and no format may refuse it."""
+    system = data.draw(shared(family))
+    at = np.random.default_rng(1).uniform(0.0, 4.0, size=(15, len(system.inputs)))
+    right = system(at)
+    for first in FAMILIES[family]:
+        once = first(system)
+        for second in FAMILIES[family]:
+            names = f"{first.__name__}, {second.__name__}"
+            np.testing.assert_allclose(second(once)(at), right, rtol=1e-9, atol=1e-9, err_msg=names)
+
+
+def test_sets_that_cross_go_from_t2fis_into_every_type_1_format() -> None:
+    """Under Nie and Tan they are a system of type 1."""
+    text = CROSSING.replace("0.3 0.3]", "0.3 1]").replace("'x-N'", "'near'")
+    system = parse_fis(text)
+    at = np.linspace(-1.0, 1.0, 21)[:, np.newaxis]
+    for route in (*_TYPE_1, *_ALL):
+        np.testing.assert_allclose(route(system)(at), system(at), rtol=1e-9, atol=1e-9)
 
 
 def test_files_of_fuzzylite_and_of_iec_61131_7(tmp_path: Path) -> None:
