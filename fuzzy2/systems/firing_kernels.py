@@ -91,7 +91,8 @@ def _both(norm, a, b):
         return 0.0 if least <= 1.0 - most else least
     if norm == 5:
         united = most + least * (1.0 - most)
-        return a * b / united if united > 0.0 else 0.0
+        # The product of two tiny grades underflows, but this is no less than half of the smaller.
+        return least * (most / united) if united > 0.0 else 0.0
     return a * b / (1.0 + (1.0 - a) * (1.0 - b))
 
 
