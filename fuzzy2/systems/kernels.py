@@ -489,22 +489,3 @@ def firing(table: Array, x: Array, width: float, out: Array) -> int:
                 return row
         _firing_in(table, x, row * inputs, width, work, out, 2 * row * rules)
     return -1
-
-
-@scalar
-def _reduce_in(table, strengths, so, crisp, work, out, oo):
-    """Do as ``reduce_firing`` for the row at ``so``."""
-    _, low, high, extra, moments, room, _ = _rooms(table, work)
-    for r in range(low.size):
-        low[r], high[r] = strengths[so + 2 * r], strengths[so + 2 * r + 1]
-    _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
-
-
-@compiled
-def reduce_firing(table: Array, strengths: Array, crisp: bool, out: Array) -> None:
-    """Write outputs for firing intervals (rows, R, 2) that were computed elsewhere."""
-    rules, outputs = int(table[2]), int(table[3])
-    work = np.empty(work_size(table))
-    per_row = outputs if crisp else 2 * outputs
-    for row in range(strengths.size // (2 * rules)):
-        _reduce_in(table, strengths, 2 * row * rules, crisp, work, out, row * per_row)
