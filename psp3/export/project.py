@@ -1,0 +1,136 @@
+"""Anything that can be written in C, in a folder with a program, a test and a Makefile."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+from typing import Any, Literal
+
+from fuzzy2.export.c_code import CCode
+from fuzzy2.export.project import export_project as export_system
+from fuzzy2.export.project import write_project
+from fuzzy2.files.formats import load as load_system
+from fuzzy2.support.checks import Array
+from fuzzy2.support.text_files import read_text
+from psp3.errors import InvalidValue
+from psp3.export import typical_inputs
+from psp3.export.face import c_code
+from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
+from psp3.fuzzy_control.controller_files import FORMAT, FORMAT_OF_ANY
+from psp3.loading import ENDINGS, READERS
+from psp3.loading import load as load_robot
+from psp3.robots.robot import Robot
+
+NAME = re.compile(r"[A-Za-z]\w*", flags=re.ASCII)
+"""What names in C look like here."""
+
+
+def opened(source: str | Path, robot: Any = None) -> Any:
+    """Return the robot of a name, or what is in a file: a robot, a controller or a fuzzy system.
+
+    Parameters
+    ----------
+    source : str or path
+        The name or the file.
+    robot : Robot, optional
+        The robot of a trained controller that does not come with the package.
+
+    Raises
+    ------
+    UnknownRobot
+        If there is neither a file nor a robot of this name.
+    PSP3Error, fuzzy2.errors.Fuzzy2Error, OSError
+        What the reader of the file raises.
+    """
+    path, suffix = Path(source), Path(source).suffix.lower()
+    if not suffix and not path.is_file():
+        return load_robot(str(source))
+    if suffix in ENDINGS and (suffix != ".xml" or _outermost(path) in READERS):
+        return load_robot(path)
+    if suffix == ".json" and _format_of(path) in (FORMAT, FORMAT_OF_ANY):
+        return FuzzyComputedTorque.load(path, robot)
+    return load_system(path)
+
+
+def export_project(
+    thing: Any,
+    folder: str | Path,
+    *,
+    precision: Literal["double", "single"] = "double",
+    name: str | None = None,
+    **options: Any,
+) -> CCode:
+    """Write a robot, a controller or a fuzzy system in C, with a program, a test and a Makefile.
+
+    The test has 200 cases, each of which calls every function once, and what Python answers.
+
+    Parameters
+    ----------
+    thing, precision, name, **options
+        See :func:`psp3.export_c`.
+    folder : path
+        Where; it is made if it is not there.
+
+    Returns
+    -------
+    CCode
+        The code, with a description of its functions.
+
+    Raises
+    ------
+    fuzzy2.errors.NotExportable
+        If there is no C for it.
+    """
+    if hasattr(thing, "input_names"):
+        return export_system(thing, folder, precision=precision, name=name or "system")
+    code = c_code(thing, precision=precision, name=name, **options)
+    write_project(code, folder, _inputs_of(thing, options.get("robot")))
+    return code
+
+
+def _inputs_of(thing: Any, robot: Any) -> dict[str, Array]:
+    if isinstance(thing, Robot):
+        return typical_inputs.of_robot(thing)
+    if robot is None:
+        inner = getattr(thing, "base", thing)
+        robot = getattr(inner, "robot", None) or inner.model
+    return typical_inputs.of_controller(robot)
+
+
+def identifier(text: str, *, given: bool) -> str:
+    """Return a name in C: of what is called so, or what is given as a name.
+
+    Parameters
+    ----------
+    text : str
+        A name, or the path of a file, whose stem is taken.
+    given : bool
+        Whether it is a name to be taken as it is.
+
+    Raises
+    ------
+    InvalidValue
+        If a name that is given is none in C.
+    """
+    if given:
+        if not NAME.fullmatch(text):
+            raise InvalidValue("name", text, "letters, digits and underscores, a letter first")
+        return text
+    name = re.sub(r"\W", "_", Path(text).stem, flags=re.ASCII)
+    return name if NAME.fullmatch(name) else f"code_{name}"
+
+
+def _outermost(path: Path) -> str:
+    """Return the name of the outermost element of an XML file."""
+    found = re.search(r"<([A-Za-z_][\w.-]*)", re.sub(r"<!--.*?-->", "", read_text(path), flags=re.S))
+    return found[1] if found else ""
+
+
+def _format_of(path: Path) -> Any:
+    """Return what a JSON file says of its format, if it says anything."""
+    try:
+        content = json.loads(read_text(path))
+    except ValueError:
+        return None
+    return content.get("format") if isinstance(content, dict) else None
