@@ -11,7 +11,7 @@ import numpy as np
 from fuzzy2.errors import InvalidValue
 from fuzzy2.export.c_code import Argument, CCode
 from fuzzy2.export.numbers import Precision
-from fuzzy2.export.project_calls import Call, calls_of, size_of
+from fuzzy2.export.project_calls import calls_of, size_of
 from fuzzy2.support.checks import Array
 
 CASES = 200
@@ -106,7 +106,8 @@ class Cases:
 
     def _answer(self, k: int, case: int) -> tuple[int, Array, Array]:
         """Return number of the function, what it reads, and what it writes in Python."""
-        call, arguments = self.calls[k], []
+        call = self.calls[k]
+        arguments: list[Any] = []
         for argument in call.function.arguments:
             if argument.role == "state":
                 arguments.append(self.states[argument.name])

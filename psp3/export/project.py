@@ -123,7 +123,9 @@ def identifier(text: str, *, given: bool) -> str:
 
 def _outermost(path: Path) -> str:
     """Return the name of the outermost element of an XML file."""
-    found = re.search(r"<([A-Za-z_][\w.-]*)", re.sub(r"<!--.*?-->", "", read_text(path), flags=re.S))
+    found = re.search(
+        r"<([A-Za-z_][\w.-]*)", re.sub(r"<!--.*?-->", "", read_text(path), flags=re.S)
+    )
     return found[1] if found else ""
 
 

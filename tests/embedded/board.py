@@ -110,7 +110,9 @@ def _linked(folder: Path, board: Board, *sources: str) -> Path:
     return image
 
 
-def _compile(folder: Path, board: Board, image: Path, options: tuple[str, ...], *files: str) -> None:
+def _compile(
+    folder: Path, board: Board, image: Path, options: tuple[str, ...], *files: str
+) -> None:
     command = (COMPILER, *FLAGS, *board.options, *LINKING, *options, "-I", ".", "-o", str(image))
     done = subprocess.run(
         (*command, *files, str(HERE / "startup.c"), "-lm"),
@@ -124,8 +126,11 @@ def _compile(folder: Path, board: Board, image: Path, options: tuple[str, ...], 
 def _emulated(image: Path, board: Board) -> str:
     """Return what an image prints."""
     done = subprocess.run(
-        (EMULATOR, "-M", board.machine, "-kernel", str(image), "-nographic", "-icount", "shift=0")
-        + ("-semihosting-config", "enable=on,target=native", "-monitor", "none"),
+        (
+            *(EMULATOR, "-M", board.machine, "-kernel", str(image), "-nographic"),
+            *("-icount", "shift=0", "-monitor", "none"),
+            *("-semihosting-config", "enable=on,target=native"),
+        ),
         capture_output=True,
         stdin=subprocess.DEVNULL,
         encoding="utf-8",

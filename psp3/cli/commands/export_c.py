@@ -8,8 +8,6 @@ from typing import Annotated
 
 import typer
 
-from psp3.cli.robot_options import THESIS_ROBOT
-
 
 class PrecisionName(StrEnum):
     """Precision of numbers in C."""
@@ -81,5 +79,8 @@ def c(
     owner = None if robot is None else opened(robot)
     wanted = identifier(thing if name is None else name, given=name is not None)
     code = export_project(opened(thing, owner), out, precision=precision.value, name=wanted)
-    typer.echo(f"{code.name}.c and {code.name}.h with {len(code.functions)} functions are in {out}")
-    typer.echo(f"make -C {out} test   compares them with what Python answers")
+    typer.echo(
+        f"{code.name}.c and {code.name}.h are in {out}, with {len(code.functions)} "
+        f"function{'s' if len(code.functions) > 1 else ''}; 'make -C {out} test' compares what "
+        "they answer with Python"
+    )
