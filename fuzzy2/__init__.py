@@ -16,6 +16,7 @@ from fuzzy2.support.viewers import viewed_by
 if TYPE_CHECKING:
     from fuzzy2.errors import ApproximationWarning as ApproximationWarning
     from fuzzy2.errors import Fuzzy2Error as Fuzzy2Error
+    from fuzzy2.export.systems import export_c as export_c
     from fuzzy2.files.formats import load as load
     from fuzzy2.files.formats import save as save
     from fuzzy2.files.json_files import from_json as from_json

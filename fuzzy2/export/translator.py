@@ -11,8 +11,6 @@ NamedTuples of these, counted loops, branches, and calls of other kernels.
 
 from __future__ import annotations
 
-import ast
-import inspect
 import math
 import textwrap
 from collections.abc import Callable, Iterable
@@ -20,20 +18,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from fuzzy2.errors import NotExportable
+from fuzzy2.export.c_text import words_of
 from fuzzy2.export.function import Translation
 from fuzzy2.export.numbers import Precision
-from fuzzy2.export.values import (
-    BOOL,
-    INT,
-    NOTHING,
-    REAL,
-    Record,
-    Row,
-    Scalar,
-    Table,
-    Type,
-    Value,
-)
+from fuzzy2.export.values import INT, NOTHING, Record, Row, Scalar, Table, Type, Value
 
 
 @dataclass
@@ -71,6 +59,36 @@ class Program:
     tables: dict[str, Table] = field(default_factory=dict)
     open: list[Any] = field(default_factory=list)
     names: set[str] = field(default_factory=set)
+    helpers: dict[str, str] = field(default_factory=dict)
+
+    def extreme(self, name: str, which: str) -> str:
+        """Return the name of ``min`` or ``max``, which Python says of NaN and zeros, too."""
+        item = self.precision.type if which == "real" else "int"
+        sign = "<" if name == "min" else ">"
+        return self._helper(
+            f"{name}_{which}", f"{item} {{}}({item} a, {item} b)", f"return b {sign} a ? b : a;"
+        )
+
+    def division(self, name: str) -> str:
+        """Return the name of ``quotient`` or ``remainder`` of whole numbers, rounded down."""
+        if name == "quotient":
+            body = "return b == 0 ? 0 : a / b - (a % b != 0 && (a < 0) != (b < 0));"
+        else:
+            body = "return b == 0 ? 0 : a % b + (a % b != 0 && (a < 0) != (b < 0) ? b : 0);"
+        return self._helper(name, "int {}(int a, int b)", body)
+
+    def cleared(self) -> str:
+        """Return the name of the function that fills memory with zeros, and returns it."""
+        item = self.precision.type
+        body = "int i;\n    for (i = 0; i < n; i++) {\n        p[i] = 0;\n    }\n    return p;"
+        return self._helper("cleared", f"{item} *{{}}({item} *p, int n)", body)
+
+    def _helper(self, name: str, head: str, body: str) -> str:
+        """Return the name of a function that stands for something that Python has built in."""
+        own = f"{self.prefix}_{name}"
+        self.names.add(own)
+        self.helpers[own] = f"static {head.format(own)}\n{{\n    {body}\n}}"
+        return own
 
     def c_type(self, kind: Type) -> str:
         """Return the name of a type in C."""
@@ -113,7 +131,8 @@ class Program:
             self.open.pop()
         instance = self.instances[key]
         if instance.known is not None:
-            return instance.known
+            known: Value = instance.known
+            return known
         codes = ", ".join(arguments[i].code for i in instance.passed)
         return Value(instance.result, f"{instance.name}({codes})")
 
@@ -141,15 +160,36 @@ class Program:
         self.names.add(name)
         return name
 
-    def types(self) -> str:
-        """Return the declarations of all types."""
-        return "\n".join(
-            f"typedef struct {{ {members} }} {name};" for name, members in self.records.values()
-        )
+    def definitions(self, calls: str) -> str:
+        """Return the definitions of all types, tables and functions that calls need.
 
-    def constants(self) -> str:
-        """Return the definitions of all tables."""
-        return "\n".join(self._table_text(table) for table in self.tables.values())
+        Each stands before it is used; what was only looked at while code was written is left out.
+        """
+        texts = {instance.name: instance.text for instance in self.order} | self.helpers
+        wanted: set[str] = set()
+        waiting = [calls]
+        while waiting:
+            found = words_of(waiting.pop())
+            waiting += [texts[word] for word in found & texts.keys() - wanted]
+            wanted |= found
+        types, needed = [], set(wanted)
+        # Structs may hold those before them.
+        for name, members in reversed(self.records.values()):
+            if name in needed:
+                needed |= words_of(members)
+                types.append(f"typedef struct {{ {members} }} {name};")
+        tables = [
+            self._table_text(table)
+            for table in self.tables.values()
+            if f"{self.prefix}_{table.name}" in wanted
+        ]
+        parts = [
+            "\n".join(reversed(types)),
+            "\n".join(tables),
+            *(text for name, text in self.helpers.items() if name in wanted),
+            "\n".join(one.text for one in self.order if one.name in wanted),
+        ]
+        return "\n\n".join(part for part in parts if part)
 
     def _table_text(self, table: Table) -> str:
         whole = table.numbers.dtype.kind in "iub"
@@ -158,10 +198,6 @@ class Program:
         item = "int" if whole else self.precision.type
         lines = textwrap.fill(", ".join(texts), 96, initial_indent="    ", subsequent_indent="    ")
         return f"static const {item} {self.prefix}_{table.name}[{len(numbers)}] = {{\n{lines}\n}};"
-
-    def functions(self) -> str:
-        """Return the definitions of all functions, each before it is called."""
-        return "\n".join(instance.text for instance in self.order)
 
 
 def body_for(function: Any, first: Value | None) -> Callable[..., Any]:
@@ -173,7 +209,8 @@ def body_for(function: Any, first: Value | None) -> Callable[..., Any]:
         if not found:
             raise NotExportable(function.__name__, f"no body for {kind or 'this'}", "another table")
         function = found[0]
-    return getattr(function, "py_func", function)
+    body: Callable[..., Any] = getattr(function, "py_func", function)
+    return body
 
 
 def python_of(value: Value) -> Any:
@@ -198,15 +235,5 @@ class _Fields:
         return iter(self.__dict__.values())
 
 
-def source_of(body: Callable[..., Any]) -> ast.FunctionDef:
-    """Return the syntax of a kernel."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(body))).body[0]
-    assert isinstance(tree, ast.FunctionDef)
-    return tree
-
-
 def _snake(name: str) -> str:
     return "".join("_" + c.lower() if c.isupper() and i else c.lower() for i, c in enumerate(name))
-
-
-__all__ = ["BOOL", "INT", "REAL", "Program", "Value", "body_for", "source_of"]

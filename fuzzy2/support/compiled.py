@@ -147,6 +147,7 @@ def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
         return registered
 
     chosen.register = register  # type: ignore[attr-defined]
+    chosen.bodies = bodies  # type: ignore[attr-defined]
     return cast("ChosenByTable", chosen)
 
 

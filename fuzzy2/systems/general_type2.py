@@ -144,6 +144,11 @@ class GeneralType2System(FuzzySystem):
         return self._middles if self.reduction == "gaussian" else None
 
     @property
+    def in_one_loop(self) -> bool:
+        """Whether one table serves all α-planes, which differ in ``widths`` only."""
+        return self._one_loop
+
+    @property
     def widths(self) -> Array:
         """Half-widths of the α-planes of a Gaussian at ``alphas``, (L,), in standard deviations.
 

@@ -348,6 +348,35 @@ def evaluate_row(table: Array, x: Array, out: Array) -> int:
     return 1 if evaluate(table, x, 0.0, out.size == int(table[3]), out) < 0 else 0
 
 
+@scalar
+def crisp_planes_in(
+    table: Array,
+    x: Array,
+    xo: int,
+    widths: Array,
+    alphas: Array,
+    work: Array,
+    middles: Array,
+    out: Array,
+    oo: int,
+) -> None:
+    """Do as ``evaluate_crisp_planes`` for the finite row at ``xo``; outputs go to ``oo`` and on.
+
+    ``work`` is as of ``evaluate_in``, ``middles`` (m,) room for one plane's outputs.
+    """
+    total = 0.0
+    for plane in range(alphas.size):
+        total += alphas[plane]
+    for j in range(middles.size):
+        out[oo + j] = 0.0
+    for plane in range(widths.size):
+        evaluate_in(table, x, xo, widths[plane], True, work, middles, 0)
+        for j in range(middles.size):
+            out[oo + j] += alphas[plane] * middles[j]
+    for j in range(middles.size):
+        out[oo + j] /= total
+
+
 @compiled
 def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, out: Array) -> int:
     """Write the crisp outputs (rows, m), the middles on the alpha-planes weighted with alpha.
@@ -356,21 +385,11 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
     """
     inputs, outputs = int(table[0]), int(table[3])
     work, middles = np.empty(work_size(table)), np.empty(outputs)
-    total = 0.0
-    for plane in range(alphas.size):
-        total += alphas[plane]
     for i in range(x.size):
         if not math.isfinite(x[i]):
             return i // inputs
     for row in range(x.size // inputs):
-        for j in range(outputs):
-            out[row * outputs + j] = 0.0
-        for plane in range(widths.size):
-            evaluate_in(table, x, row * inputs, widths[plane], True, work, middles, 0)
-            for j in range(outputs):
-                out[row * outputs + j] += alphas[plane] * middles[j]
-        for j in range(outputs):
-            out[row * outputs + j] /= total
+        crisp_planes_in(table, x, row * inputs, widths, alphas, work, middles, out, row * outputs)
     return -1
 
 
