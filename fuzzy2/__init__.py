@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from fuzzy2.support.lazy import lazy_names
 from fuzzy2.support.viewers import viewed_by
+from fuzzy2.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from fuzzy2.errors import ApproximationWarning as ApproximationWarning
@@ -110,7 +111,6 @@ if TYPE_CHECKING:
     from fuzzy2.systems.system import IntervalType2System as IntervalType2System
     from fuzzy2.systems.system import Type1System as Type1System
 
-__version__ = "0.1.0"
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)
 

@@ -18,10 +18,7 @@ class Arrays(Frame, ABC):
         """Translate an entry or a part of an array, or an entry of a tuple."""
         whole = self.expression(node.value, known)
         if isinstance(whole.type, Record):
-            if not isinstance(node.slice, ast.Constant):
-                raise self.refused(node, "an entry of a tuple whose number is not written down")
-            names = [name for name, _ in whole.type.fields]
-            return self.field(whole, names[int(str(node.slice.value))])
+            return self._of_tuple(node, whole)
         if not isinstance(whole.type, Row):
             raise self.refused(node, "an entry of a number")
         if isinstance(node.slice, ast.Slice):
@@ -37,6 +34,19 @@ class Arrays(Frame, ABC):
         if len(places) == 2:
             return self._entry(whole, self.sum("+", row, places[1]))
         return self._piece(whole, row, column)
+
+    def _of_tuple(self, node: ast.Subscript, whole: Value) -> Value:
+        """Translate an entry of a tuple, or its first ones."""
+        assert isinstance(whole.type, Record)
+        names = [name for name, _ in whole.type.fields]
+        match node.slice:
+            case ast.Constant(value=int() as number):
+                return self.field(whole, names[number])
+            case ast.Slice(lower=None, upper=ast.Constant(value=int() as end), step=None):
+                return self.record(
+                    "tuple", [(name, self.field(whole, name)) for name in names[:end]]
+                )
+        raise self.refused(node, "an entry of a tuple whose number is not written down")
 
     def place(self, node: ast.expr, known: Known) -> Value:
         """Translate an index or a size."""

@@ -17,8 +17,8 @@ RESERVED = frozenset(
 
 
 def words_of(text: str) -> set[str]:
-    """Return the words of a text."""
-    return set(re.findall(WORD, text))
+    """Return the words of a text, but for names of members."""
+    return set(re.findall(rf"(?<![\w.>]){WORD}", text))
 
 
 def ends(line: str) -> bool:

@@ -28,18 +28,11 @@ NUMBERS = {"nan": math.nan, "inf": math.inf, "pi": math.pi, "e": math.e, "tau": 
 class Expressions(Calls, ABC):
     """Translates expressions."""
 
-    def expression(  # noqa: C901 (a case for each kind)
-        self, node: ast.expr, known: Known
-    ) -> Value:
+    def expression(self, node: ast.expr, known: Known) -> Value:
         """Translate an expression."""
-        number = self.program.precision.number
         match node:
-            case ast.Constant(value=bool() as value):
-                return number(value, BOOL)
-            case ast.Constant(value=int() as value):
-                return number(value, INT)
-            case ast.Constant(value=float() as value):
-                return number(value, REAL)
+            case ast.Constant(value=bool() | int() | float()):
+                return self.program.precision.value_of("", node.value)
             case ast.Name(id=name):
                 return self._variable(node, name, known)
             case ast.BinOp():

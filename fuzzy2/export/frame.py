@@ -16,7 +16,6 @@ from fuzzy2.export.values import (
     Record,
     Row,
     Scalar,
-    Table,
     Type,
     Value,
     joined,
@@ -140,11 +139,7 @@ class Frame(ABC):
 
     def handed(self, value: Value) -> Value:
         """Return a value as it is handed over: tables of known numbers get a place and sizes."""
-        if isinstance(value.type, Row) and isinstance(value.known, Table):
-            place = f"{self.program.table(value.known)} + {value.known.start}"
-            sizes = [str(size) for size in value.type.shape]
-            return Value(value.type, self.struct(value.type, place, *sizes), value.known)
-        return value
+        return self.program.handed(value)
 
     def record(self, name: str, parts: list[tuple[str, Value]]) -> Value:
         """Return several values together."""

@@ -40,12 +40,14 @@ class Translation(Expressions):
 
     def _parameter(self, name: str, value: Value) -> Value:
         """Return a parameter: by its name, with what of its fields is known beforehand."""
-        known = None
-        if isinstance(value.type, Record) and isinstance(value.known, dict):
+        known = value.known
+        if isinstance(value.type, Record) and isinstance(known, dict):
             known = {
-                field: part if part.is_known else Value(part.type, f"{name}.{field}", part.known)
-                for field, part in value.known.items()
+                field: part if part.is_known else self._parameter(f"{name}.{field}", part)
+                for field, part in known.items()
             }
+        elif isinstance(value.type, Record | Row):
+            known = None
         return Value(value.type, name, known)
 
     def text(self, name: str) -> str:

@@ -12,7 +12,8 @@ import numpy as np
 
 from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import chosen_by_table
-from fuzzy2.systems.kernels import corollary_in, crisp_planes_in, evaluate_in, work_size
+from fuzzy2.systems.corollary_kernels import corollary_in
+from fuzzy2.systems.kernels import crisp_planes_in, evaluate_in, work_size
 
 
 class Averaged(NamedTuple):

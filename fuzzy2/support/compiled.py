@@ -11,7 +11,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol, TypeVar, cast
 
 import numba
@@ -97,6 +97,9 @@ def inlined(function: Function) -> Function:
 
 class ChosenByTable(Protocol):
     """What :func:`chosen_by_table` returns."""
+
+    bodies: Mapping[Any, Callable[..., Any]]
+    """The bodies by the NamedTuple class that they are for."""
 
     def __call__(self, table: Any, *arguments: Any) -> Any:
         """Return what the body for the table's type does."""

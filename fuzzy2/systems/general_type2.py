@@ -406,8 +406,10 @@ class GeneralType2System(FuzzySystem):
             out = np.empty((*shape, self.n_outputs, 2))
             product = self.grade_t_norm == "product"
             middles, spreads = self._middles.ravel(), self._spreads.ravel()
+            from fuzzy2.systems.corollary_kernels import evaluate_corollary
+
             if (
-                self._kernels.evaluate_corollary(
+                evaluate_corollary(
                     self._table, rows.ravel(), middles, spreads, product, out.ravel()
                 )
                 >= 0

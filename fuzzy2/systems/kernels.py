@@ -16,9 +16,8 @@ from fuzzy2.systems.firing_kernels import (
     VANISHED,
     _fire,
     _fire_block,
-    _fire_in_logarithms,
-    _grades,
 )
+from fuzzy2.systems.log_firing_kernels import center_in_logarithms, log_fire, lost
 
 # Comparisons closer than this, relative to what is compared, are left to the search that rounding
 # cannot mislead.
@@ -36,7 +35,7 @@ def work_size(table: Array) -> int:
 
 
 @scalar
-def _rooms(table, work):
+def rooms(table, work):
     """Return the parts of ``work`` (``work_size``,).
 
     For functions that own no memory themselves: others would give these parts back.
@@ -89,7 +88,6 @@ def _center_of_spoken(table, low, high, room, out, oo, crisp):
     silent = int(table[5]) + SUPPLEMENT + rules
     defaults = silent + rules * outputs
     lower, upper = room[5 * rules : 6 * rules], room[6 * rules :]
-    fires = 0.0
     for j in range(outputs):
         spoken = 0.0
         for r in range(rules):
@@ -111,8 +109,6 @@ def _center_of_spoken(table, low, high, room, out, oo, crisp):
             out[oo + j] = 0.5 * (least + greatest)
         else:
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
-        fires = max(fires, spoken)
-    return fires
 
 
 @scalar
@@ -121,10 +117,11 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
 ):
     """Write the type-reduced interval, or its middle, of every output.
 
-    NaN where no rule fires. Return the greatest upper firing strength.
+    NaN where no rule fires.
     """
     if table[5] > 0.0 and table[int(table[5]) + 2] > 0.0:
-        return _center_of_spoken(table, low, high, room, out, oo, crisp)
+        _center_of_spoken(table, low, high, room, out, oo, crisp)
+        return
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     ends = HEADER + TERM * terms + rules * inputs
     extremes = ends + 2 * rules * outputs
@@ -187,7 +184,6 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
         else:
             # The ends of a point come from two sides, and can miss each other by rounding.
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
-    return fires
 
 
 @scalar
@@ -198,11 +194,13 @@ def evaluate_in(
 
     ``work`` (``work_size``,) is room for it.
     """
-    grades, low, high, extra, moments, room, stack = _rooms(table, work)
+    grades, low, high, extra, moments, room, stack = rooms(table, work)
     _fire(table, x, xo, width, grades, low, high, stack)
-    fires = _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
-    if fires < VANISHED and _fire_in_logarithms(table, x, xo, width, grades, low, high):
-        _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
+    _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
+    # Mostly the first rule is enough to say no.
+    if (low[0] < VANISHED or table[5] > 0.0) and lost(table, low, high):
+        log_fire(table, x, xo, width, grades, low, high, stack)
+        center_in_logarithms(table, low, high, room, out, oo, crisp)
 
 
 # Rows that are carried together where there are many: enough to hide the loops' own cost, few
@@ -263,8 +261,9 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                 mass[lane] += lower[lane]
                 unsettled[lane] = max(unsettled[lane], upper[lane])
         for lane in range(LANES):
-            # What was the greatest firing strength becomes whether it is too small.
-            unsettled[lane] = 0.0 if unsettled[lane] > TINY else 1.0
+            # What was the greatest firing strength becomes whether weights are too small.
+            settled = unsettled[lane] > TINY and mass[lane] >= rules * VANISHED
+            unsettled[lane] = 0.0 if settled else 1.0
         for r in range(rules if uncertain else 0):
             lower, upper = low[r], extra[r]
             for lane in range(LANES):
@@ -412,83 +411,9 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
 
 
 @scalar
-def corollary_in(
-    table: Array,
-    x: Array,
-    xo: int,
-    middles: Array,
-    spreads: Array,
-    product_grades: bool,
-    work: Array,
-    out: Array,
-    oo: int,
-) -> None:
-    """Do as ``evaluate_corollary`` for the finite row at ``xo``; outputs go to ``oo`` and on.
-
-    ``work`` is as of ``evaluate_in``.
-    """
-    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    grades, mean, sigma = _rooms(table, work)[:3]
-    for t in range(terms):
-        o = HEADER + TERM * t
-        grades[2 * t], _ = _grades(table, o, x[xo + int(table[o])], 0.0)
-        grades[2 * t + 1] = table[o + 8] if int(table[o + 1]) == 2 else 0.0
-    o = HEADER + TERM * terms
-    total = 0.0
-    for r in range(rules):
-        m, variance = 1.0, 0.0
-        for _ in range(inputs):
-            t = int(table[o])
-            o += 1
-            if t >= 0:
-                g, s = grades[2 * t], grades[2 * t + 1]
-                variance = variance * g * g + m * m * s * s
-                m *= g
-        mean[r], sigma[r] = m, math.sqrt(variance)
-        total += m
-    for j in range(outputs):
-        if not total > 0.0:
-            out[oo + 2 * j] = out[oo + 2 * j + 1] = math.nan
-            continue
-        moment = 0.0
-        for r in range(rules):
-            moment += mean[r] * (middles[r * outputs + j] - middles[j])
-        center = middles[j] + moment / total
-        spread = 0.0
-        for r in range(rules):
-            q = r * outputs + j
-            one, two = mean[r] * spreads[q], (middles[q] - center) * sigma[r]
-            spread += one * one + two * two if product_grades else one + abs(two)
-        out[oo + 2 * j] = center
-        out[oo + 2 * j + 1] = (math.sqrt(spread) if product_grades else spread) / total
-
-
-@compiled
-def evaluate_corollary(
-    table: Array, x: Array, middles: Array, spreads: Array, product_grades: bool, out: Array
-) -> int:
-    """Write mean and standard deviation (rows, m, 2) by the Gaussian corollary (eq. 1.107, 1.108).
-
-    Return as ``evaluate``.
-
-    ``middles`` and ``spreads`` (R m,) are means and standard deviations of the consequents; firing
-    strengths are Gaussian numbers with the moments of eq. 1.30.
-    """
-    inputs, outputs = int(table[0]), int(table[3])
-    work = np.empty(work_size(table))
-    for row in range(x.size // inputs):
-        for i in range(inputs):
-            if not math.isfinite(x[row * inputs + i]):
-                return row
-        place = 2 * outputs * row
-        corollary_in(table, x, row * inputs, middles, spreads, product_grades, work, out, place)
-    return -1
-
-
-@scalar
 def _firing_in(table, x, xo, width, work, out, oo):
     """Do as ``firing`` for the finite row at ``xo``."""
-    grades, low, high, _, _, _, stack = _rooms(table, work)
+    grades, low, high, _, _, _, stack = rooms(table, work)
     _fire(table, x, xo, width, grades, low, high, stack)
     for r in range(low.size):
         out[oo + 2 * r], out[oo + 2 * r + 1] = low[r], high[r]
@@ -508,22 +433,3 @@ def firing(table: Array, x: Array, width: float, out: Array) -> int:
                 return row
         _firing_in(table, x, row * inputs, width, work, out, 2 * row * rules)
     return -1
-
-
-@scalar
-def _reduce_in(table, strengths, so, crisp, work, out, oo):
-    """Do as ``reduce_firing`` for the row at ``so``."""
-    _, low, high, extra, moments, room, _ = _rooms(table, work)
-    for r in range(low.size):
-        low[r], high[r] = strengths[so + 2 * r], strengths[so + 2 * r + 1]
-    _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
-
-
-@compiled
-def reduce_firing(table: Array, strengths: Array, crisp: bool, out: Array) -> None:
-    """Write outputs for firing intervals (rows, R, 2) that were computed elsewhere."""
-    rules, outputs = int(table[2]), int(table[3])
-    work = np.empty(work_size(table))
-    per_row = outputs if crisp else 2 * outputs
-    for row in range(strengths.size // (2 * rules)):
-        _reduce_in(table, strengths, 2 * row * rules, crisp, work, out, row * per_row)
