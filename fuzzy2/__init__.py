@@ -11,8 +11,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzy2.support.lazy import lazy_names
+from fuzzy2.support.version import __version__ as __version__
 from fuzzy2.support.viewers import viewed_by
-from fuzzy2.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from fuzzy2.errors import ApproximationWarning as ApproximationWarning

@@ -21,7 +21,7 @@ from fuzzy2.export.numbers import Precision
 from fuzzy2.export.translator import Program
 from fuzzy2.export.values import BOOL, INT, NOTHING, REAL, Record, Row, Scalar, Value
 from fuzzy2.support.text_files import write_text
-from fuzzy2.version import __version__
+from fuzzy2.support.version import __version__
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import ast
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_text import RESERVED, members
+from fuzzy2.export.definitions import Definitions
 from fuzzy2.export.kernel_source import assigned, source_of
 from fuzzy2.export.values import (
     NOTHING,
@@ -21,9 +22,6 @@ from fuzzy2.export.values import (
     joined,
 )
 
-if TYPE_CHECKING:
-    from fuzzy2.export.translator import Program
-
 Known = dict[str, Value]
 """What stands for each variable at a place in the code."""
 
@@ -31,7 +29,9 @@ Known = dict[str, Value]
 class Frame(ABC):
     """A kernel on its way to C, for what is known of its arguments."""
 
-    def __init__(self, program: Program, body: Callable[..., Any], arguments: list[Value]) -> None:
+    def __init__(
+        self, program: Definitions, body: Callable[..., Any], arguments: list[Value]
+    ) -> None:
         self.program, self.body = program, body
         self.source = source_of(body)
         self.tree = self.source.tree
