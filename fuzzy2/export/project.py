@@ -17,9 +17,11 @@ from fuzzy2.export import project_calls
 from fuzzy2.export.c_code import CCode
 from fuzzy2.export.project_cases import CASES, Cases, drawn
 from fuzzy2.export.project_readme import readme
-from fuzzy2.export.systems import export_c
+from fuzzy2.export.systems import c_code_of, system_of
 from fuzzy2.support.checks import Array
 from fuzzy2.support.text_files import write_text
+from fuzzy2.systems.anya import AnYaSystem
+from fuzzy2.systems.parallel import ParallelSystem
 
 RESERVED = ("calls", "cases", "main", "runner", "test")
 """Names of files in the folder that are not the code's."""
@@ -91,11 +93,10 @@ def export_project(
 
     Raises
     ------
-    NotExportable
-        If there is no C for the system.
+    NotExportable, NotFitted, InvalidValue, UnknownName
+        As :func:`fuzzy2.export_c` does.
     """
-    Path(folder).mkdir(parents=True, exist_ok=True)
-    code = export_c(system, folder, precision=precision, name=name)
+    code = c_code_of(system, precision=precision, name=name)
     write_project(code, folder, {"x": inputs_of(system)})
     return code
 
@@ -105,15 +106,18 @@ def inputs_of(system: Any) -> Array:
 
     Parameters
     ----------
-    system : fuzzy system
+    system : FuzzySystem, ParallelSystem, AnYaSystem, or a fitted learner
 
     Returns
     -------
     ndarray (CASES, inputs)
     """
-    one = system.systems[0] if hasattr(system, "systems") else system
-    ranges = np.asarray(one.domain() if one.input_ranges is None else one.input_ranges, float)
-    return drawn(*ranges.T)
+    one = system_of(system)
+    if isinstance(one, AnYaSystem):
+        return drawn(*np.transpose([(cloud.min(), cloud.max()) for cloud in one.clouds]))
+    if isinstance(one, ParallelSystem):
+        one = one.systems[0]
+    return drawn(*np.transpose(one.domain() if one.input_ranges is None else one.input_ranges))
 
 
 __all__ = ["CASES", "drawn", "export_project", "inputs_of", "write_project"]

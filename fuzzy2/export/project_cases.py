@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.export.c_code import Argument, CCode
+from fuzzy2.export.c_code import CCode
 from fuzzy2.export.numbers import Precision
 from fuzzy2.export.project_calls import calls_of, size_of
 from fuzzy2.support.checks import Array
@@ -77,7 +77,7 @@ class Cases:
         self.code, self.calls = code, calls_of(code)
         self.inputs = self._checked(inputs)
         self.states = {
-            argument.name: np.zeros(size_of(argument), dtype=int if is_whole(argument) else float)
+            argument.name: np.zeros(size_of(argument), dtype=int if argument.is_whole else float)
             for call in self.calls
             for argument in call.function.arguments
             if argument.role == "state"
@@ -201,11 +201,6 @@ const double cases_numbers[] = {{
 
 const double *const cases_scales[] = {{{names}}};
 """
-
-
-def is_whole(argument: Argument) -> bool:
-    """Whether the numbers of an argument are whole ones."""
-    return bool(getattr(argument, "is_whole", False))
 
 
 def _listed(row: Array) -> str:

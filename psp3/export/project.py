@@ -13,7 +13,6 @@ from fuzzy2.export.project import write_project
 from fuzzy2.files.formats import load as load_system
 from fuzzy2.support.checks import Array
 from fuzzy2.support.text_files import read_text
-from psp3.errors import InvalidValue
 from psp3.export import typical_inputs
 from psp3.export.face import c_code
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
@@ -21,9 +20,6 @@ from psp3.fuzzy_control.controller_files import FORMAT, FORMAT_OF_ANY
 from psp3.loading import ENDINGS, READERS
 from psp3.loading import load as load_robot
 from psp3.robots.robot import Robot
-
-NAME = re.compile(r"[A-Za-z]\w*", flags=re.ASCII)
-"""What names in C look like here."""
 
 
 def opened(source: str | Path, robot: Any = None) -> Any:
@@ -98,27 +94,21 @@ def _inputs_of(thing: Any, robot: Any) -> dict[str, Array]:
     return typical_inputs.of_controller(robot)
 
 
-def identifier(text: str, *, given: bool) -> str:
-    """Return a name in C: of what is called so, or what is given as a name.
+def identifier(source: str | Path) -> str:
+    """Return a name in C for what has a name, or is in a file: its stem.
 
     Parameters
     ----------
-    text : str
-        A name, or the path of a file, whose stem is taken.
-    given : bool
-        Whether it is a name to be taken as it is.
+    source : str or path
+        The name or the file.
 
-    Raises
-    ------
-    InvalidValue
-        If a name that is given is none in C.
+    Returns
+    -------
+    str
+        Letters, digits and underscores, a letter first.
     """
-    if given:
-        if not NAME.fullmatch(text):
-            raise InvalidValue("name", text, "letters, digits and underscores, a letter first")
-        return text
-    name = re.sub(r"\W", "_", Path(text).stem, flags=re.ASCII)
-    return name if NAME.fullmatch(name) else f"code_{name}"
+    name = re.sub(r"\W", "_", Path(source).stem, flags=re.ASCII)
+    return name if name[:1].isalpha() else f"code_{name}"
 
 
 def _outermost(path: Path) -> str:

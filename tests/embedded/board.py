@@ -18,7 +18,6 @@ import pytest
 
 from fuzzy2.export.c_code import CCode, CFunction
 from fuzzy2.export.project_calls import short_name, size_of
-from fuzzy2.export.project_cases import is_whole
 
 HERE = Path(__file__).parent
 COMPILER, SIZE, EMULATOR = "arm-none-eabi-gcc", "arm-none-eabi-size", "qemu-system-arm"
@@ -94,7 +93,7 @@ def state_size(code: CCode) -> int:
     """Return the bytes of the struct that is remembered between two calls."""
     item = 8 if code.precision.name == "double" else 4
     states = {
-        argument.name: size_of(argument) * (4 if is_whole(argument) else item)
+        argument.name: size_of(argument) * (4 if argument.is_whole else item)
         for function in code.functions
         for argument in function.arguments
         if argument.role == "state"

@@ -77,8 +77,9 @@ def c(
     from psp3.export.project import export_project, identifier, opened
 
     owner = None if robot is None else opened(robot)
-    wanted = identifier(thing if name is None else name, given=name is not None)
-    code = export_project(opened(thing, owner), out, precision=precision.value, name=wanted)
+    code = export_project(
+        opened(thing, owner), out, precision=precision.value, name=name or identifier(thing)
+    )
     typer.echo(
         f"{code.name}.c and {code.name}.h are in {out}, with {len(code.functions)} "
         f"function{'s' if len(code.functions) > 1 else ''}; 'make -C {out} test' compares what "
