@@ -34,9 +34,9 @@ def main() -> None:
             with tempfile.TemporaryDirectory() as folder:
                 code = export_project(made, folder, precision=precision, name=name)
                 found = measure(Path(folder), code, board)[thing.function]
-            print(
+            sys.stdout.write(
                 f"| {thing.about} | {board.name}, {precision} | {found.flash / 1000.0:.1f} | "
-                f"{found.state} | {found.stack} | {found.instructions} | {found.most} |"
+                f"{found.state} | {found.stack} | {found.instructions} | {found.most} |\n"
             )
 
 

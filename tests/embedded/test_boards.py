@@ -14,9 +14,11 @@ from typing import Any
 
 import pytest
 
+from fuzzy2.export.project import write_project
 from psp3.export.project import export_project
 from tests.embedded.board import BOARDS, M7, measure, needs_arm, run_cases
 from tests.embedded.things import THINGS
+from tests.fuzzy2.export.test_project import INPUTS, code_with_a_state
 
 pytestmark = [
     needs_arm,
@@ -53,10 +55,6 @@ def test_flash_and_instructions_keep_to_their_bounds(
 
 def test_measured_instructions_are_those_of_a_loop_that_is_known(tmp_path: Path) -> None:
     """100 additions that each wait for the one before: a loop of 3 or 4 instructions a turn."""
-    from tests.fuzzy2.export.test_project import INPUTS, code_with_a_state
-
-    from fuzzy2.export.project import write_project
-
     code = code_with_a_state()
     write_project(code, tmp_path, INPUTS)
     (tmp_path / "sums.c").write_text(

@@ -35,7 +35,11 @@ COMMANDS = (
     "view",
     "check",
     "info",
+    "export",
 )
+
+GROUPS = ("export c",)
+"""Commands of groups."""
 
 HEAVY = {"numpy", "scipy", "numba", "matplotlib", "pinocchio", "meshcat", "coal", "yaml"}
 
@@ -53,7 +57,7 @@ def helps() -> dict[str, tuple[str, list[str]]]:
 import contextlib, io, json, sys
 from psp3.cli import entry as cli
 found = {{}}
-for name in {["", *COMMANDS]!r}:
+for name in {["", *COMMANDS, *GROUPS]!r}:
     sys.argv = ["psp3", *name.split(), "--help"]
     with contextlib.redirect_stdout(io.StringIO()) as shown:
         try:
@@ -74,7 +78,7 @@ print(json.dumps(found))
     return found
 
 
-@pytest.mark.parametrize("command", ["", *COMMANDS])
+@pytest.mark.parametrize("command", ["", *COMMANDS, *GROUPS])
 def test_help_loads_nothing_heavy_and_fits_80_columns(
     helps: dict[str, tuple[str, list[str]]], command: str
 ) -> None:
@@ -119,7 +123,12 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
     group: Any = typer.main.get_command(app.app)
     assert set(group.commands) == set(COMMANDS)
     checked = 0
-    for command in group.commands.values():
+    alone = [command for command in group.commands.values() if not hasattr(command, "commands")]
+    grouped = [
+        command for one in group.commands.values() for command in getattr(one, "commands", {}).values()
+    ]
+    assert [f"export {command.name}" for command in grouped] == list(GROUPS)
+    for command in alone + grouped:
         for option in command.params:
             assert option.help, f"{command.name} {option.name} has no help"
             assert "[" not in option.help
