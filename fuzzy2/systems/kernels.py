@@ -409,7 +409,7 @@ def corollary_in(
     ``work`` is as of ``evaluate_in``.
     """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    grades, mean, sigma = _rooms(table, work)[:3]
+    grades, mean, sigma, _, _, _, _ = _rooms(table, work)
     for t in range(terms):
         o = HEADER + TERM * t
         grades[2 * t], _ = _grades(table, o, x[xo + int(table[o])], 0.0)
