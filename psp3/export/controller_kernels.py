@@ -12,6 +12,7 @@ import numpy as np
 
 from psp3.checks import Array
 from psp3.control.controller import steer
+from psp3.fuzzy_control.kernels import BASE
 from psp3.simulation.kernels import limited, read_encoders
 
 
@@ -51,6 +52,12 @@ def _zeroed(target: Array) -> None:
     """Write zeros."""
     for i in range(target.size):
         target[i] = 0.0
+
+
+def _zeroed_rows(target: Array) -> None:
+    """Write zeros into a table."""
+    for row in range(target.shape[0]):
+        _zeroed(target[row])
 
 
 def _come_late(queue: Array, is_first: bool, torque: Array) -> None:
@@ -169,15 +176,13 @@ def _reset_wires(wires: Wires) -> None:
     """Forget what encoders read and which forces are on their way."""
     _zeroed(wires.calls)
     _zeroed(wires.last)
-    for row in range(wires.queue.shape[0]):
-        _zeroed(wires.queue[row])
+    _zeroed_rows(wires.queue)
 
 
 def reset_classical(controller: Any, wires: Wires, reference: Array) -> None:
     """Forget the integral, and start in the reference pose where a model has loops to close."""
     _reset_wires(wires)
-    for row in range(controller.memory.shape[0]):
-        _zeroed(controller.memory[row])
+    _zeroed_rows(controller.memory)
     _zeroed(controller.clock)
     if reference.size > 0:
         _copied(reference, controller.model.memory)
@@ -188,3 +193,38 @@ def reset_learned(controller: Any, wires: Wires, reference: Array) -> None:
     _reset_wires(wires)
     if reference.size > 0:
         _copied(reference, controller.model.memory)
+
+
+def reset_adaptive(controller: Any, wires: Wires, reference: Array) -> None:
+    """Go back to the rules as they were trained, without a sample to learn from."""
+    _reset_wires(wires)
+    memory, trained = controller.memory, controller.rules.trained
+    _zeroed(memory.clock)
+    _zeroed(memory.last)
+    _zeroed_rows(memory.rows)
+    _zeroed(memory.residuals)
+    _zeroed_rows(memory.information)
+    _zeroed(memory.right)
+    _zeroed(memory.delta)
+    for row in range(trained.shape[0]):
+        for r in range(trained.shape[1]):
+            memory.consequents[row, r] = trained[row, r]
+            memory.orders[row, r] = r
+
+
+def reset_slotine_li(controller: Any, wires: Wires, reference: Array) -> None:
+    """Go back to the rules as they were trained."""
+    _reset_wires(wires)
+    memory, bases = controller.memory, controller.rules.controller.bases
+    _zeroed(memory.clock)
+    _zeroed(memory.gradient)
+    _zeroed(memory.delta)
+    _copied(controller.rules.trained, memory.consequents)
+    o, first = 1, 0
+    for _ in range(int(bases[0])):
+        count, inputs, outputs = int(bases[o + 3]), int(bases[o + 4]), int(bases[o + 5])
+        for row in range(2 * outputs):
+            for r in range(count):
+                memory.orders[first + row * count + r] = r
+        first += 2 * outputs * count
+        o += BASE + inputs + outputs

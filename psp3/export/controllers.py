@@ -26,15 +26,23 @@ from psp3.control.kernels import (
 )
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
-from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
+from psp3.fuzzy_control.adaptive_kernels import Adaptive
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-from psp3.fuzzy_control.kernels import NO_MODEL
+from psp3.fuzzy_control.kernels import NO_MODEL, FuzzyRun
+from psp3.fuzzy_control.slotine_li_kernels import SlotineLi
 from psp3.kinematics.tasks import rotating
 from psp3.multibody.tree import AT_BEFORE
 from psp3.version import __version__
 
-UNROLLED = ("_estimate",)
-"""Kernels whose loops are written out, so that each rule base is translated for what it is."""
+KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
+    Classical: (kernels.reset_classical, kernels.step, ()),
+    FuzzyRun: (kernels.reset_learned, kernels.learned_step, ("_estimate",)),
+    Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
+    SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
+}
+"""Of each kind of table what resets it, what a step is, and the kernels whose loops are written
+out, so that each rule base is translated for what it is.
+"""
 
 CODES = "1, or 0 where the torque is not finite, which no motor must be told"
 
@@ -100,7 +108,8 @@ def code_of(
     wires = _wires(exported.widths, period, torque_limit, encoder_resolution, delay)
     exported = exported._replace(wires=wires)
     prefix = "controller" if name is None else name
-    writer = CWriter(prefix, precision, _about(exported), UNROLLED)
+    unrolled = KINDS[type(exported.table)][2]
+    writer = CWriter(prefix, precision, _about(exported), unrolled)
     _add_functions(writer, exported)
     return writer.code()
 
@@ -114,7 +123,7 @@ def _exported(controller: Any, robot: Any) -> Exported:
     widths = widths_of(robot)
     controller.reset()
     table = controller.table(NO_MODEL, widths) if hasattr(controller, "table") else None
-    if table is None:
+    if type(table) not in KINDS:
         wanted = "a trained controller of the compiled loop, without a path or a model in Python"
         raise NotExportable(title, "its step is not compiled for this robot", wanted)
     return Exported(controller, robot, table, widths, _wires(widths, None, None, 0.0, 0))
@@ -167,11 +176,9 @@ def _add_functions(writer: CWriter, exported: Exported) -> None:
         Mixed("wires", wires, of_wires) if of_wires else Known("wires", wires),
         Known("reference", _reference(table)),
     ]
-    is_classical = isinstance(table, Classical)
+    reset, step, _ = KINDS[type(table)]
     if states or of_wires:
-        reset = kernels.reset_classical if is_classical else kernels.reset_learned
         writer.add("reset", RESETS, reset, around)
-    step = kernels.step if is_classical else kernels.learned_step
     writer.add("step", STEPS, step, [*around, *_arguments(exported)], CODES)
 
 
@@ -204,6 +211,10 @@ _FELL = "what the rules said was of no use, and their average took its place"
 def _states(table: Any) -> dict[str, Argument]:
     """Return the arrays of a controller that are remembered."""
     states: dict[str, Argument] = {}
+    if isinstance(table, Adaptive | SlotineLi):
+        for name, array in table.memory._asdict().items():
+            states[f"memory.{name}"] = _state(name, _REMEMBERED[name], array)
+        return states
     if hasattr(table.model, "memory"):
         memory = table.model.memory
         states["model.memory"] = _state("pose", "the model's last pose, and room for it", memory)
@@ -213,6 +224,22 @@ def _states(table: Any) -> dict[str, Argument]:
         clock = "time of the last call, whether there was one"
         states["clock"] = _state("clock", clock, table.clock)
     return states
+
+
+_REMEMBERED = {
+    "clock": "time of the last call, whether there was one, and since the rules moved",
+    "last": "positions, speeds and forces of the last call",
+    "rows": "filtered rows of the least squares",
+    "residuals": "filtered forces that the trained rules miss",
+    "information": "matrix of the least squares",
+    "right": "right side of the least squares",
+    "factor": "room",
+    "trial": "room",
+    "gradient": "how the rules are about to move",
+    "delta": "how far the rules have moved",
+    "consequents": "of all rules as they are now",
+    "orders": "rules in the order of their consequents",
+}
 
 
 def _states_of_wires(wires: kernels.Wires) -> dict[str, Argument]:
@@ -233,7 +260,7 @@ def _state(name: str, about: str, array: Array) -> Argument:
 
 def _reference(table: Any) -> Array:
     """Return the pose with which the memory of a model begins."""
-    if not hasattr(table.model, "memory"):
+    if not hasattr(getattr(table, "model", None), "memory"):
         return _NO_REFERENCE
     reference: Array = table.model.memory[: int(table.model.tree[AT_BEFORE])].copy()
     return reference
