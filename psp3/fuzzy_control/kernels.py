@@ -507,7 +507,7 @@ def fuzzy_torque(
     """
     work = np.empty(_step_room(controller, positions.size))
     done: int = _learned_step(controller, positions, speeds, desired, added, work, out)
-    if done < 0:
+    if controller.outside == CRISP and done < 0:
         n = positions.size
         _exact_torque(model, positions, speeds, work[:n], added, out)
         out[3 * n + 1] = 0.0
