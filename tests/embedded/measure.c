@@ -11,7 +11,7 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { WORDS = 1 << 14, ROOM = 64, INSTRUCTIONS_A_COUNT = 40 };
+enum { WORDS = 1 << 14, INSTRUCTIONS_A_COUNT = 40 };
 
 static const uint32_t PAINT = 0xA5A5A5A5U;
 
@@ -26,18 +26,18 @@ static uint32_t *top(void)
     return pointer;
 }
 
-/* The stack may not be painted, or read, where this function itself has its place. */
-static __attribute__((noinline)) void paint(void)
+/* Paint what is below the stack of this function, which calls none. */
+static __attribute__((noinline)) void paint(uint32_t *from)
 {
-    volatile uint32_t *const end = top() - ROOM;
-    for (volatile uint32_t *word = end - WORDS; word < end; word++) {
+    uint32_t *const end = top();
+    for (volatile uint32_t *word = from - WORDS; word < end; word++) {
         *word = PAINT;
     }
 }
 
 static __attribute__((noinline)) unsigned used(const uint32_t *from)
 {
-    const volatile uint32_t *word = top() - ROOM - WORDS;
+    const volatile uint32_t *word = from - WORDS;
     while (word < from && *word == PAINT) {
         word++;
     }
@@ -67,7 +67,7 @@ int main(void)
         }
         number += calls_functions[k].writes;
         memset(writes, 0, sizeof writes);
-        paint();
+        paint(top());
         counted = counts(k, reads, writes);
         printf("%d %u %u\n", k, counted * INSTRUCTIONS_A_COUNT, used(top()));
     }

@@ -29,7 +29,7 @@ def controller(name: str) -> Any:
     """Return a controller that remembers, or one that learned."""
     robot = psp3.load("psp3")
     if name == "pid":
-        return psp3.PID(kp=10.0, kv=1.0, ki=2.0, model=robot)
+        return psp3.PID(kp=10.0, kv=1.0, ki=2.0)
     if name == "exact":
         return psp3.ComputedTorque(psp3.load("delta"), kp=100.0, kv=20.0)
     helix = psp3.trajectories.Helix(robot=robot)
@@ -65,7 +65,8 @@ def test_names_in_c(source: str, name: str) -> None:
 @pytest.mark.parametrize("name", ["pid", "exact", "it2"])
 @pytest.mark.parametrize("precision", ["double", "single"])
 def test_folders_of_controllers_pass_their_test(tmp_path: Path, name: str, precision: Any) -> None:
-    export_project(controller(name), tmp_path, precision=precision)
+    options = {"robot": psp3.load("psp3")} if name == "pid" else {}
+    export_project(controller(name), tmp_path, precision=precision, **options)
     said = make(tmp_path, "test")
     assert "passed" in said
     # The C library is Python's own.
@@ -87,7 +88,11 @@ def test_folders_of_robots_pass_their_test(tmp_path: Path, name: str, precision:
 @pytest.mark.slow
 @pytest.mark.parametrize("thing", ["delta", "pid"])
 def test_sanitizers_have_nothing_to_say(tmp_path: Path, thing: str) -> None:
-    export_project(psp3.load("delta") if thing == "delta" else controller(thing), tmp_path)
+    robot = psp3.load(thing if thing == "delta" else "psp3")
+    if thing == "delta":
+        export_project(robot, tmp_path)
+    else:
+        export_project(controller(thing), tmp_path, robot=robot)
     make(tmp_path, flags=SANITIZED)
     assert "passed" in make(tmp_path, "test", flags=SANITIZED)
     text = "0.1 0.2\n" if thing == "delta" else "reset\n1\n"

@@ -55,5 +55,6 @@ def test_coordinates_that_follow_stay_where_they_are() -> None:
     """The orientation of a floating base is a quaternion of length 1."""
     robot = psp3.load("biped")
     positions = typical_inputs.of_robot(robot)["positions"]
-    moved = np.flatnonzero(np.nanmax(np.abs(positions - robot.reference), axis=0) > 1e-12)
+    positions = positions[np.isfinite(positions).all(axis=1)]
+    moved = np.flatnonzero(np.abs(positions - robot.reference).max(axis=0) > 1e-12)
     assert moved.size <= robot.commanded
