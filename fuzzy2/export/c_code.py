@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -147,14 +147,21 @@ class CWriter:
         Paragraphs for the header: what the code is, units, the order of joints, where it is from.
     unrolled : iterable of str
         See :class:`fuzzy2.export.translator.Program`.
+    constants : mapping of str to number, optional
+        Numbers of the kernels' modules, by name, that are others in this code.
     """
 
     def __init__(
-        self, name: str, precision: str, about: list[str], unrolled: tuple[str, ...] = ()
+        self,
+        name: str,
+        precision: str,
+        about: list[str],
+        unrolled: tuple[str, ...] = (),
+        constants: Mapping[str, float] | None = None,
     ) -> None:
         self.name, self.about = name, about
         self.precision = Precision(precision)
-        self.program = Program(name, self.precision, frozenset(unrolled))
+        self.program = Program(name, self.precision, frozenset(unrolled), dict(constants or {}))
         self.functions: list[CFunction] = []
         self.bodies: list[str] = []
 
@@ -181,6 +188,7 @@ class CWriter:
         result : str
             What it returns; empty for nothing.
         """
+        self._reserve(f"{self.name}_{name}")
         values = [self._value(argument) for argument in arguments]
         said = self.program.call(kernel, values)
         known = tuple(a.thing if isinstance(a, Known) else None for a in arguments)
@@ -190,6 +198,11 @@ class CWriter:
         self.functions.append(function)
         self.bodies.append(f"{self._head(function, said.type)}\n{{\n    {code}\n}}\n")
         return function
+
+    def _reserve(self, name: str) -> None:
+        """Keep a name for a function that users call; a kernel that has it gets another one."""
+        other = self.program.reserved(name)
+        self.bodies = [re.sub(rf"\b{name}\b", other, body) for body in self.bodies]
 
     def _value(self, argument: Known | Argument) -> Value:
         if isinstance(argument, Known):

@@ -140,7 +140,7 @@ class Translation:
         ]
         names = {self.parameters[i][0] for i in self.passed}
         lines = _without_idle(self.lines, set(self.types) - names)
-        used = set(re.findall(r"[A-Za-z_]\w*", "\n".join(lines)))
+        used = set(re.findall(r"(?<![.\w])[A-Za-z_]\w*", "\n".join(lines)))
         declared = [
             f"    {self.program.c_type(kind)} {variable};"
             for variable, kind in self.types.items()
@@ -211,6 +211,9 @@ class Translation:
         kind = said.type
         if isinstance(kind, Record):
             kind = _forgotten(kind)
+            if not said.code:
+                codes = ", ".join(_bare(self.handed(part).code) for part in said.known.values())
+                said = Value(said.type, f"({self.program.c_type(kind)}){{{codes}}}", said.known)
         self.result = kind if self.result == NOTHING else joined(self.result, kind)
         return [f"{space}return {self.cast(said, self.result).code};"]
 
@@ -328,7 +331,7 @@ class Translation:
         start, stop, step = ends
         space, lines = "    " * depth, []
         name = node.target.id
-        if name in _assigned(node.body):
+        if name != "_" and name in _assigned(node.body):
             self.refuse(node, f"{name} is changed in its loop")
         end = stop.code
         if stop.known is None and not stop.code.isidentifier():
@@ -393,7 +396,7 @@ class Translation:
             self.refuse(value, "no tuple")
         assert isinstance(said.type, Record)
         lines = []
-        if said.known is None or not said.code.isidentifier():
+        if not said.is_known and (said.known is None or not said.code.isidentifier()):
             name = self.temporary("parts", said.type)
             lines.append(f"{space}{name} = {_bare(said.code)};")
             said = self._named(name, said.type)
@@ -436,6 +439,11 @@ class Translation:
                 if isinstance(kind, Row) and kind.constant:
                     self.refuse(target, "a table that nobody may write to")
                 return [f"{space}{place.code} = {_bare(self.cast(value, place.type).code)};"]
+            case ast.Tuple(elts=elts) if isinstance(value.type, Record):
+                lines = []
+                for part, (field, _) in zip(elts, value.type.fields, strict=True):
+                    lines += self._assign(part, self._field(value, field), known, space)
+                return lines
         self.refuse(target, "no place to write to")
         return []
 
@@ -559,7 +567,7 @@ class Translation:
         if name in known:
             return known[name]
         if name in self.globals:
-            thing = self.globals[name]
+            thing = self.program.replaced.get(name, self.globals[name])
             for kind, scalar in ((bool, BOOL), (int, INT), (float, REAL)):
                 if isinstance(thing, kind):
                     return self.program.precision.number(thing, scalar)
@@ -713,11 +721,7 @@ class Translation:
     def _subscript(self, node: ast.Subscript, known: Known) -> Value:
         whole = self.expression(node.value, known)
         if isinstance(whole.type, Record):
-            if not isinstance(node.slice, ast.Constant):
-                self.refuse(node, "an entry of a tuple whose number is not written down")
-            assert isinstance(node.slice, ast.Constant)
-            names = [name for name, _ in whole.type.fields]
-            return self._field(whole, names[node.slice.value])
+            return self._of_tuple(node, whole, known)
         if not isinstance(whole.type, Row):
             self.refuse(node, "an entry of a number")
         assert isinstance(whole.type, Row)
@@ -740,6 +744,25 @@ class Translation:
         if place.known is not None and place.known < 0:
             place = self._sum("+", self._size(whole, 0), place)
         return self._entry(whole, place)
+
+    def _of_tuple(self, node: ast.Subscript, whole: Value, known: Known) -> Value:
+        """Return an entry of a tuple, or some of the first ones."""
+        assert isinstance(whole.type, Record)
+        names = [name for name, _ in whole.type.fields]
+        part = node.slice
+        if isinstance(part, ast.Slice):
+            if part.lower is not None or part.step is not None or part.upper is None:
+                self.refuse(node, "other parts of a tuple than the first")
+            end = self._place(part.upper, known).known
+            if end is not None:
+                parts = [self._field(whole, name) for name in names[:end]]
+                return self.record("tuple", [(f"f{i}", one) for i, one in enumerate(parts)])
+        else:
+            place = self._place(part, known).known
+            if place is not None:
+                return self._field(whole, names[place])
+        self.refuse(node, "an entry of a tuple whose number is not known")
+        raise AssertionError
 
     def _place(self, node: ast.expr, known: Known) -> Value:
         place = self.expression(node, known)
@@ -1039,7 +1062,8 @@ def _without_idle(lines: list[str], variables: set[str]) -> list[str]:
     """Return lines without assignments to variables that nobody reads."""
     while True:
         heard = "\n".join(re.sub(r"^\s*\w+ = ", "", line) for line in lines)
-        read = set(re.findall(r"[A-Za-z_]\w*", heard))
+        # What stands behind a point is a field.
+        read = set(re.findall(r"(?<![.\w])[A-Za-z_]\w*", heard))
         kept = []
         for line in lines:
             match = re.match(r"(\s*)(\w+) = (.*);$", line)

@@ -14,10 +14,13 @@ from __future__ import annotations
 import ast
 import inspect
 import math
+import re
 import textwrap
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any
+
+import numpy as np
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.function import Translation
@@ -60,11 +63,14 @@ class Program:
     unrolled : frozenset of str
         Names of kernels whose counted loops are written out where their count is known: each pass
         is then translated for what is known in it.
+    replaced : dict of str to number
+        Numbers of the kernels' modules, by name, that are others in this code.
     """
 
     prefix: str
     precision: Precision
     unrolled: frozenset[str] = frozenset()
+    replaced: dict[str, float] = field(default_factory=dict)
     instances: dict[Any, Instance] = field(default_factory=dict)
     order: list[Instance] = field(default_factory=list)
     records: dict[str, tuple[str, str]] = field(default_factory=dict)
@@ -96,7 +102,7 @@ class Program:
     def table(self, table: Table) -> str:
         """Return the name in C of a table, which is written down."""
         known = self.tables.setdefault(table.name, table)
-        if known.numbers is not table.numbers:
+        if not np.array_equal(known.numbers, table.numbers, equal_nan=True):
             raise NotExportable(table.name, "two tables of one name", "report it: a fault of ours")
         return f"{self.prefix}_{table.name}"
 
@@ -132,6 +138,20 @@ class Program:
         )
         self.order.append(instance)
         return instance
+
+    def reserved(self, name: str) -> str:
+        """Keep a name for a function that users call; return that of the kernel which had it.
+
+        That is its new one, or the name itself if no kernel had it.
+        """
+        if name not in self.names:
+            self.names.add(name)
+            return name
+        other = self._name(name.removeprefix(f"{self.prefix}_"))
+        for instance in self.order:
+            instance.name = other if instance.name == name else instance.name
+            instance.text = re.sub(rf"\b{name}\b", other, instance.text)
+        return other
 
     def _name(self, base: str) -> str:
         name, count = f"{self.prefix}_{base}", 1
