@@ -1,0 +1,82 @@
+"""C code compiled and called from tests: arrays in, arrays and the code out."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.export.c_code import CCode, CFunction
+from tests.helpers import Array
+
+WARNINGS = ["-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror"]
+FLAGS = ["-std=c99", "-O2", "-ffp-contract=off", *WARNINGS]
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+
+
+def compiled(code: CCode, folder: Path, compiler: str = "gcc", *more: str) -> Path:
+    """Write the code, and compile it to a shared library."""
+    code.write(folder)
+    library = folder / f"{code.name}.{compiler}.so"
+    command = [compiler, *FLAGS, *more, "-shared", "-fPIC", "-o", str(library)]
+    done = subprocess.run(
+        [*command, str(folder / f"{code.name}.c"), "-lm"], capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr[:4000]
+    return library
+
+
+class Library:
+    """Functions of compiled code with a state of their own."""
+
+    def __init__(self, code: CCode, path: Path) -> None:
+        self.code, self._library = code, ctypes.CDLL(str(path))
+        single = code.precision.name == "single"
+        self.item = np.dtype(np.float32 if single else np.float64)
+        self._number: Any = ctypes.c_float if single else ctypes.c_double
+        self._functions = {one.name.removeprefix(f"{code.name}_"): one for one in code.functions}
+        sizes: dict[str, int] = {}
+        for one in code.functions:
+            sizes |= {a.name: a.size or 1 for a in one.arguments if a.role == "state"}
+        self.state = np.full(sum(sizes.values()), np.nan, self.item)
+        self._places = {}
+        start = 0
+        for name, size in sizes.items():
+            self._places[name], start = slice(start, start + size), start + size
+
+    def part(self, name: str) -> Array:
+        """Return a part of the struct."""
+        part: Array = self.state[self._places[name]]
+        return part
+
+    def call(self, name: str, *arguments: Any) -> tuple[int, list[Array]]:
+        """Return what a function returns, and what it wrote, in order."""
+        function: CFunction = self._functions[name]
+        pointer = ctypes.POINTER(self._number)
+        given, handed, written = iter(arguments), [], []
+        kept = []
+        if function.has_state:
+            handed.append(self.state.ctypes.data_as(pointer))
+        for argument in function.visible:
+            if argument.role == "out":
+                array = np.full(argument.size or 1, 1234.5, self.item)
+                written.append(array)
+            else:
+                array = np.ascontiguousarray(next(given), self.item)
+                assert array.size == argument.size
+            kept.append(array)
+            handed.append(array.ctypes.data_as(pointer))
+        code = self._library[function.name](*handed)
+        return code, written
+
+
+def same(one: Any, other: Any) -> bool:
+    """Tell whether numbers are the same to the last bit, any NaN like any other."""
+    a, b = np.ravel(np.asarray(one, float)), np.ravel(np.asarray(other, float))
+    return a.size == b.size and bool(
+        np.all((a.view(np.int64) == b.view(np.int64)) | (np.isnan(a) & np.isnan(b)))
+    )
