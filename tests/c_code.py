@@ -39,18 +39,17 @@ class Library:
         self.item = np.dtype(np.float32 if single else np.float64)
         self._number: Any = ctypes.c_float if single else ctypes.c_double
         self._functions = {one.name.removeprefix(f"{code.name}_"): one for one in code.functions}
-        sizes: dict[str, int] = {}
-        for one in code.functions:
-            sizes |= {a.name: a.size or 1 for a in one.arguments if a.role == "state"}
-        self.state = np.full(sum(sizes.values()), np.nan, self.item)
-        self._places = {}
-        start = 0
-        for name, size in sizes.items():
-            self._places[name], start = slice(start, start + size), start + size
+        parts = {
+            part.name: (part.name, "i4" if part.is_whole else self.item, part.size)
+            for one in code.functions
+            for part in one.arguments
+            if part.role == "state"
+        }
+        self.state = np.zeros(1, np.dtype(list(parts.values()), align=True))
 
     def part(self, name: str) -> Array:
         """Return a part of the struct."""
-        part: Array = self.state[self._places[name]]
+        part: Array = self.state[name][0]
         return part
 
     def call(self, name: str, *arguments: Any) -> tuple[int, list[Array]]:
@@ -60,7 +59,7 @@ class Library:
         given, handed, written = iter(arguments), [], []
         kept = []
         if function.has_state:
-            handed.append(self.state.ctypes.data_as(pointer))
+            handed.append(self.state.ctypes.data_as(ctypes.c_void_p))
         for argument in function.visible:
             if argument.role == "out":
                 array = np.full(argument.size or 1, 1234.5, self.item)

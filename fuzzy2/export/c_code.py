@@ -9,14 +9,14 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from fuzzy2.export.numbers import Precision
 from fuzzy2.export.translator import Program
-from fuzzy2.export.values import BOOL, INT, NOTHING, REAL, Row, Scalar, Value, value_of
+from fuzzy2.export.values import BOOL, INT, NOTHING, REAL, Record, Row, Scalar, Value, value_of
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,50 @@ class Argument:
         Numbers of an array; None for one number.
     role : {"in", "out", "state"}
         Whether it is read or written, or part of the struct that is remembered between two calls.
+    is_whole : bool
+        Whether its numbers are whole ones.
     """
 
     name: str
     about: str
     size: int | None = None
     role: str = "in"
+    is_whole: bool = False
+
+
+@dataclass(frozen=True)
+class Mixed:
+    """An argument of a kernel that is a NamedTuple, of which some arrays are part of the struct.
+
+    Everything else in it is known.
+
+    Parameters
+    ----------
+    name : str
+        What its tables are called.
+    thing : NamedTuple
+        It.
+    states : mapping of str to Argument
+        Arrays that are part of the struct, by where they are in it: ``"memory"``,
+        ``"model.memory"``.
+    """
+
+    name: str
+    thing: Any
+    states: Mapping[str, Argument]
+
+    def filled(self, given: Iterator[Any]) -> Any:
+        """Return the NamedTuple with other arrays in the places of those that are states."""
+        thing = self.thing
+        for path in self.states:
+            thing = _replaced(thing, path.split("."), next(given))
+        return thing
+
+
+def _replaced(thing: Any, path: list[str], array: Any) -> Any:
+    part = getattr(thing, path[0])
+    new = array.reshape(part.shape) if len(path) == 1 else _replaced(part, path[1:], array)
+    return thing._replace(**{path[0]: new})
 
 
 @dataclass(frozen=True)
@@ -75,7 +113,7 @@ class CFunction:
         The kernel; with ``known`` the same function in Python.
     known : tuple
         Arguments of the kernel in order: the things that are known, and None for each of
-        ``arguments``.
+        ``arguments``; or what takes several of these, :class:`Mixed`.
     """
 
     name: str
@@ -98,7 +136,12 @@ class CFunction:
     def in_python(self, *arguments: Any) -> Any:
         """Call the kernel with its arguments, those of the struct included, as arrays."""
         given = iter(arguments)
-        return self.kernel(*(next(given) if k is None else k for k in self.known))
+        return self.kernel(
+            *(
+                next(given) if k is None else k.filled(given) if isinstance(k, Mixed) else k
+                for k in self.known
+            )
+        )
 
 
 @dataclass(frozen=True)
@@ -170,7 +213,7 @@ class CWriter:
         name: str,
         does: str,
         kernel: Callable[..., Any],
-        arguments: list[Known | Argument],
+        arguments: Sequence[Known | Argument | Mixed],
         result: str = "",
     ) -> CFunction:
         """Add a function.
@@ -183,7 +226,7 @@ class CWriter:
             What it does, a sentence.
         kernel : callable
             The kernel that it calls.
-        arguments : list of Known or Argument
+        arguments : sequence of Known, Argument or Mixed
             Of the kernel, in order.
         result : str
             What it returns; empty for nothing.
@@ -191,8 +234,16 @@ class CWriter:
         self._reserve(f"{self.name}_{name}")
         values = [self._value(argument) for argument in arguments]
         said = self.program.call(kernel, values)
-        known = tuple(a.thing if isinstance(a, Known) else None for a in arguments)
-        asked = tuple(a for a in arguments if isinstance(a, Argument))
+        known = tuple(
+            a.thing if isinstance(a, Known) else a if isinstance(a, Mixed) else None
+            for a in arguments
+        )
+        asked = tuple(
+            one
+            for a in arguments
+            if not isinstance(a, Known)
+            for one in ([a] if isinstance(a, Argument) else a.states.values())
+        )
         function = CFunction(f"{self.name}_{name}", does, asked, result, kernel, known)
         code = f"return {said.code};" if said.type != NOTHING else f"{said.code};"
         self.functions.append(function)
@@ -204,14 +255,33 @@ class CWriter:
         other = self.program.reserved(name)
         self.bodies = [re.sub(rf"\b{name}\b", other, body) for body in self.bodies]
 
-    def _value(self, argument: Known | Argument) -> Value:
+    def _value(self, argument: Known | Argument | Mixed) -> Value:
         if isinstance(argument, Known):
-            return value_of(argument.name, argument.thing)
+            return self.program.written(value_of(argument.name, argument.thing))
+        if isinstance(argument, Mixed):
+            return self._mixed(argument.name, argument.thing, argument.states, "")
         if argument.size is None:
             return Value(REAL, argument.name)
-        kind = Row(REAL, argument.role == "in", (argument.size,))
+        return self._array(argument, (argument.size,))
+
+    def _array(self, argument: Argument, shape: tuple[int, ...]) -> Value:
+        kind = Row(INT if argument.is_whole else REAL, argument.role == "in", shape)
         place = f"state->{argument.name}" if argument.role == "state" else argument.name
-        return Value(kind, f"({self.program.c_type(kind)}){{{place}, {argument.size}}}")
+        sizes = ", ".join(str(size) for size in shape)
+        return Value(kind, f"({self.program.c_type(kind)}){{{place}, {sizes}}}")
+
+    def _mixed(self, name: str, thing: Any, states: Mapping[str, Argument], path: str) -> Value:
+        parts = {}
+        for field in thing._fields:
+            here, part = f"{path}{field}", getattr(thing, field)
+            if here in states:
+                parts[field] = self._array(states[here], part.shape)
+            elif any(other.startswith(f"{here}.") for other in states):
+                parts[field] = self._mixed(f"{name}_{field}", part, states, f"{here}.")
+            else:
+                parts[field] = self.program.written(value_of(f"{name}_{field}", part))
+        kind = Record(type(thing).__name__, tuple((n, v.type) for n, v in parts.items()))
+        return Value(kind, self.program.literal(Value(kind, name, parts)), parts)
 
     def _head(self, function: CFunction, result: Any) -> str:
         item = self.precision.type
@@ -238,7 +308,7 @@ class CWriter:
             f'#include "{self.name}.h"\n\n#include <math.h>',
             self._extremes(words),
             self.program.types(),
-            self.program.constants(),
+            self.program.constants(words),
             kernels,
             "\n".join(self.bodies),
         ]
@@ -268,9 +338,8 @@ class CWriter:
             text.append("/* What is remembered between two calls. */")
             text.append("typedef struct {")
             for state in states.values():
-                text.append(
-                    f"    {self.precision.type} {state.name}[{state.size}]; /* {state.about} */"
-                )
+                item = "int" if state.is_whole else self.precision.type
+                text.append(f"    {item} {state.name}[{state.size}]; /* {state.about} */")
             text += [f"}} {self.name}_state;", ""]
         for function, head in zip(self.functions, heads, strict=True):
             text.append(f"/* {function.does}")

@@ -117,18 +117,12 @@ class Translation:
     def _parameter(self, name: str, value: Value) -> Value:
         """Return a parameter: by its name, with what of its fields is known beforehand."""
         known = value.known
-        if isinstance(value.type, Record):
-            known = (
-                {
-                    field: part
-                    if part.is_known
-                    else Value(part.type, f"{name}.{field}", part.known)
-                    for field, part in value.known.items()
-                }
-                if isinstance(value.known, dict)
-                else None
-            )
-        elif isinstance(value.type, Row):
+        if isinstance(value.type, Record) and isinstance(known, dict):
+            known = {
+                field: part if part.is_known else self._parameter(f"{name}.{field}", part)
+                for field, part in known.items()
+            }
+        elif isinstance(value.type, Record | Row):
             known = None
         return Value(value.type, name, known)
 
@@ -140,7 +134,7 @@ class Translation:
         ]
         names = {self.parameters[i][0] for i in self.passed}
         lines = _without_idle(self.lines, set(self.types) - names)
-        used = set(re.findall(r"(?<![.\w])[A-Za-z_]\w*", "\n".join(lines)))
+        used = _words("\n".join(lines))
         declared = [
             f"    {self.program.c_type(kind)} {variable};"
             for variable, kind in self.types.items()
@@ -873,12 +867,7 @@ class Translation:
 
     def handed(self, value: Value) -> Value:
         """Return a value as it is handed over: tables of known numbers get a place and sizes."""
-        if isinstance(value.type, Row) and isinstance(value.known, Table):
-            name = self.program.table(value.known)
-            sizes = ", ".join(str(size) for size in value.type.shape)
-            code = f"({self.program.c_type(value.type)}){{{name} + {value.known.start}, {sizes}}}"
-            return Value(value.type, code, value.known)
-        return value
+        return self.program.handed(value)
 
     # ------------------------------------------------------------------------------------ calls
     def _call(self, node: ast.Call, known: Known, target: ast.expr | None) -> Value:
@@ -1058,12 +1047,16 @@ def _read(body: list[ast.stmt]) -> set[str]:
     }
 
 
+def _words(code: str) -> set[str]:
+    """Return the names in C code, but for those of members."""
+    return set(re.findall(r"(?<![\w.>])[A-Za-z_]\w*", code))
+
+
 def _without_idle(lines: list[str], variables: set[str]) -> list[str]:
     """Return lines without assignments to variables that nobody reads."""
     while True:
         heard = "\n".join(re.sub(r"^\s*\w+ = ", "", line) for line in lines)
-        # What stands behind a point is a field.
-        read = set(re.findall(r"(?<![.\w])[A-Za-z_]\w*", heard))
+        read = _words(heard)
         kept = []
         for line in lines:
             match = re.match(r"(\s*)(\w+) = (.*);$", line)

@@ -94,17 +94,42 @@ class Program:
         members = " ".join(f"{self.c_type(part)} {name};" for name, part in kind.fields)
         key = f"{kind.name} {members}"
         if key not in self.records:
-            same = sum(1 for name in self.records if name.split(" ")[0] == kind.name)
-            number = f"_{same + 1}" if same else ""
-            self.records[key] = f"{self.prefix}_{_snake(kind.name)}{number}", members
+            self.records[key] = self._name(_snake(kind.name)), members
         return self.records[key][0]
 
     def table(self, table: Table) -> str:
         """Return the name in C of a table, which is written down."""
         known = self.tables.setdefault(table.name, table)
-        if not np.array_equal(known.numbers, table.numbers, equal_nan=True):
+        if known.numbers is not table.numbers and not np.array_equal(
+            known.numbers, table.numbers, equal_nan=known.numbers.dtype.kind == "f"
+        ):
             raise NotExportable(table.name, "two tables of one name", "report it: a fault of ours")
         return f"{self.prefix}_{table.name}"
+
+    def written(self, value: Value) -> Value:
+        """Return a thing that is known with its numbers written down."""
+        if isinstance(value.known, dict):
+            parts = {name: self.written(part) for name, part in value.known.items()}
+            return Value(value.type, value.code, parts)
+        if isinstance(value.type, Scalar) and value.known is not None:
+            return self.precision.number(value.known, value.type)
+        return value
+
+    def handed(self, value: Value) -> Value:
+        """Return a value as it is handed over: what is known gets a place and sizes."""
+        code = value.code
+        if isinstance(value.type, Row) and isinstance(value.known, Table):
+            sizes = ", ".join(str(size) for size in value.type.shape)
+            place = f"{self.table(value.known)} + {value.known.start}"
+            code = f"({self.c_type(value.type)}){{{place}, {sizes}}}"
+        elif isinstance(value.type, Record) and value.is_known:
+            code = self.literal(value)
+        return Value(value.type, code, value.known)
+
+    def literal(self, value: Value) -> str:
+        """Return a record written out."""
+        codes = ", ".join(self.handed(part).code for part in value.known.values())
+        return f"({self.c_type(value.type)}){{{codes}}}"
 
     def call(self, function: Callable[..., Any], arguments: list[Value]) -> Value:
         """Return what a call of a kernel stands for; it is translated if it is not yet."""
@@ -167,9 +192,13 @@ class Program:
             f"typedef struct {{ {members} }} {name};" for name, members in self.records.values()
         )
 
-    def constants(self) -> str:
-        """Return the definitions of all tables."""
-        return "\n".join(self._table_text(table) for table in self.tables.values())
+    def constants(self, words: set[str]) -> str:
+        """Return the definitions of the tables whose names are among the words."""
+        return "\n".join(
+            self._table_text(table)
+            for name, table in self.tables.items()
+            if f"{self.prefix}_{name}" in words
+        )
 
     def _table_text(self, table: Table) -> str:
         whole = table.numbers.dtype.kind in "iub"

@@ -81,6 +81,19 @@ class Trial:
             raise InvalidValue("snr_db", self.snr_db, "finite, and infinite without noise")
 
 
+def own_trial(entry: Entry, trial: Trial) -> Trial:
+    """Return the trial whose outcome is that of an entry's trial.
+
+    It is the same one, but for noise that the entry does not see and seeds without meaning.
+    """
+    is_measured = trial.reading != NONE and READINGS[trial.reading].noise is None
+    if not (is_measured or entry.learns):
+        trial = Trial(trial.robot, NONE, math.inf, trial.seed, trial.duration, trial.period)
+    if trial.reading != NONE or entry.draws:
+        return trial
+    return Trial(trial.robot, NONE, math.inf, 0, trial.duration, trial.period)
+
+
 class Noisy:
     """A controller that sees its positions and speeds with noise on them.
 

@@ -1,9 +1,9 @@
 """What C code of a robot does: the core's kernels, asked from the caller's last pose.
 
 These functions are translated, and in Python they run as they stand. Each takes the robot's tables,
-what its caller remembers (the core's memory, whether that begins with a closed pose, and the
-report), arguments and results. Each returns a code, and results of another code than ``DONE`` are
-NaN.
+what its caller remembers (the core's memory, the report, and whether the memory begins with a
+closed pose), arguments and results. Each returns a code, and results of another code than ``DONE``
+are NaN.
 """
 
 from __future__ import annotations
@@ -63,12 +63,17 @@ class MotorTables(NamedTuple):
     motors: Array
     rest: Array
     base: int
+    dry: Array
+    columns: Array
+    elsewhere: Array
+    follows: Indices
+    along: Array
 
 
-def reset(robot, memory, closed, report):
+def reset(robot, memory, report, closed):
     """Put the robot into its reference pose, from which the next one is looked for."""
     start_from(robot.tree, robot.reference, memory)
-    closed[0] = 1.0
+    closed[0] = 1
     for i in range(REPORT):
         report[i] = 0.0
 
@@ -76,19 +81,19 @@ def reset(robot, memory, closed, report):
 def begin(robot, memory, closed, positions):
     """Begin with the last pose, or with the reference if there is none, and aim at positions."""
     tree = robot.tree
-    if closed[0] != 1.0:
+    if closed[0] != 1:
         start_from(tree, robot.reference, memory)
     # Until this call has gone well.
-    closed[0] = 0.0
+    closed[0] = 0
     for j in range(tree[POSITIONS]):
         memory[tree[AT_TARGET] + j] = positions[j]
 
 
-def ended(outcome, robot, memory, closed, report, out):
+def ended(outcome, robot, memory, report, closed, out):
     """Return a code; without an answer the report says how far it came, and results are NaN."""
     report[0], report[1], report[2] = 1.0, 0.0, 0.0
     if outcome == DONE:
-        closed[0] = 1.0
+        closed[0] = 1
         return outcome
     if outcome == OPEN:
         for i in range(REPORT):
@@ -98,42 +103,42 @@ def ended(outcome, robot, memory, closed, report, out):
     return outcome
 
 
-def answered(question, robot, memory, closed, report, positions, second, third, out):
+def answered(question, robot, memory, report, closed, positions, second, third, out):
     """Write the answer to a question of the core; return a code."""
     begin(robot, memory, closed, positions)
     outcome = row_answered(
         question, robot.tree, robot.numbers, memory, second, third, 0, out, out.size
     )
-    return ended(outcome, robot, memory, closed, report, out)
+    return ended(outcome, robot, memory, report, closed, out)
 
 
-def configuration(robot, memory, closed, report, positions, q):
+def configuration(robot, memory, report, closed, positions, q):
     """Write the coordinates of all joints (nq)."""
     return answered(
-        CONFIGURATION, robot, memory, closed, report, positions, positions, positions, q
+        CONFIGURATION, robot, memory, report, closed, positions, positions, positions, q
     )
 
 
-def inverse_dynamics(robot, memory, closed, report, positions, speeds, accelerations, forces):
+def inverse_dynamics(robot, memory, report, closed, positions, speeds, accelerations, forces):
     """Write the forces along the coordinates (n) of a motion."""
     return answered(
-        INVERSE_DYNAMICS, robot, memory, closed, report, positions, speeds, accelerations, forces
+        INVERSE_DYNAMICS, robot, memory, report, closed, positions, speeds, accelerations, forces
     )
 
 
-def forward_dynamics(robot, memory, closed, report, positions, speeds, forces, accelerations):
+def forward_dynamics(robot, memory, report, closed, positions, speeds, forces, accelerations):
     """Write the accelerations (n) under forces along the coordinates."""
     return answered(
-        FORWARD_DYNAMICS, robot, memory, closed, report, positions, speeds, forces, accelerations
+        FORWARD_DYNAMICS, robot, memory, report, closed, positions, speeds, forces, accelerations
     )
 
 
-def equation_of_motion(robot, memory, closed, report, positions, speeds, M, C, G):
+def equation_of_motion(robot, memory, report, closed, positions, speeds, M, C, G):
     """Write mass matrix (n, n), Coriolis matrix (n, n) and gravity (n)."""
     n = robot.tree[INDEPENDENT]
     out = np.empty(2 * n * n + n)
     outcome = answered(
-        EQUATION_OF_MOTION, robot, memory, closed, report, positions, speeds, speeds, out
+        EQUATION_OF_MOTION, robot, memory, report, closed, positions, speeds, speeds, out
     )
     for i in range(n * n):
         M[i], C[i] = out[i], out[n * n + i]
@@ -142,7 +147,7 @@ def equation_of_motion(robot, memory, closed, report, positions, speeds, M, C, G
     return outcome
 
 
-def mass(robot, memory, closed, report, positions, M):
+def mass(robot, memory, report, closed, positions, M):
     """Write the mass matrix (n, n), as :func:`equation_of_motion` does at rest."""
     tree, numbers, n = robot.tree, robot.numbers, robot.tree[INDEPENDENT]
     begin(robot, memory, closed, positions)
@@ -159,10 +164,10 @@ def mass(robot, memory, closed, report, positions, M):
             M[i] = memory[tree[AT_MASS] + i]
         if not is_finite(M, 0, n * n):
             outcome = NOT_FINITE
-    return ended(outcome, robot, memory, closed, report, M)
+    return ended(outcome, robot, memory, report, closed, M)
 
 
-def placement(robot, frame, memory, closed, report, positions, out):
+def placement(robot, frame, memory, report, closed, positions, out):
     """Write the placement of a frame in the base: rotation, row by row (9), and position (3)."""
     begin(robot, memory, closed, positions)
     outcome = reach(robot.tree, robot.numbers, memory, positions)
@@ -171,14 +176,14 @@ def placement(robot, frame, memory, closed, report, positions, out):
             add_here(robot.tree, memory, out, 0)
         if not is_finite(out, 0, 12):
             outcome = NOT_FINITE
-    return ended(outcome, robot, memory, closed, report, out)
+    return ended(outcome, robot, memory, report, closed, out)
 
 
-def jacobian(robot, frame, memory, closed, report, positions, J):
+def jacobian(robot, frame, memory, report, closed, positions, J):
     """Write the Jacobian of a frame (6, n): linear and angular velocity in base axes."""
     n = robot.tree[INDEPENDENT]
     out = np.empty(12 + 6 * n)
-    outcome = answered(FRAME, robot, memory, closed, report, positions, positions, frame, out)
+    outcome = answered(FRAME, robot, memory, report, closed, positions, positions, frame, out)
     for i in range(6):
         for j in range(n):
             J[n * i + j] = out[12 + 6 * j + i]
@@ -186,14 +191,24 @@ def jacobian(robot, frame, memory, closed, report, positions, J):
 
 
 def actuator_forces(
-    robot, driven, memory, closed, report, positions, speeds, accelerations, forces
+    robot, driven, memory, report, closed, positions, speeds, accelerations, forces
 ):
     """Write the shortest forces of the motors (m) for a motion."""
     begin(robot, memory, closed, positions)
     outcome = reach(robot.tree, robot.numbers, memory, positions)
     if outcome == CLOSED:
         tables = DrivenTables(
-            robot.tree, robot.numbers, memory, driven.motors, driven.rest, driven.base
+            robot.tree,
+            robot.numbers,
+            memory,
+            driven.motors,
+            driven.rest,
+            driven.base,
+            driven.dry,
+            driven.columns,
+            driven.elsewhere,
+            driven.follows,
+            driven.along,
         )
         if accelerations.size < speeds.size:
             done = forces_of_first(tables, positions, speeds, accelerations, forces)
@@ -201,4 +216,4 @@ def actuator_forces(
             done = forces_of_all(tables, positions, speeds, accelerations, forces)
         if not done:
             outcome = UNREACHABLE
-    return ended(outcome, robot, memory, closed, report, forces)
+    return ended(outcome, robot, memory, report, closed, forces)

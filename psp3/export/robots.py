@@ -40,16 +40,21 @@ FUNCTIONS = {
 CODE = "0, or what became of it (see above); the results are then NaN"
 
 
-def code_of(
-    thing: Any,
+def code_of(thing: Any, **options: Any) -> CCode | None:
+    """Return the C code of a robot, see :func:`robot_code`, or None of what is no robot."""
+    return robot_code(thing, **options) if isinstance(thing, Robot) else None
+
+
+def robot_code(
+    robot: Robot,
     *,
     precision: Literal["double", "single"] = "double",
     name: str | None = None,
     frames: Sequence[str] | None = None,
     functions: Sequence[str] | None = None,
     most_attempts: int = MOST_ATTEMPTS,
-) -> CCode | None:
-    """Return the C code of a robot, or None of what is no robot.
+) -> CCode:
+    """Return the C code of a robot.
 
     Functions are ``reset``, ``configuration`` of all joints, ``inverse_dynamics``,
     ``forward_dynamics``, ``mass_matrix``, ``equation_of_motion``, for each frame its ``placement``
@@ -58,8 +63,8 @@ def code_of(
 
     Parameters
     ----------
-    thing : object
-        A robot.
+    robot : Robot
+        The robot.
     precision : {"double", "single"}
         Of all numbers.
     name : str, optional
@@ -80,20 +85,17 @@ def code_of(
     UnknownName
         If there is no such frame or function.
     """
-    if not isinstance(thing, Robot):
-        return None
-    table = thing.compiled_table()
+    table = robot.compiled_table()
     if table is None:
         raise NotExportable(
-            f"a robot of class {type(thing).__name__}",
+            f"a robot of class {type(robot).__name__}",
             "it may change the dynamics of its parts, which are what is written",
             "a psp3.ClosedLoopRobot of the same parts",
         )
-    prefix = robot_text.identifier(name or thing.model.name or "robot")
+    prefix = robot_text.identifier(name or robot.model.name or "robot")
     if isinstance(table, ClosedForm):
-        return closed_form.code_of(thing, table, precision, prefix, frames, functions)
-    robot = _Robot(thing, table, precision, frames, functions, most_attempts)
-    return robot.code(prefix)
+        return closed_form.code_of(robot, table, precision, prefix, frames, functions)
+    return _Robot(robot, table, precision, frames, functions, most_attempts).code(prefix)
 
 
 class _Function(NamedTuple):
@@ -242,6 +244,7 @@ class _Robot:
         table, robot, n = self.table, self.robot, self.n
         if not isinstance(table, DrivenTables):
             return []
+        motors = MotorTables(*(getattr(table, field) for field in MotorTables._fields))
         asked, what = n, "accelerations of the coordinates"
         if robot.commanded < n:
             asked = robot.commanded
@@ -256,7 +259,7 @@ class _Robot:
                 "Write the shortest forces of the motors that a motion takes.",
                 robot_kernels.actuator_forces,
                 (self.positions, self.speeds, accelerations, forces),
-                (Known("motors", MotorTables(table.motors, table.rest, int(table.base))),),
+                (Known("motors", motors),),
             )
         ]
 
@@ -267,7 +270,6 @@ def _state(pose: int, size: int) -> list[Argument]:
         Argument(
             "memory", f"the first {pose} are the last pose, the others come and go", size, "state"
         ),
-        Argument("closed", "1 where the memory begins with a closed pose", 1, "state"),
         Argument(
             "report",
             "of a call that returned 1: share of the way it came, residual [m, rad], and the "
@@ -275,4 +277,5 @@ def _state(pose: int, size: int) -> list[Argument]:
             robot_kernels.REPORT,
             "state",
         ),
+        Argument("closed", "1 where the memory begins with a closed pose", 1, "state", True),
     ]

@@ -439,10 +439,11 @@ def _usable(controller, x, speeds, added, estimate):
 def _exact_torque(model, positions, speeds, servo, added, out):
     """Write a step of the exact forces, where they take over; NaN where there are none."""
     n = servo.size
-    if not write_forces(model, positions, speeds, servo, out[:n]):
-        out[:n] = math.nan
+    force = out[:n]
+    if not write_forces(model, positions, speeds, servo, force):
+        force[:] = math.nan
     if added.size > 0:
-        add_force(added, servo, speeds, out[:n])
+        add_force(added, servo, speeds, force)
     for i in range(n):
         out[n + i] = out[2 * n + i] = out[i]
 
@@ -511,7 +512,10 @@ def fuzzy_torque(
         out[3 * n + 1] = 0.0
         if controller.kind == COROLLARY:
             out[2 * n : 3 * n] = 0.0
-        return math.isfinite(out[:n].sum())
+        total = 0.0
+        for i in range(n):
+            total += out[i]
+        return math.isfinite(total)
     return done == 1
 
 
@@ -587,6 +591,9 @@ def run_step(
     out: Array,
 ) -> bool:
     """Do as ``fuzzy_torque`` in a loop."""
-    added = run.added[sample] if run.added.shape[0] > 0 else run.added[:0].reshape(0)
+    count, width = run.added.shape
+    # A part of one row, whether there are rows or not.
+    width = width if count > 0 else 0
+    added = run.added.reshape(run.added.size)[sample * width : sample * width + width]
     done: bool = fuzzy_torque(run.controller, run.model, positions, speeds, desired, added, out)
     return done
