@@ -30,6 +30,77 @@ def compiled(code: CCode, folder: Path, compiler: str = "gcc", *more: str) -> Pa
     return library
 
 
+MAIN = """#include "{name}.c"
+#include <stdio.h>
+{arrays}
+static unsigned long long seed = 1;
+static double chance(void)
+{{
+    seed = seed * 6364136223846793005ULL + 1442695040888963407ULL;
+    return (double)(seed >> 40) / 8388608.0 - 1.0;
+}}
+int main(void)
+{{
+    int round, i, done = 0;
+    for (round = 0; round < {rounds}; round++) {{
+        double scale = round % 3 == 0 ? 0.01 : round % 3 == 1 ? 0.2 : 2.0;
+{calls}
+    }}
+    printf("%d\\n", done);
+    return 0;
+}}
+"""
+
+
+def checked_at_run_time(
+    code: CCode, folder: Path, compiler: str, centers: dict[str, Array], rounds: int = 300
+) -> None:
+    """Call all functions with random numbers, with the sanitizers of addresses and of the rest.
+
+    Arguments are about their centers, or about zero. Each array has exactly its size.
+    """
+    code.write(folder)
+    item, arrays, calls = code.precision.type, [], []
+    if any(one.has_state for one in code.functions):
+        arrays.append(f"static {code.name}_state state;")
+    for one in code.functions:
+        handed = ["&state"] if one.has_state else []
+        for argument in one.visible:
+            name = f"{one.name}_{argument.name}"
+            handed.append(name)
+            size = argument.size or 1
+            arrays.append(f"static {item} {name}[{size}];")
+            if argument.role == "in":
+                middle = np.broadcast_to(centers.get(argument.name, np.zeros(1)), size)
+                center = ", ".join(repr(float(x)) for x in middle)
+                arrays.append(f"static const double {name}_at[{size}] = {{{center}}};")
+                calls.append(
+                    f"for (i = 0; i < {size}; i++) "
+                    f"{name}[i] = ({item})({name}_at[i] + scale * chance());"
+                )
+        call = f"{one.name}({', '.join(handed)});"
+        calls.append(f"done += !{call}" if one.result else f"if (round % 10 == 0) {call}")
+    main = folder / "main.c"
+    main.write_text(
+        MAIN.format(
+            name=code.name,
+            arrays="\n".join(arrays),
+            rounds=rounds,
+            calls="\n".join(f"        {call}" for call in calls),
+        ),
+        encoding="utf-8",
+    )
+    program = folder / f"main.{compiler}"
+    command = [compiler, *FLAGS, "-g", "-fsanitize=address,undefined", "-fno-sanitize-recover=all"]
+    made = subprocess.run(
+        [*command, "-o", str(program), str(main), "-lm"], capture_output=True, text=True
+    )
+    assert made.returncode == 0, made.stderr[:4000]
+    ran = subprocess.run([str(program)], capture_output=True, text=True)
+    assert ran.returncode == 0, ran.stderr[:4000]
+    assert int(ran.stdout) > 0
+
+
 class Library:
     """Functions of compiled code with a state of their own."""
 
