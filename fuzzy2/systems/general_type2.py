@@ -144,6 +144,11 @@ class GeneralType2System(FuzzySystem):
         return self._middles if self.reduction == "gaussian" else None
 
     @property
+    def in_one_loop(self) -> bool:
+        """Whether one table serves all α-planes, which differ in ``widths`` only."""
+        return self._one_loop
+
+    @property
     def widths(self) -> Array:
         """Half-widths of the α-planes of a Gaussian at ``alphas``, (L,), in standard deviations.
 
@@ -401,8 +406,10 @@ class GeneralType2System(FuzzySystem):
             out = np.empty((*shape, self.n_outputs, 2))
             product = self.grade_t_norm == "product"
             middles, spreads = self._middles.ravel(), self._spreads.ravel()
+            from fuzzy2.systems.corollary_kernels import evaluate_corollary
+
             if (
-                self._kernels.evaluate_corollary(
+                evaluate_corollary(
                     self._table, rows.ravel(), middles, spreads, product, out.ravel()
                 )
                 >= 0

@@ -15,7 +15,6 @@ import numpy as np
 from fuzzy2.errors import NotExportable
 from psp3.checks import Array
 from psp3.multibody.flatten import CLOSURE_TOLERANCE
-from psp3.multibody.least_squares import SMALLEST_PIVOT
 from psp3.multibody.tree import (
     AT_FACTORS,
     AT_GROUPS,
@@ -26,7 +25,6 @@ from psp3.multibody.tree import (
     GROUP_NUMBERS,
     GROUP_ROWS,
     GROUPS,
-    MISMATCH_AT,
 )
 
 CLOSED_TO = 1e-7

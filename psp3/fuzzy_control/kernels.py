@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzy2.support.compiled import compiled, scalar
-from fuzzy2.systems.kernels import corollary_in, evaluate_in, work_size
+from fuzzy2.systems.corollary_kernels import corollary_in
+from fuzzy2.systems.kernels import evaluate_in, work_size
 from psp3.checks import Array
 from psp3.control.controller import steer
 from psp3.control.kernels import add_force
@@ -75,7 +76,7 @@ class Fuzzy(NamedTuple):
     inputs; ``fallback`` (K,) numbers used where an estimate cannot be; ``planes`` (2, L) levels
     and widths, see ``fuzzy2.systems.kernels.evaluate_planes``; ``system`` the fuzzy systems of all
     rule bases one after the other, see ``fuzzy2.systems.kernels``; ``moments`` middles and spreads
-    (2, R, m) of each, flat, see ``fuzzy2.systems.kernels.evaluate_corollary``, of that kind only.
+    (2, R, m) of each, flat, see ``fuzzy2.systems.corollary_kernels.evaluate_corollary``, of that kind only.
     ``inputs`` (2, p) are the places of each input in positions and speeds, and of what is
     subtracted, or -1. ``bases`` is the number of rule bases, and of each ``BASE`` numbers, see
     ``base_row``, the places of its inputs among all and those of its outputs among the numbers.
