@@ -154,7 +154,7 @@ class _Robot:
             [known, *state],
         )
         for one in self.functions:
-            arguments = [known, *one.more, *state, *one.arguments]
+            arguments: list[Known | Argument] = [known, *one.more, *state, *one.arguments]
             writer.add(one.name, one.does, one.kernel, arguments, CODE)
         return writer.code()
 
