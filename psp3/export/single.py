@@ -65,7 +65,7 @@ def numbers_of(table: Any, title: str) -> Array:
         If the equations of a loop are so weak in the reference pose that seven digits do not tell
         them from dependent ones.
     """
-    tree, numbers = table.tree, table.numbers.copy()
+    tree, numbers = table.tree, np.array(table.numbers)
     for group in range(int(tree[GROUPS])):
         pivot = _smallest_pivot(table, group)
         if pivot <= CONSTANTS["SMALLEST_PIVOT"]:
