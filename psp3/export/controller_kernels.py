@@ -85,13 +85,15 @@ def _seen_step(
 ) -> bool:
     """Write a step of a controller that sees what encoders read."""
     if wires.resolution.size == 0:
-        return steer(controller, 0, t, positions, speeds, desired, out)
-    seen, rates = np.empty(positions.size), np.empty(speeds.size)
-    _copied(positions, seen)
-    _copied(speeds, rates)
-    is_first = wires.calls[0] == 0.0
-    read_encoders(wires.resolution, wires.last, is_first, wires.period, seen, rates)
-    return steer(controller, 0, t, seen, rates, desired, out)
+        done: bool = steer(controller, 0, t, positions, speeds, desired, out)
+    else:
+        seen, rates = np.empty(positions.size), np.empty(speeds.size)
+        _copied(positions, seen)
+        _copied(speeds, rates)
+        is_first = wires.calls[0] == 0.0
+        read_encoders(wires.resolution, wires.last, is_first, wires.period, seen, rates)
+        done = steer(controller, 0, t, seen, rates, desired, out)
+    return done
 
 
 def _write_step(
@@ -110,10 +112,7 @@ def _write_step(
     that could not follow starts from its reference pose in the next step.
     """
     if wires.is_guarded and not (
-        math.isfinite(t)
-        and _are_finite(positions)
-        and _are_finite(speeds)
-        and _are_finite(desired)
+        math.isfinite(t) and _are_finite(positions) and _are_finite(speeds) and _are_finite(desired)
     ):
         for i in range(out.size):
             out[i] = math.nan

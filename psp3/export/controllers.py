@@ -190,7 +190,9 @@ def _arguments(exported: Exported) -> list[Argument]:
         Argument("t", "time [s]"),
         Argument("positions", f"of the coordinates {_units(exported, '')}", p),
         Argument("speeds", f"of the coordinates {_units(exported, '/s')}", n),
-        Argument("desired", f"{of_all}: all positions, all speeds, all accelerations", 3 * commanded),
+        Argument(
+            "desired", f"{of_all}: all positions, all speeds, all accelerations", 3 * commanded
+        ),
         Argument("torque", f"forces of the motors {_force_units(exported)}", m, "out"),
     ]
     if isinstance(exported.table, Classical):
@@ -312,7 +314,9 @@ def _classical_law(table: Classical, joints: int) -> str:
     for name, gain in (("kp", table.kp), ("kv", table.kv)):
         matrix = gain.reshape(joints, joints)
         same = np.array_equal(matrix, matrix[0, 0] * np.eye(joints))
-        rows = f"{matrix[0, 0]:g}" if same else str([[float(f"{g:.6g}") for g in r] for r in matrix])
+        rows = (
+            f"{matrix[0, 0]:g}" if same else str([[float(f"{g:.6g}") for g in r] for r in matrix])
+        )
         lines.append(f"{name} = {rows}")
     if table.is_allocated:
         lines.append("Feedback is turned into the shortest forces of the motors.")

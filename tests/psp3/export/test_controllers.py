@@ -285,7 +285,9 @@ def test_sanitizers_find_nothing(kind: str, tmp_path: Path) -> None:
     done = subprocess.run([*command, *sources, "-lm"], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr[:2000]
     rows = states(ROBOTS["psp3"], 300, SPREAD["psp3"])
-    lines = "\n".join(" ".join(map(repr, [row[0], *np.concatenate(row[1:]).tolist()])) for row in rows)
+    lines = "\n".join(
+        " ".join(map(repr, [row[0], *np.concatenate(row[1:]).tolist()])) for row in rows
+    )
     ran = subprocess.run([str(program)], input=lines, capture_output=True, text=True, check=False)
     assert ran.returncode == 0, ran.stderr[:2000]
     compiled = CompiledStep(controller, ROBOTS["psp3"])
@@ -371,14 +373,14 @@ def test_what_cannot_be_written_is_refused_with_a_remedy() -> None:
     robot = ROBOTS["psp3"]
     with pytest.raises(NotExportable, match=r"PD .*robot=\.\.\."):
         c_code(psp3.PD())
-    with pytest.raises(NotExportable, match="TaskSpaceComputedTorque .*not compiled"):
+    with pytest.raises(NotExportable, match=r"TaskSpaceComputedTorque .*not compiled"):
         c_code(psp3.TaskSpaceComputedTorque(robot))
     with pytest.raises(NotExportable, match="not compiled"):
         c_code(psp3.ComputedTorque(robot.dynamics("noc")), robot=robot)
     with pytest.raises(NotExportable, match="str "):
         c_code("psp3")
     controller = psp3.ComputedTorque(robot)
-    with pytest.raises(InvalidValue, match="period .*seconds"):
+    with pytest.raises(InvalidValue, match=r"period .*seconds"):
         c_code(controller, encoder_resolution=1e-4)
     with pytest.raises(InvalidValue, match="torque_limit"):
         c_code(controller, torque_limit=[1.0, 0.0, 1.0])
