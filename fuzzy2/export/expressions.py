@@ -203,6 +203,10 @@ class Expressions(Calls, ABC):
                 if not compare(left.known, right.known):
                     codes.append("0")
                     break
+            elif sign == "<" and right.known == -math.inf:
+                # Nothing is less, and NaN neither.
+                codes.append("0")
+                break
             else:
                 codes.append(f"({self.cast(left, kind).code} {sign} {self.cast(right, kind).code})")
             left = right

@@ -6,6 +6,8 @@ Every controller that has a table for the compiled loop can be written, see
 
 from __future__ import annotations
 
+import itertools
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -45,6 +47,12 @@ out, so that each rule base is translated for what it is.
 """
 
 CODES = "1, or 0 where the torque is not finite, which no motor must be told"
+
+FIRES = {"double": 1e-250, "single": 1e-30}
+"""Firing strengths above these are no smaller than what each precision holds, by far."""
+
+MOST_INPUTS = 10
+"""Of a rule base whose corners are looked at: there are 2 to their number."""
 
 _NO_REFERENCE = np.empty(0)
 
@@ -109,9 +117,28 @@ def code_of(
     exported = exported._replace(wires=wires)
     prefix = "controller" if name is None else name
     unrolled = KINDS[type(exported.table)][2]
-    writer = CWriter(prefix, precision, _about(exported), unrolled)
+    constants = {"VANISHED": -math.inf} if _always_fires(exported, precision) else {}
+    writer = CWriter(prefix, precision, _about(exported), unrolled, constants)
     _add_functions(writer, exported)
     return writer.code()
+
+
+def _always_fires(exported: Exported, precision: str) -> bool:
+    """Whether every rule fires by a number that floats hold, wherever the rules are asked.
+
+    They are asked in the trained range only, at whose corners products of terms are least. Nothing
+    needs to be computed in logarithms then.
+    """
+    controller = getattr(exported.controller, "base", exported.controller)
+    if not isinstance(controller, FuzzyComputedTorque):
+        return False
+    for system, place in zip(controller.systems_, controller.places, strict=True):
+        ranges = controller.ranges_[:, list(place.columns)]
+        if ranges.shape[1] > MOST_INPUTS or system.t_norm.name != "product":
+            return False
+        if np.min(system.firing(np.array(list(itertools.product(*ranges.T))))) < FIRES[precision]:
+            return False
+    return True
 
 
 def _exported(controller: Any, robot: Any) -> Exported:

@@ -25,7 +25,8 @@ REQUIRED = "arm" in os.environ.get("REQUIRED_CLIENTS", "").split()
 
 FLAGS = (
     *("-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion"),
-    *("-Werror", "-mthumb", "-mfloat-abi=hard", "-ffunction-sections", "-fdata-sections"),
+    *("-Werror", "-mthumb", "-mfloat-abi=hard", "-fno-trapping-math", "-fno-math-errno"),
+    *("-ffunction-sections", "-fdata-sections"),
 )
 LINKING = ("-nostartfiles", "-Wl,--gc-sections", "-T", str(HERE / "board.ld"))
 

@@ -58,7 +58,7 @@ def _general() -> list[Any]:
 def _controller() -> Any:
     helix = psp3.trajectories.Helix(radius=0.020, period=2.0, rise=0.010)
     robot = psp3.load("psp3")
-    return psp3.FuzzyComputedTorque("it2", robot, learner="average", snr_db=20.0).fit(helix)
+    return psp3.FuzzyComputedTorque("it2", robot, learner="average", mean_variation=0.35).fit(helix)
 
 
 THINGS = {
