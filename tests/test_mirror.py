@@ -90,8 +90,10 @@ ELSEWHERE = {
     "fuzzy2/systems/end_slopes.py": ("fuzzy2/systems/test_gradients.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/norm_slopes.py": ("fuzzy2/systems/test_gradients.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/maxima.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/output_kernels.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/outputs.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/rule_grammar.py": ("fuzzy2/systems/test_rules.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/union_rows.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/united_kernels.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
     "fuzzy2/support/version.py": ("fuzzy2/export/test_systems.py", NAMES_ONLY),
     "fuzzy2/systems/corollary_kernels.py": (

@@ -78,8 +78,9 @@ def c_code_of(
             Argument("x", f"the inputs: {_listed(inputs)}", len(inputs)),
             Argument("out", f"the outputs: {_listed(outputs)}", len(outputs), "out"),
         ],
-        "1, or 0 where an input is not finite: then all outputs are NaN. Where no rule fires an "
-        "output is NaN, too, unless it has a default",
+        "1, or 0 where there is no answer, because an input is not finite or united sets need more "
+        "memory than there is: then all outputs are NaN. Where no rule fires an output is NaN, "
+        "too, unless it has a default",
     )
     return writer.code()
 
@@ -115,10 +116,12 @@ def tables_of(system: Any) -> Any:
         )
     if isinstance(system, GeneralType2System):
         return _of_general(system)
-    table = system.table
-    if table is None:
-        raise _without_table(system)
-    return Averaged(table)
+    if system.table is not None:
+        return Averaged(system.table)
+    for tables in (system.averaged_points, system.united_sets):
+        if tables is not None:
+            return tables
+    raise _without_table(system)
 
 
 def _side_by_side(systems: list[FuzzySystem]) -> Any:
