@@ -93,6 +93,7 @@ ELSEWHERE = {
     "fuzzy2/systems/output_kernels.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/outputs.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/rule_grammar.py": ("fuzzy2/systems/test_rules.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/shape_kernels.py": ("fuzzy2/systems/test_term_rows.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/union_rows.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/united_kernels.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
     "fuzzy2/support/version.py": ("fuzzy2/export/test_systems.py", NAMES_ONLY),

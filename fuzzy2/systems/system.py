@@ -83,6 +83,7 @@ from fuzzy2.systems.pictures import html_of
 from fuzzy2.systems.report import Report, found_in
 from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.table import Supplement, table_of
+from fuzzy2.systems.term_rows import TermRows
 from fuzzy2.systems.terms import range_of
 
 
@@ -409,21 +410,19 @@ class FuzzySystem(Shown):
         # A function of one's own may have the name of one of ours.
         if self.t_norm != T_NORMS.get(self.t_norm.name) or self.fuzzifiers is not None:
             return None
-        rows = []
+        rows = TermRows()
         for number, terms in enumerate(self.inputs):
             for term in terms:
-                row = self._kernel_row(term)
-                if row is None:
+                if not rows.add(number, term, self.kernel_row(term)):
                     return None
-                rows.append((float(number), *row))
         trees = isinstance(self.rules, tuple)
-        return table_of(
+        table = table_of(
             [len(terms) for terms in self.inputs],
             None if trees else self.rules,
             # Of huge ones the table serves for firing only.
             0.0 * self.consequent_intervals if self._is_huge else self.consequent_intervals,
             self.t_norm.name,
-            rows,
+            rows.rows,
             Supplement(
                 self.rules if trees else None,
                 self.disjunction.name
@@ -434,11 +433,13 @@ class FuzzySystem(Shown):
                 self._compiled_defaults(),
             ),
         )
+        return None if table is None else rows.appended(table)
 
     def _compiled_defaults(self) -> Array | None:
         return self.default_outputs
 
-    def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
+    def kernel_row(self, term: Any) -> tuple[float, ...] | None:
+        """Return what the compiled loop knows of a term; None if that is not a row of numbers."""
         row: tuple[float, ...] | None = term.kernel_row()
         return row
 

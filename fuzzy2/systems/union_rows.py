@@ -17,6 +17,7 @@ from fuzzy2.support.compiled import compiled, scalar
 from fuzzy2.systems.firing_kernels import TERM, _fire
 from fuzzy2.systems.kernels import rooms, work_size
 from fuzzy2.systems.log_firing_kernels import log_fire, lost
+from fuzzy2.systems.shape_kernels import PAIR
 from fuzzy2.systems.united_kernels import (
     ROOM,
     USUAL_PIECES,
@@ -84,8 +85,12 @@ def _is_type_1(table):
     for t in range(int(table[1])):
         o = 7 + TERM * t
         alike = table[o + 2] == table[o + 3] and table[o + 4] == table[o + 5]
-        certain = int(table[o + 1]) == 1 or (alike and table[o + 6] == table[o + 7])
-        if int(table[o + 1]) == 2 or not certain:
+        kind = int(table[o + 1])
+        if (
+            kind == 2
+            or kind == PAIR
+            or (kind == 0 and not (alike and table[o + 6] == table[o + 7]))
+        ):
             return False
     return True
 
@@ -204,12 +209,12 @@ def unite_in(
     grades, low, high, _, _, _, stack = rooms(system.table, work)
     _fire(system.table, x, xo, 0.0, grades, low, high, stack)
     fired = work[grades.size : grades.size + 2 * rules]
-    crisp = system.codes[3] == 1 and system.codes[4] == EXACT
-    for r in range(rules):
-        crisp = crisp and low[r] == high[r]
     in_logarithms = system.codes[2] == 1 and lost(system.table, low, high)
     if in_logarithms:
         log_fire(system.table, x, xo, 0.0, grades, low, high, stack)
+    crisp = system.codes[3] == 1 and system.codes[4] == EXACT
+    for r in range(rules):
+        crisp = crisp and low[r] == high[r]
     o = ROOM
     firing, falling = room[o : o + 2 * rules], room[o + 2 * rules : o + 4 * rules]
     o += 4 * rules

@@ -169,7 +169,7 @@ class United:
         for item in self._sets:
             own = item.kernel_row()
             both = (own, own) if own else (item.lower.kernel_row(), item.upper.kernel_row())
-            if None in both:
+            if None in both or max(row[0] for row in both) > 1.0:
                 return None
             rows += [(0.0, *row) for row in both]
         return np.array(rows, dtype=float).ravel()

@@ -19,6 +19,8 @@ MOST_PIECES = 4096
 USUAL_PIECES = 256
 """Pieces for which there is room at first: more would cost a single call more than its sums."""
 STACK = 64
+MOST_TURNS = 2 * MOST_PIECES
+"""Pieces that are looked at, of noise that no halving makes smoother."""
 ROOM = 6 * STACK + 8
 """Numbers that the integration of a union needs beside its nodes and pieces."""
 
@@ -221,7 +223,7 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
                     nodes[i], nodes[i + 1], origin, one, 0,
                 )  # fmt: skip
                 scale += one[2]
-    pieces = 0
+    pieces, turns = 0, 0
     for i in range(4):
         sums[i] = 0.0
     for i in range(count - 1):
@@ -257,6 +259,8 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
                     noise = 1e-15 * max(abs(left), abs(right)) / (right - left)
                     allowed = ((tolerance + noise) * size + 1e-280) * (reach if power == 1 else 1.0)
                     rough = rough or abs(found[4 * depth + j] - both) > allowed
+            turns += 1
+            rough = rough and turns < MOST_TURNS
             if rough and left < middle and middle < right and depth + 2 < STACK:
                 # The left half is on top, so that pieces come in ascending order.
                 stack[2 * depth], stack[2 * depth + 1] = middle, right
