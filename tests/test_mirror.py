@@ -33,7 +33,6 @@ ELSEWHERE = {
     "fuzzy2/export/kernel_source.py": ("fuzzy2/export/test_function.py", THROUGH_ITS_FACE),
     "fuzzy2/export/numbers.py": ("fuzzy2/export/test_arrays.py", THROUGH_ITS_FACE),
     "fuzzy2/export/system_kernels.py": ("fuzzy2/export/test_systems.py", THROUGH_ITS_FACE),
-    "fuzzy2/export/translator.py": ("fuzzy2/export/test_function.py", THROUGH_ITS_FACE),
     "fuzzy2/export/values.py": ("fuzzy2/export/test_function.py", THROUGH_ITS_FACE),
     "fuzzy2/files/operator_words.py": ("fuzzy2/files/test_fis_writer.py", THROUGH_ITS_FACE),
     "fuzzy2/files/description.py": ("fuzzy2/files/test_fis.py", THROUGH_ITS_FACE),
