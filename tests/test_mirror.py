@@ -120,6 +120,8 @@ ELSEWHERE = {
         "cross/test_simulated_structures.py",
         THROUGH_ITS_FACE,
     ),
+    "psp3/export/controller_kernels.py": ("psp3/export/test_controllers.py", THROUGH_ITS_FACE),
+    "psp3/export/face.py": ("psp3/export/test_controllers.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_document.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_expansion.py": ("cross/test_mjcf_expansion.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_words.py": ("cross/test_mutated_mjcf.py", THROUGH_ITS_FACE),

@@ -1,0 +1,1 @@
+"""Tests of psp3.control, one file per module."""
