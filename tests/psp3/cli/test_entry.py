@@ -125,7 +125,9 @@ def test_every_option_says_what_it_is_and_in_which_unit() -> None:
     checked = 0
     alone = [command for command in group.commands.values() if not hasattr(command, "commands")]
     grouped = [
-        command for one in group.commands.values() for command in getattr(one, "commands", {}).values()
+        command
+        for one in group.commands.values()
+        for command in getattr(one, "commands", {}).values()
     ]
     assert [f"export {command.name}" for command in grouped] == list(GROUPS)
     for command in alone + grouped:
