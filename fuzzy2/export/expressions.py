@@ -203,8 +203,10 @@ class Expressions(Calls, ABC):
                 if not compare(left.known, right.known):
                     codes.append("0")
                     break
-            elif sign == "<" and right.known == -math.inf:
-                # Nothing is less, and NaN neither.
+            elif (sign == "<" and right.known == -math.inf) or (
+                sign == ">=" and right.known == math.inf and left.type == INT
+            ):
+                # Nothing is less, and NaN neither; and no whole number is infinite.
                 codes.append("0")
                 break
             else:

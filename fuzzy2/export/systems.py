@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal
 
@@ -13,8 +15,10 @@ from fuzzy2.export.system_kernels import Averaged, Clouds, Corollary, Pair, Plan
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.consequents import Formulas
+from fuzzy2.systems.firing_kernels import HEADER, TERM
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.parallel import ParallelSystem
+from fuzzy2.systems.shape_kernels import SAMPLES
 from fuzzy2.systems.system import FuzzySystem
 from fuzzy2.systems.term_rows import TermRows
 
@@ -70,7 +74,8 @@ def c_code_of(
 ) -> CCode:
     """Return what :func:`export_c` writes."""
     system = system_of(system)
-    writer = CWriter(name, precision, _about(system, precision))
+    constants = without_shapes(getattr(system, "systems", [system]))
+    writer = CWriter(name, precision, _about(system, precision), constants=constants)
     inputs, outputs = system.input_names, system.output_names
     writer.add(
         "evaluate",
@@ -97,6 +102,21 @@ def system_of(thing: Any) -> Any:
             f"a {type(thing).__name__}", "it is no fuzzy system", "a system, or a fitted learner"
         )
     return thing
+
+
+def without_shapes(systems: Iterable[Any]) -> dict[str, float]:
+    """Return numbers of kernels that leave out the shapes of terms, where no system has one.
+
+    Gaussians and trapezoids are none of these. Without shapes ``pow`` and its tables are spared.
+    """
+    for system in systems:
+        table = getattr(system, "table", None)
+        if table is None:
+            return {}
+        kinds = table[HEADER + 1 : HEADER + TERM * int(table[1]) : TERM]
+        if (kinds >= SAMPLES).any():
+            return {}
+    return {"SAMPLES": math.inf}
 
 
 def tables_of(system: Any) -> Any:

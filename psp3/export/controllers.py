@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known, Mixed
+from fuzzy2.export.systems import without_shapes
 from psp3.checks import Array, checked_count, checked_positive, one_or_each
 from psp3.control.controller import Widths, widths_of
 from psp3.control.kernels import (
@@ -117,21 +118,27 @@ def code_of(
     exported = exported._replace(wires=wires)
     prefix = "controller" if name is None else name
     unrolled = KINDS[type(exported.table)][2]
-    constants = {"VANISHED": -math.inf} if _always_fires(exported, precision) else {}
+    constants = _not_needed(exported, precision)
     writer = CWriter(prefix, precision, _about(exported), unrolled, constants)
     _add_functions(writer, exported)
     return writer.code()
 
 
-def _always_fires(exported: Exported, precision: str) -> bool:
+def _not_needed(exported: Exported, precision: str) -> dict[str, float]:
+    """Return numbers of kernels that leave out what the rules of a controller do not need."""
+    controller = getattr(exported.controller, "base", exported.controller)
+    if not isinstance(controller, FuzzyComputedTorque):
+        return {}
+    fires = {"VANISHED": -math.inf} if _always_fires(controller, precision) else {}
+    return fires | without_shapes(controller.systems_)
+
+
+def _always_fires(controller: FuzzyComputedTorque, precision: str) -> bool:
     """Whether every rule fires by a number that floats hold, wherever the rules are asked.
 
     They are asked in the trained range only, at whose corners products of terms are least. Nothing
     needs to be computed in logarithms then.
     """
-    controller = getattr(exported.controller, "base", exported.controller)
-    if not isinstance(controller, FuzzyComputedTorque):
-        return False
     for system, place in zip(controller.systems_, controller.places, strict=True):
         ranges = controller.ranges_[:, list(place.columns)]
         if ranges.shape[1] > MOST_INPUTS or system.t_norm.name != "product":
