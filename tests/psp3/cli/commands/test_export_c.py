@@ -85,7 +85,6 @@ def test_controller_of_a_file(psp3_command: Run) -> None:
         (("five_bar", "--out", "no/where"), "there is no directory no"),
         (("five_bar", "--out", "file"), "file is no directory"),
         (("five_bar",), "Missing option '--out'"),
-        (("five_bar", "--out", "f", "--name", "1x"), "name must be"),
         (("five_bar", "--out", "f", "--name", "main"), "name must be none of calls"),
         (("five_bar", "--out", "f", "--precision", "half"), "'half' is not one of"),
     ],
