@@ -29,6 +29,7 @@ from psp3.control.kernels import (
 )
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
+from psp3.export import single
 from psp3.fuzzy_control.adaptive_kernels import Adaptive
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import NO_MODEL, FuzzyRun
@@ -119,6 +120,12 @@ def code_of(
     prefix = "controller" if name is None else name
     unrolled = KINDS[type(exported.table)][2]
     constants = _not_needed(exported, precision)
+    model = getattr(exported.table, "model", None)
+    if precision == "single" and hasattr(model, "tree"):
+        # Loops close as far as single precision goes.
+        numbers = single.numbers_of(model, exported.robot.title)
+        table = exported.table._replace(model=model._replace(numbers=numbers))
+        exported, constants = exported._replace(table=table), constants | single.CONSTANTS
     writer = CWriter(prefix, precision, _about(exported), unrolled, constants)
     _add_functions(writer, exported)
     return writer.code()

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, Literal
 
-from fuzzy2.export.c_code import CCode
+from fuzzy2.export.c_code import CCode, Mixed
 from fuzzy2.export.project import export_project as export_system
 from fuzzy2.export.project import write_project
 from fuzzy2.files.formats import load as load_system
-from fuzzy2.support.checks import Array
 from fuzzy2.support.text_files import read_text
 from psp3.export import typical_inputs
 from psp3.export.face import c_code
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.controller_files import FORMAT, FORMAT_OF_ANY
+from psp3.fuzzy_control.kernels import NO_MODEL
 from psp3.loading import ENDINGS, READERS
 from psp3.loading import load as load_robot
 from psp3.robots.robot import Robot
@@ -81,17 +82,39 @@ def export_project(
     if hasattr(thing, "input_names"):
         return export_system(thing, folder, precision=precision, name=name or "system")
     code = c_code(thing, precision=precision, name=name, **options)
-    write_project(code, folder, _inputs_of(thing, options.get("robot")))
+    if isinstance(thing, Robot):
+        write_project(code, folder, typical_inputs.of_robot(thing))
+        return code
+    robot = options.get("robot") or _robot_of(thing)
+    write_project(_runnable(code, robot), folder, typical_inputs.of_controller(robot))
     return code
 
 
-def _inputs_of(thing: Any, robot: Any) -> dict[str, Array]:
-    if isinstance(thing, Robot):
-        return typical_inputs.of_robot(thing)
-    if robot is None:
-        inner = getattr(thing, "base", thing)
-        robot = getattr(inner, "robot", None) or inner.model
-    return typical_inputs.of_controller(robot)
+def _robot_of(controller: Any) -> Any:
+    """Return the robot that a controller knows."""
+    inner = getattr(controller, "base", controller)
+    return getattr(inner, "robot", None) or inner.model
+
+
+def _runnable(code: CCode, robot: Any) -> CCode:
+    """Return a description whose functions run in Python, too.
+
+    A controller without a model has none in C. In Python the compiler wants one, though no number
+    of it is asked for.
+    """
+    functions = tuple(
+        replace(one, known=tuple(_with_model(known, robot) for known in one.known))
+        for one in code.functions
+    )
+    return replace(code, functions=functions)
+
+
+def _with_model(known: Any, robot: Any) -> Any:
+    if isinstance(known, Mixed):
+        return replace(known, thing=_with_model(known.thing, robot))
+    if isinstance(getattr(known, "model", None), type(NO_MODEL)):
+        return known._replace(model=robot.compiled_table())
+    return known
 
 
 def identifier(source: str | Path) -> str:
