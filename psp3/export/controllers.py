@@ -121,7 +121,7 @@ def code_of(
     unrolled = KINDS[type(exported.table)][2]
     constants = _not_needed(exported, precision)
     model = getattr(exported.table, "model", None)
-    if precision == "single" and hasattr(model, "tree"):
+    if precision == "single" and model is not None and hasattr(model, "tree"):
         # Loops close as far as single precision goes.
         numbers = single.numbers_of(model, exported.robot.title)
         table = exported.table._replace(model=model._replace(numbers=numbers))
