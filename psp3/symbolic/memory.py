@@ -1,0 +1,139 @@
+"""Memory of kernels on symbols: arrays whose parts share their entries, and what is undone."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeVar
+
+import numpy as np
+
+from psp3.symbolic.numbers import SX, Number, chosen, whole
+
+MISSING = object()
+"""In place of a variable that has no value yet."""
+
+Answer = TypeVar("Answer")
+
+
+class Piece(NamedTuple):
+    """A part of an array, row by row: its entries may be symbols, and belong to other parts too."""
+
+    cells: list[Number]
+    start: int
+    shape: tuple[int, ...]
+
+    @property
+    def size(self) -> int:
+        """Number of entries."""
+        return math.prod(self.shape)
+
+    def numbers(self) -> list[Number]:
+        """Return the entries, row by row."""
+        return self.cells[self.start : self.start + self.size]
+
+    def place(self, index: Any) -> int:
+        """Return where among the cells an entry is.
+
+        Raises
+        ------
+        TypeError
+            If a number of the index depends on a symbol.
+        IndexError
+            If it is beyond the shape.
+        """
+        numbers = index if isinstance(index, tuple) else (index,)
+        at = 0
+        for i, size in zip(numbers, self.shape, strict=True):
+            k = whole(i)
+            if not 0 <= k < size:
+                raise IndexError(k, size)
+            at = at * size + k
+        return self.start + at
+
+    def part(self, first: Number | None, end: Number | None) -> Piece:
+        """Return a part of a row."""
+        (size,) = self.shape
+        a, b, _ = slice(first, end).indices(size)
+        return Piece(self.cells, self.start + a, (max(b - a, 0),))
+
+    def row(self, index: Number) -> Piece:
+        """Return a row of a table."""
+        rows, columns = self.shape
+        k = whole(index)
+        if not 0 <= k < rows:
+            raise IndexError(k, rows)
+        return Piece(self.cells, self.start + k * columns, (columns,))
+
+
+def piece_of(array: Any) -> Piece:
+    """Return an array of numbers as kernels on symbols take it; a copy."""
+    values = np.asarray(array)
+    return Piece(values.ravel().tolist(), 0, values.shape)
+
+
+def piece_with(entries: Sequence[Number]) -> Piece:
+    """Return a row of symbols and numbers."""
+    return Piece(list(entries), 0, (len(entries),))
+
+
+def symbols_in(vector: SX) -> Piece:
+    """Return the entries of a symbolic vector, of any number of columns, row by row."""
+    rows, columns = vector.shape
+    entries = [vector[i, j] for i in range(rows) for j in range(columns)]
+    return piece_with(entries)
+
+
+class Changes(dict[tuple[int, Any], tuple[Any, Any, Any]]):
+    """Entries of lists and dictionaries, each with its container, its index and a value."""
+
+
+class Journal:
+    """Writes to arrays and variables, so that both ways of a branch start from the same memory."""
+
+    def __init__(self) -> None:
+        self._before: Changes | None = None
+
+    def write(self, container: Any, index: Any, value: Any) -> None:
+        """Write an entry of a list or a variable."""
+        if self._before is not None:
+            key = id(container), index
+            if key not in self._before:
+                old = container.get(index, MISSING) if type(container) is dict else container[index]
+                self._before[key] = container, index, old
+        container[index] = value
+
+    def tried(self, run: Callable[[], Answer]) -> tuple[Answer, Changes]:
+        """Return what something returns and what it changes, which is undone."""
+        outer, self._before = self._before, Changes()
+        try:
+            answer = run()
+            before = self._before
+        finally:
+            self._before = outer
+        after = Changes()
+        for key, (container, index, old) in before.items():
+            after[key] = container, index, container.get(index, MISSING) if type(
+                container
+            ) is dict else container[index]
+            if old is MISSING:
+                del container[index]
+            else:
+                container[index] = old
+        return answer, after
+
+    def redo(self, changes: Changes) -> None:
+        """Make changes again that were undone."""
+        for container, index, value in changes.values():
+            self.write(container, index, value)
+
+    def merge(self, condition: SX, one: Changes, other: Changes) -> None:
+        """Make the changes of one way where a condition holds, and else those of the other."""
+        for key in dict.fromkeys([*one, *other]):
+            container, index, _ = one.get(key) or other[key]
+            now = container.get(index, MISSING) if type(container) is dict else container[index]
+            a = one[key][2] if key in one else now
+            b = other[key][2] if key in other else now
+            # What only one way has nobody reads after the other.
+            both = b if a is MISSING else a if b is MISSING else chosen(condition, a, b)
+            self.write(container, index, both)
