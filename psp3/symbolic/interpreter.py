@@ -23,7 +23,7 @@ from contextlib import contextmanager
 from typing import Any, NamedTuple
 
 from psp3.symbolic.guards import GUARDS
-from psp3.symbolic.memory import Changes, Journal, Piece
+from psp3.symbolic.memory import Changes, Journal, Piece, chosen
 from psp3.symbolic.numbers import (
     BINARY,
     CALLS,
@@ -31,7 +31,7 @@ from psp3.symbolic.numbers import (
     FUNCTIONS,
     SX,
     Number,
-    chosen,
+    choice,
     is_symbol,
     negated,
     opposite,
@@ -247,54 +247,39 @@ class _Scope:
         return self.block(node.body if test else node.orelse)
 
     def _for(self, node: ast.For) -> Any:
-        return self._turns(node, iter(self.value(node.iter)))
+        return self._turns(node, list(self.value(node.iter)))
 
-    def _turns(self, node: ast.For, numbers: Iterator[int]) -> Any:
-        left = list(numbers)
-        for k, number in enumerate(left):
+    def _turns(self, node: ast.For, numbers: list[int]) -> Any:
+        for k, number in enumerate(numbers):
             self._give(node.target, number)
-            signal = self.block(node.body)
-            if isinstance(signal, Split):
-                rest = left[k + 1 :]
-                return self._interpreter.after(
-                    signal,
-                    lambda s, rest=rest: self._end_of_turn(
-                        s, lambda: self._turns(node, iter(rest))
-                    ),
-                )
-            if signal is BREAK:
-                return NEXT
-            if signal.kind == "return":
-                return signal
+            signal = self._turn(node.body)
+            if signal is not NEXT:
+                rest = numbers[k + 1 :]
+                return self._left(signal, lambda: self._turns(node, rest))  # noqa: B023 (returned)
         return NEXT
 
     def _while(self, node: ast.While) -> Any:
         while True:
             test = self._test(node.test)
             if is_symbol(test):
-                return self._interpreter.both(test, lambda: self._turn(node), lambda: NEXT)
+                return self._interpreter.both(test, lambda: self._again(node), lambda: NEXT)
             if not test:
                 return NEXT
-            signal = self.block(node.body)
-            if isinstance(signal, Split):
-                return self._interpreter.after(
-                    signal, lambda s: self._end_of_turn(s, lambda: self._while(node))
-                )
-            if signal is BREAK:
-                return NEXT
-            if signal.kind == "return":
-                return signal
+            signal = self._turn(node.body)
+            if signal is not NEXT:
+                return self._left(signal, lambda: self._while(node))
 
-    def _turn(self, node: ast.While) -> Any:
-        return self._interpreter.after(
-            self.block(node.body), lambda s: self._end_of_turn(s, lambda: self._while(node))
-        )
+    def _again(self, node: ast.While) -> Any:
+        return self._left(self._turn(node.body), lambda: self._while(node))
 
-    @staticmethod
-    def _end_of_turn(signal: Signal, others: Callable[[], Any]) -> Any:
-        if signal is BREAK:
-            return NEXT
-        return signal if signal.kind == "return" else others()
+    def _turn(self, body: list[ast.stmt]) -> Any:
+        """Return how a turn of a loop ends; ways that both go on with the next turn become one."""
+        return self._interpreter.after(self.block(body), lambda s: NEXT if s is CONTINUE else s)
+
+    def _left(self, signal: Any, others: Callable[[], Any]) -> Any:
+        """Return how a loop ends after a turn: on the ways that have not left it, by its others."""
+        ends = {"break": lambda _: NEXT, "next": lambda _: others(), "return": lambda s: s}
+        return self._interpreter.after(signal, lambda s: ends[s.kind](s))
 
     # Expressions
 
@@ -367,16 +352,21 @@ class _Scope:
     def _tuple(self, node: ast.Tuple) -> tuple[Any, ...]:
         return tuple(self.value(part) for part in node.elts)
 
+    def _ends(self, node: ast.Slice) -> slice:
+        first, end = (None if e is None else whole(self.value(e)) for e in (node.lower, node.upper))
+        return slice(first, end)
+
     def _part(self, whole_array: Piece, node: ast.Slice) -> Piece:
-        ends = (None if end is None else self.value(end) for end in (node.lower, node.upper))
-        return whole_array.part(*ends)
+        return whole_array.part(self._ends(node))
 
     def _subscript(self, node: ast.Subscript) -> Any:
         whole_array = self.value(node.value)
         if isinstance(node.slice, ast.Slice):
+            if isinstance(whole_array, tuple):
+                return whole_array[self._ends(node.slice)]
             return self._part(whole_array, node.slice)
         index = self.value(node.slice)
-        if not isinstance(whole_array, Piece):
+        if isinstance(whole_array, tuple):
             return whole_array[index]
         if len(whole_array.shape) == 2 and not isinstance(index, tuple):
             return whole_array.row(index)
@@ -409,7 +399,9 @@ class _Scope:
             return Piece([nothing] * math.prod(sizes), 0, sizes)
         whole_array: Piece = self.value(node.value)
         assert node.attr == "reshape", node.attr
-        return whole_array._replace(shape=tuple(whole(size) for size in arguments))
+        return Piece(
+            whole_array.cells, whole_array.start, tuple(whole(size) for size in arguments)
+        )
 
 
 @functools.cache
@@ -423,7 +415,7 @@ def _and(one: Number, other: Number) -> Number:
         return other if one else one
     if not is_symbol(other):
         return one if other else other
-    return chosen(one, other, False)
+    return choice(one, other, False)
 
 
 _STATEMENTS = {

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, TypeVar
+from dataclasses import dataclass
+from typing import Any, TypeVar
 
 import numpy as np
 
-from psp3.symbolic.numbers import SX, Number, chosen, whole
+from psp3.symbolic.numbers import SX, Number, choice, whole
 
 MISSING = object()
 """In place of a variable that has no value yet."""
@@ -16,12 +17,21 @@ MISSING = object()
 Answer = TypeVar("Answer")
 
 
-class Piece(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Piece:
     """A part of an array, row by row: its entries may be symbols, and belong to other parts too."""
 
     cells: list[Number]
     start: int
     shape: tuple[int, ...]
+
+    def is_same(self, other: object) -> bool:
+        """Tell whether another one is the same part of the same array."""
+        return (
+            isinstance(other, Piece)
+            and self.cells is other.cells
+            and (self.start, self.shape) == (other.start, other.shape)
+        )
 
     @property
     def size(self) -> int:
@@ -51,10 +61,10 @@ class Piece(NamedTuple):
             at = at * size + k
         return self.start + at
 
-    def part(self, first: Number | None, end: Number | None) -> Piece:
+    def part(self, ends: slice) -> Piece:
         """Return a part of a row."""
         (size,) = self.shape
-        a, b, _ = slice(first, end).indices(size)
+        a, b, _ = ends.indices(size)
         return Piece(self.cells, self.start + a, (max(b - a, 0),))
 
     def row(self, index: Number) -> Piece:
@@ -82,6 +92,26 @@ def symbols_in(vector: SX) -> Piece:
     rows, columns = vector.shape
     entries = [vector[i, j] for i in range(rows) for j in range(columns)]
     return piece_with(entries)
+
+
+def chosen(condition: SX, one: Any, other: Any) -> Any:
+    """Return one value where a condition holds, and else the other, both of one kind.
+
+    Raises
+    ------
+    TypeError
+        If they are neither numbers nor the same.
+    """
+    if one is other:
+        return one
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        parts = [chosen(condition, a, b) for a, b in zip(one, other, strict=True)]
+        return type(one)(*parts) if hasattr(one, "_fields") else tuple(parts)
+    if isinstance(one, SX | bool | int | float) and isinstance(other, SX | bool | int | float):
+        return choice(condition, one, other)
+    if isinstance(one, Piece) and one.is_same(other):
+        return one
+    raise TypeError(f"either {type(one).__name__} or {type(other).__name__}, as a symbol says")
 
 
 class Changes(dict[tuple[int, Any], tuple[Any, Any, Any]]):

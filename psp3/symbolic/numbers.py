@@ -190,29 +190,13 @@ def whole(value: Number) -> int:
     return int(value)
 
 
-def chosen(condition: SX, one: Any, other: Any) -> Any:
-    """Return one value where a condition holds, and else the other, both of one kind.
-
-    The one that is not chosen may be NaN.
-
-    Raises
-    ------
-    TypeError
-        If they are no numbers, and not the same.
-    """
-    if one is other:
+def choice(condition: SX, one: Number, other: Number) -> Number:
+    """Return one number where a condition holds, and else the other, which may be NaN there."""
+    if type(one) is SX and type(other) is SX and casadi.is_equal(one, other):
         return one
-    if isinstance(one, tuple) and isinstance(other, tuple):
-        return tuple(chosen(condition, a, b) for a, b in zip(one, other, strict=True))
-    if isinstance(one, SX | bool | int | float) and isinstance(other, SX | bool | int | float):
-        if type(one) is SX and type(other) is SX and casadi.is_equal(one, other):
-            return one
-        if type(one) is not SX and type(other) is not SX and one == other:
-            return one
-        return _settled(casadi.if_else(condition, one, other))
-    if one == other:
+    if type(one) is not SX and type(other) is not SX and one == other:
         return one
-    raise TypeError(f"either {type(one).__name__} or {type(other).__name__}, as a symbol says")
+    return _settled(casadi.if_else(condition, one, other))
 
 
 CALLS: dict[str, Callable[..., Any]] = {
