@@ -22,7 +22,7 @@ PSP3Error Parameters Pose Result Run
 Workspace exciting_motion
         forward_dynamics_derivatives grid identify inverse_dynamics_derivatives linearize load \
 load_result simulate statistics to_mjcf
-        trajectories with_payload
+        symbolic trajectories with_payload
     """,
     "fuzzy2": """
         ANFIS AnYaSystem FuzzyClassifier automf lagged subtractive_clustering view
@@ -93,6 +93,7 @@ runs_needed
     "psp3.drives": "NO_DRIVE Drive drive_table",
     "psp3.identification": "CONFIDENCE Identified identify",
     "psp3.simulation": "Encoder Result load_result simulate",
+    "psp3.symbolic": "SymbolicPSP3 SymbolicRobot fuzzy_torque",
     "psp3.study": "Grid Progress Study Table grid",
     "fuzzy2.learning": (
         "COMPLETIONS KINDS LEARNERS PARTITIONS WangMendel cluster_partition gaussian_partition "

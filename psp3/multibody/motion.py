@@ -397,9 +397,7 @@ def answer(
         outcome = _reach(tree, numbers, memory)
         if outcome == CLOSED:
             into = width * row
-            outcome = answer_of_pose(
-                question, tree, numbers, memory, second, third, row, out, into
-            )
+            outcome = answer_of_pose(question, tree, numbers, memory, second, third, row, out, into)
             if outcome == CLOSED and not _is_finite(out, into, into + width):
                 outcome = NOT_FINITE
         if outcome != CLOSED:

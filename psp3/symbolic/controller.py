@@ -48,7 +48,8 @@ def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
         raise InvalidValue("outside", controller.outside, wanted)
     n = controller.joints
     inputs = {name: SX.sym(name, n) for name in INPUTS}
-    known = kernels.Fuzzy(*table[:5], *(piece_of(array) for array in table[5:]))
+    arrays: Any = (piece_of(array) for array in table[5:])
+    known = kernels.Fuzzy(*table[:5], *arrays)
     positions, speeds, *wanted_motion = (symbols_in(one) for one in inputs.values())
     desired = piece_with([entry for part in wanted_motion for entry in part.cells])
     out = piece_with([float("nan")] * kernels.step_width(n))

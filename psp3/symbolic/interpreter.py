@@ -129,9 +129,7 @@ class Interpreter:
     def _call(self, kernel: Any, arguments: Any) -> Any:
         known = _read(getattr(kernel, "py_func", kernel))
         scope = _Scope(self, known, dict(zip(known.parameters, arguments, strict=True)))
-        signal = self.after(
-            scope.block(known.body), lambda s: Signal("return") if s is NEXT else s
-        )
+        signal = self.after(scope.block(known.body), lambda s: Signal("return") if s is NEXT else s)
         return signal.value
 
     def write(self, container: Any, index: Any, value: Any) -> None:
@@ -177,17 +175,19 @@ class _Scope:
     # Statements
 
     def block(self, body: list[ast.stmt]) -> Any:
+        """Return how statements in a row end."""
         for k, statement in enumerate(body):
             signal = self._statement(statement)
             if signal is NEXT:
                 continue
-            if isinstance(signal, Split) and k + 1 < len(body):
-                rest = body[k + 1 :]
-                return self._interpreter.after(
-                    signal, lambda s, rest=rest: self.block(rest) if s is NEXT else s
-                )
+            if isinstance(signal, Split):
+                return self._interpreter.after(signal, functools.partial(self._on, body[k + 1 :]))
             return signal
         return NEXT
+
+    def _on(self, rest: list[ast.stmt], signal: Signal) -> Any:
+        """Return how a block ends of which a statement has ended in a way."""
+        return self.block(rest) if signal is NEXT else signal
 
     def _statement(self, node: ast.stmt) -> Any:
         evaluate: Any = _STATEMENTS.get(type(node))
@@ -254,8 +254,8 @@ class _Scope:
             self._give(node.target, number)
             signal = self._turn(node.body)
             if signal is not NEXT:
-                rest = numbers[k + 1 :]
-                return self._left(signal, lambda: self._turns(node, rest))  # noqa: B023 (returned)
+                others = functools.partial(self._turns, node, numbers[k + 1 :])
+                return self._left(signal, others)
         return NEXT
 
     def _while(self, node: ast.While) -> Any:
@@ -278,8 +278,13 @@ class _Scope:
 
     def _left(self, signal: Any, others: Callable[[], Any]) -> Any:
         """Return how a loop ends after a turn: on the ways that have not left it, by its others."""
-        ends = {"break": lambda _: NEXT, "next": lambda _: others(), "return": lambda s: s}
-        return self._interpreter.after(signal, lambda s: ends[s.kind](s))
+
+        def end(signal: Signal) -> Any:
+            if signal is NEXT:
+                return others()
+            return NEXT if signal is BREAK else signal
+
+        return self._interpreter.after(signal, end)
 
     # Expressions
 
@@ -329,7 +334,7 @@ class _Scope:
         test = self._test(nodes[0])
         if len(nodes) == 1:
             return test
-        rest = lambda: self._of_truths(nodes[1:], all_of_them)  # noqa: E731 (it may not be asked)
+        rest = functools.partial(self._of_truths, nodes[1:], all_of_them)
         if not is_symbol(test):
             return rest() if bool(test) == all_of_them else test
         if all_of_them:
@@ -399,9 +404,7 @@ class _Scope:
             return Piece([nothing] * math.prod(sizes), 0, sizes)
         whole_array: Piece = self.value(node.value)
         assert node.attr == "reshape", node.attr
-        return Piece(
-            whole_array.cells, whole_array.start, tuple(whole(size) for size in arguments)
-        )
+        return Piece(whole_array.cells, whole_array.start, tuple(whole(size) for size in arguments))
 
 
 @functools.cache

@@ -143,9 +143,11 @@ class Journal:
             self._before = outer
         after = Changes()
         for key, (container, index, old) in before.items():
-            after[key] = container, index, container.get(index, MISSING) if type(
-                container
-            ) is dict else container[index]
+            after[key] = (
+                container,
+                index,
+                container.get(index, MISSING) if type(container) is dict else container[index],
+            )
             if old is MISSING:
                 del container[index]
             else:

@@ -15,7 +15,7 @@ from typing import Any
 from psp3.errors import MissingPackage
 
 try:
-    import casadi
+    import casadi as casadi
 except ImportError as error:
     raise MissingPackage("casadi", "symbolic", error) from error
 

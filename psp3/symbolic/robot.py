@@ -52,7 +52,7 @@ DIFFERENTIABLE = (
 
 def vector(entries: list[Number]) -> SX:
     """Return numbers and symbols as a column."""
-    return casadi.vertcat(*entries) if entries else SX(0, 1)
+    return SX(casadi.vertcat(*entries)) if entries else SX(0, 1)
 
 
 def matrix(entries: list[Number], rows: int, columns: int) -> SX:
@@ -124,9 +124,7 @@ class SymbolicRobot:
         return out.cells
 
     def _function(self, name: str, inputs: dict[str, SX], outputs: dict[str, SX]) -> Any:
-        return casadi.Function(
-            name, [*inputs.values()], [*outputs.values()], [*inputs], [*outputs]
-        )
+        return casadi.Function(name, [*inputs.values()], [*outputs.values()], [*inputs], [*outputs])
 
     # Kinematics
 
