@@ -29,9 +29,7 @@ def fuzzy_torque(controller: FuzzyComputedTorque) -> Any:
     -------
     casadi.Function
         Of ``positions``, ``speeds``, ``desired_positions``, ``desired_speeds`` and
-        ``desired_accelerations`` (n,), to ``forces`` (n,) of the motors [N or N m]. They are NaN
-        where no rule fires for certain, as far from what was learned with ``outside="clamp"`` none
-        does.
+        ``desired_accelerations`` (n,), to ``forces`` (n,) of the motors [N or N m].
 
     Raises
     ------

@@ -28,8 +28,8 @@ GUARDS: dict[tuple[str, str], bool] = {
     (f"{_INERTIA}.factor_positive", "value > 0.0"): True,
     # Grades of a type-2 term differ.
     (f"{_FIRING}._fire", "grades[2 * t] != grades[2 * t + 1]"): True,
-    # Some rule fires at its lower end, so that no weight is missing to begin the search for a
-    # switch point with, and by more than numbers that are about to vanish. Else 0 / 0 is NaN.
+    # Some rule fires, and by more than numbers that are about to vanish; else 0 / 0 is NaN. What
+    # adds nothing to a sum is not left out.
     (f"{_SYSTEMS}._center_of_sets", "fires > 0.0"): True,
     (f"{_SYSTEMS}._center_of_sets", "uncertainty > 0.0"): True,
     (f"{_SYSTEMS}._center_of_sets", "weight > 0.0"): True,
