@@ -31,6 +31,7 @@ from psp3.symbolic.numbers import (
     FUNCTIONS,
     SX,
     Number,
+    casadi,
     choice,
     is_symbol,
     negated,
@@ -65,6 +66,26 @@ class Split(NamedTuple):
     changes: Changes
     other: Any
     other_changes: Changes
+
+
+class Way(NamedTuple):
+    """Where a condition holds, how something ends, a signal or a split, and what it changes."""
+
+    condition: SX
+    end: Any
+    changes: Changes
+
+
+def _ways(way: Way) -> Iterator[Way]:
+    """Yield the ways of a way that splits, from the memory of before all of them."""
+    if not isinstance(way.end, Split):
+        yield way
+        return
+    split = way.end
+    holds = casadi.logic_and(way.condition, split.condition)
+    yield from _ways(Way(holds, split.one, Changes({**way.changes, **split.changes})))
+    fails = casadi.logic_and(way.condition, opposite(split.condition))
+    yield from _ways(Way(fails, split.other, Changes({**way.changes, **split.other_changes})))
 
 
 class Kernel(NamedTuple):
@@ -137,15 +158,35 @@ class Interpreter:
         self._journal.write(container, index, value)
 
     def both(self, condition: SX, one: Callable[[], Any], other: Callable[[], Any]) -> Any:
-        """Return how two ways from one memory end, and leave it as both leave it."""
-        first, changes = self._journal.tried(one)
-        second, other_changes = self._journal.tried(other)
-        if isinstance(first, Split) or isinstance(second, Split) or first.kind != second.kind:
-            return Split(condition, first, changes, second, other_changes)
-        self._journal.merge(condition, changes, other_changes)
-        if first.value is None:
-            return second
-        return Signal(first.kind, chosen(condition, first.value, second.value))
+        """Return how two ways from one memory end, and leave it as both leave it.
+
+        Where they end in several ways, ways that end alike become one, so that what follows is
+        evaluated once for each, however many branches came before.
+        """
+        ways: dict[str, Way] = {}
+        for holds, run in ((condition, one), (opposite(condition), other)):
+            for way in _ways(Way(holds, *self._journal.tried(run))):
+                known = ways.get(way.end.kind)
+                ways[way.end.kind] = way if known is None else self._united(known, way)
+        first, *others = ways.values()
+        if not others:
+            self._journal.redo(first.changes)
+            return first.end
+        last = others[-1]
+        rest, changes = last.end, last.changes
+        for way in reversed([first, *others[:-1]]):
+            rest = Split(way.condition, way.end, way.changes, rest, changes)
+            changes = Changes()
+        return rest
+
+    def _united(self, one: Way, other: Way) -> Way:
+        """Return two ways that end alike as one."""
+        holds = casadi.logic_or(one.condition, other.condition)
+        changes = self._journal.merged(one.condition, one.changes, other.changes)
+        if one.end.value is None:
+            return Way(holds, other.end, changes)
+        value = chosen(one.condition, one.end.value, other.end.value)
+        return Way(holds, Signal(one.end.kind, value), changes)
 
     def after(self, signal: Any, proceed: Callable[[Signal], Any]) -> Any:
         """Return how what follows ends, on each of the ways that a statement may have ended."""

@@ -129,8 +129,7 @@ class Journal:
         if self._before is not None:
             key = id(container), index
             if key not in self._before:
-                old = container.get(index, MISSING) if type(container) is dict else container[index]
-                self._before[key] = container, index, old
+                self._before[key] = container, index, _entry(container, index)
         container[index] = value
 
     def tried(self, run: Callable[[], Answer]) -> tuple[Answer, Changes]:
@@ -143,11 +142,7 @@ class Journal:
             self._before = outer
         after = Changes()
         for key, (container, index, old) in before.items():
-            after[key] = (
-                container,
-                index,
-                container.get(index, MISSING) if type(container) is dict else container[index],
-            )
+            after[key] = container, index, _entry(container, index)
             if old is MISSING:
                 del container[index]
             else:
@@ -159,13 +154,19 @@ class Journal:
         for container, index, value in changes.values():
             self.write(container, index, value)
 
-    def merge(self, condition: SX, one: Changes, other: Changes) -> None:
-        """Make the changes of one way where a condition holds, and else those of the other."""
+    def merged(self, condition: SX, one: Changes, other: Changes) -> Changes:
+        """Return the changes of one way where a condition holds, and else those of the other."""
+        both = Changes()
         for key in dict.fromkeys([*one, *other]):
             container, index, _ = one.get(key) or other[key]
-            now = container.get(index, MISSING) if type(container) is dict else container[index]
+            now = _entry(container, index)
             a = one[key][2] if key in one else now
             b = other[key][2] if key in other else now
             # What only one way has nobody reads after the other.
-            both = b if a is MISSING else a if b is MISSING else chosen(condition, a, b)
-            self.write(container, index, both)
+            value = b if a is MISSING else a if b is MISSING else chosen(condition, a, b)
+            both[key] = container, index, value
+        return both
+
+
+def _entry(container: Any, index: Any) -> Any:
+    return container.get(index, MISSING) if type(container) is dict else container[index]

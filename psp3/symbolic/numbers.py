@@ -68,7 +68,8 @@ def _divide(a: Number, b: Number) -> Number:
     if type(a) is not SX and type(b) is not SX:
         if b == 0.0:
             # As IEEE 754, and the kernels, have it.
-            return math.nan if a == 0.0 or a != a else math.copysign(math.inf, a)
+            infinite = math.copysign(math.inf, a) * math.copysign(1.0, b)
+            return math.nan if a == 0.0 or a != a else infinite
         return a / b
     if type(a) is not SX and a == 0.0:
         return 0.0

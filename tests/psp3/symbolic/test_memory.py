@@ -73,7 +73,7 @@ def test_merged_changes_are_choices() -> None:
     journal, cells, names = Journal(), [1.0, 2.0], {}
     _, one = journal.tried(lambda: journal.write(cells, 0, 5.0))
     _, other = journal.tried(lambda: journal.write(names, "a", 3.0))
-    journal.merge(X > 0.0, one, other)
+    journal.redo(journal.merged(X > 0.0, one, other))
     first = casadi.Function("f", [X], [cells[0]])
     assert (float(first(1.0)), float(first(-1.0)), cells[1]) == (5.0, 1.0, 2.0)
     # Nobody reads it where it was not written.
