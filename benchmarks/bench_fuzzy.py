@@ -42,6 +42,7 @@ from timing import (
 
 from fuzzy2.errors import ApproximationWarning
 from fuzzy2.reduction.interval import METHODS, centroid
+from fuzzy2.reduction.kernels import EIASC, end_of_interval
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean, GaussianUncertainSigma
 from fuzzy2.sets.shapes import Gaussian
@@ -55,6 +56,8 @@ X = np.array([0.31, -0.22, 0.47, 0.05])
 
 CALL, BATCH_ITEM = "fuzzy2, interval type-2", "fuzzy2, interval type-2, batch, an item"
 COROLLARY, PLANES = "fuzzy2, general type-2, corollary", "fuzzy2, general type-2, 5 α-planes"
+TYPE1_ITEM, TYPE1_SHARE = "fuzzy2, type-1, batch, an item", 0.65
+CENTROID, ITS_KERNEL, KERNELS = "centroid of 100 points", "its kernel alone", 3.0
 FERRIFUZZ, PYIT2FLS, PYIT2FLS_TSK = (
     "ferrifuzz",
     "PyIT2FLS, center of sets",
@@ -105,6 +108,7 @@ def contenders() -> dict[str, Callable[[], object]]:
         "fuzzy2, interval type-2, both ends": lambda: system.type_reduced(X),
         "fuzzy2, type-1": lambda: type1(X),
         BATCH_ITEM: lambda: system(batch),
+        TYPE1_ITEM: lambda: type1(batch),
         COROLLARY: lambda: corollary(X),
         PLANES: lambda: planes(X),
     }
@@ -285,6 +289,30 @@ def growth_of_centroids(rounds: int) -> dict[str, dict[str, float]]:
     return tables
 
 
+def centroid_and_kernel(rounds: int) -> dict[str, float]:
+    """Return microseconds of one exact centroid of 100 points, and of the search in it alone."""
+    fuzzy_set, x = GaussianUncertainMean(mean=(4.0, 6.0), sigma=1.5), np.linspace(0.0, 10.0, 100)
+    low, high = fuzzy_set.lower(x), fuzzy_set.upper(x)
+    below, above = np.empty(100), np.empty(100)
+    functions: dict[str, Callable[[], object]] = {
+        CENTROID: lambda: centroid(x, low, high),
+        ITS_KERNEL: lambda: (
+            end_of_interval(x, high, low, True, EIASC, below, above),
+            end_of_interval(x, low, high, False, EIASC, below, above),
+        ),
+    }
+    return measure(functions, rounds)
+
+
+def print_centroid(medians: dict[str, float], calls: dict[str, float]) -> None:
+    """Print what a centroid costs beside its kernel, and type-1 beside interval type-2."""
+    for what, ratio, bar in (
+        (f"{CENTROID}, in times of {ITS_KERNEL}", medians[CENTROID] / medians[ITS_KERNEL], KERNELS),
+        ("a batch of type-1 / interval type-2", calls[TYPE1_ITEM] / calls[BATCH_ITEM], TYPE1_SHARE),
+    ):
+        print(f"{what:54s}{ratio:10.2f}{bar_and_verdict(ratio, bar)}")
+
+
 def print_growth(title: str, tables: dict[str, dict[str, float]]) -> None:
     """Print rows of times with the growth exponent of each.
 
@@ -347,8 +375,11 @@ def main() -> None:
     versions = environment("numpy", "numba")
     print(f"medians of {arguments.rounds} samples ({', '.join(map(' '.join, versions.items()))})")
     medians = measure(contenders(), arguments.rounds)
-    medians[BATCH_ITEM] /= BATCH
+    for name in (BATCH_ITEM, TYPE1_ITEM):
+        medians[name] /= BATCH
     print_calls(medians)
+    one_centroid = centroid_and_kernel(arguments.rounds)
+    print_centroid(one_centroid, medians)
     systems = growth_of_systems(arguments.rounds)
     print_growth("one call, by", systems)
     centroids = growth_of_centroids(max(5, arguments.rounds // 5))
@@ -369,6 +400,7 @@ def main() -> None:
     results = {
         "versions": versions,
         "microseconds": medians,
+        "centroid": one_centroid,
         "growth": {"systems": systems, "centroid": centroids},
         "batch_bytes_an_item": memory,
         "import_seconds": imports,

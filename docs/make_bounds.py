@@ -2,10 +2,11 @@
 
 Prints the rows of the tables of ``docs/concepts/bounds.md``, all or some::
 
-    python docs/make_bounds.py
-    python docs/make_bounds.py five_bar intervals
+    OMP_NUM_THREADS=1 python docs/make_bounds.py
+    OMP_NUM_THREADS=1 python docs/make_bounds.py five_bar_learned intervals
 
-Ten minutes of one core. Everything random has a seed.
+A quarter of an hour of one core; least squares this small take ten times as long on more threads.
+Everything random has a seed.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
+from scipy.stats import spearmanr
 
 import psp3
 from psp3.bounds import ConformalIntervals
@@ -23,6 +25,7 @@ from psp3.bounds.torque_intervals import SCALES
 from psp3.checks import Array
 from psp3.fuzzy_control.records import record
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.study import statistics
 from psp3.trajectories.motion import Motion
 from psp3.trajectories.trajectory import Trajectory
 
@@ -51,19 +54,26 @@ class Case(NamedTuple):
     other: Trajectory
     resolution: float
 
-    def run(self, seed: int, gains: tuple[float, float], path: Trajectory) -> psp3.Result:
-        """Return a run from the path's own start."""
+    def with_servo(self, seed: int) -> Any:
+        """Return a controller with the thesis's gains."""
+        return self.controller(seed, 10.0, 1.0)
+
+    def run(self, seed: int, gains: tuple[float, float], path: Trajectory) -> psp3.Result | None:
+        """Return a run from the path's own start, or None if it did not reach its end."""
         start = path(np.array([0.0]))
-        return psp3.simulate(
-            self.robot,
-            self.controller(seed, *gains),
-            path,
-            DURATION,
-            PERIOD,
-            initial_positions=start.positions[0],
-            initial_speeds=start.speeds[0],
-            encoder_resolution=self.resolution,
-        )
+        try:
+            return psp3.simulate(
+                self.robot,
+                self.controller(seed, *gains),
+                path,
+                DURATION,
+                PERIOD,
+                initial_positions=start.positions[0],
+                initial_speeds=start.speeds[0],
+                encoder_resolution=self.resolution,
+            )
+        except psp3.errors.SimulationDiverged:
+            return None
 
 
 def believed(robot: ClosedLoopRobot, rng: np.random.Generator) -> ClosedLoopRobot:
@@ -91,16 +101,19 @@ def with_wrong_masses(name: str, amplitude: float, resolution: float) -> Case:
     return Case(f"{name}, wrong masses", robot, controller, paths[0], paths[1], resolution)
 
 
-def with_learned_rules(name: str, path: Trajectory, other: Trajectory) -> Case:
+def with_learned_rules(
+    name: str, path: Trajectory, other: Trajectory, learner: str | None = None, kind: str = "it2"
+) -> Case:
     """Return the case of rules that a robot learned from noisy records, seed by seed."""
     robot: Any = path.robot
     recorded = record(robot, path, 10.4, kp=10.0, kv=1.0)
 
     def controller(seed: int, kp: float, kv: float) -> psp3.FuzzyComputedTorque:
-        fuzzy = psp3.FuzzyComputedTorque("it2", robot, learner="average", snr_db=20.0, kp=kp, kv=kv)
-        return fuzzy.learn(recorded, 209, np.random.default_rng(seed))
+        fuzzy = psp3.FuzzyComputedTorque(kind, robot, learner=learner, snr_db=20.0, kp=kp, kv=kv)
+        return fuzzy.learn(recorded, rng=np.random.default_rng(seed))
 
-    return Case(f"{name}, learned at 20 dB", robot, controller, path, other, 0.0)
+    how = "averages" if learner == "average" else "learned"
+    return Case(f"{name}, {how} at 20 dB", robot, controller, path, other, 0.0)
 
 
 def learned_3psp() -> Case:
@@ -110,14 +123,28 @@ def learned_3psp() -> Case:
         psp3.trajectories.Helix(radius=radius, period=period, rise=0.010, robot=robot)
         for radius, period in ((0.020, 2.0), (0.018, 1.6))
     )
-    return with_learned_rules("psp3", helix, faster)
+    return with_learned_rules("psp3", helix, faster, "average")
 
 
-def learned(name: str) -> Case:
-    """Return the case of any other robot, which sways."""
+AMPLITUDES = {"five_bar": 0.1, "delta": 0.1, "gough_stewart": 0.05}
+"""How far other robots sway [rad or m]."""
+
+
+def learned(name: str, learner: str | None = None) -> Case:
+    """Return the case of any other robot, which sways; by default with least squares."""
     robot = psp3.load(name)
-    paths = [psp3.trajectories.Sway(0.1, period, robot) for period in (2.0, 1.6)]
-    return with_learned_rules(name, paths[0], paths[1])
+    paths = [psp3.trajectories.Sway(AMPLITUDES[name], period, robot) for period in (2.0, 1.6)]
+    return with_learned_rules(name, paths[0], paths[1], learner)
+
+
+KINDS = (
+    ("as calibrated", GAINS, False),
+    ("gains 400, 40", (400.0, 40.0), False),
+    ("a faster path", GAINS, True),
+    ("gains 100, 10", (100.0, 10.0), False),
+    ("gains 10, 1", (10.0, 1.0), False),
+)
+"""What tubes are asked for: gains, and whether on the other path."""
 
 
 def rows_of_tubes(case: Case) -> Iterator[str]:
@@ -130,37 +157,47 @@ def rows_of_tubes(case: Case) -> Iterator[str]:
     alike = [case.run(seed, GAINS, case.path) for seed in range(count)]
     source = np.random.default_rng(0)
     draws = [np.arange(count)] + [source.permutation(count) for _ in range(DRAWS)]
-    tubes = [psp3.TrackingTube([alike[i] for i in draw[:CALIBRATION]], *GAINS) for draw in draws]
-    for what, gains, path in (
-        ("as calibrated", GAINS, case.path),
-        ("gains 400, 40", (400.0, 40.0), case.path),
-        ("a faster path", GAINS, case.other),
-        ("gains 100, 10", (100.0, 10.0), case.path),
-        ("gains 10, 1", (10.0, 1.0), case.path),
-    ):
+    tubes, chosen = [], []
+    for draw in draws:
+        try:
+            tubes.append(psp3.TrackingTube([alike[i] for i in draw[:CALIBRATION]], *GAINS))
+        except psp3.errors.InvalidValue:
+            # Too many of the runs did not reach their end.
+            continue
+        chosen.append(draw)
+    name = case.name
+    if len(tubes) < len(draws):
+        name = f"{name} ({len(tubes)} of {len(draws)} draws)"
+    for what, gains, elsewhere in KINDS:
         own = [tube.with_gains(*gains) for tube in tubes]
         if what == "as calibrated":
-            tests = [[alike[i] for i in draw[CALIBRATION:]] for draw in draws]
+            tests = [[alike[i] for i in draw[CALIBRATION:]] for draw in chosen]
         else:
+            path = case.other if elsewhere else case.path
             seeds = range(count, count + TEST)
-            tests = [[case.run(seed, gains, path) for seed in seeds]] * len(draws)
+            tests = [[case.run(seed, gains, path) for seed in seeds]] * len(tubes)
         kept = 100.0 * np.array(
             [
-                np.mean([tube.holds(run) for run in runs])
+                np.mean([run is not None and tube.holds(run) for run in runs])
                 for tube, runs in zip(own, tests, strict=True)
             ]
         )
         widths = np.mean([tube.width for tube in own[1:]], axis=0)
-        errors = np.array(
-            [np.abs(run.desired.positions - run.positions).max(axis=0) for run in tests[0]]
-        )
         i = int(np.argmax(widths))
-        worst, middle = errors[:, i].max(), float(np.median(errors[:, i]))
         yield (
-            f"| {case.name} | {what} | {kept[0]:.1f} % | {kept[1:].mean():.1f} % | "
-            f"{1e3 * widths[i]:.3g} | {1e3 * worst:.3g} | {widths[i] / worst:.2f} | "
-            f"{1e3 * middle:.3g} |"
+            f"| {name} | {what} | {kept[0]:.1f} % | {kept[1:].mean():.1f} % | "
+            f"{1e3 * widths[i]:.3g} | {_errors(tests[0], i, widths[i])} |"
         )
+
+
+def _errors(runs: list[psp3.Result | None], i: int, width: float) -> str:
+    """Return worst error of a coordinate, width over it, and median of runs' greatest errors."""
+    whole = [run for run in runs if run is not None]
+    if len(whole) < len(runs):
+        return f"{len(runs) - len(whole)} of {len(runs)} ended early | | "
+    errors = [np.abs(run.desired.positions - run.positions)[:, i].max() for run in whole]
+    worst = max(errors)
+    return f"{1e3 * worst:.3g} | {width / worst:.2f} | {1e3 * float(np.median(errors)):.3g}"
 
 
 SEEDS, CALIBRATE, ASK = 60, 300, 700
@@ -194,31 +231,60 @@ def torques_near(
 
 
 def row_of_intervals(
-    name: str, fuzzy: Any, path: Trajectory, other: Trajectory, amplitude: float
+    name: str,
+    controller: Callable[[int], Any],
+    paths: tuple[Trajectory, Trajectory],
+    amplitude: float,
 ) -> str:
-    """Return a row of the table of torque intervals."""
+    """Return a row of the table of torque intervals.
+
+    A seed draws the rules, where they have noise, the states and the noise on torques. What the
+    width is worth is the mean width of intervals that are stretched, over that of constant ones.
+    """
     found: list[list[float]] = []
     for seed in range(SEEDS):
-        rng = np.random.default_rng(seed)
-        known, same, else_where = (
-            torques_near(fuzzy, where, amplitude, count, rng)
-            for where, count in ((path, CALIBRATE), (path, ASK), (other, ASK))
-        )
-        one = []
-        for torques, given in (same, else_where):
-            one.append(float(((given[..., 0] <= torques) & (torques <= given[..., 1])).mean()))
-        one.append(float(np.diff(same[1]).mean()))
-        for scale in SCALES:
-            intervals = ConformalIntervals(*known, HELD, scale)
-            one += [float(intervals.holds(*asked).mean()) for asked in (same, else_where)]
-            one.append(float(np.diff(intervals.around(same[1])).mean()))
-        found.append(one)
-    means = np.mean(found, axis=0)
+        try:
+            found.append(one_seed_of_intervals(controller(seed), paths, amplitude, seed))
+        except psp3.errors.InvalidValue:
+            # Where M was not positive definite at too many states there is no width to stretch.
+            continue
+    if len(found) < SEEDS:
+        name = f"{name} ({len(found)} of {SEEDS} seeds)"
+    columns = np.array(found).T
     cells = [
         f"{100.0 * here:.1f} / {100.0 * there:.1f} % | {width:.3g}"
-        for here, there, width in means.reshape(-1, 3)
+        for here, there, width in columns[:-1].mean(axis=1).reshape(-1, 3)
     ]
-    return f"| {name} | " + " | ".join(cells) + " |"
+    ratio = statistics.ratio_of_means(columns[5], columns[8])
+    cells.append(f"{ratio.value:.3f} ({ratio.low:.3f} to {ratio.high:.3f})")
+    return f"| {name} | " + " | ".join([*cells, f"{columns[-1].mean():.2f}"]) + " |"
+
+
+def one_seed_of_intervals(
+    fuzzy: Any, paths: tuple[Trajectory, Trajectory], amplitude: float, seed: int
+) -> list[float]:
+    """Return shares held here and elsewhere with widths, as given and by scale; correlation."""
+    rng = np.random.default_rng(seed)
+    known, same, else_where = (
+        torques_near(fuzzy, where, amplitude, count, rng)
+        for where, count in ((paths[0], CALIBRATE), (paths[0], ASK), (paths[1], ASK))
+    )
+    one = []
+    for torques, given in (same, else_where):
+        one.append(float(((given[..., 0] <= torques) & (torques <= given[..., 1])).mean()))
+    one.append(float(np.diff(same[1]).mean()))
+    for scale in SCALES:
+        intervals = ConformalIntervals(*known, HELD, scale)
+        one += [float(intervals.holds(*asked).mean()) for asked in (same, else_where)]
+        one.append(float(np.diff(intervals.around(same[1])).mean()))
+    return [*one, correlation(*same)]
+
+
+def correlation(torques: Array, intervals: Array) -> float:
+    """Return how width and error go together: Spearman's coefficient, a mean over the joints."""
+    off = np.abs(torques - intervals.mean(axis=-1))
+    widths = np.diff(intervals)[..., 0]
+    return float(np.mean([spearmanr(a, b).statistic for a, b in zip(widths.T, off.T, strict=True)]))
 
 
 def rows_of_intervals() -> Iterator[str]:
@@ -232,12 +298,16 @@ def rows_of_intervals() -> Iterator[str]:
         fuzzy = psp3.FuzzyComputedTorque(
             kind, robot, learner="average", mean_variation=variation
         ).fit(helix)
-        yield row_of_intervals(f"psp3, {kind}, {variation:g}", fuzzy, helix, other, 0.02)
-    for name in ("five_bar", "delta"):
+        name = f"psp3, {kind}, {variation:g}"
+        yield row_of_intervals(name, lambda seed, same=fuzzy: same, (helix, other), 0.02)
+    for kind in ("it2", "gt2"):
+        case = with_learned_rules("psp3", helix, other, "average", kind)
+        yield row_of_intervals(f"psp3, {kind}, 20 dB", case.with_servo, (helix, other), 0.02)
+    for name, amplitude in AMPLITUDES.items():
         case = learned(name)
-        smaller = psp3.trajectories.Sway(0.075, 1.5, case.robot)
-        noisy = case.controller(0, 10.0, 1.0)
-        yield row_of_intervals(f"{name}, it2, 20 dB", noisy, case.path, smaller, 0.1)
+        smaller = psp3.trajectories.Sway(0.75 * amplitude, 1.5, case.robot)
+        paths = case.path, smaller
+        yield row_of_intervals(f"{name}, it2, 20 dB", case.with_servo, paths, amplitude)
 
 
 CASES: dict[str, Callable[[], Case]] = {
@@ -245,6 +315,9 @@ CASES: dict[str, Callable[[], Case]] = {
     "five_bar_learned": lambda: learned("five_bar"),
     "five_bar": lambda: with_wrong_masses("five_bar", 0.1, 2e-5),
     "delta": lambda: with_wrong_masses("delta", 0.1, 2e-5),
+    "delta_learned": lambda: learned("delta"),
+    "gough_stewart_learned": lambda: learned("gough_stewart"),
+    "gough_stewart_averages": lambda: learned("gough_stewart", "average"),
 }
 
 if __name__ == "__main__":

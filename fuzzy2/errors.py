@@ -157,7 +157,15 @@ class NotNumbers(Fuzzy2Error, TypeError):
 class UnsupportedRule(Fuzzy2Error, ValueError):
     """No sample says what a rule of the grid concludes."""
 
-    def __init__(self, number: int, text: str, firing: float, least: float, count: int) -> None:
+    def __init__(
+        self,
+        number: int,
+        text: str,
+        firing: float,
+        least: float,
+        count: int,
+        remedy: str = "add samples there, use fewer terms, or another completion than 'refuse'",
+    ) -> None:
         self.number, self.text, self.firing, self.least, self.count = (
             number,
             text,
@@ -165,10 +173,10 @@ class UnsupportedRule(Fuzzy2Error, ValueError):
             least,
             count,
         )
+        self.remedy = remedy
         super().__init__(
             f"rule {number} (IF {text}) is fired by no sample more than {firing:.3g}, and at "
-            f"least {least:g} is needed ({count} such rules); add samples there, use fewer "
-            "terms, or another completion than 'refuse'"
+            f"least {least:g} is needed ({count} such rules); {remedy}"
         )
 
 

@@ -98,9 +98,10 @@ def together(**arrays: Array) -> list[Array]:
             shapes, "(..., n) with leading dimensions that go together", next(iter(arrays.values()))
         ) from error
     # Copies, because views made by broadcasting are read-only, and numba would compile every kernel
-    # anew for those.
+    # anew for those; row by row, because a copy of a row that is repeated would stand by columns.
     return [
-        np.array(np.broadcast_to(array, (*shape, array.shape[-1]))) for array in arrays.values()
+        np.array(np.broadcast_to(array, (*shape, array.shape[-1])), order="C")
+        for array in arrays.values()
     ]
 
 

@@ -523,15 +523,24 @@ class InvalidControllerFile(InvalidFile):
 class UnusableEstimate(PSP3Error, ValueError):
     """What was learned holds no mass matrix at all.
 
-    Even the average over the rules is not positive definite.
+    Even the average over the rules is not positive definite. Of a motion and its forces
+    ``told_apart`` is the part of the accelerations that is no function of the positions, as a share
+    of their root mean square; a motion of one harmonic has none.
     """
 
-    def __init__(self, mass: Array) -> None:
-        self.mass = mass
+    def __init__(self, mass: Array, told_apart: float | None = None) -> None:
+        self.mass, self.told_apart = mass, told_apart
+        remedy = "learn from more samples or less noise"
+        if told_apart is not None:
+            remedy = (
+                f"on this motion a share of {told_apart:.2g} of the accelerations does not follow "
+                "from the positions, and where nothing does, forces cannot tell M from G: learn "
+                "from a motion that passes the same places with other accelerations, of more "
+                "harmonics, or from more samples or less noise"
+            )
         super().__init__(
             f"the average mass matrix of the rules, {_numbers(mass)}, is not positive definite, "
-            "so there is nothing to fall back on; learn from more samples or less noise, or of "
-            "forces from a motion with more harmonics"
+            f"so there is nothing to fall back on; {remedy}"
         )
 
 

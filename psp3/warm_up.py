@@ -78,6 +78,7 @@ def _warm_up_core(robot: Any) -> None:
     Besides those its derivatives, and its plants in a simulation, without drives and with them.
     """
     from psp3.control.classical import ComputedTorque
+    from psp3.control.linear_quadratic_regulator import LinearQuadraticRegulator
     from psp3.drives.drive import Drive
     from psp3.loading import load
     from psp3.simulation.runge_kutta import RungeKutta
@@ -92,12 +93,14 @@ def _warm_up_core(robot: Any) -> None:
         # The loop above is compiled with its plant. A controller in Python calls that by itself.
         plant.start(robot.reference, rest)
         plant.advance(rest, 1e-3)
-    # And of a robot whose coordinates are not its motors.
     _warm_up_learning(robot)
+    # And of a robot whose coordinates are not its motors.
     many = load("planar_4rrr")
     goal = many.reference + 0.01
     way = PointToPoint(many.reference, goal, 1.0, many)
-    simulate(many, ComputedTorque(many), way, 0.01)
+    weights = np.eye(2 * many.commanded), np.eye(many.commanded)
+    for controller in (ComputedTorque(many), LinearQuadraticRegulator(many, *weights)):
+        simulate(many, controller, way, 0.01)
 
 
 def _warm_up_learning(robot: Any) -> None:

@@ -75,6 +75,10 @@ ELSEWHERE = {
     "fuzzy2/systems/explainable.py": ("fuzzy2/systems/test_explanation.py", NAMES_ONLY),
     "fuzzy2/systems/averages.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/firing_kernels.py": ("fuzzy2/systems/test_antecedents.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/anya_kernels.py": ("fuzzy2/systems/test_anya.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/log_firing_kernels.py": ("fuzzy2/systems/test_log_firing.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/end_slopes.py": ("fuzzy2/systems/test_gradients.py", THROUGH_ITS_FACE),
+    "fuzzy2/systems/norm_slopes.py": ("fuzzy2/systems/test_gradients.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/maxima.py": ("fuzzy2/systems/test_united.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/outputs.py": ("fuzzy2/systems/test_operators.py", THROUGH_ITS_FACE),
     "fuzzy2/systems/rule_grammar.py": ("fuzzy2/systems/test_rules.py", THROUGH_ITS_FACE),
@@ -95,6 +99,10 @@ ELSEWHERE = {
         "a protocol; controllers of one's own are simulated there",
     ),
     "psp3/control/kernels.py": ("psp3/simulation/test_loop.py", THROUGH_ITS_FACE),
+    "psp3/control/linear_quadratic_kernels.py": (
+        "cross/test_simulated_structures.py",
+        THROUGH_ITS_FACE,
+    ),
     "psp3/description/mjcf_document.py": ("psp3/description/test_mjcf.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_expansion.py": ("cross/test_mjcf_expansion.py", THROUGH_ITS_FACE),
     "psp3/description/mjcf_words.py": ("cross/test_mutated_mjcf.py", THROUGH_ITS_FACE),
@@ -113,6 +121,10 @@ ELSEWHERE = {
         "psp3/fuzzy_control/test_adaptive.py",
         THROUGH_ITS_FACE,
     ),
+    "psp3/fuzzy_control/slotine_li_kernels.py": (
+        "psp3/fuzzy_control/test_slotine_li.py",
+        THROUGH_ITS_FACE,
+    ),
     "psp3/fuzzy_control/kernels.py": (
         "psp3/simulation/test_loop.py",
         "compiled loops that call them are compared with the loop in Python bit for bit",
@@ -120,6 +132,7 @@ ELSEWHERE = {
     "psp3/kinematics/border.py": ("psp3/kinematics/test_workspace.py", THROUGH_ITS_FACE),
     "psp3/plots/panels.py": ("psp3/thesis/test_figures.py", THROUGH_ITS_FACE),
     "psp3/published.py": ("psp3/thesis/test_replication.py", NAMES_ONLY),
+    "psp3/robots/assembly.py": ("psp3/robots/test_closed_loop_robot.py", THROUGH_ITS_FACE),
     "psp3/robots/dynamics_model.py": (
         "psp3/dynamics/test_dynamics_model.py",
         "the first path of the names of a module that moved",

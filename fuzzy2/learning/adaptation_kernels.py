@@ -67,6 +67,15 @@ def _end(points, order, strengths, largest, left, out):
 
 
 @compiled
+def _is_crisp(strengths):
+    """Whether the firing strengths are numbers, as those of type-1 rules."""
+    crisp = True
+    for r in range(strengths.size // 2):
+        crisp = crisp and strengths[2 * r] == strengths[2 * r + 1]
+    return crisp
+
+
+@compiled
 def basis(
     table: Array,
     x: Array,
@@ -80,7 +89,8 @@ def basis(
     Return False where no rule fires.
 
     Of the system in ``table`` only the antecedents count. ``orders`` (m, 2, R) holds any order of
-    the rules and gets the one of the consequents; ``strengths`` (2 R,) gets the firing intervals.
+    the rules and gets the one of the consequents, where they matter; ``strengths`` (2 R,) gets the
+    firing intervals.
     """
     firing(table, x, 0.0, strengths)
     rules = consequents.shape[2]
@@ -89,6 +99,15 @@ def basis(
         largest = max(largest, strengths[2 * r + 1])
     if not largest > 0.0:
         return False
+    if _is_crisp(strengths):
+        # No end of any output has other weights, whatever the order.
+        first = out[0, 0]
+        _end(consequents[0, 0], orders[0, 0], strengths, largest, True, first)
+        for j in range(consequents.shape[0]):
+            for end in range(2):
+                for r in range(rules):
+                    out[j, end, r] = first[r]
+        return True
     for j in range(consequents.shape[0]):
         for end in range(2):
             points, order = consequents[j, end], orders[j, end]

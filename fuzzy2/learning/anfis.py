@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike
 from fuzzy2.errors import InvalidValue, UnknownName
 from fuzzy2.learning.clustering import fuzzy_c_means
 from fuzzy2.learning.estimator import Regressor
-from fuzzy2.learning.hybrid import Data, History, Learner
+from fuzzy2.learning.hybrid import Data, History, Learner, State
 from fuzzy2.learning.partition import (
     Integers,
     principal_terms,
@@ -35,6 +35,7 @@ from fuzzy2.learning.subtractive import subtractive_clustering
 from fuzzy2.sets.interval_type2 import GaussianUncertainMean
 from fuzzy2.sets.shapes import Gaussian
 from fuzzy2.support.checks import Array, positive, real
+from fuzzy2.support.one_thread import one_thread
 from fuzzy2.systems.consequents import Linear
 from fuzzy2.systems.system import FuzzySystem, IntervalType2System, Type1System
 
@@ -46,6 +47,9 @@ RIDGES = (1e-11, 1e-8, 1e-5, 1e-2)
 
 MOST_COEFFICIENTS = 2**14
 """Coefficients of an output's consequents; their least squares is solved in every epoch."""
+
+WIDENINGS, EPOCHS_OF_WIDENING = 20, 2
+"""Steps in which the footprint of an interval system grows from nothing, and epochs of each."""
 
 OVERLAP = 3.0
 """Standard deviation of a cluster's terms, in those of its samples, where learning starts.
@@ -196,7 +200,8 @@ class ANFIS(Regressor):
         if self.kind == "it2":
             spans = (ranges[:, 1] - ranges[:, 0]) / units.widths
             reaches = self.mean_variation * spans[layout.owners]
-        history, chosen, premises = self._learned_from(layout, start, reaches, data, rng)
+        with one_thread():
+            history, chosen, premises = self._learned_from(layout, start, reaches, data, rng)
         self._remember(samples)
         self.system_ = _system(samples, units, premises, history)
         self.training_errors_ = np.array(history.training_errors)
@@ -223,10 +228,33 @@ class ANFIS(Regressor):
             # stops on the way is chance, and so would be where the interval system comes to rest.
             learner = Learner(premises, data, chosen.ridge)
             whole = learner.learn(history.state, self.most_epochs, None, self.patience)
+            # Where it rests still depends on the way there; of two the one that fits better.
             premises = Premises(layout.owners, layout.rules, reaches)
-            start, coefficients = whole.state.parameters, whole.state.coefficients
-            history, chosen = self._run(premises, start, coefficients, data, parts, [chosen.ridge])
+            runs = []
+            for state in (
+                whole.state,
+                self._widened(layout, reaches, whole.state, data, chosen.ridge),
+            ):
+                start, coefficients = state.parameters, state.coefficients
+                runs.append(self._run(premises, start, coefficients, data, parts, [chosen.ridge]))
+            history, chosen = min(runs, key=lambda run: run[0].state.cost)
         return history, chosen, premises
+
+    def _widened(
+        self, layout: _Layout, reaches: Array, state: State, data: Data, ridge: float
+    ) -> State:
+        """Return a type-1 state after its footprint has grown nearly to its width.
+
+        The error of an interval system has a kink wherever a switch point changes, and learning
+        rests at one of many. While the footprint grows, few switch points change at a time.
+        """
+        for step in range(1, WIDENINGS):
+            premises = Premises(layout.owners, layout.rules, step / WIDENINGS * reaches)
+            learner = Learner(premises, data, ridge)
+            start = learner.solved(state.parameters, state.coefficients)
+            epochs = min(EPOCHS_OF_WIDENING, self.most_epochs)
+            state = learner.learn(start, epochs, None, self.patience).state
+        return state
 
     def _run(
         self,

@@ -134,9 +134,11 @@ def _nilpotent(a: Array, b: Array) -> Array:
 
 
 def _hamacher(a: Array, b: Array) -> Array:
-    # 0/0 at a = b = 0 stands for the limit 0.
-    denominator = _probabilistic(a, b)
-    return np.where(denominator == 0.0, 0.0, a * b / np.where(denominator == 0.0, 1.0, denominator))
+    # 0/0 at a = b = 0 stands for the limit 0. The product of two tiny grades underflows, but this
+    # is no less than half of the smaller.
+    low, high = np.minimum(a, b), np.maximum(a, b)
+    denominator = high + low * (1.0 - high)
+    return low * (high / np.where(high == 0.0, 1.0, denominator))
 
 
 def _einstein(a: Array, b: Array) -> Array:

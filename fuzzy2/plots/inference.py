@@ -54,6 +54,7 @@ def figure_of_inference(
     InvalidValue
         If there is no such output, or another number of axes is given.
     """
+    explanation = explanation.pictured
     system = explanation.system
     if not 0 <= output < system.n_outputs:
         raise InvalidValue("output", output, f"from 0 to {system.n_outputs - 1}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 
 from fuzzy2.errors import InvalidValue
@@ -14,6 +15,7 @@ from fuzzy2.plots.sets import figure_of_sets
 from fuzzy2.sets.general_type2 import GeneralType2Set
 from fuzzy2.sets.interval_type2 import IntervalType2Set
 from fuzzy2.sets.type1 import Type1Set
+from fuzzy2.systems.anya import AnYaSystem
 from fuzzy2.systems.explanation import Explanation
 from fuzzy2.systems.system import FuzzySystem
 
@@ -23,10 +25,11 @@ def view(thing: Any, axes: Sequence[Axes] | Axes | None = None) -> Panels:
 
     Parameters
     ----------
-    thing : set, mapping from names to sets, FuzzySystem, learner or Explanation
+    thing : set, mapping from names to sets, FuzzySystem, AnYaSystem, learner or Explanation
         A set is its membership function, a system the terms of its inputs and of its outputs that
-        are sets, a panel each, a learner its system, and an explanation (``system.explain(x)``) the
-        inference, see :func:`fuzzy2.plots.figure_of_inference`.
+        are sets, a panel each, a system of clouds their data and densities, a learner its system,
+        and an explanation (``system.explain(x)``) the inference, see
+        :func:`fuzzy2.plots.figure_of_inference`.
     axes : Axes or sequence of them, optional
         Those of a new figure by default.
 
@@ -45,6 +48,8 @@ def view(thing: Any, axes: Sequence[Axes] | Axes | None = None) -> Panels:
         return figure_of_inference(thing, axes=axes)
     if isinstance(thing, FuzzySystem):
         return _terms(thing, axes)
+    if isinstance(thing, AnYaSystem):
+        return _clouds(thing, axes)
     if isinstance(thing, Type1Set | IntervalType2Set | GeneralType2Set | dict):
         return figure_of_sets(thing, axes)
     system = getattr(thing, "system_", None)
@@ -69,6 +74,20 @@ def _terms(system: FuzzySystem, axes: Sequence[Axes] | Axes | None) -> Panels:
     panels = given_panels(axes, len(named)) or new_panels(6.0, 2.2 * len(named), len(named))
     for panel, (name, sets) in zip(panels, named, strict=True):
         figure_of_sets(sets, panel)
+        panel.set_xlabel(name)
+    return panels
+
+
+def _clouds(system: AnYaSystem, axes: Sequence[Axes] | Axes | None) -> Panels:
+    count = len(system.clouds)
+    panels = given_panels(axes, count) or new_panels(6.0, 2.2 * count, count)
+    for panel, name, cloud in zip(panels, system.input_names, system.clouds, strict=True):
+        # Distances are set against 1, whatever the range of the data.
+        points = np.linspace(cloud.min() - 1.0, cloud.max() + 1.0, 401)
+        densities = 1.0 / (1.0 + np.abs(points[:, np.newaxis] - cloud).mean(axis=1))
+        panel.plot(points, densities)
+        panel.plot(cloud, np.zeros(cloud.size), "|", clip_on=False)
+        panel.set_ylim(0.0, 1.0)
         panel.set_xlabel(name)
     return panels
 

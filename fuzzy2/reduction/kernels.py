@@ -136,6 +136,51 @@ def end_of_interval(  # noqa: C901 (five methods in one compiled loop, for speed
     return z[0] + _average(z, before, after, k)
 
 
+@scalar
+def _log_sum(a, b):
+    """Logarithm of the sum of two numbers, of which the logarithms are given."""
+    least, most = min(a, b), max(a, b)
+    return most if least == -math.inf else most + math.log1p(math.exp(least - most))
+
+
+@scalar
+def end_in_logarithms(z, before, after, below, above):
+    """Do as ``end_of_interval`` with logarithms of weights, which no ratio of them leaves.
+
+    An end takes upper weights on one side and lower ones on the other. Where these are of very
+    different size, weights relative to the greatest of all may vanish though they decide.
+    """
+    n = z.size
+    if n == 1:
+        return z[0]
+    mass = moment = -math.inf
+    for k in range(n):
+        if k > 0:
+            mass = _log_sum(mass, before[k - 1])
+            if z[k] > z[k - 1]:
+                moment = _log_sum(moment, mass + math.log(z[k] - z[k - 1]))
+        below[k] = moment
+    mass = moment = -math.inf
+    for k in range(n - 1, -1, -1):
+        if k < n - 1:
+            mass = _log_sum(mass, after[k + 1])
+            if z[k + 1] > z[k]:
+                moment = _log_sum(moment, mass + math.log(z[k + 1] - z[k]))
+        above[k] = moment
+    k = 1
+    while k < n - 1 and below[k] < above[k]:
+        k += 1
+    largest = -math.inf
+    for i in range(n):
+        largest = max(largest, before[i] if i < k else after[i])
+    numerator, denominator = 0.0, 0.0
+    for i in range(n):
+        weight = math.exp((before[i] if i < k else after[i]) - largest)
+        numerator += weight * (z[i] - z[0])
+        denominator += weight
+    return z[0] + numerator / denominator
+
+
 # Points that are larger, or all smaller, are scaled first: their distances would not be floats.
 LARGEST, SMALLEST = 2.0**400, 2.0**-400
 
@@ -217,4 +262,33 @@ def reduce_rows(z: Array, order: NDArray[np.int64], w: Array, method: int, out: 
                 )
         if out[row, 0] > out[row, 1]:
             # The ends of a point come from two sides, and can miss each other by rounding.
+            out[row, 0], out[row, 1] = out[row, 1], out[row, 0]
+
+
+@compiled
+def reduce_rows_in_logarithms(
+    z: Array, order: NDArray[np.int64], logarithms: Array, out: Array
+) -> None:
+    """Do as ``reduce_rows`` with logarithms of weights, -inf for those of 0."""
+    n = logarithms.shape[1]
+    points, low, high = np.empty(n), np.empty(n), np.empty(n)
+    below, above = np.empty(n), np.empty(n)
+    for row in range(logarithms.shape[0]):
+        source = row if z.shape[0] > 1 else 0
+        for end in range(2):
+            count = 0
+            for i in range(n):
+                j = order[source, i, end]
+                if logarithms[row, j, 1] > -math.inf:
+                    points[count] = z[source, i, end]
+                    low[count], high[count] = logarithms[row, j, 0], logarithms[row, j, 1]
+                    count += 1
+            before, after = (high, low) if end == 0 else (low, high)
+            if count == 0:
+                out[row, end] = math.nan
+            else:
+                out[row, end] = end_in_logarithms(
+                    points[:count], before[:count], after[:count], below, above
+                )
+        if out[row, 0] > out[row, 1]:
             out[row, 0], out[row, 1] = out[row, 1], out[row, 0]

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.errors import InvalidValue
-from fuzzy2.operations.t_norms import TConorm, TNorm
+from fuzzy2.operations.t_norms import T_CONORMS, TConorm, TNorm
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.hedges import Hedge
 
@@ -158,8 +158,17 @@ def _is_number(value: Any, count: int) -> bool:
     return whole and 0 <= value < count
 
 
-def strength(tree: Antecedent, grades: Sequence[Array], both: TNorm, either: TConorm) -> Array:
+def strength(
+    tree: Antecedent,
+    grades: Sequence[Array],
+    both: TNorm,
+    either: TConorm,
+    negated: bool = False,
+) -> Array:
     """Return the firing intervals (n, 2) of a tree.
+
+    What is not both is either of the complements, and so on down to the terms: 1 - (1 - g) rounds a
+    small g away.
 
     Parameters
     ----------
@@ -169,51 +178,68 @@ def strength(tree: Antecedent, grades: Sequence[Array], both: TNorm, either: TCo
         Grades of each input in its terms.
     both, either : TNorm and TConorm
         What *and* and *or* mean.
+    negated : bool
+        Whether to return the strength of its complement.
     """
     match tree:
         case Is(variable, term):
             of_input = grades[int(variable)]
-            return np.ones((len(of_input), 2)) if term is None else of_input[:, int(term)]
-        case And(parts):
-            return both(*(strength(part, grades, both, either) for part in parts))
-        case Or(parts):
-            return either(*(strength(part, grades, both, either) for part in parts))
+            found = np.ones((len(of_input), 2)) if term is None else of_input[:, int(term)]
+            return 1.0 - found[:, ::-1] if negated else found
+        case And(parts) | Or(parts):
+            own = [strength(part, grades, both, either, negated) for part in parts]
+            if isinstance(tree, And):
+                return dual_conorm(both)(*own) if negated else both(*own)
+            return either.dual(*own) if negated else either(*own)
         case Not(part):
-            return 1.0 - strength(part, grades, both, either)[:, ::-1]
+            return strength(part, grades, both, either, not negated)
         case Hedged(hedge, part):
-            hedged = hedge(strength(part, grades, both, either))
-            return np.sort(hedged, axis=-1)
+            hedged = np.sort(hedge(strength(part, grades, both, either)), axis=-1)
+            return 1.0 - hedged[:, ::-1] if negated else hedged
+
+
+def dual_conorm(norm: TNorm) -> TConorm:
+    """Return the t-conorm by which complements are united where a t-norm joins grades."""
+    known = next((one for one in T_CONORMS.values() if one.dual == norm), None)
+    return known or TConorm(f"dual of {norm.name}", lambda a, b: 1.0 - norm(1.0 - a, 1.0 - b), norm)
 
 
 # Steps of a tree for the compiled loop, which goes through them with a stack: a number from 0 is
-# that of a term, whose grade is put on top.
-ONE, AND, OR, NOT, POWER = -1, -2, -3, -4, -5
+# that of a term, whose grade is put on top. BOTH_NOT and EITHER_NOT join complements, by the t-norm
+# dual to what *or* means, and the t-conorm dual to what *and* means.
+ONE, AND, OR, NOT, POWER, BOTH_NOT, EITHER_NOT = -1, -2, -3, -4, -5, -6, -7
 
 
-def program_of(tree: Antecedent, offsets: Sequence[int]) -> list[float] | None:
+def program_of(
+    tree: Antecedent, offsets: Sequence[int], negated: bool = False
+) -> list[float] | None:
     """Return the steps by which the compiled loop finds a tree's strength, or None if it cannot.
 
-    ``offsets`` are the numbers of the first terms of the inputs, counted over all inputs.
+    ``offsets`` are the numbers of the first terms of the inputs, counted over all inputs;
+    ``negated`` is as in :func:`strength`.
     """
     match tree:
         case Is(variable, term):
-            return [ONE if term is None else float(offsets[int(variable)] + int(term))]
+            leaf = [ONE if term is None else float(offsets[int(variable)] + int(term))]
+            return [*leaf, NOT] if negated else leaf
         case And(parts) | Or(parts):
             steps: list[float] = []
+            joined = (AND, EITHER_NOT) if isinstance(tree, And) else (OR, BOTH_NOT)
             for i, part in enumerate(parts):
-                own = program_of(part, offsets)
+                own = program_of(part, offsets, negated)
                 if own is None:
                     return None
                 steps += own
                 if i:
-                    steps.append(AND if isinstance(tree, And) else OR)
+                    steps.append(joined[negated])
             return steps
         case Not(part):
-            own = program_of(part, offsets)
-            return None if own is None else [*own, NOT]
+            return program_of(part, offsets, not negated)
         case Hedged(hedge, part):
             own = program_of(part, offsets)
-            return None if own is None or hedge.power is None else [*own, POWER, hedge.power]
+            if own is None or hedge.power is None:
+                return None
+            return [*own, POWER, hedge.power, *([NOT] if negated else [])]
 
 
 def depth_of(tree: Antecedent) -> int:

@@ -7,19 +7,48 @@ rules.
 
 from __future__ import annotations
 
+import html
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from fuzzy2.errors import InvalidValue, ReadOnly
+from fuzzy2.errors import InvalidValue, NotApplicable, ReadOnly
 from fuzzy2.support.checks import Array, reals
+from fuzzy2.support.shown import Shown
+from fuzzy2.systems.antecedents import Is
+from fuzzy2.systems.explainable import Explainable
+from fuzzy2.systems.explanation import Explanation
+from fuzzy2.systems.gradients import analytic_gradient, central_differences
 from fuzzy2.systems.named_inputs import by_name, like_inputs
 from fuzzy2.systems.system import FuzzySystem
+from fuzzy2.systems.words import rules_in_words
+
+STEP = 1e-3
+"""Step of differences, in units of a cloud's range and the 1 that distances are set against."""
 
 
-class AnYaSystem:
+@dataclass(frozen=True, repr=False)
+class CloudExplanation(Explanation):
+    """Why a system of clouds gives an output; its picture is that of what the densities do.
+
+    Parameters
+    ----------
+    inference : Explanation
+        The explanation of the consequents, of which the relative densities are the inputs.
+    """
+
+    inference: Explanation
+
+    @property
+    def pictured(self) -> Explanation:
+        """The explanation that is drawn."""
+        return self.inference
+
+
+class AnYaSystem(Shown):
     r"""System of rules whose antecedents are clouds of data.
 
     The density of the cloud :math:`d_1, \dots, d_m` about its input x, and the firing of antecedent
@@ -74,6 +103,10 @@ class AnYaSystem:
                 "consequents", consequents, f"a system of {len(self.asked)} inputs, the firings"
             )
         self.consequents = consequents
+        sizes = [cloud.size for cloud in self.clouds]
+        self._data = np.concatenate(self.clouds)
+        self._starts = np.cumsum([0, *sizes])
+        self._cloud_of = np.array(self.asked, dtype=np.int64)
         self._named = input_names is not None
         self.input_names = tuple(input_names or (f"x{i + 1}" for i in range(len(self.clouds))))
         if len(set(self.input_names)) != len(self.clouds):
@@ -112,18 +145,22 @@ class AnYaSystem:
         InvalidValue
             If the inputs are not finite or of another shape.
         """
+        from fuzzy2.systems.anya_kernels import relative_densities
+
+        x = self._checked(X)
+        rows = np.require(x, np.float64, ["C", "W"])
+        out = np.empty((*x.shape[:-1], len(self.asked)))
+        arrays = self._data, self._starts, self._cloud_of, rows.ravel(), out.ravel()
+        if relative_densities(*arrays) >= 0:
+            raise InvalidValue("X", x, "finite")
+        return out
+
+    def _checked(self, X: Any) -> Array:
+        """Return inputs (..., p) of any make."""
         x = reals("X", by_name(X, self.input_names, self._named))
         if x.shape[-1:] != (len(self.clouds),):
             raise InvalidValue("X", x.shape, f"of shape (..., {len(self.clouds)})")
-        if not np.isfinite(x).all():
-            raise InvalidValue("X", x, "finite")
-        densities = np.empty(x.shape)
-        for i, cloud in enumerate(self.clouds):
-            distance = np.abs(x[..., i, np.newaxis] - cloud).mean(axis=-1)
-            densities[..., i] = 1.0 / (1.0 + distance)
-        chosen = densities[..., list(self.asked)]
-        relative: Array = chosen / chosen.sum(axis=-1, keepdims=True)
-        return relative
+        return x
 
     def __call__(self, X: Any = None, /, **named: ArrayLike) -> Array:
         """Return the crisp outputs (..., m) of inputs (..., p), or of inputs by name.
@@ -151,3 +188,133 @@ class AnYaSystem:
         crisp = self.consequents(self.relative_densities(given))
         outputs: Array = like_inputs(crisp, given, self.output_names)
         return outputs
+
+    def type_reduced(self, X: ArrayLike) -> Array:
+        """Return the type-reduced intervals (..., m, 2), see :meth:`FuzzySystem.type_reduced`.
+
+        Parameters
+        ----------
+        X : (..., p) array_like, mapping or data frame
+            Inputs.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        return self.consequents.type_reduced(self.relative_densities(X))
+
+    def firing(self, X: ArrayLike) -> Array:
+        """Return the firing intervals (..., R, 2) of the rules of the consequents.
+
+        Parameters
+        ----------
+        X : (..., p) array_like, mapping or data frame
+            Inputs.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        return self.consequents.firing(self.relative_densities(X))
+
+    def gradient(self, X: ArrayLike) -> Array:
+        r"""Return the derivatives of the crisp outputs by the inputs.
+
+        They are the chain rule's, with :math:`\delta_{ij} = 1` where antecedent i asks for cloud
+        j, and else 0,
+
+        .. math::
+
+            \frac{\partial \lambda_i}{\partial x_j}
+            = \lambda_i \left(\delta_{ij} - \sum_k \lambda_k \delta_{kj}\right)
+            \frac{\partial \ln \gamma_j}{\partial x_j}, \qquad
+            \frac{\partial \ln \gamma_j}{\partial x_j}
+            = - \frac{\sum_k \operatorname{sign}(x_j - d_k)}{m + \sum_k |x_j - d_k|}
+
+        where the consequents have a derivative by formula (:meth:`FuzzySystem.gradient`), and
+        sixth-order differences elsewhere. A density has a kink at each datum; the formula takes the
+        slope of its right side there.
+
+        Parameters
+        ----------
+        X : (..., p) array_like, mapping or data frame
+            Inputs.
+
+        Returns
+        -------
+        (..., m, p) ndarray
+            Derivatives; NaN where no rule fires.
+
+        Raises
+        ------
+        InvalidValue
+            If the inputs are not finite or of another shape.
+        """
+        x = self._checked(X)
+        rows = x.reshape(-1, len(self.clouds))
+        firing = self.relative_densities(rows)
+        try:
+            found = analytic_gradient(self.consequents, firing) @ self._slopes(rows, firing)
+        except NotApplicable:
+            steps = STEP * np.array([1.0 + np.ptp(cloud) for cloud in self.clouds])
+            found = central_differences(self, rows, steps)
+        return np.asarray(found.reshape(*x.shape[:-1], -1, len(self.clouds)))
+
+    def _slopes(self, rows: Array, firing: Array) -> Array:
+        """Return the derivatives (n, R, p) of relative densities (n, R)."""
+        slopes = np.empty_like(rows)
+        for j, cloud in enumerate(self.clouds):
+            apart = rows[:, j, np.newaxis] - cloud
+            side = np.where(apart >= 0.0, 1.0, -1.0).mean(axis=-1)
+            slopes[:, j] = -side / (1.0 + np.abs(apart).mean(axis=-1))
+        asks = self._cloud_of[:, np.newaxis] == np.arange(len(self.clouds))
+        own = asks - (firing @ asks)[:, np.newaxis]
+        return np.asarray(firing[..., np.newaxis] * own * slopes[:, np.newaxis])
+
+    def explain(self, x: ArrayLike) -> CloudExplanation:
+        """Return why the system says what it says of one input: the rules that decided.
+
+        Parameters
+        ----------
+        x : (p,) array_like, or mapping
+            One input.
+
+        Returns
+        -------
+        CloudExplanation
+            See :meth:`FuzzySystem.explain`; a rule asks whether a cloud is dense about an input.
+
+        Raises
+        ------
+        InvalidValue
+            If the input is not finite, of another shape, or more than one.
+        """
+        row = self._checked(x)
+        if row.ndim != 1:
+            raise InvalidValue("x", row.shape[:-1], "one input: a row of numbers, or one by name")
+        inner = self.consequents.explain(self.relative_densities(row))
+        return CloudExplanation(
+            # Of it names are asked only; what is drawn is the inner system.
+            cast(Explainable, self),
+            np.array(row),
+            inner.outputs,
+            inner.reduced,
+            inner.firing,
+            inner.shares,
+            tuple(self.rules_in_words()),
+            inner,
+        )
+
+    def rules_in_words(self) -> list[str]:
+        """Return the text of each rule, ``IF food is dense THEN tip is Low``."""
+        return rules_in_words(self.consequents, asks=self._asks)
+
+    def _asks(self, leaf: Is) -> Is:
+        name = self.input_names[self.asked[int(leaf.variable)]]
+        return Is(name, None if leaf.term is None else "dense")
+
+    def _repr_html_(self) -> str:
+        rules = "".join(f"<li>{html.escape(rule)}</li>" for rule in self.rules_in_words())
+        return f"<p><code>{html.escape(repr(self))}</code></p><ol>{rules}</ol>"

@@ -8,12 +8,17 @@ from typing import Any
 import numpy as np
 
 from fuzzy2.errors import NotApplicable
-from fuzzy2.operations.t_norms import TNorm
+from fuzzy2.operations.t_norms import T_NORMS, TNorm
 from fuzzy2.reduction.interval import (
     begian_melek_mendel,
     generalized_centroid,
     nie_tan,
     wu_mendel_bounds,
+)
+from fuzzy2.reduction.logarithms import (
+    average_in_logarithms,
+    bounds_in_logarithms,
+    centroid_in_logarithms,
 )
 from fuzzy2.sets.sigmoids import Sigmoid
 from fuzzy2.support.checks import Array
@@ -57,6 +62,25 @@ def averaged(
     return np.stack([middle, middle], axis=-1)
 
 
+def averaged_in_logarithms(
+    points: Array, logarithms: Array, method: str, shares: tuple[float, float] = (0.5, 0.5)
+) -> Array:
+    """Do as :func:`averaged` for points (R, 2) or (n, R, 2) and logarithms of weights (n, R, 2)."""
+    if method not in DIRECT_METHODS:
+        return centroid_in_logarithms(points, logarithms)
+    if method == "wu_mendel":
+        return bounds_in_logarithms(points, logarithms)
+    middles = points.mean(axis=-1)
+    if method == "nie_tan":
+        # Its weights are the sums of both.
+        both = np.logaddexp(logarithms[..., 0], logarithms[..., 1])
+        middle = average_in_logarithms(middles, both)
+    else:
+        low, high = (average_in_logarithms(middles, logarithms[..., end]) for end in (0, 1))
+        middle = shares[0] * np.where(np.isnan(low), high, low) + shares[1] * high
+    return np.stack([middle, middle], axis=-1)
+
+
 def heights(sets: Sequence[Any]) -> tuple[Array, Array]:
     """Return the highest points (R,) of sets, and the grades there (R, 2)."""
     points = np.array([highest_point(item) for item in sets])
@@ -73,6 +97,15 @@ def height_weights(
     if modified:
         weights = weights / np.array([spread(item) for item in sets])[:, np.newaxis] ** 2
     return points, weights
+
+
+def log_height_weights(
+    sets: Sequence[Any], logarithms: Array, modified: bool
+) -> tuple[Array, Array]:
+    """Return the points (R, 2) and logarithms of weights (n, R, 2) under the product."""
+    points, factors = height_weights(sets, np.ones((1, len(sets), 2)), T_NORMS["product"], modified)
+    with np.errstate(divide="ignore"):
+        return np.stack([points, points], axis=-1), logarithms + np.log(factors)
 
 
 def weighted_sum(intervals: Array, strengths: Array) -> Array:

@@ -49,5 +49,5 @@ class Explainable(Protocol):
     def one_row(self, x: ArrayLike) -> Array:
         """Return one input as an array (1, p)."""
 
-    def relative_firing(self, rows: Array) -> Array:
-        """Return firing intervals of which only the ratios count if they underflow."""
+    def log_firing(self, rows: Array) -> tuple[Array, NDArray[Any]]:
+        """Return logarithms of firing intervals, and where floats do not hold these."""

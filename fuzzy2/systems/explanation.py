@@ -53,6 +53,11 @@ class Explanation(Shown):
     shares: Array
     rules: tuple[str, ...]
 
+    @property
+    def pictured(self) -> Explanation:
+        """The explanation that is drawn."""
+        return self
+
     def ranking(self, output: int = 0) -> NDArray[np.intp]:
         """Return the numbers of the rules that contribute, from the greatest share on.
 
@@ -144,7 +149,8 @@ def explained(system: Explainable, x: ArrayLike) -> Explanation:
     outputs = np.asarray(system(row)[0])
     shares = np.zeros((len(firing), system.n_outputs))
     for weight, plane in system.explained_by:
-        shares += weight * shares_of(plane, row, plane.relative_firing(row)[0])
+        logarithms, far = plane.log_firing(row)
+        shares += weight * shares_of(plane, row, logarithms[0], bool(far[0]))
     return Explanation(
         system,
         row[0],

@@ -91,7 +91,8 @@ def _both(norm, a, b):
         return 0.0 if least <= 1.0 - most else least
     if norm == 5:
         united = most + least * (1.0 - most)
-        return a * b / united if united > 0.0 else 0.0
+        # The product of two tiny grades underflows, but this is no less than half of the smaller.
+        return least * (most / united) if united > 0.0 else 0.0
     return a * b / (1.0 + (1.0 - a) * (1.0 - b))
 
 
@@ -318,14 +319,16 @@ def _supplement_firing(table, grades, low, high, stack):
                     top += 1
                     lower[top] = 1.0 if code < 0 else grades[2 * code]
                     upper[top] = 1.0 if code < 0 else grades[2 * code + 1]
-                elif code == -2:
+                elif code == -2 or code == -6:
                     top -= 1
-                    lower[top] = _both(norm, lower[top], lower[top + 1])
-                    upper[top] = _both(norm, upper[top], upper[top + 1])
-                elif code == -3:
+                    chosen = norm if code == -2 else conorm
+                    lower[top] = _both(chosen, lower[top], lower[top + 1])
+                    upper[top] = _both(chosen, upper[top], upper[top + 1])
+                elif code == -3 or code == -7:
                     top -= 1
-                    lower[top] = _either(conorm, lower[top], lower[top + 1])
-                    upper[top] = _either(conorm, upper[top], upper[top + 1])
+                    chosen = conorm if code == -3 else norm
+                    lower[top] = _either(chosen, lower[top], lower[top + 1])
+                    upper[top] = _either(chosen, upper[top], upper[top + 1])
                 elif code == -4:
                     lower[top], upper[top] = 1.0 - upper[top], 1.0 - lower[top]
                 else:
@@ -373,65 +376,3 @@ def _fire_block(table, x, start, width, grades, one_low, one_high, low, high):
 
 # Firing strengths below this one have lost digits, or all of them, to underflow.
 VANISHED = 1e-280
-
-
-@scalar
-def _log_grades(row, o, x, width, low, high):
-    """Logarithms of the grades of ``_grades``, which are ``low`` and ``high``.
-
-    Of Gaussians they are parabolas, however far x is away and though the grades themselves
-    underflow.
-    """
-    kind = int(row[o + 1])
-    if kind == 1 or (kind == 2 and width * row[o + 8] > 0.0):
-        return math.log(low), math.log(high)
-    m1, m2, s_low, s_high = row[o + 2], row[o + 3], row[o + 4], row[o + 5]
-    h_low, h_high = row[o + 6], row[o + 7]
-    if kind == 2:
-        h_low, s_low = h_high, s_high
-    t = (x - max(min(x, m2), m1)) / s_high
-    upper = math.log(h_high) - 0.5 * t * t
-    t = (x - (m2 if x < 0.5 * (m1 + m2) else m1)) / s_low
-    return min(math.log(h_low) - 0.5 * t * t, upper), upper
-
-
-@scalar
-def _fire_in_logarithms(table, x, xo, width, grades, low, high):
-    """Write the firing strengths of plain rules, divided by the greatest of them.
-
-    ``grades`` are as ``_fire`` left them for the input that starts at ``xo``. Return whether any
-    rule fires.
-    """
-    inputs, terms, rules, norm = int(table[0]), int(table[1]), int(table[2]), int(table[4])
-    start = int(table[5])
-    if norm > 1 or (start > 0 and table[start + 1] > 0.0):
-        return False
-    for t in range(terms):
-        o = HEADER + TERM * t
-        grades[2 * t], grades[2 * t + 1] = _log_grades(
-            table, o, x[xo + int(table[o])], width, grades[2 * t], grades[2 * t + 1]
-        )
-    o = HEADER + TERM * terms
-    greatest = -math.inf
-    for r in range(rules):
-        lower, upper = 0.0, 0.0
-        for _ in range(inputs):
-            t = int(table[o])
-            o += 1
-            if t < 0:
-                continue
-            if norm == 0:
-                lower, upper = min(lower, grades[2 * t]), min(upper, grades[2 * t + 1])
-            else:
-                lower += grades[2 * t]
-                upper += grades[2 * t + 1]
-        if start > 0:
-            weight = math.log(table[start + SUPPLEMENT + r])
-            lower, upper = lower + weight, upper + weight
-        low[r], high[r] = lower, upper
-        greatest = max(greatest, upper)
-    if greatest == -math.inf:
-        return False
-    for r in range(rules):
-        low[r], high[r] = math.exp(low[r] - greatest), math.exp(high[r] - greatest)
-    return True

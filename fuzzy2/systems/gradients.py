@@ -29,26 +29,21 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import NotApplicable
-from fuzzy2.operations.t_norms import T_NORMS, TNorm
+from fuzzy2.operations.t_norms import TNorm
 from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 from fuzzy2.support.checks import Array
 from fuzzy2.systems.consequents import Linear
-from fuzzy2.systems.relative_firing import VANISHED, log_grades, slopes_of_logarithms
+from fuzzy2.systems.end_slopes import left_end, scaled_for
+from fuzzy2.systems.log_firing import log_grades, slopes_of_logarithms
+from fuzzy2.systems.norm_slopes import SLOPE_RULES
 from fuzzy2.systems.terms import domain_of, highest_point, spread
-
-TIE = 1e-13
-"""A consequent equals the output where they differ by less than this, relative to the largest
-consequent: some roundings.
-"""
 
 _BLOCK = 1 << 20  # numbers in the largest array that is held at once: 8 MiB
 
 _CONSTANT = np.zeros((1, 1, 1, 1, 2))  # derivatives of points that do not move, as (n, m, R, p, 2)
-
-_Rule = Callable[[Array, Array, Array, Array], Array]
 
 
 class Differentiable(Protocol):
@@ -128,8 +123,8 @@ class Differentiable(Protocol):
         """Return the range of each input, (p, 2)."""
         ...
 
-    def relative_firing(self, rows: Array) -> Array:
-        """Return firing intervals (n, R, 2) of which only the ratios count if they underflow."""
+    def log_firing(self, rows: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return logarithms of firing intervals, and where floats do not hold these."""
         ...
 
     def __call__(self, X: ArrayLike) -> Array:
@@ -197,7 +192,7 @@ def analytic_gradient(system: Differentiable, rows: Array) -> Array:
             "the derivative by formula", "none is known for non-singleton fuzzifiers"
         )
     for norm in (system.t_norm, system.implication):
-        if norm not in _RULES:
+        if norm not in SLOPE_RULES:
             raise NotApplicable(
                 "the derivative by formula", f"none is known for the t-norm {norm.name!r}"
             )
@@ -208,6 +203,10 @@ def analytic_gradient(system: Differentiable, rows: Array) -> Array:
     for start in range(0, len(rows), step):
         block = rows[start : start + step]
         slopes[start : start + step] = _of_block(system, block)
+        if system.middles is None:
+            logarithms, far = system.log_firing(block)
+            if far.any():
+                slopes[start : start + step][far] = _far_away(system, block[far], logarithms[far])
     return slopes
 
 
@@ -229,15 +228,22 @@ def gradient_by_differences(system: Differentiable, rows: Array) -> Array:
     (n, m, p) array
         Derivatives; NaN where no rule fires, or none within three steps.
     """
-    slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
-    for i, (terms, ends) in enumerate(zip(system.inputs, system.domain(), strict=True)):
-        left, right = domain_of(terms) if terms else ends
-        step = 1e-3 * (right - left)
-        shift = np.zeros(len(system.inputs))
-        shift[i] = step
-        near, middle, far = (system(rows + k * shift) - system(rows - k * shift) for k in (1, 2, 3))
-        slopes[..., i] = (45.0 * near - 9.0 * middle + far) / (60.0 * step)
-    return slopes
+    ranges = [
+        domain_of(terms) if terms else ends
+        for terms, ends in zip(system.inputs, system.domain(), strict=True)
+    ]
+    return central_differences(system, rows, np.array([1e-3 * (b - a) for a, b in ranges]))
+
+
+def central_differences(function: Callable[[Array], Array], rows: Array, steps: Array) -> Array:
+    """Return sixth-order central differences (n, m, p) of a function from (n, p) to (n, m)."""
+    slopes = []
+    for step, shift in zip(steps, np.diag(steps), strict=True):
+        near, middle, far = (
+            function(rows + k * shift) - function(rows - k * shift) for k in (1, 2, 3)
+        )
+        slopes.append((45.0 * near - 9.0 * middle + far) / (60.0 * step))
+    return np.stack(slopes, axis=-1)
 
 
 def _of_block(system: Differentiable, rows: Array) -> Array:
@@ -246,22 +252,17 @@ def _of_block(system: Differentiable, rows: Array) -> Array:
     The weights of all of them are in memory.
     """
     strengths, rates = _firing(system, rows)
-    vanished = strengths[..., 1].max(axis=1) < VANISHED
-    if system.middles is None and vanished.any():
-        strengths[vanished], rates[vanished] = _relative_firing(system, rows[vanished])
     slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
     if system.middles is not None:
         crisp = system(rows)  # by the Gaussian corollary, which is the type-1 system in the middle
-        slopes[:] = _left_end(
+        slopes[:] = left_end(
             system.middles.T[np.newaxis], _CONSTANT[..., 0], crisp, strengths, rates
         )
     else:
         reduced = system.type_reduced(rows)
         for outputs, points, rises, weights, changes in _outputs(system, rows, strengths, rates):
-            left = _left_end(
-                points[..., 0], rises[..., 0], reduced[:, outputs, 0], weights, changes
-            )
-            right = _left_end(
+            left = left_end(points[..., 0], rises[..., 0], reduced[:, outputs, 0], weights, changes)
+            right = left_end(
                 -points[..., 1], -rises[..., 1], -reduced[:, outputs, 1], weights, changes
             )
             slopes[:, outputs] = 0.5 * (left - right)
@@ -271,7 +272,7 @@ def _of_block(system: Differentiable, rows: Array) -> Array:
 
 def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
     """Return the firing intervals (n, R, 2) and their derivatives (n, R, 2, p)."""
-    rule = _RULES[system.t_norm]
+    rule = SLOPE_RULES[system.t_norm]
     strengths = np.ones((len(rows), len(system.rules), 2))
     rates = np.zeros((*strengths.shape, len(system.inputs)))
     for i, terms in enumerate(system.inputs):
@@ -292,10 +293,36 @@ def _firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
     return strengths, rates
 
 
-def _relative_firing(system: Differentiable, rows: Array) -> tuple[Array, Array]:
-    """Return what :func:`_firing` does, both divided by the greatest strength of a row."""
-    strengths = system.relative_firing(rows)
-    shape = (*strengths.shape, len(system.inputs))
+def _far_away(system: Differentiable, rows: Array, logarithms: Array) -> Array:
+    """Return the derivatives (n, m, p) at inputs whose firing strengths no floats hold.
+
+    Relative to the greatest weight that an end takes, those that it takes are floats.
+    """
+    if system.t_norm.name not in ("min", "product"):
+        return gradient_by_differences(system, rows)
+    rates = _log_rates(system, rows)
+    reduced = system.type_reduced(rows)
+    # What outputs make of the weights is factors.
+    ones = np.ones_like(logarithms)
+    slopes = np.empty((len(rows), system.n_outputs, len(system.inputs)))
+    for outputs, points, rises, factors, _ in _outputs(system, rows, ones, np.zeros_like(rates)):
+        weights = logarithms + np.log(factors)
+        for j in range(system.n_outputs)[outputs]:
+            k = j - outputs.indices(system.n_outputs)[0]
+            ends = []
+            for sign, end in ((1.0, 0), (-1.0, 1)):
+                own = sign * points[:, k : k + 1, :, end]
+                y = sign * reduced[:, j : j + 1, end]
+                own_rises = sign * rises[:, min(k, rises.shape[1] - 1)][:, np.newaxis, ..., end]
+                near = scaled_for(own[:, 0], y, weights)
+                ends.append(left_end(own, own_rises, y, near, near[..., np.newaxis] * rates))
+            slopes[:, j] = 0.5 * (ends[0] - ends[1])[:, 0]
+    return slopes
+
+
+def _log_rates(system: Differentiable, rows: Array) -> Array:
+    """Return the derivatives (n, R, 2, p) of the logarithms of firing strengths."""
+    shape = (len(rows), len(system.rules), 2, len(system.inputs))
     # Of inputs that play no part in a rule the grade is 1.
     logarithms, log_slopes = np.zeros(shape), np.zeros(shape)
     for i, terms in enumerate(system.inputs):
@@ -311,7 +338,7 @@ def _relative_firing(system: Differentiable, rows: Array) -> tuple[Array, Array]
     if system.t_norm.name == "min":
         least = logarithms.argmin(axis=-1)[..., np.newaxis] == np.arange(shape[-1])
         log_slopes = np.where(least, log_slopes, 0.0)
-    return strengths, strengths[..., np.newaxis] * log_slopes
+    return log_slopes
 
 
 def _grades_and_slopes(
@@ -372,7 +399,7 @@ def _outputs(
             ]
         )
         weights = system.implication(strengths, heights)
-        changes = _RULES[system.implication](
+        changes = SLOPE_RULES[system.implication](
             strengths[..., np.newaxis], rates, heights[..., np.newaxis], np.zeros(1)
         )
         if system.type_reduction == "modified_height":
@@ -395,100 +422,3 @@ def _rises(consequents: Linear, rows: Array, output: int) -> Array:
     middle = consequents.coefficients[:, output, 1:]
     half = consequents.spreads[:, output, 1:] * np.where(rows >= 0.0, 1.0, -1.0)[:, np.newaxis]
     return np.stack([middle - half, middle + half], axis=-1)
-
-
-def _left_end(points: Array, rises: Array, y: Array, weights: Array, rates: Array) -> Array:
-    r"""Return the derivatives (n, m, p) from the right of left ends y (n, m).
-
-    The least averages of points with weights from intervals.
-
-    Points are (n or 1, m, R) with the derivatives ``rises`` (n, m, R, p), or 1 along any axis,
-    weights (n, R, 2) with ``rates`` (n, R, 2, p). Any weight of a point that equals y gives the
-    same y, but not the same derivative.
-    """
-    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        # Relative to the largest weight: products of tiny ones would underflow.
-        largest = weights[..., 1].max(axis=1)[:, np.newaxis, np.newaxis]
-        weights, rates = weights / largest, rates / largest[..., np.newaxis]
-        away = points - y[..., np.newaxis]
-        tied = np.abs(away) <= TIE * np.abs(points).max(axis=-1, keepdims=True)
-        below, above = (away < 0.0) & ~tied, (away > 0.0) & ~tied
-        moment = (
-            np.where(below, away, 0.0) @ rates[:, :, 1]
-            + np.where(above, away, 0.0) @ rates[:, :, 0]
-        )
-        weight = np.where(
-            below, weights[:, np.newaxis, :, 1], np.where(above, weights[:, np.newaxis, :, 0], 0.0)
-        )
-        mass = weight.sum(axis=-1)[..., np.newaxis]
-        if rises.any():
-            moment = moment + np.einsum(
-                "nmr,nmrp->nmp", weight, np.broadcast_to(rises, (*away.shape, moment.shape[-1]))
-            )
-        slopes = moment / mass
-        some = tied.any(axis=-1)
-        if some.any():
-            item, output = np.nonzero(some)
-            low, high = np.moveaxis(
-                np.where(tied[some][..., np.newaxis], weights[item], 0.0), -1, 0
-            )
-            theirs = np.broadcast_to(rises, (*away.shape, moment.shape[-1]))[item, output]
-            slopes[some] = _least_slope(
-                moment[some], mass[some], theirs, low[..., np.newaxis], high[..., np.newaxis]
-            )
-    return np.asarray(slopes)
-
-
-def _least_slope(moment: Array, mass: Array, rises: Array, low: Array, high: Array) -> Array:
-    """Return the derivatives (k, p) of ends that equal points.
-
-    These points may have any weight from low to high (k, R, 1).
-
-    Of all their choices the one that falls fastest counts (Danskin's theorem). It is a generalized
-    centroid, too, of the derivatives of the points, (k, R, p), and found by Karnik and Mendel's
-    iteration.
-    """
-    least: Array = (moment + (high * rises).sum(axis=1)) / (mass + high.sum(axis=1))
-    while True:
-        chosen = np.where(rises <= least[:, np.newaxis], high, low)
-        candidate = (moment + (chosen * rises).sum(axis=1)) / (mass + chosen.sum(axis=1))
-        less = candidate < least
-        if not less.any():
-            return least
-        least = np.where(less, candidate, least)
-
-
-def _of_product(a: Array, a_rate: Array, b: Array, b_rate: Array) -> Array:
-    return a * b_rate + b * a_rate
-
-
-def _of_minimum(a: Array, a_rate: Array, b: Array, b_rate: Array) -> Array:
-    return np.where(a < b, a_rate, np.where(b < a, b_rate, np.minimum(a_rate, b_rate)))
-
-
-def _of_lukasiewicz(a: Array, a_rate: Array, b: Array, b_rate: Array) -> Array:
-    rate = a_rate + b_rate
-    return np.where(a + b > 1.0, rate, np.where(a + b < 1.0, 0.0, np.maximum(rate, 0.0)))
-
-
-def _of_hamacher(a: Array, a_rate: Array, b: Array, b_rate: Array) -> Array:
-    union = a + b - a * b
-    # Near (0, 0) the t-norm is homogeneous, like half of the harmonic mean.
-    both = a_rate + b_rate
-    at_zero = np.where(both > 0.0, a_rate * b_rate / np.where(both > 0.0, both, 1.0), 0.0)
-    safe = np.where(union > 0.0, union, 1.0)
-    return np.where(union > 0.0, (b / safe) ** 2 * a_rate + (a / safe) ** 2 * b_rate, at_zero)
-
-
-def _of_einstein(a: Array, a_rate: Array, b: Array, b_rate: Array) -> Array:
-    return (b * (2.0 - b) * a_rate + a * (2.0 - a) * b_rate) / (1.0 + (1.0 - a) * (1.0 - b)) ** 2
-
-
-# How the derivatives of two grades make that of their combination, from the right.
-_RULES: dict[TNorm, _Rule] = {
-    T_NORMS["product"]: _of_product,
-    T_NORMS["min"]: _of_minimum,
-    T_NORMS["lukasiewicz"]: _of_lukasiewicz,
-    T_NORMS["hamacher"]: _of_hamacher,
-    T_NORMS["einstein"]: _of_einstein,
-}

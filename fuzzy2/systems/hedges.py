@@ -108,6 +108,24 @@ class Hedge:
         assert self.power is not None
         return np.asarray(grades**self.power)
 
+    def of_logarithms(self, logarithms: Array) -> Array:
+        """Return logarithms of the hedged grades, of the logarithms (...,) of grades.
+
+        Of a function of one's own this is as good as floats: a grade that underflows is 0.
+        """
+        if self.power is not None:
+            return np.asarray(self.power * logarithms)
+        with np.errstate(divide="ignore"):
+            found = np.log(self(np.exp(logarithms)))
+        low = logarithms < np.log(0.5)
+        if self.function is intensify:
+            found = np.where(low, np.log(2.0) + 2.0 * logarithms, found)
+        elif self.function is relax:
+            found = np.where(low, 0.5 * (logarithms - np.log(2.0)), found)
+        elif isinstance(self.function, Scaled) and self.function.factor > 0.0:
+            found = np.log(self.function.factor) + logarithms
+        return np.asarray(found)
+
 
 HEDGES = MappingProxyType(
     {

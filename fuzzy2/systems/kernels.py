@@ -16,9 +16,9 @@ from fuzzy2.systems.firing_kernels import (
     VANISHED,
     _fire,
     _fire_block,
-    _fire_in_logarithms,
     _grades,
 )
+from fuzzy2.systems.log_firing_kernels import center_in_logarithms, log_fire, lost
 
 # Comparisons closer than this, relative to what is compared, are left to the search that rounding
 # cannot mislead.
@@ -89,7 +89,6 @@ def _center_of_spoken(table, low, high, room, out, oo, crisp):
     silent = int(table[5]) + SUPPLEMENT + rules
     defaults = silent + rules * outputs
     lower, upper = room[5 * rules : 6 * rules], room[6 * rules :]
-    fires = 0.0
     for j in range(outputs):
         spoken = 0.0
         for r in range(rules):
@@ -111,8 +110,6 @@ def _center_of_spoken(table, low, high, room, out, oo, crisp):
             out[oo + j] = 0.5 * (least + greatest)
         else:
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
-        fires = max(fires, spoken)
-    return fires
 
 
 @scalar
@@ -121,10 +118,11 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
 ):
     """Write the type-reduced interval, or its middle, of every output.
 
-    NaN where no rule fires. Return the greatest upper firing strength.
+    NaN where no rule fires.
     """
     if table[5] > 0.0 and table[int(table[5]) + 2] > 0.0:
-        return _center_of_spoken(table, low, high, room, out, oo, crisp)
+        _center_of_spoken(table, low, high, room, out, oo, crisp)
+        return
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
     ends = HEADER + TERM * terms + rules * inputs
     extremes = ends + 2 * rules * outputs
@@ -183,7 +181,6 @@ def _center_of_sets(  # noqa: C901 (both ends of all outputs in one compiled loo
         else:
             # The ends of a point come from two sides, and can miss each other by rounding.
             out[oo + 2 * j], out[oo + 2 * j + 1] = min(least, greatest), max(least, greatest)
-    return fires
 
 
 @scalar
@@ -196,9 +193,11 @@ def evaluate_in(
     """
     grades, low, high, extra, moments, room, stack = _rooms(table, work)
     _fire(table, x, xo, width, grades, low, high, stack)
-    fires = _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
-    if fires < VANISHED and _fire_in_logarithms(table, x, xo, width, grades, low, high):
-        _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
+    _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
+    # Mostly the first rule is enough to say no.
+    if (low[0] < VANISHED or table[5] > 0.0) and lost(table, low, high):
+        log_fire(table, x, xo, width, grades, low, high, stack)
+        center_in_logarithms(table, low, high, room, out, oo, crisp)
 
 
 # Rows that are carried together where there are many: enough to hide the loops' own cost, few
@@ -259,8 +258,9 @@ def _evaluate_blocks(  # noqa: C901 (LANES rows in one compiled loop, for speed)
                 mass[lane] += lower[lane]
                 unsettled[lane] = max(unsettled[lane], upper[lane])
         for lane in range(LANES):
-            # What was the greatest firing strength becomes whether it is too small.
-            unsettled[lane] = 0.0 if unsettled[lane] > TINY else 1.0
+            # What was the greatest firing strength becomes whether weights are too small.
+            settled = unsettled[lane] > TINY and mass[lane] >= rules * VANISHED
+            unsettled[lane] = 0.0 if settled else 1.0
         for r in range(rules if uncertain else 0):
             lower, upper = low[r], extra[r]
             for lane in range(LANES):
@@ -485,22 +485,3 @@ def firing(table: Array, x: Array, width: float, out: Array) -> int:
                 return row
         _firing_in(table, x, row * inputs, width, work, out, 2 * row * rules)
     return -1
-
-
-@scalar
-def _reduce_in(table, strengths, so, crisp, work, out, oo):
-    """Do as ``reduce_firing`` for the row at ``so``."""
-    _, low, high, extra, moments, room, _ = _rooms(table, work)
-    for r in range(low.size):
-        low[r], high[r] = strengths[so + 2 * r], strengths[so + 2 * r + 1]
-    _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
-
-
-@compiled
-def reduce_firing(table: Array, strengths: Array, crisp: bool, out: Array) -> None:
-    """Write outputs for firing intervals (rows, R, 2) that were computed elsewhere."""
-    rules, outputs = int(table[2]), int(table[3])
-    work = np.empty(work_size(table))
-    per_row = outputs if crisp else 2 * outputs
-    for row in range(strengths.size // (2 * rules)):
-        _reduce_in(table, strengths, 2 * row * rules, crisp, work, out, row * per_row)

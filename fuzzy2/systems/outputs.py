@@ -10,10 +10,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fuzzy2.errors import NotApplicable
-from fuzzy2.operations.t_norms import TConorm, TNorm
+from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS, TConorm, TNorm
 from fuzzy2.reduction.defuzzification import defuzzify_samples
+from fuzzy2.reduction.logarithms import as_floats
 from fuzzy2.support.checks import Array
-from fuzzy2.systems.averages import Monotonic, averaged, height_weights, weighted_sum
+from fuzzy2.systems.averages import (
+    Monotonic,
+    averaged,
+    averaged_in_logarithms,
+    height_weights,
+    log_height_weights,
+    weighted_sum,
+)
 from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.maxima import maximum
 from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, POINTS, SUM, UNIONS
@@ -35,6 +43,20 @@ class Operators:
     aggregation: TConorm
     integration: str
     resolution: int
+
+
+HEIGHTS = ("height", "modified_height")
+"""Type reductions that average highest points."""
+
+
+def hangs_on_ratios(operators: Operators) -> bool:
+    """Return whether nothing but ratios of firing strengths matters."""
+    kind = operators.type_reduction
+    return kind == "center_of_sets" or (
+        kind in (*HEIGHTS, "centroid", "center_of_sums")
+        and operators.implication == T_NORMS["product"]
+        and operators.aggregation in (T_CONORMS["max"], SUM)
+    )
 
 
 class Outputs:
@@ -115,6 +137,42 @@ class Outputs:
                 outputs.append(np.full((len(strengths), 2), np.nan))
         return np.stack(outputs, axis=1)
 
+    def in_logarithms(self, rows: Array, logarithms: Array) -> Array:
+        """Do as a call for logarithms of firing intervals (n, R, 2).
+
+        For the type reductions of which :func:`hangs_on_ratios` is true.
+        """
+        own = self._operators
+        found = np.full((len(rows), len(self._speaking), 2), np.nan)
+        for j, rules in enumerate(self._speaking):
+            weights = logarithms[:, rules]
+            if not rules.size:
+                continue
+            if own.type_reduction == "center_of_sets":
+                points, beyond = self._points_of(rows, j, weights)
+                found[:, j] = beyond + averaged_in_logarithms(
+                    points, weights, own.method, own.shares
+                )
+            elif own.type_reduction in HEIGHTS:
+                modified = own.type_reduction == "modified_height"
+                points, weights = log_height_weights(self._sets[j], weights, modified)
+                found[:, j] = averaged_in_logarithms(points, weights, own.method, own.shares)
+            else:
+                found[:, j] = self._of_sets(j, as_floats(weights))
+        return found
+
+    def _points_of(self, rows: Array, j: int, logarithms: Array) -> tuple[Array, Array | float]:
+        """Return what the rules that speak of an output say, and what of it is not finite."""
+        rules = self._speaking[j]
+        if not isinstance(self._consequents, FunctionsOfInputs):
+            return self._intervals[rules, j], 0.0
+        points = self._consequents.at(rows)[:, rules, j]
+        finite = np.isfinite(points)
+        with np.errstate(invalid="ignore"):
+            said = ~finite & (logarithms[..., 1:] > -np.inf)
+            beyond = np.where(said, points, 0.0).sum(axis=-2)
+        return np.where(finite, points, 0.0), beyond
+
     def _of_points(self, rows: Array, strengths: Array) -> Array:
         own = self._operators
         weights = strengths[:, np.newaxis]
@@ -165,7 +223,7 @@ class Outputs:
     def _of_sets(self, j: int, strengths: Array) -> Array:
         own, sets = self._operators, self._sets[j]
         kind = own.type_reduction
-        if kind in ("height", "modified_height"):
+        if kind in HEIGHTS:
             points, weights = height_weights(
                 sets, strengths, own.implication, kind == "modified_height"
             )

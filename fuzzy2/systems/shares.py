@@ -13,9 +13,9 @@ from typing import Any
 
 import numpy as np
 
-from fuzzy2.reduction.interval import generalized_centroid
+from fuzzy2.reduction.logarithms import as_floats, centroid_in_logarithms, relative
 from fuzzy2.support.checks import Array
-from fuzzy2.systems.averages import height_weights
+from fuzzy2.systems.averages import height_weights, log_height_weights
 from fuzzy2.systems.consequents import FunctionsOfInputs
 from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.operators import DIRECT_METHODS, SUM
@@ -23,9 +23,11 @@ from fuzzy2.systems.terms import domain_of
 
 POINTS = 4001
 """Points of the output at which the highest set is looked for."""
+ROUNDING = 1e-13
+"""Distance of a point from an end, relative to the largest, below which they are equal."""
 
 
-def shares_of(system: Explainable, row: Array, firing: Array) -> Array:
+def shares_of(system: Explainable, row: Array, logarithms: Array, far: bool) -> Array:
     """Return the shares (R, m) of the rules; zero in an output for which no rule fires.
 
     Parameters
@@ -34,32 +36,42 @@ def shares_of(system: Explainable, row: Array, firing: Array) -> Array:
         A type-1 or interval type-2 system.
     row : (1, p) array
         The input.
-    firing : (R, 2) array
-        The firing intervals there.
+    logarithms : (R, 2) array
+        Logarithms of the firing intervals there.
+    far : bool
+        Whether floats do not hold these.
     """
-    shares = np.zeros((len(firing), system.n_outputs))
+    shares = np.zeros((len(logarithms), system.n_outputs))
     for j in range(system.n_outputs):
-        rules = np.arange(len(firing))
+        rules = np.arange(len(logarithms))
         if system.silent is not None:
             rules = np.flatnonzero(~system.silent[:, j])
-        if firing[rules, 1].max(initial=0.0) > 0.0:
-            shares[rules, j] = _of_output(system, row, rules, firing[rules], j)
+        if logarithms[rules, 1].max(initial=-np.inf) > -np.inf:
+            shares[rules, j] = _of_output(system, row, rules, (logarithms[rules], far), j)
     return shares
 
 
-def _of_output(system: Explainable, row: Array, rules: Any, firing: Array, j: int) -> Array:
+def _of_output(
+    system: Explainable, row: Array, rules: Any, fired: tuple[Array, bool], j: int
+) -> Array:
+    logarithms, far = fired
     kind = system.type_reduction
     sets = None
     if system.consequent_sets is not None:
         sets = [system.consequent_sets[int(r)][j] for r in rules]
     if sets is None or kind in ("center_of_sets", "weighted_sum", "tsukamoto"):
         points = points_of_rules(system, row, j)[rules]
-        return in_average(points, firing, system.method, system.shares)
+        return in_average(points, logarithms, system.method, system.shares)
+    firing = as_floats(logarithms[np.newaxis])[0] if far else np.exp(logarithms)
     if kind in ("height", "modified_height"):
-        peaks, weights = height_weights(
-            sets, firing[np.newaxis], system.implication, kind == "modified_height"
-        )
-        points = np.stack([peaks, peaks], axis=-1)
+        modified = kind == "modified_height"
+        if far:
+            points, weights = log_height_weights(sets, logarithms[np.newaxis], modified)
+        else:
+            peaks, clipped = height_weights(sets, firing[np.newaxis], system.implication, modified)
+            points = np.stack([peaks, peaks], axis=-1)
+            with np.errstate(divide="ignore"):
+                weights = np.log(clipped)
         return in_average(points, weights[0], system.method, system.shares)
     ends = None if system.output_ranges is None else system.output_ranges[j]
     summed = kind == "center_of_sums" or system.t_conorm is SUM
@@ -74,30 +86,31 @@ def points_of_rules(system: Explainable, row: Array, j: int) -> Array:
 
 
 def in_average(
-    points: Array, weights: Array, method: str, shares: tuple[float, float] = (0.5, 0.5)
+    points: Array, logarithms: Array, method: str, shares: tuple[float, float] = (0.5, 0.5)
 ) -> Array:
-    """Return the shares (R,) of weighted intervals (R, 2), averaged over both ends.
+    """Return the shares (R,) of intervals (R, 2) weighted by logarithms, averaged over both ends.
 
     At an end of the exact interval each weight is the upper or the lower one, by the side of the
     end on which its point lies.
     """
-    # Relative to the greatest, for sums of tiny weights.
-    low, high = (weights / weights[:, 1].max()).T
+    low, high = logarithms.T
     if method in DIRECT_METHODS and method != "wu_mendel":
-        if method == "nie_tan" or not low.any():
-            return np.asarray((low + high) / (low + high).sum())
-        both = shares[0] * low / low.sum() + shares[1] * high / high.sum()
+        if method == "nie_tan" or not low.max() > -np.inf:
+            return _normalized(np.logaddexp(low, high))
+        both = shares[0] * _normalized(low) + shares[1] * _normalized(high)
         return np.asarray(both / sum(shares))
-    ends = generalized_centroid(points, weights)
-    taken = []
-    for side, within in ((0, points[:, 0] <= ends[0]), (1, points[:, 1] >= ends[1])):
-        weight = np.where(within, high, low)
-        if not weight.any():
-            # The end is a point that rounding puts beyond it.
-            away = np.where(high > 0.0, np.abs(points[:, side] - ends[side]), np.inf)
-            weight[np.argmin(away)] = 1.0
-        taken.append(weight / weight.sum())
-    return np.asarray(0.5 * (taken[0] + taken[1]))
+    ends = centroid_in_logarithms(points, logarithms[np.newaxis])[0]
+    # A point that equals the end, up to rounding, may have any weight, or outweighs the others.
+    reach = ROUNDING * np.abs(points).max()
+    sides = points[:, 0] <= ends[0] + reach, points[:, 1] >= ends[1] - reach
+    left, right = (_normalized(np.where(within, high, low)) for within in sides)
+    return np.asarray(0.5 * (left + right))
+
+
+def _normalized(logarithms: Array) -> Array:
+    """Return weights by their logarithms, divided by their sum."""
+    weights = relative(logarithms)
+    return np.asarray(weights / weights.sum())
 
 
 def _in_union(

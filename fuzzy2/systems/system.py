@@ -7,9 +7,13 @@ consequents. Evaluating it takes three steps: membership grades, firing interval
 :math:`[\underline f_r, \overline f_r]` of the rules (the meet of the grades of their antecedents,
 eq. 1.79), and type reduction of the consequents weighted with them. The type-reduced set is the
 answer with its uncertainty; its middle is the crisp output. **Where no rule fires there is no
-answer: NaN, never 0**; :meth:`validate` says where that is. Gaussians fire everywhere: where their
-grades underflow, firing strengths under minimum or product are carried in logarithms, and far from
-all terms the nearest rule answers.
+answer: NaN, never 0**; :meth:`validate` says where that is. Gaussians fire everywhere: where
+strengths underflow, and nothing but their ratios matters, they are carried in logarithms, through
+*or*, *not* and hedges, too. Far from all terms of a type-1 system the nearest rule answers; an
+interval system says there what its upper and lower strengths leave open, which is much.
+NaN then means that the strength is 0 by its formula: of bounded terms beyond their ends, of tiny
+grades under Łukasiewicz's, the drastic or the nilpotent t-norm; and it remains for t-norms and
+hedges of one's own, whose formula nobody knows.
 
 Gaussian, triangular and trapezoidal terms under a t-norm that has a name are evaluated by one
 compiled loop; any other set or t-norm works, too, at NumPy's speed.
@@ -23,7 +27,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fuzzy2.errors import (
     ApproximationWarning,
@@ -60,6 +64,7 @@ from fuzzy2.systems.explanation import Explanation, explained
 from fuzzy2.systems.fuzzifiers import Fuzzifier
 from fuzzy2.systems.gradients import Differentiable, gradient
 from fuzzy2.systems.hedges import Hedge, known_hedges
+from fuzzy2.systems.log_firing import VANISHED, log_firing, log_grades, log_norms, lost
 from fuzzy2.systems.named_inputs import by_name, like_inputs
 from fuzzy2.systems.operators import (
     CRISP_ONLY,
@@ -73,9 +78,8 @@ from fuzzy2.systems.operators import (
 from fuzzy2.systems.operators import (
     type_reduction as reduction_named,
 )
-from fuzzy2.systems.outputs import Operators, Outputs
+from fuzzy2.systems.outputs import Operators, Outputs, hangs_on_ratios
 from fuzzy2.systems.pictures import html_of
-from fuzzy2.systems.relative_firing import VANISHED, log_grades, relative_firing
 from fuzzy2.systems.report import Report, found_in
 from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.table import Supplement, table_of
@@ -285,8 +289,9 @@ class FuzzySystem(Shown):
             and not self._is_huge
         )
 
-    def _prepared_outputs(self) -> Outputs:
-        operators = Operators(
+    @property
+    def _operators(self) -> Operators:
+        return Operators(
             self.type_reduction,
             self.method,
             self.shares,
@@ -295,8 +300,10 @@ class FuzzySystem(Shown):
             self.integration,
             self.resolution,
         )
+
+    def _prepared_outputs(self) -> Outputs:
         return Outputs(
-            operators,
+            self._operators,
             self.consequents,
             self.consequent_sets,
             self.consequent_intervals,
@@ -523,8 +530,7 @@ class FuzzySystem(Shown):
             return self._evaluate(X, crisp=False)
         shape, rows = self._rows(X)
         self._refuse(rows)
-        reduced = self._outputs(rows, self._relative(rows, self._firing(rows)))
-        return self._or_default(reduced).reshape(*shape, self.n_outputs, 2)
+        return self._or_default(self._reduced(rows)).reshape(*shape, self.n_outputs, 2)
 
     def _or_default(self, reduced: Array) -> Array:
         """Return intervals (n, m, 2) with the default outputs where there is no answer."""
@@ -533,27 +539,41 @@ class FuzzySystem(Shown):
         defaults = self.default_outputs[:, np.newaxis]
         return np.where(np.isnan(reduced), defaults, reduced)
 
-    def _relative(self, rows: Array, strengths: Array) -> Array:
-        """Return firing intervals (n, R, 2), of which those that underflow are made relative.
+    def _reduced(self, rows: Array) -> Array:
+        """Return the type-reduced intervals (n, m, 2), NaN where no rule fires."""
+        strengths = self._firing(rows)
+        reduced = self._outputs(rows, strengths)
+        far, logarithms = self._lost(rows, strengths)
+        if far.size:
+            reduced[far] = self._outputs.in_logarithms(rows[far], logarithms)
+        return reduced
 
-        Only where nothing but ratios of them matters.
+    def _lost(self, rows: Array, strengths: Array) -> tuple[NDArray[np.intp], Array]:
+        """Return where floats do not hold firing intervals (n, R, 2), and their logarithms there.
+
+        Only for systems of which nothing but their ratios matters.
         """
-        ratios = self.type_reduction == "center_of_sets" or (
-            self.type_reduction in ("height", "modified_height", "centroid", "center_of_sums")
-            and self.implication.name == "product"
-            and self.t_conorm.name in ("max", "sum")
-        )
-        known = self.t_norm.name in ("min", "product")
-        if not known or isinstance(self.rules, tuple) or not ratios:
-            return strengths
-        vanished = strengths[..., 1].max(axis=1) < VANISHED
-        if not vanished.any():
-            return strengths
-        relative = strengths.copy()
-        relative[vanished] = relative_firing(
-            self._log_grades(rows[vanished]), self.rules, self.weights, self.t_norm.name == "min"
-        )
-        return relative
+        far = np.flatnonzero(lost(strengths, self.silent))
+        if not (far.size and self._has_logarithms and hangs_on_ratios(self._operators)):
+            return far[:0], strengths[:0]
+        logarithms = self._log_firing(rows[far])
+        # What is 0 by its formula is not lost.
+        underflows = (logarithms[..., 1] > -np.inf) & (strengths[far, :, 1] < VANISHED)
+        some = underflows.any(axis=1)
+        return far[some], logarithms[some]
+
+    @property
+    def _has_logarithms(self) -> bool:
+        """Whether the t-norm, and the t-conorm where there is any, are known for logarithms."""
+        known = self.t_norm == T_NORMS.get(self.t_norm.name)
+        either = self.disjunction == T_CONORMS.get(self.disjunction.name)
+        return known and (either or not isinstance(self.rules, tuple))
+
+    def _log_firing(self, rows: Array) -> Array:
+        """Return the logarithms of the firing intervals (n, R, 2), where these underflow, too."""
+        either = self.disjunction.name if isinstance(self.rules, tuple) else "max"
+        norms = log_norms(self.t_norm.name, either)
+        return log_firing(self._log_grades(rows), self.rules, self.weights, norms)
 
     def _evaluate(self, X: ArrayLike, crisp: bool) -> Array:
         """Return outputs or intervals of inputs of any make and number."""
@@ -760,9 +780,17 @@ class FuzzySystem(Shown):
         """Return one input as an array (1, p)."""
         return self._rows(x)[1]
 
-    def relative_firing(self, rows: Array) -> Array:
-        """Return firing intervals (n, R, 2) of which only the ratios count if they underflow."""
-        return self._relative(rows, self._firing(rows))
+    def log_firing(self, rows: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Return logarithms of firing intervals (n, R, 2), and where (n,) floats do not hold them.
+
+        Only there they are more than the logarithms of :meth:`firing`.
+        """
+        strengths = self._firing(rows)
+        far, of_far = self._lost(rows, strengths)
+        with np.errstate(divide="ignore"):
+            logarithms = np.log(strengths)
+        logarithms[far] = of_far
+        return logarithms, np.isin(np.arange(len(rows)), far)
 
     def _repr_html_(self) -> str:
         return html_of(self)

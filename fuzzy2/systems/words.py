@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,9 @@ from fuzzy2.systems.explainable import Explainable
 from fuzzy2.systems.rules import antecedent_in_words, quoted
 
 
-def rules_in_words(system: Explainable, most: int | None = None) -> list[str]:
+def rules_in_words(
+    system: Explainable, most: int | None = None, asks: Callable[[Is], Antecedent] | None = None
+) -> list[str]:
     """Return the text of each rule: names where there are names, else numbers or sets.
 
     Parameters
@@ -22,10 +25,13 @@ def rules_in_words(system: Explainable, most: int | None = None) -> list[str]:
         The system.
     most : int, optional
         So many from the first on; all by default.
+    asks : callable, optional
+        From a part ``input is term`` by number to one in words; the names of the system by default.
     """
     trees = system.rules if isinstance(system.rules, tuple) else trees_of(system.rules)
     count = len(trees) if most is None else min(most, len(trees))
-    return [_rule(system, r, trees[r]) for r in range(count)]
+    named = asks or (lambda leaf: _by_names(system, leaf))
+    return [_rule(system, r, mapped(trees[r], named)) for r in range(count)]
 
 
 def _rule(system: Explainable, r: int, tree: Antecedent) -> str:
@@ -34,23 +40,23 @@ def _rule(system: Explainable, r: int, tree: Antecedent) -> str:
         for j, name in enumerate(system.output_names)
         if system.silent is None or not system.silent[r, j]
     )
-    text = f"IF {_asked(system, tree)} THEN {said}"
+    text = f"IF {_asked(tree)} THEN {said}"
     weight = 1.0 if system.weights is None else float(system.weights[r])
     return text if weight == 1.0 else f"{text} with {weight:.6g}"
 
 
-def _asked(system: Explainable, tree: Antecedent) -> str:
-    def named(leaf: Is) -> Antecedent:
-        i = int(leaf.variable)
-        term = None if leaf.term is None else system.term_names[i][int(leaf.term)]
-        return Is(system.input_names[i], term)
+def _by_names(system: Explainable, leaf: Is) -> Antecedent:
+    i = int(leaf.variable)
+    term = None if leaf.term is None else system.term_names[i][int(leaf.term)]
+    return Is(system.input_names[i], term)
 
-    by_names = mapped(tree, named)
+
+def _asked(tree: Antecedent) -> str:
     try:
-        return antecedent_in_words(by_names)
+        return antecedent_in_words(tree)
     except InvalidValue:
         # A hedge of a group, which rules in words do not have.
-        return str(by_names)
+        return str(tree)
 
 
 def _said(system: Explainable, r: int, j: int) -> str:

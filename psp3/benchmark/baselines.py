@@ -19,7 +19,7 @@ import numpy as np
 from fuzzy2.learning.anfis import ANFIS
 from fuzzy2.learning.partition import KINDS
 from psp3.benchmark import regressors
-from psp3.benchmark.entries import BOTH, MODEL, SAMPLES, Course, Entry, of_regressor
+from psp3.benchmark.entries import MODEL, SAMPLES, Course, Entry, of_regressor
 from psp3.benchmark.readings import NONE, READINGS
 from psp3.benchmark.regressors import Standardized
 from psp3.control.classical import ComputedTorque, GravityCompensatedPD
@@ -93,11 +93,12 @@ def _anfis(rng: np.random.Generator) -> Standardized:
     return Standardized(ANFIS(CLUSTERS, partition="clusters", most_epochs=EPOCHS, rng=rng))
 
 
-def _regressing(name: str, make: Any, draws: bool) -> Entry:
-    def controller(course: Course) -> Controller:
-        return of_regressor(make(course.rng), course, name)
+def _of_made(make: Any, name: str, course: Course) -> Controller:
+    return of_regressor(make(course.rng), course, name)
 
-    return Entry(name, SAMPLES, controller, draws)
+
+def _regressing(name: str, make: Any, draws: bool) -> Entry:
+    return Entry(name, SAMPLES, partial(_of_made, make, name), draws)
 
 
 BASELINES: dict[str, Entry] = {
@@ -112,7 +113,7 @@ BASELINES: dict[str, Entry] = {
             for learner in LEARNERS
         ),
         _regressing("anfis", _anfis, True),
-        Entry("adaptive", BOTH, _adaptive),
+        Entry("adaptive", SAMPLES, _adaptive),
         _regressing("gaussian-process", regressors.gaussian_process, False),
         _regressing("neural-network", regressors.neural_network, True),
         _regressing("ridge", regressors.ridge, False),

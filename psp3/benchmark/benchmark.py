@@ -1,17 +1,14 @@
-"""The benchmark: entries times robots, noises and seeds, done in processes and kept in a file."""
+"""The benchmark: entries times robots, noises and seeds, done by workers and kept in a file."""
 
 from __future__ import annotations
 
 import itertools
 import math
-import multiprocessing
 import os
-import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import CancelledError
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
 from pathlib import Path
 
 from psp3.benchmark.baselines import BASELINES, NEED_SCIKIT_LEARN, REFERENCE
@@ -20,22 +17,25 @@ from psp3.benchmark.entries import Entry, load_entry
 from psp3.benchmark.file import OutcomeFile, key
 from psp3.benchmark.readings import NONE, READINGS
 from psp3.benchmark.regressors import need_scikit_learn
+from psp3.benchmark.stamp import stamp
 from psp3.benchmark.tasks import ROBOTS
-from psp3.benchmark.trial import Outcome, Trial, execute
+from psp3.benchmark.trial import Outcome, Trial, execute, own_trial
+from psp3.benchmark.workers import done_by, processes
 from psp3.checks import checked_count
-from psp3.errors import InvalidValue, StudyInterrupted, UnknownName, WorkersLost
+from psp3.errors import (
+    InvalidValue,
+    SchedulerUnavailable,
+    StudyInterrupted,
+    UnknownName,
+    WorkersLost,
+)
+from psp3.study import cluster
 
 ALL = "all"
 """Stands for all entries that come with the package."""
 
 FILE, PAGE, NUMBERS = "benchmark.sqlite", "benchmark.html", "benchmark.json"
 """Names of the files of a benchmark in its directory."""
-
-HANDED_OUT = 2
-"""Trials under way for each worker, so that none waits."""
-
-ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
-"""What keeps a worker to one core: times are compared, and matrices are small."""
 
 Progress = Callable[[int, int, float], None]
 
@@ -85,12 +85,11 @@ class Benchmark:
         period: float = 0.004,
     ) -> None:
         self.directory = Path(directory)
-        self._sources: dict[str, str | Entry] = {}
         self.entries: dict[str, Entry] = {}
         for source in (REFERENCE, *entries):
             for one in BASELINES if source == ALL else (source,):
                 self._enter(one)
-        if set(NEED_SCIKIT_LEARN) & set(self._sources.values()):
+        if any(self.entries.get(name) is BASELINES[name] for name in NEED_SCIKIT_LEARN):
             need_scikit_learn()
         self.robots, self.readings = tuple(dict.fromkeys(robots)), tuple(dict.fromkeys(readings))
         self.levels = tuple(dict.fromkeys(map(float, levels)))
@@ -118,12 +117,10 @@ class Benchmark:
         else:
             known = (ALL, *BASELINES, "or a file that ends in .py")
             raise UnknownName("entry", source, known)
-        before = self._sources.setdefault(entry.name, source)
-        if before != source:
+        if self.entries.setdefault(entry.name, entry) != entry:
             raise InvalidValue(
-                "entries", entry.name, f"of different names; {before} and {source} have the same"
+                "entries", entry.name, "of different names, and two of these have this one"
             )
-        self.entries[entry.name] = entry
 
     @property
     def conditions(self) -> tuple[tuple[str, float], ...]:
@@ -140,19 +137,12 @@ class Benchmark:
                 for reading, snr_db in self.conditions:
                     yield Trial(robot, reading, snr_db, seed, self.duration, self.period)
 
-    def own(self, entry: Entry, trial: Trial) -> Trial:
-        """Return the trial whose outcome is that of an entry's trial.
-
-        It is the same one, but for noise that the entry does not see and seeds without meaning.
-        """
-        is_measured = trial.reading != NONE and READINGS[trial.reading].noise is None
-        if not (is_measured or entry.learns):
-            trial = Trial(trial.robot, NONE, math.inf, trial.seed, trial.duration, trial.period)
-        if trial.reading != NONE or entry.draws:
-            return trial
-        return Trial(trial.robot, NONE, math.inf, 0, trial.duration, trial.period)
-
-    def run(self, workers: int | None = None, progress: Progress | None = None) -> int:
+    def run(
+        self,
+        workers: int | None = None,
+        scheduler: str | None = None,
+        progress: Progress | None = None,
+    ) -> int:
         """Do the trials that are not yet in the file; each is kept when it is done.
 
         What an entry raised is tried again.
@@ -161,6 +151,9 @@ class Benchmark:
         ----------
         workers : int, optional
             Number of processes, all cores of this process unless given; 1 is this process.
+        scheduler : str, optional
+            Address ``tcp://host:port`` of a dask scheduler, whose workers then do the trials. They
+            have one thread each (``dask worker --nthreads 1``), since steps are timed.
         progress : callable, optional
             Called with the number of trials that are done, the number of all, and the rate since
             the start [1/s].
@@ -173,72 +166,65 @@ class Benchmark:
         Raises
         ------
         InvalidValue
-            If ``workers`` is not a positive integer.
+            If ``workers`` is not a positive integer, or is given together with a scheduler.
         InvalidStudyFile, StudyFileNotWritable
             If the file cannot be used.
         WorkersLost
             If a process ended before its time.
+        SchedulerUnavailable
+            Before any work, if the scheduler or its workers cannot be used; later, if the
+            connection is lost.
         StudyInterrupted
             After Ctrl-C; what was done stays.
         """
+        if workers is not None and scheduler is not None:
+            raise InvalidValue("workers", workers, "left out where a scheduler has its own")
         count = (
             len(os.sched_getaffinity(0)) if workers is None else checked_count("workers", workers)
         )
         self.directory.mkdir(parents=True, exist_ok=True)
         file = OutcomeFile(self.directory / FILE)
-        wanted: dict[str, tuple[Entry, Trial]] = {}
+        wanted: dict[str, tuple[Trial, Entry]] = {}
         for trial in self.trials():
             for entry in self.entries.values():
-                one = self.own(entry, trial)
-                wanted.setdefault(key(entry, one), (entry, one))
+                one = own_trial(entry, trial)
+                wanted.setdefault(key(entry, one), (one, entry))
         there = {name for name, outcome in file.outcomes().items() if outcome["error"] is None}
         missing = {name: work for name, work in wanted.items() if name not in there}
         session = _Session(file, len(wanted), len(wanted) - len(missing), progress)
         session.report()
         try:
-            if count == 1:
-                for name, (entry, trial) in missing.items():
-                    session.keep(name, execute(trial, entry))
+            if scheduler is None and count == 1:
+                for name, work in missing.items():
+                    session.keep(name, execute(*work))
             elif missing:
-                self._in_processes(missing, count, session)
+                with (
+                    processes(count)
+                    if scheduler is None
+                    else cluster.connected(scheduler, stamp, one_thread=True) as pool
+                ):
+                    done_by(*pool, missing, session.keep)
         except KeyboardInterrupt:
             raise StudyInterrupted(file.path, session.done, session.total) from None
         except BrokenProcessPool as error:
             raise WorkersLost(file.path, session.done, session.total) from error
+        except CancelledError as error:
+            reason = (
+                f"the connection was lost after {session.done} of {session.total} trials; they "
+                f"are in {file.path}, run the benchmark again"
+            )
+            raise SchedulerUnavailable(str(scheduler), reason) from error
         return len(missing)
-
-    def _in_processes(
-        self, missing: dict[str, tuple[Entry, Trial]], count: int, session: _Session
-    ) -> None:
-        waiting = iter(missing.items())
-        under_way: dict[Future[Outcome], str] = {}
-        with _pool(count) as pool:
-            try:
-                while True:
-                    room = HANDED_OUT * count - len(under_way)
-                    for name, (entry, trial) in itertools.islice(waiting, room):
-                        source = self._sources[entry.name]
-                        under_way[pool.submit(_execute_from, source, trial)] = name
-                    if not under_way:
-                        return
-                    for future in wait(under_way, return_when=FIRST_COMPLETED).done:
-                        session.keep(under_way[future], future.result())
-                        del under_way[future]
-            except KeyboardInterrupt:
-                # What has begun is soon done, and is kept.
-                kept = [future for future in under_way if not future.cancel()]
-                for future in wait(kept).done:
-                    session.keep(under_way[future], future.result())
-                raise
 
     def board(self) -> Board:
         """Return the scores of what is in the file."""
         there = OutcomeFile(self.directory / FILE).outcomes()
-        found = {
-            (entry.name, trial): there.get(key(entry, self.own(entry, trial)))
+        own = {
+            (entry, own_trial(entry, trial))
             for entry in self.entries.values()
             for trial in self.trials()
         }
+        found = {(entry.name, trial): there.get(key(entry, trial)) for entry, trial in own}
         return Board(
             tuple(self.entries.values()),
             {place: outcome for place, outcome in found.items() if outcome is not None},
@@ -269,32 +255,3 @@ class _Session:
         if self._progress is not None:
             now, passed = self.done - self._there, time.monotonic() - self._start
             self._progress(self.done, self.total, now / passed if now else 0.0)
-
-
-@contextmanager
-def _pool(count: int) -> Iterator[ProcessPoolExecutor]:
-    """Yield new processes, each with one thread for its linear algebra."""
-    before = {name: os.environ.get(name) for name in ONE_THREAD}
-    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
-    try:
-        with ProcessPoolExecutor(
-            count, multiprocessing.get_context("spawn"), _leave_interrupts_to_the_parent
-        ) as pool:
-            yield pool
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value
-
-
-def _leave_interrupts_to_the_parent() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-
-
-def _execute_from(source: str | Entry, trial: Trial) -> Outcome:
-    """Do a trial of an entry that a process finds by its name or file."""
-    if isinstance(source, Entry):
-        return execute(trial, source)
-    return execute(trial, BASELINES[source] if source in BASELINES else load_entry(source))

@@ -14,6 +14,9 @@ have the same noise: the interval of the ratio is Student's, on logarithms
 (:func:`psp3.study.statistics.ratio_of_geometric_means`). Intervals are for one comparison each; of
 twenty, one is expected to miss.
 
+What no seed changes is done once and is one run, in every cell: neither intervals nor shares count
+copies of it. Only the score of a seed takes it for that seed, too.
+
 An entry that raised an error anywhere has no score, and no place.
 """
 
@@ -34,7 +37,7 @@ from psp3.benchmark.baselines import REFERENCE
 from psp3.benchmark.entries import Entry
 from psp3.benchmark.readings import NONE, READINGS
 from psp3.benchmark.tasks import PATHS, SAMPLES, task
-from psp3.benchmark.trial import Outcome, Trial
+from psp3.benchmark.trial import Outcome, Trial, own_trial
 from psp3.checks import Array
 from psp3.study.statistics import Estimate, ratio_of_geometric_means, share
 from psp3.version import __version__
@@ -74,7 +77,7 @@ class Score:
     to_best, to_reference : Estimate
         Ratio of that to the one of the best entry, and to that of exact computed torque.
     diverged : float
-        Share of all runs.
+        Share of the runs of a cell, mean over the cells.
     replaced : float
         Share of estimates that were not finite or had no positive definite M, and were replaced by
         the average of the samples, over runs that did not diverge.
@@ -108,7 +111,8 @@ class Board:
     entries : tuple of Entry
         Who took part.
     outcomes : mapping of (str, Trial) to dict
-        Outcomes by the name of the entry and the trial, see :func:`psp3.benchmark.trial.execute`.
+        Outcomes by the name of the entry and its own trial
+        (:func:`psp3.benchmark.trial.own_trial`), see :func:`psp3.benchmark.trial.execute`.
     robots : tuple of str
         Names of the robots.
     conditions : tuple of (str, float)
@@ -132,6 +136,7 @@ class Board:
         self.entries, self.robots, self.conditions = entries, robots, conditions
         self.seeds, self.duration, self.period = seeds, duration, period
         self._outcomes = outcomes
+        self._named = {entry.name: entry for entry in entries}
         self.cells = tuple(
             Cell(robot, path, *condition)
             for robot in robots
@@ -183,15 +188,26 @@ class Board:
         """Scores of the entries that have a place, best first."""
         return tuple(score for score in self.scores if not score.problem)
 
-    def _trials(self, cell: Cell) -> list[Trial]:
+    def _trials(self, name: str, cell: Cell) -> list[Trial]:
+        """Return the trial of each seed: the same one where the seed changes nothing."""
         return [
-            Trial(cell.robot, cell.reading, cell.snr_db, seed, self.duration, self.period)
+            own_trial(
+                self._named[name],
+                Trial(cell.robot, cell.reading, cell.snr_db, seed, self.duration, self.period),
+            )
             for seed in range(self.seeds)
         ]
 
+    def _each_once(self, name: str, cell: Cell, by_seed: Array) -> Array:
+        """Return the numbers of a cell's runs without those of copies."""
+        trials = self._trials(name, cell)
+        return by_seed[[trials.index(trial) for trial in dict.fromkeys(trials)]]
+
     def _per_seed(self, name: str, cell: Cell, value: Callable[[dict[str, Any]], float]) -> Array:
         """Return a number of the run of each seed, NaN where there is none."""
-        found = (self._outcomes.get((name, trial)) for trial in self._trials(cell))
+        if name not in self._named:
+            return np.full(self.seeds, np.nan)
+        found = (self._outcomes.get((name, trial)) for trial in self._trials(name, cell))
         return np.array(
             [
                 math.nan
@@ -244,12 +260,16 @@ class Board:
             _median([outcome["training_time"] for outcome in of_trials]),
             float(np.exp(_mean(np.log(np.concatenate(efforts))))),
             {
-                cell: CellScore(
-                    ratio_of_geometric_means(row, np.ones_like(row)),
-                    share(lost[cell][np.isfinite(lost[cell])]),
-                )
+                cell: self._cell_score(name, cell, row, lost[cell])
                 for cell, row in self._all_errors[name].items()
             },
+        )
+
+    def _cell_score(self, name: str, cell: Cell, errors: Array, lost: Array) -> CellScore:
+        error, diverged = (self._each_once(name, cell, row) for row in (errors, lost))
+        return CellScore(
+            ratio_of_geometric_means(error, np.ones_like(error)),
+            share(diverged[np.isfinite(diverged)]),
         )
 
     def _efforts(self, name: str, cell: Cell) -> Array:

@@ -16,12 +16,13 @@ the model.
 from __future__ import annotations
 
 import hashlib
-import importlib.util
 import inspect
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
+from types import ModuleType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -111,30 +112,57 @@ def load_entry(path: str | Path) -> Entry:
         source = path.read_bytes()
     except OSError as error:
         raise InvalidEntry(str(path), f"cannot be read: {error.strerror}") from error
-    mark = hashlib.sha256(source).hexdigest()[:16]
-    kind = _the_class(path, mark)
-    wanted = _asked_for(path, kind)
-    fits = callable(getattr(kind, "fit", None))
+    if path.suffix != ".py":
+        raise InvalidEntry(str(path), "is not a Python file; its name must end in .py")
+    made = _OfFile(str(path), source)
+    fits = callable(getattr(made.kind, "fit", None))
     knows = {
         (True, True): BOTH,
         (True, False): MODEL,
         (False, True): SAMPLES,
         (False, False): NEITHER,
-    }["robot" in wanted, fits]
-    is_regressor = callable(getattr(kind, "predict", None))
+    }["robot" in made.wanted, fits]
+    return Entry(path.stem, knows, made, "rng" in made.wanted, made.mark)
 
-    def make(course: Course) -> Controller:
+
+@dataclass(frozen=True)
+class _OfFile:
+    """Makes the controller of an entry from the content of its file.
+
+    It goes to other processes and machines as that content: what they run is what was read here.
+    """
+
+    path: str
+    source: bytes
+
+    def __reduce__(self) -> tuple[type[_OfFile], tuple[str, bytes]]:
+        return _OfFile, (self.path, self.source)
+
+    @property
+    def mark(self) -> str:
+        """What changes with the content."""
+        return hashlib.sha256(self.source).hexdigest()[:16]
+
+    @cached_property
+    def kind(self) -> type:
+        """Class of the entry; the file is run for it."""
+        return _the_class(self.path, self.source, self.mark)
+
+    @cached_property
+    def wanted(self) -> tuple[str, ...]:
+        """What its constructor is given."""
+        return _asked_for(self.path, self.kind)
+
+    def __call__(self, course: Course) -> Controller:
         task = course.task
         there = {"robot": task.robot, "kp": task.kp, "kv": task.kv, "rng": course.rng}
-        made: Any = kind(**{name: there[name] for name in wanted})
-        if is_regressor:
-            return of_regressor(made, course, path.stem)
-        if fits:
+        made: Any = self.kind(**{name: there[name] for name in self.wanted})
+        if callable(getattr(self.kind, "predict", None)):
+            return of_regressor(made, course, Path(self.path).stem)
+        if callable(getattr(self.kind, "fit", None)):
             made.fit(course.lesson.inputs.copy(), course.lesson.outputs.copy())
         controller: Controller = made
         return controller
-
-    return Entry(path.stem, knows, make, "rng" in wanted, mark)
 
 
 def of_regressor(regressor: Any, course: Course, name: str) -> LearnedComputedTorque:
@@ -143,19 +171,17 @@ def of_regressor(regressor: Any, course: Course, name: str) -> LearnedComputedTo
     return LearnedComputedTorque(regressor, course.lesson, task.inputs_of, task.kp, task.kv, name)
 
 
-def _the_class(path: Path, mark: str) -> type:
-    """Run a file, and return its class that can be an entry."""
+def _the_class(path: str, source: bytes, mark: str) -> type:
+    """Run the content of a file, and return its class that can be an entry."""
     name = f"psp3_benchmark_entry_{mark}"
-    specification = importlib.util.spec_from_file_location(name, path)
-    if specification is None or specification.loader is None:
-        raise InvalidEntry(str(path), "is not a Python file; its name must end in .py")
-    module = importlib.util.module_from_spec(specification)
+    module = ModuleType(name)
+    module.__file__ = path
     # Classes that are pickled, and dataclasses, look their module up.
     sys.modules[name] = module
     try:
-        specification.loader.exec_module(module)
+        exec(compile(source, path, "exec"), vars(module))
     except (Exception, SystemExit) as error:
-        raise InvalidEntry(str(path), f"raises {said(error)}") from error
+        raise InvalidEntry(path, f"raises {said(error)}") from error
     found = [
         kind
         for kind in vars(module).values()
@@ -164,7 +190,7 @@ def _the_class(path: Path, mark: str) -> type:
     if len(found) != 1:
         names = ", ".join(kind.__name__ for kind in found) or "none"
         raise InvalidEntry(
-            str(path),
+            path,
             "must have one class with fit(X, Y) and predict(X), or with reset() and "
             f"torque(t, positions, speeds, desired); found {names}",
         )
@@ -178,14 +204,14 @@ def _can_enter(kind: type) -> bool:
     )
 
 
-def _asked_for(path: Path, kind: type) -> tuple[str, ...]:
+def _asked_for(path: str, kind: type) -> tuple[str, ...]:
     """Return the names of the parameters of a constructor that are given."""
     parameters = inspect.signature(kind).parameters.values()
     named = [one for one in parameters if one.kind not in (one.VAR_POSITIONAL, one.VAR_KEYWORD)]
     for one in named:
         if one.name not in GIVEN and one.default is one.empty:
             raise InvalidEntry(
-                str(path),
+                path,
                 f"{kind.__name__} asks for {one.name!r}; it can have {', '.join(GIVEN)}, other "
                 "parameters need defaults",
             )

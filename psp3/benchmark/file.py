@@ -1,8 +1,9 @@
 """Outcomes of trials on disk: an SQLite file with one row for each trial of each entry.
 
 A row is there whole or not at all, committed when its trial is done. Its key is what decides the
-outcome: entry, the mark of its file, the trial's fields and the version of the package. So the same
-benchmark goes on where it was stopped, and an entry whose file was changed runs anew.
+outcome: entry, the mark of its file, the trial's fields and the sources of the packages. So the
+same benchmark goes on where it was stopped, an entry whose file was changed runs anew, and all of
+them do where the packages were changed.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from dataclasses import asdict
 from pathlib import Path
 
 from psp3.benchmark.entries import Entry
+from psp3.benchmark.stamp import stamp
 from psp3.benchmark.trial import Outcome, Trial
 from psp3.errors import InvalidStudyFile, StudyFileNotWritable
-from psp3.version import __version__
 
 APPLICATION = int.from_bytes(b"PSPB", "big")
 """Mark of these files (SQLite's ``application_id``)."""
@@ -33,7 +34,7 @@ PATIENCE = 30.0
 def key(entry: Entry, trial: Trial) -> str:
     """Return the text that identifies a trial of an entry."""
     fields = {name: "inf" if value == math.inf else value for name, value in asdict(trial).items()}
-    return json.dumps([__version__, entry.name, entry.mark, fields], ensure_ascii=False)
+    return json.dumps([stamp(), entry.name, entry.mark, fields], ensure_ascii=False)
 
 
 class OutcomeFile:

@@ -1,7 +1,4 @@
-r"""Computed torque with M, C and G of any regressor.
-
-.. math:: \tau = \hat M\,(\ddot a_d + k_v \dot e + k_p e) + \hat C \dot a + \hat G
-"""
+"""Computed torque with M, C and G of any regressor."""
 
 from __future__ import annotations
 
@@ -12,10 +9,8 @@ import numpy as np
 
 from psp3.benchmark.readings import Lesson
 from psp3.checks import Array
-from psp3.control.controller import Stateless
 from psp3.errors import InvalidEntry
-from psp3.fuzzy_control.numbers import unpack
-from psp3.trajectories.motion import Motion
+from psp3.study.entries import PredictedComputedTorque
 
 
 class Regressor(Protocol):
@@ -30,7 +25,7 @@ class Regressor(Protocol):
         ...
 
 
-class LearnedComputedTorque(Stateless):
+class LearnedComputedTorque(PredictedComputedTorque):
     """Computed torque whose M, C and G are what a regressor predicts.
 
     Nothing is done to what it says: units are SI, inputs are not clipped. Only an estimate that is
@@ -50,11 +45,6 @@ class LearnedComputedTorque(Stateless):
     name : str
         What the entry is called in errors.
 
-    Attributes
-    ----------
-    fell_back : bool
-        Whether the last estimate was replaced.
-
     Raises
     ------
     InvalidEntry
@@ -70,42 +60,22 @@ class LearnedComputedTorque(Stateless):
         kv: float,
         name: str,
     ) -> None:
+        super().__init__(kp, kv)
         self._regressor, self._inputs_of, self._name = regressor, inputs_of, name
-        self.kp, self.kv = kp, kv
         self._width = lesson.outputs.shape[1]
         # Copies: what an entry does to its samples is no business of the next one.
         regressor.fit(lesson.inputs.copy(), lesson.outputs.copy())
-        self._average, self.fell_back = lesson.outputs.mean(axis=0), False
+        self.average = lesson.outputs.mean(axis=0)
 
-    def estimate(self, positions: Array, speeds: Array) -> tuple[Array, Array, Array]:
-        """Return M (n, n), C (n, n) and G (n,) as they are used, at one state."""
+    def predicted(self, positions: Array, speeds: Array) -> Array:
+        """Return what the regressor predicts (m,) at a state."""
         inputs = self._inputs_of(positions, speeds)[np.newaxis]
-        said = np.asarray(self._regressor.predict(inputs), dtype=np.float64)
-        if said.shape != (1, self._width):
+        found = np.asarray(self._regressor.predict(inputs), dtype=np.float64)
+        if found.shape != (1, self._width):
             raise InvalidEntry(
                 self._name,
-                f"predict returned shape {said.shape} for inputs {inputs.shape}; it must be "
+                f"predict returned shape {found.shape} for inputs {inputs.shape}; it must be "
                 f"{(1, self._width)}, M, C and G stacked as in the Y of fit",
             )
-        M, C, G = unpack(said[0])
-        self.fell_back = not (np.isfinite(said).all() and _is_positive_definite(M))
-        return unpack(self._average) if self.fell_back else (M, C, G)
-
-    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
-        """Return the forces, (n,) [N or N m]."""
-        M, C, G = self.estimate(positions, speeds)
-        servo = (
-            desired.accelerations
-            + self.kv * (desired.speeds - speeds)
-            + self.kp * (desired.positions - positions)
-        )
-        forces: Array = M @ servo + C @ speeds + G
-        return forces
-
-
-def _is_positive_definite(M: Array) -> bool:
-    try:
-        np.linalg.cholesky(M)
-    except np.linalg.LinAlgError:
-        return False
-    return True
+        row: Array = found[0]
+        return row

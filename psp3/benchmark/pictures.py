@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from fuzzy2.plots.panels import cycle_colors
 from fuzzy2.plots.style import style
 from psp3.benchmark.board import Board, Cell
+from psp3.benchmark.labels import label_points
 from psp3.benchmark.readings import NONE
 from psp3.benchmark.tasks import PATHS
 from psp3.plots.panels import Panels, given_panels
@@ -20,9 +21,14 @@ from psp3.plots.panels import Panels, given_panels
 MARKERS = "osv^DPX*"
 """Of the conditions, in their order."""
 
-LINE = 0.24
+LINE = 0.3
 """Height of the line of an entry [inch]."""
 
+SPREAD = 0.75
+"""What the cells of an entry take of its line."""
+
+POINT = 5.0
+"""Size of the point of an entry [points]."""
 
 LONGEST = 24
 """Letters of a name that are drawn."""
@@ -65,7 +71,7 @@ def figure_of_cells(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
     for panel, robot in zip(panels, board.robots, strict=True):
         cells = [cell for cell in board.cells if cell.robot == robot]
         conditions = list(dict.fromkeys(map(condition, cells)))
-        for cell in cells:
+        for place, cell in enumerate(cells):
             number = conditions.index(condition(cell))
             color = cycle_colors()[number % len(cycle_colors())]
             found = [score.cells[cell].error for score in board.ranked]
@@ -76,7 +82,7 @@ def figure_of_cells(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
             reach = np.nan_to_num(np.maximum(np.stack([value - low, high - value]), 0.0))
             panel.errorbar(
                 value,
-                lines + 0.15 * (2 * PATHS.index(cell.path) - 1),
+                lines + SPREAD * ((place + 0.5) / len(cells) - 0.5),
                 xerr=reach,
                 fmt=MARKERS[number % len(MARKERS)],
                 color=color,
@@ -121,21 +127,14 @@ def figure_of_times(board: Board, axes: Sequence[Axes] | None = None) -> Panels:
     if panels is None:
         panels = (Figure(figsize=(8.0, 5.0), layout="constrained").subplots(),)
     (panel,) = panels
-    for score in board.ranked:
-        x, y = 1e6 * score.step_time, 1e3 * score.error.value
-        points = panel.plot(x, y, "o", markersize=5.0)
-        panel.annotate(
-            _shown(score.entry.name),
-            (x, y),
-            xytext=(5.0, 3.0),
-            textcoords="offset points",
-            fontsize=8.0,
-            color=points[0].get_color(),
-            parse_math=False,
-        )
+    points = [(1e6 * score.step_time, 1e3 * score.error.value) for score in board.ranked]
+    colors = [panel.plot(*point, "o", markersize=POINT)[0].get_color() for point in points]
     panel.set(
         xscale="log", yscale="log", xlabel="time of a step [µs]", ylabel="error of the tip [mm]"
     )
+    panel.margins(0.12)
+    names = [_shown(score.entry.name) for score in board.ranked]
+    label_points(panel, points, names, colors)
     return panels
 
 

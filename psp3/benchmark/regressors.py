@@ -13,6 +13,7 @@ import numpy as np
 
 from psp3.checks import Array
 from psp3.errors import MissingPackage
+from psp3.study.entries import scale_of
 
 PENALTIES = tuple(10.0 ** np.arange(-6.0, 4.0))
 """Penalties of ridge that are tried."""
@@ -36,7 +37,7 @@ class Standardized:
     def fit(self, X: Array, Y: Array) -> Self:
         """Learn from inputs (N, p) and outputs (N, m)."""
         self._low, self._high = X.min(axis=0), X.max(axis=0)
-        self._x, self._y = _scale(X), _scale(Y)
+        self._x, self._y = scale_of(X), scale_of(Y)
         self.regressor.fit((X - self._x[0]) / self._x[1], (Y - self._y[0]) / self._y[1])
         return self
 
@@ -44,12 +45,6 @@ class Standardized:
         """Return outputs (K, m) at inputs (K, p)."""
         inputs = (np.clip(X, self._low, self._high) - self._x[0]) / self._x[1]
         return np.asarray(self.regressor.predict(inputs) * self._y[1] + self._y[0])
-
-
-def _scale(values: Array) -> tuple[Array, Array]:
-    """Return mean and standard deviation of columns, 1 for one that does not change."""
-    deviation = values.std(axis=0)
-    return values.mean(axis=0), np.where(deviation > 0.0, deviation, 1.0)
 
 
 def gaussian_process(rng: np.random.Generator) -> Standardized:

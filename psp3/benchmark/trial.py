@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from fuzzy2.support.one_thread import one_thread
 from psp3.benchmark.entries import Course, Entry, said
 from psp3.benchmark.readings import NONE, READINGS, lesson, measured_noise
 from psp3.benchmark.tasks import PATHS, ROBOTS, SAMPLES, Task, task
@@ -81,6 +82,19 @@ class Trial:
             raise InvalidValue("snr_db", self.snr_db, "finite, and infinite without noise")
 
 
+def own_trial(entry: Entry, trial: Trial) -> Trial:
+    """Return the trial whose outcome is that of an entry's trial.
+
+    It is the same one, but for noise that the entry does not see and seeds without meaning.
+    """
+    is_measured = trial.reading != NONE and READINGS[trial.reading].noise is None
+    if not (is_measured or entry.learns):
+        trial = Trial(trial.robot, NONE, math.inf, trial.seed, trial.duration, trial.period)
+    if trial.reading != NONE or entry.draws:
+        return trial
+    return Trial(trial.robot, NONE, math.inf, 0, trial.duration, trial.period)
+
+
 class Noisy:
     """A controller that sees its positions and speeds with noise on them.
 
@@ -131,7 +145,7 @@ def execute(trial: Trial, entry: Entry) -> Outcome:
     trial.check()
     of_robot = task(trial.robot)
     try:
-        with warnings.catch_warnings():
+        with one_thread(), warnings.catch_warnings():
             # What an entry is warned of, such as a search that has not converged, it knows or not:
             # its score shows.
             warnings.simplefilter("ignore")

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from psp3.bounds.conformal import checked_share, conformal_bound
+from psp3.bounds.conformal import check_count, checked_share, conformal_bound
 from psp3.checks import Array, as_floats
 from psp3.errors import InvalidArray, InvalidValue, UnknownName
 
@@ -28,7 +28,8 @@ class ConformalIntervals:
     by itself (:func:`psp3.bounds.conformal_bound`). A new torque of one joint is held with a
     probability of at least ``share`` if state and torque are exchangeable with those given.
     Samples of one run are not independent: take states at random, or whole runs that are like those
-    to come, of which many are worth more than long ones.
+    to come, of which many are worth more than long ones. Where a controller fell back on its
+    average (:attr:`psp3.FuzzyComputedTorque.fell_back`), its interval has no width to stretch.
 
     Parameters
     ----------
@@ -69,12 +70,14 @@ class ConformalIntervals:
             raise InvalidArray("intervals", "(N, n, 2)", intervals)
         middle, half = _middle_and_half(intervals)
         measured = _torques(torques, middle.shape)
+        check_count("torques", len(measured), self.share)
         self.factor = conformal_bound(self._scores(measured, middle, half), self.share)
         if not np.isfinite(self.factor).all():
             raise InvalidValue(
                 "intervals",
                 f"of no width at {np.mean(half == 0.0):.0%} of the states",
-                'such as have a width; take scale="constant"',
+                "such as have a width, which a controller that fell back has not; take "
+                'scale="constant"',
             )
 
     def __repr__(self) -> str:

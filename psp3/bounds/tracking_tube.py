@@ -69,7 +69,8 @@ def residual_accelerations(result: Result, kp: float, kv: float) -> Array:
     Raises
     ------
     InvalidValue
-        If the samples are fewer than two or not even, or errors do not settle with these gains.
+        If the samples are fewer than two, not even or not finite, or errors do not settle with
+        these gains.
     """
     loop = ErrorDynamics(kp, kv, period_of(result))
     errors, rates = errors_of(result)
@@ -80,6 +81,8 @@ def residual_accelerations(result: Result, kp: float, kv: float) -> Array:
 
 def period_of(result: Result) -> float:
     """Return the control period of a run [s]; raise :class:`InvalidValue` if there is none."""
+    if not isinstance(result, Result):
+        raise InvalidValue("result", result, "a run as psp3.simulate returns it")
     if len(result.t) < 2:
         raise InvalidValue("result", f"{len(result.t)} samples", "a run of at least two samples")
     steps = np.diff(result.t)
@@ -92,9 +95,21 @@ def period_of(result: Result) -> float:
 
 
 def errors_of(result: Result) -> tuple[Array, Array]:
-    """Return errors of positions and of speeds, (N, k) each, of what motors command."""
+    """Return errors of positions and of speeds, (N, k) each, of what motors command.
+
+    Raise :class:`InvalidValue` if one is not finite.
+    """
     wanted, k = result.desired, result.desired.positions.shape[-1]
-    return wanted.positions - result.positions[:, :k], wanted.speeds - result.speeds[:, :k]
+    errors = wanted.positions - result.positions[:, :k], wanted.speeds - result.speeds[:, :k]
+    for what, of in zip(("positions", "speeds"), errors, strict=True):
+        if not np.isfinite(of).all():
+            raise InvalidValue(
+                "result",
+                f"{what} that are not finite",
+                "a run with all its samples; of one that did not reach its end there is no tube, "
+                "and calibration takes None for it",
+            )
+    return errors
 
 
 class TrackingTube:
@@ -141,12 +156,20 @@ class TrackingTube:
     ------
     InvalidValue
         If there are too few runs for the share, or too few of them reached their end; or they
-        differ in their control periods, durations or coordinates.
+        differ in their control periods, durations or coordinates, or are not finite.
+
+    Notes
+    -----
+    A result says neither of which robot it is nor under which gains it was made: that runs are
+    those of one robot, and gains theirs, is up to the caller.
     """
 
     def __init__(
         self, runs: Iterable[Result | None], kp: float, kv: float, share: float = 0.95
     ) -> None:
+        if not hasattr(runs, "__iter__"):
+            wanted = "a list of runs, each as psp3.simulate returns it"
+            raise InvalidValue("runs", type(runs).__name__, wanted)
         given, self.share = list(runs), checked_share(share)
         self.runs, self.is_guaranteed = len(given), True
         first = -(-self.runs // FOR_PROPORTIONS)
@@ -212,7 +235,7 @@ class TrackingTube:
         Raises
         ------
         InvalidValue
-            If the run has another control period or other coordinates.
+            If the run has another control period or other coordinates, or is not finite.
         """
         self._check(result, len(self.residual))
         count, loop = len(result.t), self.dynamics
@@ -225,7 +248,8 @@ class TrackingTube:
 
     def holds(self, result: Result) -> bool:
         """Return whether a run stays within the tube at every sample, see :meth:`around`."""
-        return bool((np.abs(errors_of(result)[0]) <= self.around(result)).all())
+        bounds = self.around(result)
+        return bool((np.abs(errors_of(result)[0]) <= bounds).all())
 
     def with_gains(self, kp: float, kv: float) -> TrackingTube:
         """Return the tube of other gains, with the bounds of the residual acceleration as they are.
@@ -275,6 +299,8 @@ class TrackingTube:
         """
         width = self.width
         k = len(width)
+        if not hasattr(robot, "reference"):
+            raise InvalidValue("robot", robot, "a robot, as psp3.load returns it")
         if len(robot.reference) != k:
             raise InvalidValue("robot", robot.title, f"one of {k} coordinates, all commanded")
         path = finite_rows("positions", positions, k)
@@ -302,11 +328,8 @@ def runs_needed(share: float) -> int:
 
     See :class:`TrackingTube`.
     """
-    scores = scores_needed(share)
-    # One of every ten more, rounded up.
-    return next(
-        count for count in itertools.count(scores) if count - -(-count // FOR_PROPORTIONS) >= scores
-    )
+    # What is left of n without one in ten, rounded up, is 9 n / 10, rounded down.
+    return -(-FOR_PROPORTIONS * scores_needed(share) // (FOR_PROPORTIONS - 1))
 
 
 def _listed(values: Array) -> str:

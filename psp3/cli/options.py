@@ -56,6 +56,8 @@ class ControllerName(StrEnum):
     T1 = "t1"
     IT2 = "it2"
     GT2 = "gt2"
+    ADAPTIVE_T1 = "adaptive-t1"
+    ADAPTIVE_IT2 = "adaptive-it2"
 
 
 class ModelName(StrEnum):

@@ -215,7 +215,7 @@ def progress_bar(description: str, total: float) -> Iterator[Callable[[float], N
 
 
 @contextmanager
-def counted_progress() -> Iterator[tuple[Progress, bool]]:
+def progress_bars() -> Iterator[tuple[Progress, bool]]:
     """Show bars of things done, of how many, on standard error.
 
     Also say whether that is a terminal; if not, no bar is drawn.
@@ -242,6 +242,32 @@ def counted_progress() -> Iterator[tuple[Progress, bool]]:
         yield bars, console.is_terminal
 
 
+@contextmanager
+def counted_progress(what: str) -> Iterator[Callable[[int, int, float], None]]:
+    """Show things done, their rate and the remaining time on standard error.
+
+    As a bar on a terminal, else as a line every tenth of the way. What is yielded takes the number
+    of things that are done, the number of all, and the rate [1/s].
+    """
+    tenths = -1
+    with progress_bars() as (bars, on_terminal):
+        task = None
+
+        def progress(done: int, total: int, rate: float) -> None:
+            nonlocal task, tenths
+            text = f"{rate:.1f} {what}/s" if rate else ""
+            if task is None:
+                # Only now, so that what an earlier session did does not count as speed.
+                task = bars.add_task(text, total=total, completed=done)
+            bars.update(task, completed=done, description=text)
+            if not on_terminal and 10 * done // total > tenths:
+                tenths = 10 * done // total
+                remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
+                typer.echo(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)
+
+        yield progress
+
+
 def cell_text(value: Any) -> str:
     """Return a number as it stands in a table, and a dash for None."""
     if value is None:
@@ -256,6 +282,8 @@ OPTIONS = {
     'free="keep"': "--free keep",
     'free="lock"': "--free lock",
     'free="refuse"': "--free refuse",
+    'learner="strict"': "--learner strict",
+    "n_terms": "--terms",
 }
 """What remedies are called in Python, and on the command line."""
 

@@ -48,11 +48,26 @@ def resumable(place: Path) -> Iterator[None]:
         raise typer.Exit(INTERRUPTED) from None
 
 
+def refuse_workers_of_scheduler(workers: int | None, scheduler: str | None) -> None:
+    """Raise a usage error where the workers of a scheduler would be counted."""
+    if workers is not None and scheduler is not None:
+        raise usage_error("--workers does not apply to --scheduler, which has its own")
+
+
 MOTION_OF_THESIS, MOTION_OF_OTHERS = "helix", "sway"
 """What is followed unless another motion is named."""
 
 TURNS_LEARNED = 2
 """Times that another robot than the 3-PSP sways while its controller learns."""
+
+ADAPTIVE = "adaptive-"
+"""What names of controllers begin with whose rules go on learning."""
+
+LEARNED = (
+    *(ControllerName.T1, ControllerName.IT2, ControllerName.GT2),
+    *(ControllerName.ADAPTIVE_T1, ControllerName.ADAPTIVE_IT2),
+)
+"""Controllers that learn rules."""
 
 
 def trajectory_from_options(
@@ -145,7 +160,7 @@ def controller_named(
         from psp3.control.default_gains import default_gains
 
         kept = default_gains(robot, name.value) | kept
-    if name in (ControllerName.T1, ControllerName.IT2, ControllerName.GT2):
+    if name in LEARNED:
         controller, settings = _learned(robot, name, model, kept)
     else:
         controller, settings = _classical(robot, name, model, kept)
@@ -159,15 +174,21 @@ def _learned(
         raise usage_error(
             f"--model does not apply to --controller {name.value}, which learns its own"
         )
+    from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
     from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
     from psp3.trajectories.paths import Helix
     from psp3.trajectories.sway import Sway
 
-    controller = FuzzyComputedTorque(name.value, robot, **gains)
+    kind = name.value.removeprefix(ADAPTIVE)
+    controller: Any = FuzzyComputedTorque(kind, robot, **gains)
     if robot.has_inverse_of_tip:
-        return controller.fit(Helix(robot=robot)), {"model": "learned"}
-    path = Sway(robot=robot)
-    return controller.fit(path, TURNS_LEARNED * path.period), {"model": "learned"}
+        controller.fit(Helix(robot=robot))
+    else:
+        path = Sway(robot=robot)
+        controller.fit(path, TURNS_LEARNED * path.period)
+    if kind != name.value:
+        controller = AdaptiveFuzzyComputedTorque(controller)
+    return controller, {"model": "learned"}
 
 
 def _classical(

@@ -83,8 +83,10 @@ the smaller ones where a larger one does not close.
 
 POSES = 8
 
-MOST_SECONDS = 3.0
-"""So long other starts are tried for a robot whose loops do not close."""
+MOST_SECONDS, LEAST_SECONDS = 4.0, 1.0
+"""After so long no other starts are tried for a robot whose loops do not close; but they are for so
+long, however long the first one took.
+"""
 
 
 class Structure(NamedTuple):
@@ -173,11 +175,11 @@ def structure(
         inside = within_limits(model, pin.neutral(model))
         near = by_short_steps(model, flat, inside)
         start = inside if near is None else near
-    equations = _Equations(model, flat, start)
+    equations, began = _Equations(model, flat, start), time.process_time()
     found = equations.structure(start)
     if found is not None and (q is not None or _is_good(model, found, motors)):
         return found
-    equations.deadline = time.process_time() + MOST_SECONDS
+    equations.deadline = max(began + MOST_SECONDS, time.process_time() + LEAST_SECONDS)
     tried = 1
     least, worst = equations.openness(start)
     nearest = start

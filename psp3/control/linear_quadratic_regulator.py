@@ -22,11 +22,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from psp3.checks import Array, as_floats, checked_positive, one_row
-from psp3.control import kernels
+from psp3.control import kernels, linear_quadratic_kernels
 from psp3.control.controller import SaysNothing, Widths, widths_of
 from psp3.dynamics.dynamics_model import ForcesOfMotions
 from psp3.dynamics.linearization import LinearSystem, checked_matrices, discretize, linearize
 from psp3.errors import InvalidArray, InvalidValue, NoStabilizingSolution
+from psp3.multibody.core import Tables
 from psp3.robots.closed_loop_robot import ClosedLoopRobot
 from psp3.trajectories.motion import Motion
 from psp3.trajectories.trajectory import Trajectory
@@ -271,7 +272,9 @@ class LinearQuadraticRegulator(SaysNothing):
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        return _table(self.robot, self.regulator.K, widths, 1.0)
+        if type(self) is not LinearQuadraticRegulator:
+            return None
+        return _table(self.robot, self.regulator.K, widths, 1.0, self._pose)
 
 
 class TimeVaryingLinearQuadraticRegulator(SaysNothing):
@@ -352,9 +355,11 @@ class TimeVaryingLinearQuadraticRegulator(SaysNothing):
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
+        if type(self) is not TimeVaryingLinearQuadraticRegulator:
+            return None
         # After the last period the gains of the last one stay.
         gains = self.regulator.K[: len(self.t)]
-        return _table(self.robot, gains, widths, self.period)
+        return _table(self.robot, gains, widths, self.period, self.robot.reference)
 
 
 def _forces(
@@ -391,12 +396,16 @@ def _commanded(robot: ClosedLoopRobot, system: LinearSystem, pose: Array) -> Lin
     return LinearSystem(system.A, system.B[..., :k])
 
 
-def _table(robot: ClosedLoopRobot, K: Array, widths: Widths, period: float) -> NamedTuple | None:
-    # What motors do that are not the coordinates', the loop in Python asks the robot itself.
-    if not robot.drives_coordinates or widths_of(robot) != widths:
+def _table(
+    robot: ClosedLoopRobot, K: Array, widths: Widths, period: float, pose: Array
+) -> NamedTuple | None:
+    table = robot.compiled_table()
+    if table is None or widths_of(robot) != widths:
         return None
-    model, joints = robot.compiled_table(), widths.motors
-    if model is None:
-        return None
-    kp, kv = K[..., :joints], K[..., joints:]
-    return kernels.classical(kernels.FEED_FORWARD, kp, kv, model, widths, gain_period=period)
+    if robot.drives_coordinates:
+        kp, kv = K[..., : widths.motors], K[..., widths.motors :]
+        return kernels.classical(kernels.FEED_FORWARD, kp, kv, table, widths, gain_period=period)
+    # The core's own forces, before motors share them, are along the coordinates.
+    is_shared = widths.commanded == widths.speeds
+    model: Any = Tables(*table[:3]) if is_shared else table
+    return linear_quadratic_kernels.regulation(K, period, pose, model, table, widths)

@@ -20,7 +20,8 @@ def balance(
     """Write M + J (n, n) and what is left of the forces for accelerations and dry friction (n,).
 
     The state are positions and speeds (p + n,), ``forces`` those of the motors, ``drives`` (n, 3)
-    see :mod:`psp3.drives.kernels`. What is written is NaN where the state is none of the robot's.
+    see :mod:`psp3.drives.kernels`; their dry friction is written, too, where it depends on the
+    pose. What is written is NaN where the state is none of the robot's.
     """
 
 

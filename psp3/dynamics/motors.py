@@ -22,13 +22,34 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, Indices, finite_rows
-from psp3.errors import InvalidValue, UnreachableForces
+from psp3.errors import UnreachableForces
 
 RANK = 1e-7
 """Share of the largest singular value up to which one counts as zero."""
 
 LEFT_OVER = 1e-8
 """Share of what is wanted that may be missed, by rounding."""
+
+
+class Driven(NamedTuple):
+    r"""Drives and the joints' own dry friction, as the equation of motion in coordinates has them.
+
+    A drive elsewhere moves at :math:`\omega = c^T \dot q` with its column c. It weighs, brakes and
+    rubs along :math:`L^T c`. Where it follows one coordinate alone, it rests when that rests, and
+    its dry friction holds it, as much as its lever there makes of it; where it follows several, its
+    dry friction has the sign of its speed.
+    """
+
+    coordinates: Array
+    """Reflected inertia, viscous and dry friction at each coordinate, (n, 3)."""
+    columns: Array
+    """What joint velocities each drive elsewhere turns with, (nv, w)."""
+    elsewhere: Array
+    """Reflected inertia, viscous and dry friction of each of these, (w, 3)."""
+    follows: Indices
+    """The coordinate that each follows alone, or −1, (w,)."""
+    joints: Indices
+    """Velocities of the joints whose own dry friction is among these numbers."""
 
 
 class Motors(NamedTuple):
@@ -42,6 +63,8 @@ class Motors(NamedTuple):
     base_coordinates: int
     """Coordinates of a floating base, which are the last: 7, in a plane 4, or none."""
     model: pin.Model
+    followed: Indices
+    """The coordinate that each joint velocity follows alone, or −1, (nv,)."""
 
     @property
     def are_coordinates(self) -> bool:
@@ -49,32 +72,45 @@ class Motors(NamedTuple):
         n = len(self.speeds)
         return self.matrix.shape[1] == n and bool((self.matrix[self.speeds] == np.eye(n)).all())
 
-    def friction(self) -> Array:
-        """Return the dry friction that the coordinates' own joints have, (n,)."""
-        return np.array(self.model.upperDryFrictionLimit[self.speeds])
+    def without_drives(self) -> Driven:
+        """Return no drives, the joints' own dry friction being left to their own forces."""
+        none, n, nv = np.zeros(0, dtype=np.int64), len(self.speeds), self.model.nv
+        return Driven(np.zeros((n, 3)), np.zeros((nv, 0)), np.zeros((0, 3)), none, none)
 
-    def driven(self, drives: Array) -> Array:
-        """Return drives of motors, (m, w), as those of coordinates, (n, w).
+    def driven(self, drives: Array) -> Driven:
+        """Return drives of motors, (m, 3), and the joints' own dry friction.
 
-        Raises
-        ------
-        InvalidValue
-            If a motor has a drive whose joint is no coordinate.
+        Of joints that follow several coordinates the friction is left to the joints' own forces.
         """
-        of_coordinates = np.zeros((len(self.speeds), drives.shape[1]))
-        for name, column, row in zip(self.names, self.matrix.T, drives, strict=True):
+        of_coordinates = np.zeros((len(self.speeds), 3))
+        columns, elsewhere = [], []
+        for column, row in zip(self.matrix.T, drives, strict=True):
             places = np.flatnonzero(column)
             own = np.flatnonzero(self.speeds == places[0]) if len(places) == 1 else places[:0]
             if own.size and column[places[0]] == 1.0:
                 of_coordinates[own[0]] += row
             elif row.any():
-                raise InvalidValue(
-                    f"drive of {name}",
-                    row.tolist(),
-                    "none, because that joint is no coordinate: choose it with coordinates=[...], "
-                    "or give the joint armature, damping and frictionloss in the robot's file",
-                )
-        return of_coordinates
+                columns.append(column)
+                elsewhere.append(row)
+        friction = self.model.upperDryFrictionLimit
+        of_coordinates[:, 2] += friction[self.speeds]
+        rough = (friction > 0.0) & (self.followed >= 0)
+        for velocity in np.setdiff1d(np.flatnonzero(rough), self.speeds):
+            columns.append(np.eye(self.model.nv)[velocity])
+            elsewhere.append(np.array([0.0, 0.0, friction[velocity]]))
+        turned = np.array(columns).reshape(-1, self.model.nv).T
+        return Driven(
+            of_coordinates,
+            np.ascontiguousarray(turned),
+            np.array(elsewhere).reshape(-1, 3),
+            np.array([self._followed_by(column) for column in columns], dtype=np.int64),
+            np.union1d(np.flatnonzero(rough), self.speeds[friction[self.speeds] > 0.0]),
+        )
+
+    def _followed_by(self, column: Array) -> int:
+        """Return the coordinate that all joints of a column follow alone, or −1."""
+        found = set(self.followed[np.flatnonzero(column)].tolist())
+        return found.pop() if len(found) == 1 else -1
 
 
 def least_norm(matrix: Array, wanted: Array, names: Sequence[str], what: str = "forces") -> Array:

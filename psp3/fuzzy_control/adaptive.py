@@ -1,6 +1,12 @@
 r"""Adaptive fuzzy computed torque.
 
-A trained controller whose rules go on learning from the torque that was applied.
+A trained controller whose rules go on learning, of any robot.
+
+Where several rule bases say M, C and G, of all robots but the 3-PSP, the consequents follow the
+tracking error by the law of Slotine and Li (:mod:`psp3.fuzzy_control.slotine_li`): a step takes a
+product for each of them, and C adapts, too. Where one rule base says all, as of the 3-PSP, they
+follow the torque that was applied by least squares, whose matrix of all consequents is small there.
+That is the rest of this page.
 
 The force of the last period and the motion that it made are an equation for the rules, linear in
 their consequents,
@@ -41,6 +47,7 @@ from psp3.checks import Array, checked_number, checked_positive, one_row
 from psp3.control.controller import Widths
 from psp3.errors import InvalidValue
 from psp3.fuzzy_control import adaptive_kernels as kernels
+from psp3.fuzzy_control import slotine_li, slotine_li_kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import reported, step_width
 from psp3.fuzzy_control.numbers import unpack
@@ -57,6 +64,15 @@ LEAST_SHARE_OF_MASS = 0.25
 difference is positive definite).
 """
 
+MEMORY, TRUST, LAG = 2.0, 1e-4, 0.05
+"""Defaults of least squares [s]."""
+
+FADING_TIME = 20.0
+"""Default memory of the law of Slotine and Li [s]."""
+
+CRITICAL_TIMES = 4.0
+"""Its default trust, in 1/κ: the fastest that does not overshoot."""
+
 _ROWS = ("positions", "speeds", "desired positions", "desired speeds", "desired accelerations")
 
 
@@ -70,140 +86,184 @@ class AdaptiveFuzzyComputedTorque:
     controller : FuzzyComputedTorque
         The trained controller: type-1 or interval type-2, with ``outside="clamp"``. It stays as it
         is. Its gains are used.
-    memory : float
-        Time after which a sample counts 1/e [s].
-    trust : float
-        Time for which the forces of a rule must have missed by some amount to move its consequents
-        half of the way [s], if that rule fires alone: the weight of what was trained. Sixteen rules
-        that share the firing take some ten times longer.
+    memory : float, optional
+        Time after which what was learned counts 1/e where nothing confirms it [s]: 2 of a sample of
+        the 3-PSP, and 20 of the consequents of other robots.
+    trust : float, optional
+        The weight of what was trained, as a time [s]. Of the 3-PSP the time for which the forces of
+        a rule must have missed by some amount to move its consequents half of the way, 1e-4, if
+        that rule fires alone; sixteen rules that share the firing take some ten times longer. Of
+        other robots the time constant with which G follows the forces, by default
+        :math:`4 / \kappa`, see :mod:`psp3.fuzzy_control.slotine_li`: the fastest that does not
+        overshoot.
     reach : float
         Farthest that the consequents of G may go from what was trained, as a share of their mean,
         above 0 and below 1: payloads of up to that share of the robot's weight are within reach.
-        Those of M may go as far as leaves a quarter of it,
+        Those of M of the 3-PSP may go as far as leaves a quarter of it,
         :math:`\tfrac34 \lambda_{\min}(\bar M) / 3` in every entry with the average M of the rules.
-    lag : float
-        Time constant of the low-pass filter [s]. Longer suppresses more noise of measurement, and
-        learns later.
+        Those of other robots may go as far as that share of
+        :math:`\sqrt{\bar M_{ii} \bar M_{jj}}`, those of C by that times a rate of the trained
+        motion, and those of G by what accelerates the motors, too.
+    lag : float, optional
+        Of the 3-PSP, time constant of the low-pass filter [s], 0.05 by default. Longer suppresses
+        more noise of measurement, and learns later.
 
     Attributes
     ----------
     base : FuzzyComputedTorque
         The trained controller.
+    kp, kv : float
+        Its gains.
     rules : Rules
         What it was trained to, with weight and box of adaptation.
     settings : Settings
-        Numbers of the controller, as :mod:`psp3.fuzzy_control.adaptive_kernels` takes them.
+        Numbers of the controller, as :mod:`psp3.fuzzy_control.adaptive_kernels` takes them, or
+        :mod:`psp3.fuzzy_control.slotine_li_kernels`.
 
     Raises
     ------
     InvalidValue
         If the controller is not trained, or of another kind, or a number is outside of what it can
-        be.
+        be, or not asked for of this robot.
 
     Notes
     -----
-    The force that is learned from is the one that was returned by the last call: a force limit of
-    the motor, if it acts, and delays are taken for mass and weight. The same is true of dry
-    friction. If the truth is out of reach (:attr:`at_reach`), the servo is left with what the rules
-    cannot say, and soft gains, as those of Table 6.1, may then lose the robot.
+    The force that the 3-PSP learns from is the one that was returned by the last call: a force
+    limit of the motor, if it acts, and delays are taken for mass and weight. The same is true of
+    dry friction, of any robot. If the truth is out of reach (:attr:`at_reach`), the servo is left
+    with what the rules cannot say, and soft gains, as those of Table 6.1, may then lose the robot.
     """
+
+    rules: kernels.Rules | slotine_li_kernels.Rules
+    settings: kernels.Settings | slotine_li_kernels.Settings
+    _table: kernels.Adaptive | slotine_li_kernels.SlotineLi
 
     def __init__(
         self,
         controller: FuzzyComputedTorque,
         *,
-        memory: float = 2.0,
-        trust: float = 1e-4,
+        memory: float | None = None,
+        trust: float | None = None,
         reach: float = 0.5,
-        lag: float = 0.05,
+        lag: float | None = None,
     ) -> None:
-        wanted = (
-            'a trained FuzzyComputedTorque of the 3-PSP, of kind "t1" or "it2" with outside="clamp"'
-        )
+        wanted = 'a trained FuzzyComputedTorque, of kind "t1" or "it2" with outside="clamp"'
         if (
             not isinstance(controller, FuzzyComputedTorque)
-            or controller.inputs.names != INPUT_NAMES
             or controller.kind not in ("t1", "it2")
             or controller.outside != "clamp"
         ):
             raise InvalidValue("controller", controller, wanted)
-        self.base, self.rules = (
-            controller,
-            trained_rules(controller, checked_positive("trust", trust), checked_share(reach)),
-        )
-        self.memory, self.trust, self.reach = (
-            checked_positive("memory", memory),
-            float(trust),
-            float(reach),
-        )
-        self.lag = checked_positive("lag", lag)
+        controller.controller  # noqa: B018 # raises NotTrained
+        self.base, self.reach = controller, checked_share(reach)
+        self.kp, self.kv = controller.kp, controller.kv
+        given = {"memory": memory, "trust": trust, "lag": lag}
+        times = {
+            name: checked_positive(name, value)
+            for name, value in given.items()
+            if value is not None
+        }
+        by_least_squares = controller.inputs.names == INPUT_NAMES
+        (self._least_squares if by_least_squares else self._slotine_li)(times)
+        self.reset()
+
+    def _least_squares(self, times: dict[str, float]) -> None:
+        times = {"memory": MEMORY, "trust": TRUST, "lag": LAG} | times
+        self._times = times
+        self.memory, self.trust, self.lag = times["memory"], times["trust"], times["lag"]
+        self.rules = trained_rules(self.base, self.trust, self.reach)
         self.settings = kernels.Settings(
-            float(controller.kp),
-            float(controller.kv),
+            float(self.kp),
+            float(self.kv),
             self.memory,
             self.lag,
             UPDATE_PERIOD,
             LEAST_SHARE_OF_MASS,
         )
-        self.reset()
+
+    def _slotine_li(self, times: dict[str, float]) -> None:
+        if "lag" in times:
+            wanted = "left out: this robot's rules learn from the error, which nothing filters"
+            raise InvalidValue("lag", times["lag"], wanted)
+        poles = slotine_li.poles_of_servo(self.kp, self.kv)
+        times = {"memory": FADING_TIME, "trust": CRITICAL_TIMES / poles.decay} | times
+        self._times = times
+        self.memory, self.trust = times["memory"], times["trust"]
+        self.rules = slotine_li.trained_rules(self.base, self.trust, self.reach)
+        self.settings = slotine_li_kernels.Settings(poles.slope, 1.0 / self.memory)
 
     def __repr__(self) -> str:
-        return (
-            f"{type(self).__name__}({self.base!r}, memory={self.memory:g}, trust={self.trust:g}, "
-            f"reach={self.reach:g}, lag={self.lag:g})"
-        )
+        times = self._times | {"reach": self.reach}
+        order = ("memory", "trust", "reach", "lag")
+        said = ", ".join(f"{name}={times[name]:g}" for name in order if name in times)
+        return f"{type(self).__name__}({self.base!r}, {said})"
 
     def reset(self) -> None:
         """Go back to what was trained, and forget everything about earlier runs."""
-        self._memory = kernels.new_memory(self.rules.trained)
-        self._step = np.full(step_width(3), np.nan)
+        rules, settings = self.rules, self.settings
+        if isinstance(rules, kernels.Rules) and isinstance(settings, kernels.Settings):
+            memory = kernels.new_memory(rules.trained)
+            self._table = kernels.Adaptive(settings, rules, memory)
+        elif isinstance(rules, slotine_li_kernels.Rules):
+            assert isinstance(settings, slotine_li_kernels.Settings)
+            orders = slotine_li.first_orders(self.base)
+            learned = slotine_li_kernels.new_memory(rules, orders)
+            self._table = slotine_li_kernels.SlotineLi(settings, rules, learned)
+        self._step = np.full(step_width(self.base.joints), np.nan)
 
     def torque(self, t: float, heights: Array, speeds: Array, desired: Motion) -> Array:
-        """Return the torque, of shape (3,) [N], after learning from what the last one did.
+        """Return the torque, of shape (n,) [N or N m], after learning from what the last one did.
 
         Parameters
         ----------
         t : float
             Time [s]. Nothing is learned if it has not gone on since the last call.
-        heights, speeds : (3,) array_like
-            Nut heights [m] and speeds [m/s].
+        heights, speeds : (n,) array_like
+            Positions [m or rad] and speeds [m/s or rad/s]; of the 3-PSP those of its nuts.
         desired : Motion
-            Desired heights, speeds and accelerations, (3,) each.
+            Desired positions, speeds and accelerations, (n,) each.
 
         Returns
         -------
-        (3,) ndarray
-            Screw forces.
+        (n,) ndarray
+            Forces of the motors.
 
         Raises
         ------
         InvalidValue
             If the time is not a finite number.
         InvalidArray
-            If heights, speeds or the desired motion are not three finite numbers each; then nothing
+            If positions, speeds or the desired motion are not n finite numbers each; then nothing
             has been learned.
         """
-        rows = (heights, speeds, desired.heights, desired.speeds, desired.accelerations)
-        a, v, *wanted = (one_row(name, row, 3) for name, row in zip(_ROWS, rows, strict=True))
+        n = self.base.joints
+        rows = (heights, speeds, desired.positions, desired.speeds, desired.accelerations)
+        a, v, *wanted = (one_row(name, row, n) for name, row in zip(_ROWS, rows, strict=True))
         now = checked_number("t", t, "a finite number", -np.finfo(float).max)
         if now == math.inf:
             raise InvalidValue("t", t, "a finite number")
-        step = np.empty(step_width(3))
-        kernels.adaptive_step(
-            self.settings, self.rules, self._memory, now, a, v, np.concatenate(wanted), step
-        )
+        step = np.empty(step_width(n))
+        table, rest = self._table, (0, now, a, v, np.concatenate(wanted), step)
+        if isinstance(table, kernels.Adaptive):
+            kernels.run_step(table, *rest)
+        else:
+            slotine_li_kernels.run_step(table, *rest)
         self._step = step
-        torque: Array = step[:3].copy()
+        torque: Array = step[:n].copy()
         return torque
 
-    numbers_said = step_width(3) - 3
+    @property
+    def numbers_said(self) -> int:
+        """Numbers that a compiled step writes after the n forces."""
+        return self.base.numbers_said
 
     def table(self, robot: Any, widths: Widths) -> NamedTuple | None:
         """Return the controller as the compiled loop takes it, or None, see :func:`steer`."""
-        if type(self) is not AdaptiveFuzzyComputedTorque or widths != Widths.of_motors(3):
+        is_other = type(self) is not AdaptiveFuzzyComputedTorque
+        if is_other or widths != Widths.of_motors(self.base.joints):
             return None
         # The memory is this controller's own: what is learned in the loop stays.
-        return kernels.Adaptive(self.settings, self.rules, self._memory)
+        return self._table
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
         """Be as after the last of the steps, and return what is reported of all."""
@@ -211,12 +271,52 @@ class AdaptiveFuzzyComputedTorque:
         return reported(steps)
 
     @property
-    def consequents(self) -> Array:
-        """Consequents as they are now, (R, 18).
+    def _memory(self) -> kernels.Memory | slotine_li_kernels.Memory:
+        return self._table.memory
 
-        Their order is that of :data:`psp3.fuzzy_control.records.OUTPUT_NAMES`.
+    def adapted(self) -> FuzzyComputedTorque:
+        """Return a controller with the rules as they are now, which does not adapt.
+
+        It can be saved, and be the trained controller of another one that adapts.
+
+        Raises
+        ------
+        UnusableEstimate
+            If the average M of the rules is not positive definite, which computed torque needs.
         """
-        return self._memory.consequents[:, 0].T.copy()
+        systems = [
+            system.replace(consequents=consequents)
+            for system, consequents in zip(self.base.systems_, self._consequents(), strict=True)
+        ]
+        return self.base.with_systems(systems)
+
+    def _consequents(self) -> list[Array]:
+        """Return the consequents (R, m) of each rule base as they are now."""
+        row, found, start = self._memory.consequents.ravel(), [], 0
+        for system, place in zip(self.base.systems_, self.base.places, strict=True):
+            shape = len(place.outputs), 2, len(system.rules)
+            end = start + math.prod(shape)
+            found.append(row[start:end].reshape(shape)[:, 0].T.copy())
+            start = end
+        return found
+
+    @property
+    def consequents(self) -> Array:
+        """Consequents as they are now, (R, m), where one rule base says all.
+
+        Their order is that of :func:`psp3.fuzzy_control.numbers.output_names`, of the 3-PSP that of
+        :data:`psp3.fuzzy_control.records.OUTPUT_NAMES`.
+
+        Raises
+        ------
+        InvalidValue
+            If there are several; :meth:`adapted` has them all.
+        """
+        found = self._consequents()
+        if len(found) > 1:
+            wanted = "those of one rule base; take adapted().systems_"
+            raise InvalidValue("consequents", len(found), wanted)
+        return found[0]
 
     @property
     def at_reach(self) -> bool:
@@ -225,32 +325,33 @@ class AdaptiveFuzzyComputedTorque:
 
     @property
     def torque_interval(self) -> Array:
-        """Ends of the torque interval of the last call, (3, 2) [N].
+        """Ends of the torque interval of the last call, (n, 2) [N or N m].
 
         Of the rules as they were then.
         """
-        return self._step[3:9].reshape(2, 3).T.copy()
+        n = self.base.joints
+        return self._step[n : 3 * n].reshape(2, n).T.copy()
 
     @property
     def covered(self) -> bool:
         """Whether the inputs of the last call were within the trained range."""
-        return bool(self._step[9] > 0.0)
+        return bool(self._step[-2] > 0.0)
 
     @property
     def fell_back(self) -> bool:
         """Whether the trained rules took the place of the adapted ones at the last call.
 
-        They do where the adapted ones give no usable M.
+        They do where the adapted ones give no usable M. Of other robots than the 3-PSP their
+        average does, where no rule fires.
         """
-        return bool(self._step[10] > 0.0)
+        return bool(self._step[-1] > 0.0)
 
 
 def trained_rules(controller: FuzzyComputedTorque, trust: float, reach: float) -> kernels.Rules:
-    """Return what a controller was trained to, with weight and box of adaptation.
+    """Return what a controller of the 3-PSP was trained to, with weight and box of adaptation.
 
     It is as :mod:`psp3.fuzzy_control.adaptive_kernels` takes it.
     """
-    controller.controller  # noqa: B018 # raises NotTrained
     system = controller.system_
     assert system.table is not None
     consequents = np.asarray(system.consequents, dtype=float)

@@ -106,15 +106,12 @@ def christoffel_room(data: Array, n: int) -> int:
 
 
 @scalar
-def write_christoffel(
-    data: Array, places: Array, x: Array, speeds: Array, room: Array, numbers: Array
-) -> None:
-    """Write C (n, n) to its places in the numbers, at inputs x (p,) and speeds (n,).
+def slopes_at(data: Array, places: Array, x: Array, room: Array, along: Array) -> None:
+    """Write the slopes (R, n) of M's basis functions along the positions, at inputs x (p,).
 
-    ``room`` (:func:`christoffel_room`,) is memory for it.
+    ``room`` is memory for it, no more than :func:`christoffel_room` less that of ``along``.
     """
-    rules, inputs, n = int(data[0]), int(data[1]), speeds.size
-    entries = n * (n + 1) // 2
+    rules, inputs = int(data[0]), int(data[1])
     o = DERIVED
     columns = data[o : o + inputs]
     o += inputs
@@ -123,21 +120,27 @@ def write_christoffel(
     means = data[o : o + rules * inputs].reshape(rules, inputs)
     o += rules * inputs
     precisions = data[o : o + rules * inputs].reshape(rules, inputs)
-    o += rules * inputs
-    mass = data[o:].reshape(rules, entries)
     asked, o = room[:inputs], inputs
     phi, o = room[o : o + rules], o + rules
-    slopes, o = room[o : o + rules * inputs].reshape(rules, inputs), o + rules * inputs
-    along, o = room[o : o + rules * n].reshape(rules, n), o + rules * n
-    rates = room[o : o + n * entries].reshape(n, entries)
+    slopes = room[o : o + rules * inputs].reshape(rules, inputs)
     for i in range(inputs):
         asked[i] = x[int(columns[i])]
     write_basis(means, precisions, asked, phi, slopes)
     slopes_of_positions(places, columns, ranges, asked, slopes, along)
+
+
+@scalar
+def write_coriolis(along: Array, mass: Array, speeds: Array, room: Array, numbers: Array) -> None:
+    """Write C (n, n) of M's consequents (R, n (n + 1) / 2) to its places in the numbers.
+
+    ``room`` is memory for n of such rows.
+    """
+    n, entries = speeds.size, mass.shape[1]
+    rates = room[: n * entries].reshape(n, entries)
     for k in range(n):
         for entry in range(entries):
             rates[k, entry] = 0.0
-    for r in range(rules):
+    for r in range(mass.shape[0]):
         row = mass[r]
         for k in range(n):
             slope = along[r, k]
@@ -157,3 +160,18 @@ def write_christoffel(
                     - rates[i, e * (2 * n - 1 - e) // 2 + f]
                 )
             numbers[entries + n * i + j] = 0.5 * total
+
+
+@scalar
+def write_christoffel(
+    data: Array, places: Array, x: Array, speeds: Array, room: Array, numbers: Array
+) -> None:
+    """Write C (n, n) to its places in the numbers, at inputs x (p,) and speeds (n,).
+
+    ``room`` (:func:`christoffel_room`,) is memory for it.
+    """
+    rules, inputs, n = int(data[0]), int(data[1]), speeds.size
+    mass = data[DERIVED + 3 * inputs + 2 * rules * inputs :].reshape(rules, n * (n + 1) // 2)
+    along, rest = room[: rules * n].reshape(rules, n), room[rules * n :]
+    slopes_at(data, places, x, rest, along)
+    write_coriolis(along, mass, speeds, rest, numbers)

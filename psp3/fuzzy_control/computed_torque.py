@@ -16,6 +16,7 @@ thesis's: the centroid (eq. 1.68) of the fuzzy torque. Either way it is one comp
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Sequence
 from pathlib import Path
@@ -360,11 +361,13 @@ class FuzzyComputedTorque:
             strict=True,
         )
         arrays = [finite_rows(name, rows, self.joints) for name, rows in given]
+        if arrays[0].ndim != 2 or len(arrays[0]) < 2:
+            raise InvalidArray("positions", f"(N, {self.joints}), N at least 2", positions)
         for name, array in zip(("speeds", "accelerations", "forces"), arrays[1:], strict=True):
-            if array.ndim != 2 or array.shape != arrays[0].shape:
+            if array.shape != arrays[0].shape:
                 raise InvalidArray(name, f"{arrays[0].shape}, one row for each position", array)
         inputs = self.inputs.of(arrays[0], arrays[1])
-        ranges_of_moving(inputs, self.inputs.names)
+        ranges_of_moving(inputs, self.inputs.names, "positions and speeds")
         a, v, w, force = arrays
         systems = rule_bases.systems_from_motion(
             *(self._options, self.places, self.inputs, (a, v, w), force),
@@ -409,6 +412,18 @@ class FuzzyComputedTorque:
             only_for(kernels.clamped_step, self._packed, *rows, self._step.copy())
         else:
             only_for(kernels.control_step, self._packed, self._model, *rows, self._step.copy())
+
+    def with_systems(self, systems: Sequence[FuzzySystem]) -> Self:
+        """Return a controller with other consequents in the systems of its rule bases.
+
+        Raises
+        ------
+        UnusableEstimate
+            If the average mass matrix is not positive definite.
+        """
+        other = copy.copy(self)
+        other._take(systems, self.ranges_)
+        return other
 
     def _stepped(self, rows: tuple[Array, Array, Array, Array, Array], step: Array) -> int:
         """Write a step, and return what kernels return of it."""

@@ -113,13 +113,23 @@ def learn_consequents(samples: Samples, positive_definite: bool) -> Consequents:
     if positive_definite:
         least = LEAST_SHARE * _least_eigenvalue(one[0], n)
         if not least > 0.0:
-            raise UnusableEstimate(_matrices(one[0][:1], n)[0])
+            raise UnusableEstimate(_matrices(one[0][:1], n)[0], _told_apart(samples))
         problem = scaled, left_over[:, 0], float(ridges[0]), prior, weights
         found = _within(*problem, shapes[0], n, least, found)
     parts = [
         part.reshape(shape) for part, shape in zip(np.split(found, ends[:-1]), shapes, strict=True)
     ]
     return Consequents(parts[0], parts[1], parts[2] if len(parts) > 2 else None)
+
+
+def _told_apart(samples: Samples) -> float:
+    """Return the share of the accelerations that is no function of the positions.
+
+    As far as rules for G can tell: what is left of them by least squares on the basis functions.
+    """
+    w = samples.accelerations
+    left = w - samples.of_mass @ np.linalg.lstsq(samples.of_mass, w, rcond=None)[0]
+    return float(np.linalg.norm(left) / (np.linalg.norm(w) or 1.0))
 
 
 def _reduced(samples: Samples) -> tuple[Array, Array, list[tuple[int, ...]]]:

@@ -11,6 +11,12 @@ of M (:mod:`psp3.fuzzy_control.christoffel_kernels`), it has no consequents of i
 
 .. math:: C \dot a = \sum_r \Big( (\nabla \phi_r \cdot \dot a)\, M_r \dot a
           - \tfrac12 \nabla \phi_r\; \dot a^T M_r \dot a \Big).
+
+Adaptive control (:mod:`psp3.fuzzy_control.slotine_li`) multiplies C with other speeds v than those
+that it depends on,
+
+.. math:: C v = \tfrac12 \sum_r \Big( (\nabla \phi_r \cdot \dot a)\, M_r v
+          + (\nabla \phi_r \cdot v)\, M_r \dot a - \nabla \phi_r\; \dot a^T M_r v \Big).
 """
 
 from __future__ import annotations
@@ -41,18 +47,23 @@ def gravity_columns(phi: Array, joints: int) -> Array:
     return np.asarray(phi[:, np.newaxis, :, np.newaxis] * np.eye(joints)[:, np.newaxis, :])
 
 
-def derived_coriolis_columns(slopes: Array, speeds: Array) -> Array:
+def derived_coriolis_columns(
+    slopes: Array, speeds: Array, multiplied: Array | None = None
+) -> Array:
     """Return what M's consequents add to the forces by the C that is derived from M.
 
-    ``slopes`` (N, R, n) are those of the basis functions along the positions; the columns are
-    those of M, (N, n, R, n (n + 1) / 2).
+    ``slopes`` (N, R, n) are those of the basis functions along the positions, and ``multiplied``
+    (N, n) what C is multiplied with, the speeds unless given; the columns are those of M,
+    (N, n, R, n (n + 1) / 2).
     """
     n = speeds.shape[1]
-    moved = _times_symmetric(speeds, n)[:, :, 0]
-    energy = np.einsum("si,sie->se", speeds, moved)
-    along = np.einsum("srk,sk->sr", slopes, speeds)
-    rise = np.einsum("sr,sie->sire", along, moved)
-    return np.asarray(rise - 0.5 * np.einsum("sri,se->sire", slopes, energy))
+    others = speeds if multiplied is None else multiplied
+    moved, moved_others = (_times_symmetric(v, n)[:, :, 0] for v in (speeds, others))
+    energy = np.einsum("si,sie->se", others, moved)
+    along, along_others = (np.einsum("srk,sk->sr", slopes, v) for v in (speeds, others))
+    rise = np.einsum("sr,sie->sire", along, moved_others)
+    turn = np.einsum("sr,sie->sire", along_others, moved)
+    return np.asarray(0.5 * (rise + turn - np.einsum("sri,se->sire", slopes, energy)))
 
 
 def _times_symmetric(vectors: Array, joints: int) -> Array:

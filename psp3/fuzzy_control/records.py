@@ -185,8 +185,11 @@ class Record:
         return np.sort(spread_evenly(points, count))
 
 
-def ranges_of_moving(inputs: Array, names: Sequence[str]) -> Array:
-    """Return the ranges (p,) of inputs (N, p), or raise :class:`InvalidValue` if one is still."""
+def ranges_of_moving(inputs: Array, names: Sequence[str], what: str = "trajectory") -> Array:
+    """Return the ranges (p,) of inputs (N, p), or raise :class:`InvalidValue` if one is still.
+
+    The error names ``what`` they are of.
+    """
     span: Array = np.ptp(inputs, axis=0)
     if not (span > STILL).all():
         still = ", ".join(name for name, width in zip(names, span, strict=True) if width <= STILL)
@@ -196,7 +199,7 @@ def ranges_of_moving(inputs: Array, names: Sequence[str]) -> Array:
                 "one on which every difference input changes; choose a path that tilts the star "
                 "both ways"
             )
-        raise InvalidValue("trajectory", still, wanted)
+        raise InvalidValue(what, still, wanted)
     return span
 
 

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fuzzy2.errors import UnsupportedRule
 from fuzzy2.learning.consequents import rules_from_all
 from fuzzy2.learning.partition import (
     Term,
@@ -53,6 +54,12 @@ makes sense by itself.
 
 RIDGE = 1e-3
 """Of the learner ``"ridge"``, that of :class:`fuzzy2.WangMendel`."""
+
+COMPLETED = (
+    'learn on a path that goes there, use fewer terms, or take learner="strict", which completes '
+    "rules from their neighbors"
+)
+"""What to do where no sample fires a rule of a grid."""
 
 _NO_PLANES = np.empty((2, 0))
 
@@ -133,7 +140,11 @@ def learned_system(
         )
         table = inputs.view(_Named)
         table.columns = names
-        system = learner.fit(table, outputs).system_
+        try:
+            system = learner.fit(table, outputs).system_
+        except UnsupportedRule as error:
+            found = error.number, error.text, error.firing, error.least, error.count
+            raise UnsupportedRule(*found, COMPLETED) from None
     else:
         partition = partition_by_clusters(options, inputs, number)
         learned = rules_from_all(
@@ -202,6 +213,9 @@ def partition_by_clusters(options: RuleOptions, inputs: Array, number: int) -> P
     points = (inputs - least) / widths
     # Before there are distances of all to all, for which the memory may not do.
     different = len(np.unique(points, axis=0))
+    if number > different and options.rules is None:
+        wanted = f"at least {number} that differ, one for each rule"
+        raise InvalidValue("samples", different, wanted)
     if number > different:
         wanted = f"at most {different}, the number of different samples"
         raise InvalidValue("rules", number, wanted)

@@ -125,37 +125,30 @@ exist.
 @scalar
 def solved(tree, memory, group):
     """Replace the right side by the group's dependent speeds that give it, by least squares."""
-    factors = tree[AT_FACTORS]
-    reflections = tree[AT_REFLECTIONS]
-    right = tree[AT_RIGHT]
-    groups = tree[AT_GROUPS]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     solve(
         tree,
         memory,
         tree[AT_ENDS] + tree[g + GROUP_COLUMN],
-        factors + tree[g + FACTOR_AT],
-        reflections + tree[g + GROUP_COLUMN],
+        tree[AT_FACTORS] + tree[g + FACTOR_AT],
+        tree[AT_REFLECTIONS] + tree[g + GROUP_COLUMN],
         tree[g + GROUP_ROWS],
         tree[g + GROUP_COLUMNS],
-        right,
+        tree[AT_RIGHT],
     )
 
 
 @scalar
 def factored(tree, numbers, memory, group):
     """Write and factor the Jacobian of a group; return its smallest pivot, with a sign, or 0."""
-    factors = tree[AT_FACTORS]
-    reflections = tree[AT_REFLECTIONS]
-    groups = tree[AT_GROUPS]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     jacobian(tree, numbers, memory, group)
     return factor(
         tree,
         memory,
         tree[AT_ENDS] + tree[g + GROUP_COLUMN],
-        factors + tree[g + FACTOR_AT],
-        reflections + tree[g + GROUP_COLUMN],
+        tree[AT_FACTORS] + tree[g + FACTOR_AT],
+        tree[AT_REFLECTIONS] + tree[g + GROUP_COLUMN],
         tree[g + GROUP_ROWS],
         tree[g + GROUP_COLUMNS],
     )
@@ -181,9 +174,8 @@ def newton(tree, numbers, memory, group, most, enough, sign):
     gaps = tree[AT_RESIDUAL]
     right = tree[AT_RIGHT]
     signs = tree[AT_SIGNS]
-    groups = tree[AT_GROUPS]
     tolerances = tree[AT_TOLERANCES]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     first, last = tree[g + FIRST_MEMBER], tree[g + GROUP_INTEGERS + FIRST_MEMBER]
     rows, columns = tree[g + GROUP_ROWS], tree[g + GROUP_COLUMNS]
     row, column = tree[g + GROUP_ROW], tree[g + GROUP_COLUMN]
@@ -239,13 +231,10 @@ def _is_turned(tree, memory, group):
     across = tree[AT_ACROSS]
     before = tree[AT_BEFORE]
     before_reflections = tree[AT_BEFORE_REFLECTIONS]
-    factors = tree[AT_FACTORS]
-    reflections = tree[AT_REFLECTIONS]
     right = tree[AT_RIGHT]
-    groups = tree[AT_GROUPS]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     rows, columns = tree[g + GROUP_ROWS], tree[g + GROUP_COLUMNS]
-    at, into = factors + tree[g + FACTOR_AT], reflections + tree[g + GROUP_COLUMN]
+    at, into = tree[AT_FACTORS] + tree[g + FACTOR_AT], tree[AT_REFLECTIONS] + tree[g + GROUP_COLUMN]
     ends = tree[AT_ENDS] + tree[g + GROUP_COLUMN]
     before += tree[g + FACTOR_AT]
     before_reflections += tree[g + GROUP_COLUMN]
@@ -270,10 +259,9 @@ def _remember(tree, memory, group):
     configuration = tree[AT_CONFIGURATION]
     factors = tree[AT_FACTORS]
     reflections = tree[AT_REFLECTIONS]
-    groups = tree[AT_GROUPS]
     for i in range(tree[COORDINATES]):
         memory[closed + i] = memory[configuration + i]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     if not tree[g + IS_SQUARE]:
         for i in range(tree[g + FACTOR_AT], tree[g + GROUP_INTEGERS + FACTOR_AT]):
             memory[before + i] = memory[factors + i]
@@ -290,8 +278,7 @@ def _speeds_along(tree, memory, group):
     right = tree[AT_RIGHT]
     along = tree[AT_SPEED]
     drivers = tree[AT_DRIVERS]
-    groups = tree[AT_GROUPS]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     rows, columns = tree[g + GROUP_ROWS], tree[g + GROUP_COLUMNS]
     first, column = tree[g + FIRST_DRIVER], tree[g + GROUP_COLUMN]
     fastest = 0.0
@@ -340,12 +327,10 @@ def _follow(tree, numbers, memory, group):
     origin = tree[AT_ORIGIN]
     signs = tree[AT_SIGNS]
     along = tree[AT_SPEED]
-    drivers = tree[AT_DRIVERS]
-    groups = tree[AT_GROUPS]
     independent_q = tree[AT_INDEPENDENT_Q]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     first, last = tree[g + FIRST_MEMBER], tree[g + GROUP_INTEGERS + FIRST_MEMBER]
-    first_driver = drivers + tree[g + FIRST_DRIVER]
+    first_driver = tree[AT_DRIVERS] + tree[g + FIRST_DRIVER]
     column = tree[g + GROUP_COLUMN]
     is_square = tree[g + IS_SQUARE]
     tolerances = tree[AT_TOLERANCES] + GROUP_NUMBERS * group
@@ -399,9 +384,8 @@ def _open(tree, numbers, memory, group):
     closed = tree[AT_CLOSED]
     configuration = tree[AT_CONFIGURATION]
     drivers = tree[AT_DRIVERS]
-    groups = tree[AT_GROUPS]
     independent_q = tree[AT_INDEPENDENT_Q]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     for i in range(tree[COORDINATES]):
         memory[configuration + i] = memory[closed + i]
     for j in range(tree[g + GROUP_DRIVERS]):
@@ -483,9 +467,8 @@ def spread(tree, memory, group, out):
     """Solve a group's equations, and put the dependent speeds where they belong."""
     right = tree[AT_RIGHT]
     dependent_v = tree[AT_DEPENDENT_V]
-    groups = tree[AT_GROUPS]
     solved(tree, memory, group)
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     column = tree[g + GROUP_COLUMN]
     for k in range(tree[g + GROUP_COLUMNS]):
         memory[out + tree[dependent_v + column + k]] = memory[right + k]

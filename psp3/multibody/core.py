@@ -26,25 +26,39 @@ from psp3.multibody.motion import (
 )
 from psp3.multibody.tree import (
     AT_CONFIGURATION,
+    AT_DEPENDENT_V,
+    AT_DRIVERS,
     AT_ELEMENTS,
     AT_FREE_FALL,
+    AT_GROUPS,
+    AT_INDEPENDENT_V,
     AT_REPORT,
     AT_SIGNS,
     AT_TOLERANCES,
     ELEMENT_INTEGERS,
     ELEMENTS,
+    FIRST_DRIVER,
     FREEDOMS,
+    GROUP_COLUMN,
+    GROUP_COLUMNS,
+    GROUP_DRIVERS,
+    GROUP_INTEGERS,
     GROUP_NUMBERS,
     GROUPS,
     INDEPENDENT,
     INDEX_V,
     MISMATCH_AT,
     SIZE,
+    VELOCITIES,
     WEAKEST_AT,
 )
 
 GRAIN = 1
 """Blocks of rows that take a thread about 50 µs; one of the smallest robot takes a hundred."""
+
+PIECE = 32 * BLOCK
+"""Rows after which a call of one thread returns to Python, so that Ctrl-C ends it within a second.
+"""
 
 NEAR_SINGULAR = 0.02
 """A pose whose smallest pivot is smaller than this share of the reference pose's is near a singular
@@ -194,6 +208,19 @@ class Core:
             first, count = rows[:, INDEX_V], rows[:, FREEDOMS]
             carrier = int(np.flatnonzero((first <= last) & (last < first + count))[0])
         return np.concatenate([[carrier], placement.rotation.reshape(-1), placement.translation])
+
+    def only_drivers(self) -> Indices:
+        """Return the independent speed that each joint velocity follows alone, or −1, (nv,)."""
+        tree = self.tree
+        found = np.full(int(tree[VELOCITIES]), -1)
+        found[tree[int(tree[AT_INDEPENDENT_V]) :][: self.joints]] = np.arange(self.joints)
+        for group in range(int(tree[GROUPS])):
+            row = tree[int(tree[AT_GROUPS]) + GROUP_INTEGERS * group :]
+            if row[GROUP_DRIVERS] == 1:
+                first, count = int(row[GROUP_COLUMN]), int(row[GROUP_COLUMNS])
+                dependent = tree[int(tree[AT_DEPENDENT_V]) + first :][:count]
+                found[dependent] = tree[int(tree[AT_DRIVERS]) + int(row[FIRST_DRIVER])]
+        return found
 
     def last_pose(self) -> LastPose:
         """Return memory for a caller who asks about one pose after the other."""
@@ -353,9 +380,14 @@ class Core:
             memory, warm = np.empty(self.size), int(guess is not None)
             if guess is not None:
                 self._settle(guess, memory)
-        row = self._answer(question, warm, int(is_path), memory, positions, second, third, out)
-        if row >= 0:
-            raise self._no_answer(row, memory)
+        for first in range(0, len(positions), PIECE):
+            rows = slice(first, first + PIECE)
+            given = positions[rows], second[rows], third[rows], out[rows]
+            row = self._answer(question, warm, int(is_path), memory, *given)
+            if row >= 0:
+                raise self._no_answer(first + row, memory)
+            # The next piece goes on along the path, or else from the reference, as each block does.
+            warm = int(is_path)
         if isinstance(guess, LastPose):
             guess.is_closed = 1
 

@@ -183,12 +183,10 @@ def residual_of(tree, numbers, memory, group):
     """Write frames and residual of a group's closures; return the residual's largest entry."""
     configuration = tree[AT_CONFIGURATION]
     frames = tree[AT_FRAMES]
-    gaps = tree[AT_RESIDUAL]
     closures = tree[AT_CLOSURES]
     in_elements = tree[AT_CLOSURE_FRAMES]
-    groups = tree[AT_GROUPS]
-    g = groups + GROUP_INTEGERS * group
-    first = gaps + tree[g + GROUP_ROW]
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
+    first = tree[AT_RESIDUAL] + tree[g + GROUP_ROW]
     for closure in range(tree[g + FIRST_CLOSURE], tree[g + GROUP_INTEGERS + FIRST_CLOSURE]):
         c, f = closures + CLOSURE_INTEGERS * closure, frames + 24 * closure
         at = in_elements + CLOSURE_NUMBERS * closure
@@ -254,19 +252,18 @@ def jacobian(tree, numbers, memory, group):
     Of the pose whose residual was the last to be written.
     """
     configuration = tree[AT_CONFIGURATION]
-    driven = tree[AT_DRIVEN]
-    factors = tree[AT_FACTORS]
     frames = tree[AT_FRAMES]
-    gaps = tree[AT_RESIDUAL]
     screws = tree[AT_SCREWS]
     turn = tree[AT_TURN]
     closures = tree[AT_CLOSURES]
     in_elements = tree[AT_CLOSURE_FRAMES]
-    groups = tree[AT_GROUPS]
     paths = tree[AT_PATHS]
-    g = groups + GROUP_INTEGERS * group
-    rows, first = tree[g + GROUP_ROWS], gaps + tree[g + GROUP_ROW]
-    factor_at, driven_at = factors + tree[g + FACTOR_AT], driven + tree[g + DRIVEN_AT]
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
+    rows, first = tree[g + GROUP_ROWS], tree[AT_RESIDUAL] + tree[g + GROUP_ROW]
+    factor_at, driven_at = (
+        tree[AT_FACTORS] + tree[g + FACTOR_AT],
+        tree[AT_DRIVEN] + tree[g + DRIVEN_AT],
+    )
     for i in range(factor_at, factor_at + rows * tree[g + GROUP_COLUMNS]):
         memory[i] = 0.0
     for i in range(driven_at, driven_at + rows * tree[g + GROUP_DRIVERS]):
@@ -337,9 +334,8 @@ def accelerated(tree, numbers, memory, group, speeds, X, rate):
     closures = tree[AT_CLOSURES]
     V = tree[AT_VELOCITIES]
     in_elements = tree[AT_CLOSURE_FRAMES]
-    groups = tree[AT_GROUPS]
     base = tree[ELEMENTS]
-    g = groups + GROUP_INTEGERS * group
+    g = tree[AT_GROUPS] + GROUP_INTEGERS * group
     for closure in range(tree[g + FIRST_CLOSURE], tree[g + GROUP_INTEGERS + FIRST_CLOSURE]):
         c, f = closures + CLOSURE_INTEGERS * closure, frames + 24 * closure
         kind, row = tree[c + CLOSURE_KIND], right + tree[c + FIRST_ROW]

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from psp3.bounds.tracking_tube import TrackingTube, errors_of
+from psp3.errors import InvalidValue
 from psp3.plots.control import shown_samples
 from psp3.plots.panels import Panels, given_panels
 from psp3.simulation.result import Result
@@ -36,15 +37,18 @@ def figure_of_tube(
     Raises
     ------
     InvalidValue
-        If another number of axes is given, or a run has another control period or coordinates.
+        If no run or another number of axes is given, or a run has another control period or
+        coordinates.
     """
+    if isinstance(results, Result) or not results:
+        raise InvalidValue("results", type(results).__name__, "a list of one or more runs")
+    around, *_ = [tube.around(result) for result in results]
     k = len(tube.residual)
     panels = given_panels(axes, k)
     if panels is None:
         figure = Figure(figsize=(7.0, 1.2 + 1.6 * k), layout="constrained")
         figure.suptitle(f"Tube that {100.0 * tube.share:g} % of runs keep")
         panels = tuple(np.atleast_1d(figure.subplots(k, 1, sharex=True)))
-    around = tube.around(results[0])
     every = shown_samples(len(around))
     t = results[0].t[every]
     for i, panel in enumerate(panels):

@@ -28,28 +28,19 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from psp3.checks import Array, finite_rows, one_row, together
-from psp3.closure.coordinates import chosen_coordinates
-from psp3.closure.mobility import mobility_of
 from psp3.closure.passive_limits import PassiveLimits
-from psp3.closure.ranges import freed
 from psp3.closure.rank import dependent_solver, null_space
-from psp3.closure.structure import (
-    Structure,
-    closure_names,
-    structure,
-)
+from psp3.closure.structure import Structure
 from psp3.description.urdf import read_robot
 from psp3.drives.drive import Drive, drive_table
 from psp3.dynamics.closed_pose import ClosedPose
 from psp3.dynamics.derivatives import ForwardDynamicsDerivatives, InverseDynamicsDerivatives
 from psp3.dynamics.dynamics_model import DynamicsModel
-from psp3.dynamics.motors import Motors, forces_of_motors, least_norm
+from psp3.dynamics.motors import Driven, Motors, forces_of_motors, least_norm
 from psp3.errors import (
     ClosureFailed,
-    DependentCoordinates,
     InvalidValue,
     JointLimitExceeded,
-    MobilityMismatch,
     NoFiniteAnswer,
     SingularConfiguration,
     UnknownName,
@@ -57,7 +48,7 @@ from psp3.errors import (
 from psp3.multibody.closing import SINGULAR
 from psp3.multibody.core import Core, LastPose, NoAnswer
 from psp3.multibody.equations import Hinge
-from psp3.multibody.flatten import NO_MOTORS, Springs, flattened
+from psp3.multibody.flatten import Springs
 from psp3.multibody.motion import (
     BEYOND_LIMIT,
     COMPLEMENT,
@@ -73,20 +64,15 @@ from psp3.multibody.motion import (
     NOT_FINITE,
 )
 from psp3.multibody.named_frames import frame_number
-from psp3.robots.construction import motor_matrix, named_closures
+from psp3.robots.assembly import Assembly, assembled
+from psp3.robots.construction import named_closures
 from psp3.robots.implementations import DYNAMICS_MODELS as DYNAMICS_MODELS
 from psp3.robots.implementations import implementation
 from psp3.robots.learning_inputs import LearningInputs, positions_and_speeds
 from psp3.robots.loop_forces import ClosureForces, forces_of_motion
-from psp3.robots.mismatch import ClosureMismatch, allowance, refuse, warnings_of
+from psp3.robots.mismatch import ClosureMismatch, allowance, warnings_of
 from psp3.robots.pickling import constraints, plain
-from psp3.robots.simple_joints import (
-    SimpleTree,
-    base_in_loop,
-    can_spin,
-    parts_of_base,
-    with_simple_joints,
-)
+from psp3.robots.simple_joints import SimpleTree
 
 FREE = ("lock", "keep", "refuse")
 """What can be done with motions that no motor commands."""
@@ -213,62 +199,39 @@ class ClosedLoopRobot:
         loops = [*constraint_models, *(one for one in more if not isinstance(one, Hinge))]
         others = [*equations, *(one for one in more if isinstance(one, Hinge))]
         shapes = visual_model if visual_model is not None else pin.GeometryModel()
-        self._take(SimpleTree(model, shapes, loops, others, home))
+        tree = SimpleTree(model, shapes, loops, others, home)
+        self._take(assembled(tree, self.actuated, self.options))
 
-    def _take(self, tree: SimpleTree, kept: Sequence[str] = ()) -> None:
-        """Take a tree with its closures, choose coordinates, and close the loops."""
-        model, home, options = tree.model, tree.home, self.options
-        free, springs = options["free"], options["springs"]
-        self.model, self.visual_model = model, tree.visual_model
+    def _take(self, made: Assembly) -> None:
+        """Take a tree whose coordinates are chosen, and close its loops."""
+        tree, chosen = made.tree, made.chosen
+        model = self.model = tree.model
+        self.visual_model = tree.visual_model
         self.constraint_models = pin.StdVec_RigidConstraintModel()
         self.constraint_models.extend(tree.constraint_models)
-        tendons = options["tendons"]
-        self.motors = motor_matrix(model, self.actuated, tendons or {})
-        driven = [name for name in self.actuated if name not in (tendons or {})]
+        self.equations = self.options["equations"] = tuple(tree.equations)
+        self._create_data()
+        self.motors, self.mobility, self.without_limits = (
+            made.motors,
+            made.mobility,
+            made.without_limits,
+        )
+        tendons = self.options["tendons"] or {}
+        driven = [name for name in self.actuated if name not in tendons]
         joints = [model.joints[model.getJointId(name)] for name in driven]
         self.actuated_q = np.array([joint.idx_q for joint in joints], dtype=np.int64)
         self.actuated_v = np.array([joint.idx_v for joint in joints], dtype=np.int64)
-        self.equations = tuple(tree.equations)
-        self.options["equations"] = self.equations
-        every = [*self.constraint_models, *self.equations]
-        self._create_data()
-        names = closure_names(every)
-        flat = flattened(model, every, NO_MOTORS)
-        found = structure(model, flat, home, self.motors, names)
-        self.mobility = mobility_of(model, flat, found, self.motors, self.actuated)
-        refuse(found, self.mobility, self.actuated, names, free)
-        self.model, self.without_limits = freed(model, found.home)
-        model = self.model
-        base: int | None = None
-        spins: list[Any] = []
-        try:
-            chosen = chosen_coordinates(
-                model, found, every, self.motors, free, options["coordinates"], springs, kept
-            )
-        except DependentCoordinates as error:
-            base = base_in_loop(model, every)
-            if error.joint or base is None:
-                raise
-        else:
-            spins = [one for one in chosen.spins if free == "keep" and can_spin(model, one)]
-        if spins or base is not None:
-            kept = kept if base is None else [*kept, *parts_of_base(model, base)]
-            self._take(with_simple_joints(tree._replace(home=found.home), spins, base), kept)
-            return
-        if not chosen.names:
-            raise MobilityMismatch(self.mobility, self.actuated)
         self.coordinates, self.locked = chosen.names, chosen.locked
         self.coordinates_q, self.coordinates_v = chosen.positions, chosen.speeds
         self._position_count, self._speed_count = len(chosen.positions), len(chosen.speeds)
-        self.dependent_v = np.setdiff1d(np.arange(model.nv), [*chosen.speeds, *chosen.held])
+        self.dependent_v, self._held = made.dependent, chosen.held
         self._limited = PassiveLimits(model, chosen.names)
-        self._held = chosen.held
-        self._core = self._settled(found.home if home is None else home, found)
+        self._core = self._settled(made.given, made.found)
         self.q0: Array = self._core.q0
-        given = found.home if home is None else home
-        moved = float(np.abs(pin.difference(model, given, self.q0)).max(initial=0.0))
-        self.closure_mismatch = ClosureMismatch(found.length, found.angle, moved)
-        for told in warnings_of(self, names[found.worst] if names else "", found):
+        moved = float(np.abs(pin.difference(model, made.given, self.q0)).max(initial=0.0))
+        self.closure_mismatch = ClosureMismatch(made.found.length, made.found.angle, moved)
+        worst = made.names[made.found.worst] if made.names else ""
+        for told in warnings_of(self, worst, made.found):
             logger.warning("%s", told)
 
     def _settled(self, guess: Array, found: Structure) -> Core:
@@ -936,7 +899,8 @@ class ClosedLoopRobot:
         last = self.model.joints[self.model.getJointId(self.coordinates[-1])]
         base = last.nq if last.nq > last.nv > 1 else 0
         matrix = np.ascontiguousarray(self.motors)
-        return Motors(self.actuated, matrix, self.coordinates_v, base, self.model)
+        followed = self._core.only_drivers()
+        return Motors(self.actuated, matrix, self.coordinates_v, base, self.model, followed)
 
     @functools.cached_property
     def drives_coordinates(self) -> bool:
@@ -970,8 +934,8 @@ class ClosedLoopRobot:
         transposed = both[..., nq:].reshape(*both.shape[:-1], n, nv)
         return np.asarray(transposed @ self.motors)
 
-    def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Array:
-        """Return drives of the motors as those of the coordinates.
+    def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Driven:
+        """Return drives of the motors, and the joints' dry friction, as the coordinates feel them.
 
         Parameters
         ----------
@@ -980,13 +944,13 @@ class ClosedLoopRobot:
 
         Returns
         -------
-        (n, 3) ndarray
-            Reflected inertia, viscous and dry friction, zero where no motor is.
+        Driven
+            Those at coordinates, and those elsewhere.
 
         Raises
         ------
         InvalidValue
-            If a joint has a drive that is no coordinate.
+            If it is neither a drive nor one for each motor.
         """
         return self._motors.driven(drive_table(drive, len(self.actuated)))
 

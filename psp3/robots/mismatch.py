@@ -40,13 +40,12 @@ def refuse(
     found_mobility: Any,
     actuated: Sequence[str],
     names: Sequence[str],
-    free: str,
 ) -> None:
     """Refuse a mechanism that does not move, or whose loops do not agree."""
     freedoms = found_mobility.degrees_of_freedom
     if found.mismatch > LARGEST_MISMATCH or (freedoms == 0 and found.mismatch > EXACT):
         raise RoundedLoops(names[found.worst], found.length, found.angle, freedoms)
-    if freedoms == 0 or (free == "refuse" and found_mobility.under_actuation):
+    if freedoms == 0:
         raise MobilityMismatch(found_mobility, actuated)
 
 

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from psp3.checks import Array, Indices
 from psp3.drives.drive import Drive
 from psp3.dynamics.dynamics_model import DynamicsModel
+from psp3.dynamics.motors import Driven
 from psp3.multibody.core import LastPose
 from psp3.robots.learning_inputs import LearningInputs
 
@@ -120,6 +121,10 @@ class Robot(DynamicsModel, Protocol):
         """Return the velocities (..., nv) of all joints."""
         ...
 
+    def drift(self, q: Array, v: Array) -> Array:
+        """Return the accelerations (nv,) of all joints while the coordinates move uniformly."""
+        ...
+
     def tip(self, positions: ArrayLike) -> Array:
         """Return the tip in base axes, (..., 3) [m]; NaN of a robot that has none."""
         ...
@@ -138,8 +143,8 @@ class Robot(DynamicsModel, Protocol):
         """Return what the motors' forces do along the coordinates, (..., n, m)."""
         ...
 
-    def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Array:
-        """Return drives of the motors as those of the coordinates, a row each, (n, 3)."""
+    def drives_of_coordinates(self, drive: Drive | Sequence[Drive]) -> Driven:
+        """Return drives of motors, and joints' dry friction, as the coordinates feel them."""
         ...
 
     def allocated_forces(self, positions: ArrayLike, forces: ArrayLike) -> Array:

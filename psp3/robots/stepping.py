@@ -22,13 +22,14 @@ from psp3.dynamics.compiled_robot import (
 )
 from psp3.dynamics.driven_steps import advance_driven
 from psp3.dynamics.motor_kernels import shortest
-from psp3.dynamics.motors import Motors
+from psp3.dynamics.motors import Driven, Motors
 from psp3.multibody.closing import CLOSED
 from psp3.multibody.core import Core, Tables
 from psp3.multibody.inertia import complement, factor_positive, solve_positive
 from psp3.multibody.motion import balance_of_state, forces_of_motion, reach, runge_kutta
 from psp3.multibody.tree import (
     AT_COMPLEMENT,
+    AT_JOINT_ACCELERATIONS,
     AT_JOINTS,
     AT_MASS,
     AT_ROOM,
@@ -37,6 +38,11 @@ from psp3.multibody.tree import (
     POSITIONS,
     VELOCITIES,
 )
+
+LEAST_LEVER = 1e-200
+"""So that a coordinate whose friction is that of another joint has some where that joint is at a
+dead center, too: what has none counts as slipping.
+"""
 
 PLANAR_COORDINATES = 4
 """Of a base that moves in a plane: position, and the cosine and sine of its angle."""
@@ -47,7 +53,9 @@ class DrivenTables(NamedTuple):
 
     It takes much longer to compile than one without. ``motors`` (nv, m) are what each motor drives,
     ``rest`` (n,) zeros, ``base`` the coordinates of a floating base, which are the last: 7, in a
-    plane 4, or none.
+    plane 4, or none. ``dry`` (n,) is the dry friction at the coordinates; ``columns`` (nv, w),
+    ``elsewhere`` (w, 3) and ``follows`` (w,) are drives elsewhere,
+    :class:`psp3.dynamics.motors.Driven`, and ``along`` (n,) is room.
     """
 
     tree: Indices
@@ -56,6 +64,11 @@ class DrivenTables(NamedTuple):
     motors: Array
     rest: Array
     base: int
+    dry: Array
+    columns: Array
+    elsewhere: Array
+    follows: Indices
+    along: Array
 
 
 @balance.register(DrivenTables)
@@ -79,6 +92,42 @@ def _balance(
         for j in range(n):
             mass[i, j] = memory[tree[AT_MASS] + n * i + j] if is_state else math.nan
         mass[i, i] += drives[i, INERTIA]
+    if robot.follows.size > 0:
+        _add_elsewhere(robot, state, drives, mass, net)
+
+
+@compiled
+def _add_elsewhere(
+    robot: DrivenTables, state: Array, drives: Array, mass: Array, net: Array
+) -> None:
+    """Add what drives do that are at no coordinate, of a balance whose L and drift are known.
+
+    Their dry friction goes to that of the coordinate that they follow alone.
+    """
+    n, tree, memory, columns = net.size, robot.tree, robot.memory, robot.columns
+    nv, p, along = tree[VELOCITIES], tree[POSITIONS], robot.along
+    L, drift = tree[AT_COMPLEMENT], tree[AT_JOINT_ACCELERATIONS]
+    for i in range(n):
+        drives[i, DRY] = robot.dry[i]
+    for w in range(robot.follows.size):
+        inertia, viscous = robot.elsewhere[w, INERTIA], robot.elsewhere[w, VISCOUS]
+        dry, speed, change = robot.elsewhere[w, DRY], 0.0, 0.0
+        for i in range(n):
+            along[i] = 0.0
+            for v in range(nv):
+                along[i] += memory[L + nv * i + v] * columns[v, w]
+            speed += along[i] * state[p + i]
+        for v in range(nv):
+            change += columns[v, w] * memory[drift + v]
+        force, follows = inertia * change + viscous * speed, robot.follows[w]
+        if follows >= 0:
+            drives[follows, DRY] += dry * (abs(along[follows]) + LEAST_LEVER)
+        elif speed != 0.0:
+            force += dry if speed > 0.0 else -dry
+        for i in range(n):
+            net[i] -= along[i] * force
+            for j in range(n):
+                mass[i, j] += inertia * along[i] * along[j]
 
 
 @compiled
@@ -275,10 +324,15 @@ def _allocate_to_motors(robot: DrivenTables, positions: Array, forces: Array, ou
     return done
 
 
-def tables_of_motors(core: Core, motors: Motors) -> DrivenTables:
-    """Return a robot whose coordinates are not its motors as compiled loops take it."""
+def tables_of_motors(core: Core, motors: Motors, driven: Driven | None = None) -> DrivenTables:
+    """Return a robot whose coordinates are not its motors, or with drives, for compiled loops."""
     tables, rest = core.tables(), np.zeros(len(motors.speeds))
-    return DrivenTables(*tables, motors.matrix, rest, motors.base_coordinates)
+    driven = motors.without_drives() if driven is None else driven
+    return DrivenTables(
+        *(*tables, motors.matrix, rest, motors.base_coordinates),
+        np.ascontiguousarray(driven.coordinates[:, DRY]),
+        *(driven.columns, driven.elsewhere, driven.follows, np.zeros(len(rest))),
+    )
 
 
 class CoreSteps:
@@ -287,7 +341,8 @@ class CoreSteps:
     Its state are positions and speeds of the coordinates, (p,) and (n,); forces are those of the
     motors, (m,). A floating base's position and quaternion take classical Runge–Kutta steps like
     all the rest, and the quaternion is brought to unit length after each, which keeps the order.
-    Dry friction of a joint that is a coordinate, a drive's or its own, can hold it.
+    Dry friction of a joint that is a coordinate or follows one alone, a drive's or its own, can
+    hold it.
 
     Parameters
     ----------
@@ -299,22 +354,20 @@ class CoreSteps:
         Integration steps in a control period.
     drive : Drive or sequence of Drive
         Friction and motor inertia of all actuated joints, or of each.
-
-    Raises
-    ------
-    InvalidValue
-        If a joint has a drive that is no coordinate.
     """
 
     def __init__(
         self, core: Core, motors: Motors, steps: int, drive: Drive | Sequence[Drive]
     ) -> None:
         self._core, self._motors, self.steps = core, motors, checked_count("steps", steps)
-        self.drives = motors.driven(drive_table(drive, len(motors.names)))
-        friction = motors.friction()
-        self.drives[:, DRY] += friction
-        self._is_driven = bool(self.drives.any()) or not motors.are_coordinates
-        self._without = np.flatnonzero(friction)
+        self._driven = driven = motors.driven(drive_table(drive, len(motors.names)))
+        self.drives = driven.coordinates.copy()
+        is_elsewhere = driven.follows[driven.elsewhere[:, DRY] > 0.0]
+        # What these are depends on the pose; that there is some does not.
+        self.drives[is_elsewhere[is_elsewhere >= 0], DRY] += LEAST_LEVER
+        self._is_driven = (
+            bool(self.drives.any()) or bool(driven.follows.size) or not motors.are_coordinates
+        )
         self._advance: Any = advance_driven if self._is_driven else advance_free
         self._positions = int(core.tree[POSITIONS])
         self.robot, self.state = self._tables(), np.zeros(self._positions + len(motors.speeds))
@@ -322,10 +375,10 @@ class CoreSteps:
     def _tables(self) -> Tables | DrivenTables:
         if not self._is_driven:
             return self._core.tables()
-        tables = tables_of_motors(self._core, self._motors)
+        tables = tables_of_motors(self._core, self._motors, self._driven)
         numbers = tables.numbers.copy()
         # What can hold a joint at rest is the integrator's business.
-        for velocity in self._motors.speeds[self._without]:
+        for velocity in self._driven.joints:
             numbers[tables.tree[AT_JOINTS] + JOINT_NUMBERS * velocity + FRICTION] = 0.0
         return tables._replace(numbers=numbers)
 

@@ -25,7 +25,8 @@ class ConstraintDynamics(FixedSteps):
 
     The loops are constraints on accelerations, so integration errors would open them slowly;
     Baumgarte's stabilization adds :math:`2\omega \dot\phi + \omega^2 \phi` to pull them shut. Motor
-    inertia is Pinocchio's armature; friction, springs and damping are forces on the joints. What
+    inertia is Pinocchio's armature, or where no coordinate is the force that it takes; friction,
+    springs and damping are forces on the joints. What
     Pinocchio has no constraints for, couplings, hinges and held motions, is kept closed by forces
     :math:`R^T \lambda` along the rows R of these equations, which follow from what unit forces do.
 
@@ -43,7 +44,7 @@ class ConstraintDynamics(FixedSteps):
     Raises
     ------
     InvalidValue
-        If loops contradict each other by rounding, or a joint has a drive that is no coordinate.
+        If loops contradict each other by rounding.
     DisorderedJoints
         If the tree's joints are not chain by chain, for which Pinocchio is wrong.
     """
@@ -83,7 +84,7 @@ class ConstraintDynamics(FixedSteps):
         self._more = _MoreConstraints(robot, frequency)
         # What can hold a coordinate at rest is counted with its drive.
         self._dependent_friction = np.array(model.upperDryFrictionLimit)
-        self._dependent_friction[self._rows] = 0.0
+        self._dependent_friction[self._driven.joints] = 0.0
         self._motors, self._springs = robot.motors, robot.springs
         self.q, self.v = robot.q0, np.zeros(model.nv)
 
@@ -103,6 +104,19 @@ class ConstraintDynamics(FixedSteps):
 
     def _solved(self, q: Array, v: Array, along: Array) -> Array:
         """Return the accelerations of all joints under forces on all joints."""
+        inertia, columns = self._driven.elsewhere[:, self._kernels.INERTIA], self._driven.columns
+        columns, inertia = columns[:, inertia > 0.0], inertia[inertia > 0.0]
+        free = self._solved_without_motors(q, v, along)
+        if not inertia.size:
+            return free
+        moved = [self._solved_without_motors(q, v, along + column) - free for column in columns.T]
+        answers = np.stack(moved, axis=1)
+        # Each motor takes the force that its inertia needs.
+        felt = np.eye(len(inertia)) + inertia[:, np.newaxis] * (columns.T @ answers)
+        return np.asarray(free - answers @ np.linalg.solve(felt, inertia * (free @ columns)))
+
+    def _solved_without_motors(self, q: Array, v: Array, along: Array) -> Array:
+        """Return these accelerations without the inertia of motors that are at no coordinate."""
         free = self._solver.accelerations(q, v, along)
         if not self._more.count:
             return free
@@ -122,7 +136,9 @@ class ConstraintDynamics(FixedSteps):
             joint = model.joints[model.getJointId(name)]
             along[joint.idx_v] -= stiffness * (q[joint.idx_q] - rest)
         along[self._rows] -= self._drives[:, self._kernels.VISCOUS] * v[self._rows] + friction
-        return along
+        driven, speeds = self._driven, v @ self._driven.columns
+        brakes = driven.elsewhere[:, self._kernels.VISCOUS] * speeds
+        return np.asarray(along - driven.columns @ (brakes + self._sliding_friction(speeds)))
 
     def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
         """Return M + J as the inverse of what unit forces do.
@@ -133,6 +149,7 @@ class ConstraintDynamics(FixedSteps):
         def rows(force: Array) -> Array:
             return self._solved(q, v, force)[self._rows]
 
+        self._take_dry_friction(q[self._places])
         applied = rows(self._along_joints(q, v, forces, np.zeros(self._joints)))
         idle = rows(np.zeros(self._robot.model.nv))
         units = np.eye(self._robot.model.nv)[self._rows]
@@ -140,6 +157,7 @@ class ConstraintDynamics(FixedSteps):
         return mass, mass @ applied
 
     def _accelerations(self, q: Array, v: Array, forces: Array) -> Array:
+        self._take_dry_friction(q[self._places])
         dry = self._drives[:, self._kernels.DRY]
         friction, sticks = dry * self._slip, self._is_dry & (self._slip == 0.0)
         if sticks.any():

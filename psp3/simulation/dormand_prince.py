@@ -97,9 +97,8 @@ class DormandPrince(DrivenPlant):
 
         def event(_: float, state: Array) -> float:
             if slip == 0.0:
-                return float(
-                    self._drives[i, self._kernels.DRY] - abs(self._friction(i, state, forces))
-                )
+                holding = abs(self._friction(i, state, forces))
+                return float(self._drives[i, self._kernels.DRY] - holding)
             return float(slip * state[self._positions + i])
 
         event.joint, event.terminal, event.direction = i, True, -1.0  # type: ignore[attr-defined]

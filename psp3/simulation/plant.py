@@ -51,11 +51,6 @@ class DrivenPlant:
     """A robot with drives in Python, in its coordinates.
 
     What is common to the ways to integrate it. Forces are those of the motors.
-
-    Raises
-    ------
-    InvalidValue
-        If a joint has a drive that is no coordinate.
     """
 
     def __init__(self, robot: Robot, drive: Drive | Sequence[Drive]) -> None:
@@ -63,17 +58,39 @@ class DrivenPlant:
 
         self._robot, self._kernels = robot, drive_kernels
         self._joints, self._positions = len(robot.coordinates_v), len(robot.reference)
-        self._drives = robot.drives_of_coordinates(drive)
+        self._driven = robot.drives_of_coordinates(drive)
+        self._drives = self._driven.coordinates.copy()
         # The joints' own friction, too, can hold them.
         self._own_friction = np.array(robot.model.upperDryFrictionLimit[robot.coordinates_v])
-        self._drives[:, drive_kernels.DRY] += self._own_friction
-        self._is_driven, self._is_dry = (
-            bool(self._drives.any()),
-            self._drives[:, drive_kernels.DRY] > 0.0,
-        )
-        self._slip = np.ones(self._joints)
+        self._followers = np.setdiff1d(self._driven.joints, robot.coordinates_v)
         self._states = StateAfterState(robot)
         self._tree_rates = RatesOfConfiguration(robot.model)
+        self._take_dry_friction(robot.reference)
+        self._is_driven = bool(self._drives.any() or self._driven.follows.size)
+        self._is_dry = self._drives[:, drive_kernels.DRY] > 0.0
+        self._slip = np.ones(self._joints)
+
+    def _joint_speeds(self, q: Array) -> Array:
+        """Return the velocities of all joints at each coordinate's unit speed, (n, nv)."""
+        speeds: Array = self._robot.velocity(q, np.eye(self._joints))
+        return speeds
+
+    def _take_dry_friction(self, q: Array) -> Array:
+        """Take the dry friction at a pose; return the levers of the drives elsewhere, (n, w)."""
+        dry, follows = self._kernels.DRY, self._driven.follows
+        if not follows.size:
+            return np.empty((self._joints, 0))
+        levers: Array = self._joint_speeds(q) @ self._driven.columns
+        self._drives[:, dry] = self._driven.coordinates[:, dry]
+        alone = np.flatnonzero(follows >= 0)
+        held = np.abs(levers[follows[alone], alone]) * self._driven.elsewhere[alone, dry]
+        np.add.at(self._drives[:, dry], follows[alone], held)
+        return levers
+
+    def _sliding_friction(self, speeds: Array) -> Array:
+        """Return the dry friction of drives elsewhere that follow several coordinates, (w,)."""
+        friction = self._driven.elsewhere[:, self._kernels.DRY] * np.sign(speeds)
+        return np.where(self._driven.follows >= 0, 0.0, friction)
 
     def _along(self, q: Array, forces: Array) -> Array:
         """Return what the motors' forces (m,) do along the coordinates, (n,)."""
@@ -105,13 +122,30 @@ class DrivenPlant:
     def _balance(self, q: Array, v: Array, forces: Array) -> tuple[Array, Array]:
         """Return M + J, and what is left of the forces for acceleration and dry friction."""
         inertia, viscous, _ = self._drives.T
-        return (
-            self._states.ask(self._robot.mass_matrix, q) + np.diag(inertia),
+        mass = self._states.ask(self._robot.mass_matrix, q) + np.diag(inertia)
+        net = (
             self._along(q, forces)
             - self._states.ask(self._robot.inverse_dynamics, q, v, np.zeros_like(v))
             + self._own_friction * np.sign(v)
-            - viscous * v,
+            - viscous * v
         )
+        if self._driven.follows.size:
+            more, brake = self._elsewhere(q, v)
+            mass, net = mass + more, net - brake
+        return mass, net
+
+    def _elsewhere(self, q: Array, v: Array) -> tuple[Array, Array]:
+        """Return what drives at no coordinate add to M, and how they brake uniform motions."""
+        robot, driven, levers = self._robot, self._driven, self._take_dry_friction(q)
+        whole, all_speeds = robot.configuration(q), robot.velocity(q, v)
+        inertia, viscous, _ = driven.elsewhere.T
+        speeds = v @ levers
+        forces = inertia * (robot.drift(whole, all_speeds) @ driven.columns) + viscous * speeds
+        forces += self._sliding_friction(speeds)
+        # What holds followers is not to be in the joints' forces, too.
+        followers = self._joint_speeds(q)[:, self._followers]
+        own = robot.model.upperDryFrictionLimit[self._followers] * np.sign(v @ followers)
+        return (levers * inertia) @ levers.T, levers @ forces - followers @ own
 
     def _accelerations(self, q: Array, v: Array, forces: Array) -> Array:
         """Return the derivative of v while the slip of the joints is constant."""

@@ -28,14 +28,27 @@ ASKED_AGAIN = 5.0
 """How old the number of threads of a cluster may be until its scheduler is asked anew [s]."""
 
 
+def package_version() -> str:
+    """Return the version of psp3."""
+    from psp3.version import __version__
+
+    return __version__
+
+
 @contextmanager
-def connected(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
+def connected(
+    address: str, version: Callable[[], str] = package_version, one_thread: bool = False
+) -> Iterator[tuple[Executor, Callable[[], int]]]:
     """Connect to a scheduler, and check that its workers can do the work.
 
     Parameters
     ----------
     address : str
         Where the scheduler listens, ``tcp://host:port``.
+    version : callable
+        Returns what must be the same here and on each worker.
+    one_thread : bool
+        Whether workers must have one thread each.
 
     Yields
     ------
@@ -48,7 +61,8 @@ def connected(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
         If this is no address.
     SchedulerUnavailable
         If there is no scheduler, which a refused connection tells at once and silence in half a
-        minute, or it has no workers, or they have another version of psp3 or none.
+        minute, or it has no workers, or they have another version of psp3, none, or too many
+        threads.
     """
     host, port = _host_and_port(address)
     try:
@@ -70,7 +84,7 @@ def connected(address: str) -> Iterator[tuple[Executor, Callable[[], int]]]:
         reason = f"cannot be reached ({_in_one_line(error)}); start one with: dask scheduler"
         raise SchedulerUnavailable(address, reason) from error
     with _quiet(), client:
-        _check_workers(client, address)
+        _check_workers(client, address, version, one_thread)
         # Impure, because equal calls would share one result, and a run that was lost could come
         # back as that of another.
         executor = client.get_executor(pure=False)
@@ -124,13 +138,6 @@ class _Capacity:
         return self._last
 
 
-def package_version() -> str:
-    """Return the version of psp3; asked of each worker."""
-    from psp3.version import __version__
-
-    return __version__
-
-
 def _host_and_port(address: str) -> tuple[str, int]:
     try:
         parts = urlsplit(address)
@@ -163,28 +170,37 @@ def _shake_hands(address: str) -> None:
         thread.submit(asyncio.run, greet()).result()
 
 
-def _check_workers(client: Any, address: str) -> None:
+def _check_workers(client: Any, address: str, version: Callable[[], str], one_thread: bool) -> None:
     try:
         client.wait_for_workers(1, timeout=FIRST_WORKER)
     except TimeoutError as error:
         raise SchedulerUnavailable(
             address, f"has no workers; start some with: dask worker {address}"
         ) from error
-    here = package_version()
+    here = version()
     try:
-        versions = client.run(package_version)
+        versions = client.run(version)
     except Exception as error:
         # Whatever goes wrong on the way to a worker, a module that it lacks above all.
         reason = (
             f"a worker cannot run psp3 ({_in_one_line(error)}); install psp3 {here} on every worker"
         )
         raise SchedulerUnavailable(address, reason) from error
-    for worker, version in versions.items():
-        if version != here:
+    for worker, there in versions.items():
+        if there != here:
             raise SchedulerUnavailable(
                 address,
-                f"worker {worker} has psp3 {version}, but this is psp3 {here}; install the same "
+                f"worker {worker} has psp3 {there}, but this is psp3 {here}; install the same "
                 "everywhere",
+            )
+    if not one_thread:
+        return
+    for worker, threads in client.nthreads().items():
+        if threads != 1:
+            raise SchedulerUnavailable(
+                address,
+                f"worker {worker} has {threads} threads, and what is timed wants one; start "
+                f"workers with: dask worker --nthreads 1 --nworkers {threads} {address}",
             )
 
 

@@ -18,10 +18,56 @@ SAMPLES = 209
 """Samples that an estimator learns from, unless told otherwise."""
 
 
-class EstimatedComputedTorque(SaysNothing, Stateless):
-    r"""Computed torque with M, C and G as an estimator predicts them.
+class PredictedComputedTorque(Stateless):
+    r"""Computed torque with M, C and G as something predicts them.
 
     .. math:: \tau = \hat M (\ddot a_d + k_v \dot e + k_p e) + \hat C \dot a + \hat G
+
+    What is not finite, or has no positive definite M, is replaced by an average.
+
+    Parameters
+    ----------
+    kp, kv : float
+        Gains of the servo [1/s², 1/s].
+
+    Attributes
+    ----------
+    average : (K,) ndarray
+        Upper triangle of M, then C and G: what takes the place of a prediction.
+    fell_back : bool
+        Whether it took that of the last one.
+    """
+
+    average: Array
+
+    def __init__(self, kp: float, kv: float) -> None:
+        self.kp, self.kv, self.fell_back = kp, kv, False
+
+    def predicted(self, positions: Array, speeds: Array) -> Array:
+        """Return the upper triangle of M, then C and G, (K,), at a state."""
+        raise NotImplementedError
+
+    def estimate(self, positions: Array, speeds: Array) -> tuple[Array, Array, Array]:
+        """Return M (n, n), C (n, n) and G (n,) as they are used, at a state."""
+        numbers = self.predicted(positions, speeds)
+        M, C, G = unpack(numbers)
+        self.fell_back = not (np.isfinite(numbers).all() and _is_positive_definite(M))
+        return unpack(self.average) if self.fell_back else (M, C, G)
+
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the forces (n,) [N or N m]."""
+        M, C, G = self.estimate(positions, speeds)
+        servo = (
+            desired.accelerations
+            + self.kv * (desired.speeds - speeds)
+            + self.kp * (desired.positions - positions)
+        )
+        forces: Array = M @ servo + C @ speeds + G
+        return forces
+
+
+class EstimatedComputedTorque(SaysNothing, PredictedComputedTorque):
+    """Computed torque with M, C and G as an estimator predicts them.
 
     An estimator has ``fit(X, Y)`` and ``predict(X)``, as those of scikit-learn have: X (N, p) are
     the inputs of the robot's dynamics (:attr:`psp3.fuzzy_control.records.Record.inputs`), scaled to
@@ -47,9 +93,9 @@ class EstimatedComputedTorque(SaysNothing, Stateless):
     def __init__(self, estimator: Any, robot: Robot, kp: float, kv: float) -> None:
         if not is_estimator(estimator):
             raise InvalidValue("estimator", estimator, "what has fit(X, Y) and predict(X)")
-        self.estimator, self.kp, self.kv = estimator, kp, kv
-        self._inputs = learning_inputs(robot)
-        self.covered = self.fell_back = False
+        super().__init__(kp, kv)
+        self.estimator, self._inputs = estimator, learning_inputs(robot)
+        self.covered = False
 
     def learn(
         self,
@@ -65,7 +111,8 @@ class EstimatedComputedTorque(SaysNothing, Stateless):
         if np.isfinite(snr_db):
             X, Y = noise.added(recorded, chosen, snr_db, rng)
         self._range = X.min(axis=0), X.max(axis=0)
-        self._of_inputs, self._of_outputs = _scale(X), _scale(Y)
+        self._of_inputs, self._of_outputs = scale_of(X), scale_of(Y)
+        self.average = self._of_outputs[0]
         self.estimator.fit(
             *(
                 (values - middle) / spread
@@ -74,28 +121,14 @@ class EstimatedComputedTorque(SaysNothing, Stateless):
         )
         return self
 
-    def estimate(self, positions: Array, speeds: Array) -> tuple[Array, Array, Array]:
-        """Return M (n, n), C (n, n) and G (n,) at a state."""
+    def predicted(self, positions: Array, speeds: Array) -> Array:
+        """Return what the estimator predicts (K,) at a state, in its own units."""
         x = self._inputs.of(positions, speeds)
         nearest = np.clip(x, *self._range)
         self.covered = bool((nearest == x).all())
         (middle, spread), (mean, deviation) = self._of_inputs, self._of_outputs
         predicted = np.asarray(self.estimator.predict(((nearest - middle) / spread)[np.newaxis]))
-        numbers = predicted.reshape(-1) * deviation + mean
-        M, C, G = unpack(numbers)
-        self.fell_back = not (np.isfinite(numbers).all() and np.linalg.eigvalsh(M)[0] > 0.0)
-        return unpack(mean) if self.fell_back else (M, C, G)
-
-    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
-        """Return the forces (n,) [N or N m]."""
-        M, C, G = self.estimate(positions, speeds)
-        servo = (
-            desired.accelerations
-            + self.kv * (desired.speeds - speeds)
-            + self.kp * (desired.positions - positions)
-        )
-        forces: Array = M @ servo + C @ speeds + G
-        return forces
+        return np.asarray(predicted.reshape(-1) * deviation + mean)
 
 
 def is_estimator(value: object) -> bool:
@@ -103,7 +136,15 @@ def is_estimator(value: object) -> bool:
     return all(callable(getattr(value, name, None)) for name in ("fit", "predict"))
 
 
-def _scale(values: Array) -> tuple[Array, Array]:
+def scale_of(values: Array) -> tuple[Array, Array]:
     """Return mean and deviation of each column; 1 for one that does not change."""
     spread = values.std(axis=0)
     return values.mean(axis=0), np.where(spread > 0.0, spread, 1.0)
+
+
+def _is_positive_definite(M: Array) -> bool:
+    try:
+        np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
+        return False
+    return True

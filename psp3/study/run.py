@@ -313,10 +313,6 @@ class Run:
         _check_robot(self.robot, self.parameters)
         if not _is_place(self.controller):
             _check_name("controller", self.controller, CONTROLLERS)
-        if self.controller in ADAPTIVE and self.robot != "psp3":
-            raise InvalidValue(
-                "controller", self.controller, "t1, it2 or gt2: rules that adapt are the 3-PSP's"
-            )
         for what, name, known in (
             ("reading", self.reading, READINGS),
             ("reduction", self.reduction, REDUCTIONS),

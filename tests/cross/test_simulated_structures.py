@@ -192,6 +192,35 @@ def test_drives_of_a_floating_robot_stick_and_slip_alike(tmp_path: Path) -> None
         np.testing.assert_array_equal(end == 0.0, ends[0] == 0.0)
 
 
+@pytest.mark.parametrize("name", ["three motors", "planar_4rrr", "tendon"])
+def test_drives_that_are_at_no_coordinate_act_alike(name: str, tmp_path: Path) -> None:
+    """Rotors, viscous and dry friction of all motors: four routes, and MuJoCo.
+
+    Compiled steps and those in Python are the same, 1e-12, and those of the tree 1e-9. DOP853 finds
+    no event where a drive that follows several coordinates turns round, and so the tendon, which
+    does, has no dry friction here; then 1e-9. MuJoCo takes no drive of a tendon; its loops give way
+    by what vanishes with its step, and leave 1e-8 with steps of 0.06 ms.
+    """
+    robot = STRUCTURES[name](tmp_path)
+    dry = 0.0 if name == "tendon" else 0.02
+    drive = [Drive((1 + i) * dry, 0.05, 1e-3 * (1 + i), 1.0) for i in range(len(robot.actuated))]
+    driven = robot.drives_of_coordinates(drive)
+    assert driven.elsewhere.shape == (1, 3)
+    assert (driven.elsewhere[:, :2] > 0.0).all()
+    state, forces = thrown(robot)
+    compiled = reached(RungeKutta(robot, 50, drive), state, forces)
+    assert np.abs(compiled - reached(RungeKutta(robot, 50), state, forces)).max() > 0.05
+    python = reached(FixedSteps(robot, 50, drive), state, forces)
+    np.testing.assert_allclose(python, compiled, rtol=0.0, atol=1e-12)
+    reference = reached(DormandPrince(robot, 1e-11, drive), state, forces)
+    np.testing.assert_allclose(reference, compiled, rtol=0.0, atol=1e-9)
+    tree = reached(ConstraintDynamics(robot, steps=50, drive=drive), state, forces)
+    np.testing.assert_allclose(tree, compiled, rtol=0.0, atol=1e-9)
+    if name != "tendon":
+        engine = reached(MuJoCo(robot, 80, drive=drive), state, forces)
+        np.testing.assert_allclose(engine, compiled, rtol=0.0, atol=1e-8)
+
+
 @pytest.mark.parametrize("name", STRUCTURES)
 def test_mujoco_moves_any_structure(name: str, tmp_path: Path) -> None:
     """Its loops give way by what vanishes with the square of its step, and speeds with the step.
@@ -218,8 +247,6 @@ def test_plants_say_what_they_cannot_do(tmp_path: Path) -> None:
         MuJoCo(tendon, drive=Drive(0.1))
     with pytest.raises(InvalidValue, match="moves several joints"):
         MuJoCo(tendon, limits=([-1.0], [1.0]))
-    with pytest.raises(InvalidValue, match="no coordinate"):
-        DormandPrince(psp3.load("planar_4rrr"), drive=Drive(0.1))
     # Its joints turn about the y axis: along that no loop can be closed.
     exact = psp3.load("five_bar")
     loop = pin.RigidConstraintModel(exact.constraint_models[0])
@@ -406,6 +433,39 @@ def test_both_loops_agree_where_coordinates_are_not_motors(name: str, tmp_path: 
         for field in ("positions", "speeds", "torque"):
             one, other = getattr(compiled, field), getattr(python, field)
             np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11)
+
+
+@pytest.mark.parametrize(
+    "name", ["one motor and a spring", "tendon", "three motors", "planar_4rrr"]
+)
+@pytest.mark.parametrize("kind", ["of one pose", "along the path"])
+def test_both_loops_agree_under_regulators(name: str, kind: str, tmp_path: Path) -> None:
+    """As above, from an error in the start; those along a path command all coordinates."""
+    robot = STRUCTURES[name](tmp_path)
+    k, n = robot.commanded, len(robot.coordinates_v)
+    path = PointToPoint(robot.reference[:k], robot.reference[:k] + 0.05, 0.1, robot)
+    # In the order of Q and R; an error of 0.1 in a position counts like a force of 10.
+    weights = np.diag([100.0] * n + [1.0] * n), 0.01 * np.eye(k)
+    controller: psp3.LinearQuadraticRegulator | psp3.TimeVaryingLinearQuadraticRegulator
+    if kind == "of one pose":
+        controller = psp3.LinearQuadraticRegulator(robot, *weights)
+    elif k == n:
+        controller = psp3.TimeVaryingLinearQuadraticRegulator(robot, path, 0.05, *weights)
+    else:
+        with pytest.raises(InvalidValue, match="command all coordinates"):
+            psp3.TimeVaryingLinearQuadraticRegulator(robot, path, 0.05, *weights)
+        return
+    assert controller.table(robot.compiled_table(), widths_of(robot)) is not None
+    options = {"delay": 1, "encoder_resolution": 1e-5, "torque_limit": 50.0}
+    start = robot.reference + 0.01
+    compiled, python = (
+        psp3.simulate(robot, controller, path, 0.1, plant=one, initial_positions=start, **options)
+        for one in (RungeKutta(robot), InPython(robot))
+    )
+    assert np.abs(compiled.torque).max() > 0.1
+    for field in ("positions", "speeds", "torque"):
+        one, other = getattr(compiled, field), getattr(python, field)
+        np.testing.assert_allclose(one, other, rtol=0.0, atol=1e-11)
 
 
 def test_a_compiled_loop_says_what_motors_cannot_do(tmp_path: Path) -> None:

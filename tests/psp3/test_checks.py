@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from psp3.checks import checked_finite, finite_array
+import psp3
+from psp3.checks import checked_finite, finite_array, together
 from psp3.errors import InvalidArray, InvalidValue
 
 
@@ -40,3 +41,21 @@ def test_finite_numbers_keep_their_shape(values: Any) -> None:
 def test_arrays_that_are_not_finite_numbers_are_refused(values: Any) -> None:
     with pytest.raises(InvalidArray, match=r"^t must be finite numbers of shape \(\.\.\.,\), got"):
         finite_array("t", values)
+
+
+def test_a_row_that_is_repeated_stands_row_by_row() -> None:
+    """Compiled code takes each row as it stands in memory."""
+    many, one = together(positions=np.zeros((5, 3)), speeds=np.arange(3.0))
+    assert one.flags.c_contiguous
+    assert one.flags.writeable
+    np.testing.assert_array_equal(one, [[0.0, 1.0, 2.0]] * len(many))
+
+
+@pytest.mark.parametrize("count", [1, 64, 65, 449, 1601])
+def test_a_batch_of_any_length_is_answered_with_one_row_for_all(count: int) -> None:
+    """A last row of its own was refused with a TypeError where threads shared the others."""
+    robot = psp3.load("five_bar")
+    rows = np.tile(robot.reference, (count, 1))
+    many = robot.inverse_dynamics(rows, np.ones(2), np.zeros(2))
+    alone = robot.inverse_dynamics(robot.reference, np.ones(2), np.zeros(2))
+    np.testing.assert_array_equal(many, np.tile(alone, (count, 1)))

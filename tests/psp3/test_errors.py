@@ -175,6 +175,11 @@ EXAMPLES = [
         ["-1.", "not positive definite", "more samples or less noise"],
     ),
     (
+        errors.UnusableEstimate(-np.eye(3), 0.0125),
+        {"mass": -np.eye(3), "told_apart": 0.0125},
+        ["-1.", "a share of 0.013 of the accelerations", "more harmonics"],
+    ),
+    (
         errors.InvalidTrajectoryFile("some.csv", "no rows"),
         {"reason": "no rows"},
         ["some.csv", "no rows"],

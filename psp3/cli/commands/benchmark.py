@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
@@ -11,7 +9,7 @@ import typer
 
 from psp3.cli.options import RUNS
 from psp3.cli.output import counted_progress, show_narrow, show_text
-from psp3.cli.shared import resumable
+from psp3.cli.shared import refuse_workers_of_scheduler, resumable
 
 
 def benchmark(
@@ -72,6 +70,14 @@ def benchmark(
             help="Processes that do the runs; one for each core unless given.",
         ),
     ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ADDRESS",
+            help="Address of a dask scheduler, tcp://HOST:PORT: its workers, of one thread each, "
+            "do the runs.",
+        ),
+    ] = None,
 ) -> None:
     """Rank learned computed torque on three robots.
 
@@ -80,6 +86,7 @@ def benchmark(
     DIR/benchmark.sqlite holds are not repeated, so the same command goes on where it was stopped.
     Options of runs can be given more than once. Files of entries are run as programs.
     """
+    refuse_workers_of_scheduler(workers, scheduler)
     from psp3.benchmark.benchmark import ALL, NUMBERS, PAGE, Benchmark
     from psp3.benchmark.page import (
         SHORT_COLUMNS,
@@ -102,35 +109,11 @@ def benchmark(
         seeds,
         duration,
     )
-    with resumable(out), _progress() as progress:
-        asked.run(workers, progress)
+    with resumable(out), counted_progress("trials") as progress:
+        asked.run(workers, scheduler, progress)
     board = asked.board()
     show_narrow("The board", list(SHORT_COLUMNS), short_rows(board), board_note(board))
     for sentence in summary(board):
         show_text(f"• {sentence}")
     for path in (write_page(board, out / PAGE), write_numbers(board, out / NUMBERS)):
         typer.echo(path)
-
-
-@contextmanager
-def _progress() -> Iterator[Callable[[int, int, float], None]]:
-    """Show trials done and the remaining time on standard error.
-
-    As a bar on a terminal, else as a line every tenth of the way.
-    """
-    tenths = -1
-    with counted_progress() as (bars, on_terminal):
-        task = None
-
-        def progress(done: int, total: int, rate: float) -> None:
-            nonlocal task, tenths
-            if task is None:
-                # Only now, so that trials of an earlier session do not count as speed.
-                task = bars.add_task("trials", total=total, completed=done)
-            bars.update(task, completed=done)
-            if not on_terminal and 10 * done // total > tenths:
-                tenths = 10 * done // total
-                remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
-                typer.echo(f"[{done}/{total}] trials{remaining}", err=True)
-
-        yield progress

@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from psp3.cli.output import counted_progress, show_narrow
+from psp3.cli.output import progress_bars, show_narrow
 from psp3.cli.shared import resumable
 
 
@@ -73,7 +73,7 @@ def _reproduce_progress() -> Iterator[
 
     In a log each step is a line.
     """
-    with counted_progress() as (bars, on_terminal):
+    with progress_bars() as (bars, on_terminal):
         task, runs = bars.add_task("", total=None), bars.add_task("runs", total=None, visible=False)
 
         def progress(description: str, done: int, total: int) -> None:

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -14,9 +13,10 @@ import typer
 from psp3.cli.option_groups import single_options
 from psp3.cli.options import OUTPUT, PLANT, RUNS, SAMPLED, output_file, usage_error
 from psp3.cli.output import cell_text, counted_progress, show_narrow
-from psp3.cli.shared import resumable
+from psp3.cli.shared import refuse_workers_of_scheduler, resumable
 
 if TYPE_CHECKING:
+    from psp3.study.run import Run, Value
     from psp3.study.table import Table
 
 
@@ -235,8 +235,7 @@ def study(
     are not repeated, so the same command resumes a study that was stopped, and one with more seeds
     extends it.
     """
-    if workers is not None and scheduler is not None:
-        raise usage_error("--workers does not apply to --scheduler, which has its own")
+    refuse_workers_of_scheduler(workers, scheduler)
     from psp3.description.parts import ROBOTS
 
     if str(file) in ROBOTS:
@@ -263,7 +262,7 @@ def study(
     }
     values = {name: choice for name, choice in given.items() if choice}
     outcome = Study(file, grid(**values, seed=range(runs.seeds), duration=duration))
-    with resumable(file), _study_progress() as progress:
+    with resumable(file), counted_progress("runs") as progress:
         outcome.run(workers, scheduler, progress)
     rows = outcome.rows()
     for title, headings, cells, note in _study_tables(rows, runs.mean_variation is not None):
@@ -273,29 +272,26 @@ def study(
         typer.echo(csv)
 
 
-@contextmanager
-def _study_progress() -> Iterator[Callable[[int, int, float], None]]:
-    """Show runs done, rate and remaining time on standard error.
+OF_NOISE = ("reading", "snr_reference", "noisy_entries")
+"""Fields of no meaning to runs without noise."""
 
-    As a bar on a terminal, else as a line every tenth of the way.
-    """
-    tenths = -1
-    with counted_progress() as (bars, on_terminal):
-        task = None
 
-        def progress(done: int, total: int, rate: float) -> None:
-            nonlocal task, tenths
-            text = f"{rate:.1f} runs/s" if rate else ""
-            if task is None:
-                # Only now, so that runs of an earlier session do not count as speed.
-                task = bars.add_task(text, total=total, completed=done)
-            bars.update(task, completed=done, description=text)
-            if not on_terminal and 10 * done // total > tenths:
-                tenths = 10 * done // total
-                remaining = f", {(total - done) / rate:.0f} s left" if rate and done < total else ""
-                typer.echo(f"[{done}/{total}] {text}{remaining}".rstrip(), err=True)
+def _setting(run: Run, name: str) -> Value:
+    """Return the value of a field as a table shows it."""
+    value: Value = None if name in OF_NOISE and math.isinf(run.snr_db) else getattr(run, name)
+    return value
 
-        yield progress
+
+def _fixed_settings(found: dict[str, Value], headings: dict[str, str]) -> list[str]:
+    """Return what all runs have in common, but for what nobody asked for."""
+    from psp3.study.run import DEFAULTS
+
+    fixed = ["no noise"] if found.get("reading", "") is None else []
+    return fixed + [
+        f"{headings[name]} {cell_text(value)}"
+        for name, value in found.items()
+        if value is not None and (name == "reading" or value != DEFAULTS[name])
+    ]
 
 
 def _study_tables(
@@ -329,23 +325,20 @@ def _study_tables(
         "delay": "delay (periods)",
     }
     summaries = summarize(rows)
-    names = [
-        name
-        for name in headings
-        if name == "controller" or len({getattr(summary.run, name) for summary in summaries}) > 1
-    ]
-    if not show_mean_variation and "mean_variation" in names:
-        names.remove("mean_variation")
-    fixed = [
-        f"{headings[name]} {cell_text(getattr(summaries[0].run, name))}"
-        for name in ("robot", "reading", "trajectory")
-        if name not in names and not (name == "robot" and summaries[0].run.robot == "psp3")
-    ]
+    found = {name: {_setting(summary.run, name) for summary in summaries} for name in headings}
+    if not show_mean_variation:
+        del found["mean_variation"]
+    for name in OF_NOISE:
+        if len(found[name]) > 1:
+            found[name].discard(None)
+    names = [name for name, values in found.items() if name == "controller" or len(values) > 1]
+    common = {name: next(iter(values)) for name, values in found.items() if name not in names}
+    fixed = _fixed_settings(common, headings)
     are_lengths = all(summary.run.robot == "psp3" for summary in summaries)
     unit = "m²" if are_lengths else "m² or rad²"
 
     def settings(run: Any) -> list[str]:
-        return [cell_text(getattr(run, name)) for name in names]
+        return [cell_text(_setting(run, name)) for name in names]
 
     def number(estimate: Estimate, factor: float = 1.0, unit: str = "") -> str:
         value, low, high = (

@@ -165,7 +165,7 @@ def train(
     units = (*joints, *(f"{unit}/s" for unit in joints))
     of_inputs = [units[place] for place in controller.inputs.plus]
     for name, low, high, unit in zip(names, *controller.ranges_, of_inputs, strict=True):
-        table.add_row(name, f"{low:.4f}", f"{high:.4f}", unit)
+        table.add_row(name, f"{low:z.4f}", f"{high:z.4f}", unit)
     show(table, errors)
     typer.echo(file)
 

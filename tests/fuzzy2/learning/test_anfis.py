@@ -33,16 +33,19 @@ def surface(count: int = 150, outputs: int = 1) -> tuple[np.ndarray, np.ndarray]
 
 
 @pytest.mark.slow
-def test_mackey_glass_with_16_rules() -> None:
+@pytest.mark.parametrize("seed", [0, 6])
+def test_mackey_glass_with_16_rules(seed: int) -> None:
     """A test error of 0.011, and of type-2 1.2 times that with a footprint of 5 % of the range.
 
     Hybrid learning that has converged is known to give 0.0103 on this series, which is noise-free.
+    With seed 6 learning from the type-1 system alone rested at 1.23 times its error.
     """
     X, y = benchmark()
     assert X.shape == (1000, 4)
     errors = []
     for kind in ("t1", "it2"):
-        model = ANFIS(kind=kind).fit(X[:500], y[:500])
+        rng = np.random.default_rng(seed)
+        model = ANFIS(kind=kind, rng=rng).fit(X[:500], y[:500])
         assert len(model.system_.rules) == 16
         errors.append(ndei(model.predict(X[500:]), y[500:]))
         if kind == "it2":

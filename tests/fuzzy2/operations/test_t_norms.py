@@ -158,3 +158,13 @@ def test_a_function_that_is_no_t_norm_is_refused_with_the_law_it_breaks(
 def test_a_function_that_is_no_t_conorm_is_refused() -> None:
     with pytest.raises(InvalidValue, match=r"\(a, 0\)"):
         t_conorm(np.multiply)
+
+
+def test_hamachers_product_of_tiny_grades_is_half_of_them() -> None:
+    """Their product is no float; 1/a and 1/b add up."""
+    hamacher = T_NORMS["hamacher"]
+    np.testing.assert_allclose(
+        hamacher([1e-200, 1e-200, 0.0], [1e-200, 3e-200, 0.0]),
+        [0.5e-200, 0.75e-200, 0.0],
+        rtol=1e-15,
+    )

@@ -30,6 +30,19 @@ def test_a_system_is_the_terms_of_its_inputs_and_outputs() -> None:
     assert fuzzy2.view(system, [first, second]) == (first, second)
 
 
+def test_clouds_are_their_data_and_densities() -> None:
+    firing = fuzzy2.Trapezoidal(0.0, 1.0, np.inf, np.inf)
+    said = fuzzy2.Type1System([[firing]] * 2, [[0, -1], [-1, 0]], [[1.0], [2.0]])
+    system = fuzzy2.AnYaSystem([[1.0, 3.0], [5.0]], [0, 1], said, ["a", "b"])
+    panels = system.view()
+    assert [panel.get_xlabel() for panel in panels] == ["a", "b"]
+    density, data = panels[0].lines
+    assert data.get_xdata().tolist() == [1.0, 3.0]
+    assert density.get_ydata().max() == pytest.approx(0.5, rel=1e-12)  # 1 / (1 + 1) between them
+    # The picture of an explanation is that of what the densities do: a row a rule and the result.
+    assert len(system.explain([2.0, 5.0]).view()) == 3 * 3
+
+
 def test_a_learner_is_its_system() -> None:
     X = np.random.default_rng(0).normal(size=(60, 2))
     model = fuzzy2.ANFIS(most_epochs=0)

@@ -104,3 +104,70 @@ def test_what_is_refused() -> None:
         one([1.0], x1=1.0)
     with pytest.raises(ReadOnly):
         one.asked = (1,)
+
+
+def linear_and_plain() -> list[AnYaSystem]:
+    """Return systems whose consequents have a derivative by formula, and one that has none."""
+    formula = [
+        Type1System([[FIRING]] * 4, [Is(i, 0) for i in range(4)], [[2.0], [5.0], [-1.0], [3.0]]),
+        Type1System(
+            [[FIRING]] * 4,
+            np.where(np.eye(4) > 0.0, 0, -1),
+            [[SETS[i]] for i in (0, 1, 2, 2)],
+            type_reduction="height",
+        ),
+    ]
+    return [AnYaSystem(CLOUDS, ASKED, one) for one in [*formula, consequents(integration="exact")]]
+
+
+@pytest.mark.parametrize("number", range(3))
+def test_gradient_is_that_of_differences(number: int) -> None:
+    """Central differences of the call away from data; 1e-6 is what a step of 1e-5 leaves."""
+    system = linear_and_plain()[number]
+    X = np.random.default_rng(1).uniform(-5.0, 15.0, (10, 3)) + 1e-3
+    found = system.gradient(X)
+    assert found.shape == (10, 1, 3)
+    for j, step in enumerate(1e-5 * np.eye(3)):
+        expected = (system(X + step) - system(X - step)) / 2e-5
+        np.testing.assert_allclose(found[..., j], expected, atol=1e-6)
+    np.testing.assert_array_equal(system.gradient(X[0]), found[0])
+
+
+def test_gradient_at_a_datum_is_that_of_the_right_side() -> None:
+    system = linear_and_plain()[1]
+    x = np.array([1.7, 7.0, 8.0])
+    for j, step in enumerate(1e-7 * np.eye(3)):
+        expected = (system(x + step) - system(x)) / 1e-7
+        np.testing.assert_allclose(system.gradient(x)[:, j], expected, atol=1e-5)
+
+
+def test_explanation_names_inputs_and_adds_up() -> None:
+    system = AnYaSystem(CLOUDS, ASKED, linear_and_plain()[1].consequents, ["food", "fun", "price"])
+    x = [2.0, 5.0, 7.0]
+    why = system.explain(x)
+    np.testing.assert_allclose(why.shares[:, 0], system.relative_densities(x), rtol=1e-13)
+    np.testing.assert_array_equal(why.outputs, system(x))
+    np.testing.assert_array_equal(why.firing, system.firing(x))
+    np.testing.assert_array_equal(why.reduced, system.type_reduced(x))
+    said = str(why)
+    assert "at food = 2, fun = 5, price = 7" in said
+    assert "IF food is dense THEN y1 is Triangular" in said
+    assert (np.diff(why.shares[why.ranking(), 0]) <= 0.0).all()
+    assert why.pictured.x.tolist() == system.relative_densities(x).tolist()
+    assert "<li>IF fun is dense" in system._repr_html_()
+    with_else = AnYaSystem(CLOUDS, ASKED, consequents(), ["food", "fun", "price"])
+    assert with_else.rules_in_words()[-1].startswith("IF fun is not dense THEN tip is")
+    with pytest.raises(InvalidValue, match="one input"):
+        system.explain([x, x])
+
+
+def test_densities_hold_at_any_scale() -> None:
+    """Twice the distance is half the density, whatever the unit; none is NaN."""
+    two = Type1System([[FIRING]] * 2, [[0, -1], [-1, 0]], [[0.0], [1.0]])
+    system = AnYaSystem([[0.0], [0.0]], [0, 1], two)
+    for unit in (1e20, 1e300, 5e307):
+        np.testing.assert_allclose(
+            system.relative_densities([unit, 2.0 * unit]), [2.0 / 3.0, 1.0 / 3.0], rtol=1e-15
+        )
+    far = AnYaSystem([[-1.7e308]], [0], Type1System([[FIRING]], [[0]], [[1.0]]))
+    assert far.relative_densities([1.7e308]) == 1.0

@@ -41,7 +41,7 @@ def test_at_both_ends_of_an_interval_system_they_are_the_best_of_all_choices(X: 
         ]
         shares = [one / one.sum() for one in choices]
         ends = [min(shares, key=lambda s: s @ points), max(shares, key=lambda s: s @ points)]
-        found = in_average(np.stack([points, points], axis=1), weights, "eiasc")
+        found = in_average(np.stack([points, points], axis=1), np.log(weights), "eiasc")
         np.testing.assert_allclose(found, 0.5 * (ends[0] + ends[1]), atol=1e-14)
     system = fuzzy2.IntervalType2System(uncertain(), GRID_RULES, np.arange(8.0)[:, None])
     found = system.explain(X[0]).shares[:, 0]
@@ -64,7 +64,9 @@ def test_of_direct_methods_they_are_the_weights_of_their_equations(
 def test_where_all_lower_weights_are_zero_the_ends_are_single_points() -> None:
     weights = np.array([[0.0, 0.5], [0.0, 0.1], [0.0, 0.0]])
     points = np.array([[1.0, 1.0], [1.0 / 3.0, 1.0 / 3.0], [-5.0, -5.0]])
-    np.testing.assert_allclose(in_average(points, weights, "eiasc"), [0.5, 0.5, 0.0])
+    with np.errstate(divide="ignore"):
+        logarithms = np.log(weights)
+    np.testing.assert_allclose(in_average(points, logarithms, "eiasc"), [0.5, 0.5, 0.0])
 
 
 def two_triangles(reduction: str, aggregation: str) -> fuzzy2.Type1System:
@@ -110,7 +112,7 @@ def test_of_single_points_that_are_united_they_are_the_heights() -> None:
         type_reduction="centroid",
         weights=[0.75, 0.25],
     )
-    shares = shares_of(system, np.array([[0.5]]), system.firing([0.5]))
+    shares = shares_of(system, np.array([[0.5]]), np.log(system.firing([0.5])), False)
     np.testing.assert_allclose(shares[:, 0], [0.75, 0.25])
 
 

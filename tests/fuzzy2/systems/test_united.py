@@ -15,6 +15,7 @@ import fuzzy2
 from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.operations.t_norms import t_conorm, t_norm
 from fuzzy2.systems.united import United
+from tests import examples
 
 Corners = tuple[Fraction, Fraction, Fraction, Fraction]
 Function = Callable[[Fraction], Fraction]
@@ -107,8 +108,9 @@ def dyadic(corners: Corners) -> Corners:
 @pytest.mark.parametrize("norm", ["min", "product"])
 @pytest.mark.parametrize("conorm", ["max", None])
 def test_type_1_unions_have_the_centroid_of_exact_integration(norm: str, conorm: Any) -> None:
+    """With ``HYPOTHESIS_PROFILE=thorough`` 10 000 of them, in all four cases together."""
     rng = np.random.default_rng(5)
-    for _ in range(60):
+    for _ in range(examples(2500, of=40)):
         sets = [dyadic(random_corners(rng)) for _ in range(rng.integers(1, 5))]
         weights = [Fraction(float(w)) for w in rng.random(len(sets))]
         united = United(
@@ -205,6 +207,24 @@ def test_smooth_sets_have_the_centroid_of_quadrature(norm: str, conorm: str) -> 
 
 def fired(*weights: float) -> Any:
     return np.repeat(np.array(weights)[np.newaxis, :, np.newaxis], 2, axis=2)
+
+
+def test_points_have_the_average_of_their_heights_exactly() -> None:
+    """Single points anywhere, in rationals: none is lost, however near to another one."""
+    rng = np.random.default_rng(9)
+    for _ in range(examples(2500, of=40)):
+        at = np.round(rng.uniform(-99.0, 99.0, rng.integers(1, 6)), int(rng.integers(0, 7)))
+        at = np.unique(at)
+        weights = rng.random(at.size)
+        united = United(
+            [fuzzy2.Singleton(float(x)) for x in at],
+            t_norm("min"),
+            t_conorm("max"),
+            (-100.0, 100.0),
+        )
+        exact = [(Fraction(float(w)), Fraction(float(x))) for w, x in zip(weights, at, strict=True)]
+        expected = sum(w * x for w, x in exact) / sum(w for w, _ in exact)
+        assert abs(Fraction(float(united.centroids(fired(*weights))[0, 0])) - expected) <= ALLOWED
 
 
 def test_points_are_averaged_by_their_heights() -> None:

@@ -39,13 +39,16 @@ class Exact:
         return pack(*self.robot.equation_of_motion(positions, speeds))
 
 
-def entry_of(name: str, kind: Any) -> Entry:
-    """Return an entry of a class of regressors that is made with the robot."""
+def entry_of(name: str, kind: Any, draws: bool = False) -> Entry:
+    """Return an entry of a class of regressors that is made with the robot.
+
+    One that ``draws`` has errors of its own for every seed, without noise, too.
+    """
 
     def make(course: Course) -> Controller:
         return of_regressor(kind(course.task.robot), course, name)
 
-    return Entry(name, SAMPLES, make)
+    return Entry(name, SAMPLES, make, draws)
 
 
 def run_of(error: float, fallbacks: float = 0.0) -> dict[str, Any]:
@@ -94,5 +97,5 @@ def board_of(
     if problem is not None:
         first = Trial("psp3", *CONDITIONS[0], 0, DURATION, PERIOD)
         outcomes[problem[0], first] = {"error": problem[1]}
-    entries = tuple(entry_of(name, Exact) for name in errors)
+    entries = tuple(entry_of(name, Exact, True) for name in errors)
     return Board(entries, outcomes, ("psp3",), CONDITIONS, seeds, DURATION, PERIOD)

@@ -33,6 +33,18 @@ def test_every_entry_does_a_trial_of_the_3_psp_without_losing_it(name: str) -> N
     assert not any(run["diverged"] for run in outcome["runs"].values())
 
 
+@pytest.mark.parametrize("name", ROBOTS)
+def test_the_adaptive_entry_takes_part_on_every_robot(name: str) -> None:
+    """It goes on learning there: a second call answers the same state otherwise."""
+    given = course(name)
+    controller, rest = BASELINES["adaptive"].make(given), given.task.robot.reference
+    still = np.zeros(given.task.joints)
+    wanted = given.task.paths["trained"](0.0)._replace(positions=rest + 0.01)
+    forces = [controller.torque(t, rest, still, wanted) for t in (0.0, PERIOD, 30.0 * PERIOD)]
+    assert np.isfinite(forces).all()
+    assert not np.array_equal(forces[0], forces[2])
+
+
 def test_the_reference_is_exact_and_the_rest_of_the_names_stand() -> None:
     assert isinstance(BASELINES[REFERENCE].make(course("delta")), ComputedTorque)
     assert set(NEED_SCIKIT_LEARN) < set(BASELINES)

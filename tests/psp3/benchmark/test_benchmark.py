@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 import math
+import pickle
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 
-from psp3.benchmark import benchmark
+from psp3.benchmark import benchmark, file
 from psp3.benchmark.baselines import BASELINES
 from psp3.benchmark.benchmark import ALL, FILE, Benchmark
-from psp3.benchmark.entries import MODEL, SAMPLES, Entry
+from psp3.benchmark.entries import MODEL, SAMPLES, Entry, load_entry
 from psp3.benchmark.file import OutcomeFile
 from psp3.benchmark.readings import NONE
+from psp3.benchmark.tasks import task
 from psp3.benchmark.trial import Outcome, Trial
 from psp3.errors import (
     InvalidEntry,
@@ -70,10 +73,49 @@ def test_what_is_in_the_file_is_not_done_again_and_a_changed_entry_is(
     heard: list[tuple[int, int]] = []
     assert Benchmark(tmp_path, [MINE], **QUICK).run(1) == 4
     again = Benchmark(tmp_path, [MINE], **QUICK)
-    assert again.run(1, lambda now, total, rate: heard.append((now, total))) == 0
+    assert again.run(1, progress=lambda now, total, rate: heard.append((now, total))) == 0
     assert heard == [(4, 4)]
     assert Benchmark(tmp_path, [MINE], **QUICK | {"seeds": 4}).run(1) == 2
     assert Benchmark(tmp_path, [replace(MINE, mark="new")], **QUICK).run(1) == 3
+
+
+def test_an_edited_file_and_edited_packages_run_anew_and_their_old_outcomes_stay(
+    tmp_path: Path, done: list[tuple[str, Trial]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "mine.py"
+    text = "class A:\n def fit(self, X, Y): {}\n def predict(self, X): 0\n"
+
+    def run(content: str) -> int:
+        path.write_text(text.format(content), "utf-8")
+        return Benchmark(tmp_path, [str(path)], **QUICK).run(1)
+
+    assert [run(content) for content in ("0", "0", "1", "0")] == [4, 0, 3, 0]
+    monkeypatch.setattr(file, "stamp", lambda: "other sources")
+    assert run("0") == 4
+    monkeypatch.undo()
+
+
+def test_an_entry_of_a_file_goes_to_workers_as_what_was_read(tmp_path: Path) -> None:
+    """The file has changed meanwhile, and is not there on other machines."""
+    path = tmp_path / "mine.py"
+    path.write_text(
+        "class A:\n said = 1\n def reset(self): 0\n def torque(self, t, a, v, d): 0", "utf-8"
+    )
+    entry = load_entry(path)
+    path.write_text("none of this", "utf-8")
+    again = pickle.loads(pickle.dumps(entry))
+    assert again == entry
+    controller: Any = again.make(SimpleNamespace(task=task("psp3"), rng=None))
+    assert controller.said == 1
+
+
+@pytest.mark.parametrize("name", BASELINES)
+def test_entries_of_the_package_go_to_workers(name: str) -> None:
+    again = pickle.loads(pickle.dumps(BASELINES[name]))
+    assert (again.name, again.knows, again.draws) == (
+        *(name, BASELINES[name].knows),
+        BASELINES[name].draws,
+    )
 
 
 def test_ctrl_c_keeps_what_is_done_and_the_same_benchmark_goes_on(

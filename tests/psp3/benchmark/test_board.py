@@ -12,8 +12,17 @@ import pytest
 
 import psp3.benchmark
 from psp3.benchmark.board import Board
+from psp3.benchmark.trial import Trial
 from psp3.checks import Array
-from tests.psp3.benchmark.made import board_of
+from tests.psp3.benchmark.made import (
+    CONDITIONS,
+    DURATION,
+    PERIOD,
+    Exact,
+    board_of,
+    entry_of,
+    outcome_of,
+)
 
 SEEDS = 12
 SCHEMA = json.loads((Path(psp3.benchmark.__file__).parent / "schema.json").read_text("utf-8"))
@@ -148,3 +157,29 @@ def test_schema_refuses_what_is_missing() -> None:
     del numbers["entries"][0]["effort"]
     with pytest.raises(jsonschema.ValidationError, match="effort"):
         jsonschema.validate(numbers, SCHEMA)
+
+
+def test_what_no_seed_changes_is_one_run() -> None:
+    """Who draws nothing runs once without noise; with noise every seed is a run of its own."""
+    by_seed = [Trial("psp3", "outputs", 20.0, seed, DURATION, PERIOD) for seed in range(SEEDS)]
+    once = Trial("psp3", seed=0, duration=DURATION, period=PERIOD)
+    outcomes = {
+        ("mine", trial): outcome_of({"trained": math.inf, "untrained": 1e-3 * (2 + trial.seed)})
+        for trial in (once, *by_seed)
+    }
+    mine = entry_of("mine", Exact)
+    board = Board((mine,), outcomes, ("psp3",), CONDITIONS, SEEDS, DURATION, PERIOD)
+    (score,) = board.ranked
+    counts = {(cell.reading, cell.path): one for cell, one in score.cells.items()}
+    for path, lost in (("trained", 1.0), ("untrained", 0.0)):
+        for reading, count in (("none", 1), ("outputs", SEEDS)):
+            found = counts[reading, path]
+            assert (found.diverged.value, found.diverged.count) == (lost, count)
+            assert found.error.count == count
+    # Of one run there is no interval of the error; of the seeds there is one.
+    assert math.isnan(counts["none", "untrained"].error.low)
+    assert counts["outputs", "untrained"].error.low < counts["outputs", "untrained"].error.value
+    # Wilson's for all of 12: 1 / (1 + z² / n).
+    assert counts["outputs", "trained"].diverged.low == pytest.approx(1 / (1 + 1.959964**2 / SEEDS))
+    assert score.diverged == 0.5
+    assert score.error.count == SEEDS

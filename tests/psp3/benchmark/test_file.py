@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from psp3.benchmark import file
 from psp3.benchmark.file import OutcomeFile, key
 from psp3.benchmark.trial import Trial
 from psp3.errors import InvalidStudyFile, StudyFileNotWritable
@@ -17,14 +18,16 @@ OUTCOME = outcome_of({"trained": 0.1 + 0.2, "untrained": float("inf")})
 
 
 def test_outcomes_come_back_as_they_were_and_later_ones_replace_them(tmp_path: Path) -> None:
-    file = OutcomeFile(tmp_path / "some.sqlite")
-    file.add("one", {"error": "ValueError: <no>"})
-    file.add("two", OUTCOME)
-    file.add("one", OUTCOME)
+    some = OutcomeFile(tmp_path / "some.sqlite")
+    some.add("one", {"error": "ValueError: <no>"})
+    some.add("two", OUTCOME)
+    some.add("one", OUTCOME)
     assert OutcomeFile(tmp_path / "some.sqlite").outcomes() == {"one": OUTCOME, "two": OUTCOME}
 
 
-def test_keys_differ_by_entry_text_and_every_field_of_a_trial() -> None:
+def test_keys_differ_by_entry_text_every_field_of_a_trial_and_the_sources(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     entry, trial = entry_of("one", Exact), Trial("psp3")
     trials = [
         trial,
@@ -38,6 +41,8 @@ def test_keys_differ_by_entry_text_and_every_field_of_a_trial() -> None:
     entries = [entry, replace(entry, name="two"), replace(entry, mark="other")]
     keys = {key(one, other) for one in entries for other in trials}
     assert len(keys) == len(entries) * len(trials)
+    monkeypatch.setattr(file, "stamp", lambda: "other sources")
+    assert key(entry, trial) not in keys
 
 
 @pytest.mark.parametrize("content", [b"no database", None])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from fractions import Fraction
 
@@ -9,9 +10,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import binom
+from scipy.stats import beta, binom, kstest
 
-from psp3.bounds.conformal import conformal_bound, rank_of_bound, scores_needed
+from psp3.bounds.conformal import conformal_bound, exact_share, rank_of_bound, scores_needed
 from psp3.errors import InvalidArray, InvalidValue
 
 SHARES = st.fractions(Fraction(1, 50), Fraction(49, 50), max_denominator=100)
@@ -45,10 +46,82 @@ def test_each_of_exchangeable_scores_is_as_likely_the_new_one(
     assert share <= Fraction(expected, count + 1) < share + Fraction(1, count + 1)
 
 
-@given(share=SHARES, count=st.integers(0, 2000))
+VALUES = st.lists(st.sampled_from([0.0, 1.0, 2.0, 3.0, math.inf]), min_size=2, max_size=6)
+
+
+@given(values=VALUES, share=SHARES)
+def test_with_ties_it_is_the_test_by_ranks(values: list[float], share: Fraction) -> None:
+    """All orders of scores with ties, counted in fractions.
+
+    The other way to say what a conformal bound is: the new score keeps it unless so many of the
+    others are below it that its own p-value, the share of all n + 1 that are as large, is at most
+    1 - p. Over all orders at least a share p keep it; and one score lower, the next lower bound
+    would be kept by fewer of scores without ties.
+    """
+    n = len(values) - 1
+    if scores_needed(float(share)) > n:
+        return
+    rank = rank_of_bound(n, float(share))
+    kept = 0
+    orders = list(itertools.permutations(values))
+    for new, *others in orders:
+        holds = bool(new <= conformal_bound(others, float(share)))
+        as_large = 1 + sum(score >= new for score in others)
+        assert holds == (Fraction(as_large, n + 1) > 1 - Fraction(rank, n + 1))
+        assert holds == (Fraction(as_large, n + 1) > 1 - share)
+        kept += holds
+    assert Fraction(kept, len(orders)) >= share
+    if len(set(values)) == n + 1:
+        assert Fraction(kept, len(orders)) == Fraction(rank, n + 1)
+        assert Fraction(rank - 1, n + 1) < share
+
+
+@pytest.mark.parametrize("ties", [False, True])
+def test_the_share_of_one_bound_is_a_beta_law(ties: bool) -> None:
+    """Of uniform scores a bound is the share that keeps it: a beta law of k and n + 1 - k.
+
+    20 000 bounds of 54 scores for 95 %, by the test of Kolmogorov and Smirnov at 0.1 %. Rounded up
+    to twentieths they have ties, and each bound is kept by as many or more.
+    """
+    scores = np.random.default_rng(0).uniform(size=(54, 20_000))
+    kept = conformal_bound(np.ceil(20.0 * scores) / 20.0 if ties else scores, 0.95)
+    rank = rank_of_bound(54, 0.95)
+    law = beta(rank, 55 - rank)
+    if ties:
+        assert (kept >= conformal_bound(scores, 0.95)).all()
+    else:
+        assert kstest(kept, law.cdf).pvalue > 1e-3
+        assert law.std() == pytest.approx(0.025, abs=5e-4)
+
+
+@given(
+    share=st.fractions(Fraction(1, 10**7), 1 - Fraction(1, 10**7), max_denominator=10**7),
+    count=st.integers(0, 10**9),
+)
 def test_ranks_are_those_of_exact_arithmetic(share: Fraction, count: int) -> None:
-    assert rank_of_bound(count, float(share)) == math.ceil((count + 1) * share)
-    assert scores_needed(float(share)) == math.ceil(share / (1 - share))
+    """Two fractions with denominators up to 10^7 differ by 1e-14, and numbers by 1e-16."""
+    part = float(share)
+    assert exact_share(part) == share
+    assert rank_of_bound(count, part) == math.ceil((count + 1) * share)
+    needed = scores_needed(part)
+    assert needed == math.ceil(share / (1 - share))
+    assert rank_of_bound(needed, part) <= needed
+    assert rank_of_bound(needed - 1, part) > needed - 1
+
+
+@pytest.mark.parametrize("nines", range(1, 8))
+def test_shares_near_one_need_as_many_scores_as_they_say(nines: int) -> None:
+    assert scores_needed(float("0." + nines * "9")) == 10**nines - 1
+
+
+def test_a_number_that_is_no_simple_fraction_is_itself() -> None:
+    """0.1 + 0.2 is more than 3/10, and of nine scores the third is not enough for it."""
+    assert exact_share(0.3) == Fraction(3, 10)
+    assert exact_share(0.1 + 0.2) == Fraction(0.1 + 0.2)
+    assert rank_of_bound(9, 0.3) == 3
+    assert rank_of_bound(9, 0.1 + 0.2) == 4
+    assert exact_share(1e-300) == Fraction(1e-300)
+    assert exact_share(1.0 - 2.0**-53) == 1 - Fraction(1, 2**53)
 
 
 @given(share=SHARES)

@@ -143,5 +143,5 @@ def test_what_is_malformed_is_refused() -> None:
         found.holds(torques[0], intervals)
     with pytest.raises(UnknownName, match="constant"):
         ConformalIntervals(torques, intervals, scale="width")
-    with pytest.raises(InvalidValue, match="at least 9 of them"):
+    with pytest.raises(InvalidValue, match="torques must be at least 9 of them"):
         ConformalIntervals(torques[:8], intervals[:8])

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 import psp3
-from psp3.bounds.conformal import rank_of_bound
+from psp3.bounds.conformal import rank_of_bound, scores_needed
 from psp3.bounds.tracking_tube import residual_accelerations, runs_needed
 from psp3.errors import InvalidValue
 from psp3.trajectories.motion import Motion
@@ -174,6 +176,59 @@ def test_too_few_runs_are_refused_with_their_number(share: float) -> None:
         psp3.TrackingTube([run] * (needed - 1), KP, KV, share)
 
 
+@pytest.mark.parametrize("share", [1e-6, 0.5, 0.9, 0.95, 0.987, 0.999, 1.0 - 1e-12])
+def test_no_fewer_runs_would_do_without_those_for_proportions(share: float) -> None:
+    needed, scores = runs_needed(share), scores_needed(share)
+    assert needed - -(-needed // 10) >= scores
+    assert needed - 1 - -(-(needed - 1) // 10) < scores
+
+
+def test_orders_of_runs_keep_the_tube_as_often_as_they_should() -> None:
+    """Brute force over all orders of eight runs, of two coordinates, with ties and failures.
+
+    One of seven calibration runs is for proportions, so that the new run and six others are
+    exchangeable whatever that one is: of all orders at least a share 2/3 keep the tube. Where a
+    tube is refused nothing is promised, and the order counts as kept: the bound is infinite there.
+    """
+    sizes = [(1, 3), (1, 3), (2, 1), (3, 3), (2, 1), (4, 1), None, (1, 1)]
+    share, kept, refused, failed = 2.0 / 3.0, [], 0, 0
+    runs = [None if size is None else constant(np.array(size, dtype=float), 2) for size in sizes]
+    # The order within the six does not matter, nor does that of what is equal in them.
+    for new, first in itertools.permutations(range(len(runs)), 2):
+        rest = [i for i in range(len(runs)) if i not in (new, first)]
+        try:
+            tube = psp3.TrackingTube([runs[i] for i in (first, *rest)], KP, KV, share)
+        except InvalidValue:
+            refused += 1
+            kept.append(True)
+            continue
+        run = runs[new]
+        failed += run is None
+        kept.append(run is not None and tube.holds(run))
+    assert refused == 7
+    assert failed == 7
+    assert np.mean(kept) >= share
+    assert not np.all(kept)
+
+
+def test_runs_that_are_not_finite_are_refused_wherever_they_stand() -> None:
+    """One among those for proportions was passed over without a word."""
+    run = constant(np.array([1.0]))
+    for name, bad in itertools.product(("positions", "speeds"), (np.nan, np.inf)):
+        rows = getattr(run, name).copy()
+        rows[7] = bad
+        broken = replace(run, **{name: rows})
+        for where in (0, RUNS):
+            runs = [run] * RUNS
+            runs.insert(where, broken)
+            with pytest.raises(InvalidValue, match=f"{name} that are not finite"):
+                psp3.TrackingTube(runs, KP, KV, share=0.9)
+        tube = tube_of(np.array([1.0]))
+        for asked in (tube.holds, tube.around, lambda run: residual_accelerations(run, KP, KV)):
+            with pytest.raises(InvalidValue, match="takes None for it"):
+                asked(broken)
+
+
 def test_runs_of_other_periods_or_coordinates_are_refused() -> None:
     run, other = constant(np.array([1.0])), constant(np.array([1.0, 1.0]))
     slower = disturbed(np.zeros((10, 1, 1)), period=0.02)
@@ -195,6 +250,26 @@ def test_runs_of_other_periods_or_coordinates_are_refused() -> None:
     for wrong, match in ((replace(run, t=uneven), "even"), (short, "two samples")):
         with pytest.raises(InvalidValue, match=match):
             residual_accelerations(wrong, KP, KV)
+
+
+@pytest.mark.parametrize("wrong", [3, "run", object()])
+def test_what_is_no_run_is_refused(wrong: Any) -> None:
+    run = constant(np.array([1.0]))
+    tube = tube_of(np.array([1.0]))
+    for call in (
+        lambda: psp3.TrackingTube([run] * RUNS + [wrong], KP, KV, share=0.9),
+        lambda: tube.holds(wrong),
+        lambda: tube.around(wrong),
+        lambda: residual_accelerations(wrong, KP, KV),
+    ):
+        with pytest.raises(InvalidValue, match="result must be a run as psp3"):
+            call()
+    with pytest.raises(InvalidValue, match="result must be a run"):
+        tube.holds(None)  # type: ignore[arg-type]
+    with pytest.raises(InvalidValue, match="robot must be a robot"):
+        tube.tip_width(wrong, [0.0])
+    with pytest.raises(InvalidValue, match=r"runs must be a list of runs, .* got 'Result'"):
+        psp3.TrackingTube(run, KP, KV)  # type: ignore[arg-type]
 
 
 def test_other_gains_keep_the_residual_and_lose_the_guarantee() -> None:

@@ -546,3 +546,32 @@ def test_controllers_refuse_what_is_malformed(star: psp3.PSP3) -> None:
     for duration, period in ((0.0, 0.002), (np.nan, 0.002), (1.0, -1.0)):
         with pytest.raises(InvalidValue):
             TimeVaryingLinearQuadraticRegulator(star, Helix(robot=star), duration, Q, R, period)
+
+
+def test_a_regulator_of_ones_own_runs_in_python(star: psp3.PSP3) -> None:
+    """The compiled loop would pass over what a derived class changes.
+
+    To the rounding by which both loops differ.
+    """
+
+    class Halved(LinearQuadraticRegulator):
+        def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
+            return 0.5 * super().torque(t, positions, speeds, desired)
+
+    class HalvedOnTheWay(TimeVaryingLinearQuadraticRegulator):
+        def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
+            return 0.5 * super().torque(t, positions, speeds, desired)
+
+    helix = Helix(robot=star)
+    for whole, half in (
+        (
+            LinearQuadraticRegulator(star, *weights(star), PERIOD),
+            Halved(star, *weights(star), PERIOD),
+        ),
+        (
+            TimeVaryingLinearQuadraticRegulator(star, helix, 0.1, *weights(star), PERIOD),
+            HalvedOnTheWay(star, helix, 0.1, *weights(star), PERIOD),
+        ),
+    ):
+        first = [psp3.simulate(star, one, helix, 0.05, PERIOD).torque[0] for one in (whole, half)]
+        assert_allclose(first[1], 0.5 * first[0], rtol=1e-12)

@@ -7,7 +7,7 @@ import pinocchio as pin
 import pytest
 
 from psp3.dynamics.motors import Motors, least_norm, partly_linearizing
-from psp3.errors import InvalidValue, UnreachableForces
+from psp3.errors import UnreachableForces
 from tests.helpers import Array
 
 
@@ -43,18 +43,34 @@ def test_what_is_missed_is_told() -> None:
         partly_linearizing(mass, bias, actuation, np.ones(4), "abcd")
 
 
-def test_drives_of_motors_are_those_of_their_coordinates() -> None:
-    """Motors at the second coordinate and at a joint that is none."""
+def test_drives_of_motors_are_at_their_coordinates_or_elsewhere() -> None:
+    """Coordinates are x and y; z follows y alone, w both.
+
+    Motors at y, at z, and of a tendon from y by 2 to z; joints with dry friction of their own, of
+    which w's is left to the joint.
+    """
     model = pin.Model()
-    for name in ("x", "y", "z"):
+    for name in ("x", "y", "z", "w"):
         model.addJoint(0, pin.JointModelRX(), pin.SE3.Identity(), name)
-    model.upperDryFrictionLimit = np.array([0.1, 0.2, 0.3])
-    matrix = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
-    motors = Motors(("y", "z"), matrix, np.array([0, 1]), 0, model)
+    model.upperDryFrictionLimit = np.array([0.1, 0.2, 0.3, 0.4])
+    matrix = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 2.0], [0.0, 1.0, 1.0], [0.0, 0.0, 0.0]])
+    followed = np.array([0, 1, 1, -1])
+    motors = Motors(("y", "z", "t"), matrix, np.array([0, 1]), 0, model, followed)
     assert not motors.are_coordinates
-    np.testing.assert_array_equal(motors.friction(), [0.1, 0.2])
-    drives = np.array([[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]])
-    np.testing.assert_array_equal(motors.driven(drives), [[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]])
-    with pytest.raises(InvalidValue, match="drive of z"):
-        motors.driven(drives[::-1])
-    assert Motors(("x", "y"), np.eye(3)[:, :2], np.array([0, 1]), 0, model).are_coordinates
+    drives = np.array([[1.0, 2.0, 3.0], [4.0, 5.0, 6.0], [7.0, 8.0, 9.0]])
+    driven = motors.driven(drives)
+    np.testing.assert_allclose(driven.coordinates, [[0.0, 0.0, 0.1], [1.0, 2.0, 3.2]], rtol=1e-15)
+    np.testing.assert_array_equal(driven.columns.T, [*matrix.T[1:], [0.0, 0.0, 1.0, 0.0]])
+    np.testing.assert_array_equal(driven.elsewhere, [*drives[1:], [0.0, 0.0, 0.3]])
+    np.testing.assert_array_equal(driven.follows, [1, 1, 1])
+    np.testing.assert_array_equal(driven.joints, [0, 1, 2])
+    # A tendon from x to z follows two coordinates, and so does a motor at w.
+    matrix = np.array([[1.0, 0.0], [0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+    motors = Motors(("t", "w"), matrix, np.array([0, 1]), 0, model, followed)
+    np.testing.assert_array_equal(motors.driven(drives[:2]).follows, [-1, -1, 1])
+    without = motors.without_drives()
+    assert not without.coordinates.any()
+    assert not without.follows.size
+    assert not without.joints.size
+    alone = Motors(("x", "y"), np.eye(4)[:, :2], np.array([0, 1]), 0, model, followed)
+    assert alone.are_coordinates

@@ -1021,6 +1021,9 @@ def test_rules_that_no_sample_supports_are_named_by_the_inputs(recorded: Record)
         UnsupportedRule, match=r"Δq12 is \w+ and Δq13 is \w+ and Δq̇12 is \w+ and Δq̇13 is"
     ):
         FuzzyComputedTorque("t1", ROBOT, n_terms=3).learn(recorded)
+    with pytest.raises(UnsupportedRule, match='fewer terms, or take learner="strict"') as caught:
+        FuzzyComputedTorque("t1", ROBOT, n_terms=3).learn(recorded)
+    assert "completion" not in str(caught.value)
     # The strict learner fills such cells from their neighbors.
     strict = FuzzyComputedTorque("t1", ROBOT, n_terms=3, learner="strict").learn(recorded)
     assert len(strict.system_.rules) == 81
@@ -1302,3 +1305,16 @@ def test_damaged_files_are_refused(content: dict[str, Any], tmp_path: Path) -> N
     for nothing in (tmp_path / "missing.json", tmp_path, "a\0b"):
         with pytest.raises(InvalidControllerFile):
             FuzzyComputedTorque.load(nothing)
+
+
+@pytest.mark.parametrize("count", [0, 1])
+def test_a_motion_of_no_samples_is_refused_by_its_name(count: int) -> None:
+    rows = np.full((count, 3), 0.1)
+    with pytest.raises(InvalidArray, match=r"positions .*\(N, 3\), N at least 2"):
+        FuzzyComputedTorque("t1", ROBOT).learn_from_motion(rows, rows, rows, rows)
+
+
+def test_a_motion_that_stands_still_is_refused_by_its_name() -> None:
+    rows = np.full((50, 3), 0.1)
+    with pytest.raises(InvalidValue, match="positions and speeds must be"):
+        FuzzyComputedTorque("t1", ROBOT).learn_from_motion(rows, rows, rows, rows)

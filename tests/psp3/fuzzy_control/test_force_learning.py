@@ -98,8 +98,20 @@ def test_where_it_is_asked_m_of_every_rule_is_positive_definite() -> None:
 def test_forces_of_no_mass_are_refused() -> None:
     samples, known = samples_of(2, 3, 100)
     known[0] = -known[0]
-    with pytest.raises(UnusableEstimate, match="harmonics"):
+    with pytest.raises(UnusableEstimate, match="harmonics") as caught:
         learn_consequents(with_forces(samples, known), positive_definite=True)
+    # Accelerations are random, so that positions tell nothing: 3 of 100 samples' worth is fitted.
+    assert caught.value.told_apart == pytest.approx(np.sqrt(0.97), abs=0.02)
+
+
+def test_where_accelerations_follow_from_positions_the_error_says_so() -> None:
+    """As of a motion of one harmonic: accelerations are a combination of the basis functions."""
+    samples, known = samples_of(2, 5, 100)
+    samples = samples._replace(accelerations=samples.of_mass @ np.ones((5, 2)))
+    known[0] = -known[0]
+    with pytest.raises(UnusableEstimate, match="same places with other accelerations") as caught:
+        learn_consequents(with_forces(samples, known), positive_definite=True)
+    assert caught.value.told_apart < 1e-12
 
 
 def test_blocks_of_samples_say_what_all_at_once_do(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -69,3 +69,25 @@ def test_the_derived_coriolis_force_is_that_of_lagranges_equations(joints: int) 
             (v @ (mass(a + h * e) - mass(a - h * e)) @ v) / (2.0 * h) for e in np.eye(joints)
         ]
         np.testing.assert_allclose(force, rise - 0.5 * np.array(gradient), atol=1e-8)
+
+
+@pytest.mark.parametrize("joints", [1, 2, 3])
+def test_the_derived_coriolis_force_of_other_speeds_is_that_of_christoffels_symbols(
+    joints: int,
+) -> None:
+    """Entry by entry, of slopes that are any numbers; 1e-12 is rounding of numbers near 10."""
+    p = problem(joints)
+    slopes = np.random.default_rng(1).normal(size=(len(p["a"]), len(p["M"]), joints))
+    first, second = np.triu_indices(joints)
+    columns = regressor.derived_coriolis_columns(slopes, p["v"], p["w"])
+    found = np.einsum("sire,re->si", columns, p["M"][:, first, second])
+    for s, slope in enumerate(slopes):
+        # D[k] is the derivative of M by position k.
+        D = np.einsum("rk,rij->kij", slope, p["M"])
+        for i in range(joints):
+            C = [
+                0.5
+                * sum((D[k, i, j] + D[j, i, k] - D[i, j, k]) * p["v"][s, k] for k in range(joints))
+                for j in range(joints)
+            ]
+            assert found[s, i] == pytest.approx(np.dot(C, p["w"][s]), abs=1e-12 * 100.0)

@@ -204,8 +204,11 @@ def test_records_of_any_robot_hold_its_m_c_and_g(records: dict[str, Record]) -> 
 def test_no_more_rules_than_different_samples_and_no_memory_for_them(number: int) -> None:
     """A million clusters would have distances of terabytes."""
     samples = np.array([[0.0, 1.0], [1.0, 0.0], [0.5, 0.5], [0.5, 0.5]])
-    options = RuleOptions("t1", None, None, 0.0, "average", "karnik_mendel", 5, 1.0, 256)
+    options = RuleOptions("t1", None, number, 0.0, "average", "karnik_mendel", 5, 1.0, 256)
     with pytest.raises(InvalidValue, match="at most 3, the number of different samples"):
         partition_by_clusters(options, samples, number)
+    # Who gave no number of rules is told of what was given.
+    with pytest.raises(InvalidValue, match=f"samples must be at least {number} that differ"):
+        partition_by_clusters(options._replace(rules=None), samples, number)
     with pytest.raises(InvalidValue, match="needs a grid: give n_terms"):
         partition_by_clusters(options._replace(learner="strict"), samples, 2)

@@ -148,6 +148,37 @@ def test_answers_do_not_depend_on_how_many_threads_share_the_rows(
     assert_array_equal(delta.inverse_dynamics(*motion), shared)
 
 
+@pytest.mark.parametrize("way", ["path", "guess", "last pose"])
+def test_one_thread_returns_to_python_between_pieces(
+    delta: Any, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """So that Ctrl-C ends it; bit for bit the same answers as of one piece, and the same errors."""
+    positions, speeds, _ = states(delta, 700, seed=3)
+    pieces: list[int] = []
+    answered = Core._answer
+
+    def counted(core: Core, *arguments: Any) -> int:
+        pieces.append(len(arguments[4]))
+        return answered(core, *arguments)
+
+    def found(rows: Array) -> Array:
+        if way == "path":
+            return np.asarray(delta.configurations_along(rows))
+        guess = delta.last_pose() if way == "last pose" else delta.q0
+        return np.asarray(delta.inverse_dynamics(rows, speeds, speeds, guess=guess))
+
+    monkeypatch.setattr(Core, "_answer", counted)
+    whole = found(positions)
+    assert pieces == [700]
+    monkeypatch.setattr("psp3.multibody.core.PIECE", 128)
+    assert_array_equal(found(positions), whole)
+    assert pieces[1:] == [128] * 5 + [60]
+    positions[300, 0] += 10.0
+    with pytest.raises(ClosureFailed) as caught:
+        found(positions)
+    assert_array_equal(caught.value.positions, positions[300])
+
+
 def test_of_rows_that_are_refused_the_first_is_told() -> None:
     """In whichever block it is."""
     robot = five_bar()

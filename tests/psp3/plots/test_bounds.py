@@ -9,7 +9,7 @@ import psp3
 from psp3 import plots
 from psp3.bounds import runs_needed
 from psp3.errors import InvalidValue
-from tests.psp3.bounds.synthetic import KP, KV, constant, disturbed
+from tests.psp3.bounds.synthetic import KP, KV, PERIOD, constant, disturbed
 
 
 def test_panels_show_the_tube_and_the_errors() -> None:
@@ -31,3 +31,15 @@ def test_panels_show_the_tube_and_the_errors() -> None:
     assert again == panels
     with pytest.raises(InvalidValue):
         plots.figure_of_tube(tube, runs, panels[:1])
+
+
+def test_each_run_is_looked_at_and_one_alone_is_no_list() -> None:
+    tube = psp3.TrackingTube([constant(np.array([0.5, 0.2]))] * runs_needed(0.9), KP, KV, share=0.9)
+    run = constant(np.array([0.1, 0.1]))
+    slower = disturbed(np.zeros((60, 1, 2)), period=2.0 * PERIOD)
+    for other, match in ((slower, "a period"), (constant(np.array([0.1])), "1 coordinates")):
+        with pytest.raises(InvalidValue, match=match):
+            plots.figure_of_tube(tube, [run, other])
+    for wrong in (run, []):
+        with pytest.raises(InvalidValue, match="a list of one or more runs"):
+            plots.figure_of_tube(tube, wrong)  # type: ignore[arg-type]

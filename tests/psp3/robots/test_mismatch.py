@@ -43,3 +43,16 @@ def test_rounded_loops_are_told_and_may_stay_open_by_what_they_contradict(
 def test_free_motions_are_refused_where_that_is_asked_for() -> None:
     with pytest.raises(MobilityMismatch):
         psp3.load("gripper", free="refuse")
+
+
+def test_a_floating_base_is_kept_where_free_motions_are_refused() -> None:
+    """It is no motion that motors forgot, and a doubled hinge beside it is one."""
+    model = pin.Model()
+    for name, kind in (("root", pin.JointModelFreeFlyer()), ("hip", pin.JointModelRX())):
+        joint = model.addJoint(model.njoints - 1, kind, pin.SE3.Identity(), name)
+        model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Identity())
+    assert ClosedLoopRobot(model, [], ["hip"], free="refuse").coordinates == ("hip", "root")
+    joint = model.addJoint(joint, pin.JointModelRX(), pin.SE3.Identity(), "double")
+    model.appendBodyToJoint(joint, pin.Inertia.Random(), pin.SE3.Identity())
+    with pytest.raises(MobilityMismatch, match="double"):
+        ClosedLoopRobot(model, [], ["hip"], free="refuse")

@@ -20,6 +20,7 @@ from psp3.errors import SimulationDiverged
 from psp3.fuzzy_control import kernels
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.records import Record, record, unpack
+from psp3.simulation import kernels as loop_kernels
 from psp3.simulation.loop import compiled_loop, new_track, unbounded
 from psp3.simulation.runge_kutta import RungeKutta
 from psp3.three_psp.parameters import Parameters
@@ -662,3 +663,30 @@ def test_progress_is_told_at_every_hundredth() -> None:
         assert len(told[0]) == min(steps, 100)
         assert told[0][-1] == pytest.approx(0.002 * steps)
         assert told[1] in ([], told[0])
+
+
+def test_the_compiled_loop_returns_to_python_between_pieces(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """So that Ctrl-C ends it: here by an interrupt after the third of pieces of 100 samples.
+
+    Pieces take some milliseconds of this robot, and no piece changes a bit.
+    """
+    run, pieces = loop_kernels.run, []
+
+    def counted(*arguments: Any) -> int:
+        pieces.append(arguments[-3:-1])
+        if len(pieces) == stop:
+            raise KeyboardInterrupt
+        return int(run(*arguments))
+
+    controller, stop = psp3.ComputedTorque(ROBOT), 0
+    whole = psp3.simulate(ROBOT, controller, HELIX, 1.0)
+    monkeypatch.setattr(loop_kernels, "run", counted)
+    monkeypatch.setattr("psp3.simulation.loop.CHUNK", 300)
+    parts = psp3.simulate(ROBOT, controller, HELIX, 1.0)
+    assert pieces == [(k, min(k + 100, 501)) for k in range(0, 501, 100)]
+    np.testing.assert_array_equal(parts.positions, whole.positions)
+    pieces, stop = [], 3
+    with pytest.raises(KeyboardInterrupt):
+        psp3.simulate(ROBOT, controller, HELIX, 1.0)

@@ -681,6 +681,17 @@ def test_runs_of_another_robot_are_those_of_the_simulation(name: str) -> None:
     np.testing.assert_allclose(found.tip, expected.tip, rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize("name", ["adaptive-t1", "adaptive-it2"])
+def test_rules_of_another_robot_adapt_to_its_payload(name: str) -> None:
+    """Settled, a tenth of the error of computed torque that does not know the payload."""
+    run = Run(name, robot="delta", duration=4.0, payload=0.5, snr_db=20.0)
+    settled = [
+        execute(one)["settled_error"]
+        for one in (run, Run("ctc", robot="delta", duration=4.0, payload=0.5))
+    ]
+    assert settled[0] < 0.1 * settled[1]
+
+
 def test_another_robots_bodies_are_off_by_one_factor_each() -> None:
     """Mass and inertia about the center of mass of a body go together, and its center stays."""
     robot = psp3.load("five_bar")

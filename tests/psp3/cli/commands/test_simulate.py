@@ -12,6 +12,7 @@ import pytest
 
 import psp3
 from psp3.cli import options
+from psp3.control.default_gains import default_gains
 from psp3.simulation import metrics
 from tests.psp3.cli.answers import Run, words
 
@@ -125,6 +126,23 @@ def test_part_of_a_stopped_simulation_is_kept(psp3_command: Run) -> None:
     part = psp3.load_result("part.npz")
     assert 0.1 < part.t[-1] < 1.0
     assert len(Path("part.csv").read_text().splitlines()) == part.t.size + 1
+
+
+def test_rules_that_adapt_track_what_they_learned_from(psp3_command: Run) -> None:
+    """Of another robot with its own gains, and as the library has it; 1e-12 of micrometers."""
+    options = ("--controller", "adaptive-t1", "--duration", 0.5, "--json")
+    found = psp3_command("simulate", "five_bar", *options).json
+    robot = psp3.load("five_bar")
+    path, gains = psp3.trajectories.Sway(robot=robot), default_gains(robot, "ctc")
+    base = psp3.FuzzyComputedTorque("t1", robot, **gains).fit(path, 2.0 * path.period)
+    expected = psp3.simulate(robot, psp3.AdaptiveFuzzyComputedTorque(base), path, 0.5)
+    assert (found["controller"], found["model"], found["gains"]) == (
+        "adaptive-t1",
+        "learned",
+        gains,
+    )
+    largest = abs(expected.desired.positions - expected.positions).max(axis=0)
+    assert found["metrics"]["largest_errors"] == pytest.approx(largest, abs=1e-12)
 
 
 def test_a_trained_controller_goes_to_a_file_and_back(psp3_command: Run, tmp_path: Path) -> None:

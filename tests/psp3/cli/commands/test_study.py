@@ -15,7 +15,7 @@ from psp3.cli.commands import study as study_command
 from psp3.study import Study, grid
 from psp3.study.statistics import compare, summarize
 from tests.processes import PROCESSES, answer_of, program
-from tests.psp3.cli.answers import Answer, Run
+from tests.psp3.cli.answers import Answer, Run, words
 from tests.study_helpers import count_rows
 
 SMALL = ("--duration", "0.3", "--seeds", "3", "--snr", "20", "--snr", "10")
@@ -109,6 +109,25 @@ def test_every_option_reaches_the_runs(study: Run) -> None:
     assert count_rows(Path("study.sqlite")) == 2
 
 
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ("--payload 2", "no noise, trajectory helix, payload (kg) 2"),
+        ("--reading plant", "no noise, trajectory helix"),
+        ("--reading plant --snr 20 --delay 1", "reading plant, SNR (dB) 20, trajectory helix, de"),
+        ("--reading plant --snr inf --snr 20", "reading plant, trajectory helix"),
+        ("--reading plant --reading measurement --snr 20", "SNR (dB) 20, trajectory helix"),
+    ],
+)
+def test_the_title_says_what_all_runs_have_in_common(study: Run, arguments: str, said: str) -> None:
+    """And a column what they have not; without noise there is no reading of it."""
+    snr = () if "--snr" in arguments else ("--snr", "inf")
+    quick = ("--controller", "ctc", "--duration", 0.1, "--seeds", 1)
+    _, out, _ = study(*arguments.split(), *snr, *quick)
+    assert f"one sample per 0.05 s (m²), {said}" in words(out)
+    assert ("reading" in words(out).split("controller")[1]) == (arguments.count("--reading") == 2)
+
+
 def test_wide_studies_stay_within_80_columns_too(study: Run) -> None:
     arguments = (
         "--controller t1 --controller it2 --trajectory line --trajectory fast-helix --reading "
@@ -143,7 +162,7 @@ def test_csv_holds_every_run(study: Run) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "words"),
+    ("arguments", "said"),
     [
         ("--seeds 0", "--seeds"),
         ("--seeds many", "--seeds"),
@@ -153,7 +172,7 @@ def test_csv_holds_every_run(study: Run) -> None:
         ("--reading hearsay", "unknown reading 'hearsay'"),
         ("--trajectory spiral", "unknown trajectory 'spiral'"),
         ("--learner rote", "unknown learner 'rote'"),
-        ("--terms 0", "n_terms must be"),
+        ("--terms 0", "--terms must be"),
         ("--mean-variation -1", "mean_variation must be"),
         ("--payload -2", "payload must be finite and not negative"),
         ("--duration 0", "duration must be finite and positive"),
@@ -168,20 +187,20 @@ def test_csv_holds_every_run(study: Run) -> None:
     ],
 )
 def test_wrong_input_is_one_clear_line_and_no_run_is_done(
-    study: Run, arguments: str, words: str
+    study: Run, arguments: str, said: str
 ) -> None:
     status, out, err = study(*arguments.split())
     assert (status, out) == (2, "")
     message = err.splitlines()[-1]
     assert message.startswith("psp3")
-    assert words in message
+    assert said in message
     assert len([line for line in err.splitlines() if not line.startswith("[0/")]) == 1
     # Only a scheduler is looked for when the file is there already.
     assert not Path("study.sqlite").exists() or "somewhere" in arguments
 
 
 @pytest.mark.parametrize(
-    ("file", "words"),
+    ("file", "said"),
     [
         ("nowhere/study.sqlite", "there is no directory"),
         (".", "is a directory"),
@@ -189,12 +208,12 @@ def test_wrong_input_is_one_clear_line_and_no_run_is_done(
         ("protected.sqlite", "is read-only"),
     ],
 )
-def test_files_that_cannot_hold_a_study(study: Run, file: str, words: str) -> None:
+def test_files_that_cannot_hold_a_study(study: Run, file: str, said: str) -> None:
     Path("notes.txt").write_text("no database\n" * 100)
     Path("protected.sqlite").touch(mode=0o444)
     status, out, err = study(*SMALL, file=file)
     assert (status, out) == (2, "")
-    assert words in err
+    assert said in err
     assert len(err.splitlines()) == 1
 
 
@@ -207,11 +226,11 @@ def test_file_of_another_study(study: Run) -> None:
 
 def wait_for_an_interrupt(rows: int, begun: Connection) -> None:
     """Let the command say when it has so many results, and wait there to be interrupted."""
-    shown = study_command._study_progress
+    shown = study_command.counted_progress
 
     @contextmanager
-    def held() -> Iterator[Callable[[int, int, float], None]]:
-        with shown() as progress:
+    def held(what: str) -> Iterator[Callable[[int, int, float], None]]:
+        with shown(what) as progress:
 
             def hold(done: int, total: int, rate: float) -> None:
                 progress(done, total, rate)
@@ -222,7 +241,7 @@ def wait_for_an_interrupt(rows: int, begun: Connection) -> None:
 
             yield hold
 
-    study_command._study_progress = held
+    study_command.counted_progress = held
 
 
 @pytest.mark.slow

@@ -64,6 +64,8 @@ def test_a_controller_is_trained_on_measured_forces(psp3_command: Run) -> None:
         (("five_bar", "--record", "none.csv"), "none.csv: cannot be read"),
         (("--record", "none.csv", "--radius", "0.01"), "--radius does not apply to --record"),
         (("--record", "none.csv", "--snr", "20"), "--snr does not apply to --record"),
+        (("--terms", "5"), "use fewer terms, or take --learner strict"),
+        (("delta", "--learner", "strict"), "needs a grid: give --terms"),
         (("--coriolis", "mass"), "'rules', of a robot whose M is learned from speeds"),
     ],
 )
@@ -74,3 +76,12 @@ def test_a_record_that_cannot_be_learned_from_is_refused(
     assert answer.status == options.USAGE
     assert words in answer.err
     assert not Path("a.json").exists()
+
+
+def test_no_zero_has_a_sign(psp3_command: Run) -> None:
+    """A range from -0.00004 on, of a robot that sways by so little."""
+    options = ("--trajectory", "sway", "--amplitude", "0.00004", "--duration", "1")
+    answer = psp3_command("train", "t1.json", "five_bar", "--kind", "t1", *options)
+    assert answer.status == 0, answer.err
+    assert "0.0000" in answer.out
+    assert "-0.0000" not in answer.out

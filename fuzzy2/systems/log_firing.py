@@ -1,0 +1,179 @@
+"""Firing strengths by their logarithms, for rules that fire less than floats can say."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fuzzy2.support.checks import Array
+from fuzzy2.systems.antecedents import And, Antecedent, Hedged, Is, Not, Or
+from fuzzy2.systems.table import CONORMS, NORMS
+
+VANISHED = 1e-280
+"""Firing strengths below this one have lost digits, or all of them, to underflow."""
+
+_Combine = Callable[[Array, Array], Array]
+
+
+class LogNorms(NamedTuple):
+    """What *and* and *or* make of logarithms of grades."""
+
+    both: _Combine
+    either: _Combine
+    both_not: _Combine
+    """The t-norm that joins complements where ``either`` joins grades."""
+    either_not: _Combine
+    """The t-conorm that joins complements where ``both`` joins grades."""
+
+
+def log_norms(both: str, either: str) -> LogNorms:
+    """Return them for the t-norm and the t-conorm of these names."""
+    from fuzzy2.systems.log_firing_kernels import combine_logarithms
+
+    def combine(code: int, is_conorm: bool) -> _Combine:
+        def combined(a: Array, b: Array) -> Array:
+            first, second = (np.ascontiguousarray(one).ravel() for one in np.broadcast_arrays(a, b))
+            out = np.empty(first.size)
+            combine_logarithms(code, is_conorm, first, second, out)
+            return out.reshape(np.broadcast_shapes(np.shape(a), np.shape(b)))
+
+        return combined
+
+    first, second = NORMS.index(both), CONORMS.index(either)
+    # Duals have the same code.
+    return LogNorms(
+        combine(first, False), combine(second, True), combine(second, False), combine(first, True)
+    )
+
+
+def lost(strengths: Array, silent: NDArray[np.bool_] | None) -> NDArray[np.bool_]:
+    """Return where (n,) an end may hang on firing strengths (n, R, 2) that floats do not hold.
+
+    A lower strength that is a float outweighs what is lost, and so does each upper one if all are
+    floats: an end takes some upper strength. ``silent`` (R, m) says which rules do not speak of an
+    output.
+    """
+    low, high = strengths[..., 0], strengths[..., 1]
+    speaking = (
+        [slice(None)] if silent is None else [~column for column in silent.T if not all(column)]
+    )
+    found = np.zeros(len(strengths), dtype=bool)
+    for rules in speaking:
+        held = (low[:, rules] >= VANISHED).any(axis=1)
+        found |= ~held & (high[:, rules] < VANISHED).any(axis=1)
+    return found
+
+
+def log_grades(terms: Sequence[Any], x: Array, grades: Array) -> Array:
+    """Return the logarithms of grades (n, terms, 2) of an input x (n,).
+
+    Those of Gaussians are parabolas, also where the grades themselves underflow.
+    """
+    with np.errstate(divide="ignore", over="ignore"):
+        found: Array = np.log(grades)
+        for t, term in enumerate(terms):
+            row = _gaussian_row(term)
+            if row is not None:
+                near, far = _distances(row, x)
+                found[:, t, 1] = np.log(row[6]) - 0.5 * near**2
+                found[:, t, 0] = np.minimum(np.log(row[5]) - 0.5 * far**2, found[:, t, 1])
+    return found
+
+
+def slopes_of_logarithms(terms: Sequence[Any], x: Array, grades: Array, slopes: Array) -> Array:
+    """Return the derivatives by x of :func:`log_grades`, of grades with these slopes."""
+    found: Array = np.divide(slopes, grades, out=np.zeros_like(grades), where=grades > 0.0)
+    for t, term in enumerate(terms):
+        row = _gaussian_row(term)
+        if row is not None:
+            near, far = _distances(row, x)
+            found[:, t, 0], found[:, t, 1] = -far / row[3], -near / row[4]
+    return found
+
+
+def _gaussian_row(term: Any) -> tuple[float, ...] | None:
+    """Return the kernel row of a Gaussian term, whose mean or deviation may be uncertain."""
+    row: tuple[float, ...] | None = term.kernel_row()
+    return row if row is not None and row[0] == 0.0 else None
+
+
+def _distances(row: tuple[float, ...], x: Array) -> tuple[Array, Array]:
+    """Return the distances, in standard deviations, from the nearest and the farthest mean."""
+    _, first, last, s_low, s_high, *_ = row
+    far = x - np.where(x < 0.5 * (first + last), last, first)
+    return (x - np.clip(x, first, last)) / s_high, far / s_low
+
+
+def log_firing(
+    logarithms: Sequence[Array],
+    rules: NDArray[np.int64] | tuple[Antecedent, ...],
+    weights: Array | None,
+    norms: LogNorms,
+) -> Array:
+    """Return the logarithms of firing intervals.
+
+    Parameters
+    ----------
+    logarithms : sequence of p (n, terms, 2) arrays
+        Logarithms of each input's grades in its terms.
+    rules : (R, p) array, or R trees
+        Number of the term of each input that a rule asks for, or -1; or what it asks for as a tree.
+    weights : (R,) array, optional
+        Weights of the rules.
+    norms : LogNorms
+        What *and* and *or* mean.
+
+    Returns
+    -------
+    (n, R, 2) array
+        Logarithms, -inf of what does not fire.
+    """
+    if isinstance(rules, tuple):
+        fired = np.stack([log_strength(tree, logarithms, norms) for tree in rules], axis=1)
+    else:
+        fired = np.zeros((len(logarithms[0]), len(rules), 2))
+        for i, of_input in enumerate(logarithms):
+            used = np.flatnonzero(rules[:, i] >= 0)
+            fired[:, used] = norms.both(fired[:, used], of_input[:, rules[used, i]])
+    # Rounding, which is not the same for both ends, must not exchange them.
+    np.minimum(fired[..., 0], fired[..., 1], out=fired[..., 0])
+    if weights is not None:
+        with np.errstate(divide="ignore"):
+            fired += np.log(weights)[:, np.newaxis]
+    return fired
+
+
+def log_strength(
+    tree: Antecedent, logarithms: Sequence[Array], norms: LogNorms, negated: bool = False
+) -> Array:
+    """Return the logarithms (n, 2) of what :func:`fuzzy2.systems.antecedents.strength` gives."""
+    match tree:
+        case Is(variable, term):
+            of_input = logarithms[int(variable)]
+            found = np.zeros((len(of_input), 2)) if term is None else of_input[:, int(term)]
+            return _log_complement(found) if negated else found
+        case And(parts) | Or(parts):
+            if isinstance(tree, And):
+                combine = norms.either_not if negated else norms.both
+            else:
+                combine = norms.both_not if negated else norms.either
+            found = log_strength(parts[0], logarithms, norms, negated)
+            for part in parts[1:]:
+                found = combine(found, log_strength(part, logarithms, norms, negated))
+            return found
+        case Not(part):
+            return log_strength(part, logarithms, norms, not negated)
+        case Hedged(hedge, part):
+            hedged = np.sort(hedge.of_logarithms(log_strength(part, logarithms, norms)), axis=-1)
+            return _log_complement(hedged) if negated else hedged
+
+
+def _log_complement(logarithms: Array) -> Array:
+    """Return the logarithms of 1 less the intervals (n, 2) of which these are the logarithms."""
+    turned = logarithms[:, ::-1]
+    with np.errstate(divide="ignore"):
+        near = np.log(-np.expm1(turned))
+        return np.where(turned > -0.5, near, np.log1p(-np.exp(turned)))

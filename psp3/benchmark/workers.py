@@ -1,0 +1,119 @@
+"""Who does trials: processes of this machine, or the workers of a dask cluster."""
+
+from __future__ import annotations
+
+import itertools
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    wait,
+)
+from concurrent.futures.process import BrokenProcessPool
+from contextlib import contextmanager
+
+from psp3.benchmark.entries import Entry, said
+from psp3.benchmark.trial import Outcome, Trial, execute
+from psp3.study.study import HANDED_OUT, LOOK_UP
+
+ONE_THREAD = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
+"""What keeps a worker to one core: times are compared, and matrices are small."""
+
+_ONE_AT_A_TIME = threading.Lock()
+
+
+@contextmanager
+def processes(count: int) -> Iterator[tuple[Executor, Callable[[], int]]]:
+    """Yield new processes, each with one thread for its linear algebra, and how many they are."""
+    before = {name: os.environ.get(name) for name in ONE_THREAD}
+    os.environ.update(dict.fromkeys(ONE_THREAD, "1"))
+    try:
+        with ProcessPoolExecutor(
+            count, multiprocessing.get_context("spawn"), _leave_interrupts_to_the_parent
+        ) as pool:
+            yield pool, lambda: count
+    finally:
+        for name, value in before.items():
+            if value is None:
+                del os.environ[name]
+            else:
+                os.environ[name] = value
+
+
+def _leave_interrupts_to_the_parent() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
+def done_by(
+    executor: Executor,
+    count_workers: Callable[[], int],
+    missing: Mapping[str, tuple[Trial, Entry]],
+    keep: Callable[[str, Outcome], None],
+) -> None:
+    """Hand out trials, a few at a time, and keep each outcome when it is there.
+
+    What does not come back because of one trial, such as an entry that ends its worker again and
+    again, is the outcome of that trial.
+
+    Parameters
+    ----------
+    executor : concurrent.futures.Executor
+        Who does them.
+    count_workers : callable
+        Returns how many it does at a time.
+    missing : mapping
+        Trials with their entries, by key.
+    keep : callable
+        Called with key and outcome.
+
+    Raises
+    ------
+    BrokenProcessPool, CancelledError
+        If all workers are lost.
+    KeyboardInterrupt
+        After Ctrl-C; what had begun is kept, if it still comes back.
+    """
+    waiting = iter(missing.items())
+    under_way: dict[Future[Outcome], str] = {}
+    try:
+        while True:
+            room = HANDED_OUT * max(1, count_workers()) - len(under_way)
+            for name, work in itertools.islice(waiting, max(0, room)):
+                under_way[executor.submit(_execute_alone, *work)] = name
+            if not under_way:
+                return
+            # Not without end: count_workers finds out what a cluster tells nobody.
+            for future in wait(under_way, LOOK_UP, FIRST_COMPLETED).done:
+                keep(under_way[future], _outcome(future))
+                del under_way[future]
+    except KeyboardInterrupt:
+        # What has begun is soon done, and is kept.
+        begun = [future for future in under_way if not future.cancel()]
+        for future in wait(begun).done:
+            keep(under_way[future], _outcome(future))
+        raise
+    finally:
+        for future in under_way:
+            future.cancel()
+
+
+def _outcome(future: Future[Outcome]) -> Outcome:
+    try:
+        return future.result()
+    except (BrokenProcessPool, CancelledError):
+        raise
+    except Exception as error:
+        return {"error": said(error)}
+
+
+def _execute_alone(trial: Trial, entry: Entry) -> Outcome:
+    """Do a trial: steps are timed, and robots serve one thread, so no other one meanwhile."""
+    with _ONE_AT_A_TIME:
+        return execute(trial, entry)
