@@ -11,11 +11,13 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from fuzzy2.support.lazy import lazy_names
+from fuzzy2.support.version import __version__ as __version__
 from fuzzy2.support.viewers import viewed_by
 
 if TYPE_CHECKING:
     from fuzzy2.errors import ApproximationWarning as ApproximationWarning
     from fuzzy2.errors import Fuzzy2Error as Fuzzy2Error
+    from fuzzy2.export.systems import export_c as export_c
     from fuzzy2.files.formats import load as load
     from fuzzy2.files.formats import save as save
     from fuzzy2.files.json_files import from_json as from_json
@@ -109,7 +111,6 @@ if TYPE_CHECKING:
     from fuzzy2.systems.system import IntervalType2System as IntervalType2System
     from fuzzy2.systems.system import Type1System as Type1System
 
-__version__ = "0.1.0"
 
 __all__, __getattr__, __dir__ = lazy_names(__name__)
 

@@ -19,7 +19,7 @@ Drive FeedForward FuzzyComputedTorque
         GravityCompensatedPD LinearQuadraticRegulator Monitor MuJoCo NaturalOrthogonalComplement \
 PSP3Error Parameters Pose Result Run
         SingularityAnalysis Study TaskSpaceComputedTorque TimeVaryingLinearQuadraticRegulator \
-Workspace exciting_motion
+Workspace exciting_motion export_c
         forward_dynamics_derivatives grid identify inverse_dynamics_derivatives linearize load \
 load_result simulate statistics to_mjcf
         symbolic trajectories with_payload
@@ -38,8 +38,8 @@ SingletonFuzzifier Trapezoidal Triangular
 alpha_plane_reduction
         approximate_centroid approximate_generalized_centroid begian_melek_mendel cardinality \
 cartesian_product centroid complement
-        compose defuzzify exhaustive_centroid exhaustive_generalized_centroid extend fine_tune \
-format_rules from_json fuzziness
+        compose defuzzify export_c exhaustive_centroid exhaustive_generalized_centroid extend \
+fine_tune format_rules from_json fuzziness
         fuzzy_c_means gaussian_meet gaussian_meet_error gaussian_partition generalized_centroid \
 intersection jaccard join load
         mean_variation_from_snr meet negation nie_tan parse_rules rank save \
@@ -73,7 +73,7 @@ UnreachableTip UnsupportedJoint UnusableEstimate
     "fuzzy2.errors": """
         CompletedRules \
         ApproximationWarning FeatureNamesWarning Fuzzy2Error InvalidRule InvalidValue \
-MalformedFile NotApplicable NotExpressible RaisedOnPurpose
+MalformedFile NotApplicable NotExportable NotExpressible RaisedOnPurpose
         NotFitted NotNumbers TooManyEmbeddedSets UnknownName UnsupportedRule WrongFeatures
     """,
     "fuzzy2.plots": """

@@ -9,14 +9,19 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Callable
+import textwrap
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from fuzzy2.errors import InvalidValue, NotExportable
+from fuzzy2.export.c_text import RESERVED, comment
 from fuzzy2.export.numbers import Precision
 from fuzzy2.export.translator import Program
-from fuzzy2.export.values import BOOL, INT, NOTHING, REAL, Row, Scalar, Value, value_of
+from fuzzy2.export.values import BOOL, INT, NOTHING, REAL, Record, Row, Scalar, Value
+from fuzzy2.support.text_files import write_text
+from fuzzy2.support.version import __version__
 
 
 @dataclass(frozen=True)
@@ -49,12 +54,50 @@ class Argument:
         Numbers of an array; None for one number.
     role : {"in", "out", "state"}
         Whether it is read or written, or part of the struct that is remembered between two calls.
+    is_whole : bool
+        Whether its numbers are whole ones.
     """
 
     name: str
     about: str
     size: int | None = None
     role: str = "in"
+    is_whole: bool = False
+
+
+@dataclass(frozen=True)
+class Mixed:
+    """An argument of a kernel that is a NamedTuple, of which some arrays are part of the struct.
+
+    Everything else in it is known.
+
+    Parameters
+    ----------
+    name : str
+        What its tables are called.
+    thing : NamedTuple
+        It.
+    states : mapping of str to Argument
+        Arrays that are part of the struct, by where they are in it: ``"memory"``,
+        ``"model.memory"``.
+    """
+
+    name: str
+    thing: Any
+    states: Mapping[str, Argument]
+
+    def filled(self, given: Iterator[Any]) -> Any:
+        """Return the NamedTuple with other arrays in the places of those that are states."""
+        thing = self.thing
+        for path in self.states:
+            thing = _replaced(thing, path.split("."), next(given))
+        return thing
+
+
+def _replaced(thing: Any, path: list[str], array: Any) -> Any:
+    part = getattr(thing, path[0])
+    new = array.reshape(part.shape) if len(path) == 1 else _replaced(part, path[1:], array)
+    return thing._replace(**{path[0]: new})
 
 
 @dataclass(frozen=True)
@@ -71,17 +114,20 @@ class CFunction:
         In the order of the kernel that it calls.
     result : str
         What it returns; empty where it returns nothing.
+    returns : {"int", "real", "void"}
+        The type of that.
     kernel : callable
         The kernel; with ``known`` the same function in Python.
     known : tuple
         Arguments of the kernel in order: the things that are known, and None for each of
-        ``arguments``.
+        ``arguments``; or what takes several of these, :class:`Mixed`.
     """
 
     name: str
     does: str
     arguments: tuple[Argument, ...]
     result: str
+    returns: str
     kernel: Callable[..., Any]
     known: tuple[Any, ...]
 
@@ -98,7 +144,12 @@ class CFunction:
     def in_python(self, *arguments: Any) -> Any:
         """Call the kernel with its arguments, those of the struct included, as arrays."""
         given = iter(arguments)
-        return self.kernel(*(next(given) if k is None else k for k in self.known))
+        return self.kernel(
+            *(
+                next(given) if k is None else k.filled(given) if isinstance(k, Mixed) else k
+                for k in self.known
+            )
+        )
 
 
 @dataclass(frozen=True)
@@ -115,6 +166,8 @@ class CCode:
         The files.
     functions : tuple of CFunction
         What users call.
+    hash : str
+        Of the source: the first sixteen digits of its SHA-256.
     """
 
     name: str
@@ -122,12 +175,12 @@ class CCode:
     header: str
     source: str
     functions: tuple[CFunction, ...]
+    hash: str
 
     def write(self, folder: str | Path) -> tuple[Path, Path]:
         """Write ``name.h`` and ``name.c`` into a folder, and return their paths."""
-        from fuzzy2.support.text_files import write_text
-
         where = Path(folder)
+        where.mkdir(parents=True, exist_ok=True)
         paths = where / f"{self.name}.h", where / f"{self.name}.c"
         for path, text in zip(paths, (self.header, self.source), strict=True):
             write_text(text, path)
@@ -147,14 +200,30 @@ class CWriter:
         Paragraphs for the header: what the code is, units, the order of joints, where it is from.
     unrolled : iterable of str
         See :class:`fuzzy2.export.translator.Program`.
+    constants : mapping of str to number, optional
+        Numbers of the kernels' modules, by name, that are others in this code.
+
+    Raises
+    ------
+    InvalidValue
+        If the name is no identifier.
+    UnknownName
+        If there is no such precision.
     """
 
     def __init__(
-        self, name: str, precision: str, about: list[str], unrolled: tuple[str, ...] = ()
+        self,
+        name: str,
+        precision: str,
+        about: list[str],
+        unrolled: tuple[str, ...] = (),
+        constants: Mapping[str, float] | None = None,
     ) -> None:
+        if not re.fullmatch(r"[A-Za-z]\w*", name) or name in RESERVED:
+            raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)
-        self.program = Program(name, self.precision, frozenset(unrolled))
+        self.program = Program(name, self.precision, frozenset(unrolled), dict(constants or {}))
         self.functions: list[CFunction] = []
         self.bodies: list[str] = []
 
@@ -163,7 +232,7 @@ class CWriter:
         name: str,
         does: str,
         kernel: Callable[..., Any],
-        arguments: list[Known | Argument],
+        arguments: Sequence[Known | Argument | Mixed],
         result: str = "",
     ) -> CFunction:
         """Add a function.
@@ -176,31 +245,67 @@ class CWriter:
             What it does, a sentence.
         kernel : callable
             The kernel that it calls.
-        arguments : list of Known or Argument
+        arguments : sequence of Known, Argument or Mixed
             Of the kernel, in order.
         result : str
             What it returns; empty for nothing.
         """
+        # No kernel may have the name of what users call.
+        own = f"{self.name}_{name}"
+        other = self.program.reserved(own)
+        self.bodies = [re.sub(rf"\b{own}\b", other, body) for body in self.bodies]
         values = [self._value(argument) for argument in arguments]
         said = self.program.call(kernel, values)
-        known = tuple(a.thing if isinstance(a, Known) else None for a in arguments)
-        asked = tuple(a for a in arguments if isinstance(a, Argument))
-        function = CFunction(f"{self.name}_{name}", does, asked, result, kernel, known)
+        known = tuple(
+            a.thing if isinstance(a, Known) else a if isinstance(a, Mixed) else None
+            for a in arguments
+        )
+        asked = tuple(
+            one
+            for a in arguments
+            if not isinstance(a, Known)
+            for one in ([a] if isinstance(a, Argument) else a.states.values())
+        )
+        if not isinstance(said.type, Scalar):
+            raise NotExportable(
+                name, "it returns more than a number", "a kernel that writes the rest"
+            )
+        kind = {INT: "int", BOOL: "int"}.get(said.type, said.type.name)
+        function = CFunction(f"{self.name}_{name}", does, asked, result, kind, kernel, known)
         code = f"return {said.code};" if said.type != NOTHING else f"{said.code};"
         self.functions.append(function)
-        self.bodies.append(f"{self._head(function, said.type)}\n{{\n    {code}\n}}\n")
+        self.bodies.append(f"{self._head(function)}\n{{\n    {code}\n}}\n")
         return function
 
-    def _value(self, argument: Known | Argument) -> Value:
+    def _value(self, argument: Known | Argument | Mixed) -> Value:
         if isinstance(argument, Known):
-            return value_of(argument.name, argument.thing)
+            return self.precision.value_of(argument.name, argument.thing)
+        if isinstance(argument, Mixed):
+            return self._mixed(argument.name, argument.thing, argument.states, "")
         if argument.size is None:
             return Value(REAL, argument.name)
-        kind = Row(REAL, argument.role == "in", (argument.size,))
-        place = f"state->{argument.name}" if argument.role == "state" else argument.name
-        return Value(kind, f"({self.program.c_type(kind)}){{{place}, {argument.size}}}")
+        return self._array(argument, (argument.size,))
 
-    def _head(self, function: CFunction, result: Any) -> str:
+    def _array(self, argument: Argument, shape: tuple[int, ...]) -> Value:
+        kind = Row(INT if argument.is_whole else REAL, argument.role == "in", shape)
+        place = f"state->{argument.name}" if argument.role == "state" else argument.name
+        sizes = ", ".join(str(size) for size in shape)
+        return Value(kind, f"({self.program.c_type(kind)}){{{place}, {sizes}}}")
+
+    def _mixed(self, name: str, thing: Any, states: Mapping[str, Argument], path: str) -> Value:
+        parts = {}
+        for field in thing._fields:
+            here, part = f"{path}{field}", getattr(thing, field)
+            if here in states:
+                parts[field] = self._array(states[here], part.shape)
+            elif any(other.startswith(f"{here}.") for other in states):
+                parts[field] = self._mixed(f"{name}_{field}", part, states, f"{here}.")
+            else:
+                parts[field] = self.precision.value_of(f"{name}_{field}", part)
+        kind = Record(type(thing).__name__, tuple((n, v.type) for n, v in parts.items()))
+        return Value(kind, self.program.literal(Value(kind, name, parts)), parts)
+
+    def _head(self, function: CFunction) -> str:
         item = self.precision.type
         parts = [f"{self.name}_state *state"] if function.has_state else []
         for argument in function.visible:
@@ -210,24 +315,17 @@ class CWriter:
                 parts.append(f"const {item} {argument.name}[{argument.size}]")
             else:
                 parts.append(f"{item} {argument.name}[{argument.size}]")
-        kind = {INT: "int", BOOL: "int", REAL: item, NOTHING: "void"}[result]
-        assert isinstance(result, Scalar)
+        kind = item if function.returns == "real" else function.returns
         return f"{kind} {function.name}({', '.join(parts) or 'void'})"
 
     def code(self) -> CCode:
         """Return the files."""
-        from fuzzy2 import __version__
-
         heads = [body.split("\n")[0] for body in self.bodies]
-        kernels = self._kernels("\n".join(self.bodies))
-        words = set(re.findall(r"\w+", kernels + "\n".join(self.bodies)))
+        calls = "\n".join(self.bodies)
         parts = [
             f'#include "{self.name}.h"\n\n#include <math.h>',
-            self._extremes(words),
-            self.program.types(),
-            self.program.constants(),
-            kernels,
-            "\n".join(self.bodies),
+            self.program.definitions(calls),
+            calls,
         ]
         source = "\n\n".join(part for part in parts if part)
         digest = hashlib.sha256(source.encode()).hexdigest()[:16]
@@ -238,13 +336,15 @@ class CWriter:
             self._header(about, heads),
             f"/* {self.name}.c: see {self.name}.h. Hash {digest}. */\n{source}",
             tuple(self.functions),
+            digest,
         )
 
     def _header(self, about: list[str], heads: list[str]) -> str:
         guard = f"{self.name.upper()}_H"
-        lines = ["/*", *(f" * {line}" for part in about for line in [*part.split("\n"), ""]), " */"]
-        lines = [line.rstrip() for line in lines]
-        text = [*lines, f"#ifndef {guard}", f"#define {guard}", ""]
+        told = [line for part in about for line in [*_wrapped(part), ""]][:-1]
+        text = ["/*", *(f" * {line}".rstrip() for line in told), " */"]
+        text += [f"#ifndef {guard}", f"#define {guard}", ""]
+        text += ["#ifdef __cplusplus", 'extern "C" {', "#endif", ""]
         states = {
             argument.name: argument
             for function in self.functions
@@ -254,41 +354,24 @@ class CWriter:
         if states:
             text.append("/* What is remembered between two calls. */")
             text.append("typedef struct {")
-            for state in states.values():
-                text.append(
-                    f"    {self.precision.type} {state.name}[{state.size}]; /* {state.about} */"
-                )
+            text += [
+                f"    {'int' if state.is_whole else self.precision.type} "
+                f"{state.name}[{state.size}]; /* {comment(state.about)} */"
+                for state in states.values()
+            ]
             text += [f"}} {self.name}_state;", ""]
         for function, head in zip(self.functions, heads, strict=True):
-            text.append(f"/* {function.does}")
-            for argument in function.visible:
-                text.append(f" * {argument.name}: {argument.about}")
+            told = [function.does, *(f"{a.name}: {a.about}" for a in function.visible)]
             if function.result:
-                text.append(f" * returns: {function.result}")
+                told.append(f"returns: {function.result}")
+            text.append("/*")
+            text += [f" * {line}" for part in told for line in _wrapped(part)]
             text += [" */", f"{head};", ""]
-        return "\n".join([*text, "#endif"]) + "\n"
+        text += ["#ifdef __cplusplus", "}", "#endif", "", "#endif"]
+        return "\n".join(text) + "\n"
 
-    def _extremes(self, words: set[str]) -> str:
-        """Return the functions min and max that are used: NaN and zeros go through Python's way."""
-        texts = []
-        for name, sign in (("min", "<"), ("max", ">")):
-            for kind, item in (("real", self.precision.type), ("int", "int")):
-                function = f"{self.name}_{name}_{kind}"
-                if function in words:
-                    texts.append(
-                        f"static {item} {function}({item} a, {item} b)\n"
-                        f"{{\n    return b {sign} a ? b : a;\n}}"
-                    )
-        return "\n\n".join(texts)
 
-    def _kernels(self, functions: str) -> str:
-        """Return the kernels that are called."""
-        order = self.program.order
-        texts = {instance.name: instance.text for instance in order}
-        wanted: set[str] = set()
-        waiting = [functions]
-        while waiting:
-            for word in set(re.findall(r"\w+", waiting.pop())) & texts.keys() - wanted:
-                wanted.add(word)
-                waiting.append(texts[word])
-        return "\n".join(instance.text for instance in order if instance.name in wanted)
+def _wrapped(text: str) -> list[str]:
+    """Return the lines of a comment."""
+    lines = [textwrap.wrap(line, 92, subsequent_indent="  ") for line in comment(text).split("\n")]
+    return [line for one in lines for line in one or [""]]

@@ -6,7 +6,10 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from fuzzy2.export.values import BOOL, INT, REAL, Scalar, Value
+import numpy as np
+
+from fuzzy2.errors import NotExportable, UnknownName
+from fuzzy2.export.values import BOOL, INT, REAL, Record, Row, Scalar, Table, Value
 
 GREATEST_SINGLE, LEAST_SINGLE = 3.4028234663852886e38, 1.1754943508222875e-38
 
@@ -22,6 +25,10 @@ class Precision:
     """
 
     name: str
+
+    def __post_init__(self) -> None:
+        if self.name not in ("double", "single"):
+            raise UnknownName("precision", self.name, ("double", "single"))
 
     @property
     def type(self) -> str:
@@ -57,3 +64,37 @@ class Precision:
             return Value(INT, str(int(number)), int(number))
         text = self.literal(float(number))
         return Value(REAL, f"({text})" if text.startswith("-") else text, float(number))
+
+    def value_of(self, code: str, thing: Any) -> Value:
+        """Return what is known of a Python object that a kernel takes.
+
+        Tables of NamedTuples are named after their fields, below ``code``.
+        """
+        for types, kind in (
+            ((bool, np.bool_), BOOL),
+            ((int, np.integer), INT),
+            ((float, np.floating), REAL),
+        ):
+            if isinstance(thing, types):
+                return self.number(thing, kind)
+        if isinstance(thing, np.ndarray):
+            item = INT if thing.dtype.kind in "iu" else REAL
+            flat = np.ascontiguousarray(thing).ravel()
+            return Value(Row(item, True, thing.shape), code, Table(code, flat))
+        if not hasattr(thing, "_fields"):
+            raise NotExportable(
+                f"{code}, a {type(thing).__name__}",
+                "it is no number, array or NamedTuple of these",
+                "one of these",
+            )
+        fields = {name: self.value_of(f"{code}_{name}", part) for name, part in _parts(thing)}
+        record = Record(
+            type(thing).__name__,
+            tuple((name, v.type) for name, v in fields.items()),
+            type(thing),
+        )
+        return Value(record, code, fields)
+
+
+def _parts(thing: Any) -> list[tuple[str, Any]]:
+    return [(name, getattr(thing, name)) for name in thing._fields]

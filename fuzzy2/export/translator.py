@@ -11,94 +11,20 @@ NamedTuples of these, counted loops, branches, and calls of other kernels.
 
 from __future__ import annotations
 
-import ast
-import inspect
 import math
-import textwrap
-from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 from fuzzy2.errors import NotExportable
+from fuzzy2.export.definitions import Definitions, Instance
 from fuzzy2.export.function import Translation
-from fuzzy2.export.numbers import Precision
-from fuzzy2.export.values import (
-    BOOL,
-    INT,
-    NOTHING,
-    REAL,
-    Record,
-    Row,
-    Scalar,
-    Table,
-    Type,
-    Value,
-)
+from fuzzy2.export.values import NOTHING, Record, Row, Scalar, Table, Value
 
 
 @dataclass
-class Instance:
-    """A kernel translated for what is known of its arguments."""
-
-    name: str
-    result: Type
-    known: Any
-    passed: tuple[int, ...]
-    text: str = ""
-
-
-@dataclass
-class Program:
-    """All C functions, types and tables that what is exported needs.
-
-    Parameters
-    ----------
-    prefix : str
-        What names begin with.
-    precision : Precision
-        How numbers are written.
-    unrolled : frozenset of str
-        Names of kernels whose counted loops are written out where their count is known: each pass
-        is then translated for what is known in it.
-    """
-
-    prefix: str
-    precision: Precision
-    unrolled: frozenset[str] = frozenset()
-    instances: dict[Any, Instance] = field(default_factory=dict)
-    order: list[Instance] = field(default_factory=list)
-    records: dict[str, tuple[str, str]] = field(default_factory=dict)
-    tables: dict[str, Table] = field(default_factory=dict)
-    open: list[Any] = field(default_factory=list)
-    names: set[str] = field(default_factory=set)
-
-    def c_type(self, kind: Type) -> str:
-        """Return the name of a type in C."""
-        if isinstance(kind, Scalar):
-            return {"real": self.precision.type, "bool": "int"}.get(kind.name, kind.name)
-        if isinstance(kind, Row):
-            what = "whole" if kind.item == INT else "real"
-            access = "table" if kind.constant else "row"
-            name = f"{self.prefix}_{what}_{access}" + ("2" if len(kind.shape) == 2 else "")
-            item = self.c_type(kind.item)
-            sizes = "int n; int m;" if len(kind.shape) == 2 else "int n;"
-            constant = "const " if kind.constant else ""
-            self.records.setdefault(name, (name, f"{constant}{item} *p; {sizes}"))
-            return name
-        members = " ".join(f"{self.c_type(part)} {name};" for name, part in kind.fields)
-        key = f"{kind.name} {members}"
-        if key not in self.records:
-            same = sum(1 for name in self.records if name.split(" ")[0] == kind.name)
-            number = f"_{same + 1}" if same else ""
-            self.records[key] = f"{self.prefix}_{_snake(kind.name)}{number}", members
-        return self.records[key][0]
-
-    def table(self, table: Table) -> str:
-        """Return the name in C of a table, which is written down."""
-        known = self.tables.setdefault(table.name, table)
-        if known.numbers is not table.numbers:
-            raise NotExportable(table.name, "two tables of one name", "report it: a fault of ours")
-        return f"{self.prefix}_{table.name}"
+class Program(Definitions):
+    """Kernels translated to C functions, with the types and tables that they need."""
 
     def call(self, function: Callable[..., Any], arguments: list[Value]) -> Value:
         """Return what a call of a kernel stands for; it is translated if it is not yet."""
@@ -113,7 +39,8 @@ class Program:
             self.open.pop()
         instance = self.instances[key]
         if instance.known is not None:
-            return instance.known
+            known: Value = instance.known
+            return known
         codes = ", ".join(arguments[i].code for i in instance.passed)
         return Value(instance.result, f"{instance.name}({codes})")
 
@@ -133,36 +60,6 @@ class Program:
         self.order.append(instance)
         return instance
 
-    def _name(self, base: str) -> str:
-        name, count = f"{self.prefix}_{base}", 1
-        while name in self.names:
-            count += 1
-            name = f"{self.prefix}_{base}_{count}"
-        self.names.add(name)
-        return name
-
-    def types(self) -> str:
-        """Return the declarations of all types."""
-        return "\n".join(
-            f"typedef struct {{ {members} }} {name};" for name, members in self.records.values()
-        )
-
-    def constants(self) -> str:
-        """Return the definitions of all tables."""
-        return "\n".join(self._table_text(table) for table in self.tables.values())
-
-    def _table_text(self, table: Table) -> str:
-        whole = table.numbers.dtype.kind in "iub"
-        numbers = table.numbers.tolist() or [0]
-        texts = [str(int(n)) if whole else self.precision.literal(n) for n in numbers]
-        item = "int" if whole else self.precision.type
-        lines = textwrap.fill(", ".join(texts), 96, initial_indent="    ", subsequent_indent="    ")
-        return f"static const {item} {self.prefix}_{table.name}[{len(numbers)}] = {{\n{lines}\n}};"
-
-    def functions(self) -> str:
-        """Return the definitions of all functions, each before it is called."""
-        return "\n".join(instance.text for instance in self.order)
-
 
 def body_for(function: Any, first: Value | None) -> Callable[..., Any]:
     """Return the Python function of a kernel, or of one that is chosen by its first argument."""
@@ -173,7 +70,8 @@ def body_for(function: Any, first: Value | None) -> Callable[..., Any]:
         if not found:
             raise NotExportable(function.__name__, f"no body for {kind or 'this'}", "another table")
         function = found[0]
-    return getattr(function, "py_func", function)
+    body: Callable[..., Any] = getattr(function, "py_func", function)
+    return body
 
 
 def python_of(value: Value) -> Any:
@@ -184,29 +82,7 @@ def python_of(value: Value) -> Any:
         part = value.known.numbers[value.known.start : value.known.start + size]
         return part.reshape(value.type.shape)
     if isinstance(value.known, dict):
-        return _Fields({name: python_of(part) for name, part in value.known.items()})
+        assert isinstance(value.type, Record)
+        parts = [python_of(part) for part in value.known.values()]
+        return value.type.made(*parts) if value.type.made else tuple(parts)
     return value.known
-
-
-class _Fields:
-    """A record for a Python function that asks for fields by name, or all in order."""
-
-    def __init__(self, fields: dict[str, Any]) -> None:
-        self.__dict__.update(fields)
-
-    def __iter__(self) -> Iterable[Any]:
-        return iter(self.__dict__.values())
-
-
-def source_of(body: Callable[..., Any]) -> ast.FunctionDef:
-    """Return the syntax of a kernel."""
-    tree = ast.parse(textwrap.dedent(inspect.getsource(body))).body[0]
-    assert isinstance(tree, ast.FunctionDef)
-    return tree
-
-
-def _snake(name: str) -> str:
-    return "".join("_" + c.lower() if c.isupper() and i else c.lower() for i, c in enumerate(name))
-
-
-__all__ = ["BOOL", "INT", "REAL", "Program", "Value", "body_for", "source_of"]

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
-import numpy as np
-
 from fuzzy2.support.checks import Array
 
 
@@ -35,10 +33,14 @@ class Row:
 
 @dataclass(frozen=True)
 class Record:
-    """Several values with names: a NamedTuple, or a tuple, whose names are ``f0``, ``f1``, …"""
+    """Several values with names: a NamedTuple, or a tuple, whose names are ``f0`` and so on.
+
+    ``made`` is the class of the NamedTuple, where that is known.
+    """
 
     name: str
     fields: tuple[tuple[str, Any], ...]
+    made: Any = field(default=None, compare=False)
 
     def __getitem__(self, name: str) -> Any:
         """Return the type of a field."""
@@ -104,23 +106,3 @@ def joined(one: Type, other: Type) -> Type:
         pairs = zip(one.fields, other.fields, strict=True)
         return Record(one.name, tuple((a[0], joined(a[1], b[1])) for a, b in pairs))
     raise TypeError(one, other)
-
-
-def value_of(code: str, thing: Any) -> Value:
-    """Return what is known of a Python object that a kernel takes.
-
-    Tables of NamedTuples are named after their fields, below ``code``.
-    """
-    if isinstance(thing, bool | np.bool_):
-        return Value(BOOL, "1" if thing else "0", bool(thing))
-    if isinstance(thing, int | np.integer):
-        return Value(INT, str(int(thing)), int(thing))
-    if isinstance(thing, float | np.floating):
-        return Value(REAL, code, float(thing))
-    if isinstance(thing, np.ndarray):
-        item = INT if np.issubdtype(thing.dtype, np.integer) else REAL
-        flat = np.ascontiguousarray(thing).ravel()
-        return Value(Row(item, True, thing.shape), code, Table(code, flat))
-    fields = {name: value_of(f"{code}_{name}", getattr(thing, name)) for name in thing._fields}
-    kind = Record(type(thing).__name__, tuple((name, v.type) for name, v in fields.items()))
-    return Value(kind, code, fields)

@@ -11,7 +11,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol, TypeVar, cast
 
 import numba
@@ -98,6 +98,9 @@ def inlined(function: Function) -> Function:
 class ChosenByTable(Protocol):
     """What :func:`chosen_by_table` returns."""
 
+    bodies: Mapping[Any, Callable[..., Any]]
+    """The bodies by the NamedTuple class that they are for."""
+
     def __call__(self, table: Any, *arguments: Any) -> Any:
         """Return what the body for the table's type does."""
         ...
@@ -147,6 +150,7 @@ def chosen_by_table(declaration: Callable[..., Any]) -> ChosenByTable:
         return registered
 
     chosen.register = register  # type: ignore[attr-defined]
+    chosen.bodies = bodies  # type: ignore[attr-defined]
     return cast("ChosenByTable", chosen)
 
 

@@ -144,6 +144,11 @@ class GeneralType2System(FuzzySystem):
         return self._middles if self.reduction == "gaussian" else None
 
     @property
+    def in_one_loop(self) -> bool:
+        """Whether one table serves all α-planes, which differ in ``widths`` only."""
+        return self._one_loop
+
+    @property
     def widths(self) -> Array:
         """Half-widths of the α-planes of a Gaussian at ``alphas``, (L,), in standard deviations.
 
@@ -159,7 +164,8 @@ class GeneralType2System(FuzzySystem):
         """
         return self._middles, self._spreads
 
-    def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
+    def kernel_row(self, term: Any) -> tuple[float, ...] | None:
+        """Return what the compiled loop knows of a term; None if that is not a row of numbers."""
         from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 
         if isinstance(term, GaussianType2Set):
@@ -401,8 +407,10 @@ class GeneralType2System(FuzzySystem):
             out = np.empty((*shape, self.n_outputs, 2))
             product = self.grade_t_norm == "product"
             middles, spreads = self._middles.ravel(), self._spreads.ravel()
+            from fuzzy2.systems.corollary_kernels import evaluate_corollary
+
             if (
-                self._kernels.evaluate_corollary(
+                evaluate_corollary(
                     self._table, rows.ravel(), middles, spreads, product, out.ravel()
                 )
                 >= 0

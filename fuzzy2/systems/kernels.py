@@ -16,7 +16,6 @@ from fuzzy2.systems.firing_kernels import (
     VANISHED,
     _fire,
     _fire_block,
-    _grades,
 )
 from fuzzy2.systems.log_firing_kernels import center_in_logarithms, log_fire, lost
 
@@ -36,7 +35,7 @@ def work_size(table: Array) -> int:
 
 
 @scalar
-def _rooms(table, work):
+def rooms(table, work):
     """Return the parts of ``work`` (``work_size``,).
 
     For functions that own no memory themselves: others would give these parts back.
@@ -191,7 +190,7 @@ def evaluate_in(
 
     ``work`` (``work_size``,) is room for it.
     """
-    grades, low, high, extra, moments, room, stack = _rooms(table, work)
+    grades, low, high, extra, moments, room, stack = rooms(table, work)
     _fire(table, x, xo, width, grades, low, high, stack)
     _center_of_sets(table, low, high, extra, moments, room, out, oo, crisp)
     # Mostly the first rule is enough to say no.
@@ -344,6 +343,35 @@ def evaluate_row(table: Array, x: Array, out: Array) -> int:
     return 1 if evaluate(table, x, 0.0, out.size == int(table[3]), out) < 0 else 0
 
 
+@scalar
+def crisp_planes_in(
+    table: Array,
+    x: Array,
+    xo: int,
+    widths: Array,
+    alphas: Array,
+    work: Array,
+    middles: Array,
+    out: Array,
+    oo: int,
+) -> None:
+    """Do as ``evaluate_crisp_planes`` for the finite row at ``xo``; outputs go to ``oo`` and on.
+
+    ``work`` is as of ``evaluate_in``, ``middles`` (m,) room for one plane's outputs.
+    """
+    total = 0.0
+    for plane in range(alphas.size):
+        total += alphas[plane]
+    for j in range(middles.size):
+        out[oo + j] = 0.0
+    for plane in range(widths.size):
+        evaluate_in(table, x, xo, widths[plane], True, work, middles, 0)
+        for j in range(middles.size):
+            out[oo + j] += alphas[plane] * middles[j]
+    for j in range(middles.size):
+        out[oo + j] /= total
+
+
 @compiled
 def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, out: Array) -> int:
     """Write the crisp outputs (rows, m), the middles on the alpha-planes weighted with alpha.
@@ -352,21 +380,11 @@ def evaluate_crisp_planes(table: Array, x: Array, widths: Array, alphas: Array, 
     """
     inputs, outputs = int(table[0]), int(table[3])
     work, middles = np.empty(work_size(table)), np.empty(outputs)
-    total = 0.0
-    for plane in range(alphas.size):
-        total += alphas[plane]
     for i in range(x.size):
         if not math.isfinite(x[i]):
             return i // inputs
     for row in range(x.size // inputs):
-        for j in range(outputs):
-            out[row * outputs + j] = 0.0
-        for plane in range(widths.size):
-            evaluate_in(table, x, row * inputs, widths[plane], True, work, middles, 0)
-            for j in range(outputs):
-                out[row * outputs + j] += alphas[plane] * middles[j]
-        for j in range(outputs):
-            out[row * outputs + j] /= total
+        crisp_planes_in(table, x, row * inputs, widths, alphas, work, middles, out, row * outputs)
     return -1
 
 
@@ -389,83 +407,9 @@ def evaluate_planes(table: Array, x: Array, widths: Array, out: Array) -> int:
 
 
 @scalar
-def corollary_in(
-    table: Array,
-    x: Array,
-    xo: int,
-    middles: Array,
-    spreads: Array,
-    product_grades: bool,
-    work: Array,
-    out: Array,
-    oo: int,
-) -> None:
-    """Do as ``evaluate_corollary`` for the finite row at ``xo``; outputs go to ``oo`` and on.
-
-    ``work`` is as of ``evaluate_in``.
-    """
-    inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    grades, mean, sigma = _rooms(table, work)[:3]
-    for t in range(terms):
-        o = HEADER + TERM * t
-        grades[2 * t], _ = _grades(table, o, x[xo + int(table[o])], 0.0)
-        grades[2 * t + 1] = table[o + 8] if int(table[o + 1]) == 2 else 0.0
-    o = HEADER + TERM * terms
-    total = 0.0
-    for r in range(rules):
-        m, variance = 1.0, 0.0
-        for _ in range(inputs):
-            t = int(table[o])
-            o += 1
-            if t >= 0:
-                g, s = grades[2 * t], grades[2 * t + 1]
-                variance = variance * g * g + m * m * s * s
-                m *= g
-        mean[r], sigma[r] = m, math.sqrt(variance)
-        total += m
-    for j in range(outputs):
-        if not total > 0.0:
-            out[oo + 2 * j] = out[oo + 2 * j + 1] = math.nan
-            continue
-        moment = 0.0
-        for r in range(rules):
-            moment += mean[r] * (middles[r * outputs + j] - middles[j])
-        center = middles[j] + moment / total
-        spread = 0.0
-        for r in range(rules):
-            q = r * outputs + j
-            one, two = mean[r] * spreads[q], (middles[q] - center) * sigma[r]
-            spread += one * one + two * two if product_grades else one + abs(two)
-        out[oo + 2 * j] = center
-        out[oo + 2 * j + 1] = (math.sqrt(spread) if product_grades else spread) / total
-
-
-@compiled
-def evaluate_corollary(
-    table: Array, x: Array, middles: Array, spreads: Array, product_grades: bool, out: Array
-) -> int:
-    """Write mean and standard deviation (rows, m, 2) by the Gaussian corollary (eq. 1.107, 1.108).
-
-    Return as ``evaluate``.
-
-    ``middles`` and ``spreads`` (R m,) are means and standard deviations of the consequents; firing
-    strengths are Gaussian numbers with the moments of eq. 1.30.
-    """
-    inputs, outputs = int(table[0]), int(table[3])
-    work = np.empty(work_size(table))
-    for row in range(x.size // inputs):
-        for i in range(inputs):
-            if not math.isfinite(x[row * inputs + i]):
-                return row
-        place = 2 * outputs * row
-        corollary_in(table, x, row * inputs, middles, spreads, product_grades, work, out, place)
-    return -1
-
-
-@scalar
 def _firing_in(table, x, xo, width, work, out, oo):
     """Do as ``firing`` for the finite row at ``xo``."""
-    grades, low, high, _, _, _, stack = _rooms(table, work)
+    grades, low, high, _, _, _, stack = rooms(table, work)
     _fire(table, x, xo, width, grades, low, high, stack)
     for r in range(low.size):
         out[oo + 2 * r], out[oo + 2 * r + 1] = low[r], high[r]

@@ -305,7 +305,7 @@ class PID(PD):
 
     def take(self, table: Any, steps: Array) -> dict[str, Array]:
         """Go on from where a compiled loop ended."""
-        commanded = table.kp.shape[-1]
+        commanded = math.isqrt(table.kp.shape[1])
         self._integral = table.memory[kernels.INTEGRAL, :commanded].copy()
         last = table.memory[kernels.LAST_ERROR, :commanded].copy()
         self._last = (float(table.clock[kernels.TIME]), last)

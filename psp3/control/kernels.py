@@ -25,7 +25,7 @@ TIME, CALLED = range(2)
 class Classical(NamedTuple):
     """A classical controller.
 
-    ``kind`` see above; gains ``kp`` and ``kv`` (S, k, k), of S samples of the period
+    ``kind`` see above; gains ``kp`` and ``kv`` (S, k²), of S samples of the period
     ``gain_period`` or for all times, ``ki`` of the integral; ``is_allocated`` whether the model
     turns the feedback, forces along the first k coordinates, into forces of the motors; ``model``
     the robot's table as the controller knows it; ``memory`` (4, n) last error, integral of the
@@ -78,7 +78,7 @@ def classical(
     def gains(gain: ArrayLike) -> Array:
         full = np.asarray(gain, dtype=np.float64)
         full = full * unit if full.ndim == 0 else full
-        return np.ascontiguousarray(full.reshape(-1, wanted, wanted))
+        return np.ascontiguousarray(full.reshape(-1, wanted * wanted))
 
     none = np.empty((0, (n * (n + 1)) // 2 + n * n + n))
     return Classical(
@@ -104,13 +104,14 @@ def _write_feedback(
     kp, kv, is_servo = controller.kp, controller.kv, controller.kind == COMPUTED_TORQUE
     sample = 0
     if kp.shape[0] > 1:
-        sample = min(max(int(t / controller.gain_period + 1e-6), 0), kp.shape[0] - 1)
+        # Before it becomes a whole number, which not all times have.
+        sample = int(min(max(0.0, t / controller.gain_period + 1e-6), float(kp.shape[0] - 1)))
     for i in range(n):
         total = desired[2 * n + i] if is_servo else 0.0
         damping, stiffness = 0.0, 0.0
         for j in range(n):
-            damping += kv[sample, i, j] * (desired[n + j] - speeds[j])
-            stiffness += kp[sample, i, j] * (desired[j] - positions[j])
+            damping += kv[sample, n * i + j] * (desired[n + j] - speeds[j])
+            stiffness += kp[sample, n * i + j] * (desired[j] - positions[j])
         total = total + damping + stiffness
         if ki != 0.0:
             error = desired[i] - positions[i]
@@ -180,13 +181,14 @@ def classical_step(
 ) -> bool:
     """Write the forces (m,) of a classical controller; return whether they are finite."""
     k, kind, model = desired.size // 3, controller.kind, controller.model
-    feedback, rest = controller.memory[FEEDBACK, :k], controller.memory[REST]
+    rest = controller.memory[REST]
+    feedback, still = controller.memory[FEEDBACK][:k], rest[:k]
     _write_feedback(controller, t, positions, speeds, desired)
     for j in range(out.size):
         out[j] = 0.0
     if kind != PD:
         # One call, which may take long to compile.
-        a, v, w = positions, rest, rest[:k]
+        a, v, w = positions, rest, still
         if kind == FEED_FORWARD:
             w = desired[2 * k :]
             if k == speeds.size and k == positions.size:

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fuzzy2.support.compiled import compiled, scalar
-from fuzzy2.systems.kernels import corollary_in, evaluate_in, work_size
+from fuzzy2.systems.corollary_kernels import corollary_in
+from fuzzy2.systems.kernels import evaluate_in, work_size
 from psp3.checks import Array
 from psp3.control.controller import steer
 from psp3.control.kernels import add_force
@@ -75,10 +76,11 @@ class Fuzzy(NamedTuple):
     inputs; ``fallback`` (K,) numbers used where an estimate cannot be; ``planes`` (2, L) levels
     and widths, see ``fuzzy2.systems.kernels.evaluate_planes``; ``system`` the fuzzy systems of all
     rule bases one after the other, see ``fuzzy2.systems.kernels``; ``moments`` middles and spreads
-    (2, R, m) of each, flat, see ``fuzzy2.systems.kernels.evaluate_corollary``, of that kind only.
-    ``inputs`` (2, p) are the places of each input in positions and speeds, and of what is
-    subtracted, or -1. ``bases`` is the number of rule bases, and of each ``BASE`` numbers, see
-    ``base_row``, the places of its inputs among all and those of its outputs among the numbers.
+    (2, R, m) of each, flat, of that kind only, see
+    ``fuzzy2.systems.corollary_kernels.evaluate_corollary``. ``inputs`` (2, p) are the places of
+    each input in positions and speeds, and of what is subtracted, or -1. ``bases`` is the number of
+    rule bases, and of each ``BASE`` numbers, see ``base_row``, the places of its inputs among all
+    and those of its outputs among the numbers.
     ``derived`` is what C is found from as M's derivative, see
     :mod:`psp3.fuzzy_control.christoffel_kernels`, or empty.
     """
@@ -439,10 +441,11 @@ def _usable(controller, x, speeds, added, estimate):
 def _exact_torque(model, positions, speeds, servo, added, out):
     """Write a step of the exact forces, where they take over; NaN where there are none."""
     n = servo.size
-    if not write_forces(model, positions, speeds, servo, out[:n]):
-        out[:n] = math.nan
+    force = out[:n]
+    if not write_forces(model, positions, speeds, servo, force):
+        force[:] = math.nan
     if added.size > 0:
-        add_force(added, servo, speeds, out[:n])
+        add_force(added, servo, speeds, force)
     for i in range(n):
         out[n + i] = out[2 * n + i] = out[i]
 
@@ -505,13 +508,16 @@ def fuzzy_torque(
     """
     work = np.empty(_step_room(controller, positions.size))
     done: int = _learned_step(controller, positions, speeds, desired, added, work, out)
-    if done < 0:
+    if controller.outside == CRISP and done < 0:
         n = positions.size
         _exact_torque(model, positions, speeds, work[:n], added, out)
         out[3 * n + 1] = 0.0
         if controller.kind == COROLLARY:
             out[2 * n : 3 * n] = 0.0
-        return math.isfinite(out[:n].sum())
+        total = 0.0
+        for i in range(n):
+            total += out[i]
+        return math.isfinite(total)
     return done == 1
 
 
@@ -587,6 +593,9 @@ def run_step(
     out: Array,
 ) -> bool:
     """Do as ``fuzzy_torque`` in a loop."""
-    added = run.added[sample] if run.added.shape[0] > 0 else run.added[:0].reshape(0)
+    count, width = run.added.shape
+    # A part of one row, whether there are rows or not.
+    width = width if count > 0 else 0
+    added = run.added.reshape(run.added.size)[sample * width : sample * width + width]
     done: bool = fuzzy_torque(run.controller, run.model, positions, speeds, desired, added, out)
     return done

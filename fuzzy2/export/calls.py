@@ -1,0 +1,120 @@
+"""Calls in kernels: of other kernels, of functions of ``math``, and of what Python has built in."""
+
+from __future__ import annotations
+
+import ast
+import math
+from abc import ABC
+
+from fuzzy2.export.arrays import Arrays
+from fuzzy2.export.c_text import bare
+from fuzzy2.export.frame import Known
+from fuzzy2.export.values import BOOL, INT, REAL, Row, Scalar, Value
+
+FUNCTIONS = frozenset(
+    {
+        *("sqrt", "exp", "expm1", "log", "log1p", "sin", "cos", "tan", "asin", "acos", "atan"),
+        *("atan2", "sinh", "cosh", "tanh", "hypot", "floor", "ceil", "copysign", "fabs", "pow"),
+    }
+)
+"""Functions of ``math`` that ``math.h`` has under the same name."""
+TESTS = frozenset(("isfinite", "isnan", "isinf"))
+
+
+class Calls(Arrays, ABC):
+    """Translates calls."""
+
+    def called(self, node: ast.Call, known: Known) -> Value:
+        """Translate a call."""
+        if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
+            raise self.refused(node, "arguments by name, or of unknown number")
+        if isinstance(node.func, ast.Attribute):
+            return self._method(node, node.func, known)
+        if not isinstance(node.func, ast.Name):
+            raise self.refused(node, "no call of a kernel")
+        name = node.func.id
+        arguments = [self.expression(argument, known) for argument in node.args]
+        function = self.source.names.get(name)
+        if function is None:
+            return self._built_in(node, name, arguments)
+        if isinstance(function, type) and hasattr(function, "_fields"):
+            pairs = zip(function._fields, arguments, strict=True)
+            return self.record(function.__name__, list(pairs))
+        if not callable(function) or isinstance(function, type):
+            raise self.refused(node, f"{name} is no kernel")
+        handed = [part if part.is_known else self.handed(part) for part in arguments]
+        return self.program.call(function, handed)
+
+    def _built_in(self, node: ast.Call, name: str, values: list[Value]) -> Value:
+        if name in ("min", "max") and len(values) > 1:
+            return self._extreme(node, name, values)
+        if len(values) != 1:
+            raise self.refused(node, f"{name} is no kernel")
+        value, number = values[0], self.program.precision.number
+        if name == "len" and isinstance(value.type, Row):
+            return self.size(value, 0)
+        if not isinstance(value.type, Scalar):
+            raise self.refused(node, "whole arrays, where numbers are asked for")
+        if name == "abs":
+            if value.type == REAL:
+                return self._of_math("fabs", [value])
+            if value.known is not None:
+                return number(abs(value.known), INT)
+            raise self.refused(node, "the absolute value of a whole number")
+        if name == "int":
+            if value.known is not None:
+                return number(int(value.known), INT)
+            return Value(INT, value.code if value.type != REAL else f"((int){value.code})")
+        if name == "float":
+            return self.cast(value, REAL)
+        if name == "bool":
+            return self.truth(value)
+        raise self.refused(node, f"{name} is no kernel")
+
+    def truth(self, value: Value) -> Value:
+        """Return whether a number is not 0."""
+        if value.type == BOOL:
+            return value
+        if value.known is not None:
+            return self.program.precision.number(bool(value.known), BOOL)
+        zero = self.cast(self.program.precision.number(0, INT), value.type)
+        return Value(BOOL, f"({value.code} != {zero.code})")
+
+    def _extreme(self, node: ast.Call, name: str, values: list[Value]) -> Value:
+        """Translate ``min`` and ``max``, two numbers at a time, as Python does it."""
+        best = values[0]
+        for value in values[1:]:
+            kind = self.common(node, best, value)
+            if best.known is not None and value.known is not None and kind != REAL:
+                chosen = min if name == "min" else max
+                best = self.program.precision.number(chosen(best.known, value.known), INT)
+                continue
+            which = "real" if kind == REAL else "int"
+            codes = ", ".join(bare(self.cast(part, kind).code) for part in (best, value))
+            kind = REAL if kind == REAL else INT
+            best = Value(kind, f"{self.program.extreme(name, which)}({codes})")
+        return best
+
+    def _method(self, node: ast.Call, function: ast.Attribute, known: Known) -> Value:
+        if isinstance(function.value, ast.Name) and function.value.id not in known:
+            module = self.source.names.get(function.value.id)
+            if module is math:
+                values = [self.expression(argument, known) for argument in node.args]
+                if function.attr in TESTS:
+                    code = bare(self.cast(values[0], REAL).code)
+                    return Value(BOOL, f"({function.attr}({code}) != 0)")
+                if function.attr not in FUNCTIONS:
+                    raise self.refused(node, "no function of math.h")
+                return self._of_math(function.attr, values)
+            if getattr(module, "__name__", "") == "numpy":
+                if function.attr in ("empty", "zeros"):
+                    return self.memory(node, function.attr == "zeros", known)
+                raise self.refused(node, "no function of NumPy in a kernel")
+        whole = self.expression(function.value, known)
+        if function.attr == "reshape" and isinstance(whole.type, Row):
+            return self.reshaped(node, whole, known)
+        raise self.refused(node, "nothing that an array does in a kernel")
+
+    def _of_math(self, name: str, values: list[Value]) -> Value:
+        codes = ", ".join(bare(self.cast(value, REAL).code) for value in values)
+        return Value(REAL, f"{self.program.precision.function(name)}({codes})")

@@ -1,0 +1,177 @@
+"""What a kernel is made of while it is translated: variables, their types, its memory."""
+
+from __future__ import annotations
+
+import ast
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from typing import Any
+
+from fuzzy2.errors import NotExportable
+from fuzzy2.export.c_text import RESERVED, members
+from fuzzy2.export.definitions import Definitions
+from fuzzy2.export.kernel_source import assigned, source_of
+from fuzzy2.export.values import (
+    NOTHING,
+    REAL,
+    Record,
+    Row,
+    Scalar,
+    Type,
+    Value,
+    joined,
+)
+
+Known = dict[str, Value]
+"""What stands for each variable at a place in the code."""
+
+
+class Frame(ABC):
+    """A kernel on its way to C, for what is known of its arguments."""
+
+    def __init__(
+        self, program: Definitions, body: Callable[..., Any], arguments: list[Value]
+    ) -> None:
+        self.program, self.body = program, body
+        self.source = source_of(body)
+        self.tree = self.source.tree
+        names = [argument.arg for argument in self.tree.args.args]
+        if len(names) != len(arguments):
+            raise self.refused(self.tree, "it is called with another number of arguments")
+        self.parameters = list(zip(names, arguments, strict=True))
+        self.passed = tuple(i for i, (_, v) in enumerate(self.parameters) if not v.is_known)
+        self.types: dict[str, Type] = {}
+        self.buffers: list[str] = []
+        self.result: Type = NOTHING
+        self.count = 0
+        self.variables = assigned(self.tree.body) | set(names)
+        for name in sorted(self.variables & RESERVED):
+            raise self.refused(self.tree, f"{name} is a word of C, and no name of a variable there")
+
+    @abstractmethod
+    def expression(self, node: ast.expr, known: Known) -> Value:
+        """Translate an expression."""
+
+    def refused(self, node: Any, why: str) -> NotExportable:
+        """Return the error of what cannot be said in C."""
+        text = ast.unparse(node).splitlines()[0] if isinstance(node, ast.AST) else str(node)
+        where = f"{self.source.place(node)}, in {self.body.__name__}: {text}"
+        return NotExportable(where, why, "what docs/concepts/kernels.md lists")
+
+    # -------------------------------------------------------------------------------- variables
+    def temporary(self, base: str, kind: Type) -> str:
+        """Return the name of a new variable."""
+        self.count += 1
+        name = f"{base}_{self.count}"
+        self.types[name] = kind
+        return name
+
+    def declare(self, node: Any, name: str, kind: Type) -> None:
+        """Note that a variable has values of a type."""
+        if name not in self.types:
+            self.types[name] = kind
+            return
+        try:
+            self.types[name] = joined(self.types[name], kind)
+        except TypeError as error:
+            raise self.refused(node, f"{name} has values of two kinds") from error
+
+    def unknown(self, node: Any, name: str) -> Value:
+        """Return a variable of which nothing is known but its type."""
+        if name not in self.types:
+            raise self.refused(node, f"{name} is another table in one way than in another")
+        return self.named(name, self.types[name])
+
+    def named(self, name: str, kind: Type) -> Value:
+        """Return a variable of a type."""
+        if isinstance(kind, Record):
+            fields = {
+                field: Value(sizeless(part), f"{name}.{field}") for field, part in kind.fields
+            }
+            return Value(kind, name, fields)
+        return Value(sizeless(kind), name)
+
+    # ------------------------------------------------------------------------------------ types
+    def cast(self, value: Value, kind: Type) -> Value:
+        """Return a value as one of a type."""
+        if value.type == kind or not isinstance(kind, Scalar):
+            return self._loosened(value, kind)
+        if not isinstance(value.type, Scalar):
+            raise self.refused(value.code, f"no {kind.name}")
+        if value.known is not None:
+            return self.program.precision.number(value.known, kind)
+        if kind == REAL:
+            return Value(REAL, f"({self.program.precision.type})({value.code})")
+        return Value(kind, value.code)
+
+    def common(self, node: Any, one: Value, other: Value) -> Scalar:
+        """Return the type of numbers of which one or the other is taken."""
+        if not (isinstance(one.type, Scalar) and isinstance(other.type, Scalar)):
+            raise self.refused(node, "whole arrays, where numbers are asked for")
+        kind = joined(one.type, other.type)
+        assert isinstance(kind, Scalar)
+        return kind
+
+    def _loosened(self, value: Value, kind: Type) -> Value:
+        """Return a part of an array as one that is not to be written to, where that is asked."""
+        if (
+            isinstance(kind, Row)
+            and isinstance(value.type, Row)
+            and kind.constant
+            and not value.type.constant
+        ):
+            return Value(kind, self.struct(kind, *self.place_and_sizes(value)))
+        return value
+
+    # ------------------------------------------------------------------------ arrays and records
+    def struct(self, kind: Row, place: str, *sizes: str) -> str:
+        """Return a part of an array as C writes it down."""
+        return f"({self.program.c_type(kind)}){{{', '.join((place, *sizes))}}}"
+
+    def place_and_sizes(self, value: Value) -> list[str]:
+        """Return where an array begins, and its sizes."""
+        assert isinstance(value.type, Row)
+        written = members(value.code)
+        return written or [
+            f"{value.code}.p",
+            *(f"{value.code}.{size}" for size in "nm"[: len(value.type.shape)]),
+        ]
+
+    def handed(self, value: Value) -> Value:
+        """Return a value as it is handed over: tables of known numbers get a place and sizes."""
+        return self.program.handed(value)
+
+    def record(self, name: str, parts: list[tuple[str, Value]]) -> Value:
+        """Return several values together."""
+        kind = Record(name, tuple((field, part.type) for field, part in parts))
+        code = ""
+        if not all(part.is_known for _, part in parts):
+            codes = ", ".join(self.handed(part).code for _, part in parts)
+            code = f"({self.program.c_type(forgotten(kind))}){{{codes}}}"
+        return Value(kind, code, dict(parts))
+
+    def field(self, whole: Value, name: str) -> Value:
+        """Return one of several values."""
+        assert isinstance(whole.type, Record)
+        if isinstance(whole.known, dict) and name in whole.known:
+            part: Value = whole.known[name]
+            return part
+        return Value(sizeless(whole.type[name]), f"{whole.code}.{name}")
+
+
+def sizeless(kind: Type) -> Type:
+    """Return the type without sizes that may differ from one way to another."""
+    if isinstance(kind, Row):
+        return Row(kind.item, kind.constant, tuple(None for _ in kind.shape))
+    return kind
+
+
+def forgotten(kind: Record) -> Record:
+    """Return the type of several values without the sizes of its arrays."""
+    return Record(
+        kind.name,
+        tuple(
+            (name, forgotten(part) if isinstance(part, Record) else sizeless(part))
+            for name, part in kind.fields
+        ),
+    )

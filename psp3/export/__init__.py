@@ -1,0 +1,1 @@
+"""Robots, controllers and fuzzy systems as C99 code."""

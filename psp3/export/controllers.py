@@ -1,0 +1,369 @@
+"""Controllers in C99: ``reset`` and ``step``, as the compiled loop steers with them.
+
+Every controller that has a table for the compiled loop can be written, see
+:func:`psp3.control.controller.steer`, with the robot's model in it where it needs one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from fuzzy2.errors import NotExportable
+from fuzzy2.export.c_code import Argument, CCode, CWriter, Known, Mixed
+from psp3.checks import Array, checked_count, checked_positive, one_or_each
+from psp3.control.controller import Widths, widths_of
+from psp3.control.kernels import (
+    COMPUTED_TORQUE,
+    FEED_FORWARD,
+    GRAVITY_COMPENSATED_PD,
+    PD,
+    Classical,
+)
+from psp3.errors import InvalidValue
+from psp3.export import controller_kernels as kernels
+from psp3.fuzzy_control.adaptive_kernels import Adaptive
+from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
+from psp3.fuzzy_control.kernels import NO_MODEL, FuzzyRun
+from psp3.fuzzy_control.slotine_li_kernels import SlotineLi
+from psp3.kinematics.tasks import rotating
+from psp3.multibody.tree import AT_BEFORE
+from psp3.version import __version__
+
+KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
+    Classical: (kernels.reset_classical, kernels.step, ()),
+    FuzzyRun: (kernels.reset_learned, kernels.learned_step, ("_estimate",)),
+    Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
+    SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
+}
+"""Of each kind of table what resets it, what a step is, and the kernels whose loops are written
+out, so that each rule base is translated for what it is.
+"""
+
+CODES = "1, or 0 where the torque is not finite, which no motor must be told"
+
+_NO_REFERENCE = np.empty(0)
+
+
+class Exported(NamedTuple):
+    """What is known of a controller that is to be written.
+
+    The controller, its robot, its table for the compiled loop, how many numbers it is given, and
+    what lies between it and the robot.
+    """
+
+    controller: Any
+    robot: Any
+    table: Any
+    widths: Widths
+    wires: kernels.Wires
+
+
+def code_of(
+    thing: Any,
+    *,
+    precision: str = "double",
+    name: str | None = None,
+    robot: Any = None,
+    period: float | None = None,
+    torque_limit: ArrayLike | None = None,
+    encoder_resolution: ArrayLike = 0.0,
+    delay: int = 0,
+) -> CCode | None:
+    """Return the C code of a controller, or None of what is no controller.
+
+    Parameters
+    ----------
+    thing : controller, or path
+        A controller whose ``table`` the compiled loop takes; or the file of a saved one.
+    precision, name
+        See :func:`psp3.export_c`; the name is ``"controller"`` by default.
+    robot : Robot, optional
+        The robot that is steered, for controllers that do not know it.
+    period : float, optional
+        Control period [s], which encoders need.
+    torque_limit, encoder_resolution, delay
+        What lies between controller and robot, as of :func:`psp3.simulate`: the step then limits
+        the forces, sees what encoders read, whose counts times the resolution it is given, and
+        returns the forces of ``delay`` steps before, to be put beside a plant that has none.
+
+    Raises
+    ------
+    fuzzy2.errors.NotExportable
+        If the controller has no table.
+    InvalidValue
+        If a limit or a period is not positive, or a resolution is negative.
+    """
+    if isinstance(thing, str | Path):
+        if not str(thing).endswith(".json"):
+            return None
+        thing = FuzzyComputedTorque.load(thing, robot)
+    if not (hasattr(thing, "torque") and hasattr(thing, "reset")):
+        return None
+    exported = _exported(thing, robot)
+    wires = _wires(exported.widths, period, torque_limit, encoder_resolution, delay)
+    exported = exported._replace(wires=wires)
+    prefix = "controller" if name is None else name
+    unrolled = KINDS[type(exported.table)][2]
+    writer = CWriter(prefix, precision, _about(exported), unrolled)
+    _add_functions(writer, exported)
+    return writer.code()
+
+
+def _exported(controller: Any, robot: Any) -> Exported:
+    title = type(controller).__name__
+    if robot is None:
+        robot = _robot_of(controller)
+    if robot is None:
+        raise NotExportable(title, "it does not know its robot", "the robot: robot=...")
+    widths = widths_of(robot)
+    controller.reset()
+    table = controller.table(NO_MODEL, widths) if hasattr(controller, "table") else None
+    if type(table) not in KINDS:
+        wanted = "a trained controller of the compiled loop, without a path or a model in Python"
+        raise NotExportable(title, "its step is not compiled for this robot", wanted)
+    return Exported(controller, robot, table, widths, _wires(widths, None, None, 0.0, 0))
+
+
+def _wires(
+    widths: Widths,
+    period: float | None,
+    torque_limit: ArrayLike | None,
+    encoder_resolution: ArrayLike,
+    delay: int,
+) -> kernels.Wires:
+    """Return what lies between controller and robot; arrays are empty where there is nothing."""
+    limit, resolution = np.empty(0), np.empty(0)
+    if torque_limit is not None:
+        limit = one_or_each("torque_limit", torque_limit, widths.motors)
+        if not (limit > 0.0).all():
+            raise InvalidValue("torque_limit", torque_limit, "positive")
+    read = one_or_each("encoder_resolution", encoder_resolution, widths.commanded)
+    if not (read >= 0.0).all():
+        raise InvalidValue("encoder_resolution", read.tolist(), "not negative")
+    if read.any():
+        if period is None:
+            wanted = "the control period in seconds, over which encoders take differences"
+            raise InvalidValue("period", period, wanted)
+        resolution = read
+    queue = np.zeros((checked_count("delay", delay, 0), widths.motors))
+    seconds = 0.0 if period is None else checked_positive("period", period)
+    calls = np.zeros(1 if resolution.size or queue.size else 0)
+    last = np.zeros(resolution.size)
+    return kernels.Wires(resolution, limit, queue, last, calls, seconds, is_guarded=False)
+
+
+def _robot_of(controller: Any) -> Any:
+    """Return the robot that a controller knows, or None."""
+    inner = getattr(controller, "base", controller)
+    known = getattr(inner, "robot", None)
+    return known if known is not None else getattr(inner, "model", None)
+
+
+# What is written.
+
+
+def _add_functions(writer: CWriter, exported: Exported) -> None:
+    table = exported.table
+    states, of_wires = _states(table), _states_of_wires(exported.wires)
+    wires = exported.wires._replace(is_guarded=bool(states or of_wires))
+    around = [
+        Mixed("law", table, states) if states else Known("law", table),
+        Mixed("wires", wires, of_wires) if of_wires else Known("wires", wires),
+        Known("reference", _reference(table)),
+    ]
+    reset, step, _ = KINDS[type(table)]
+    if states or of_wires:
+        writer.add("reset", RESETS, reset, around)
+    writer.add("step", STEPS, step, [*around, *_arguments(exported)], CODES)
+
+
+def _arguments(exported: Exported) -> list[Argument]:
+    """Return what a step is given, and what it writes."""
+    commanded, p, n, m = exported.widths
+    of_all = f"positions, speeds and accelerations of the first {commanded} coordinates"
+    arguments = [
+        Argument("t", "time [s]"),
+        Argument("positions", f"of the coordinates {_units(exported, '')}", p),
+        Argument("speeds", f"of the coordinates {_units(exported, '/s')}", n),
+        Argument(
+            "desired", f"{of_all}: all positions, all speeds, all accelerations", 3 * commanded
+        ),
+        Argument("torque", f"forces of the motors {_force_units(exported)}", m, "out"),
+    ]
+    if isinstance(exported.table, Classical):
+        return arguments
+    flags = f"whether the inputs were in the trained range; whether {_FELL}"
+    return [
+        *arguments,
+        Argument("interval", _interval_words(exported), 2 * m, "out"),
+        Argument("flags", flags, 2, "out"),
+    ]
+
+
+RESETS = "Forget everything about earlier runs: call it once before the first step."
+STEPS = "Write the forces of the motors for the next control period."
+_FELL = "what the rules said was of no use, and their average took its place"
+
+
+def _states(table: Any) -> dict[str, Argument]:
+    """Return the arrays of a controller that are remembered."""
+    states: dict[str, Argument] = {}
+    if isinstance(table, Adaptive | SlotineLi):
+        for name, array in table.memory._asdict().items():
+            states[f"memory.{name}"] = _state(name, _REMEMBERED[name], array)
+        return states
+    if hasattr(table.model, "memory"):
+        memory = table.model.memory
+        states["model.memory"] = _state("pose", "the model's last pose, and room for it", memory)
+    if isinstance(table, Classical):
+        servo = "last error, its integral, feedback, zeros"
+        states["memory"] = _state("servo", servo, table.memory)
+        clock = "time of the last call, whether there was one"
+        states["clock"] = _state("clock", clock, table.clock)
+    return states
+
+
+_REMEMBERED = {
+    "clock": "time of the last call, whether there was one, and since the rules moved",
+    "last": "positions, speeds and forces of the last call",
+    "rows": "filtered rows of the least squares",
+    "residuals": "filtered forces that the trained rules miss",
+    "information": "matrix of the least squares",
+    "right": "right side of the least squares",
+    "factor": "room",
+    "trial": "room",
+    "gradient": "how the rules are about to move",
+    "delta": "how far the rules have moved",
+    "consequents": "of all rules as they are now",
+    "orders": "rules in the order of their consequents",
+}
+
+
+def _states_of_wires(wires: kernels.Wires) -> dict[str, Argument]:
+    """Return the arrays of what lies between that are remembered."""
+    words = {
+        "last": "positions that the encoders read last",
+        "queue": "forces on their way",
+        "calls": "whether there was a call",
+    }
+    arrays = ((name, getattr(wires, name), about) for name, about in words.items())
+    return {name: _state(name, about, array) for name, array, about in arrays if array.size}
+
+
+def _state(name: str, about: str, array: Array) -> Argument:
+    whole = bool(np.issubdtype(array.dtype, np.integer))
+    return Argument(name, about, array.size, "state", whole)
+
+
+def _reference(table: Any) -> Array:
+    """Return the pose with which the memory of a model begins."""
+    if not hasattr(getattr(table, "model", None), "memory"):
+        return _NO_REFERENCE
+    reference: Array = table.model.memory[: int(table.model.tree[AT_BEFORE])].copy()
+    return reference
+
+
+# What the header says.
+
+
+def _about(exported: Exported) -> list[str]:
+    controller, robot = exported.controller, exported.robot
+    return [
+        f"{type(controller).__name__} of {robot.title}, by psp3 {__version__}.",
+        f"Coordinates, in this order: {_named(robot.coordinates, robot.coordinates_v, robot)}.\n"
+        f"Motors, in this order: {_named(robot.actuated, robot.actuated_v, robot)}.",
+        *_law(exported),
+        "Nothing checks that positions, speeds and the desired motion are finite: where they are\n"
+        "not, the torque is not, and 0 is returned. No function asks for memory or writes to\n"
+        "anything but its arguments; each struct serves one robot and one thread.",
+    ]
+
+
+def _law(exported: Exported) -> list[str]:
+    """Return what a controller does, with its gains."""
+    table = exported.table
+    if isinstance(table, Classical):
+        return [_classical_law(table, exported.widths.commanded)]
+    return [_learned_law(exported), _range(exported)]
+
+
+_CLASSICAL = {
+    FEED_FORWARD: "forces of the desired motion + kp e + kv e'",
+    PD: "kp e + kv e'",
+    GRAVITY_COMPENSATED_PD: "kp e + kv e' + weight at the present pose",
+    COMPUTED_TORQUE: "forces of the accelerations a_d + kv e' + kp e",
+}
+
+
+def _classical_law(table: Classical, joints: int) -> str:
+    lines = [f"torque = {_CLASSICAL[table.kind]}, e = desired - found"]
+    if table.ki != 0.0:
+        lines[0] += f", + {table.ki:g} times the integral of e, by the trapezoidal rule"
+    samples = len(table.kp)
+    if samples > 1:
+        lines.append(
+            f"with gains that change every {table.gain_period:g} s, {samples} times; then the last "
+            "ones stay."
+        )
+        return "\n".join(lines)
+    for name, gain in (("kp", table.kp), ("kv", table.kv)):
+        matrix = gain.reshape(joints, joints)
+        same = np.array_equal(matrix, matrix[0, 0] * np.eye(joints))
+        rows = (
+            f"{matrix[0, 0]:g}" if same else str([[float(f"{g:.6g}") for g in r] for r in matrix])
+        )
+        lines.append(f"{name} = {rows}")
+    if table.is_allocated:
+        lines.append("Feedback is turned into the shortest forces of the motors.")
+    return "\n".join(lines)
+
+
+def _learned_law(exported: Exported) -> str:
+    controller = getattr(exported.controller, "base", exported.controller)
+    lines = [
+        "torque = M (a_d + kv e' + kp e) + C v + G, e = desired - found, with learned M, C and G",
+        f"of kind {controller.kind}, kp = {controller.kp:g} 1/s^2, kv = {controller.kv:g} 1/s.",
+    ]
+    return "\n".join(lines)
+
+
+def _range(exported: Exported) -> str:
+    controller = getattr(exported.controller, "base", exported.controller)
+    lines = ["Trained range:"]
+    for name, low, high in zip(controller.inputs.names, *controller.ranges_, strict=True):
+        lines.append(f"  {name}: {low:.9g} to {high:.9g}")
+    if controller.outside == "clamp":
+        lines.append("Outside of it the nearest inputs within are taken, and flags[0] is 0.")
+    else:
+        lines.append("Outside of it the exact model takes over, and flags[0] is 0.")
+    lines.append(f"flags[1] is 1 where {_FELL}.")
+    return "\n".join(lines)
+
+
+def _named(names: Sequence[str], velocities: Array, robot: Any) -> str:
+    turns = rotating(robot.model)[velocities]
+    units = ("m" if not turn else "rad" for turn in turns)
+    return ", ".join(f"{name} [{unit}]" for name, unit in zip(names, units, strict=False))
+
+
+def _units(exported: Exported, per: str) -> str:
+    turns = rotating(exported.robot.model)[exported.robot.coordinates_v]
+    units = sorted({f"rad{per}" if turn else f"m{per}" for turn in turns})
+    return f"[{', '.join(units)}]"
+
+
+def _force_units(exported: Exported) -> str:
+    turns = rotating(exported.robot.model)[exported.robot.actuated_v]
+    return f"[{', '.join(sorted({'N m' if turn else 'N' for turn in turns}))}]"
+
+
+def _interval_words(exported: Exported) -> str:
+    controller = getattr(exported.controller, "base", exported.controller)
+    if controller.kind == "gt2" and controller.reduction == "gaussian":
+        return "means, then standard deviations of the torque"
+    return "left ends, then right ends of the torque's interval"

@@ -1,0 +1,75 @@
+"""Anything that can be written in C, by one name."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, Literal
+
+from fuzzy2.errors import NotExportable
+from fuzzy2.export.c_code import CCode
+from psp3.export import controllers, robots
+
+KINDS: tuple[Callable[..., CCode | None], ...] = (robots.code_of, controllers.code_of)
+"""Each is asked for the code of a thing, with the name, the precision and what else was said, and
+returns None of things that are none of its.
+"""
+
+
+def c_code(
+    thing: Any,
+    *,
+    precision: Literal["double", "single"] = "double",
+    name: str | None = None,
+    **options: Any,
+) -> CCode:
+    """Return the C code of a thing without writing it, see :func:`export_c`."""
+    for code_of in KINDS:
+        code = code_of(thing, precision=precision, name=name, **options)
+        if code is not None:
+            return code
+    wanted = "a robot, a controller that the compiled loop takes, or a controller's file"
+    raise NotExportable(type(thing).__name__, "nothing here knows how", wanted)
+
+
+def export_c(
+    thing: Any,
+    path: str | Path,
+    *,
+    precision: Literal["double", "single"] = "double",
+    name: str | None = None,
+    **options: Any,
+) -> CCode:
+    """Write a robot or a controller as one self-contained .c and .h file in C99.
+
+    The code is translated from the kernels that Python runs: in double precision, and where the C
+    library's functions are the same, its numbers are the same to the last bit. It asks for no
+    memory, and needs nothing but ``math.h``.
+
+    Parameters
+    ----------
+    thing : robot, controller, or path
+        What to write, see :mod:`psp3.export.robots` and :mod:`psp3.export.controllers`; or the file
+        of a controller.
+    path : path
+        The folder that the files are written into.
+    precision : {"double", "single"}
+        Of all numbers.
+    name : str, optional
+        Prefix of all names, and name of the files.
+    **options
+        What the kind of thing takes besides.
+
+    Returns
+    -------
+    CCode
+        The text of both files, and a description of the functions in them.
+
+    Raises
+    ------
+    fuzzy2.errors.NotExportable
+        If there is no C for it.
+    """
+    code = c_code(thing, precision=precision, name=name, **options)
+    code.write(path)
+    return code

@@ -1,0 +1,1 @@
+"""Tests of :mod:`fuzzy2.export`."""
