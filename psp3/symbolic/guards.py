@@ -33,7 +33,7 @@ GUARDS: dict[tuple[str, str], bool] = {
     (f"{_SYSTEMS}._center_of_sets", "fires > 0.0"): True,
     (f"{_SYSTEMS}._center_of_sets", "uncertainty > 0.0"): True,
     (f"{_SYSTEMS}._center_of_sets", "low[r] > 0.0"): True,
-    (f"{_SYSTEMS}.evaluate_in", "fires < VANISHED"): False,
+    (f"{_SYSTEMS}.evaluate_in", "low[0] < VANISHED"): False,
     # Where rounding decides on a switch point, either one gives the same end to rounding.
     (f"{_SYSTEMS}._center_of_sets", "settled"): True,
 }
