@@ -195,8 +195,8 @@ class CWriter:
         Of all numbers.
     about : sequence of str
         Paragraphs for the header: what the code is, units, the order of joints, where it is from.
-    unrolled : iterable of str
-        See :class:`fuzzy2.export.translator.Program`.
+    unrolled, never : tuple of str
+        See :class:`fuzzy2.export.definitions.Definitions`.
 
     Raises
     ------
@@ -207,13 +207,18 @@ class CWriter:
     """
 
     def __init__(
-        self, name: str, precision: str, about: list[str], unrolled: tuple[str, ...] = ()
+        self,
+        name: str,
+        precision: str,
+        about: list[str],
+        unrolled: tuple[str, ...] = (),
+        never: tuple[str, ...] = (),
     ) -> None:
         if not re.fullmatch(r"[A-Za-z]\w*", name) or name in RESERVED:
             raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)
-        self.program = Program(name, self.precision, frozenset(unrolled))
+        self.program = Program(name, self.precision, frozenset(unrolled), frozenset(never))
         self.functions: list[CFunction] = []
         self.bodies: list[str] = []
 

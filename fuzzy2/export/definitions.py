@@ -40,11 +40,14 @@ class Definitions(ABC):
     unrolled : frozenset of str
         Names of kernels whose counted loops are written out where their count is known: each pass
         is then translated for what is known in it.
+    never : frozenset of str
+        Names of kernels that whoever exports knows to return false wherever they are called.
     """
 
     prefix: str
     precision: Precision
     unrolled: frozenset[str] = frozenset()
+    never: frozenset[str] = frozenset()
     instances: dict[Any, Instance] = field(default_factory=dict)
     order: list[Instance] = field(default_factory=list)
     records: dict[str, tuple[str, str]] = field(default_factory=dict)

@@ -26,6 +26,7 @@ from psp3.control.kernels import (
 )
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
+from psp3.export.trained_range import fires_everywhere
 from psp3.fuzzy_control.adaptive_kernels import Adaptive
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import NO_MODEL, FuzzyRun
@@ -108,8 +109,11 @@ def code_of(
     wires = _wires(exported.widths, period, torque_limit, encoder_resolution, delay)
     exported = exported._replace(wires=wires)
     prefix = "controller" if name is None else name
-    unrolled = KINDS[type(exported.table)][2]
-    writer = CWriter(prefix, precision, _about(exported), unrolled)
+    table = exported.table
+    # Logarithms of firing strengths are for inputs far away from all rules: most learned
+    # controllers never see any, and need no logarithm then.
+    never = ("lost",) if isinstance(table, FuzzyRun) and fires_everywhere(table.controller) else ()
+    writer = CWriter(prefix, precision, _about(exported), KINDS[type(table)][2], never)
     _add_functions(writer, exported)
     return writer.code()
 
