@@ -88,10 +88,15 @@ class Mixed:
 
     def filled(self, given: Iterator[Any]) -> Any:
         """Return the NamedTuple with other arrays in the places of those that are states."""
-        thing = self.thing
-        for path in self.states:
-            thing = _replaced(thing, path.split("."), next(given))
+        thing, arrays = self.thing, {name: next(given) for name in self.arguments}
+        for path, argument in self.states.items():
+            thing = _replaced(thing, path.split("."), arrays[argument.name])
         return thing
+
+    @property
+    def arguments(self) -> dict[str, Argument]:
+        """The states by name; one can be in several places."""
+        return {argument.name: argument for argument in self.states.values()}
 
 
 def _replaced(thing: Any, path: list[str], array: Any) -> Any:
@@ -257,7 +262,7 @@ class CWriter:
             one
             for a in arguments
             if not isinstance(a, Known)
-            for one in ([a] if isinstance(a, Argument) else a.states.values())
+            for one in ([a] if isinstance(a, Argument) else a.arguments.values())
         )
         if not isinstance(said.type, Scalar):
             raise NotExportable(

@@ -24,6 +24,7 @@ from psp3.control.kernels import (
     PD,
     Classical,
 )
+from psp3.control.linear_quadratic_kernels import Regulation
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
 from psp3.export.trained_range import fires_everywhere
@@ -37,6 +38,7 @@ from psp3.version import __version__
 
 KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
     Classical: (kernels.reset_classical, kernels.step, ()),
+    Regulation: (kernels.reset_regulation, kernels.step, ()),
     FuzzyRun: (kernels.reset_learned, kernels.learned_step, ("_estimate",)),
     Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
     SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
@@ -199,7 +201,7 @@ def _arguments(exported: Exported) -> list[Argument]:
         ),
         Argument("torque", f"forces of the motors {_force_units(exported)}", m, "out"),
     ]
-    if isinstance(exported.table, Classical):
+    if isinstance(exported.table, Classical | Regulation):
         return arguments
     flags = f"whether the inputs were in the trained range; whether {_FELL}"
     return [
@@ -224,6 +226,11 @@ def _states(table: Any) -> dict[str, Argument]:
     if hasattr(table.model, "memory"):
         memory = table.model.memory
         states["model.memory"] = _state("pose", "the model's last pose, and room for it", memory)
+    if isinstance(table, Regulation):
+        # One memory: forces are shared among the motors in the pose in which they were found.
+        states["motors.memory"] = states["model.memory"]
+        wanted = "desired positions and speeds, and forces along the coordinates"
+        states["memory"] = _state("wanted", wanted, table.memory)
     if isinstance(table, Classical):
         servo = "last error, its integral, feedback, zeros"
         states["memory"] = _state("servo", servo, table.memory)
@@ -291,6 +298,8 @@ def _about(exported: Exported) -> list[str]:
 def _law(exported: Exported) -> list[str]:
     """Return what a controller does, with its gains."""
     table = exported.table
+    if isinstance(table, Regulation):
+        return [_regulator_law(table)]
     if isinstance(table, Classical):
         return [_classical_law(table, exported.widths.commanded)]
     return [_learned_law(exported), _range(exported)]
@@ -325,6 +334,15 @@ def _classical_law(table: Classical, joints: int) -> str:
     if table.is_allocated:
         lines.append("Feedback is turned into the shortest forces of the motors.")
     return "\n".join(lines)
+
+
+def _regulator_law(table: Regulation) -> str:
+    samples, k = len(table.gains), table.gains.shape[1] // (2 * table.pose.size)
+    law = "torque = forces of the desired motion + K (e, e'), shared among the motors"
+    if samples > 1:
+        return f"{law},\nwith gains that change every {table.gain_period:g} s, {samples} times"
+    rows = table.gains.reshape(k, -1).tolist()
+    return f"{law}, e = desired - found\nK = {[[float(f'{g:.6g}') for g in row] for row in rows]}"
 
 
 def _learned_law(exported: Exported) -> str:

@@ -20,9 +20,9 @@ def fires_everywhere(controller: Fuzzy) -> bool:
     """Tell whether firing strengths are floats with all their digits all over the trained range.
 
     It is enough that the lower one of some rule is, or the upper ones of all are, see
-    ``fuzzy2.systems.log_firing_kernels.lost``. Outside of it rules are not asked: inputs are clamped, or the exact model takes over. Each grade
-    rises to its middle and falls from there, and so does a rule's firing along each input; where it
-    fires least is a corner of the range.
+    ``fuzzy2.systems.log_firing_kernels.lost``. Outside of it rules are not asked: inputs are
+    clamped, or the exact model takes over. Each grade rises to its middle and falls from there, and
+    so does a rule's firing along each input; where it fires least is a corner of the range.
 
     Parameters
     ----------
