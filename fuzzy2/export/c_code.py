@@ -171,6 +171,8 @@ class CCode:
         The files.
     functions : tuple of CFunction
         What users call.
+    hash : str
+        Of the source: the first sixteen digits of its SHA-256.
     """
 
     name: str
@@ -178,6 +180,7 @@ class CCode:
     header: str
     source: str
     functions: tuple[CFunction, ...]
+    hash: str
 
     def write(self, folder: str | Path) -> tuple[Path, Path]:
         """Write ``name.h`` and ``name.c`` into a folder, and return their paths."""
@@ -202,6 +205,8 @@ class CWriter:
         Paragraphs for the header: what the code is, units, the order of joints, where it is from.
     unrolled, never : tuple of str
         See :class:`fuzzy2.export.definitions.Definitions`.
+    constants : mapping of str to number, optional
+        Numbers of the kernels' modules, by name, that are others in this code.
 
     Raises
     ------
@@ -218,12 +223,15 @@ class CWriter:
         about: list[str],
         unrolled: tuple[str, ...] = (),
         never: tuple[str, ...] = (),
+        constants: Mapping[str, float] | None = None,
     ) -> None:
         if not re.fullmatch(r"[A-Za-z]\w*", name) or name in RESERVED:
             raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)
-        self.program = Program(name, self.precision, frozenset(unrolled), frozenset(never))
+        self.program = Program(
+            *(name, self.precision, frozenset(unrolled), frozenset(never), dict(constants or {}))
+        )
         self.functions: list[CFunction] = []
         self.bodies: list[str] = []
 
@@ -250,8 +258,10 @@ class CWriter:
         result : str
             What it returns; empty for nothing.
         """
-        # No kernel may take the name of what users call.
-        self.program.names.add(f"{self.name}_{name}")
+        # No kernel may have the name of what users call.
+        own = f"{self.name}_{name}"
+        other = self.program.reserved(own)
+        self.bodies = [re.sub(rf"\b{own}\b", other, body) for body in self.bodies]
         values = [self._value(argument) for argument in arguments]
         said = self.program.call(kernel, values)
         known = tuple(
@@ -334,6 +344,7 @@ class CWriter:
             self._header(about, heads),
             f"/* {self.name}.c: see {self.name}.h. Hash {digest}. */\n{source}",
             tuple(self.functions),
+            digest,
         )
 
     def _header(self, about: list[str], heads: list[str]) -> str:

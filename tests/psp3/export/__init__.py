@@ -1,1 +1,1 @@
-"""Tests of psp3.control, one file per module."""
+"""Tests of psp3.export, one file per module."""
