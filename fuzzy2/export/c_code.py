@@ -222,15 +222,15 @@ class CWriter:
         precision: str,
         about: list[str],
         unrolled: tuple[str, ...] = (),
-        never: tuple[str, ...] = (),
         constants: Mapping[str, float] | None = None,
+        never: tuple[str, ...] = (),
     ) -> None:
         if not re.fullmatch(r"[A-Za-z]\w*", name) or name in RESERVED:
             raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)
         self.program = Program(
-            *(name, self.precision, frozenset(unrolled), frozenset(never), dict(constants or {}))
+            *(name, self.precision, frozenset(unrolled), dict(constants or {}), frozenset(never))
         )
         self.functions: list[CFunction] = []
         self.bodies: list[str] = []

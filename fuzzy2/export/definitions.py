@@ -50,8 +50,8 @@ class Definitions(ABC):
     prefix: str
     precision: Precision
     unrolled: frozenset[str] = frozenset()
-    never: frozenset[str] = frozenset()
     replaced: dict[str, float] = field(default_factory=dict)
+    never: frozenset[str] = frozenset()
     instances: dict[Any, Instance] = field(default_factory=dict)
     order: list[Instance] = field(default_factory=list)
     records: dict[str, tuple[str, str]] = field(default_factory=dict)

@@ -115,7 +115,7 @@ def code_of(
     # Logarithms of firing strengths are for inputs far away from all rules: most learned
     # controllers never see any, and need no logarithm then.
     never = ("lost",) if isinstance(table, FuzzyRun) and fires_everywhere(table.controller) else ()
-    writer = CWriter(prefix, precision, _about(exported), KINDS[type(table)][2], never)
+    writer = CWriter(prefix, precision, _about(exported), KINDS[type(table)][2], never=never)
     _add_functions(writer, exported)
     return writer.code()
 
