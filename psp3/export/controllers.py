@@ -27,6 +27,7 @@ from psp3.control.kernels import (
 from psp3.control.linear_quadratic_kernels import Regulation
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
+from psp3.export import single
 from psp3.export.trained_range import fires_everywhere
 from psp3.fuzzy_control.adaptive_kernels import Adaptive
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
@@ -111,11 +112,14 @@ def code_of(
     wires = _wires(exported.widths, period, torque_limit, encoder_resolution, delay)
     exported = exported._replace(wires=wires)
     prefix = "controller" if name is None else name
+    constants = {}
+    if precision == "single":
+        exported, constants = _with_fewer_digits(exported), single.CONSTANTS
     table = exported.table
     # Logarithms of firing strengths are for inputs far away from all rules: most learned
     # controllers never see any, and need no logarithm then.
     never = ("lost",) if isinstance(table, FuzzyRun) and fires_everywhere(table.controller) else ()
-    writer = CWriter(prefix, precision, _about(exported), KINDS[type(table)][2], never=never)
+    writer = CWriter(prefix, precision, _about(exported), KINDS[type(table)][2], constants, never)
     _add_functions(writer, exported)
     return writer.code()
 
@@ -161,6 +165,17 @@ def _wires(
     calls = np.zeros(1 if resolution.size or queue.size else 0)
     last = np.zeros(resolution.size)
     return kernels.Wires(resolution, limit, queue, last, calls, seconds, is_guarded=False)
+
+
+def _with_fewer_digits(exported: Exported) -> Exported:
+    """Return a controller whose model closes its loops as far as single precision can."""
+    table = exported.table
+    for field in ("model", "motors"):
+        model: Any = getattr(table, field, None)
+        if hasattr(model, "memory"):
+            numbers = single.numbers_of(model, exported.robot.title)
+            table = table._replace(**{field: model._replace(numbers=numbers)})
+    return exported._replace(table=table)
 
 
 def _robot_of(controller: Any) -> Any:

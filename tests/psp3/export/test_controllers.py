@@ -323,6 +323,21 @@ def test_single_precision_is_as_good_as_its_digits(kind: str, tmp_path: Path) ->
     assert 0.0 < max(errors) < SINGLE[kind] * largest
 
 
+def test_a_model_with_loops_closes_them_in_single_precision(tmp_path: Path) -> None:
+    """To ten roundings of 1e-7 of the largest force."""
+    robot = ROBOTS["delta"]
+    controller = psp3.ComputedTorque(robot)
+    single = ControllerInC(controller, tmp_path, precision="single")
+    compiled = CompiledStep(controller, robot)
+    rows = states(robot, 200, SPREAD["delta"])
+    pairs = [(single.step(*row), compiled.step(*row)) for row in rows]
+    assert [one[0] for one, _ in pairs] == [other[0] for _, other in pairs]
+    errors = [np.abs(one[1] - other[1]).max() for one, other in pairs if other[0]]
+    largest = max(np.abs(other[1]).max() for _, other in pairs if other[0])
+    assert len(errors) > 100
+    assert 0.0 < max(errors) < 3e-6 * largest
+
+
 def test_the_header_says_what_a_user_must_know() -> None:
     robot = ROBOTS["five_bar"]
     code = c_code(psp3.PID(100.0, 10.0, 50.0), robot=robot, name="arm")
