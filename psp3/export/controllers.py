@@ -24,8 +24,11 @@ from psp3.control.kernels import (
     PD,
     Classical,
 )
+from psp3.control.linear_quadratic_kernels import Regulation
 from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
+from psp3.export import single
+from psp3.export.trained_range import fires_everywhere
 from psp3.fuzzy_control.adaptive_kernels import Adaptive
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import NO_MODEL, FuzzyRun
@@ -36,6 +39,7 @@ from psp3.version import __version__
 
 KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
     Classical: (kernels.reset_classical, kernels.step, ()),
+    Regulation: (kernels.reset_regulation, kernels.step, ()),
     FuzzyRun: (kernels.reset_learned, kernels.learned_step, ("_estimate",)),
     Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
     SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
@@ -108,8 +112,14 @@ def code_of(
     wires = _wires(exported.widths, period, torque_limit, encoder_resolution, delay)
     exported = exported._replace(wires=wires)
     prefix = "controller" if name is None else name
-    unrolled = KINDS[type(exported.table)][2]
-    writer = CWriter(prefix, precision, _about(exported), unrolled)
+    constants = {}
+    if precision == "single":
+        exported, constants = _with_fewer_digits(exported), single.CONSTANTS
+    table = exported.table
+    # Logarithms of firing strengths are for inputs far away from all rules: most learned
+    # controllers never see any, and need no logarithm then.
+    never = ("lost",) if isinstance(table, FuzzyRun) and fires_everywhere(table.controller) else ()
+    writer = CWriter(prefix, precision, _about(exported), KINDS[type(table)][2], constants, never)
     _add_functions(writer, exported)
     return writer.code()
 
@@ -157,6 +167,17 @@ def _wires(
     return kernels.Wires(resolution, limit, queue, last, calls, seconds, is_guarded=False)
 
 
+def _with_fewer_digits(exported: Exported) -> Exported:
+    """Return a controller whose model closes its loops as far as single precision can."""
+    table = exported.table
+    for field in ("model", "motors"):
+        model: Any = getattr(table, field, None)
+        if hasattr(model, "memory"):
+            numbers = single.numbers_of(model, exported.robot.title)
+            table = table._replace(**{field: model._replace(numbers=numbers)})
+    return exported._replace(table=table)
+
+
 def _robot_of(controller: Any) -> Any:
     """Return the robot that a controller knows, or None."""
     inner = getattr(controller, "base", controller)
@@ -195,7 +216,7 @@ def _arguments(exported: Exported) -> list[Argument]:
         ),
         Argument("torque", f"forces of the motors {_force_units(exported)}", m, "out"),
     ]
-    if isinstance(exported.table, Classical):
+    if isinstance(exported.table, Classical | Regulation):
         return arguments
     flags = f"whether the inputs were in the trained range; whether {_FELL}"
     return [
@@ -220,6 +241,11 @@ def _states(table: Any) -> dict[str, Argument]:
     if hasattr(table.model, "memory"):
         memory = table.model.memory
         states["model.memory"] = _state("pose", "the model's last pose, and room for it", memory)
+    if isinstance(table, Regulation):
+        # One memory: forces are shared among the motors in the pose in which they were found.
+        states["motors.memory"] = states["model.memory"]
+        wanted = "desired positions and speeds, and forces along the coordinates"
+        states["memory"] = _state("wanted", wanted, table.memory)
     if isinstance(table, Classical):
         servo = "last error, its integral, feedback, zeros"
         states["memory"] = _state("servo", servo, table.memory)
@@ -287,6 +313,8 @@ def _about(exported: Exported) -> list[str]:
 def _law(exported: Exported) -> list[str]:
     """Return what a controller does, with its gains."""
     table = exported.table
+    if isinstance(table, Regulation):
+        return [_regulator_law(table)]
     if isinstance(table, Classical):
         return [_classical_law(table, exported.widths.commanded)]
     return [_learned_law(exported), _range(exported)]
@@ -321,6 +349,15 @@ def _classical_law(table: Classical, joints: int) -> str:
     if table.is_allocated:
         lines.append("Feedback is turned into the shortest forces of the motors.")
     return "\n".join(lines)
+
+
+def _regulator_law(table: Regulation) -> str:
+    samples, k = len(table.gains), table.gains.shape[1] // (2 * table.pose.size)
+    law = "torque = forces of the desired motion + K (e, e'), shared among the motors"
+    if samples > 1:
+        return f"{law},\nwith gains that change every {table.gain_period:g} s, {samples} times"
+    rows = table.gains.reshape(k, -1).tolist()
+    return f"{law}, e = desired - found\nK = {[[float(f'{g:.6g}') for g in row] for row in rows]}"
 
 
 def _learned_law(exported: Exported) -> str:
