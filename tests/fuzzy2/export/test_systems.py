@@ -168,6 +168,16 @@ def test_clang_has_nothing_to_say_and_gives_the_same(kind, tmp_path):
         np.testing.assert_array_equal(out[0], out[1])
 
 
+@pytest.mark.skipif(shutil.which("cppcheck") is None, reason="no cppcheck on this machine")
+def test_a_static_check_finds_nothing(tmp_path):
+    for i, made in enumerate((KINDS | SLOW).values()):
+        fuzzy2.export_c(made(), tmp_path, name=f"system_{i}")
+    command = ["cppcheck", "--std=c99", "--enable=warning,portability,performance", "--quiet"]
+    command += ["--error-exitcode=1", str(tmp_path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[:2000]
+
+
 def test_the_header_says_what_there_is(tmp_path):
     system = interval().replace(
         input_names=["error", "rate"], input_ranges=[(-1.0, 1.0), (-5.0, 5.0)]
