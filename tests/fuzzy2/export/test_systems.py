@@ -48,23 +48,17 @@ def test_ten_thousand_inputs_give_the_same_numbers(kind, tmp_path):
 
 @needs_gcc
 @pytest.mark.slow
+@pytest.mark.parametrize("norm", ["min", "product"])
 @pytest.mark.parametrize("kind", SLOW)
-def test_slow_kinds_give_the_same_numbers(kind, tmp_path):
-    outputs, right, codes = answers(SLOW[kind](), inputs(10_000), tmp_path)
-    assert (codes == 1).all()
-    np.testing.assert_array_equal(outputs, right)
-
-
-@needs_gcc
-def test_unions_that_need_more_memory_have_no_answer(tmp_path):
-    """Far away the lower strengths are tiny beside the upper ones, and pieces many."""
-    system = SLOW["interval mamdani"]().replace(t_norm="product", implication="product")
-    outputs, right, codes = answers(system, inputs(300), tmp_path)
+def test_unions_give_the_same_numbers_or_say_that_memory_is_short(kind, norm, tmp_path):
+    """Where lower strengths are tiny beside the upper ones, pieces are many."""
+    system = SLOW[kind]().replace(t_norm=norm, implication=norm)
+    outputs, right, codes = answers(system, inputs(10_000 if norm == "min" else 500), tmp_path)
     done = codes == 1
-    assert 0.9 < done.mean() < 1.0
+    assert done.mean() > 0.99
     np.testing.assert_array_equal(outputs[done], right[done])
     assert np.isnan(outputs[~done]).all()
-    assert np.isfinite(right).all()
+    assert np.isfinite(right[~done]).all()
 
 
 @needs_gcc
