@@ -87,7 +87,7 @@ def code_of(
 def _exported(controller: Any, robot: Any) -> Exported:
     title = type(controller).__name__
     if robot is None:
-        robot = _robot_of(controller)
+        robot = robot_of(controller)
     if robot is None:
         raise NotExportable(title, "it does not know its robot", "the robot: robot=...")
     widths = widths_of(robot)
@@ -99,7 +99,7 @@ def _exported(controller: Any, robot: Any) -> Exported:
     return Exported(controller, robot, table, widths)
 
 
-def _robot_of(controller: Any) -> Any:
+def robot_of(controller: Any) -> Any:
     """Return the robot that a controller knows, or None."""
     inner = getattr(controller, "base", controller)
     known = getattr(inner, "robot", None)
@@ -135,7 +135,9 @@ def _add_functions(writer: CWriter, exported: Exported) -> None:
         return
     rest += [
         Argument("interval", _interval_words(exported), 2 * m, "out"),
-        Argument("flags", "1 where the inputs were in the trained range; 1 where " + _FELL, 2, "out"),
+        Argument(
+            "flags", "1 where the inputs were in the trained range; 1 where " + _FELL, 2, "out"
+        ),
     ]
     writer.add("step", STEPS, kernels.learned_step, [controller, *rest], CODES)
 
@@ -149,7 +151,9 @@ def _states(table: Any) -> tuple[dict[str, Argument], Any]:
     """Return the arrays that are remembered, and what resets them; None if there are none."""
     states: dict[str, Argument] = {}
     if hasattr(table.model, "memory"):
-        states["model.memory"] = _state("pose", "last pose of the model, and room", table.model.memory)
+        states["model.memory"] = _state(
+            "pose", "last pose of the model, and room", table.model.memory
+        )
     if isinstance(table, Classical):
         states |= {
             "memory": _state("servo", "last error, its integral, feedback, zeros", table.memory),
@@ -218,7 +222,9 @@ def _classical_law(table: Classical, joints: int) -> str:
     for name, gain in (("kp", table.kp), ("kv", table.kv)):
         matrix = gain.reshape(joints, joints)
         same = np.array_equal(matrix, matrix[0, 0] * np.eye(joints))
-        rows = f"{matrix[0, 0]:g}" if same else str([[float(f"{g:.6g}") for g in r] for r in matrix])
+        rows = (
+            f"{matrix[0, 0]:g}" if same else str([[float(f"{g:.6g}") for g in r] for r in matrix])
+        )
         lines.append(f"{name} = {rows}")
     if table.is_allocated:
         lines.append("Feedback is turned into the shortest forces of the motors.")
