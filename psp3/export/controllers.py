@@ -24,7 +24,6 @@ from psp3.control.kernels import (
     Classical,
 )
 from psp3.export import controller_kernels as kernels
-from psp3.fuzzy_control.adaptive import AdaptiveFuzzyComputedTorque
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
 from psp3.fuzzy_control.kernels import NO_MODEL
 from psp3.kinematics.tasks import rotating

@@ -83,9 +83,9 @@ def export_fmu(
     """Write a robot or a controller as an FMU for co-simulation, FMI 2.0.
 
     A robot is given the forces of its motors and has its positions and speeds as outputs, in the
-    steps of :class:`psp3.simulation.runge_kutta.RungeKutta`. A controller is given positions, speeds and the
-    desired motion at the beginning of a step, and has the forces as outputs. Parameters of a robot
-    are where and how fast it starts.
+    steps of :class:`psp3.simulation.runge_kutta.RungeKutta`. A controller is given positions,
+    speeds and the desired motion at the beginning of a step, and has the forces as outputs.
+    Parameters of a robot are where and how fast it starts.
 
     Numbers are those of :func:`psp3.simulate` with the same period. Where robot and controller take
     their steps in parallel, as most programs let them, the forces arrive one period late, as under

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
-
 
 from fuzzy2.export.c_code import Argument
 from psp3.checks import Array
@@ -83,6 +81,5 @@ def _group(argument: Argument, names: Names, home: Array) -> list[Variable]:
             )
         ]
     said = f"{argument.name}: {argument.about}"
-    return [
-        Variable(f"{argument.name}_{i}", said, "", "output") for i in range(1, argument.size + 1)
-    ]
+    count = argument.size or 1
+    return [Variable(f"{argument.name}_{i}", said, "", "output") for i in range(1, count + 1)]

@@ -12,70 +12,18 @@ from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CFunction, CWriter, Known, Mixed
 from psp3.checks import Array
 from psp3.drives.drive import Drive
-from psp3.dynamics.compiled_robot import advance, is_state
+from psp3.export.fmu_kernels import BEYOND_LIMITS, begin, move
 from psp3.export.fmu_model import Model, in_one_row
 from psp3.export.fmu_names import Names, force, position, speed, variables
 from psp3.multibody.tree import AT_BEFORE
 
-BEYOND_LIMITS = -1
-"""What is returned where the first coordinate is beyond its limits; one less for each that follows.
-"""
-
 _NO_REFERENCE = np.empty(0)
-
-
-# Plain Python that is translated, and never compiled: what it calls is.
-
-
-def restart(robot, reference):
-    """Let the robot begin in the reference pose, if it looks for poses at all."""
-    for i in range(reference.size):
-        robot.memory[i] = reference[i]
-
-
-def is_within(motion, low, high):
-    """Return 1 where all positions are within their limits, or -1 - i of the first that is not."""
-    for i in range(low.size):
-        if not low[i] <= motion[i] <= high[i]:
-            return BEYOND_LIMITS - i
-    return 1
-
-
-def write_motion(motion, positions, speeds):
-    """Write positions and speeds of a state."""
-    for i in range(positions.size):
-        positions[i] = motion[i]
-    for i in range(speeds.size):
-        speeds[i] = motion[positions.size + i]
-
-
-def begin(robot, reference, low, high, motion, start_positions, start_speeds, positions, speeds):
-    """Put the robot into a state; return 1, 0 where it has no such pose, or -1 - i at a limit."""
-    for i in range(start_positions.size):
-        motion[i] = start_positions[i]
-    for i in range(start_speeds.size):
-        motion[start_positions.size + i] = start_speeds[i]
-    restart(robot, reference)
-    if not is_state(robot, motion):
-        return 0
-    # As in the compiled loop the first step looks for its pose from the reference.
-    restart(robot, reference)
-    write_motion(motion, positions, speeds)
-    return is_within(motion, low, high)
-
-
-def move(robot, step, steps, drives, low, high, motion, forces, positions, speeds):
-    """Go on by one period; return 1, 0 where no pose is reached, or -1 - i at a limit."""
-    if not advance(robot, motion, forces, step, steps, drives):
-        return 0
-    write_motion(motion, positions, speeds)
-    return is_within(motion, low, high)
 
 
 def plant_model(
     robot: Any, name: str, period: float, steps: int, drive: Drive | Sequence[Drive]
 ) -> Model:
-    """Return a robot as a plant that takes the steps of :class:`psp3.simulation.runge_kutta.RungeKutta`.
+    """Return a robot as a plant, with the steps of :mod:`psp3.simulation.runge_kutta`.
 
     Parameters
     ----------
@@ -139,7 +87,7 @@ def _add_functions(
     m, p, n = len(robot.actuated), len(low), len(robot.coordinates_v)
     mixed, reference = _parts(table)
     motion = Argument("motion", "positions and speeds", p + n, "state")
-    limits = [Known("low", low), Known("high", high), motion]
+    limits: list[Known | Argument] = [Known("low", low), Known("high", high), motion]
     shown = [
         Argument("positions", "where the robot is [m, rad]", p, "out"),
         Argument("speeds", "its speeds [m/s, rad/s]", n, "out"),
@@ -149,7 +97,9 @@ def _add_functions(
         "Put the robot into a state.",
         begin,
         [
-            *(mixed, Known("reference", reference), *limits),
+            mixed,
+            Known("reference", reference),
+            *limits,
             Argument("start_positions", "where the robot begins [m, rad]", p),
             Argument("start_speeds", "with which speeds [m/s, rad/s]", n),
             *shown,
@@ -162,7 +112,10 @@ def _add_functions(
         "Go on by one period.",
         move,
         [
-            *(mixed, *step, Known("drives", plant.drives), *limits),
+            mixed,
+            *step,
+            Known("drives", plant.drives),
+            *limits,
             Argument("forces", "of the motors [N, N m]", m),
             *shown,
         ],

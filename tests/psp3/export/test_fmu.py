@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import shutil
 import subprocess
-import warnings
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -90,16 +89,19 @@ class Plant(Instance):
     """A plant of ``psp3.simulate``."""
 
     def start(self, positions: Any, speeds: Any) -> None:
+        """Begin with positions and speeds."""
         self.begin({"start_position": positions, "start_speed": speeds})
         self.steps = 0
 
     def advance(self, forces: Any, duration: float) -> tuple[Any, Any]:
+        """Return positions and speeds after a step."""
         self.fmu.setReal(self.of("force"), list(forces))
         self.fmu.doStep(self.steps * duration, duration)
         self.steps += 1
         return self.state()
 
     def state(self) -> tuple[Any, Any]:
+        """Return positions and speeds."""
         read = self.fmu.getReal
         return np.array(read(self.of("position"))), np.array(read(self.of("speed")))
 
@@ -110,15 +112,18 @@ class Control(Instance):
     is_new = True
 
     def reset(self) -> None:
+        """Begin anew in the next step."""
         self.is_new = True
 
     def give(self, positions: Any, speeds: Any, desired: Any) -> None:
+        """Hand over what the controller is to know."""
         names = ("position", "speed", "desired_position", "desired_speed", "desired_acceleration")
         numbers = (positions, speeds, *desired[:3])
         for name, values in zip(names, numbers, strict=True):
             self.fmu.setReal(self.of(name), list(values))
 
     def torque(self, t: float, positions: Any, speeds: Any, desired: Any) -> Any:
+        """Return the forces of a step."""
         if self.is_new:
             self.is_new = False
             self.begin({}, t)
@@ -127,6 +132,7 @@ class Control(Instance):
         return self.forces()
 
     def forces(self) -> Any:
+        """Return the forces that are there."""
         names = [name for name in self.places if name.startswith("force_")]
         motors = [n for n in names if not n.startswith(("force_low", "force_high"))]
         return np.array(self.fmu.getReal([self.places[name] for name in motors]))
@@ -383,8 +389,7 @@ def test_pose_that_cannot_be_reached_is_an_error_and_a_reset_mends_it(
     ours.start(robot.reference, np.zeros(2))
     first = ours.advance([0.1, 0.1], PERIOD)
     with pytest.raises(Exception, match="fmi2DoStep"):
-        for _ in range(1000):
-            ours.advance([5.0, 5.0], PERIOD)
+        _push(ours)
     said = capfd.readouterr().out
     with pytest.raises(psp3.errors.SimulationDiverged) as diverged:
         psp3.simulate(
@@ -400,6 +405,11 @@ def test_pose_that_cannot_be_reached_is_an_error_and_a_reset_mends_it(
     np.testing.assert_array_equal(ours.advance([0.1, 0.1], PERIOD), first)
 
 
+def _push(plant: Plant) -> None:
+    for _ in range(1000):
+        plant.advance([5.0, 5.0], PERIOD)
+
+
 class _Constant:
     def __init__(self, forces: list[float]) -> None:
         self.forces = np.array(forces)
@@ -408,6 +418,7 @@ class _Constant:
         """Forget nothing."""
 
     def torque(self, t: float, positions: Any, speeds: Any, desired: Any) -> Any:
+        """Return the forces, but for the first step."""
         return self.forces if t > 0.0 else np.array([0.1, 0.1])
 
 
