@@ -20,6 +20,7 @@ Drive FeedForward FuzzyComputedTorque
 PSP3Error Parameters Pose Result Run
         SingularityAnalysis Study TaskSpaceComputedTorque TimeVaryingLinearQuadraticRegulator \
 Workspace exciting_motion
+        export_c export_fmu
         forward_dynamics_derivatives grid identify inverse_dynamics_derivatives linearize load \
 load_result simulate statistics to_mjcf
         trajectories with_payload
@@ -65,6 +66,7 @@ InvalidValue JointLimitExceeded
 NoStabilizingSolution NoThreshold NotTrained OpenLoops
         OverlappingShapes PSP3Error PoorExcitation RunsFailed SchedulerUnavailable \
 SimulationDiverged SimulationStopped
+        SourceOnlyFMU
         SingularConfiguration StrokeExceeded StudyFileNotWritable StudyInUse StudyInterrupted \
 StudyMismatch UncertainRank
         UnexportableJoint UnknownName UnknownRobot UnphysicalInertia UnreachablePose \

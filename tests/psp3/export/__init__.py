@@ -1,0 +1,1 @@
+"""Tests of psp3.export, one file per module."""

@@ -8,8 +8,10 @@ library.
 from __future__ import annotations
 
 import math
+import re
 import shutil
 import subprocess
+import sys
 import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -27,6 +29,7 @@ from psp3.export import fmu
 from psp3.export.fmu import export_fmu
 from psp3.simulation.runge_kutta import RungeKutta
 
+ROOT = Path(__file__).resolve().parents[3]
 ROBOTS = ("psp3", "five_bar", "delta")
 PERIOD = 0.002
 
@@ -237,6 +240,70 @@ def test_steps_taken_in_parallel_bring_forces_one_period_late(
         ours.fmu.setReal(ours.of("force"), list(forces))
         theirs.fmu.doStep(t, PERIOD)
         ours.fmu.doStep(t, PERIOD)
+
+
+COSIMULATION = """
+import sys
+from pathlib import Path
+import numpy as np
+from libcosimpy.CosimEnums import CosimVariableType
+from libcosimpy.CosimExecution import CosimExecution
+from libcosimpy.CosimObserver import CosimObserver
+from libcosimpy.CosimSlave import CosimLocalSlave
+import psp3
+robot, steps = psp3.load("delta"), 100
+places = [{}, {}]
+run = CosimExecution.from_step_size(2_000_000)
+for i, path in enumerate(sys.argv[1:3]):
+    assert run.add_local_slave(CosimLocalSlave(path, f"fmu{i}")) == i
+    names = Path(path).with_suffix(".txt").read_text().split()
+    places[i] = {name: place for place, name in enumerate(names)}
+for joint in robot.coordinates:
+    for source, name in ((1, f"force_{joint}"), (0, f"position_{joint}"), (0, f"speed_{joint}")):
+        there = 1 - source
+        run.connect_real_variables(source, places[source][name], there, places[there][name])
+for joint, goal in zip(robot.coordinates, np.load(sys.argv[3]), strict=True):
+    run.real_initial_value(1, places[1][f"desired_position_{joint}"], float(goal))
+seen = CosimObserver.create_time_series(2 * steps)
+run.add_observer(seen)
+outputs = [places[0][f"position_{joint}"] for joint in robot.coordinates]
+for place in outputs:
+    seen.start_time_series(0, place, CosimVariableType.REAL)
+run.step(steps)
+rows = [seen.time_series_real_samples(0, place, 1, steps)[2] for place in outputs]
+np.save(sys.argv[4], np.array(rows, dtype=float).T)
+"""
+
+
+@pytest.mark.slow
+def test_program_in_which_fmus_are_coupled_makes_the_same_motion(
+    written: Any, tmp_path: Path
+) -> None:
+    """libcosim, a program in C++ that reads FMUs by FMI Library, lets both take steps in parallel.
+
+    In a process of its own, which libcosim writes much into.
+    """
+    pytest.importorskip("libcosimpy", reason="libcosim is not installed")
+    robot = psp3.load("delta")
+    controller, goal = computed_torque(robot), robot.reference + 0.01 * np.arange(1, 4)
+    paths = written("delta", lambda: robot), written("delta_control", lambda: controller)
+    for path in paths:
+        with zipfile.ZipFile(path) as archive:
+            root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+        names = [str(one.get("name")) for one in root.iter("ScalarVariable")]
+        path.with_suffix(".txt").write_text("\n".join(names), encoding="utf-8")
+    np.save(tmp_path / "goal.npy", goal)
+    files = [str(path) for path in (*paths, tmp_path / "goal.npy", tmp_path / "found.npy")]
+    run([sys.executable, "-c", COSIMULATION, *files], tmp_path)
+    right = psp3.simulate(
+        robot,
+        controller,
+        psp3.trajectories.Hold(goal, robot=robot),
+        duration=100 * PERIOD,
+        delay=1,
+        initial_positions=robot.reference,
+    )
+    np.testing.assert_array_equal(np.load(tmp_path / "found.npy"), right.positions[1:])
 
 
 @pytest.mark.slow
@@ -492,6 +559,23 @@ def test_start_at_another_time(plant: Any, control: Any) -> None:
     # 1e-12: times that are seconds later have fewer digits.
     np.testing.assert_allclose(forces[5:], forces[:5], rtol=0.0, atol=1e-12)
     assert abs(np.diff(forces[:5], axis=0)).min() > 0.0
+
+
+@pytest.mark.slow
+@with_gcc
+def test_page_says_what_happens(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Its blocks for FMPy, too, which the tests of pages leave out."""
+    pytest.importorskip("fmpy", reason="FMPy is not installed")
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs" / "how_to" / "fmu.md").read_text(encoding="utf-8")
+    printed: list[str] = []
+    names: dict[str, Any] = {"print": lambda *words: printed.append(" ".join(map(str, words)))}
+    found = re.findall(r"^```(?:python|py)\n(.*?)^```", page, flags=re.MULTILINE | re.DOTALL)
+    assert len(found) == 2
+    for code in found:
+        exec(compile(code, "fmu.md", "exec"), names)
+    assert printed[-1] == "0.0"
+    assert abs(names["found"] - names["goal"]).max() < 1e-3
 
 
 # The archive.
