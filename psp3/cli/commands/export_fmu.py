@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Annotated
 
@@ -57,12 +58,17 @@ def fmu(
     is given those and the desired motion, and has the forces as outputs. FILE holds source code in
     C and, where this is Linux with gcc, a binary.
     """
+    from psp3.errors import SourceOnlyFMU
     from psp3.export.fmu import export_fmu
     from psp3.loading import load
 
     steered = None if robot is None else load(robot)
     model = Path(thing) if thing.endswith(".json") else load(thing)
-    written = export_fmu(model, out, robot=steered, period=period, steps=steps, name=name)
+    with warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always", SourceOnlyFMU)
+        written = export_fmu(model, out, robot=steered, period=period, steps=steps, name=name)
+    for warning in warned:
+        typer.echo(f"psp3: {warning.message}", err=True)
     for causality in ("input", "output", "parameter"):
         names = [one.name for one in written.variables if one.causality == causality]
         if names:
