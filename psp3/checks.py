@@ -188,3 +188,11 @@ def checked_count(name: str, value: object, least: int = 1) -> int:
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise InvalidValue(name, value, f"a whole number of at least {least}")
     return int(value)
+
+
+def one_or_each(name: str, values: ArrayLike, joints: int) -> Array:
+    """Return one number, or one for each joint, as (n,)."""
+    array = as_floats(name, values, f"() or ({joints},)")
+    if np.shape(values) not in ((), (joints,)) or not np.isfinite(array).all():
+        raise InvalidValue(name, values, f"one finite number or {joints}")
+    return np.array(np.broadcast_to(array, joints))

@@ -19,8 +19,7 @@ Drive FeedForward FuzzyComputedTorque
         GravityCompensatedPD LinearQuadraticRegulator Monitor MuJoCo NaturalOrthogonalComplement \
 PSP3Error Parameters Pose Result Run
         SingularityAnalysis Study TaskSpaceComputedTorque TimeVaryingLinearQuadraticRegulator \
-Workspace exciting_motion
-        export_c export_fmu
+Workspace exciting_motion export_c export_fmu
         forward_dynamics_derivatives grid identify inverse_dynamics_derivatives linearize load \
 load_result simulate statistics to_mjcf
         trajectories with_payload

@@ -18,7 +18,7 @@ class Arrays(Frame, ABC):
         """Translate an entry or a part of an array, or an entry of a tuple."""
         whole = self.expression(node.value, known)
         if isinstance(whole.type, Record):
-            return self._of_tuple(node, whole)
+            return self._of_tuple(node, whole, known)
         if not isinstance(whole.type, Row):
             raise self.refused(node, "an entry of a number")
         if isinstance(node.slice, ast.Slice):
@@ -35,18 +35,21 @@ class Arrays(Frame, ABC):
             return self._entry(whole, self.sum("+", row, places[1]))
         return self._piece(whole, row, column)
 
-    def _of_tuple(self, node: ast.Subscript, whole: Value) -> Value:
+    def _of_tuple(self, node: ast.Subscript, whole: Value, known: Known) -> Value:
         """Translate an entry of a tuple, or its first ones."""
         assert isinstance(whole.type, Record)
         names = [name for name, _ in whole.type.fields]
         match node.slice:
-            case ast.Constant(value=int() as number):
-                return self.field(whole, names[number])
             case ast.Slice(lower=None, upper=ast.Constant(value=int() as end), step=None):
                 return self.record(
                     "tuple", [(name, self.field(whole, name)) for name in names[:end]]
                 )
-        raise self.refused(node, "an entry of a tuple whose number is not written down")
+            case ast.Slice():
+                raise self.refused(node, "other parts of a tuple than the first")
+        number = self.place(node.slice, known).known
+        if number is None:
+            raise self.refused(node, "an entry of a tuple whose number is not known")
+        return self.field(whole, names[number])
 
     def place(self, node: ast.expr, known: Known) -> Value:
         """Translate an index or a size."""

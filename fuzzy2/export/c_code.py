@@ -197,6 +197,8 @@ class CWriter:
         Paragraphs for the header: what the code is, units, the order of joints, where it is from.
     unrolled : iterable of str
         See :class:`fuzzy2.export.translator.Program`.
+    constants : mapping of str to number, optional
+        Numbers of the kernels' modules, by name, that are others in this code.
 
     Raises
     ------
@@ -207,13 +209,18 @@ class CWriter:
     """
 
     def __init__(
-        self, name: str, precision: str, about: list[str], unrolled: tuple[str, ...] = ()
+        self,
+        name: str,
+        precision: str,
+        about: list[str],
+        unrolled: tuple[str, ...] = (),
+        constants: Mapping[str, float] | None = None,
     ) -> None:
         if not re.fullmatch(r"[A-Za-z]\w*", name) or name in RESERVED:
             raise InvalidValue("name", name, "letters, digits and _, a letter first, no word of C")
         self.name, self.about = name, about
         self.precision = Precision(precision)
-        self.program = Program(name, self.precision, frozenset(unrolled))
+        self.program = Program(name, self.precision, frozenset(unrolled), dict(constants or {}))
         self.functions: list[CFunction] = []
         self.bodies: list[str] = []
 
@@ -240,8 +247,10 @@ class CWriter:
         result : str
             What it returns; empty for nothing.
         """
-        # No kernel may take the name of what users call.
-        self.program.names.add(f"{self.name}_{name}")
+        # No kernel may have the name of what users call.
+        own = f"{self.name}_{name}"
+        other = self.program.reserved(own)
+        self.bodies = [re.sub(rf"\b{own}\b", other, body) for body in self.bodies]
         values = [self._value(argument) for argument in arguments]
         said = self.program.call(kernel, values)
         known = tuple(

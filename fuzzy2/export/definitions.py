@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -40,11 +41,14 @@ class Definitions(ABC):
     unrolled : frozenset of str
         Names of kernels whose counted loops are written out where their count is known: each pass
         is then translated for what is known in it.
+    replaced : dict of str to number
+        Numbers of the kernels' modules, by name, that are others in this code.
     """
 
     prefix: str
     precision: Precision
     unrolled: frozenset[str] = frozenset()
+    replaced: dict[str, float] = field(default_factory=dict)
     instances: dict[Any, Instance] = field(default_factory=dict)
     order: list[Instance] = field(default_factory=list)
     records: dict[str, tuple[str, str]] = field(default_factory=dict)
@@ -129,6 +133,20 @@ class Definitions(ABC):
     @abstractmethod
     def call(self, function: Callable[..., Any], arguments: list[Value]) -> Value:
         """Return what a call of a kernel stands for; it is translated if it is not yet."""
+
+    def reserved(self, name: str) -> str:
+        """Keep a name for a function that users call; return that of the kernel which had it.
+
+        That is its new one, or the name itself if no kernel had it.
+        """
+        if name not in self.names:
+            self.names.add(name)
+            return name
+        other = self._name(name.removeprefix(f"{self.prefix}_"))
+        for instance in self.order:
+            instance.name = other if instance.name == name else instance.name
+            instance.text = re.sub(rf"\b{name}\b", other, instance.text)
+        return other
 
     def _name(self, base: str) -> str:
         name, count = f"{self.prefix}_{base}", 1

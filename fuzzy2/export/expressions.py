@@ -62,7 +62,7 @@ class Expressions(Calls, ABC):
         if name in self.variables:
             # It has a value in one of the ways that lead here.
             return self.unknown(node, name)
-        thing = self.source.names.get(name)
+        thing = self.program.replaced.get(name, self.source.names.get(name))
         for kind, scalar in ((bool, BOOL), (int, INT), (float, REAL)):
             if isinstance(thing, kind):
                 return self.program.precision.number(thing, scalar)

@@ -337,6 +337,11 @@ class Translation(Expressions):
                 if isinstance(place.type, Row):
                     return self.filled(target, value, known, space)
                 return [f"{space}{place.code} = {bare(self.cast(value, place.type).code)};"]
+            case ast.Tuple(elts=elts) if isinstance(value.type, Record):
+                lines = []
+                for part, (field, _) in zip(elts, value.type.fields, strict=True):
+                    lines += self._assign(part, self.field(value, field), known, space)
+                return lines
         raise self.refused(target, "no place to write to")
 
     def _assign_name(

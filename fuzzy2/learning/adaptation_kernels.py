@@ -84,16 +84,16 @@ def basis(
     strengths: Array,
     out: Array,
 ) -> bool:
-    """Write the fuzzy basis functions (m, 2, R) of both ends for consequents (m, 2, R).
+    """Write the fuzzy basis functions (2 m, R) of both ends for consequents (2 m, R).
 
     Return False where no rule fires.
 
-    Of the system in ``table`` only the antecedents count. ``orders`` (m, 2, R) holds any order of
-    the rules and gets the one of the consequents, where they matter; ``strengths`` (2 R,) gets the
-    firing intervals.
+    Of each output the row of left ends comes first. Of the system in ``table`` only the antecedents
+    count. ``orders`` (2 m, R) holds any order of the rules and gets the one of the consequents,
+    where they matter; ``strengths`` (2 R,) gets the firing intervals.
     """
     firing(table, x, 0.0, strengths)
-    rules = consequents.shape[2]
+    ends, rules = consequents.shape
     largest = 0.0
     for r in range(rules):
         largest = max(largest, strengths[2 * r + 1])
@@ -101,18 +101,16 @@ def basis(
         return False
     if _is_crisp(strengths):
         # No end of any output has other weights, whatever the order.
-        first = out[0, 0]
-        _end(consequents[0, 0], orders[0, 0], strengths, largest, True, first)
-        for j in range(consequents.shape[0]):
-            for end in range(2):
-                for r in range(rules):
-                    out[j, end, r] = first[r]
+        first = out[0]
+        _end(consequents[0], orders[0], strengths, largest, True, first)
+        for row in range(ends):
+            for r in range(rules):
+                out[row, r] = first[r]
         return True
-    for j in range(consequents.shape[0]):
-        for end in range(2):
-            points, order = consequents[j, end], orders[j, end]
-            _sort(points, order)
-            _end(points, order, strengths, largest, end == 0, out[j, end])
+    for row in range(ends):
+        points, order = consequents[row], orders[row]
+        _sort(points, order)
+        _end(points, order, strengths, largest, row % 2 == 0, out[row])
     return True
 
 
@@ -125,7 +123,7 @@ def forget(information: Array, right: Array, factor: float) -> None:
     n = right.size
     for i in range(n):
         right[i] *= factor
-        row = information[i, i:]
+        row = information[i][i:]
         for j in range(n - i):
             row[j] *= factor
 
@@ -138,7 +136,7 @@ def add(information: Array, right: Array, row: Array, residual: float, weight: f
         scaled = weight * row[i]
         if scaled != 0.0:
             right[i] += scaled * residual
-            target, other = information[i, i:], row[i:]
+            target, other = information[i][i:], row[i:]
             for j in range(n - i):
                 target[j] += scaled * other[j]
 
@@ -154,7 +152,7 @@ def solve(information: Array, right: Array, prior: Array, factor: Array, out: Ar
     """
     n = right.size
     for i in range(n):
-        source, target = information[i, i:], factor[i, i:]
+        source, target = information[i][i:], factor[i][i:]
         for j in range(n - i):
             target[j] = source[j]
         target[0] += prior[i]
@@ -166,14 +164,14 @@ def solve(information: Array, right: Array, prior: Array, factor: Array, out: Ar
         if not 0.0 < pivot < math.inf:
             return False
         scale = 1.0 / math.sqrt(pivot)
-        above = factor[k, k:]
+        above = factor[k][k:]
         for j in range(n - k):
             above[j] *= scale
         out[k] *= scale
         for i in range(k + 1, n):
             share = above[i - k]
             if share != 0.0:
-                target, source = factor[i, i:], factor[k, i:]
+                target, source = factor[i][i:], factor[k][i:]
                 for j in range(n - i):
                     target[j] -= share * source[j]
                 out[i] -= share * out[k]
@@ -207,7 +205,7 @@ def settle(
     """
     n = right.size
     for i in range(n):
-        source = information[i, i:]
+        source = information[i][i:]
         for j in range(n - i):
             whole[i, i + j] = source[j]
         for j in range(i):
@@ -276,6 +274,12 @@ def solve_within(
 
 
 @compiled
+def _by_end(ends):
+    """Return numbers (m, 2, R) as rows (2 m, R)."""
+    return ends.reshape(2 * ends.shape[0], ends.shape[2])
+
+
+@compiled
 def learn(  # noqa: PLR0913 (compiled: plain arrays and numbers, no object)
     table: Array,
     x: Array,
@@ -302,20 +306,20 @@ def learn(  # noqa: PLR0913 (compiled: plain arrays and numbers, no object)
     """
     outputs, rules = consequents.shape[0], consequents.shape[2]
     size = right.shape[1]
-    strengths, phi = np.empty(2 * rules), np.empty((outputs, 2, rules))
+    strengths, phi = np.empty(2 * rules), np.empty((2 * outputs, rules))
     row, trial, factor = np.empty(size), np.empty(size), np.empty((size, size))
     for n in range(x.shape[0]):
-        if not basis(table, x[n], consequents, orders, strengths, phi):
+        if not basis(table, x[n], _by_end(consequents), _by_end(orders), strengths, phi):
             errors[n, :] = math.nan
             continue
         for j in range(outputs):
             before, now = 0.0, 0.0
             for r in range(rules):
                 for end in range(2):
-                    before += 0.5 * phi[j, end, r] * trained[j, end, r]
-                    now += 0.5 * phi[j, end, r] * consequents[j, end, r]
+                    before += 0.5 * phi[2 * j + end, r] * trained[j, end, r]
+                    now += 0.5 * phi[2 * j + end, r] * consequents[j, end, r]
             errors[n, j] = y[n, j] - now
-            _write(row, phi[j], size == 2 * rules)
+            _write(row, phi[2 * j : 2 * j + 2], size == 2 * rules)
             forget(information[j], right[j], forgetting)
             add(information[j], right[j], row, y[n, j] - before, 1.0)
             solve_within(
@@ -335,11 +339,12 @@ def evaluate(
 ) -> None:
     """Write the crisp outputs (N, m) at inputs (N, p); NaN where no rule fires."""
     outputs, rules = consequents.shape[0], consequents.shape[2]
-    strengths, phi = np.empty(2 * rules), np.empty((outputs, 2, rules))
+    strengths, phi = np.empty(2 * rules), np.empty((2 * outputs, rules))
     for n in range(x.shape[0]):
-        fires = basis(table, x[n], consequents, orders, strengths, phi)
+        fires = basis(table, x[n], _by_end(consequents), _by_end(orders), strengths, phi)
         for j in range(outputs):
             total = 0.0
             for r in range(rules):
-                total += phi[j, 0, r] * consequents[j, 0, r] + phi[j, 1, r] * consequents[j, 1, r]
+                low = phi[2 * j, r] * consequents[j, 0, r]
+                total += low + phi[2 * j + 1, r] * consequents[j, 1, r]
             out[n, j] = 0.5 * total if fires else math.nan

@@ -64,7 +64,10 @@ def shortest(matrix: Array, wanted: Array, out: Array) -> bool:
     ``RANK`` of the longest follows from the others, or cannot be done.
     """
     k, m = matrix.shape
-    rows, units, is_taken = matrix.copy(), np.empty((min(k, m), m)), np.zeros(k)
+    rows, units, is_taken = np.empty((k, m)), np.empty((min(k, m), m)), np.zeros(k)
+    for row in range(k):
+        for j in range(m):
+            rows[row, j] = matrix[row, j]
     first = 0.0
     out[:] = 0.0
     for unit in range(min(k, m)):

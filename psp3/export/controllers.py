@@ -11,10 +11,11 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known, Mixed
-from psp3.checks import Array
+from psp3.checks import Array, checked_count, checked_positive, one_or_each
 from psp3.control.controller import Widths, widths_of
 from psp3.control.kernels import (
     COMPUTED_TORQUE,
@@ -23,15 +24,25 @@ from psp3.control.kernels import (
     PD,
     Classical,
 )
+from psp3.errors import InvalidValue
 from psp3.export import controller_kernels as kernels
+from psp3.fuzzy_control.adaptive_kernels import Adaptive
 from psp3.fuzzy_control.computed_torque import FuzzyComputedTorque
-from psp3.fuzzy_control.kernels import NO_MODEL
+from psp3.fuzzy_control.kernels import NO_MODEL, FuzzyRun
+from psp3.fuzzy_control.slotine_li_kernels import SlotineLi
 from psp3.kinematics.tasks import rotating
 from psp3.multibody.tree import AT_BEFORE
 from psp3.version import __version__
 
-UNROLLED = ("_estimate",)
-"""Kernels whose loops are written out, so that each rule base is translated for what it is."""
+KINDS: dict[type, tuple[Any, Any, tuple[str, ...]]] = {
+    Classical: (kernels.reset_classical, kernels.step, ()),
+    FuzzyRun: (kernels.reset_learned, kernels.learned_step, ("_estimate",)),
+    Adaptive: (kernels.reset_adaptive, kernels.learned_step, ()),
+    SlotineLi: (kernels.reset_slotine_li, kernels.learned_step, ("_write_basis",)),
+}
+"""Of each kind of table what resets it, what a step is, and the kernels whose loops are written
+out, so that each rule base is translated for what it is.
+"""
 
 CODES = "1, or 0 where the torque is not finite, which no motor must be told"
 
@@ -39,12 +50,17 @@ _NO_REFERENCE = np.empty(0)
 
 
 class Exported(NamedTuple):
-    """What is known of a controller that is to be written: its table, its robot and its sizes."""
+    """What is known of a controller that is to be written.
+
+    The controller, its robot, its table for the compiled loop, how many numbers it is given, and
+    what lies between it and the robot.
+    """
 
     controller: Any
     robot: Any
     table: Any
     widths: Widths
+    wires: kernels.Wires
 
 
 def code_of(
@@ -53,6 +69,10 @@ def code_of(
     precision: str = "double",
     name: str | None = None,
     robot: Any = None,
+    period: float | None = None,
+    torque_limit: ArrayLike | None = None,
+    encoder_resolution: ArrayLike = 0.0,
+    delay: int = 0,
 ) -> CCode | None:
     """Return the C code of a controller, or None of what is no controller.
 
@@ -64,11 +84,19 @@ def code_of(
         See :func:`psp3.export_c`; the name is ``"controller"`` by default.
     robot : Robot, optional
         The robot that is steered, for controllers that do not know it.
+    period : float, optional
+        Control period [s], which encoders need.
+    torque_limit, encoder_resolution, delay
+        What lies between controller and robot, as of :func:`psp3.simulate`: the step then limits
+        the forces, sees what encoders read, whose counts times the resolution it is given, and
+        returns the forces of ``delay`` steps before, to be put beside a plant that has none.
 
     Raises
     ------
     fuzzy2.errors.NotExportable
         If the controller has no table.
+    InvalidValue
+        If a limit or a period is not positive, or a resolution is negative.
     """
     if isinstance(thing, str | Path):
         if not str(thing).endswith(".json"):
@@ -77,8 +105,11 @@ def code_of(
     if not (hasattr(thing, "torque") and hasattr(thing, "reset")):
         return None
     exported = _exported(thing, robot)
+    wires = _wires(exported.widths, period, torque_limit, encoder_resolution, delay)
+    exported = exported._replace(wires=wires)
     prefix = "controller" if name is None else name
-    writer = CWriter(prefix, precision, _about(exported), UNROLLED)
+    unrolled = KINDS[type(exported.table)][2]
+    writer = CWriter(prefix, precision, _about(exported), unrolled)
     _add_functions(writer, exported)
     return writer.code()
 
@@ -92,10 +123,38 @@ def _exported(controller: Any, robot: Any) -> Exported:
     widths = widths_of(robot)
     controller.reset()
     table = controller.table(NO_MODEL, widths) if hasattr(controller, "table") else None
-    if table is None:
+    if type(table) not in KINDS:
         wanted = "a trained controller of the compiled loop, without a path or a model in Python"
         raise NotExportable(title, "its step is not compiled for this robot", wanted)
-    return Exported(controller, robot, table, widths)
+    return Exported(controller, robot, table, widths, _wires(widths, None, None, 0.0, 0))
+
+
+def _wires(
+    widths: Widths,
+    period: float | None,
+    torque_limit: ArrayLike | None,
+    encoder_resolution: ArrayLike,
+    delay: int,
+) -> kernels.Wires:
+    """Return what lies between controller and robot; arrays are empty where there is nothing."""
+    limit, resolution = np.empty(0), np.empty(0)
+    if torque_limit is not None:
+        limit = one_or_each("torque_limit", torque_limit, widths.motors)
+        if not (limit > 0.0).all():
+            raise InvalidValue("torque_limit", torque_limit, "positive")
+    read = one_or_each("encoder_resolution", encoder_resolution, widths.commanded)
+    if not (read >= 0.0).all():
+        raise InvalidValue("encoder_resolution", read.tolist(), "not negative")
+    if read.any():
+        if period is None:
+            wanted = "the control period in seconds, over which encoders take differences"
+            raise InvalidValue("period", period, wanted)
+        resolution = read
+    queue = np.zeros((checked_count("delay", delay, 0), widths.motors))
+    seconds = 0.0 if period is None else checked_positive("period", period)
+    calls = np.zeros(1 if resolution.size or queue.size else 0)
+    last = np.zeros(resolution.size)
+    return kernels.Wires(resolution, limit, queue, last, calls, seconds, is_guarded=False)
 
 
 def robot_of(controller: Any) -> Any:
@@ -109,36 +168,41 @@ def robot_of(controller: Any) -> Any:
 
 
 def _add_functions(writer: CWriter, exported: Exported) -> None:
-    table, (commanded, p, n, m) = exported.table, exported.widths
-    states, reset = _states(table)
-    mixed = Mixed("law", table, states)
-    known = Known("law", table)
-    controller = mixed if states else known
-    if reset is not None:
-        reference = Known("reference", _reference(table))
-        writer.add("reset", RESETS, reset, [controller, reference])
-    rest = [
+    table = exported.table
+    states, of_wires = _states(table), _states_of_wires(exported.wires)
+    wires = exported.wires._replace(is_guarded=bool(states or of_wires))
+    around = [
+        Mixed("law", table, states) if states else Known("law", table),
+        Mixed("wires", wires, of_wires) if of_wires else Known("wires", wires),
+        Known("reference", _reference(table)),
+    ]
+    reset, step, _ = KINDS[type(table)]
+    if states or of_wires:
+        writer.add("reset", RESETS, reset, around)
+    writer.add("step", STEPS, step, [*around, *_arguments(exported)], CODES)
+
+
+def _arguments(exported: Exported) -> list[Argument]:
+    """Return what a step is given, and what it writes."""
+    commanded, p, n, m = exported.widths
+    of_all = f"positions, speeds and accelerations of the first {commanded} coordinates"
+    arguments = [
         Argument("t", "time [s]"),
-        Argument("positions", f"of the coordinates, {_units(exported, '')}", p),
-        Argument("speeds", f"of the coordinates, {_units(exported, '/s')}", n),
+        Argument("positions", f"of the coordinates {_units(exported, '')}", p),
+        Argument("speeds", f"of the coordinates {_units(exported, '/s')}", n),
         Argument(
-            "desired",
-            f"positions, speeds and accelerations of the first {commanded} coordinates, all "
-            "positions first",
-            3 * commanded,
+            "desired", f"{of_all}: all positions, all speeds, all accelerations", 3 * commanded
         ),
-        Argument("torque", f"forces of the motors, {_force_units(exported)}", m, "out"),
+        Argument("torque", f"forces of the motors {_force_units(exported)}", m, "out"),
     ]
-    if isinstance(table, Classical):
-        writer.add("step", STEPS, kernels.step, [controller, *rest], CODES)
-        return
-    rest += [
+    if isinstance(exported.table, Classical):
+        return arguments
+    flags = f"whether the inputs were in the trained range; whether {_FELL}"
+    return [
+        *arguments,
         Argument("interval", _interval_words(exported), 2 * m, "out"),
-        Argument(
-            "flags", "1 where the inputs were in the trained range; 1 where " + _FELL, 2, "out"
-        ),
+        Argument("flags", flags, 2, "out"),
     ]
-    writer.add("step", STEPS, kernels.learned_step, [controller, *rest], CODES)
 
 
 RESETS = "Forget everything about earlier runs: call it once before the first step."
@@ -146,20 +210,49 @@ STEPS = "Write the forces of the motors for the next control period."
 _FELL = "what the rules said was of no use, and their average took its place"
 
 
-def _states(table: Any) -> tuple[dict[str, Argument], Any]:
-    """Return the arrays that are remembered, and what resets them; None if there are none."""
+def _states(table: Any) -> dict[str, Argument]:
+    """Return the arrays of a controller that are remembered."""
     states: dict[str, Argument] = {}
+    if isinstance(table, Adaptive | SlotineLi):
+        for name, array in table.memory._asdict().items():
+            states[f"memory.{name}"] = _state(name, _REMEMBERED[name], array)
+        return states
     if hasattr(table.model, "memory"):
-        states["model.memory"] = _state(
-            "pose", "last pose of the model, and room", table.model.memory
-        )
+        memory = table.model.memory
+        states["model.memory"] = _state("pose", "the model's last pose, and room for it", memory)
     if isinstance(table, Classical):
-        states |= {
-            "memory": _state("servo", "last error, its integral, feedback, zeros", table.memory),
-            "clock": _state("clock", "time of the last call; whether there was one", table.clock),
-        }
-        return states, kernels.reset_classical
-    return states, kernels.reset_learned if states else None
+        servo = "last error, its integral, feedback, zeros"
+        states["memory"] = _state("servo", servo, table.memory)
+        clock = "time of the last call, whether there was one"
+        states["clock"] = _state("clock", clock, table.clock)
+    return states
+
+
+_REMEMBERED = {
+    "clock": "time of the last call, whether there was one, and since the rules moved",
+    "last": "positions, speeds and forces of the last call",
+    "rows": "filtered rows of the least squares",
+    "residuals": "filtered forces that the trained rules miss",
+    "information": "matrix of the least squares",
+    "right": "right side of the least squares",
+    "factor": "room",
+    "trial": "room",
+    "gradient": "how the rules are about to move",
+    "delta": "how far the rules have moved",
+    "consequents": "of all rules as they are now",
+    "orders": "rules in the order of their consequents",
+}
+
+
+def _states_of_wires(wires: kernels.Wires) -> dict[str, Argument]:
+    """Return the arrays of what lies between that are remembered."""
+    words = {
+        "last": "positions that the encoders read last",
+        "queue": "forces on their way",
+        "calls": "whether there was a call",
+    }
+    arrays = ((name, getattr(wires, name), about) for name, about in words.items())
+    return {name: _state(name, about, array) for name, array, about in arrays if array.size}
 
 
 def _state(name: str, about: str, array: Array) -> Argument:
@@ -169,7 +262,7 @@ def _state(name: str, about: str, array: Array) -> Argument:
 
 def _reference(table: Any) -> Array:
     """Return the pose with which the memory of a model begins."""
-    if not hasattr(table.model, "memory"):
+    if not hasattr(getattr(table, "model", None), "memory"):
         return _NO_REFERENCE
     reference: Array = table.model.memory[: int(table.model.tree[AT_BEFORE])].copy()
     return reference

@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import CCode
-from psp3.export import controllers
+from psp3.export import controllers, robots
 
-KINDS: tuple[Callable[..., CCode | None], ...] = (controllers.code_of,)
+KINDS: tuple[Callable[..., CCode | None], ...] = (robots.code_of, controllers.code_of)
 """Each is asked for the code of a thing, with the name, the precision and what else was said, and
 returns None of things that are none of its.
 """
@@ -48,8 +48,9 @@ def export_c(
 
     Parameters
     ----------
-    thing : controller, or path
-        What to write, see :mod:`psp3.export.controllers`; or the file of a controller.
+    thing : robot, controller, or path
+        What to write, see :mod:`psp3.export.robots` and :mod:`psp3.export.controllers`; or the file
+        of a controller.
     path : path
         The folder that the files are written into.
     precision : {"double", "single"}

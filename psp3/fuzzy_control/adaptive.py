@@ -355,7 +355,7 @@ def trained_rules(controller: FuzzyComputedTorque, trust: float, reach: float) -
     system = controller.system_
     assert system.table is not None
     consequents = np.asarray(system.consequents, dtype=float)
-    trained = np.ascontiguousarray(np.repeat(consequents.T[:, np.newaxis], 2, axis=1))
+    trained = np.ascontiguousarray(np.repeat(consequents.T, 2, axis=0))
     count = len(system.rules)
     mass, weight = consequents[:, [0, 3, 5]].mean(), np.abs(consequents[:, 15:]).mean()
     # Entries that are off by no more than this make M smaller by three times as much at most, in
@@ -369,7 +369,7 @@ def trained_rules(controller: FuzzyComputedTorque, trust: float, reach: float) -
     prior = np.repeat([trust * (weight / mass) ** 2, trust], [6 * count, 3 * count])
     farthest = np.repeat([entries, reach * weight], [6 * count, 3 * count])
     return kernels.Rules(
-        system.table, np.ascontiguousarray(controller.ranges_), trained, prior, farthest
+        system.table, np.ascontiguousarray(controller.ranges_), trained, prior, farthest, -farthest
     )
 
 

@@ -3,8 +3,8 @@ r"""Compiled loops of adaptive fuzzy computed torque.
 One step of the controller, and whole runs of it.
 
 A rule base of type-1 or interval type-2 is ``table``, see ``fuzzy2.systems.kernels``, with
-consequents (18, 2, R): left and right ends of the estimated numbers, for every rule. Of them M and
-G adapt, n = 9 R parameters.
+consequents (36, R): left and right ends of the 18 estimated numbers in turn, for every rule. Of
+them M and G adapt, n = 9 R parameters.
 """
 
 from __future__ import annotations
@@ -53,8 +53,8 @@ class Rules(NamedTuple):
     """What was trained, and how far from it adaptation may go.
 
     ``table`` is the system's, as its kernels take it, ``ranges`` (2, 4) are the trained inputs'
-    ends, ``trained`` the consequents by output, end and rule, ``prior`` (n,) the weights of the
-    trained consequents and ``reach`` (n,) the farthest that they may go.
+    ends, ``trained`` the consequents, ``prior`` (n,) the weights of the trained consequents,
+    ``reach`` (n,) the farthest that they may go and ``least`` (n,) the same downward, negative.
     """
 
     table: Array
@@ -62,6 +62,7 @@ class Rules(NamedTuple):
     trained: Array
     prior: Array
     reach: Array
+    least: Array
 
 
 class Memory(NamedTuple):
@@ -97,9 +98,9 @@ class Adaptive(NamedTuple):
 
 def new_memory(trained: Array) -> Memory:
     """Return the memory of a controller that has not been called yet."""
-    rules = trained.shape[2]
+    rules = trained.shape[1]
     size = ADAPTED * rules
-    orders = np.tile(np.arange(rules, dtype=np.int64), (OUTPUTS, 2, 1))
+    orders = np.tile(np.arange(rules, dtype=np.int64), (2 * OUTPUTS, 1))
     square = np.zeros((2, size, size))
     return Memory(
         np.zeros(3),
@@ -145,7 +146,7 @@ def _inputs(ranges, heights, speeds, x):
 @compiled
 def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi):
     """Enter what the torque of the last period did into the least-squares problem."""
-    count = rules.trained.shape[2]
+    count = rules.trained.shape[1]
     middle, rise = np.empty(6), np.empty(3)
     for i in range(3):
         middle[i], middle[3 + i] = (
@@ -176,11 +177,10 @@ def _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi
             place = _place(j)
             total = 0.0
             for r in range(count):
-                total += (
-                    phi[j, 0, r] * rules.trained[j, 0, r] + phi[j, 1, r] * rules.trained[j, 1, r]
-                )
+                low, high = phi[2 * j, r], phi[2 * j + 1, r]
+                total += low * rules.trained[2 * j, r] + high * rules.trained[2 * j + 1, r]
                 if place >= 0:
-                    row[place * count + r] += blend * factor * 0.5 * (phi[j, 0, r] + phi[j, 1, r])
+                    row[place * count + r] += blend * factor * 0.5 * (low + high)
             trained += 0.5 * total * factor
         memory.residuals[i] += blend * (memory.last[6 + i] - trained - memory.residuals[i])
         add(memory.information, memory.right, row, memory.residuals[i], period)
@@ -198,21 +198,20 @@ def _update(settings, rules, memory):
         memory.information,
         memory.right,
         rules.prior,
-        -rules.reach,
+        rules.least,
         rules.reach,
         memory.factor,
         memory.trial,
         memory.delta,
     )
-    count = rules.trained.shape[2]
+    count = rules.trained.shape[1]
     for j in range(OUTPUTS):
         place = _place(j)
         if place >= 0:
             for r in range(count):
-                for end in range(2):
-                    memory.consequents[j, end, r] = (
-                        rules.trained[j, end, r] + memory.delta[place * count + r]
-                    )
+                moved = memory.delta[place * count + r]
+                memory.consequents[2 * j, r] = rules.trained[2 * j, r] + moved
+                memory.consequents[2 * j + 1, r] = rules.trained[2 * j + 1, r] + moved
 
 
 @compiled
@@ -220,9 +219,9 @@ def _estimate(phi, consequents, middle, spread):
     """Write middles and half-widths of the eighteen numbers."""
     for j in range(OUTPUTS):
         low, high = 0.0, 0.0
-        for r in range(consequents.shape[2]):
-            low += phi[j, 0, r] * consequents[j, 0, r]
-            high += phi[j, 1, r] * consequents[j, 1, r]
+        for r in range(consequents.shape[1]):
+            low += phi[2 * j, r] * consequents[2 * j, r]
+            high += phi[2 * j + 1, r] * consequents[2 * j + 1, r]
         middle[j], spread[j] = 0.5 * (low + high), max(0.5 * (high - low), 0.0)
 
 
@@ -250,14 +249,15 @@ def adaptive_step(
     if not math.isfinite(total):
         out[:] = math.nan
         return False
-    count = rules.trained.shape[2]
-    x, strengths, phi = np.empty(4), np.empty(2 * count), np.empty((OUTPUTS, 2, count))
+    count = rules.trained.shape[1]
+    x, strengths, phi = np.empty(4), np.empty(2 * count), np.empty((2 * OUTPUTS, count))
     period = t - memory.clock[TIME]
     if memory.clock[CALLED] > 0.0 and period > 0.0 and settings.memory > 0.0:
         _observe(settings, rules, memory, heights, speeds, period, x, strengths, phi)
         _update(settings, rules, memory)
     covered = _inputs(rules.ranges, heights, speeds, x)
-    middle, spread = np.full(OUTPUTS, math.nan), np.zeros(OUTPUTS)
+    middle, spread = np.empty(OUTPUTS), np.zeros(OUTPUTS)
+    middle[:] = math.nan
     fell_back = True
     if basis(rules.table, x, memory.consequents, memory.orders, strengths, phi):
         _estimate(phi, memory.consequents, middle, spread)

@@ -76,10 +76,11 @@ class Fuzzy(NamedTuple):
     inputs; ``fallback`` (K,) numbers used where an estimate cannot be; ``planes`` (2, L) levels
     and widths, see ``fuzzy2.systems.kernels.evaluate_planes``; ``system`` the fuzzy systems of all
     rule bases one after the other, see ``fuzzy2.systems.kernels``; ``moments`` middles and spreads
-    (2, R, m) of each, flat, see ``fuzzy2.systems.corollary_kernels.evaluate_corollary``, of that kind only.
-    ``inputs`` (2, p) are the places of each input in positions and speeds, and of what is
-    subtracted, or -1. ``bases`` is the number of rule bases, and of each ``BASE`` numbers, see
-    ``base_row``, the places of its inputs among all and those of its outputs among the numbers.
+    (2, R, m) of each, flat, of that kind only, see
+    ``fuzzy2.systems.corollary_kernels.evaluate_corollary``. ``inputs`` (2, p) are the places of
+    each input in positions and speeds, and of what is subtracted, or -1. ``bases`` is the number of
+    rule bases, and of each ``BASE`` numbers, see ``base_row``, the places of its inputs among all
+    and those of its outputs among the numbers.
     ``derived`` is what C is found from as M's derivative, see
     :mod:`psp3.fuzzy_control.christoffel_kernels`, or empty.
     """
@@ -507,7 +508,7 @@ def fuzzy_torque(
     """
     work = np.empty(_step_room(controller, positions.size))
     done: int = _learned_step(controller, positions, speeds, desired, added, work, out)
-    if done < 0:
+    if controller.outside == CRISP and done < 0:
         n = positions.size
         _exact_torque(model, positions, speeds, work[:n], added, out)
         out[3 * n + 1] = 0.0

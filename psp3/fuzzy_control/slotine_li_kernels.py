@@ -119,10 +119,10 @@ def _write_basis(rules, memory, x, phi):
         if not basis(
             table,
             asked,
-            memory.consequents[start:end].reshape(outputs, 2, count),
-            memory.orders[start:end].reshape(outputs, 2, count),
+            memory.consequents[start:end].reshape(2 * outputs, count),
+            memory.orders[start:end].reshape(2 * outputs, count),
             np.empty(2 * count),
-            phi[start:end].reshape(outputs, 2, count),
+            phi[start:end].reshape(2 * outputs, count),
         ):
             return False
         start = end
@@ -239,7 +239,9 @@ def slotine_li_step(
     covered = write_inputs(controller.inputs, controller.ranges, True, positions, speeds, x)
     sliding, v, w = np.empty(n), np.empty(n), np.empty(n)
     _write_errors(settings.slope, positions, speeds, desired, sliding, v, w)
-    middle, spread, phi = controller.fallback.copy(), np.zeros(count), np.empty(rules.trained.size)
+    middle, spread, phi = np.empty(count), np.zeros(count), np.empty(rules.trained.size)
+    for j in range(count):
+        middle[j] = controller.fallback[j]
     fires = _write_basis(rules, memory, x, phi)
     if fires:
         _estimate(rules, memory, phi, middle, spread)

@@ -84,6 +84,14 @@ one, branches lie so close to each other that Newton's method may take either, b
 different directions.
 """
 
+MOST_ATTEMPTS = 10_000
+"""A motion is given up after so many steps, good or not: of 0.3 each they are a way of 3 km, or
+500 turns.
+"""
+
+ALL_OF_THE_WAY = 1.0 - 1e-12
+"""A step to a larger share of the way goes all of it."""
+
 SMALLEST_STEP = 1e-6
 """A motion is given up where this share of the way is still too long a step."""
 
@@ -320,7 +328,6 @@ def _follow(tree, numbers, memory, group):
 
     The report gets the share of the way and the residual where that fails.
     """
-    report = tree[AT_REPORT]
     target = tree[AT_TARGET]
     closed = tree[AT_CLOSED]
     configuration = tree[AT_CONFIGURATION]
@@ -335,51 +342,53 @@ def _follow(tree, numbers, memory, group):
     is_square = tree[g + IS_SQUARE]
     tolerances = tree[AT_TOLERANCES] + GROUP_NUMBERS * group
     near = numbers[tolerances + 2]
-    done, step = 0.0, 1.0
-    while done < 1.0:
-        fastest = _speeds_along(tree, memory, group)
-        if fastest == 0.0:
-            return CLOSED
-        _remember(tree, memory, group)
-        # Beyond a fold, and on the other branch before it, the determinant has the other sign.
-        pivot = memory[signs + group]
-        # Near a singular pose what is left open moves joints by much: nothing is left but rounding.
-        enough = numbers[tolerances + 1] if abs(pivot) >= near else 0.0
-        good = False
-        while not good:
-            step = min(step, 1.0 - done, LARGEST_PREDICTED_STEP / fastest)
-            goal = 1.0 if done + step > 1.0 - 1e-12 else done + step
-            move(tree, memory, first, last, closed, along + column, column, goal - done)
-            for j in range(tree[g + GROUP_DRIVERS]):
-                driver = tree[first_driver + j]
-                start, end = memory[origin + driver], memory[target + driver]
-                # Exactly the positions asked for, at the end.
-                memory[configuration + tree[independent_q + driver]] = (
-                    end if goal == 1.0 else start + goal * (end - start)
-                )
-            most = LARGEST_CORRECTION * (goal - done) * fastest + SMALLEST_CORRECTION
-            good = (
-                newton(tree, numbers, memory, group, most, enough, pivot if is_square else 0.0)
-                == CLOSED
+    done, step, goal, fastest, pivot, enough, arrived = 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, True
+    for _ in range(MOST_ATTEMPTS):
+        if arrived:
+            fastest = _speeds_along(tree, memory, group)
+            if fastest == 0.0:
+                return CLOSED
+            _remember(tree, memory, group)
+            # Beyond a fold, and on the other branch before it, the determinant has the other sign.
+            pivot = memory[signs + group]
+            # Near a singular pose what is left open moves joints by much: nothing is left but
+            # rounding.
+            enough = numbers[tolerances + 1] if abs(pivot) >= near else 0.0
+        step = min(step, 1.0 - done, LARGEST_PREDICTED_STEP / fastest)
+        goal = 1.0 if done + step > ALL_OF_THE_WAY else done + step
+        move(tree, memory, first, last, closed, along + column, column, goal - done)
+        for j in range(tree[g + GROUP_DRIVERS]):
+            driver = tree[first_driver + j]
+            start, end = memory[origin + driver], memory[target + driver]
+            # Exactly the positions asked for, at the end.
+            memory[configuration + tree[independent_q + driver]] = (
+                end if goal == 1.0 else start + goal * (end - start)
             )
-            if good and abs(memory[signs + group]) < near:
-                good = not _is_bent(tree, memory, group, fastest)
-            if good and not is_square:
-                good = not _is_turned(tree, memory, group)
-            if not good:
-                step = 0.5 * (goal - done)
-                if step < SMALLEST_STEP:
-                    _open(tree, numbers, memory, group)
-                    memory[report] = done
-                    memory[report + 1] = residual_of(tree, numbers, memory, group)
-                    return OPEN
-        done, step = goal, 2.0 * (goal - done)
-    return CLOSED
+        most = LARGEST_CORRECTION * (goal - done) * fastest + SMALLEST_CORRECTION
+        sign = pivot if is_square else 0.0
+        arrived = newton(tree, numbers, memory, group, most, enough, sign) == CLOSED
+        if arrived and abs(memory[signs + group]) < near:
+            arrived = not _is_bent(tree, memory, group, fastest)
+        if arrived and not is_square:
+            arrived = not _is_turned(tree, memory, group)
+        if arrived:
+            if not goal < 1.0:
+                return CLOSED
+            done, step = goal, 2.0 * (goal - done)
+        else:
+            step = 0.5 * (goal - done)
+            if step < SMALLEST_STEP:
+                return _stopped(tree, numbers, memory, group, done)
+    return _stopped(tree, numbers, memory, group, done)
 
 
 @scalar
-def _open(tree, numbers, memory, group):
-    """Let only the independent joints of a group go on to the target, which opens its loops."""
+def _stopped(tree, numbers, memory, group, done):
+    """Let only the independent joints of a group go on to the target, which opens its loops.
+
+    Report the share of the way and the residual.
+    """
+    report = tree[AT_REPORT]
     target = tree[AT_TARGET]
     closed = tree[AT_CLOSED]
     configuration = tree[AT_CONFIGURATION]
@@ -398,6 +407,9 @@ def _open(tree, numbers, memory, group):
         tree[g + FIRST_MEMBER],
         tree[g + GROUP_INTEGERS + FIRST_MEMBER],
     )
+    memory[report] = done
+    memory[report + 1] = residual_of(tree, numbers, memory, group)
+    return OPEN
 
 
 @scalar

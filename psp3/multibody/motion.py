@@ -145,7 +145,7 @@ def _reach(tree, numbers, memory):
 
 
 @scalar
-def _is_finite(out, first, end):
+def is_finite(out, first, end):
     """Tell whether all numbers from the first to the end are finite."""
     finite = True
     for i in range(first, end):
@@ -154,7 +154,7 @@ def _is_finite(out, first, end):
 
 
 @scalar
-def _move_with(tree, memory, speeds):
+def move_with(tree, memory, speeds):
     """Give all joints and elements the velocities of independent speeds."""
     z, V = tree[AT_JOINT_SPEEDS], tree[AT_VELOCITIES]
     joint_speeds(tree, memory, speeds, z)
@@ -180,7 +180,7 @@ def balance(tree, numbers, memory, speeds, forces, out):
     n = tree[INDEPENDENT]
     for j in range(n):
         memory[out + j] = 0.0
-    _move_with(tree, memory, speeds)
+    move_with(tree, memory, speeds)
     _forces_of(tree, numbers, memory, out, out)
     for j in range(n):
         memory[out + j] = memory[forces + j] - memory[out + j]
@@ -251,17 +251,37 @@ def _differentiated(question, tree, numbers, memory, forces, out, into):
 
 
 @scalar
-def _write_frame(tree, memory, frames, row, out, into):
-    """Write the placement of a frame in the base, and how it moves with each independent speed."""
-    at, n, wide = FRAME_NUMBERS * row, tree[INDEPENDENT], 6 * (tree[ELEMENTS] + 1)
+def place_frame(tree, memory, frames, row, out, into):
+    """Write the placement of a frame in base axes, seen from where placements are seen from.
+
+    Return whether an element carries it.
+    """
+    at = FRAME_NUMBERS * row
     e = int(frames[at])
     if e < 0:
         for i in range(12):
             out[into + i] = frames[at + 1 + i]
+        return False
+    compose(memory, tree[AT_PLACEMENTS] + 12 * e, frames, at + 1, out, into)
+    return True
+
+
+@scalar
+def add_here(tree, memory, out, into):
+    """Add to a placement, of a frame that an element carries, where it is seen from."""
+    for i in range(3):
+        out[into + 9 + i] += memory[tree[AT_HERE] + i]
+
+
+@scalar
+def _write_frame(tree, memory, frames, row, out, into):
+    """Write the placement of a frame in the base, and how it moves with each independent speed."""
+    n, wide = tree[INDEPENDENT], 6 * (tree[ELEMENTS] + 1)
+    if not place_frame(tree, memory, frames, row, out, into):
         for i in range(12, 12 + 6 * n):
             out[into + i] = 0.0
         return
-    compose(memory, tree[AT_PLACEMENTS] + 12 * e, frames, at + 1, out, into)
+    e = int(frames[FRAME_NUMBERS * row])
     x, y, z = out[into + 9], out[into + 10], out[into + 11]
     for j in range(n):
         X, o = tree[AT_FIELDS] + wide * j + 6 * e, into + 12 + 6 * j
@@ -270,8 +290,7 @@ def _write_frame(tree, memory, frames, row, out, into):
         out[o + 1] = memory[X + 1] + wz * x - wx * z
         out[o + 2] = memory[X + 2] + wx * y - wy * x
         out[o + 3], out[o + 4], out[o + 5] = wx, wy, wz
-    for i in range(3):
-        out[into + 9 + i] += memory[tree[AT_HERE] + i]
+    add_here(tree, memory, out, into)
 
 
 @scalar
@@ -298,7 +317,7 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
             return SINGULAR
         _copy(memory, result, n, out, into)
         return CLOSED
-    _move_with(tree, memory, speeds)
+    move_with(tree, memory, speeds)
     if question == EQUATION_OF_MOTION:
         complement(tree, numbers, memory, 1.0)
         mass_matrix(tree, numbers, memory, tree[AT_MASS])
@@ -323,6 +342,20 @@ def _answer(question, tree, numbers, memory, second, third, row, out, into):
 
 
 @scalar
+def row_answered(question, tree, numbers, memory, second, third, row, out, width):
+    """Move to the target, and write a row of the answer there; return what became of it."""
+    outcome = _reach(tree, numbers, memory)
+    if outcome == CLOSED:
+        into = width * row
+        outcome = _answer(question, tree, numbers, memory, second, third, row, out, into)
+        if outcome == CLOSED and not is_finite(out, into, into + width):
+            outcome = NOT_FINITE
+    if outcome != CLOSED:
+        memory[tree[AT_REPORT] + 3] = float(outcome)
+    return outcome
+
+
+@scalar
 def derivatives(question: int, tree: Indices, numbers: Array, memory: Array, out: Array) -> int:
     """Write the derivatives that belong to the last answer; return what became of them.
 
@@ -335,12 +368,12 @@ def derivatives(question: int, tree: Indices, numbers: Array, memory: Array, out
     if question == FORWARD_DERIVATIVES:
         for j in range(n):
             memory[others + j] = memory[result + j]
-    _move_with(tree, memory, speeds)
+    move_with(tree, memory, speeds)
     complement(tree, numbers, memory, 1.0)
     mass_matrix(tree, numbers, memory, tree[AT_MASS])
     _forces_of(tree, numbers, memory, others, result)
     outcome: int = _differentiated(question, tree, numbers, memory, result, out, 0)
-    if outcome == CLOSED and not _is_finite(out, 0, out.shape[0]):
+    if outcome == CLOSED and not is_finite(out, 0, out.shape[0]):
         outcome = NOT_FINITE
     memory[tree[AT_REPORT] + 3] = float(outcome)
     return outcome
@@ -394,14 +427,7 @@ def answer(
         if row > 0 and is_path == 0 and (not near or row % BLOCK == 0):
             start_from(tree, reference, memory)
             anchor = row
-        outcome = _reach(tree, numbers, memory)
-        if outcome == CLOSED:
-            into = width * row
-            outcome = _answer(question, tree, numbers, memory, second, third, row, out, into)
-            if outcome == CLOSED and not _is_finite(out, into, into + width):
-                outcome = NOT_FINITE
-        if outcome != CLOSED:
-            memory[tree[AT_REPORT] + 3] = float(outcome)
+        if row_answered(question, tree, numbers, memory, second, third, row, out, width) != CLOSED:
             return row
     return -1
 
@@ -425,10 +451,10 @@ def forces_of_motion(tree, numbers, memory, positions, speeds, accelerations, ou
     _take(tree, memory, speeds, 0, at)
     _take(tree, memory, accelerations, 0, others)
     weigh(tree, numbers, memory)
-    _move_with(tree, memory, at)
+    move_with(tree, memory, at)
     _forces_of(tree, numbers, memory, others, result)
     _copy(memory, result, n, out, 0)
-    return _is_finite(out, 0, n)
+    return is_finite(out, 0, n)
 
 
 @scalar

@@ -1132,13 +1132,23 @@ class ClosedLoopRobot:
         placement[..., :3, 3], placement[..., 3, 3] = found[..., 9:12], 1.0
         return placement
 
+    def frame_table(self, frame: str) -> Array:
+        """Return a frame as compiled code takes it, (13,): its element, rotation and position.
+
+        Raises
+        ------
+        UnknownName
+            If the model has no such frame.
+        """
+        known = self.model.frames[frame_number(self.model, frame)]
+        return self._core.frame(known.parentJoint, known.placement)
+
     def _ask_of_frame(self, positions: ArrayLike, frame: str) -> Array:
         """Return placement and Jacobian of a frame as the core writes them, (..., 12 + 6n)."""
-        known = self.model.frames[frame_number(self.model, frame)]
         given = finite_rows("positions", positions, self._position_count)
         rows = given.reshape(-1, self._position_count)
         out = np.empty((len(rows), 12 + 6 * self._speed_count))
-        numbers = np.tile(self._core.frame(known.parentJoint, known.placement), (len(rows), 1))
+        numbers = np.tile(self.frame_table(frame), (len(rows), 1))
         try:
             self._core.ask(FRAME, rows, np.zeros((len(rows), self._speed_count)), numbers, out)
         except NoAnswer as failed:

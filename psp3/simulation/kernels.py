@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, scalar
 from psp3.checks import Array, Indices
 from psp3.control.controller import steer
 from psp3.dynamics.compiled_robot import advance
@@ -49,6 +49,33 @@ class Track(NamedTuple):
     wrote: Array
 
 
+@scalar
+def read_encoders(
+    resolutions: Array,
+    last: Array,
+    is_first: bool,
+    period: float,
+    positions: Array,
+    speeds: Array,
+) -> None:
+    """Turn what is there into what encoders read: counts, and speeds as their differences.
+
+    Of the first coordinates, one a resolution; ``last`` are the positions that were read before.
+    """
+    for i in range(resolutions.size):
+        resolution = resolutions[i]
+        if resolution > 0.0:
+            positions[i] = resolution * math.floor(positions[i] / resolution + 0.5)
+            speeds[i] = 0.0 if is_first else (positions[i] - last[i]) / period
+            last[i] = positions[i]
+
+
+@scalar
+def limited(force: float, limit: float) -> float:
+    """Return a force that is no larger than a limit."""
+    return min(max(force, -limit), limit)
+
+
 @compiled
 def run(
     controller: Any,
@@ -80,17 +107,12 @@ def run(
             states[k, i] = seen[i] = state[i]
             if is_noisy:
                 seen[i] += noise[k, i]
-        for i in range(resolutions.size):
-            resolution = resolutions[i]
-            if resolution > 0.0:
-                positions[i] = resolution * math.floor(positions[i] / resolution + 0.5)
-                speeds[i] = (positions[i] - last[i]) / period if k > 0 else 0.0
-                last[i] = positions[i]
+        read_encoders(resolutions, last, k == 0, period, positions, speeds)
         if not steer(controller, k, times[k], positions, speeds, wanted[k], wrote[k]):
             ending[0] = NO_FORCE
             return k
         for i in range(limit.size):
-            asked[k, i] = min(max(wrote[k, i], -limit[i]), limit[i])
+            asked[k, i] = limited(wrote[k, i], limit[i])
             applied[k, i] = asked[max(k - delay, 0), i]
         if k + 1 < count:
             if not advance(robot, state, applied[k], period / steps, steps, drives):

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from psp3.checks import Array, as_floats, checked_count, checked_positive, one_row
+from psp3.checks import Array, checked_count, checked_positive, one_or_each, one_row
 from psp3.collisions.motion import check_clearance
 from psp3.control.controller import Controller, widths_of
 from psp3.errors import InvalidTorque, InvalidValue, SimulationDiverged
@@ -116,10 +116,10 @@ def simulate(
         raise InvalidValue("duration", duration, f"at least one period of {period} s")
     _check_feedback(robot, controller)
     m, k = len(robot.actuated), robot.commanded
-    limit = None if torque_limit is None else _one_or_each("torque_limit", torque_limit, m)
+    limit = None if torque_limit is None else one_or_each("torque_limit", torque_limit, m)
     if limit is not None and not (limit > 0.0).all():
         raise InvalidValue("torque_limit", torque_limit, f"one positive number or {m}")
-    resolution = _one_or_each("encoder_resolution", encoder_resolution, k)
+    resolution = one_or_each("encoder_resolution", encoder_resolution, k)
     if not (resolution >= 0.0).all():
         raise InvalidValue("encoder_resolution", resolution.tolist(), "not negative")
     delay = checked_count("delay", delay, 0)
@@ -309,11 +309,3 @@ def _finite_row(values: object, width: int) -> Array | None:
         return array if array.shape == (width,) and math.isfinite(sum(array.tolist())) else None
     except (TypeError, ValueError):
         return None
-
-
-def _one_or_each(name: str, values: ArrayLike, joints: int) -> Array:
-    """Return one number, or one for each joint, as (n,)."""
-    array = as_floats(name, values, f"() or ({joints},)")
-    if np.shape(values) not in ((), (joints,)) or not np.isfinite(array).all():
-        raise InvalidValue(name, values, f"one finite number or {joints}")
-    return np.array(np.broadcast_to(array, joints))

@@ -41,6 +41,17 @@ from psp3.three_psp.geometry import LARGEST_TIP_SLOPE
 
 HALF_SQRT3 = 0.8660254037844386
 
+MOST_TIP_STEPS = 1000
+"""The tip's inverse kinematics is given up after so many steps along the ray; near its fold it
+takes some sixty.
+"""
+
+SMALLEST_TIP_STEP = 1e-9
+"""A point of the tip is beyond the fold where this share of the ray is still too long a step."""
+
+TIP_ROUNDING = 1e-16
+"""Rounding of the tip's position, per meter of radius and tool."""
+
 # Columns of the parameter array, see Parameters.as_array.
 (
     RADIUS,
@@ -640,8 +651,8 @@ def tip_slope(x: float, y: float, d: float, h: float) -> tuple[float, float]:
     it leaves the branch.
     """
     u, v, done, step = 0.0, 0.0, 0.0, 1.0
-    tiny = 1e-16 * (d + h)
-    while done < 1.0:
+    tiny = TIP_ROUNDING * (d + h)
+    for _ in range(MOST_TIP_STEPS):
         goal = min(1.0, done + step)
         nu, nv = u, v
         good = False
@@ -664,11 +675,13 @@ def tip_slope(x: float, y: float, d: float, h: float) -> tuple[float, float]:
         if good:
             u, v, done = nu, nv, goal
             step = 2.0 * step
+            if not done < 1.0:
+                return u, v
         else:
             step = 0.5 * step if done + step < 1.0 else 0.5 * (1.0 - done)
-            if step < 1e-9:
+            if step < SMALLEST_TIP_STEP:
                 return math.nan, math.nan
-    return u, v
+    return math.nan, math.nan
 
 
 @compiled

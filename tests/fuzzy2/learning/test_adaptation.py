@@ -151,15 +151,18 @@ def test_basis_functions_make_the_ends_of_the_system(seed: int, intervals: bool)
     consequents[2] = consequents[4]
     system = IntervalType2System(system.inputs, system.rules, consequents)
     ends = np.stack([consequents, consequents], axis=-1) if consequents.ndim == 2 else consequents
-    by_output = np.ascontiguousarray(np.moveaxis(ends, 0, -1))
-    orders = np.tile(rng.permutation(6), (3, 2, 1))
-    phi, strengths = np.empty((3, 2, 6)), np.empty(12)
+    by_output = np.moveaxis(ends, 0, -1).reshape(6, 6)
+    orders = np.tile(rng.permutation(6), (6, 1))
+    phi, strengths = np.empty((6, 6)), np.empty(12)
     assert system.table is not None
     for x in rng.uniform(-4.0, 4.0, (5, 2)):
         assert basis(system.table, x, by_output, orders, strengths, phi)
         np.testing.assert_allclose(phi.sum(axis=-1), 1.0, rtol=1e-14)
         np.testing.assert_allclose(
-            (phi * by_output).sum(axis=-1), system.type_reduced(x), rtol=0.0, atol=1e-13
+            (phi * by_output).sum(axis=-1).reshape(3, 2),
+            system.type_reduced(x),
+            rtol=0.0,
+            atol=1e-13,
         )
         assert (np.diff(np.take_along_axis(by_output, orders, axis=-1), axis=-1) >= 0.0).all()
 

@@ -1,0 +1,164 @@
+"""A controller in C, called from Python, and the compiled step that it is compared with."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fuzzy2.export.c_code import CCode
+from psp3.checks import Array
+from psp3.control.controller import steer, widths_of
+from psp3.export.face import c_code
+from psp3.multibody.tree import AT_BEFORE
+from psp3.trajectories.motion import Motion
+
+STRICT = ["-std=c99", "-O2", "-ffp-contract=off", "-Wall", "-Wextra", "-Wpedantic"]
+STRICT += ["-Wconversion", "-Werror"]
+COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
+
+
+def compile_c(code: CCode, folder: Path, compiler: str, *options: str) -> Path:
+    """Compile exported code without a warning, to a shared library."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _, source = code.write(folder)
+    library = folder / f"{code.name}_{compiler}.so"
+    command = [compiler, *STRICT, *options, "-shared", "-fPIC", "-o", str(library), str(source)]
+    done = subprocess.run([*command, "-lm"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr[:2000]
+    return library
+
+
+class ControllerInC:
+    """A controller whose steps are those of its C code; the simulation takes it, too.
+
+    Parameters
+    ----------
+    controller : controller
+        What is written in C.
+    folder : Path
+        Where it is written and compiled.
+    compiler : str
+        By what.
+    **options
+        As of :func:`psp3.export_c`.
+    """
+
+    def __init__(
+        self, controller: Any, folder: Path, compiler: str = "gcc", **options: Any
+    ) -> None:
+        self.code = c_code(controller, **options)
+        library = ctypes.CDLL(str(compile_c(self.code, folder, compiler)))
+        self.item = ctypes.c_double if self.code.precision.name == "double" else ctypes.c_float
+        self._kind = np.float64 if self.item is ctypes.c_double else np.float32
+        self._functions = {
+            function.name.removeprefix(f"{self.code.name}_"): function
+            for function in self.code.functions
+        }
+        self._called = {
+            name: getattr(library, function.name) for name, function in self._functions.items()
+        }
+        states = {
+            argument.name: argument
+            for function in self.code.functions
+            for argument in function.arguments
+            if argument.role == "state"
+        }
+        kinds = [
+            (name, (ctypes.c_int if state.is_whole else self.item) * (state.size or 1))
+            for name, state in states.items()
+        ]
+        self.state = type("State", (ctypes.Structure,), {"_fields_": kinds})()
+        self.outputs = [a.size or 1 for a in self._functions["step"].visible if a.role == "out"]
+        self.reset()
+
+    def reset(self) -> None:
+        """Begin a run; before, the struct holds whatever memory holds."""
+        ctypes.memset(ctypes.byref(self.state), 0xA5, ctypes.sizeof(self.state))
+        if "reset" in self._called:
+            self._called["reset"](ctypes.byref(self.state))
+
+    def step(self, t: float, *rows: Array) -> tuple[bool, Array]:
+        """Return what a step returns, and all numbers that it writes, forces first."""
+        given = [np.array(row, dtype=self._kind) for row in rows]
+        out = [np.full(size, -7.0, dtype=self._kind) for size in self.outputs]
+        pointers = [a.ctypes.data_as(ctypes.POINTER(self.item)) for a in (*given, *out)]
+        state = [ctypes.byref(self.state)] if self._functions["step"].has_state else []
+        done = self._called["step"](*state, self.item(t), *pointers)
+        assert done in (0, 1)
+        return bool(done), np.concatenate(out)
+
+    def torque(self, t: float, positions: Array, speeds: Array, desired: Motion) -> Array:
+        """Return the forces, as the simulation asks for them."""
+        _, out = self.step(t, positions, speeds, np.concatenate(desired[:3]))
+        return out[: self.outputs[0]]
+
+
+class CompiledStep:
+    """The compiled loop's own step of a controller, and its memory.
+
+    Numbers that are not finite never reach a controller that remembers; and where a model could not
+    follow it starts from its reference in the next step. Both are promised of the C code, and are
+    written out here once more.
+    """
+
+    def __init__(self, controller: Any, robot: Any) -> None:
+        controller.reset()
+        self.table = controller.table(robot.compiled_table(), widths_of(robot))
+        self._body: Any = steer.bodies[type(self.table)]
+        self._width = len(robot.actuated) + controller.numbers_said
+        model = getattr(self.table, "model", None)
+        self._memory = getattr(model, "memory", None)
+        self.remembers = hasattr(self.table, "memory") or self._memory is not None
+        if self._memory is not None and model is not None:
+            self._reference = self._memory[: int(model.tree[AT_BEFORE])].copy()
+
+    def step(self, t: float, *rows: Array) -> tuple[bool, Array]:
+        """Return as :meth:`ControllerInC.step`."""
+        out = np.full(self._width, np.nan)
+        if self.remembers and not np.isfinite([t, *np.concatenate(rows)]).all():
+            return False, out
+        done = bool(self._body(self.table, 0, t, *rows, out))
+        if self._memory is not None and not done:
+            self._memory[: len(self._reference)] = self._reference
+        return done, out
+
+
+def states(robot: Any, count: int, spread: float, seed: int = 0) -> list[tuple[Any, ...]]:
+    """Return times, positions, speeds and desired motions about the reference pose.
+
+    Some poses are far out of reach, and some numbers are not finite.
+    """
+    rng = np.random.default_rng(seed)
+    k, p, n, _ = widths_of(robot)
+    home, found = np.array(robot.reference), []
+    for i in range(count):
+        positions = home + rng.normal(0.0, spread, p)
+        speeds, desired = rng.normal(0.0, 10.0 * spread, n), rng.normal(0.0, 10.0 * spread, 3 * k)
+        desired[:k] = home[:k] + 0.1 * desired[:k]
+        if i % 29 == 11:
+            positions[rng.integers(p)] += rng.choice([-1.0, 1.0]) * 100.0 * spread
+        if i % 41 == 17:
+            bad = (positions, speeds, desired)[rng.integers(3)]
+            bad[rng.integers(len(bad))] = rng.choice([np.nan, np.inf, -np.inf])
+        found.append((0.002 * i, positions, speeds, desired))
+    return found
+
+
+def different(one: Any, other: Any, rows: list[tuple[Any, ...]]) -> list[int]:
+    """Return the steps in which the two differ: in what they return, or in any bit but NaN's."""
+    found = []
+    for i, row in enumerate(rows):
+        (done, numbers), (expected, right) = one.step(*row), other.step(*row)
+        known = ~np.isnan(right)
+        if (
+            done != expected
+            or (np.isnan(numbers) == known).any()
+            or numbers[known].tobytes() != right[known].tobytes()
+        ):
+            found.append(i)
+    return found

@@ -1,0 +1,312 @@
+"""Robots in C answer as the core does: every number to the last bit, refusals and NaN alike.
+
+Both sides run the same operations in the same order, and the C library is the same, so nothing may
+differ. How many states are asked stands in the environment, ``EXPORT_STATES``: a thousand, or ten
+thousand before a release.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import psp3
+from fuzzy2.errors import NotExportable
+from psp3.errors import InvalidValue, UnknownName
+from psp3.export.face import c_code
+from psp3.export.robots import FUNCTIONS
+from psp3.kinematics.task_driven import TaskDrivenRobot
+from psp3.multibody import motion
+from psp3.multibody.closing import MOST_ATTEMPTS, MOST_ITERATIONS
+from psp3.multibody.core import Core
+from psp3.multibody.tree import AT_BEFORE, AT_REPORT
+from psp3.robots.closed_loop_robot import ClosedLoopRobot
+from psp3.robots.stepping import DrivenTables, forces_of_all, forces_of_first
+from tests.c_code import COMPILERS, Library, checked_at_run_time, compiled, same
+from tests.helpers import Array
+from tests.psp3.export.robots_of_all_kinds import MAKERS, States, some_frames
+
+STATES = int(os.environ.get("EXPORT_STATES", "1000"))
+
+pytestmark = pytest.mark.slow
+
+
+class Beside:
+    """A robot's core beside its C code, each with a memory of its own."""
+
+    def __init__(self, robot: Any, library: Library, frames: list[str]) -> None:
+        self.robot, self.library, self.core = robot, library, robot._core
+        self.last = self.core.last_pose()
+        self.n, self.nq = len(robot.coordinates_v), robot.model.nq
+        self.frames = [(frame, re.sub(r"\W", "_", frame)) for frame in frames]
+        self.table = robot.compiled_table()
+        tree = self.core.tree
+        self.pose, self.report = int(tree[AT_BEFORE]), int(tree[AT_REPORT])
+
+    def reset(self) -> None:
+        """Begin with the reference pose on both sides."""
+        self.library.call("reset")
+        self.last.forget()
+
+    def differences(self, q: Array, v: Array, a: Array) -> list[str]:
+        """Return the functions that answer otherwise."""
+        n, still = self.n, np.zeros(self.n)
+        square = 2 * n * n + n
+        asked: list[tuple[str, int, int, tuple[Any, Any], tuple[Any, ...], Any]] = [
+            ("inverse_dynamics", motion.INVERSE_DYNAMICS, n, (v, a), (v, a), slice(None)),
+            ("forward_dynamics", motion.FORWARD_DYNAMICS, n, (v, a), (v, a), slice(None)),
+            ("configuration", motion.CONFIGURATION, self.nq, (v, a), (), slice(None)),
+            ("equation_of_motion", motion.EQUATION_OF_MOTION, square, (v, v), (v,), slice(None)),
+            ("mass_matrix", motion.EQUATION_OF_MOTION, square, (still,) * 2, (), slice(n * n)),
+        ]
+        columns = np.arange(6 * n).reshape(n, 6).T.ravel()
+        for frame, prefix in self.frames:
+            numbers = (still, self.robot.frame_table(frame))
+            for what, part in (("placement", slice(12)), ("jacobian", 12 + columns)):
+                asked.append((f"{prefix}_{what}", motion.FRAME, 12 + 6 * n, numbers, (), part))
+        found = []
+        for name, question, width, others, arguments, part in asked:
+            out = np.empty(width)
+            is_answered = self.core.ask_one(question, q, *others, out, self.last)
+            right = 0 if is_answered else int(self.last.memory[self.report + 3])
+            code, written = self.library.call(name, q, *arguments)
+            if not self._is_right(code, np.concatenate(written), right, out[part]):
+                found.append(f"{name}: {code}, and {right}")
+        if isinstance(self.table, DrivenTables):
+            found += self._motors(q, v, a)
+        return found
+
+    def _is_right(self, code: int, written: Array, right: int, out: Array) -> bool:
+        memory, report = self.library.part("memory"), self.library.part("report")
+        if code != right:
+            return False
+        if code == 0:
+            remembered = same(memory[: self.pose], self.last.memory[: self.pose])
+            return remembered and same(written, out)
+        open_by = self.last.memory[self.report : self.report + 3]
+        return bool(np.isnan(written).all()) and (code != 1 or same(report, open_by))
+
+    def _motors(self, q: Array, v: Array, a: Array) -> list[str]:
+        """Compare the motors' forces with those that compiled loops tell the motors."""
+        commanded, forces = self.robot.commanded, np.empty(len(self.robot.actuated))
+        table, memory = self.table, self.library.part("memory")
+        start = memory if self.library.part("closed")[0] == 1 else self.core._reference
+        table.memory[: self.pose] = start[: self.pose]
+        asked, kernel = (a, forces_of_all)
+        if commanded < self.n:
+            asked, kernel = a[:commanded].copy(), forces_of_first
+        is_done = kernel(table, q, v, asked, forces)
+        code, (written,) = self.library.call("actuator_forces", q, v, asked)
+        # The core has not been asked, and goes on from where the code is.
+        self.last.memory[: self.pose] = memory[: self.pose]
+        self.last.is_closed = int(self.library.part("closed")[0])
+        right = same(written, forces) if is_done else bool(np.isnan(written).all())
+        return [] if right and (code == 0) == is_done else [f"actuator_forces: {code}"]
+
+
+@pytest.mark.parametrize("name", MAKERS)
+def test_every_number_is_the_same(name: str, tmp_path: Path) -> None:
+    robot = MAKERS[name](tmp_path)
+    frames = some_frames(robot)
+    code = c_code(robot, name=name, frames=frames)
+    beside = Beside(robot, Library(code, compiled(code, tmp_path)), frames)
+    states, codes = States(robot), set()
+    for count in range(STATES):
+        if count % 5 == 0:
+            beside.reset()
+        q, v, a = states.next()
+        assert not beside.differences(q, v, a), (count, q, v, a)
+        codes.add(beside.library.call("configuration", q)[0])
+        beside.reset()
+    # Some of the states are none.
+    assert 0 in codes
+    assert codes != {0}
+
+
+@pytest.mark.parametrize("compiler", COMPILERS)
+@pytest.mark.parametrize("name", ["five_bar", "delta", "biped", "agile_eye"])
+def test_what_is_known_at_run_time_is_right(name: str, compiler: str, tmp_path: Path) -> None:
+    """No address that is not its own, nothing undefined, with all warnings as errors."""
+    robot = MAKERS[name](tmp_path)
+    code = c_code(robot, frames=some_frames(robot))
+    checked_at_run_time(code, tmp_path, compiler, {"positions": robot.reference})
+
+
+def test_the_functions_of_the_class_are_the_same(tmp_path: Path) -> None:
+    """What users call in Python, with the last pose as guess, and without."""
+    robot, rng = psp3.load("delta"), np.random.default_rng(3)
+    code = psp3.export_c(robot, tmp_path, frames=["tip"], name="delta")
+    library, last = Library(code, compiled(code, tmp_path)), robot.last_pose()
+    assert (tmp_path / "delta.c").read_text(encoding="utf-8") == code.source
+    library.call("reset")
+    for _ in range(50):
+        q = robot.reference + 0.05 * rng.normal(size=3)
+        v, a = rng.normal(size=3), rng.normal(size=3)
+        _, (forces,) = library.call("inverse_dynamics", q, v, a)
+        assert same(forces, robot.inverse_dynamics(q, v, a, guess=last))
+        library.call("reset")
+        assert same(library.call("mass_matrix", q)[1][0], robot.mass_matrix(q))
+        library.call("reset")
+        _, (placement,) = library.call("tip_placement", q)
+        right = robot.frame_placement(q, "tip")
+        assert same(placement, np.concatenate([right[:3, :3].ravel(), right[:3, 3]]))
+        library.call("reset")
+        _, (jacobian,) = library.call("tip_jacobian", q)
+        assert same(jacobian, robot.frame_jacobian(q, "tip"))
+        library.call("reset")
+        library.call("inverse_dynamics", q, v, a)
+        last.forget()
+        robot.inverse_dynamics(q, v, a, guess=last)
+
+
+def test_motors_get_the_forces_that_python_says(tmp_path: Path) -> None:
+    """Of least norm: NumPy's pseudo-inverse, to rounding of matrices whose condition is below 1e3.
+
+    Forces are some N, so 1e-9 N is a thousand times what rounding makes of them.
+    """
+    robot, rng = psp3.load("planar_4rrr"), np.random.default_rng(4)
+    code = c_code(robot, name="planar_4rrr")
+    library = Library(code, compiled(code, tmp_path))
+    for _ in range(50):
+        q = robot.reference + 0.05 * rng.normal(size=robot.reference.size)
+        v, a = rng.normal(size=q.size), rng.normal(size=q.size)
+        library.call("reset")
+        done, (forces,) = library.call("actuator_forces", q, v, a)
+        assert done == 0
+        right = robot.actuator_forces(q, v, a)
+        np.testing.assert_allclose(forces, right, rtol=1e-9, atol=1e-9)
+
+
+def test_the_same_functions_run_in_python(tmp_path: Path) -> None:
+    """Whoever writes cases for the code has the right values there."""
+    robot = psp3.load("five_bar")
+    code = c_code(robot, name="five_bar", frames=["tip"])
+    library, rng = Library(code, compiled(code, tmp_path)), np.random.default_rng(0)
+    parts = {part.name: part for one in code.functions for part in one.arguments}
+    state = [
+        np.zeros(int(part.size or 1), dtype=np.int64 if part.is_whole else float)
+        for part in parts.values()
+        if part.role == "state"
+    ]
+    code.functions[0].in_python(*state)
+    library.call("reset")
+    for function in code.functions[1:]:
+        given = [
+            (robot.reference if one.name == "positions" else 0.0) + 0.1 * rng.normal(size=one.size)
+            for one in function.visible
+            if one.role == "in"
+        ]
+        out = [np.zeros(int(one.size or 1)) for one in function.visible if one.role == "out"]
+        became = function.in_python(*state, *given, *out)
+        name = function.name.removeprefix("five_bar_")
+        right, written = library.call(name, *given)
+        assert became == right == 0
+        assert same(np.concatenate(written), np.concatenate(out)), name
+
+
+def test_no_loop_is_without_a_bound(tmp_path: Path) -> None:
+    """Every loop counts, to a number or to an entry of a table."""
+    for name in ("five_bar", "gripper"):
+        code = c_code(MAKERS[name](tmp_path))
+        assert "while" not in re.sub(r"/\*.*?\*/", "", code.source, flags=re.S)
+        heads = re.findall(r"for \((.*)\) \{", code.source)
+        assert heads
+        for head in heads:
+            assert re.fullmatch(
+                r"(\w+) = [^;]+; \1 [<>] [\w\[\]., +*-]+; \1(\+\+|--| [+-]= \d+)", head
+            ), head
+
+
+def test_fewer_attempts_end_sooner_and_say_how_far_they_came(tmp_path: Path) -> None:
+    robot = psp3.load("five_bar")
+    code = c_code(robot, name="five_bar", most_attempts=1)
+    assert f"no call takes more than {MOST_ITERATIONS} of them" in code.header
+    library = Library(code, compiled(code, tmp_path))
+    library.call("reset")
+    near, far = robot.reference + 0.1, robot.reference + np.array([0.5, 0.4])
+    done, (q,) = library.call("configuration", near)
+    assert done == 0
+    assert same(q, robot.configuration(near))
+    done, (q,) = library.call("configuration", far)
+    assert done == 1
+    assert np.isnan(q).all()
+    share, residual, group = library.part("report")
+    assert 0.0 < share < 1.0
+    assert residual > 1e-3
+    assert group == 0.0
+    # It begins with the reference pose again.
+    assert library.call("configuration", near)[0] == 0
+    assert f"{MOST_ATTEMPTS} parts of the way" in c_code(robot).header
+    with pytest.raises(InvalidValue, match="most_attempts"):
+        c_code(robot, most_attempts=0)
+
+
+def test_what_is_not_asked_for_takes_no_memory(tmp_path: Path) -> None:
+    """Numbers in the struct of the 6-UPS: 853 of the pose, and what comes and goes."""
+    robot, sizes = psp3.load("gough_stewart"), []
+    q, zeros = robot.reference + 0.01, np.zeros(6)
+    some = (["configuration"], ["inverse_dynamics"], ["forward_dynamics"], None)
+    for count, functions in enumerate(some):
+        code = c_code(robot, name=f"g{count}", functions=functions)
+        library = Library(code, compiled(code, tmp_path))
+        sizes.append(library.part("memory").size)
+        library.call("reset")
+        if functions is None or functions == ["inverse_dynamics"]:
+            _, (forces,) = library.call("inverse_dynamics", q, zeros, zeros)
+            assert same(forces, robot.inverse_dynamics(q, zeros, zeros))
+    assert sizes == sorted(sizes)
+    assert sizes[1] < 0.4 * robot._core.size
+    assert [one.name for one in c_code(robot, functions=["configuration"]).functions] == [
+        "gough_stewart_reset",
+        "gough_stewart_configuration",
+    ]
+
+
+def test_the_header_says_what_stands_where() -> None:
+    robot = psp3.load("biped")
+    header = c_code(robot, frames=["tip"] if robot.model.existFrame("tip") else []).header
+    for name in (*robot.coordinates, *robot.actuated, *list(robot.model.names)[1:]):
+        assert name in header
+    assert "free fall is (0.0, 0.0, -9.81) m/s²" in header
+    assert "quaternion (x, y, z, w)" in header
+    assert f"written by psp3 {psp3.__version__}" in header
+    assert re.search(r"\b[0-9a-f]{16} is its hash", header)
+    for code in range(6):
+        assert re.search(rf"^ \* {code}  ", header, re.M), code
+
+
+def test_gravity_is_that_of_the_model(tmp_path: Path) -> None:
+    robot = psp3.load("five_bar")
+    robot.model.gravity.linear = np.array([1.0, 2.0, 3.0])
+    code = c_code(robot, name="five_bar")
+    library, zeros = Library(code, compiled(code, tmp_path)), np.zeros(2)
+    library.call("reset")
+    robot.model.gravity.linear = np.array([1.0, 2.0, 3.0])
+    _, (forces,) = library.call("inverse_dynamics", robot.reference, zeros, zeros)
+    assert same(forces, robot.inverse_dynamics(robot.reference, zeros, zeros))
+
+
+def test_what_cannot_be_written_is_refused() -> None:
+    class Heavier(ClosedLoopRobot):
+        """A robot with dynamics of its own."""
+
+    robot = psp3.load("five_bar")
+    heavier = Heavier(robot.model, robot.constraint_models, robot.actuated, robot.q0)
+    for thing in (heavier, TaskDrivenRobot(robot, "tip", ("x", "z"))):
+        with pytest.raises(NotExportable, match="of the same parts"):
+            c_code(thing)
+    with pytest.raises(UnknownName, match="frame"):
+        c_code(robot, frames=["nose"])
+    with pytest.raises(UnknownName, match="inverse_dynamics"):
+        c_code(robot, functions=["dynamics"])
+    with pytest.raises(InvalidValue, match="functions"):
+        c_code(robot, functions=[])
+    with pytest.raises(NotExportable, match="another one is tip in C"):
+        c_code(robot, frames=["tip", "tip"])
+    assert set(FUNCTIONS) >= {"inverse_dynamics", "jacobian"}
+    assert isinstance(robot._core, Core)
