@@ -372,20 +372,28 @@ def test_robot_whose_base_floats(plant: Any) -> None:
     assert units["speed_root_6"] == "rad/s"
 
 
-def learned() -> Any:
+def learned(kind: str = "it2", **options: Any) -> Any:
     helix = psp3.trajectories.Helix()
     robot = psp3.load("psp3")
-    return psp3.FuzzyComputedTorque("it2", robot, kp=100.0, kv=20.0, snr_db=20.0).fit(helix)
+    made = psp3.FuzzyComputedTorque(kind, robot, kp=100.0, kv=20.0, snr_db=20.0, **options)
+    return made.fit(helix)
+
+
+REMEMBER = {
+    "pid": psp3.PID,
+    "it2": learned,
+    "adaptive": lambda: psp3.AdaptiveFuzzyComputedTorque(learned("t1", learner="average")),
+}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["pid", "it2"])
+@pytest.mark.parametrize("kind", REMEMBER)
 def test_controllers_that_remember_or_learned(kind: str, control: Any) -> None:
     robot, path = psp3.load("psp3"), psp3.trajectories.Helix()
-    controller = psp3.PID() if kind == "pid" else learned()
+    controller = REMEMBER[kind]()
     ours = control(kind, controller, robot=robot)
     for _ in range(2):
-        # Twice: a reset forgets the integral.
+        # Twice: a reset forgets the integral, and what was adapted.
         controller.reset()
         right = psp3.simulate(robot, controller, path, duration=0.4)
         found = psp3.simulate(robot, ours, path, duration=0.4)
