@@ -166,6 +166,8 @@ class CCode:
         The files.
     functions : tuple of CFunction
         What users call.
+    hash : str
+        Of the source: the first sixteen digits of its SHA-256.
     """
 
     name: str
@@ -173,6 +175,7 @@ class CCode:
     header: str
     source: str
     functions: tuple[CFunction, ...]
+    hash: str
 
     def write(self, folder: str | Path) -> tuple[Path, Path]:
         """Write ``name.h`` and ``name.c`` into a folder, and return their paths."""
@@ -333,6 +336,7 @@ class CWriter:
             self._header(about, heads),
             f"/* {self.name}.c: see {self.name}.h. Hash {digest}. */\n{source}",
             tuple(self.functions),
+            digest,
         )
 
     def _header(self, about: list[str], heads: list[str]) -> str:

@@ -228,6 +228,10 @@ class Expressions(Calls, ABC):
         one, other = self.expression(node.body, known), self.expression(node.orelse, known)
         if isinstance(one.type, Row) and isinstance(other.type, Row):
             return self._chosen_row(node, test, one, other)
+        if isinstance(node.body, ast.Tuple) and isinstance(node.orelse, ast.Tuple):
+            pairs = zip(node.body.elts, node.orelse.elts, strict=True)
+            chosen = [self.expression(ast.IfExp(node.test, *pair), known) for pair in pairs]
+            return self.record("tuple", [(f"f{i}", part) for i, part in enumerate(chosen)])
         kind = self.common(node, one, other)
         one, other = self.cast(one, kind), self.cast(other, kind)
         return Value(kind, f"({test.code} ? {one.code} : {other.code})")

@@ -88,7 +88,11 @@ class Precision:
                 "one of these",
             )
         fields = {name: self.value_of(f"{code}_{name}", part) for name, part in _parts(thing)}
-        record = Record(type(thing).__name__, tuple((name, v.type) for name, v in fields.items()))
+        record = Record(
+            type(thing).__name__,
+            tuple((name, v.type) for name, v in fields.items()),
+            type(thing),
+        )
         return Value(record, code, fields)
 
 

@@ -12,8 +12,11 @@ import numpy as np
 
 from fuzzy2.support.checks import Array
 from fuzzy2.support.compiled import chosen_by_table
+from fuzzy2.systems.anya_kernels import densities_in
 from fuzzy2.systems.corollary_kernels import corollary_in
 from fuzzy2.systems.kernels import crisp_planes_in, evaluate_in, work_size
+from fuzzy2.systems.output_kernels import Points, average_in
+from fuzzy2.systems.union_rows import Unions, room_size, unite_in
 
 
 class Averaged(NamedTuple):
@@ -56,19 +59,21 @@ class Clouds(NamedTuple):
 
 
 @chosen_by_table
-def outputs_of(system: Any, x: Array, out: Array) -> None:
-    """Write the outputs (m,) at finite inputs (p,)."""
+def outputs_of(system: Any, x: Array, out: Array) -> bool:
+    """Write the outputs (m,) at finite inputs (p,); return whether there are any."""
+    raise NotImplementedError
 
 
 def answer(system, x, out):
-    """Write the outputs, or NaN where an input is not finite; return whether all are."""
+    """Write the outputs and return 1, or NaN and 0 where an input is not finite."""
+    finite = True
     for i in range(x.size):
-        if not math.isfinite(x[i]):
-            for j in range(out.size):
-                out[j] = math.nan
-            return 0
-    outputs_of(system, x, out)
-    return 1
+        finite = finite and math.isfinite(x[i])
+    if finite and outputs_of(system, x, out):
+        return 1
+    for j in range(out.size):
+        out[j] = math.nan
+    return 0
 
 
 @outputs_of.register(Averaged)
@@ -76,6 +81,7 @@ def _of_averaged(system, x, out):
     """Write the outputs of center of sets."""
     work = np.empty(work_size(system.table))
     evaluate_in(system.table, x, 0, 0.0, True, work, out, 0)
+    return True
 
 
 @outputs_of.register(Planes)
@@ -83,6 +89,7 @@ def _of_planes(system, x, out):
     """Write the middles on the α-planes, weighted with α."""
     work, middles = np.empty(work_size(system.table)), np.empty(out.size)
     crisp_planes_in(system.table, x, 0, system.widths, system.alphas, work, middles, out, 0)
+    return True
 
 
 @outputs_of.register(Corollary)
@@ -94,30 +101,40 @@ def _of_corollary(system, x, out):
     )  # the outputs do not depend on the secondary t-norm
     for j in range(out.size):
         out[j] = moments[2 * j]
+    return True
+
+
+@outputs_of.register(Points)
+def _of_points(system, x, out):
+    """Write the middles of averages of points."""
+    work, intervals = np.empty(work_size(system.table)), np.empty(2 * out.size)
+    average_in(system, x, 0, work, intervals, 0)
+    for j in range(out.size):
+        out[j] = 0.5 * intervals[2 * j] + 0.5 * intervals[2 * j + 1]
+    return True
+
+
+@outputs_of.register(Unions)
+def _of_unions(system, x, out):
+    """Write the middles of centroids of united sets, if there is room for their pieces."""
+    work, room = np.empty(work_size(system.table)), np.empty(room_size(system))
+    intervals = np.empty(2 * out.size)
+    done = unite_in(system, x, 0, work, room, intervals, 0)
+    for j in range(out.size):
+        out[j] = 0.5 * intervals[2 * j] + 0.5 * intervals[2 * j + 1]
+    return done
 
 
 @outputs_of.register(Pair)
 def _of_pair(system, x, out):
     """Write the outputs of both systems."""
-    outputs_of(system.first, x, out[: system.outputs])
-    outputs_of(system.second, x, out[system.outputs :])
+    first = outputs_of(system.first, x, out[: system.outputs])
+    return outputs_of(system.second, x, out[system.outputs :]) and first
 
 
 @outputs_of.register(Clouds)
 def _of_clouds(system, x, out):
     """Write the outputs of rules that ask how dense clouds are about the inputs."""
-    firing = np.empty(system.asked.size)
-    densities = np.empty(x.size)
-    for i in range(x.size):
-        start, end = system.starts[i], system.starts[i + 1]
-        distance = 0.0
-        for k in range(start, end):
-            distance += abs(x[i] - system.data[k])
-        densities[i] = 1.0 / (1.0 + distance / float(end - start))
-    total = 0.0
-    for r in range(system.asked.size):
-        firing[r] = densities[system.asked[r]]
-        total += firing[r]
-    for r in range(system.asked.size):
-        firing[r] /= total
-    outputs_of(system.consequents, firing, out)
+    away, firing = np.empty(x.size), np.empty(system.asked.size)
+    densities_in(system.data, system.starts, system.asked, x, 0, away, firing, 0)
+    return outputs_of(system.consequents, firing, out)

@@ -10,10 +10,13 @@ import numpy as np
 from fuzzy2.errors import NotExportable
 from fuzzy2.export.c_code import Argument, CCode, CWriter, Known
 from fuzzy2.export.system_kernels import Averaged, Clouds, Corollary, Pair, Planes, answer
+from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS
 from fuzzy2.systems.anya import AnYaSystem
+from fuzzy2.systems.consequents import Formulas
 from fuzzy2.systems.general_type2 import GeneralType2System
 from fuzzy2.systems.parallel import ParallelSystem
 from fuzzy2.systems.system import FuzzySystem
+from fuzzy2.systems.term_rows import TermRows
 
 
 def export_c(
@@ -75,11 +78,12 @@ def c_code_of(
         answer,
         [
             Known("system", tables_of(system)),
-            Argument("x", f"the inputs: {_listed(inputs)}", len(inputs)),
+            Argument("x", f"the inputs: {_listed(inputs, _ranges(system))}", len(inputs)),
             Argument("out", f"the outputs: {_listed(outputs)}", len(outputs), "out"),
         ],
-        "1, or 0 where an input is not finite: then all outputs are NaN. Where no rule fires an "
-        "output is NaN, too, unless it has a default",
+        "1, or 0 where there is no answer, because an input is not finite or united sets need more "
+        "memory than there is: then all outputs are NaN. Where no rule fires an output is NaN, "
+        "too, unless it has a default",
     )
     return writer.code()
 
@@ -115,10 +119,12 @@ def tables_of(system: Any) -> Any:
         )
     if isinstance(system, GeneralType2System):
         return _of_general(system)
-    table = system.table
-    if table is None:
-        raise _without_table(system)
-    return Averaged(table)
+    if system.table is not None:
+        return Averaged(system.table)
+    for tables in (system.averaged_points, system.united_sets):
+        if tables is not None:
+            return tables
+    raise _without_table(system)
 
 
 def _side_by_side(systems: list[FuzzySystem]) -> Any:
@@ -139,7 +145,69 @@ def _of_general(system: GeneralType2System) -> Any:
 
 
 def _without_table(system: FuzzySystem) -> NotExportable:
-    return NotExportable(f"{system!r}", "no kernel knows it", "Gaussians, center of sets")
+    """Return the error that names the part of a system that no kernel knows."""
+    for name, terms, words in zip(
+        system.input_names, system.inputs, system.term_names, strict=True
+    ):
+        for term, word in zip(terms, words, strict=True):
+            if not TermRows().add(0, term, system.kernel_row(term)):
+                return NotExportable(
+                    f"the term {word!r} of {name!r}, {term!r:.80}",
+                    "no kernel knows this set",
+                    "its samples, term.sample(points), between which it is linear",
+                )
+    if system.fuzzifiers is not None:
+        return NotExportable(
+            "the fuzzifier",
+            "no kernel knows how it fires a term",
+            "a singleton fuzzifier, and as terms what this one makes of them: "
+            "SampledSet(points, fuzzifier.firing(term, points, system.t_norm)[:, 1])",
+        )
+    for what, norm, known in (
+        ("the t-norm", system.t_norm, T_NORMS),
+        ("the t-conorm of or", system.disjunction, T_CONORMS),
+        ("the implication", system.implication, T_NORMS),
+    ):
+        if norm != known.get(norm.name):
+            return NotExportable(
+                f"{what}, {norm.name!r}",
+                "no kernel knows this function",
+                f"one of {', '.join(known)}",
+            )
+    return _of_outputs(system)
+
+
+def _of_outputs(system: FuzzySystem) -> NotExportable:
+    if isinstance(system.consequents, Formulas):
+        return NotExportable(
+            "consequents that are formulas", "no kernel evaluates text", "fuzzy2.Linear or numbers"
+        )
+    kind = system.type_reduction
+    if kind in ("centroid", "center_of_sums"):
+        if system.integration != "exact":
+            return NotExportable(
+                f"integration {system.integration!r}",
+                "kernels integrate exactly",
+                "system.replace(integration='exact')",
+            )
+        return NotExportable(
+            "the output sets",
+            "kernels unite Gaussians and trapezoids, by the maximum or the sum, clipped by the "
+            "minimum or scaled by the product, under an exact method, 'nie_tan' or "
+            "'begian_melek_mendel'",
+            "these, or type_reduction='center_of_sets', which takes the centroid of any set",
+        )
+    if isinstance(system.rules, tuple) and system.table is None and kind == "center_of_sets":
+        return NotExportable(
+            "a hedge of the rules",
+            "kernels know powers of grades",
+            "fuzzy2.systems.hedges.Hedge(word, power=...)",
+        )
+    return NotExportable(
+        f"type reduction {kind!r}",
+        "no kernel knows it",
+        "system.replace(type_reduction='center_of_sets'), 'height', 'centroid' or 'weighted_sum'",
+    )
 
 
 def _about(system: Any, precision: str) -> list[str]:
@@ -150,5 +218,12 @@ def _about(system: Any, precision: str) -> list[str]:
     ]
 
 
-def _listed(names: Any) -> str:
-    return ", ".join(f"[{i}] {name}" for i, name in enumerate(names))
+def _ranges(system: Any) -> Any:
+    first = system.systems[0] if isinstance(system, ParallelSystem) else system
+    return getattr(first, "input_ranges", None)
+
+
+def _listed(names: Any, ranges: Any = None) -> str:
+    ends = [""] * len(names) if ranges is None else [f" in [{a:g}, {b:g}]" for a, b in ranges]
+    pairs = zip(names, ends, strict=True)
+    return ", ".join(f"[{i}] {name}{end}" for i, (name, end) in enumerate(pairs))

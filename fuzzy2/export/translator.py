@@ -12,7 +12,7 @@ NamedTuples of these, counted loops, branches, and calls of other kernels.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -82,15 +82,7 @@ def python_of(value: Value) -> Any:
         part = value.known.numbers[value.known.start : value.known.start + size]
         return part.reshape(value.type.shape)
     if isinstance(value.known, dict):
-        return _Fields({name: python_of(part) for name, part in value.known.items()})
+        assert isinstance(value.type, Record)
+        parts = [python_of(part) for part in value.known.values()]
+        return value.type.made(*parts) if value.type.made else tuple(parts)
     return value.known
-
-
-class _Fields:
-    """A record for a Python function that asks for fields by name, or all in order."""
-
-    def __init__(self, fields: dict[str, Any]) -> None:
-        self.__dict__.update(fields)
-
-    def __iter__(self) -> Iterable[Any]:
-        return iter(self.__dict__.values())

@@ -33,10 +33,14 @@ class Row:
 
 @dataclass(frozen=True)
 class Record:
-    """Several values with names: a NamedTuple, or a tuple, whose names are ``f0`` and so on."""
+    """Several values with names: a NamedTuple, or a tuple, whose names are ``f0`` and so on.
+
+    ``made`` is the class of the NamedTuple, where that is known.
+    """
 
     name: str
     fields: tuple[tuple[str, Any], ...]
+    made: Any = field(default=None, compare=False)
 
     def __getitem__(self, name: str) -> Any:
         """Return the type of a field."""

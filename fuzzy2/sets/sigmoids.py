@@ -13,7 +13,7 @@ from fuzzy2.errors import InvalidValue, NotApplicable
 from fuzzy2.sets.curves import logistic, mirrored
 from fuzzy2.sets.derived import FunctionalSet
 from fuzzy2.sets.shapes import EXPONENTIAL_SPREAD
-from fuzzy2.sets.type1 import Type1Set, pair_of_numbers, set_fields
+from fuzzy2.sets.type1 import KernelRow, Type1Set, pair_of_numbers, set_fields
 from fuzzy2.support.checks import Array, real
 from fuzzy2.support.quadrature import merged
 
@@ -57,6 +57,9 @@ class Sigmoid(Type1Set):
     def _slopes(self, x: Array) -> Array:
         tail = np.exp(-abs(self.slope * (x - self.center)))
         return self.slope * tail / (1.0 + tail) ** 2
+
+    def _kernel_row(self) -> KernelRow:
+        return 6.0, self.center, self.slope, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
 
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
@@ -119,6 +122,10 @@ class _TwoSigmoids(Type1Set):
         return FunctionalSet(
             self._grades, -math.inf, math.inf, tuple(self._points(EXPONENTIAL_SPREAD).tolist())
         )
+
+    def _row(self, kind: float) -> KernelRow:
+        (first, second), (one, other) = self.center, self.slope
+        return kind, first, one, second, other, 0.0, 0.0, 0.0, 0.0
 
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
@@ -197,6 +204,9 @@ class SigmoidDifference(_TwoSigmoids):
             )
         return super()._quadrature_points(power)
 
+    def _kernel_row(self) -> KernelRow:
+        return self._row(9.0)
+
     def _grades(self, x: Array) -> Array:
         # The difference as a product, which keeps its digits where both sigmoids are near 1.
         first, second = self._steps(x)
@@ -265,6 +275,9 @@ class SigmoidProduct(_TwoSigmoids):
     def height(self) -> float:
         """Supremum of the membership."""
         return 1.0 if self._end else self._searched.height
+
+    def _kernel_row(self) -> KernelRow:
+        return self._row(10.0)
 
     def _grades(self, x: Array) -> Array:
         first, second = self._steps(x)

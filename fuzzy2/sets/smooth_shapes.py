@@ -17,7 +17,7 @@ from fuzzy2.sets.curves import (
     trapezoid_cut,
 )
 from fuzzy2.sets.shapes import Trapezoidal
-from fuzzy2.sets.type1 import Type1Set, keep_nan, pair_of_numbers, set_fields
+from fuzzy2.sets.type1 import KernelRow, Type1Set, keep_nan, pair_of_numbers, set_fields
 from fuzzy2.support.checks import Array, positive, real
 from fuzzy2.support.quadrature import merged
 
@@ -71,6 +71,9 @@ class Bell(Type1Set):
         far = 1.0 / (distance * power * (1.0 + 1.0 / power) ** 2)
         steepness = 2.0 * self.slope / self.width * np.where(distance <= 1.0, near, far)
         return np.where(x < self.center, steepness, -steepness)
+
+    def _kernel_row(self) -> KernelRow:
+        return 5.0, self.center, self.width, 2.0 * self.slope, 0.0, 0.0, 0.0, 0.0, 0.0
 
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf
@@ -165,6 +168,9 @@ class PiShaped(Type1Set):
             if math.isfinite(width) and width != 0.0:
                 slopes += 4.0 * self.height * np.minimum(share, 1.0 - share) / width
         return keep_nan(x, slopes)
+
+    def _kernel_row(self) -> KernelRow:
+        return 7.0, self.a, self.b, self.c, self.d, self.height, 0.0, 0.0, 0.0
 
     def _support(self) -> tuple[float, float]:
         return self.a, self.d
@@ -285,6 +291,9 @@ class TwoSidedGaussian(Type1Set):
             return np.where(
                 grades == 0.0, 0.0, grades * (left / self.sigma[0] - right / self.sigma[1])
             )
+
+    def _kernel_row(self) -> KernelRow:
+        return 8.0, *self.mean, *self.sigma, 0.0, 0.0, 0.0, 0.0
 
     def _support(self) -> tuple[float, float]:
         return -math.inf, math.inf

@@ -302,7 +302,7 @@ class Type1Set(ShownSet, ABC):
             ``(0, m1, m2, sigma_lower, sigma_upper, height_lower, height_upper, 0, 0)``: a pair of
             Gaussians, the upper one about the mean nearest to the point between m1 and m2, the
             lower one about the end that is farther from it. ``(1, a, b, c, d, height, 0, 0, 0)``: a
-            trapezoid.
+            trapezoid. Other kinds are those of :mod:`fuzzy2.systems.shape_kernels`.
         """
         return self._kernel_row()
 

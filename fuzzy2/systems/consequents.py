@@ -76,6 +76,12 @@ class Linear(FunctionsOfInputs):
         """Return the bytes of the coefficients of a rule, and of their spreads."""
         return self.coefficients[r, j].tobytes(), self.spreads[r, j].tobytes()
 
+    def by_input(self) -> tuple[Array, Array]:
+        """Return constants (m, R, 2) and slopes (m, R, 2 p): of the middle, then of the spread."""
+        middle, spread = (np.moveaxis(part, 0, 1) for part in (self.coefficients, self.spreads))
+        constants = np.stack([middle[..., 0], spread[..., 0]], axis=-1)
+        return constants, np.concatenate([middle[..., 1:], spread[..., 1:]], axis=-1)
+
     def at(self, X: Array) -> Array:
         """Return the consequents (n, R, m, 2) at inputs (n, p)."""
         with_constant = np.concatenate([np.ones((len(X), 1)), X], axis=1)

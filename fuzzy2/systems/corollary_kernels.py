@@ -29,10 +29,10 @@ def corollary_in(
     ``work`` is as of ``evaluate_in``.
     """
     inputs, terms, rules, outputs = int(table[0]), int(table[1]), int(table[2]), int(table[3])
-    grades, mean, sigma = rooms(table, work)[:3]
+    grades, mean, sigma, _, _, _, _ = rooms(table, work)
     for t in range(terms):
         o = HEADER + TERM * t
-        grades[2 * t], _ = _grades(table, o, x[xo + int(table[o])], 0.0)
+        grades[2 * t] = _grades(table, o, x[xo + int(table[o])], 0.0)[0]
         grades[2 * t + 1] = table[o + 8] if int(table[o + 1]) == 2 else 0.0
     o = HEADER + TERM * terms
     total = 0.0

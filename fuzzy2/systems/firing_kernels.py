@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from fuzzy2.support.compiled import compiled, scalar
+from fuzzy2.systems.shape_kernels import PAIR, SAMPLES, grade_of_shape
 
 # Inference. A system is one array of floats, so that a call hands over one table and not seven
 # arrays. It starts with (inputs p, terms T, rules R, outputs m, t-norm code, where the supplement
@@ -45,6 +46,12 @@ def _grades(row, o, x, width):
             grade = height * (d - x) / (d - c)
         else:
             grade = height
+        return grade, grade
+    if kind >= SAMPLES:
+        if kind == PAIR:
+            upper = grade_of_shape(row, int(row[o + 3]), x)
+            return min(grade_of_shape(row, int(row[o + 2]), x), upper), upper
+        grade = grade_of_shape(row, o, x)
         return grade, grade
     m1, m2, s_low, s_high, h_low, h_high, secondary = (
         row[o + 2],

@@ -164,7 +164,8 @@ class GeneralType2System(FuzzySystem):
         """
         return self._middles, self._spreads
 
-    def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
+    def kernel_row(self, term: Any) -> tuple[float, ...] | None:
+        """Return what the compiled loop knows of a term; None if that is not a row of numbers."""
         from fuzzy2.sets.gaussian_type2 import GaussianType2Set
 
         if isinstance(term, GaussianType2Set):

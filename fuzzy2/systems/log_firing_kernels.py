@@ -46,7 +46,7 @@ def _log_grades(row, o, x, width, low, high):
     underflow.
     """
     kind = int(row[o + 1])
-    if kind == 1 or (kind == 2 and width * row[o + 8] > 0.0):
+    if kind == 1 or kind > 2 or (kind == 2 and width * row[o + 8] > 0.0):
         return math.log(low), math.log(high)
     m1, m2, s_low, s_high = row[o + 2], row[o + 3], row[o + 4], row[o + 5]
     h_low, h_high = row[o + 6], row[o + 7]

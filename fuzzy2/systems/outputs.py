@@ -13,20 +13,22 @@ from fuzzy2.errors import NotApplicable
 from fuzzy2.operations.t_norms import T_CONORMS, T_NORMS, TConorm, TNorm
 from fuzzy2.reduction.defuzzification import defuzzify_samples
 from fuzzy2.reduction.logarithms import as_floats
-from fuzzy2.support.checks import Array
+from fuzzy2.support.checks import Array, binary_exponent
 from fuzzy2.systems.averages import (
     Monotonic,
     averaged,
     averaged_in_logarithms,
     height_weights,
+    heights,
     log_height_weights,
     weighted_sum,
 )
-from fuzzy2.systems.consequents import FunctionsOfInputs
+from fuzzy2.systems.consequents import FunctionsOfInputs, Linear
 from fuzzy2.systems.maxima import maximum
 from fuzzy2.systems.operators import DIRECT_METHODS, MAXIMA, POINTS, SUM, UNIONS
-from fuzzy2.systems.terms import domain_of
-from fuzzy2.systems.united import United
+from fuzzy2.systems.table import NORMS
+from fuzzy2.systems.terms import domain_of, spread
+from fuzzy2.systems.united import GAUSS, TOLERANCE, United
 
 _BLOCK, _GRADES = 64, 2**22
 """Inputs whose united sets are held at a time on a grid, and the most grades of them."""
@@ -44,6 +46,12 @@ class Operators:
     integration: str
     resolution: int
 
+
+WAYS = {"nie_tan": 1, "wu_mendel": 2, "begian_melek_mendel": 3}
+"""Codes of the direct methods in :mod:`fuzzy2.systems.output_kernels`."""
+
+TERM_SIZE = 10
+"""Numbers of a set for the compiled loop: an input, and its kernel row."""
 
 HEIGHTS = ("height", "modified_height")
 """Type reductions that average highest points."""
@@ -136,6 +144,109 @@ class Outputs:
             else:
                 outputs.append(np.full((len(strengths), 2), np.nan))
         return np.stack(outputs, axis=1)
+
+    def points(self, table: Array, defaults: Array | None) -> Any:
+        """Return what the compiled loop averages, or None if it cannot.
+
+        Parameters
+        ----------
+        table : (k,) ndarray
+            The system's, see :mod:`fuzzy2.systems.table`.
+        defaults : (m,) ndarray, or None
+            Outputs where no rule fires.
+        """
+        from fuzzy2.systems.output_kernels import Points
+
+        own, count = self._operators, self._intervals.shape[1]
+        codes = [WAYS.get(own.method, 0), 0, int(hangs_on_ratios(own))]
+        ends, slopes = np.moveaxis(self._intervals, 0, 1), np.empty(0)
+        grades, shares = np.empty(0), np.empty(0)
+        if own.type_reduction in HEIGHTS:
+            found = self._heights(ends.shape)
+            if found is None:
+                return None
+            ends, grades, shares = found
+            codes[1] = NORMS.index(own.implication.name)
+        elif own.type_reduction == "weighted_sum":
+            codes[0] = 4
+        elif own.type_reduction != "center_of_sets":
+            return None
+        if isinstance(self._consequents, Linear):
+            ends, slopes = self._consequents.by_input()
+        elif isinstance(self._consequents, FunctionsOfInputs):
+            return None
+        if binary_exponent(np.concatenate([ends.ravel(), slopes.ravel()])):
+            return None
+        silent = np.zeros(ends.shape[1::-1]) if self._silent is None else self._silent
+        return Points(
+            table,
+            np.ravel(ends),
+            np.ravel(slopes),
+            grades,
+            shares,
+            np.ascontiguousarray(silent.T, dtype=float).ravel(),
+            np.full(count, np.nan) if defaults is None else np.array(defaults),
+            np.array(codes),
+            np.array(own.shares),
+        )
+
+    def unions(self, table: Array, defaults: Array | None) -> Any:
+        """Return what the compiled loop unites and integrates, or None if it cannot.
+
+        Parameters
+        ----------
+        table : (k,) ndarray
+            The system's, see :mod:`fuzzy2.systems.table`.
+        defaults : (m,) ndarray, or None
+            Outputs where no rule fires.
+        """
+        from fuzzy2.systems.union_rows import Unions
+
+        own, count = self._operators, self._intervals.shape[1]
+        if own.type_reduction not in ("centroid", "center_of_sums"):
+            return None
+        rows, kinks = [np.empty(0)] * count, [np.empty(0)] * count
+        set_of = np.full((count, len(self._intervals)), -1)
+        crisp = True
+        for j, united in enumerate(self._united):
+            if not self._speaking[j].size:
+                continue
+            known = None if united is None else united.compiled_sets
+            if united is None or known is None:
+                return None
+            rows[j], set_of[j, self._speaking[j]], kinks[j] = known
+            crisp = crisp and united.crisp
+        summed = own.type_reduction == "center_of_sums" or own.aggregation is SUM
+        codes = [own.implication.name == "product", summed, hangs_on_ratios(own), crisp]
+        return Unions(
+            table,
+            np.concatenate(rows),
+            np.cumsum([0, *(one.size // (2 * TERM_SIZE) for one in rows)]),
+            np.concatenate(kinks),
+            np.cumsum([0, *(one.size for one in kinks)]),
+            set_of.ravel(),
+            np.full(count, np.nan) if defaults is None else np.array(defaults),
+            np.array([*codes, WAYS.get(own.method, 0)], dtype=np.int64),
+            np.array(own.shares),
+            GAUSS,
+            TOLERANCE,
+        )
+
+    def _heights(self, shape: tuple[int, ...]) -> tuple[Array, Array, Array] | None:
+        """Return points (m, R, 2), grades (m R 2,) and shares (m R,) of the height reducers."""
+        own = self._operators
+        if own.implication != T_NORMS.get(own.implication.name):
+            return None
+        ends, grades, shares = np.zeros(shape), np.zeros(shape), np.ones(shape[:2])
+        modified = own.type_reduction == "modified_height"
+        for j, rules in enumerate(self._speaking):
+            if not rules.size:
+                continue
+            points, at = heights(self._sets[j])
+            ends[j, rules], grades[j, rules] = points[:, np.newaxis], at
+            if modified:
+                shares[j, rules] = [1.0 / spread(item) ** 2 for item in self._sets[j]]
+        return ends, grades.ravel(), shares.ravel() if modified else np.empty(0)
 
     def in_logarithms(self, rows: Array, logarithms: Array) -> Array:
         """Do as a call for logarithms of firing intervals (n, R, 2).

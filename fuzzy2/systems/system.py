@@ -83,6 +83,7 @@ from fuzzy2.systems.pictures import html_of
 from fuzzy2.systems.report import Report, found_in
 from fuzzy2.systems.rules import Rule
 from fuzzy2.systems.table import Supplement, table_of
+from fuzzy2.systems.term_rows import TermRows
 from fuzzy2.systems.terms import range_of
 
 
@@ -258,9 +259,28 @@ class FuzzySystem(Shown):
         self._table = self._compiled_table()
         self._fast = self._table is not None and self._is_compiled
         self._outputs = self._prepared_outputs()
+        self._points, self._unions = self._compiled_outputs()
         # Looked up once: a control loop calls a system a thousand times a second.
         self._kernels = _kernels()
         self._evaluate_row = self._kernels.evaluate_row
+
+    def _compiled_outputs(self) -> tuple[Any, Any]:
+        """Return the points, or the unions, that compiled loops know beside those of the table."""
+        if self._fast or self._table is None or self._outputs is None:
+            return None, None
+        defaults = self._compiled_defaults()
+        points = self._outputs.points(self._table, defaults)
+        return points, None if points else self._outputs.unions(self._table, defaults)
+
+    @property
+    def averaged_points(self) -> Any:
+        """What :mod:`fuzzy2.systems.output_kernels` takes; None if it cannot."""
+        return self._points
+
+    @property
+    def united_sets(self) -> Any:
+        """What :mod:`fuzzy2.systems.union_rows` takes; None if it cannot."""
+        return self._unions
 
     def _check_reduction(self) -> None:
         kind = self.type_reduction
@@ -390,21 +410,19 @@ class FuzzySystem(Shown):
         # A function of one's own may have the name of one of ours.
         if self.t_norm != T_NORMS.get(self.t_norm.name) or self.fuzzifiers is not None:
             return None
-        rows = []
+        rows = TermRows()
         for number, terms in enumerate(self.inputs):
             for term in terms:
-                row = self._kernel_row(term)
-                if row is None:
+                if not rows.add(number, term, self.kernel_row(term)):
                     return None
-                rows.append((float(number), *row))
         trees = isinstance(self.rules, tuple)
-        return table_of(
+        table = table_of(
             [len(terms) for terms in self.inputs],
             None if trees else self.rules,
             # Of huge ones the table serves for firing only.
             0.0 * self.consequent_intervals if self._is_huge else self.consequent_intervals,
             self.t_norm.name,
-            rows,
+            rows.rows,
             Supplement(
                 self.rules if trees else None,
                 self.disjunction.name
@@ -415,11 +433,13 @@ class FuzzySystem(Shown):
                 self._compiled_defaults(),
             ),
         )
+        return None if table is None else rows.appended(table)
 
     def _compiled_defaults(self) -> Array | None:
         return self.default_outputs
 
-    def _kernel_row(self, term: Any) -> tuple[float, ...] | None:
+    def kernel_row(self, term: Any) -> tuple[float, ...] | None:
+        """Return what the compiled loop knows of a term; None if that is not a row of numbers."""
         row: tuple[float, ...] | None = term.kernel_row()
         return row
 
@@ -530,7 +550,24 @@ class FuzzySystem(Shown):
             return self._evaluate(X, crisp=False)
         shape, rows = self._rows(X)
         self._refuse(rows)
-        return self._or_default(self._reduced(rows)).reshape(*shape, self.n_outputs, 2)
+        return self._intervals(rows).reshape(*shape, self.n_outputs, 2)
+
+    def _intervals(self, rows: Array) -> Array:
+        """Return the type-reduced intervals (n, m, 2) of finite inputs (n, p)."""
+        found = np.empty((len(rows), self.n_outputs, 2))
+        if self._points is not None and not binary_exponent(rows):
+            from fuzzy2.systems.output_kernels import averages
+
+            averages(self._points, rows.ravel(), found.ravel())
+        elif self._unions is not None:
+            from fuzzy2.systems.union_rows import unions
+
+            refused = np.empty(len(rows), bool)
+            if unions(self._unions, rows.ravel(), found.ravel(), refused):
+                found[refused] = self._or_default(self._reduced(rows[refused]))
+        else:
+            found = self._or_default(self._reduced(rows))
+        return found
 
     def _or_default(self, reduced: Array) -> Array:
         """Return intervals (n, m, 2) with the default outputs where there is no answer."""

@@ -44,7 +44,7 @@ _ROOTS = np.polynomial.legendre.Legendre.basis(6).deriv().roots()
 _ALL = np.concatenate([[-1.0], _ROOTS.real, [1.0]])
 NODES = (1.0 - 1e-11) * _ALL
 WEIGHTS = 2.0 / (42.0 * np.polynomial.legendre.Legendre.basis(6)(_ALL) ** 2)
-_GAUSS = np.concatenate([NODES, WEIGHTS])
+GAUSS = np.concatenate([NODES, WEIGHTS])
 TOLERANCE = 1e-9
 """Two rules agree if they differ by this share of the area: of the whole for type-1 sets, of the
 piece for interval type-2 ones, whose centroid may end on a tail."""
@@ -144,6 +144,14 @@ class United:
         self._ends = float(self._nodes[0]), float(self._nodes[-1])
         self._origin = 0.5 * self._ends[0] + 0.5 * self._ends[1]
 
+    @property
+    def compiled_sets(self) -> tuple[Array, NDArray[np.int64], Array] | None:
+        """Rows of the sets, the set of each rule, and kinks; None if no kernel knows them."""
+        if self.of_points or self._rows is None:
+            return None
+        numbers = self._number if self._by_set else np.arange(len(self._sets))
+        return self._rows, numbers, self._nodes
+
     def _check_range(self, ends: tuple[float, float] | None) -> None:
         for item in self._sets:
             left, right = item.upper.support
@@ -161,7 +169,7 @@ class United:
         for item in self._sets:
             own = item.kernel_row()
             both = (own, own) if own else (item.lower.kernel_row(), item.upper.kernel_row())
-            if None in both:
+            if None in both or max(row[0] for row in both) > 1.0:
                 return None
             rows += [(0.0, *row) for row in both]
         return np.array(rows, dtype=float).ravel()
@@ -292,7 +300,7 @@ class United:
             self._aggregation is None,
             self.crisp and np.array_equal(strengths[..., 0], strengths[..., 1]),
             self._nodes,
-            _GAUSS,
+            GAUSS,
             TOLERANCE,
             out,
         )

@@ -12,16 +12,20 @@ import math
 import numpy as np
 
 from fuzzy2.support.checks import Array
-from fuzzy2.support.compiled import compiled
+from fuzzy2.support.compiled import compiled, scalar
 from fuzzy2.systems.firing_kernels import TERM, _grades
 
 MOST_PIECES = 4096
 USUAL_PIECES = 256
 """Pieces for which there is room at first: more would cost a single call more than its sums."""
 STACK = 64
+MOST_TURNS = 2 * MOST_PIECES
+"""Pieces that are looked at, of noise that no halving makes smoother."""
+ROOM = 6 * STACK + 8
+"""Numbers that the integration of a union needs beside its nodes and pieces."""
 
 
-@compiled
+@scalar
 def _one_grade(row, o, end, x):
     """Lower or upper grade of x in the term whose row starts at o; both cost two exponentials."""
     if int(row[o + 1]) != 0:
@@ -38,7 +42,7 @@ def _one_grade(row, o, end, x):
     return height * math.exp(-0.5 * t * t)
 
 
-@compiled
+@scalar
 def _union(rows, weights, sets, product, total, end, x):
     """Grade of the lower or upper union at a point, under weights (2, sets), flat."""
     united = 0.0
@@ -53,7 +57,7 @@ def _union(rows, weights, sets, product, total, end, x):
     return united
 
 
-@compiled
+@scalar
 def _rule(rows, weights, sets, product, total, crisp, nodes, left, right, origin, out, o):
     """Write areas and moments of the lower and the upper union over a piece.
 
@@ -77,7 +81,7 @@ def _rule(rows, weights, sets, product, total, crisp, nodes, left, right, origin
         out[o], out[o + 1] = out[o + 2], out[o + 3]
 
 
-@compiled
+@scalar
 def _cuts(rows, o, end, level, nodes, count):
     """Add the points at which a membership function has a grade; return how many nodes there are.
 
@@ -103,24 +107,30 @@ def _cuts(rows, o, end, level, nodes, count):
     return count
 
 
-@compiled
+@scalar
 def _nodes_of(rows, weights, sets, product, crisp, kinks, nodes):
     """Write the ascending nodes of a union; return how many there are."""
     count = kinks.size
-    nodes[:count] = kinks
+    for i in range(count):
+        nodes[i] = kinks[i]
     if not product:
         for k in range(sets):
             for end in range(1 if crisp else 0, 2):
                 o = TERM * (2 * k + end)
                 count = _cuts(rows, o, end, weights[end * sets + k], nodes, count)
-    first, last = kinks[0], kinks[-1]
+    first, last = kinks[0], kinks[kinks.size - 1]
+    # Kinks come in order; what is added after them is put where it belongs.
     for i in range(count):
-        nodes[i] = min(max(nodes[i], first), last)
-    nodes[:count].sort()
+        node = min(max(nodes[i], first), last)
+        k = i
+        while k > 0 and nodes[k - 1] > node:
+            nodes[k] = nodes[k - 1]
+            k -= 1
+        nodes[k] = node
     return count
 
 
-@compiled
+@scalar
 def _grade_of(rows, weights, sets, product, k, end, x):
     """Grade at which a rule leaves its output set at a point."""
     grade = _one_grade(rows, TERM * (2 * k + end), end, x)
@@ -128,7 +138,7 @@ def _grade_of(rows, weights, sets, product, k, end, x):
     return weight * grade if product else min(weight, grade)
 
 
-@compiled
+@scalar
 def _highest(rows, weights, sets, product, end, x):
     """Return which set is highest at a point."""
     best, most = -1, 0.0
@@ -139,7 +149,7 @@ def _highest(rows, weights, sets, product, end, x):
     return best
 
 
-@compiled
+@scalar
 def _split(rows, weights, sets, product, total, crisp, left, right):
     """Return where another set becomes the highest within a piece, or its left end if none does."""
     if total:
@@ -179,17 +189,30 @@ def _split(rows, weights, sets, product, total, crisp, left, right):
     return left
 
 
-@compiled
+@scalar
 def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their halves, for speed)
-    rows, weights, sets, product, total, crisp, gauss, nodes, count, origin, tolerance, edges, sums
+    rows,
+    weights,
+    sets,
+    product,
+    total,
+    crisp,
+    gauss,
+    nodes,
+    count,
+    origin,
+    tolerance,
+    edges,
+    sums,
+    room,
 ):
-    """Write the ascending pieces, (P, 2) and (P, 4); return how many, or -1 if too many.
+    """Write the ascending pieces, (P, 2) and (P, 4), flat; return how many, or -1 if too many.
 
-    For a type-1 union there is one piece, the whole, at its end.
+    For a type-1 union there is one piece, the whole, at its end. ``room`` (ROOM,) is for sums.
     """
-    stack = np.empty(2 * STACK)
-    found = np.empty(4 * STACK)
-    one = np.empty(8)
+    stack = room[: 2 * STACK]
+    found = room[2 * STACK : 6 * STACK]
+    one = room[6 * STACK : 6 * STACK + 8]
     reach = nodes[count - 1] - nodes[0]
     scale = 0.0
     if crisp:
@@ -200,9 +223,9 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
                     nodes[i], nodes[i + 1], origin, one, 0,
                 )  # fmt: skip
                 scale += one[2]
-    pieces = 0
+    pieces, turns = 0, 0
     for i in range(4):
-        sums[0, i] = 0.0
+        sums[i] = 0.0
     for i in range(count - 1):
         if not nodes[i + 1] > nodes[i]:
             continue
@@ -236,6 +259,8 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
                     noise = 1e-15 * max(abs(left), abs(right)) / (right - left)
                     allowed = ((tolerance + noise) * size + 1e-280) * (reach if power == 1 else 1.0)
                     rough = rough or abs(found[4 * depth + j] - both) > allowed
+            turns += 1
+            rough = rough and turns < MOST_TURNS
             if rough and left < middle and middle < right and depth + 2 < STACK:
                 # The left half is on top, so that pieces come in ascending order.
                 stack[2 * depth], stack[2 * depth + 1] = middle, right
@@ -247,39 +272,40 @@ def _pieces_of(  # noqa: C901, PLR0913 (one compiled loop over pieces and their 
                 continue
             if crisp:
                 for j in range(4):
-                    sums[0, j] += one[j] + one[4 + j]
+                    sums[j] += one[j] + one[4 + j]
                 continue
-            if pieces == len(edges):
+            if 2 * pieces == edges.size:
                 return -1
-            edges[pieces, 0], edges[pieces, 1] = left, right
+            edges[2 * pieces], edges[2 * pieces + 1] = left, right
             for j in range(4):
-                sums[pieces, j] = one[j] + one[4 + j]
+                sums[4 * pieces + j] = one[j] + one[4 + j]
             pieces += 1
     return 1 if crisp else pieces
 
 
-@compiled
-def _end_of(rows, weights, sets, product, total, gauss, edges, sums, pieces, origin, left_end):
+@scalar
+def _end_of(rows, weights, sets, product, total, gauss, edges, sums, pieces, origin, left_end, one):
     """Return the left or the right end of the centroid of an interval type-2 union, or NaN.
 
-    The right end is the left end of the mirrored union.
+    The right end is the left end of the mirrored union; ``one`` (4,) is room for sums.
     """
     sign = 1.0 if left_end else -1.0
     after_area, after_moment = 0.0, 0.0
     for p in range(pieces):
-        after_area += sums[p, 0]
-        after_moment += sign * sums[p, 1]
+        after_area += sums[4 * p]
+        after_moment += sign * sums[4 * p + 1]
     no_lower = after_area <= 0.0
     area, moment = 0.0, 0.0
-    one = np.empty(4)
     for q in range(pieces):
         p = q if left_end else pieces - 1 - q
-        near, far = (edges[p, 0], edges[p, 1]) if left_end else (edges[p, 1], edges[p, 0])
-        after_area -= sums[p, 0]
-        after_moment -= sign * sums[p, 1]
+        near, far = (
+            (edges[2 * p], edges[2 * p + 1]) if left_end else (edges[2 * p + 1], edges[2 * p])
+        )
+        after_area -= sums[4 * p]
+        after_moment -= sign * sums[4 * p + 1]
         before_area, before_moment = area, moment
-        area += sums[p, 2]
-        moment += sign * sums[p, 3]
+        area += sums[4 * p + 2]
+        moment += sign * sums[4 * p + 3]
         if not area > 0.0:
             continue
         if no_lower:
@@ -287,7 +313,7 @@ def _end_of(rows, weights, sets, product, total, gauss, edges, sums, pieces, ori
         x = sign * (far - origin)
         if x * area - moment + x * after_area - after_moment < 0.0 and q < pieces - 1:
             continue
-        least = 1e-15 * (edges[pieces - 1, 1] - edges[0, 0])
+        least = 1e-15 * (edges[2 * pieces - 1] - edges[0])
         c = far
         for _ in range(100):
             _rule(
@@ -315,6 +341,50 @@ def _end_of(rows, weights, sets, product, total, gauss, edges, sums, pieces, ori
     return math.nan
 
 
+@scalar
+def centroid_of_union(  # noqa: PLR0913 (memory is handed over, piece by piece)
+    rows,
+    weights,
+    sets,
+    product,
+    total,
+    crisp,
+    kinks,
+    gauss,
+    tolerance,
+    nodes,
+    edges,
+    sums,
+    room,
+    out,
+    o,
+):
+    """Write the centroid, two numbers, of a union fired by (2, sets), flat.
+
+    ``nodes`` (kinks + 4 sets,), ``edges`` (2 P,), ``sums`` (4 P,) and ``room`` (ROOM,) are memory;
+    of type-1 unions P is 1. Return whether P pieces are enough.
+    """
+    origin = 0.5 * kinks[0] + 0.5 * kinks[kinks.size - 1]
+    count = _nodes_of(rows, weights, sets, product, crisp, kinks, nodes)
+    pieces = _pieces_of(
+        rows, weights, sets, product, total, crisp, gauss,
+        nodes, count, origin, tolerance, edges, sums, room,
+    )  # fmt: skip
+    if pieces < 0:
+        return False
+    if crisp:
+        out[o] = out[o + 1] = origin + sums[3] / sums[2] if sums[2] > 0.0 else math.nan
+        return True
+    for end in range(2):
+        out[o + end] = _end_of(
+            rows, weights, sets, product, total, gauss,
+            edges, sums, pieces, origin, end == 0, room,
+        )  # fmt: skip
+    if out[o] > out[o + 1]:
+        out[o], out[o + 1] = out[o + 1], out[o]
+    return True
+
+
 @compiled
 def centroids_of_unions(
     rows: Array,
@@ -333,36 +403,21 @@ def centroids_of_unions(
     the maximum; ``gauss`` holds nodes, then weights of the rule on [-1, 1].
     """
     sets = strengths.shape[2]
-    nodes = np.empty(kinks.size + 4 * sets)
+    flat, found = strengths.ravel(), out.ravel()
+    nodes, room = np.empty(kinks.size + 4 * sets), np.empty(ROOM)
     most = 1 if crisp else USUAL_PIECES
-    edges, sums = np.empty((most, 2)), np.empty((most, 4))
-    origin = 0.5 * kinks[0] + 0.5 * kinks[-1]
+    edges, sums = np.empty(2 * most), np.empty(4 * most)
     for row in range(strengths.shape[0]):
-        weights = strengths[row].ravel()
-        count = _nodes_of(rows, weights, sets, product, crisp, kinks, nodes)
-        pieces = _pieces_of(
-            rows, weights, sets, product, total, crisp, gauss,
-            nodes, count, origin, tolerance, edges, sums,
-        )  # fmt: skip
-        if pieces < 0 and most < MOST_PIECES:
-            most = MOST_PIECES
-            edges, sums = np.empty((most, 2)), np.empty((most, 4))
-            pieces = _pieces_of(
-                rows, weights, sets, product, total, crisp, gauss,
-                nodes, count, origin, tolerance, edges, sums,
+        weights = flat[2 * sets * row : 2 * sets * (row + 1)]
+        enough = False
+        while not enough:
+            enough = centroid_of_union(
+                rows, weights, sets, product, total, crisp, kinks, gauss, tolerance,
+                nodes, edges, sums, room, found, 2 * row,
             )  # fmt: skip
-        if pieces < 0:
-            return row
-        if crisp:
-            out[row, 0] = out[row, 1] = (
-                origin + sums[0, 3] / sums[0, 2] if sums[0, 2] > 0.0 else math.nan
-            )
-            continue
-        for end in range(2):
-            out[row, end] = _end_of(
-                rows, weights, sets, product, total, gauss,
-                edges, sums, pieces, origin, end == 0,
-            )  # fmt: skip
-        if out[row, 0] > out[row, 1]:
-            out[row, 0], out[row, 1] = out[row, 1], out[row, 0]
+            if not enough and most == MOST_PIECES:
+                return row
+            if not enough:
+                most = MOST_PIECES
+                edges, sums = np.empty(2 * most), np.empty(4 * most)
     return -1

@@ -1,0 +1,150 @@
+"""A system of every kind that can be exported."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+
+import fuzzy2
+
+RULES = np.array(list(itertools.product(range(3), repeat=2)))
+CENTERS = (-1.0, 0.0, 1.0)
+
+
+def numbers(*shape: int) -> Any:
+    return np.random.default_rng(sum(shape)).normal(size=shape)
+
+
+def gaussians(width: float = 0.05) -> list[list[Any]]:
+    return [[fuzzy2.GaussianUncertainMean((m - width, m + width), 0.4) for m in CENTERS]] * 2
+
+
+def type_1(**options: Any) -> Any:
+    terms = [[fuzzy2.Gaussian(m, 0.4) for m in CENTERS]] * 2
+    options.setdefault("consequents", numbers(9, 3))
+    return fuzzy2.Type1System(terms, RULES, **options)
+
+
+def interval(**options: Any) -> Any:
+    options.setdefault("consequents", numbers(9, 2))
+    return fuzzy2.IntervalType2System(gaussians(), RULES, **options)
+
+
+def of_terms(terms: list[Any], **options: Any) -> Any:
+    return fuzzy2.IntervalType2System([terms, terms], RULES, numbers(9, 1), **options)
+
+
+def planes(**options: Any) -> Any:
+    terms = [[fuzzy2.GaussianType2Set(fuzzy2.Gaussian(m, 0.5), 0.01) for m in CENTERS]] * 2
+    return fuzzy2.GeneralType2System(terms, RULES, numbers(9, 2), **options)
+
+
+def with_or_not_hedges() -> Any:
+    words = [
+        "IF a is low or b is very high THEN y is small",
+        "IF a is not low and b is low THEN y is large and z is small",
+    ]
+    terms = {"low": fuzzy2.Triangular(-2.0, -1.0, 1.0), "high": fuzzy2.Gaussian(1.0, 0.5)}
+    return fuzzy2.IntervalType2System(
+        {"a": terms, "b": terms},
+        "\n".join(words),
+        {"y": {"small": -1.0, "large": 1.5}, "z": {"small": (0.5, 1.0)}},
+        default_outputs=[None, 7.0],
+        weights=[0.5, 1.0],
+    )
+
+
+def side_by_side() -> Any:
+    parts = [interval().replace(output_names=["u", "v"]), planes().replace(output_names="pq")]
+    return fuzzy2.ParallelSystem([type_1(), *parts])
+
+
+def of_clouds() -> Any:
+    fires = [fuzzy2.Trapezoidal(0.0, 1.0, np.inf, np.inf)]
+    inference = fuzzy2.Type1System([fires, fires], [[0, -1], [-1, 0]], [[1.0], [2.0]])
+    return fuzzy2.AnYaSystem([numbers(5), numbers(9)], [0, 1], inference)
+
+
+def sets(shape: Any) -> list[list[Any]]:
+    return [[shape(m)] for m in np.linspace(-2.0, 2.0, 9)]
+
+
+def triangle(m: float) -> Any:
+    return fuzzy2.Triangular(m - 1.0, m, m + 1.0)
+
+
+def gaussian(m: float) -> Any:
+    return fuzzy2.Gaussian(m, 0.6)
+
+
+def uncertain(m: float) -> Any:
+    return fuzzy2.GaussianUncertainMean((m, m + 0.3), 0.5)
+
+
+def pair(m: float) -> Any:
+    return fuzzy2.IntervalType2Set(fuzzy2.Triangular(m - 0.7, m, m + 0.7, 0.8), triangle(m))
+
+
+def learned(estimator: Any) -> Any:
+    rng = np.random.default_rng(0)
+    X = rng.uniform(-1.0, 1.0, (60, 2))
+    y = X[:, 0] * X[:, 1]
+    if isinstance(estimator, fuzzy2.FuzzyClassifier):
+        return estimator.fit(X, y > 0.0)
+    return estimator.fit(X, y)
+
+
+LINEAR = fuzzy2.Linear(numbers(9, 2, 3))
+UNCERTAIN_LINEAR = fuzzy2.Linear(numbers(9, 2, 3), abs(numbers(9, 3, 3))[:, :2])
+MIXED = [fuzzy2.Sigmoid(-0.5, -5.0), fuzzy2.Bell(0.0, 0.5, 2.0), fuzzy2.PiShaped(0, 1, 2, 3)]
+OTHERS = [
+    fuzzy2.TwoSidedGaussian((-1.0, 0.0), (0.4, 0.3)),
+    fuzzy2.SigmoidDifference((0.0, 1.0), (5.0, 6.0)),
+    fuzzy2.SigmoidProduct((0.0, 2.0), (5.0, -6.0)),
+]
+
+KINDS: dict[str, Any] = {
+    "type-1": type_1,
+    "interval": lambda: interval(t_norm="min"),
+    "interval product": interval,
+    "t-norm hamacher": lambda: interval(t_norm="hamacher"),
+    "planes": planes,
+    "corollary": lambda: planes(reduction="gaussian"),
+    "or, not, hedges, weights, silence, defaults": with_or_not_hedges,
+    "side by side": side_by_side,
+    "clouds": of_clouds,
+    "linear": lambda: type_1(consequents=LINEAR),
+    "linear interval": lambda: interval(consequents=UNCERTAIN_LINEAR),
+    "nie-tan": lambda: interval(method="nie_tan"),
+    "wu-mendel": lambda: interval(method="wu_mendel"),
+    "wu-mendel linear": lambda: interval(method="wu_mendel", consequents=UNCERTAIN_LINEAR),
+    "begian-melek-mendel": lambda: interval(method="begian_melek_mendel", shares=(0.3, 0.7)),
+    "weighted sum": lambda: interval(type_reduction="weighted_sum"),
+    "height": lambda: interval(consequents=sets(uncertain), type_reduction="height"),
+    "modified height": lambda: interval(
+        consequents=sets(uncertain), type_reduction="modified_height", t_norm="min"
+    ),
+    "mamdani": lambda: type_1(consequents=sets(triangle), type_reduction="centroid", t_norm="min"),
+    "mamdani product": lambda: type_1(consequents=sets(gaussian), type_reduction="centroid"),
+    "sums": lambda: type_1(consequents=sets(triangle), type_reduction="center_of_sums"),
+    "samples": lambda: of_terms([gaussian(m).sample(np.linspace(-3, 3, 25)) for m in CENTERS]),
+    "triangles": lambda: of_terms([pair(m) for m in CENTERS]),
+    "other shapes": lambda: of_terms(MIXED, t_norm="min"),
+    "more shapes": lambda: of_terms(OTHERS),
+    "wang-mendel": lambda: learned(fuzzy2.WangMendel(3, kind="it2", mean_variation=0.1)),
+    "anfis": lambda: learned(fuzzy2.ANFIS(2, most_epochs=2)),
+    "classifier": lambda: learned(fuzzy2.FuzzyClassifier(1, most_epochs=3)),
+}
+"""Systems and learners by what is special about them."""
+
+SLOW: dict[str, Any] = {
+    "interval mamdani": lambda: interval(
+        consequents=sets(uncertain), type_reduction="centroid", t_norm="min"
+    ),
+    "nie-tan mamdani": lambda: interval(
+        consequents=sets(uncertain), type_reduction="centroid", method="nie_tan", t_norm="min"
+    ),
+}
+"""The same, of which an input takes half a millisecond and more."""
